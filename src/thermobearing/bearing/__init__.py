@@ -1,0 +1,1 @@
+"""What a bearing is: geometry, materials, identified parameters, and the library of them."""

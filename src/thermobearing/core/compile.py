@@ -1,0 +1,53 @@
+"""How the scalar functions become machine code, and where that code is kept.
+
+One decorator, `compiled`, so that every kernel is compiled the same way. The machine code
+is cached on disk under a folder named after a hash of all core sources: numba itself
+notices a change of the decorated function's own file only, and would happily run a stale
+copy of a function imported from another file.
+"""
+
+import hashlib
+import os
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numba
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+@cache
+def cache_directory() -> Path | None:
+    """Folder for the compiled code of exactly these sources, or None if none can be written."""
+    digest = hashlib.sha256(f"{numba.__version__}".encode())
+    for source in sorted(Path(__file__).parent.glob("*.py")):
+        digest.update(source.read_bytes())
+    base = os.environ.get("NUMBA_CACHE_DIR") or os.path.join(
+        os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache"), "thermobearing"
+    )
+    folder = Path(base) / digest.hexdigest()[:16]
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError:
+        return None
+    return folder if os.access(folder, os.W_OK) else None
+
+
+def compiled(function: F) -> F:
+    """Compile a scalar function with numba; the plain Python stays at `.py_func`.
+
+    `contract` lets the compiler fuse a multiply and an add (same bits on one machine);
+    no other floating-point rule is relaxed, so NaN checks and signs stay as written.
+    """
+    folder = cache_directory()
+    previous = numba.config.CACHE_DIR
+    numba.config.CACHE_DIR = str(folder or "")
+    try:
+        decorate = numba.njit(
+            cache=folder is not None, error_model="numpy", fastmath={"contract"}, _nrt=False
+        )
+        return decorate(function)  # type: ignore[no-any-return]
+    finally:
+        numba.config.CACHE_DIR = previous

@@ -1,0 +1,76 @@
+"""The hysteretic variable Z of one rubber layer (Eq. 4.35-4.37) and its tangent.
+
+    dZ = dd - beta |dd Z| Z - gamma dd Z^2,   beta = 1/((1+s) d_y^2),   gamma = s beta
+
+With sigma the sign of the motion, u = sigma Z and e = |dd| this is the autonomous equation
+
+    du/de = 1 - u^2/d_y^2          for u >= 0   (loading: tanh)
+    du/de = 1 + c u^2              for u <  0   (unloading), c = (1-s)/((1+s) d_y^2)
+
+where c > 0 (s < 1) gives a tangent, c = 0 a straight line, c < 0 (s > 1) a tanh. Both are
+solved in closed form, so an increment of any size is exact while the motion keeps its sign.
+"""
+
+import math
+
+from thermobearing.core.compile import compiled
+
+
+@compiled
+def unload(u: float, e: float, curvature: float) -> tuple[float, float]:
+    """Move u < 0 towards zero over a path e; returns (u, path left over once u is zero)."""
+    if curvature > 0.0:
+        k = math.sqrt(curvature)
+        reach = math.atan(-k * u) / k
+        if e >= reach:
+            return 0.0, e - reach
+        t = math.tan(k * e)
+        return (u + t / k) / (1.0 - k * u * t), 0.0
+    if curvature < 0.0:
+        k = math.sqrt(-curvature)
+        reach = math.atanh(-k * u) / k
+        if e >= reach:
+            return 0.0, e - reach
+        t = math.tanh(k * e)
+        return (u + t / k) / (1.0 + k * u * t), 0.0
+    if e >= -u:
+        return 0.0, e + u
+    return u + e, 0.0
+
+
+@compiled
+def hysteretic_slope(u: float, d_y: float, curvature: float) -> float:
+    """dZ/dd at u = sigma Z: the right side of the equations in the module's head."""
+    if u >= 0.0:
+        return 1.0 - (u / d_y) * (u / d_y)
+    return 1.0 + curvature * u * u
+
+
+@compiled
+def exact_increment(
+    z: float, increment: float, d_y: float, curvature: float
+) -> tuple[float, float]:
+    """Z and dZ/dd after a monotone displacement increment, in closed form.
+
+    `z`, `increment` and `d_y` are in mm, `curvature` in 1/mm2. With a zero increment the
+    tangent is that of motion in the positive direction.
+    """
+    sigma = 1.0 if increment >= 0.0 else -1.0
+    u = sigma * z
+    e = abs(increment)
+    if u < 0.0:
+        u, e = unload(u, e, curvature)
+    if u >= 0.0:
+        t = math.tanh(e / d_y)
+        u = (u + d_y * t) / (1.0 + u * t / d_y)
+    return sigma * u, hysteretic_slope(u, d_y, curvature)
+
+
+@compiled
+def euler_increment(
+    z: float, increment: float, d_y: float, curvature: float
+) -> tuple[float, float]:
+    """The published explicit Euler step: the slope at the start, over the whole increment."""
+    u = z if increment >= 0.0 else -z
+    slope = hysteretic_slope(u, d_y, curvature)
+    return z + slope * increment, slope

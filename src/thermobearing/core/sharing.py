@@ -1,0 +1,308 @@
+"""How the rubber layers in series share the bearing displacement (4.3.1 of the source).
+
+Every layer carries the same force and the layer displacements add up to that of the
+bearing; Newton's method finds them. The layer law (Eq. 4.34)
+
+    f = ke d + (1 + B d^2) kh Z(d),   B = b/t_r^2
+
+has the tangent ke + (1 + B d^2) kh Z'(d) + 2 B d kh Z. Its last term is negative while a
+strained layer unloads (d and Z of opposite sign) and outweighs the others in the cold at
+large strain: then equal forces no longer fix the displacements (the layers would snap
+through one by one). The rule used there, and only there:
+
+    the hardening factor is taken at  s = (1 - w) d + w x/N  instead of at d,
+
+between the layer's own displacement (w = 0) and the mean one (w = 1). The tangent becomes
+ke + (1 + B s^2) kh Z' + (1 - w) 2 B s kh Z, which is positive for every layer at w = 1
+(Z' >= 0), so the sharing is unique however cold or strained the bearing is. w is the
+smallest weight that keeps every layer tangent above `sharing_margin` times ke; it leaves
+zero and returns to zero continuously. All layers still carry one force F, so the work
+F dd_j of the layers adds up to F dx and the energy books need no extra term; the price is
+the difference between F and the force of the unmodified layer law, reported as the mismatch.
+"""
+
+import math
+
+from thermobearing.core.compile import compiled
+from thermobearing.core.hysteresis import euler_increment, exact_increment, hysteretic_slope
+from thermobearing.core.types import (
+    COMPLETED,
+    DIRECTION,
+    ELASTIC,
+    EULER,
+    EULER_UNSTABLE,
+    HYSTERETIC,
+    LAYER_FORCE,
+    NOT_CONVERGED,
+    NOT_FINITE,
+    SLOPE,
+    SOFTENED,
+    TANGENT,
+    TRIAL,
+    D,
+    Floats,
+    Rubber,
+    Z,
+)
+
+PLAIN_NEWTON = 10  # iterations before each Newton step is searched along its line
+ALL_NEWTON = 60
+LINE_SEARCH = 30
+LAST_CORRECTION = 1e-6  # relative force difference whose square is below rounding
+ESCALATIONS = 6  # halvings of (1 - w) before w = 1 is taken
+EULER_LIMIT = 4.0  # |Z| / d_y beyond which explicit Euler has clearly lost its way
+
+
+@compiled
+def force_and_tangent(
+    rubber: Rubber, ke: float, kh: float, d: float, z: float, slope: float, mean: float, w: float
+) -> tuple[float, float]:
+    """Layer force [kN] and tangent [kN/mm] from d, Z and dZ/dd (Eq. 4.34, hardening at s)."""
+    s = (1.0 - w) * d + w * mean
+    hardening = 1.0 + rubber.hardening * s * s
+    by_strain = 2.0 * rubber.hardening * s * (1.0 - w) * z
+    return ke * d + hardening * kh * z, ke + kh * (hardening * slope + by_strain)
+
+
+@compiled
+def layer_law(
+    rubber: Rubber, ke: float, kh: float, d_old: float, z_old: float, d: float, mean: float, w: float
+) -> tuple[float, float, float, float]:
+    """Force [kN], tangent [kN/mm], Z [mm] and dZ/dd of one layer at displacement d (Eq. 4.34)."""
+    d_y, curvature = rubber.yield_displacement, rubber.unloading_curvature
+    if rubber.integrator == EULER:
+        z, slope = euler_increment(z_old, d - d_old, d_y, curvature)
+    else:
+        z, slope = exact_increment(z_old, d - d_old, d_y, curvature)
+    force, tangent = force_and_tangent(rubber, ke, kh, d, z, slope, mean, w)
+    return force, tangent, z, slope
+
+
+@compiled
+def evaluate(
+    rubber: Rubber, old: Floats, work: Floats, mean: float, w: float, new: Floats
+) -> float:
+    """Forces and tangents of all layers at the trial, their Z into `new`; min tangent / ke."""
+    smallest = math.inf
+    for j in range(old.shape[1]):
+        ke = work[ELASTIC, j]
+        force, tangent, z, slope = layer_law(
+            rubber, ke, work[HYSTERETIC, j], old[D, j], old[Z, j], work[TRIAL, j], mean, w
+        )
+        work[LAYER_FORCE, j] = force
+        work[TANGENT, j] = tangent
+        work[SLOPE, j] = slope
+        new[Z, j] = z
+        smallest = min(smallest, tangent / ke)
+    return smallest
+
+
+@compiled
+def weight_for_margin(rubber: Rubber, work: Floats, new: Floats) -> float:
+    """Smallest w that lifts each layer tangent, evaluated at w = 0, to the margin."""
+    w = 0.0
+    for j in range(work.shape[1]):
+        softening = -2.0 * rubber.hardening * work[TRIAL, j] * work[HYSTERETIC, j] * new[Z, j]
+        short = rubber.sharing_margin * work[ELASTIC, j] - work[TANGENT, j]
+        if softening > 0.0 and short > 0.0:
+            w = max(w, short / softening)
+    return min(w, 1.0)
+
+
+@compiled
+def line_slope(
+    rubber: Rubber, multiplicity: Floats, old: Floats, work: Floats, mean: float, w: float, a: float
+) -> float:
+    """Slope, along the Newton direction, of the convex energy that sharing minimises."""
+    slope = 0.0
+    for j in range(old.shape[1]):
+        d = work[TRIAL, j] + a * work[DIRECTION, j]
+        force, _, _, _ = layer_law(
+            rubber, work[ELASTIC, j], work[HYSTERETIC, j], old[D, j], old[Z, j], d, mean, w
+        )
+        slope += multiplicity[j] * force * work[DIRECTION, j]
+    return slope
+
+
+@compiled
+def search(
+    rubber: Rubber, multiplicity: Floats, old: Floats, work: Floats, mean: float, w: float
+) -> float:
+    """Step length in (0, 1] that clearly reduces the slope along the Newton direction."""
+    start = abs(line_slope(rubber, multiplicity, old, work, mean, w, 0.0))
+    low, high, a = 0.0, 1.0, 1.0
+    for _ in range(LINE_SEARCH):
+        slope = line_slope(rubber, multiplicity, old, work, mean, w, a)
+        if abs(slope) <= 0.5 * start or (slope <= 0.0 and a == 1.0):
+            break
+        if slope > 0.0:
+            high = a
+        else:
+            low = a
+        a = 0.5 * (low + high)
+    return a
+
+
+@compiled
+def common_force(
+    rubber: Rubber, multiplicity: Floats, work: Floats, new: Floats, x: float, w: float
+) -> tuple[float, float, float]:
+    """Newton's common force, its tangent at fixed w, and how far the layer forces are apart."""
+    mean = x / rubber.layer_count
+    compliance = 0.0
+    gap = x
+    by_mean = 0.0
+    for j in range(work.shape[1]):
+        per = multiplicity[j] / work[TANGENT, j]
+        compliance += per
+        gap += per * work[LAYER_FORCE, j] - multiplicity[j] * work[TRIAL, j]
+        s = (1.0 - w) * work[TRIAL, j] + w * mean
+        by_mean += per * w * 2.0 * rubber.hardening * s * work[HYSTERETIC, j] * new[Z, j]
+    force = gap / compliance
+    apart = 0.0
+    for j in range(work.shape[1]):
+        difference = force - work[LAYER_FORCE, j]
+        apart = max(apart, abs(difference))
+        work[DIRECTION, j] = difference / work[TANGENT, j]
+    return force, (1.0 + by_mean / rubber.layer_count) / compliance, apart
+
+
+@compiled
+def newton(
+    rubber: Rubber,
+    multiplicity: Floats,
+    old: Floats,
+    work: Floats,
+    x: float,
+    w: float,
+    new: Floats,
+    smallest: float,
+) -> tuple[float, float, float, int]:
+    """Equal layer forces at fixed w, from the trial that `work` and `smallest` describe.
+
+    Returns the bearing force [kN], its tangent at fixed w [kN/mm], the smallest layer
+    tangent relative to ke, and COMPLETED, NOT_CONVERGED or NOT_FINITE.
+    """
+    mean = x / rubber.layer_count
+    stiffness = rubber.elastic_stiffness + rubber.hysteretic_stiffness
+    floor = stiffness * rubber.yield_displacement
+    force, tangent = 0.0, 0.0
+    for iteration in range(ALL_NEWTON):
+        force, tangent, apart = common_force(rubber, multiplicity, work, new, x, w)
+        if not math.isfinite(force + apart):
+            return force, tangent, smallest, NOT_FINITE
+        if apart <= LAST_CORRECTION * (abs(force) + floor):
+            # The next iterate differs by this correction squared: take it without the law.
+            for j in range(old.shape[1]):
+                work[TRIAL, j] += work[DIRECTION, j]
+                new[Z, j] += work[SLOPE, j] * work[DIRECTION, j]
+            return force, tangent, smallest, COMPLETED
+        a = 1.0
+        if iteration >= PLAIN_NEWTON:
+            a = search(rubber, multiplicity, old, work, mean, w)
+        for j in range(old.shape[1]):
+            work[TRIAL, j] += a * work[DIRECTION, j]
+        smallest = evaluate(rubber, old, work, mean, w, new)
+    return force, tangent, smallest, NOT_CONVERGED
+
+
+@compiled
+def uniform_trial(
+    rubber: Rubber, old: Floats, work: Floats, step: float, mean: float, w: float, new: Floats
+) -> float:
+    """Trial with the same increment in every layer; returns min tangent / ke."""
+    for j in range(old.shape[1]):
+        work[TRIAL, j] = old[D, j] + step
+    return evaluate(rubber, old, work, mean, w, new)
+
+
+@compiled
+def tangent_trial(
+    rubber: Rubber,
+    multiplicity: Floats,
+    old: Floats,
+    work: Floats,
+    x: float,
+    step: float,
+    new: Floats,
+) -> float:
+    """Trial from the layer tangents at the start, in the direction of motion.
+
+    One Newton step whose forces and tangents need no closed-form solution. Falls back on the
+    uniform trial where a tangent is below the margin or the step is long.
+    """
+    mean = x / rubber.layer_count
+    sigma = 1.0 if step >= 0.0 else -1.0
+    d_y = rubber.yield_displacement
+    healthy = abs(step) < d_y
+    for j in range(old.shape[1]):
+        d, z = old[D, j], old[Z, j]
+        slope = hysteretic_slope(sigma * z, d_y, rubber.unloading_curvature)
+        force, tangent = force_and_tangent(
+            rubber, work[ELASTIC, j], work[HYSTERETIC, j], d, z, slope, mean, 0.0
+        )
+        work[TRIAL, j] = d
+        work[LAYER_FORCE, j] = force
+        work[TANGENT, j] = tangent
+        healthy = healthy and tangent >= rubber.sharing_margin * work[ELASTIC, j]
+    if not healthy:
+        return uniform_trial(rubber, old, work, step, mean, 0.0, new)
+    common_force(rubber, multiplicity, work, new, x, 0.0)
+    for j in range(old.shape[1]):
+        work[TRIAL, j] += work[DIRECTION, j]
+    return evaluate(rubber, old, work, mean, 0.0, new)
+
+
+@compiled
+def largest_mismatch(rubber: Rubber, work: Floats, new: Floats, force: float) -> float:
+    """Largest difference between the bearing force and a layer's unmodified law [kN]."""
+    largest = 0.0
+    for j in range(work.shape[1]):
+        law, _ = force_and_tangent(
+            rubber, work[ELASTIC, j], work[HYSTERETIC, j], new[D, j], new[Z, j], 0.0, 0.0, 0.0
+        )
+        largest = max(largest, abs(law - force))
+    return largest
+
+
+@compiled
+def share(
+    rubber: Rubber,
+    multiplicity: Floats,
+    old: Floats,
+    work: Floats,
+    x_old: float,
+    x: float,
+    new: Floats,
+) -> tuple[float, float, float, float, int]:
+    """Layer displacements and Z at the bearing displacement x [mm], into `new`.
+
+    Returns the bearing force [kN], the tangent [kN/mm], the mismatch [kN], w and the outcome.
+    """
+    mean = x / rubber.layer_count
+    step = (x - x_old) / rubber.layer_count
+    w = 0.0
+    smallest = tangent_trial(rubber, multiplicity, old, work, x, step, new)
+    if smallest < rubber.sharing_margin:
+        w = weight_for_margin(rubber, work, new)
+        smallest = evaluate(rubber, old, work, mean, w, new)
+    force, tangent, smallest, outcome = newton(
+        rubber, multiplicity, old, work, x, w, new, smallest
+    )
+    escalation = 0
+    while w < 1.0 and (outcome != COMPLETED or smallest < 0.5 * rubber.sharing_margin):
+        escalation += 1
+        w = 0.5 * (1.0 + w) if escalation < ESCALATIONS else 1.0
+        smallest = uniform_trial(rubber, old, work, step, mean, w, new)
+        force, tangent, smallest, outcome = newton(
+            rubber, multiplicity, old, work, x, w, new, smallest
+        )
+    if outcome != COMPLETED:
+        return force, tangent, 0.0, w, outcome
+    for j in range(old.shape[1]):
+        new[D, j] = work[TRIAL, j]
+        if abs(new[Z, j]) > EULER_LIMIT * rubber.yield_displacement:
+            outcome = EULER_UNSTABLE
+    if outcome == COMPLETED and w > 0.0:
+        outcome = SOFTENED
+    return force, tangent, largest_mismatch(rubber, work, new, force), w, outcome

@@ -1,0 +1,170 @@
+"""The one coupled step: displacement in, force, heat and temperatures out.
+
+    step(constants, workspace, state, x, dt, ambient, new) -> (force, tangent, outcome)
+
+Cyclic tests, structures, identification and outside solvers all call it. It reads `state`
+and writes `new` (two different records), so a trial step is undone by forgetting `new`.
+Order within a step, as in the source: layer stiffness at the temperatures of the start,
+equal-force sharing of x, heat of the layers (Eq. 4.22), conduction, and the energy books.
+"""
+
+import math
+
+from thermobearing.core.compile import compiled
+from thermobearing.core.heat import factor, losses, right_side, solve
+from thermobearing.core.sharing import share
+from thermobearing.core.types import (
+    CAPACITY,
+    CHANGE,
+    COMPLETED,
+    DISPLACEMENT,
+    ELASTIC,
+    FIRST,
+    FORCE,
+    HEAT_FROM_DISSIPATION,
+    HEAT_LOST_ENDS,
+    HEAT_LOST_SIDES,
+    HEAT_RELEASED,
+    HYSTERETIC,
+    LAST,
+    LOWER_MIDDLE,
+    MISMATCH,
+    NOT_FINITE,
+    RECOVERABLE,
+    SHARING,
+    SOFTENED,
+    STORED,
+    TIME,
+    UPPER_MIDDLE,
+    WORK_IN,
+    Constants,
+    D,
+    Floats,
+    Ints,
+    Rubber,
+    State,
+    Workspace,
+    Z,
+)
+
+
+@compiled
+def layer_temperature(layer_cells: Ints, temperature: Floats, j: int) -> float:
+    """Temperature at mid-thickness of layer j [degC]."""
+    upper = temperature[layer_cells[j, UPPER_MIDDLE]]
+    return 0.5 * (upper + temperature[layer_cells[j, LOWER_MIDDLE]])
+
+
+@compiled
+def set_stiffness(rubber: Rubber, layer_cells: Ints, temperature: Floats, work: Floats) -> None:
+    """The two stiffness terms of Eq. 4.34 at each layer's temperature."""
+    for j in range(work.shape[1]):
+        warmer = layer_temperature(layer_cells, temperature, j) - rubber.reference_temperature
+        work[ELASTIC, j] = rubber.elastic_stiffness * math.exp(rubber.elastic_exponent * warmer)
+        work[HYSTERETIC, j] = rubber.hysteretic_stiffness * math.exp(
+            rubber.hysteretic_exponent * warmer
+        )
+
+
+@compiled
+def recoverable_energy(
+    rubber: Rubber, ke: float, kh: float, d: float, z: float, mean: float, w: float
+) -> float:
+    """Energy one layer would give back: 1/2 ke d^2 + 1/2 (1 + B s^2) kh Z^2 [kN mm]."""
+    s = (1.0 - w) * d + w * mean
+    return 0.5 * (ke * d * d + (1.0 + rubber.hardening * s * s) * kh * z * z)
+
+
+@compiled
+def add_layer_heat(
+    constants: Constants, work: Workspace, old: Floats, new: Floats, mean_force: float, mean: float, w: float
+) -> tuple[float, float]:
+    """Heat of every layer into the right side of the heat step (Eq. 4.22).
+
+    Returns the heat released and the energy recoverable afterwards, whole bearing [kN mm].
+    """
+    released = 0.0
+    recoverable = 0.0
+    layer_cells, cells, change = constants.layer_cells, constants.cells, work.cells
+    for j in range(old.shape[1]):
+        heat = mean_force * (new[D, j] - old[D, j])
+        new[STORED, j] = 0.0
+        if constants.heat_source == HEAT_FROM_DISSIPATION:
+            ke, kh = work.layers[ELASTIC, j], work.layers[HYSTERETIC, j]
+            new[STORED, j] = recoverable_energy(
+                constants.rubber, ke, kh, new[D, j], new[Z, j], mean, w
+            )
+            heat -= new[STORED, j] - old[STORED, j]
+            recoverable += constants.multiplicity[j] * new[STORED, j]
+        rise = constants.source_rise * heat
+        for i in range(layer_cells[j, FIRST], layer_cells[j, LAST]):
+            change[CHANGE, i] += rise
+            released += cells[CAPACITY, i] * rise
+    return released, recoverable
+
+
+@compiled
+def step(
+    constants: Constants,
+    work: Workspace,
+    state: State,
+    x: float,
+    dt: float,
+    ambient: float,
+    new: State,
+) -> tuple[float, float, int]:
+    """Move the bearing to displacement x over the time dt.
+
+    Parameters
+    ----------
+    constants, work : the bearing, and scratch arrays made for it.
+    state : where the step starts; not changed.
+    x : bearing displacement at the end of the step [mm].
+    dt : duration [s], > 0.
+    ambient : mean ambient temperature over the step [degC].
+    new : where the step ends; overwritten. Meaningless unless the outcome is COMPLETED
+        or SOFTENED.
+
+    Returns
+    -------
+    force : restoring force at the end, positive with positive x [kN].
+    tangent : dF/dx [kN/mm].
+    outcome : COMPLETED, SOFTENED, NOT_CONVERGED, NOT_FINITE or EULER_UNSTABLE.
+    """
+    rubber, cells = constants.rubber, constants.cells
+    old, books = state.books, new.books
+    set_stiffness(rubber, constants.layer_cells, state.temperature, work.layers)
+    force, tangent, mismatch, w, outcome = share(
+        rubber, constants.multiplicity, state.layers, work.layers, old[DISPLACEMENT], x, new.layers
+    )
+    if outcome != COMPLETED and outcome != SOFTENED:
+        return force, tangent, outcome
+
+    if work.factored_dt[0] != dt:
+        factor(cells, constants.side_implicit, dt, work.cells)
+        work.factored_dt[0] = dt
+    right_side(cells, state.temperature, dt, ambient, work.cells)
+    mean_force = 0.5 * (old[FORCE] + force)
+    released, recoverable = add_layer_heat(
+        constants, work, state.layers, new.layers, mean_force, x / rubber.layer_count, w
+    )
+    solve(work.cells)
+    ends, sides = losses(
+        cells, constants.side_implicit, state.temperature, dt, ambient, work.cells
+    )
+    for i in range(len(state.temperature)):
+        new.temperature[i] = state.temperature[i] + work.cells[CHANGE, i]
+
+    books[TIME] = old[TIME] + dt
+    books[DISPLACEMENT] = x
+    books[FORCE] = force
+    books[WORK_IN] = old[WORK_IN] + mean_force * (x - old[DISPLACEMENT])
+    books[HEAT_RELEASED] = old[HEAT_RELEASED] + released
+    books[RECOVERABLE] = recoverable
+    books[HEAT_LOST_ENDS] = old[HEAT_LOST_ENDS] + ends
+    books[HEAT_LOST_SIDES] = old[HEAT_LOST_SIDES] + sides
+    books[MISMATCH] = mismatch
+    books[SHARING] = w
+    if not math.isfinite(books[HEAT_LOST_SIDES] + released):
+        return force, tangent, NOT_FINITE
+    return force, tangent, outcome

@@ -1,0 +1,42 @@
+"""What can go wrong, said so that a user can mend it."""
+
+import difflib
+from collections.abc import Iterable
+
+
+class ThermobearingError(Exception):
+    """Base of every error this package raises on purpose."""
+
+
+class InputError(ThermobearingError, ValueError):
+    """Something the user gave cannot be used; the message names what, where and what is allowed.
+
+    `problems` holds one sentence per fault, so that all faults of a file are told at once.
+    """
+
+    def __init__(self, problems: str | Iterable[str], where: str = "") -> None:
+        self.problems = [problems] if isinstance(problems, str) else list(problems)
+        self.where = where
+        super().__init__(self.message())
+
+    def message(self) -> str:
+        """All problems as one text, under the name of the file they are in."""
+        if not self.where:
+            return "\n".join(self.problems)
+        if len(self.problems) == 1:
+            return f"{self.where}: {self.problems[0]}"
+        listed = "\n".join(f"  - {problem}" for problem in self.problems)
+        return f"{self.where}: {len(self.problems)} problems\n{listed}"
+
+
+class OutputError(ThermobearingError):
+    """A result could not be written; nothing half written is left behind."""
+
+
+def nearest(name: str, known: Iterable[str]) -> str:
+    """A clause ' (did you mean "..."?)' with the closest known name, or the list of them."""
+    names = sorted(known)
+    close = difflib.get_close_matches(name, names, n=1, cutoff=0.6)
+    if close:
+        return f'; did you mean "{close[0]}"?'
+    return f"; known: {', '.join(names)}" if names else ""
