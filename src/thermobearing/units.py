@@ -29,7 +29,7 @@ def _registry() -> Any:
 
 
 @cache
-def _conversion(unit: str, target: str) -> tuple[float, float]:
+def conversion(unit: str, target: str) -> tuple[float, float]:
     """Scale and offset from `unit` to `target`; InputError if that makes no sense."""
     import pint
 
@@ -41,6 +41,8 @@ def _conversion(unit: str, target: str) -> tuple[float, float]:
         raise InputError(f'unit "{unit}" cannot be converted to {target}') from None
     except (pint.UndefinedUnitError, pint.PintError, AttributeError, TypeError, ValueError):
         raise InputError(f'unknown unit "{unit}"; expected {target} or a unit like it') from None
+    if zero != 0.0 and target != "degC":
+        raise InputError(f'"{unit}" is a temperature; a difference is given in {target}')
     scale = 1.0 if _SPELLINGS.get(unit, unit) == target else one - zero
     return scale, zero
 
@@ -67,7 +69,7 @@ def parse_quantity(text: str, unit: str) -> float:
         raise InputError(f'"{text}" is not a number with a unit, such as "1.5 {unit}"')
     if not match["unit"]:
         raise InputError(f'"{text}" has no unit; write "{text.strip()} {unit}" if that is meant')
-    scale, offset = _conversion(match["unit"], unit)
+    scale, offset = conversion(match["unit"], unit)
     value = float(match["number"]) * scale + offset
     if not math.isfinite(value):
         raise InputError(f'"{text}" is not a finite number')

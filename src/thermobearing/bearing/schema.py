@@ -1,6 +1,7 @@
 """Strict data with units: how TOML tables become checked objects, and faults become sentences."""
 
 import tomllib
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated, Any, TypeVar, get_args
 
@@ -55,9 +56,17 @@ def in_unit(unit: str) -> BeforeValidator:
 
 def unit_of(model: type[BaseModel], name: str) -> str | None:
     """Unit of a field declared with `in_unit`, None for a pure number or a nested table."""
-    for item in model.model_fields[name].metadata:
+    field = model.model_fields[name]
+    return _unit_in([*field.metadata, field.annotation])
+
+
+def _unit_in(parts: Iterable[Any]) -> str | None:
+    for item in parts:
         if isinstance(item, BeforeValidator) and isinstance(item.func, InUnit):
             return item.func.unit
+        found = _unit_in(get_args(item)) or _unit_in(getattr(item, "__metadata__", ()))
+        if found:
+            return found
     return None
 
 

@@ -79,22 +79,24 @@ def solve(cells: Floats) -> None:
 
 
 @compiled
-def losses(
+def balance(
     rates: Floats,
     side_implicit: bool,
     temperature: Floats,
     dt: float,
     ambient: float,
     cells: Floats,
-) -> tuple[float, float]:
-    """Heat lost through the end faces and the sides over the step [kN mm], whole bearing."""
+) -> tuple[float, float, float]:
+    """Heat stored, and lost through end faces and sides, over the step [kN mm], whole bearing."""
     side_share = 0.5 if side_implicit else 0.0
-    sides = 0.0
+    stored = 0.0
     ends = 0.0
+    sides = 0.0
     for i in range(len(temperature)):
         above = temperature[i] - ambient
         change = cells[CHANGE, i]
         capacity = rates[CAPACITY, i]
+        stored += capacity * change
         sides += capacity * rates[SIDE_LOSS, i] * (above + side_share * change)
         ends += capacity * rates[END_LOSS, i] * (above + 0.5 * change)
-    return ends * dt, sides * dt
+    return stored, ends * dt, sides * dt

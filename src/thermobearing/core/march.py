@@ -63,6 +63,8 @@ def march(
     ambient: Floats,
     keep: Floats,
     settled: float,
+    columns: Ints,
+    row: Floats,
     rows: Floats,
 ) -> tuple[int, int, int, int, float]:
     """Step through the displacements x [mm] with steps dt [s].
@@ -72,6 +74,7 @@ def march(
     state : start, and on return the last good step. `spare` is a second state to work in.
     ambient : mean ambient temperature of each step [degC].
     keep : 1 where the step's end is to be kept as a row of `rows`.
+    columns : which columns of `write_row` go into `rows`; `row` is scratch for one of them.
     settled : stop once every cell is this close to the ambient [K]; 0 never stops early.
 
     Returns
@@ -96,7 +99,9 @@ def march(
         mismatch = max(mismatch, start.books[MISMATCH])
         settle = settled > 0.0 and farthest_from(start.temperature, ambient[i]) <= settled
         if keep[i] != 0.0 or settle:
-            write_row(constants.layer_cells, start, rows[kept])
+            write_row(constants.layer_cells, start, row)
+            for k in range(len(columns)):
+                rows[kept, k] = row[columns[k]]
             kept += 1
         if settle:
             break

@@ -11,7 +11,7 @@ equal-force sharing of x, heat of the layers (Eq. 4.22), conduction, and the ene
 import math
 
 from thermobearing.core.compile import compiled
-from thermobearing.core.heat import factor, losses, right_side, solve
+from thermobearing.core.heat import balance, factor, right_side, solve
 from thermobearing.core.sharing import share
 from thermobearing.core.types import (
     CAPACITY,
@@ -25,6 +25,7 @@ from thermobearing.core.types import (
     HEAT_LOST_ENDS,
     HEAT_LOST_SIDES,
     HEAT_RELEASED,
+    HEAT_STORED,
     HYSTERETIC,
     LAST,
     LOWER_MIDDLE,
@@ -149,7 +150,7 @@ def step(
         constants, work, state.layers, new.layers, mean_force, x / rubber.layer_count, w
     )
     solve(work.cells)
-    ends, sides = losses(
+    stored, ends, sides = balance(
         cells, constants.side_implicit, state.temperature, dt, ambient, work.cells
     )
     for i in range(len(state.temperature)):
@@ -163,6 +164,7 @@ def step(
     books[RECOVERABLE] = recoverable
     books[HEAT_LOST_ENDS] = old[HEAT_LOST_ENDS] + ends
     books[HEAT_LOST_SIDES] = old[HEAT_LOST_SIDES] + sides
+    books[HEAT_STORED] = old[HEAT_STORED] + stored
     books[MISMATCH] = mismatch
     books[SHARING] = w
     if not math.isfinite(books[HEAT_LOST_SIDES] + released):

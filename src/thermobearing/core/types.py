@@ -55,9 +55,10 @@ HEAT_RELEASED: Final = 4
 RECOVERABLE: Final = 5  # stored now, not since the start
 HEAT_LOST_ENDS: Final = 6
 HEAT_LOST_SIDES: Final = 7
-MISMATCH: Final = 8  # largest |layer force - bearing force| of this step [kN]
-SHARING: Final = 9  # weight w of the mean-strain hardening in this step [0, 1]
-BOOKS: Final = 10
+HEAT_STORED: Final = 8
+MISMATCH: Final = 9  # largest |layer force - bearing force| of this step [kN]
+SHARING: Final = 10  # weight w of the mean-strain hardening in this step [0, 1]
+BOOKS: Final = 11
 
 # Rows of Workspace.layers.
 ELASTIC: Final = 0  # alpha_0 e^{..} K_r at the layer's temperature [kN/mm]

@@ -1,0 +1,1 @@
+"""Who moves the bearing: protocols, ambient temperature, trial steps for outside solvers."""

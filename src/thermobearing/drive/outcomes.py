@@ -1,0 +1,47 @@
+"""How a run ended: a name for the files, a sentence for people saying what to try."""
+
+from typing import Final
+
+from thermobearing.core.types import (
+    COMPLETED,
+    EULER_UNSTABLE,
+    NOT_CONVERGED,
+    NOT_FINITE,
+    SOFTENED,
+)
+
+INTERRUPTED: Final = "interrupted"
+
+NAMES: Final = {
+    COMPLETED: "completed",
+    SOFTENED: "completed",
+    NOT_CONVERGED: "layer_forces_not_converged",
+    NOT_FINITE: "not_finite",
+    EULER_UNSTABLE: "euler_unstable",
+}
+
+SENTENCES: Final = {
+    "completed": "The analysis ran to its end.",
+    "layer_forces_not_converged": (
+        "No equal layer forces were found in a step. Try a smaller dt, or integrator exact."
+    ),
+    "not_finite": (
+        "A force or temperature became infinite or undefined. Try a smaller dt and check the "
+        "units of the bearing file."
+    ),
+    "euler_unstable": (
+        "The explicit Euler integration of Z ran away. Try a smaller dt, or integrator exact."
+    ),
+    INTERRUPTED: "The run was interrupted; what had been computed until then was kept.",
+}
+
+EQUAL_FORCES: Final = "equal_layer_forces"
+SOFTENED_LAYERS: Final = "softened_layers"
+SHARING_SENTENCES: Final = {
+    EQUAL_FORCES: "All rubber layers carried the same force in every step.",
+    SOFTENED_LAYERS: (
+        "A layer's tangent stiffness was not safely positive in some steps (large strain in the "
+        "cold, just after reversal): there the hardening factor was taken partly at the mean "
+        "strain, and layer_force_mismatch_max_kN says how far the layer law was from the force."
+    ),
+}

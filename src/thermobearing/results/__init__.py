@@ -1,0 +1,1 @@
+"""What came out: labelled datasets, measures per cycle, figures and files. No physics here."""

@@ -1,0 +1,175 @@
+"""Measures per cycle from displacement and force, whether simulated or measured.
+
+Displacement and force carry the same sign, so a dissipating loop encloses positive work.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from thermobearing.errors import InputError
+
+Floats = NDArray[np.float64]
+
+FIT_FROM, FIT_TO = 0.5, 0.9  # part of the loading branch that gives K_d, of the peak
+FEWEST_POINTS = 8  # in a cycle that is measured
+
+
+@dataclass(frozen=True)
+class CycleMeasures:
+    """One loop in numbers.
+
+    Attributes
+    ----------
+    amplitude_mm : half the range of displacement.
+    G_eq_MPa : equivalent shear modulus, Eq. 3.1.
+    h_eq : equivalent damping ratio E / (4 pi W), Eq. 3.2, W the elastic triangle.
+    energy_kN_mm : area of the loop.
+    stiffness_kN_mm : equivalent stiffness (|f_max| + |f_min|) / (|d_max| + |d_min|).
+    characteristic_strength_kN : half the difference of the forces at zero displacement.
+    post_yield_stiffness_kN_mm : slope fitted to the loading branches between 50 and 90 % of
+        the peak displacement, mean of both directions.
+    force_max_kN, force_min_kN : extremes.
+    """
+
+    amplitude_mm: float
+    G_eq_MPa: float
+    h_eq: float
+    energy_kN_mm: float
+    stiffness_kN_mm: float
+    characteristic_strength_kN: float
+    post_yield_stiffness_kN_mm: float
+    force_max_kN: float
+    force_min_kN: float
+
+
+def loop_energy(displacement: Floats, force: Floats) -> float:
+    """Work done over a path, trapezoidal [kN mm]."""
+    return float(np.trapezoid(force, displacement))
+
+
+def _force_at_zero(displacement: Floats, force: Floats, upward: bool) -> float:
+    """Force where the displacement last crosses zero in one direction; NaN if it never does."""
+    s = displacement if upward else -displacement
+    crossings = np.flatnonzero((s[:-1] < 0.0) & (s[1:] >= 0.0))
+    if len(crossings) == 0:
+        return float("nan")
+    i = crossings[-1]
+    t = -s[i] / (s[i + 1] - s[i])
+    return float(force[i] + t * (force[i + 1] - force[i]))
+
+
+def _loading_slope(displacement: Floats, force: Floats) -> float:
+    """Least-squares slope of the loading branches between 50 and 90 % of each peak."""
+    slopes = []
+    velocity = np.gradient(displacement)
+    for sign in (1.0, -1.0):
+        d, f = sign * displacement, sign * force
+        peak = d.max()
+        chosen = (d >= FIT_FROM * peak) & (d <= FIT_TO * peak) & (sign * velocity > 0.0)
+        if chosen.sum() >= 2 and np.ptp(d[chosen]) > 0.0:
+            slopes.append(float(np.polyfit(d[chosen], f[chosen], 1)[0]))
+    return float(np.mean(slopes)) if slopes else float("nan")
+
+
+def measure_cycle(
+    displacement: Floats, force: Floats, *, area: float, total_rubber_thickness: float
+) -> CycleMeasures:
+    """Measures of one closed cycle.
+
+    Parameters
+    ----------
+    displacement, force : histories of one cycle, first point repeated at the end [mm, kN].
+    area : gross plan area [mm2].
+    total_rubber_thickness : [mm].
+
+    Raises
+    ------
+    InputError : fewer than 8 points, or no displacement.
+    """
+    d, f = np.asarray(displacement, float), np.asarray(force, float)
+    if len(d) < FEWEST_POINTS:
+        raise InputError(f"a cycle of {len(d)} points cannot be measured; 8 are needed")
+    swing = float(abs(d.max()) + abs(d.min()))
+    if swing == 0.0 or np.ptp(d) == 0.0:
+        raise InputError("a cycle without displacement cannot be measured")
+    stiffness = float(abs(f.max()) + abs(f.min())) / swing
+    energy = loop_energy(d, f)
+    triangle = 0.5 * stiffness * (0.5 * swing) ** 2
+    up, down = _force_at_zero(d, f, True), _force_at_zero(d, f, False)
+    return CycleMeasures(
+        amplitude_mm=0.5 * float(np.ptp(d)),
+        G_eq_MPa=1e3 * stiffness * total_rubber_thickness / area,
+        h_eq=energy / (4.0 * np.pi * triangle) if triangle > 0.0 else float("nan"),
+        energy_kN_mm=energy,
+        stiffness_kN_mm=stiffness,
+        characteristic_strength_kN=0.5 * (up - down),
+        post_yield_stiffness_kN_mm=_loading_slope(d, f),
+        force_max_kN=float(f.max()),
+        force_min_kN=float(f.min()),
+    )
+
+
+def find_cycles(displacement: Floats, *, smallest: float = 0.02) -> list[tuple[int, int]]:
+    """First and last point of each full cycle of a displacement history.
+
+    A cycle runs from one upward crossing of zero to the next and must swing to both sides by
+    more than `smallest` times the largest displacement, so that noise makes no cycles.
+
+    Parameters
+    ----------
+    displacement : history [mm].
+    smallest : threshold relative to the largest displacement, in (0, 1).
+
+    Returns
+    -------
+    list of (first, last) point numbers; `last` is the first point at or past the crossing.
+    """
+    d = np.asarray(displacement, float)
+    limit = smallest * float(np.abs(d).max()) if len(d) else 0.0
+    if limit == 0.0:
+        return []
+    # Which side the history is on, remembered while it is within the threshold of zero.
+    side = np.where(d > limit, 1, np.where(d < -limit, -1, 0))
+    known = np.flatnonzero(side)
+    turns = [int(b) for a, b in zip(known[:-1], known[1:], strict=True) if side[a] < side[b]]
+    starts = [_last_crossing(d, turn) for turn in turns]
+    first = known[0]
+    if side[first] > 0:
+        starts.insert(0, _last_crossing(d, int(first)))
+    ends = [start if d[start] == 0.0 else start + 1 for start in starts]
+    cycles = list(zip(starts[:-1], ends[1:], strict=True))
+    tail = starts[-1] if starts else None
+    if tail is not None and (d[tail:] < -limit).any() and abs(d[-1]) <= limit:
+        cycles.append((tail, len(d) - 1))
+    return [(a, b) for a, b in cycles if d[a : b + 1].min() < -limit < limit < d[a : b + 1].max()]
+
+
+def _last_crossing(d: Floats, before: int) -> int:
+    """Last point at or below zero before a point above it; 0 if there is none."""
+    below = np.flatnonzero(d[: before + 1] <= 0.0)
+    return int(below[-1]) if len(below) else 0
+
+
+def measure_history(
+    displacement: Floats, force: Floats, *, area: float, total_rubber_thickness: float
+) -> list[CycleMeasures]:
+    """Measures of every full cycle found in a history, simulated or from a laboratory.
+
+    Raises
+    ------
+    InputError : lists of different length, or no full cycle in them.
+    """
+    d, f = np.asarray(displacement, float), np.asarray(force, float)
+    if d.shape != f.shape:
+        raise InputError(f"displacement has {len(d)} points but force {len(f)}")
+    cycles = find_cycles(d)
+    if not cycles:
+        raise InputError("no full cycle (zero, one side, other side, zero) was found")
+    return [
+        measure_cycle(
+            d[a : b + 1], f[a : b + 1], area=area, total_rubber_thickness=total_rubber_thickness
+        )
+        for a, b in cycles
+    ]

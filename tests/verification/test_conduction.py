@@ -1,0 +1,218 @@
+"""Conduction against exact solutions: decaying modes, a steady composite fin, adiabatic heating.
+
+Half stacks of one rubber layer: y runs from the symmetry plane (adiabatic) to the upper face,
+B is half the rubber, H the half height. The mesh is uneven (rubber cells are half as thick as
+end-plate cells), so the interface formula is at work in one material too.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from models import assembled, changed, heat_step, marched, rate_matrix, sine, slab, specimen
+from numpy.testing import assert_allclose
+from scipy.linalg import expm
+from scipy.optimize import brentq
+from tolerances import (
+    ADIABATIC_RISE,
+    FIXED_POINT,
+    MODE_CAP,
+    ORDER,
+    STEADY_CAP,
+    TIME_CAP,
+)
+
+from thermobearing.bearing.model import Bearing, Material
+from thermobearing.core.types import WORK_IN, Floats
+from thermobearing.stack import Face, build_stack
+
+RUBBER = Material(conductivity=0.31, specific_heat=1732.0, density=1146.0)
+STEEL = Material(conductivity=38.76, specific_heat=432.0, density=7740.0)
+MESHES = (4, 8, 16, 32)  # cells in half the rubber, and in one end plate
+B, H = 10.0, 30.0  # mm, as slab() makes them
+SLENDERNESS = 400.0 / 1e4  # perimeter over area of its plan, a square of 100 mm [1/mm]
+FILM = 800.0  # W/(m2 K) at the end face
+SIDE = 30.0  # W/(m2 K)
+ADIABATIC, FIXED = Face(eta=1.0), Face(eta=3.0)
+
+Profile = Callable[[Floats], Floats]
+
+
+def conductivity(material: Material) -> float:
+    """[kN/(s K)]"""
+    return material.conductivity * 1e-3
+
+
+def diffusivity(material: Material) -> float:
+    """[mm2/s]"""
+    return conductivity(material) / material.volumetric_heat
+
+
+def heights(bearing: Bearing) -> Floats:
+    """y of the cell centres [mm]."""
+    return np.asarray(H - build_stack(bearing, half=True).depth)
+
+
+@dataclass(frozen=True)
+class Mode:
+    """An exact solution exp(-rate t) profile(y) of the continuous problem."""
+
+    rubber: Material
+    steel: Material
+    side_film: float
+    face: Face
+    rate: float
+    profile: Profile
+
+
+def single_mode(wave: float, face: Face, material: Material, side_film: float) -> Mode:
+    """cos(wave y) in one material, cooled by conduction and through the side."""
+    side = side_film * 1e-6 * SLENDERNESS / material.volumetric_heat
+    rate = diffusivity(material) * wave**2 + side
+    return Mode(material, material, side_film, face, rate, lambda y: np.cos(wave * y))
+
+
+def film_mode() -> Mode:
+    """The slowest mode with k wave tan(wave H) = film at the upper face."""
+    k, film = conductivity(STEEL), FILM * 1e-6
+    wave = brentq(
+        lambda w: k * w * math.sin(w * H) - film * math.cos(w * H),
+        0.0,
+        0.5 * math.pi / H,
+        xtol=1e-16,
+    )
+    return single_mode(wave, Face(film=FILM), STEEL, 0.0)
+
+
+def composite_mode() -> Mode:
+    """Rubber cos(p y), steel C sin(q (H - y)): equal temperature and flux at y = B, 0 at H."""
+    k_r, k_s = conductivity(RUBBER), conductivity(STEEL)
+
+    def waves(rate: float) -> tuple[float, float]:
+        return math.sqrt(rate / diffusivity(RUBBER)), math.sqrt(rate / diffusivity(STEEL))
+
+    def flux_gap(rate: float) -> float:
+        p, q = waves(rate)
+        rubber = k_r * p * math.sin(p * B) * math.sin(q * (H - B))
+        return rubber - k_s * q * math.cos(q * (H - B)) * math.cos(p * B)
+
+    longest = diffusivity(RUBBER) * (0.5 * math.pi / B) ** 2
+    rate = brentq(flux_gap, 1e-6 * longest, longest, xtol=1e-18)
+    p, q = waves(rate)
+    c = math.cos(p * B) / math.sin(q * (H - B))
+
+    def profile(y: Floats) -> Floats:
+        return np.where(y < B, np.cos(p * y), c * np.sin(q * (H - y)))
+
+    return Mode(RUBBER, STEEL, 0.0, FIXED, rate, profile)
+
+
+MODES: dict[str, Callable[[], Mode]] = {
+    "adiabatic face": lambda: single_mode(math.pi / H, ADIABATIC, STEEL, 0.0),
+    "fixed face": lambda: single_mode(0.5 * math.pi / H, FIXED, RUBBER, 0.0),
+    "second mode and side loss": lambda: single_mode(1.5 * math.pi / H, FIXED, RUBBER, SIDE),
+    "film at the face": film_mode,
+    "rubber and steel": composite_mode,
+}
+
+
+def mode_error(mode: Mode, cells: int) -> float:
+    """Largest error relative to the mode's peak after 1/rate, marched by the coupled step."""
+    bearing = slab(rubber=mode.rubber, steel=mode.steel, side_film=mode.side_film, cells=cells)
+    constants = assembled(bearing, upper=mode.face)
+    ambient, steps = -20.0, 1000  # so many steps that space alone limits the accuracy
+    profile = mode.profile(heights(bearing))
+    run = marched(constants, np.zeros(steps), 1.0 / mode.rate / steps, ambient + profile, ambient)
+    return float(np.max(np.abs(run.cells[-1] - ambient - math.exp(-1.0) * profile)))
+
+
+@pytest.mark.parametrize("name", MODES)
+def test_decaying_mode_has_order_two_in_space(name: str) -> None:
+    errors = np.array([mode_error(MODES[name](), cells) for cells in MESHES])
+    orders = np.log2(errors[:-1] / errors[1:])
+    print(f"{name}: errors {errors}, observed orders {orders}")
+    assert_allclose(orders[-1], 2.0, rtol=0.0, atol=ORDER)
+    assert_allclose(errors[-1], 0.0, rtol=0.0, atol=MODE_CAP)
+
+
+@pytest.mark.parametrize("half", [True, False])
+def test_crank_nicolson_has_order_two_in_time(half: bool) -> None:
+    """Against expm of the same rate matrix, on the specimen's mesh: no error in space."""
+    constants = assembled(
+        changed(specimen(), materials={"side_film": SIDE}), half=half, upper=Face(eta=2.0)
+    )
+    n = constants.cells.shape[1]
+    start, ambient, duration = np.random.default_rng(7).uniform(-20.0, 20.0, n), -5.0, 8.0
+    exact = ambient + expm(-duration * rate_matrix(constants)) @ (start - ambient)
+    errors = []
+    for steps in (100, 200, 400):
+        run = marched(constants, np.zeros(steps), duration / steps, start, ambient)
+        errors.append(float(np.max(np.abs(run.cells[-1] - exact))))
+    orders = np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
+    print(f"half {half}: errors {errors} K, observed orders {orders}")
+    assert_allclose(orders, 2.0, rtol=0.0, atol=ORDER)
+    assert_allclose(errors[-1], 0.0, rtol=0.0, atol=TIME_CAP)
+
+
+def fin_profile(source: float) -> Profile:
+    """Steady T above ambient: source [kN/(mm2 s)] in the rubber, side loss, film at y = H.
+
+    k T'' = side T - source, so T is cosh and sinh of m y; three conditions give A, C, D.
+    """
+    side = SIDE * 1e-6 * SLENDERNESS
+    k_r, k_s, film = conductivity(RUBBER), conductivity(STEEL), FILM * 1e-6
+    m_r, m_s, a = math.sqrt(side / k_r), math.sqrt(side / k_s), H - B
+    sinh, cosh = math.sinh(m_s * a), math.cosh(m_s * a)
+    conditions = np.array(
+        [
+            [math.cosh(m_r * B), -1.0, 0.0],  # temperature at B
+            [k_r * m_r * math.sinh(m_r * B), 0.0, -k_s * m_s],  # flux at B
+            [0.0, k_s * m_s * sinh + film * cosh, k_s * m_s * cosh + film * sinh],  # film at H
+        ]
+    )
+    base, c, d = np.linalg.solve(conditions, [-source / side, 0.0, 0.0])
+
+    def profile(y: Floats) -> Floats:
+        rubber = source / side + base * np.cosh(m_r * y)
+        return np.where(y < B, rubber, c * np.cosh(m_s * (y - B)) + d * np.sinh(m_s * (y - B)))
+
+    return profile
+
+
+def test_steady_composite_fin_has_order_two() -> None:
+    """Uniform source in the rubber against side loss and an end film: a steady cosh profile."""
+    source, ambient, dt, errors = 2e-4, -20.0, 3.0, []
+    for cells in MESHES:
+        bearing = slab(rubber=RUBBER, steel=STEEL, side_film=SIDE, cells=cells)
+        constants = assembled(bearing, upper=Face(film=FILM))
+        y = heights(bearing)
+        rise = np.where(y < B, source / RUBBER.volumetric_heat, 0.0)
+        steady = np.linalg.solve(rate_matrix(constants), rise)
+        exact = fin_profile(source)(y)
+        errors.append(float(np.max(np.abs(steady - exact)) / np.max(exact)))
+        # The core must agree that this is its steady state.
+        change = heat_step(constants, ambient + steady, dt, ambient, dt * rise).change
+        assert_allclose(change, 0.0, rtol=0.0, atol=FIXED_POINT * np.max(exact))
+    orders = np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
+    print(f"fin: relative errors {errors}, observed orders {orders}")
+    assert_allclose(orders[-1], 2.0, rtol=0.0, atol=ORDER)
+    assert_allclose(errors[-1], 0.0, rtol=0.0, atol=STEADY_CAP)
+
+
+@pytest.mark.parametrize("half", [True, False])
+def test_rubber_that_conducts_nothing_heats_by_its_work(half: bool) -> None:
+    """Adiabatic limit through the coupled step: every layer's rise is work / (c rho V)."""
+    bearing = specimen()
+    insulating = bearing.materials.rubber.model_copy(update={"conductivity": 1e-14})
+    bearing = changed(bearing, materials={"rubber": insulating, "side_film": 0.0})
+    x = sine(bearing, strain=1.5, period=4.0, cycles=3, dt=0.01)
+    run = marched(assembled(bearing, half=half, upper=ADIABATIC), x, 0.01, -20.0, -20.0)
+    volume = bearing.area * bearing.total_rubber_thickness
+    work = run.books[-1, WORK_IN]
+    rise = work / (insulating.volumetric_heat * volume)
+    print(f"half {half}: adiabatic rise {rise:.4f} K")
+    assert rise > 1.0
+    rubber = np.array(build_stack(bearing, half=half).part) == "rubber"
+    assert_allclose(run.cells[-1] + 20.0, rubber * rise, rtol=0.0, atol=ADIABATIC_RISE * rise)

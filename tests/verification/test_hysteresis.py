@@ -1,0 +1,97 @@
+"""The hysteretic variable: the closed-form increment is one exact map, and Euler tends to it."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from tolerances import (
+    BOUND_ROUNDING,
+    ORDER,
+    SPLIT_INCREMENT,
+    TANGENT_HYSTERESIS,
+    TANGENT_STEP,
+)
+
+from thermobearing.core.hysteresis import euler_increment, exact_increment
+
+D_Y = 1.549  # mm, Table 4.2; the law scales with it
+SHAPES = (-0.99, -0.864, -0.3, 0.0, 0.5, 1.0, 1.7, 3.0)
+SAMPLES = 60
+
+
+def curvature(s: float) -> float:
+    """beta - gamma of Eq. 4.36 and 4.37 [1/mm2]."""
+    beta = 1.0 / ((1.0 + s) * D_Y**2)
+    return beta - s * beta
+
+
+def samples(seed: int) -> list[tuple[float, float]]:
+    """Random (Z, increment), small and large increments alike [mm]."""
+    rng = np.random.default_rng(seed)
+    z = rng.uniform(-D_Y, D_Y, SAMPLES)
+    size = 10.0 ** rng.uniform(-3.0, 1.0, SAMPLES) * D_Y
+    sign = rng.choice([-1.0, 1.0], SAMPLES)
+    return list(zip(z, sign * size, strict=True))
+
+
+@pytest.mark.parametrize("s", SHAPES)
+def test_one_increment_equals_a_thousand_small_ones(s: float) -> None:
+    c = curvature(s)
+    for z, increment in samples(1):
+        whole, slope = exact_increment(z, increment, D_Y, c)
+        part, part_slope = z, 0.0
+        for _ in range(1000):
+            part, part_slope = exact_increment(part, increment / 1000, D_Y, c)
+        assert_allclose(part, whole, rtol=0.0, atol=SPLIT_INCREMENT * D_Y)
+        assert_allclose(part_slope, slope, rtol=0.0, atol=SPLIT_INCREMENT / (1.0 + s))
+
+
+@pytest.mark.parametrize("s", SHAPES)
+def test_tangent_is_the_derivative_of_the_increment(s: float) -> None:
+    c, h = curvature(s), TANGENT_STEP * D_Y
+    for z, increment in samples(2):
+        _, slope = exact_increment(z, increment, D_Y, c)
+        above, _ = exact_increment(z, increment + h, D_Y, c)
+        below, _ = exact_increment(z, increment - h, D_Y, c)
+        difference = (above - below) / (2.0 * h)
+        assert_allclose(slope, difference, rtol=TANGENT_HYSTERESIS, atol=TANGENT_HYSTERESIS)
+
+
+@pytest.mark.parametrize("s", SHAPES)
+def test_z_stays_within_the_yield_displacement_and_is_odd(s: float) -> None:
+    c = curvature(s)
+    for z, increment in samples(3):
+        new, slope = exact_increment(z, increment, D_Y, c)
+        assert abs(new) <= D_Y * (1.0 + BOUND_ROUNDING)
+        assert slope >= -BOUND_ROUNDING
+        assert exact_increment(-z, -increment, D_Y, c) == (-new, slope)
+
+
+def test_z_saturates_at_the_yield_displacement() -> None:
+    """A = 1: Eq. 5.35 drops it, and any other value would saturate elsewhere."""
+    for s in SHAPES:
+        z, slope = exact_increment(-0.7 * D_Y, 40.0 * D_Y, D_Y, curvature(s))
+        assert_allclose(z, D_Y, rtol=BOUND_ROUNDING, atol=0.0)
+        assert_allclose(slope, 0.0, rtol=0.0, atol=4.0 * BOUND_ROUNDING)
+
+
+def z_after(path: np.ndarray, c: float, euler: bool) -> float:
+    """Z at the end of a displacement path that starts at zero."""
+    advance = euler_increment if euler else exact_increment
+    z, d = 0.0, 0.0
+    for target in path:
+        z, _ = advance(z, target - d, D_Y, c)
+        d = target
+    return z
+
+
+@pytest.mark.parametrize("s", (-0.864, 0.5, 1.0, 3.0))
+def test_euler_tends_to_the_exact_increment_with_order_one(s: float) -> None:
+    errors = []
+    for steps in (4000, 8000, 16000):
+        t = np.arange(1, steps + 1) / steps
+        path = 3.0 * D_Y * np.sin(2.0 * np.pi * 1.3 * t)
+        c = curvature(s)
+        errors.append(abs(z_after(path, c, True) - z_after(path, c, False)))
+    orders = np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
+    print(f"s = {s}: Euler errors {errors}, observed orders {orders}")
+    assert_allclose(orders, 1.0, rtol=0.0, atol=ORDER)

@@ -1,0 +1,179 @@
+"""The `published` scheme is Eq. 4.23-4.33 as printed, its departures from conservation included.
+
+The 19 equations of the HDR half stack are typed here from the source, one function per pair
+of matrices, and compared with what the core does. Layers count from 1 in the source and from
+0 in the arrays.
+"""
+
+import numpy as np
+import pytest
+from models import Run, assembled, heat_step, marched, sine, specimen, stored_heat
+from numpy.testing import assert_allclose
+from tolerances import PUBLISHED_COEFFICIENT, PUBLISHED_STEP, RECIPROCITY
+
+from thermobearing.core.types import (
+    BOOKS,
+    CAPACITY,
+    END_LOSS,
+    FORCE,
+    HEAT_LOST_ENDS,
+    HEAT_LOST_SIDES,
+    HEAT_RELEASED,
+    SIDE_LOSS,
+    TO_NEXT,
+    TO_PREVIOUS,
+    Constants,
+    Floats,
+)
+from thermobearing.stack import Face
+
+# Table 4.1 and Fig. 4.2b in SI units, typed again: metres, watts, kilograms.
+K_S, K_R, FILM = 38.76, 0.31, 11.6
+C_RHO_S, C_RHO_R = 432.0 * 7740.0, 1732.0 * 1146.0
+DX_S1, DX_R, DX_S2, DX_S3, SIDE = 2.5e-3, 2.5e-3, 3.2e-3, 1.6e-3, 0.240
+V_R = SIDE * SIDE * 5e-3  # volume of one rubber layer [m3]
+SHIMS = (12, 15, 18)  # layers 13, 16, 19
+AMBIENT = -20.0
+
+
+def gamma(k_a: float, dx_a: float, k_b: float, dx_b: float) -> float:
+    """gamma_AB of Eq. 4.19."""
+    return k_a * dx_b / (k_a * dx_b + k_b * dx_a)
+
+
+def beta(k: float, c_rho: float, dx: float, dt: float) -> float:
+    """alpha dt / (2 dx^2), below Eq. 4.23, 4.26 and 4.28."""
+    return k / c_rho * dt / (2.0 * dx**2)
+
+
+def printed_rows(dt: float, eta: float) -> dict[int, tuple[float, float, float]]:
+    """A, B - 1, C of the left side for each layer (1 to 19), from Eq. 4.23-4.31."""
+    b_s1, b_r = beta(K_S, C_RHO_S, DX_S1, dt), beta(K_R, C_RHO_R, DX_R, dt)
+    b_s2, b_s3 = beta(K_S, C_RHO_S, DX_S2, dt), beta(K_S, C_RHO_S, DX_S3, dt)
+    g_s1r, g_rs1 = gamma(K_S, DX_S1, K_R, DX_R), gamma(K_R, DX_R, K_S, DX_S1)
+    g_s2r, g_rs2 = gamma(K_S, DX_S2, K_R, DX_R), gamma(K_R, DX_R, K_S, DX_S2)
+    g_s3r, g_rs3 = gamma(K_S, DX_S3, K_R, DX_R), gamma(K_R, DX_R, K_S, DX_S3)
+    rows = {1: (0.0, eta * b_s1, -b_s1)}  # 4.23
+    rows |= {j: (-b_s1, 2.0 * b_s1, -b_s1) for j in range(2, 10)}  # 4.24
+    rows[10] = (-b_s1, b_s1 * (3.0 - 2.0 * g_s1r), -2.0 * b_s1 * g_rs1)  # 4.25
+    rows[11] = (-2.0 * b_r * g_s1r, b_r * (3.0 - 2.0 * g_rs1), -b_r)  # 4.26
+    for j in (12, 15):  # 4.27
+        rows[j] = (-b_r, b_r * (3.0 - 2.0 * g_rs2), -2.0 * b_r * g_s2r)
+    for j in (13, 16):  # 4.28
+        rows[j] = (-4.0 * b_s2 * g_rs2, 8.0 * b_s2 * (1.0 - g_s2r), -4.0 * b_s2 * g_rs2)
+    for j in (14, 17):  # 4.29
+        rows[j] = (-2.0 * b_r * g_s2r, b_r * (3.0 - 2.0 * g_rs2), -b_r)
+    rows[18] = (-b_r, b_r * (3.0 - 2.0 * g_rs3), -2.0 * b_r * g_s3r)  # 4.30
+    rows[19] = (-4.0 * b_s3 * g_rs3, 4.0 * b_s3 * (1.0 - g_s3r), 0.0)  # 4.31
+    return rows
+
+
+def printed_system(dt: float, eta: float) -> tuple[Floats, Floats, Floats]:
+    """K^{i+1}, K^i and the vector theta^i of Eq. 4.33."""
+    theta = 4.0 * FILM * dt / (SIDE * C_RHO_R)
+    new, old = np.eye(19), np.eye(19) * (1.0 - theta)
+    for j, (a, b, c) in printed_rows(dt, eta).items():
+        i = j - 1
+        new[i, i] += b
+        old[i, i] -= b
+        if i > 0:
+            new[i, i - 1], old[i, i - 1] = a, -a
+        if i < 18:
+            new[i, i + 1], old[i, i + 1] = c, -c
+    outflow = np.full(19, theta)
+    outflow[0] += 2.0 * (eta - 1.0) * beta(K_S, C_RHO_S, DX_S1, dt)  # 4.23
+    return new, old, outflow
+
+
+def core_system(constants: Constants, dt: float) -> tuple[Floats, Floats, Floats]:
+    """The same three, from the rates that the core steps with."""
+    cells = constants.cells
+    own = cells[TO_PREVIOUS] + cells[TO_NEXT] + cells[END_LOSS]
+    rates = np.diag(own) - np.diag(cells[TO_PREVIOUS, 1:], -1) - np.diag(cells[TO_NEXT, :-1], 1)
+    side = dt * cells[SIDE_LOSS]
+    n = len(side)
+    assert not constants.side_implicit
+    new, old = np.eye(n) + 0.5 * dt * rates, np.eye(n) - 0.5 * dt * rates - np.diag(side)
+    return new, old, dt * cells[END_LOSS] + side
+
+
+def published(eta: float) -> Constants:
+    return assembled(specimen(), upper=Face(eta=eta), scheme="published")
+
+
+@pytest.mark.parametrize("dt", [5e-3, 0.1])
+@pytest.mark.parametrize("eta", [1.0, 2.0, 3.0])
+def test_coefficients_are_the_printed_ones(dt: float, eta: float) -> None:
+    names = ("K^{i+1}", "K^i", "theta^i")
+    core, printed = core_system(published(eta), dt), printed_system(dt, eta)
+    for name, ours, theirs in zip(names, core, printed, strict=True):
+        size = beta(K_S, C_RHO_S, DX_S1, dt)  # the smallest entries count, not only the diagonal
+        assert_allclose(
+            ours, theirs, rtol=PUBLISHED_COEFFICIENT, atol=1e-3 * PUBLISHED_COEFFICIENT * size,
+            err_msg=name,
+        )
+
+
+@pytest.mark.parametrize("dt", [5e-3, 0.1])
+@pytest.mark.parametrize("eta", [1.0, 2.0, 3.0])
+def test_one_conduction_step_solves_the_printed_system(dt: float, eta: float) -> None:
+    constants = published(eta)
+    new, old, outflow = printed_system(dt, eta)
+    rng = np.random.default_rng(3)
+    for _ in range(10):
+        start, source = rng.uniform(-40.0, 40.0, 19), rng.normal(size=19)
+        expected = np.linalg.solve(new, old @ start + source + outflow * AMBIENT)
+        change = heat_step(constants, start, dt, AMBIENT, source).change
+        assert_allclose(start + change, expected, rtol=0.0, atol=PUBLISHED_STEP)
+
+
+def test_coupled_steps_solve_the_printed_system_with_the_printed_source() -> None:
+    """w of Eq. 4.22, from the layer displacements and the force that the core returns."""
+    dt, eta = 5e-3, 2.0
+    run = marched(
+        published(eta), sine(specimen(), strain=2.0, period=4.0, cycles=1, dt=dt), dt, -20.0, -25.0
+    )
+    new, old, outflow = printed_system(dt, eta)
+    d = np.vstack([np.zeros(3), run.d]) * 1e-3  # m
+    f = np.concatenate([[0.0], run.books[:, FORCE]]) * 1e3  # N
+    cells = np.vstack([np.full(19, -20.0), run.cells])
+    for i in range(len(run.d)):
+        w = np.zeros(19)
+        per_volume = (d[i + 1] - d[i]) * (f[i + 1] + f[i]) / (2.0 * V_R)
+        for layer, (first, second) in enumerate(((10, 11), (13, 14), (16, 17))):
+            w[[first, second]] = per_volume[layer] / C_RHO_R
+        expected = np.linalg.solve(new, old @ cells[i] + w + outflow * -25.0)
+        assert_allclose(cells[i + 1], expected, rtol=0.0, atol=PUBLISHED_STEP)
+
+
+def test_a_shim_receives_twice_what_its_rubber_neighbours_lose() -> None:
+    """P1: factor 2 at every shim, from both sides; exactly 1 at every other interface."""
+    cells = published(2.0).cells
+    given_down, taken_up = cells[CAPACITY] * cells[TO_NEXT], cells[CAPACITY] * cells[TO_PREVIOUS]
+    shim = np.isin(np.arange(19), SHIMS)
+    # Between cells i and i + 1: what the lower one exchanges over what the upper one does.
+    ratio = taken_up[1:] / given_down[:-1]
+    expected = np.where(shim[1:], 2.0, np.where(shim[:-1], 0.5, 1.0))
+    assert_allclose(ratio, expected, rtol=RECIPROCITY, atol=0.0)
+
+
+def heated(scheme: str) -> Run:
+    """Five cycles of 250 % at -20 degC, period 4 s."""
+    constants = assembled(specimen(), scheme=scheme)
+    x = sine(specimen(), strain=2.5, period=4.0, cycles=5, dt=5e-3)
+    return marched(constants, x, 5e-3, AMBIENT, AMBIENT)
+
+
+def test_the_imbalance_of_the_published_scheme_is_told() -> None:
+    """P1 over a heated run: heat from nowhere, and a warmer inner layer than conservation gives."""
+    ours, theirs = heated("conservative"), heated("published")
+    books = theirs.books[-1]
+    assert books.shape == (BOOKS,)
+    lost = books[HEAT_LOST_ENDS] + books[HEAT_LOST_SIDES]
+    created = stored_heat(theirs, AMBIENT) + lost - books[HEAT_RELEASED]
+    share = created / books[HEAT_RELEASED]
+    inner = np.array([run.layer_start[-1, -1] - AMBIENT for run in (ours, theirs)])
+    print(f"P1: {created:.0f} J created of {books[HEAT_RELEASED]:.0f} J released ({share:.2%})")
+    print(f"P1: inner layer {inner[0]:.2f} K conservative, {inner[1]:.2f} K published")
+    assert share > 0.01
+    assert inner[1] > inner[0]
