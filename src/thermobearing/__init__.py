@@ -35,7 +35,28 @@ _HOME = {
     "run_case": "thermobearing.simulate",
 }
 
-__all__ = [*_HOME, "__version__"]  # noqa: PLE0604
+__all__ = [
+    "Ambient",
+    "Bearing",
+    "BearingElement",
+    "Case",
+    "CyclicTest",
+    "EndFace",
+    "InputError",
+    "OutputError",
+    "Result",
+    "__version__",
+    "cyclic_test",
+    "list_bearings",
+    "load_bearing",
+    "load_case",
+    "load_result",
+    "measure_cycle",
+    "measure_history",
+    "read_columns",
+    "run",
+    "run_case",
+]
 
 if TYPE_CHECKING:
     from thermobearing.bearing.library import list_bearings, load_bearing

@@ -67,9 +67,7 @@ class Analysis(Strict):
     @property
     def half(self) -> bool:
         """Whether only the upper half is modelled."""
-        return self.stack == "half" or (
-            self.stack == "auto" and self.upper_face == self.lower_face
-        )
+        return self.stack == "half" or (self.stack == "auto" and self.upper_face == self.lower_face)
 
 
 class Case(Strict):
@@ -198,4 +196,3 @@ def resolved_toml(case: Case) -> str:
     import tomli_w
 
     return tomli_w.dumps(to_table(case))
-

@@ -85,9 +85,8 @@ def run(
     True
     """
     series = ambient if isinstance(ambient, Ambient) else None
-    profile = None if initial is None or np.ndim(initial) == 0 else initial  # type: ignore[arg-type]
-    if isinstance(initial, Result):
-        profile = final_profile(initial, ambient)
+    profile = final_profile(initial, ambient) if isinstance(initial, Result) else initial
+    uniform = profile is None or np.ndim(profile) == 0
     options: dict[str, Any] = {
         "bearing": bearing,
         "test": test,
@@ -101,8 +100,8 @@ def run(
         "lower_face": lower_face,
         "keep": keep,
         "keep_every": keep_every,
-        "initial": initial if profile is None else None,
-        "initial_profile": profile,
+        "initial": profile if uniform else None,
+        "initial_profile": None if uniform else profile,
     }
     return run_case(make_case({}, "run()", **options), series=series, progress=progress)
 
@@ -112,8 +111,8 @@ def final_profile(result: Result, ambient: Any) -> Floats:
     runs = result["ambient"].values
     if len(runs) == 1:
         return np.asarray(result["final_temperature"].values[0])
-    match = np.flatnonzero(runs == ambient) if np.ndim(ambient) == 0 else []
-    if len(match) != 1:
+    match = np.flatnonzero(runs == ambient)
+    if np.ndim(ambient) != 0 or len(match) != 1:
         raise InputError(f"initial: the earlier result has runs at {runs} degC; use one of them")
     return np.asarray(result["final_temperature"].values[match[0]])
 

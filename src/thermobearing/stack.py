@@ -78,7 +78,7 @@ class Stack:
         return self.fold * self.volumetric_heat * self.area * self.thickness
 
     def middles(self) -> tuple[Ints, Ints]:
-        """The two cells on either side of each layer's mid-thickness (the same, if one is there)."""
+        """The two cells beside each layer's mid-thickness (the same one, if it lies there)."""
         count = self.last_cell - self.first_cell
         upper = self.first_cell + (count - 1) // 2
         lower = self.first_cell + count // 2
@@ -119,7 +119,9 @@ def build_stack(bearing: Bearing, *, half: bool) -> Stack:
     ends = np.cumsum([count for _, _, count in parts])
     interface = np.zeros(len(names), dtype=bool)
     interface[ends[:-1] - 1] = True
-    lone = np.array([name == "shim" and count == 1 for name, _, count in parts for _ in range(count)])
+    lone = np.array(
+        [name == "shim" and count == 1 for name, _, count in parts for _ in range(count)]
+    )
     layers = [i for i, (name, _, _) in enumerate(parts) if name == "rubber"]
     halved = half and parts[-1][0] == "rubber"
     multiplicity = np.full(len(layers), 2.0 if half else 1.0)

@@ -17,7 +17,9 @@ from thermobearing.units import conversion
 
 Floats = NDArray[np.float64]
 
-_HEADER = re.compile(r"^\s*(?P<name>[A-Za-z][A-Za-z ]*?)\s*(?:_|\[|\()\s*(?P<unit>[^\])]+?)\s*[\])]?\s*$")
+_HEADER = re.compile(
+    r"^\s*(?P<name>[A-Za-z][A-Za-z ]*?)\s*(?:_|\[|\()\s*(?P<unit>[^\])]+?)\s*[\])]?\s*$"
+)
 ALIASES = {"disp": "displacement", "t": "time", "load": "force"}
 
 

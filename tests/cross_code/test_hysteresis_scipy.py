@@ -4,12 +4,13 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
-from tolerances import SCIPY_ABSOLUTE, SCIPY_HYSTERESIS, SCIPY_RELATIVE
 
+from tests.tolerances import SCIPY_ABSOLUTE, SCIPY_HYSTERESIS, SCIPY_RELATIVE
 from thermobearing.core.hysteresis import exact_increment
 
 D_Y = 1.549  # mm, Table 4.2
 SHAPES = (-0.99, -0.864, -0.5, 0.0, 0.4, 1.0, 1.5, 3.0)
+SHAPES += tuple(np.random.default_rng(4).uniform(-0.99, 3.0, 4).round(3))
 SAMPLES = 25
 
 

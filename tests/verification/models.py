@@ -146,9 +146,7 @@ def marched(
         rows,
     )
     assert done == kept
-    layer, d, z = (
-        rows[:kept, BOOKS + k * layers : BOOKS + (k + 1) * layers] for k in range(3)
-    )
+    layer, d, z = (rows[:kept, BOOKS + k * layers : BOOKS + (k + 1) * layers] for k in range(3))
     middle = constants.layer_cells
     at_first = 0.5 * (first[middle[:, UPPER_MIDDLE]] + first[middle[:, LOWER_MIDDLE]])
     return Run(

@@ -11,11 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from models import assembled, changed, heat_step, marched, rate_matrix, sine, slab, specimen
 from numpy.testing import assert_allclose
 from scipy.linalg import expm
 from scipy.optimize import brentq
-from tolerances import (
+
+from tests.tolerances import (
     ADIABATIC_RISE,
     FIXED_POINT,
     MODE_CAP,
@@ -23,7 +23,16 @@ from tolerances import (
     STEADY_CAP,
     TIME_CAP,
 )
-
+from tests.verification.models import (
+    assembled,
+    changed,
+    heat_step,
+    marched,
+    rate_matrix,
+    sine,
+    slab,
+    specimen,
+)
 from thermobearing.bearing.model import Bearing, Material
 from thermobearing.core.types import WORK_IN, Floats
 from thermobearing.stack import Face, build_stack

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from models import assembled, changed, heat_step, rate_matrix, specimen
 from numpy.testing import assert_allclose
-from tolerances import HEAT_BALANCE, NEW_EXTREME, RECIPROCITY
 
+from tests.tolerances import HEAT_BALANCE, NEW_EXTREME, RECIPROCITY
+from tests.verification.models import assembled, changed, heat_step, rate_matrix, specimen
 from thermobearing.core.types import CAPACITY, TO_NEXT, TO_PREVIOUS, Constants
 from thermobearing.stack import Face
 
@@ -60,10 +60,11 @@ def test_no_new_extremes_where_the_step_is_short_enough(face: str) -> None:
         for _ in range(50):
             low = min(temperature.min(), AMBIENT) - NEW_EXTREME
             high = max(temperature.max(), AMBIENT) + NEW_EXTREME
-            temperature = temperature + heat_step(
-                constants, temperature, dt, AMBIENT, nothing
-            ).change
-            assert low <= temperature.min() and temperature.max() <= high
+            temperature = (
+                temperature + heat_step(constants, temperature, dt, AMBIENT, nothing).change
+            )
+            assert low <= temperature.min()
+            assert temperature.max() <= high
 
 
 @pytest.mark.parametrize("dt", [5e-3, 1.0, 60.0, 3600.0])

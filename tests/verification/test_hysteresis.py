@@ -3,18 +3,18 @@
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from tolerances import (
+
+from tests.tolerances import (
     BOUND_ROUNDING,
     ORDER,
     SPLIT_INCREMENT,
     TANGENT_HYSTERESIS,
     TANGENT_STEP,
 )
-
 from thermobearing.core.hysteresis import euler_increment, exact_increment
 
 D_Y = 1.549  # mm, Table 4.2; the law scales with it
-SHAPES = (-0.99, -0.864, -0.3, 0.0, 0.5, 1.0, 1.7, 3.0)
+SHAPES = (-0.99, -0.864, -0.3, 0.0, 0.5, 1.0 - 1e-9, 1.0, 1.0 + 1e-9, 1.7, 3.0)
 SAMPLES = 60
 
 
@@ -30,7 +30,8 @@ def samples(seed: int) -> list[tuple[float, float]]:
     z = rng.uniform(-D_Y, D_Y, SAMPLES)
     size = 10.0 ** rng.uniform(-3.0, 1.0, SAMPLES) * D_Y
     sign = rng.choice([-1.0, 1.0], SAMPLES)
-    return list(zip(z, sign * size, strict=True))
+    edges = [(z, e) for z in (-D_Y, 0.0, D_Y) for e in (-3.0 * D_Y, -0.1 * D_Y, 0.1 * D_Y)]
+    return [*zip(z, sign * size, strict=True), *edges]
 
 
 @pytest.mark.parametrize("s", SHAPES)
@@ -84,7 +85,7 @@ def z_after(path: np.ndarray, c: float, euler: bool) -> float:
     return z
 
 
-@pytest.mark.parametrize("s", (-0.864, 0.5, 1.0, 3.0))
+@pytest.mark.parametrize("s", [-0.864, 0.5, 1.0, 3.0])
 def test_euler_tends_to_the_exact_increment_with_order_one(s: float) -> None:
     errors = []
     for steps in (4000, 8000, 16000):

@@ -7,12 +7,19 @@ of matrices, and compared with what the core does. Layers count from 1 in the so
 
 import numpy as np
 import pytest
-from models import Run, assembled, heat_step, marched, sine, specimen, stored_heat
 from numpy.testing import assert_allclose
-from tolerances import PUBLISHED_COEFFICIENT, PUBLISHED_STEP, RECIPROCITY
 
+from tests.tolerances import PUBLISHED_COEFFICIENT, PUBLISHED_STEP, RECIPROCITY
+from tests.verification.models import (
+    Run,
+    assembled,
+    heat_step,
+    marched,
+    sine,
+    specimen,
+    stored_heat,
+)
 from thermobearing.core.types import (
-    BOOKS,
     CAPACITY,
     END_LOSS,
     FORCE,
@@ -107,11 +114,8 @@ def test_coefficients_are_the_printed_ones(dt: float, eta: float) -> None:
     names = ("K^{i+1}", "K^i", "theta^i")
     core, printed = core_system(published(eta), dt), printed_system(dt, eta)
     for name, ours, theirs in zip(names, core, printed, strict=True):
-        size = beta(K_S, C_RHO_S, DX_S1, dt)  # the smallest entries count, not only the diagonal
-        assert_allclose(
-            ours, theirs, rtol=PUBLISHED_COEFFICIENT, atol=1e-3 * PUBLISHED_COEFFICIENT * size,
-            err_msg=name,
-        )
+        # Entry by entry, relative: the small rubber entries count as much as the diagonal.
+        assert_allclose(ours, theirs, rtol=PUBLISHED_COEFFICIENT, atol=0.0, err_msg=name)
 
 
 @pytest.mark.parametrize("dt", [5e-3, 0.1])
@@ -168,12 +172,11 @@ def test_the_imbalance_of_the_published_scheme_is_told() -> None:
     """P1 over a heated run: heat from nowhere, and a warmer inner layer than conservation gives."""
     ours, theirs = heated("conservative"), heated("published")
     books = theirs.books[-1]
-    assert books.shape == (BOOKS,)
     lost = books[HEAT_LOST_ENDS] + books[HEAT_LOST_SIDES]
     created = stored_heat(theirs, AMBIENT) + lost - books[HEAT_RELEASED]
     share = created / books[HEAT_RELEASED]
     inner = np.array([run.layer_start[-1, -1] - AMBIENT for run in (ours, theirs)])
     print(f"P1: {created:.0f} J created of {books[HEAT_RELEASED]:.0f} J released ({share:.2%})")
     print(f"P1: inner layer {inner[0]:.2f} K conservative, {inner[1]:.2f} K published")
-    assert share > 0.01
+    assert share > 0.1
     assert inner[1] > inner[0]

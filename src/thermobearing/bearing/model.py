@@ -31,6 +31,11 @@ class SquarePlan(Strict):
         """[mm]"""
         return 4.0 * self.side
 
+    @property
+    def breadth(self) -> float:
+        """Size in the direction of motion [mm]."""
+        return self.side
+
 
 class RectangularPlan(Strict):
     """Rectangular bearing; `length` lies in the direction of motion."""
@@ -49,6 +54,11 @@ class RectangularPlan(Strict):
         """[mm]"""
         return 2.0 * (self.length + self.width)
 
+    @property
+    def breadth(self) -> float:
+        """Size in the direction of motion [mm]."""
+        return self.length
+
 
 class CircularPlan(Strict):
     """Circular bearing."""
@@ -65,6 +75,11 @@ class CircularPlan(Strict):
     def perimeter(self) -> float:
         """[mm]"""
         return math.pi * self.diameter
+
+    @property
+    def breadth(self) -> float:
+        """Size in the direction of motion [mm]."""
+        return self.diameter
 
 
 Plan = Annotated[SquarePlan | RectangularPlan | CircularPlan, Field(discriminator="shape")]
@@ -83,6 +98,16 @@ class Geometry(Strict):
     def total_rubber_thickness(self) -> float:
         """[mm]"""
         return self.rubber_layers * self.rubber_thickness
+
+    @property
+    def first_shape_factor(self) -> float:
+        """S1: plan area over the free side area of one rubber layer."""
+        return self.plan.area / (self.plan.perimeter * self.rubber_thickness)
+
+    @property
+    def second_shape_factor(self) -> float:
+        """S2: size in the direction of motion over the total rubber thickness."""
+        return self.plan.breadth / self.total_rubber_thickness
 
 
 class Material(Strict):

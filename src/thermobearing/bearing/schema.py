@@ -3,7 +3,7 @@
 import tomllib
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Annotated, Any, TypeVar, get_args
+from typing import Any, TypeVar, get_args
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationError, ValidationInfo
 from pydantic_core import ErrorDetails, PydanticCustomError
@@ -31,6 +31,7 @@ class InUnit:
         self.unit = unit
 
     def __call__(self, value: Any, info: ValidationInfo) -> Any:
+        """Float from text with a unit; other numbers as they are, unless they are in a file."""
         if isinstance(value, str):
             try:
                 return parse_quantity(value, self.unit)
@@ -156,9 +157,14 @@ def _sentence(model: type[BaseModel], item: ErrorDetails) -> str:
     elif kind == "literal_error":
         message = message.replace("Input should be", "must be")
         if isinstance(item["input"], str):
-            message += nearest(item["input"], str(item["ctx"]["expected"]).strip("'").replace("' or '", ", ").replace("', '", ", ").split(", "))
+            message += nearest(
+                item["input"],
+                str(item["ctx"]["expected"])
+                .strip("'")
+                .replace("' or '", ", ")
+                .replace("', '", ", ")
+                .split(", "),
+            )
     value = item["input"]
     shown = "" if isinstance(value, dict | list) else f" = {value!r}"
     return f"{key}{shown}: {message}" if key else message
-
-

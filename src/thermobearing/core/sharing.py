@@ -48,7 +48,7 @@ from thermobearing.core.types import (
 PLAIN_NEWTON = 10  # iterations before each Newton step is searched along its line
 ALL_NEWTON = 60
 LINE_SEARCH = 30
-LAST_CORRECTION = 1e-6  # relative force difference whose square is below rounding
+LAST_CORRECTION = 1e-6  # relative force difference that one more correction squares away
 ESCALATIONS = 6  # halvings of (1 - w) before w = 1 is taken
 EULER_LIMIT = 4.0  # |Z| / d_y beyond which explicit Euler has clearly lost its way
 
@@ -66,7 +66,14 @@ def force_and_tangent(
 
 @compiled
 def layer_law(
-    rubber: Rubber, ke: float, kh: float, d_old: float, z_old: float, d: float, mean: float, w: float
+    rubber: Rubber,
+    ke: float,
+    kh: float,
+    d_old: float,
+    z_old: float,
+    d: float,
+    mean: float,
+    w: float,
 ) -> tuple[float, float, float, float]:
     """Force [kN], tangent [kN/mm], Z [mm] and dZ/dd of one layer at displacement d (Eq. 4.34)."""
     d_y, curvature = rubber.yield_displacement, rubber.unloading_curvature
@@ -286,9 +293,7 @@ def share(
     if smallest < rubber.sharing_margin:
         w = weight_for_margin(rubber, work, new)
         smallest = evaluate(rubber, old, work, mean, w, new)
-    force, tangent, smallest, outcome = newton(
-        rubber, multiplicity, old, work, x, w, new, smallest
-    )
+    force, tangent, smallest, outcome = newton(rubber, multiplicity, old, work, x, w, new, smallest)
     escalation = 0
     while w < 1.0 and (outcome != COMPLETED or smallest < 0.5 * rubber.sharing_margin):
         escalation += 1

@@ -52,8 +52,9 @@ from thermobearing.core.types import (
 @compiled
 def layer_temperature(layer_cells: Ints, temperature: Floats, j: int) -> float:
     """Temperature at mid-thickness of layer j [degC]."""
-    upper = temperature[layer_cells[j, UPPER_MIDDLE]]
-    return 0.5 * (upper + temperature[layer_cells[j, LOWER_MIDDLE]])
+    upper: float = temperature[layer_cells[j, UPPER_MIDDLE]]
+    lower: float = temperature[layer_cells[j, LOWER_MIDDLE]]
+    return 0.5 * (upper + lower)
 
 
 @compiled
@@ -78,7 +79,13 @@ def recoverable_energy(
 
 @compiled
 def add_layer_heat(
-    constants: Constants, work: Workspace, old: Floats, new: Floats, mean_force: float, mean: float, w: float
+    constants: Constants,
+    work: Workspace,
+    old: Floats,
+    new: Floats,
+    mean_force: float,
+    mean: float,
+    w: float,
 ) -> tuple[float, float]:
     """Heat of every layer into the right side of the heat step (Eq. 4.22).
 

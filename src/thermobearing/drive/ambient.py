@@ -59,14 +59,14 @@ class Ambient:
         edges = start + np.concatenate([[0.0], np.cumsum(dt)])
         nodes = np.unique(np.concatenate([self.time, edges]))
         values = np.interp(nodes, self.time, self.temperature)
-        areas = np.concatenate([[0.0], np.cumsum(0.5 * (values[1:] + values[:-1]) * np.diff(nodes))])
+        areas = np.concatenate(
+            [[0.0], np.cumsum(0.5 * (values[1:] + values[:-1]) * np.diff(nodes))]
+        )
         return np.asarray(np.diff(np.interp(edges, nodes, areas)) / np.diff(edges))
 
 
 def check_temperature(value: float, where: str) -> float:
     """The value, if it is a plausible temperature in degC."""
     if not COLDEST <= value <= HOTTEST:
-        raise InputError(
-            f"{where}: {value:g} degC is outside {COLDEST:g} to {HOTTEST:g} degC"
-        )
+        raise InputError(f"{where}: {value:g} degC is outside {COLDEST:g} to {HOTTEST:g} degC")
     return value

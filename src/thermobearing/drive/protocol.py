@@ -6,6 +6,7 @@ the total rubber thickness or in mm.
 """
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
@@ -30,7 +31,7 @@ MAX_STEPS = 50_000_000  # of one segment: more is surely a slip in dt or a perio
 TINY = 1e-9
 
 
-def _exactly_one(names: dict[str, object], what: str) -> None:
+def _exactly_one(names: Mapping[str, object], what: str) -> None:
     given = [name for name, value in names.items() if value is not None]
     if len(given) != 1:
         raise ValueError(f"{what}: give exactly one of {', '.join(names)}; got {given or 'none'}")

@@ -170,7 +170,7 @@ def _coordinates(runs: list[RunRecord], labels: StackLabels) -> dict[str, Any]:
 
 
 def _flat(attributes: dict[str, Any]) -> dict[str, Any]:
-    """netCDF attributes hold text and numbers: everything else becomes JSON text."""
+    """NetCDF attributes hold text and numbers: everything else becomes JSON text."""
     return {
         key: value if isinstance(value, str | int | float) else json.dumps(value)
         for key, value in attributes.items()

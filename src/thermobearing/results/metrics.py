@@ -4,6 +4,7 @@ Displacement and force carry the same sign, so a dissipating loop encloses posit
 """
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -133,7 +134,7 @@ def find_cycles(displacement: Floats, *, smallest: float = 0.02) -> list[tuple[i
     # Which side the history is on, remembered while it is within the threshold of zero.
     side = np.where(d > limit, 1, np.where(d < -limit, -1, 0))
     known = np.flatnonzero(side)
-    turns = [int(b) for a, b in zip(known[:-1], known[1:], strict=True) if side[a] < side[b]]
+    turns = [int(b) for a, b in pairwise(known) if side[a] < side[b]]
     starts = [_last_crossing(d, turn) for turn in turns]
     first = known[0]
     if side[first] > 0:

@@ -61,7 +61,7 @@ class Result:
 
     @property
     def outcome(self) -> str:
-        """"completed", or the name of what ended the first run that did not complete."""
+        """Name of what ended the first run that did not complete, else completed."""
         names = [str(name) for name in self.dataset["outcome"].values]
         return next((name for name in names if name != "completed"), "completed")
 
@@ -220,7 +220,7 @@ class Result:
                 "softened_steps": softened,
                 "steps": int(data["steps"].values[run]),
             },
-            "cycles": [_cycle_summary(row) for row in mine.to_dict("records")],
+            "cycles": [_cycle_summary(dict(row)) for row in mine.to_dict("records")],
             "energy": {
                 key: float(value)
                 for key, value in self.energy.iloc[run].items()
@@ -247,7 +247,7 @@ class Result:
         return save_result(self, Path(directory), force=force, figures=figures)
 
 
-def _cycle_summary(row: dict[str, Any]) -> dict[str, Any]:
+def _cycle_summary(row: dict[Any, Any]) -> dict[str, Any]:
     """One cycle of summary.json from a row of `Result.cycles`."""
     rubber = [float(value) for key, value in row.items() if str(key).startswith("rubber")]
     plain = {

@@ -1,0 +1,241 @@
+"""The command `thermobearing`: thin calls into the library, clear ends.
+
+Exit status: 0 done; 2 bad input or a target that cannot be written (one message, nothing
+written); 3 the analysis ended early (partial results written); 130 interrupted (partial
+results kept). Heavy imports wait until a command needs them, so that --help is quick.
+"""
+
+import functools
+import json
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+import thermobearing
+from thermobearing.errors import InputError, OutputError
+
+if TYPE_CHECKING:
+    from thermobearing.case import Case
+    from thermobearing.results.result import Result
+
+BAD_INPUT, ENDED_EARLY, INTERRUPTED = 2, 3, 130
+
+app = typer.Typer(
+    name="thermobearing",
+    help="Rubber isolation bearings in the cold: heat conduction coupled to hysteresis.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+Output = Annotated[Path | None, typer.Option("-o", "--output", help="Result directory.")]
+Force = Annotated[bool, typer.Option("--force", help="Replace an earlier result directory.")]
+NoFigures = Annotated[bool, typer.Option("--no-figures", help="Draw no figures.")]
+AsJson = Annotated[bool, typer.Option("--json", help="Last line of output is JSON.")]
+Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="No progress bar, no tables.")]
+
+
+def _fail(message: str, status: int, outcome: str, as_json: bool) -> typer.Exit:
+    """Report a failure once, on stderr, and as JSON if asked for."""
+    typer.echo(f"thermobearing: {message}", err=True)
+    if as_json:
+        typer.echo(json.dumps({"outcome": outcome, "exit_status": status, "message": message}))
+    return typer.Exit(status)
+
+
+def reported(command: Callable[..., int]) -> Callable[..., None]:
+    """Turn what a command raises or returns into one message and an exit status."""
+
+    @functools.wraps(command)
+    def wrapper(*args: Any, **kwargs: Any) -> None:
+        as_json = bool(kwargs.get("as_json"))
+        try:
+            status = command(*args, **kwargs)
+        except (InputError, OutputError) as error:
+            raise _fail(str(error), BAD_INPUT, "bad_input", as_json) from None
+        except MemoryError:
+            message = "not enough memory; keep fewer histories (keep_every) or a larger dt"
+            raise _fail(message, BAD_INPUT, "bad_input", as_json) from None
+        except KeyboardInterrupt:
+            message = "interrupted; nothing was written"
+            raise _fail(message, INTERRUPTED, "interrupted", as_json) from None
+        if status:
+            raise typer.Exit(status)
+
+    return wrapper
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"thermobearing {thermobearing.__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _common(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version.")
+    ] = False,
+) -> None:
+    """Rubber isolation bearings in the cold."""
+
+
+@app.command()
+@reported
+def cyclic(
+    case: Annotated[
+        Path | None, typer.Argument(help="Case file; without one, Table 3.4 on the HDR specimen.")
+    ] = None,
+    bearing: Annotated[
+        str | None, typer.Option(help="Library name or TOML file.", metavar="NAME/FILE")
+    ] = None,
+    ambient: Annotated[
+        list[float] | None, typer.Option(help="Ambient temperature [degC]; may be repeated.")
+    ] = None,
+    dt: Annotated[float | None, typer.Option(help="Largest time step in motion [s].")] = None,
+    scheme: Annotated[str | None, typer.Option(help="conservative or published.")] = None,
+    integrator: Annotated[str | None, typer.Option(help="exact or euler.")] = None,
+    heat_source: Annotated[str | None, typer.Option(help="work or dissipation.")] = None,
+    keep_every: Annotated[int | None, typer.Option(help="Keep every n-th step.")] = None,
+    output: Output = None,
+    force: Force = False,
+    no_figures: NoFigures = False,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> int:
+    """Displacement-controlled cyclic test of a bearing, heat and hysteresis coupled."""
+    from thermobearing.case import load_case, make_case
+    from thermobearing.results.files import check_target
+
+    overrides = {
+        "bearing": bearing,
+        "ambient": ambient or None,
+        "dt": dt,
+        "scheme": scheme,
+        "integrator": integrator,
+        "heat_source": heat_source,
+        "keep_every": keep_every,
+    }
+    if case is None:
+        complete = make_case({}, "command line", **overrides)
+    else:
+        complete = load_case(case, **overrides)
+    target = output or Path(f"cyclic-{complete.bearing.name}")
+    check_target(target, force=force)
+    result = _run_with_progress(complete, quiet=quiet)
+    if not quiet:
+        from thermobearing.results.screen import print_result
+
+        print_result(result)
+    result.save(target, force=force, figures=not no_figures)
+    return _finish(result, target, as_json=as_json, quiet=quiet)
+
+
+def _run_with_progress(case: "Case", *, quiet: bool) -> "Result":
+    """Run a case under a progress bar (on stderr, only on a terminal)."""
+    from thermobearing.simulate import run_case
+
+    if quiet or not sys.stderr.isatty():
+        return run_case(case)
+    from rich.console import Console
+    from rich.progress import Progress
+
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("compiling, the first time", total=None)
+
+        def show(done: int, total: int) -> None:
+            bar.update(task, description="stepping", completed=done, total=total)
+
+        return run_case(case, progress=show)
+
+
+def _finish(result: "Result", target: Path, *, as_json: bool, quiet: bool) -> int:
+    """Say where the result is and how it ended; the exit status."""
+    outcome = result.outcome
+    status = {"completed": 0, "interrupted": INTERRUPTED}.get(outcome, ENDED_EARLY)
+    if status:
+        sentence = json.loads(result.dataset.attrs["sentences"])[outcome]
+        typer.echo(f"thermobearing: {outcome}: {sentence}", err=True)
+    if not quiet:
+        typer.echo(f"written: {target}")
+    if as_json:
+        files = sorted(str(p.relative_to(target)) for p in target.rglob("*") if p.is_file())
+        last = {"outcome": outcome, "exit_status": status, "output": str(target), "files": files}
+        typer.echo(json.dumps(last))
+    return status
+
+
+@app.command("list")
+@reported
+def list_(as_json: AsJson = False) -> int:
+    """What is built in."""
+    from thermobearing.bearing.library import list_bearings, load_bearing
+
+    bearings = [load_bearing(name) for name in list_bearings()]
+    for bearing in bearings:
+        typer.echo(f"{bearing.name:24}  {bearing.kind:5}  {bearing.description}")
+    if as_json:
+        typer.echo(json.dumps({"bearings": [bearing.name for bearing in bearings]}))
+    return 0
+
+
+@app.command()
+@reported
+def check(
+    file: Annotated[Path, typer.Argument(help="A bearing or a case, in TOML.")],
+    as_json: AsJson = False,
+) -> int:
+    """Validate a file without running it, and say what was understood."""
+    from thermobearing.check import describe_file
+    from thermobearing.results.screen import print_facts
+
+    kind, facts = describe_file(file)
+    print_facts(f"{file}: a valid {kind}", facts)
+    if as_json:
+        typer.echo(json.dumps({"outcome": "valid", "kind": kind, "file": str(file)}))
+    return 0
+
+
+@app.command()
+@reported
+def measure(
+    file: Annotated[Path, typer.Argument(help="CSV with displacement and force.")],
+    bearing: Annotated[
+        str, typer.Option(help="Library name or TOML file: plan area and rubber thickness.")
+    ],
+    as_json: AsJson = False,
+) -> int:
+    """Equivalent modulus, damping and energy of each cycle of a measured history."""
+    import dataclasses
+
+    from thermobearing.bearing.library import load_bearing
+    from thermobearing.results.metrics import measure_history
+    from thermobearing.results.screen import print_measures
+    from thermobearing.tables import read_columns
+
+    data = read_columns(file, {"displacement": "mm", "force": "kN"})
+    specimen = load_bearing(bearing)
+    rubber = specimen.total_rubber_thickness
+    try:
+        cycles = measure_history(
+            data["displacement"], data["force"], area=specimen.area, total_rubber_thickness=rubber
+        )
+    except InputError as error:
+        raise InputError(error.problems, str(file)) from None
+    print_measures(cycles, rubber)
+    if as_json:
+        typer.echo(json.dumps({"cycles": [dataclasses.asdict(cycle) for cycle in cycles]}))
+    return 0
+
+
+def main() -> None:
+    """Entry point of the console script."""
+    app()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,32 @@
+"""Shared by all tests: CI fails when a test is skipped that is not expected to be.
+
+A test that needs the given data or an optional program skips elsewhere, with a reason; in
+CI everything is there, so every skip must stand in tests/expected_skips.txt.
+"""
+
+import os
+from pathlib import Path
+
+import pytest
+
+EXPECTED = Path(__file__).with_name("expected_skips.txt")
+
+
+def _expected() -> set[str]:
+    lines = (line.split("#")[0].strip() for line in EXPECTED.read_text().splitlines())
+    return {line for line in lines if line}
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """Print the skipped tests, and in CI compare them with the expected list."""
+    skipped = {report.nodeid for report in terminalreporter.stats.get("skipped", [])}
+    if not os.environ.get("CI"):
+        return
+    terminalreporter.section("skipped tests")
+    for name in sorted(skipped) or ["none"]:
+        terminalreporter.write_line(name)
+    unexpected = skipped ^ _expected()
+    if unexpected:
+        terminalreporter.write_line(f"not as in {EXPECTED.name}: {sorted(unexpected)}")
+        terminalreporter._session.exitstatus = pytest.ExitCode.TESTS_FAILED  # type: ignore[attr-defined]

@@ -1,0 +1,105 @@
+"""Cold and strained bearings: the sharing never fails, and converges with the time step."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from tests.tolerances import (
+    ADDS_UP,
+    BOUND_ROUNDING,
+    EQUAL_FORCE,
+    HALVED,
+    SOFTENED_PEAK,
+    SOFTENED_WORK,
+)
+from tests.verification.models import (
+    Run,
+    assembled,
+    layer_forces,
+    marched,
+    sine,
+    smooth_history,
+    specimen,
+)
+from thermobearing.core.types import (
+    COMPLETED,
+    DISPLACEMENT,
+    FORCE,
+    MISMATCH,
+    SHARING,
+    SOFTENED,
+    WORK_IN,
+)
+
+TEMPERATURES = (-60.0, -40.0, -20.0, 0.0, 23.0, 60.0)
+STRAINS = (0.5, 1.0, 2.0, 2.5, 3.0, 3.5)
+
+
+@pytest.mark.parametrize(("dt", "steps"), [(1e-4, 2000), (5e-3, 1000), (5e-2, 250)])
+@pytest.mark.parametrize("half", [True, False])
+def test_no_history_ends_a_run(dt: float, steps: int, half: bool) -> None:
+    """Random smooth histories over the whole range of temperature and strain."""
+    bearing, constants = specimen(), assembled(specimen(), half=half)
+    d_y = bearing.hysteresis.yield_displacement * (1.0 + BOUND_ROUNDING)
+    rng = np.random.default_rng(21)
+    softened = 0
+    for temperature in TEMPERATURES:
+        for strain in STRAINS:
+            x = smooth_history(rng, strain * bearing.total_rubber_thickness, steps)
+            run = marched(constants, x, dt, temperature, temperature)
+            assert run.outcome in (COMPLETED, SOFTENED)
+            assert len(run.books) == steps
+            assert np.isfinite(run.books).all()
+            assert np.isfinite(run.cells).all()
+            assert np.abs(run.z).max() <= d_y
+            total = run.d @ constants.multiplicity
+            assert_allclose(total, run.books[:, DISPLACEMENT], rtol=0.0, atol=ADDS_UP)
+            softened += run.softened
+    assert softened > 0  # the hard regime was visited
+
+
+def cold_run(dt: float, temperature: float = -40.0, strain: float = 3.0) -> Run:
+    """Three cycles of 300 % at -40 degC."""
+    x = sine(specimen(), strain=strain, period=4.0, cycles=3, dt=dt)
+    return marched(assembled(specimen()), x, dt, temperature, temperature)
+
+
+def test_softened_runs_converge_with_the_time_step() -> None:
+    runs = [cold_run(dt) for dt in (10e-3, 5e-3, 2.5e-3)]
+    assert all(run.softened > 0 for run in runs)
+    peak = np.array([np.abs(run.books[:, FORCE]).max() for run in runs])
+    work = np.array([run.books[-1, WORK_IN] for run in runs])
+    print(f"peak force {peak} kN, work {work} J, softened {[run.softened for run in runs]}")
+    assert_allclose(peak[:-1], peak[1:], rtol=SOFTENED_PEAK, atol=0.0)
+    assert_allclose(work[:-1], work[1:], rtol=SOFTENED_WORK, atol=0.0)
+    for values in (peak, work):  # and the differences shrink
+        assert abs(values[2] - values[1]) < HALVED * abs(values[1] - values[0])
+
+
+def test_mismatch_is_told_as_it_is() -> None:
+    """In softened steps too, the reported mismatch is the distance from the printed law."""
+    run = cold_run(5e-3)
+    force = run.books[:, FORCE]
+    apart = np.abs(layer_forces(specimen(), run) - force[:, None]).max(axis=1)
+    soft = run.books[:, SHARING] > 0.0
+    assert run.softened == np.count_nonzero(soft) > 0
+    peak = np.abs(force).max()
+    print(f"-40 degC, 300 %: mismatch at most {apart.max():.2f} kN of {peak:.0f} kN")
+    assert_allclose(run.books[:, MISMATCH], apart, rtol=0.0, atol=EQUAL_FORCE * peak)
+    assert_allclose(apart[~soft], 0.0, rtol=0.0, atol=EQUAL_FORCE * peak)
+
+
+def edge_jumps(dt: float) -> tuple[float, float]:
+    """Largest change of w in one step, and bend of the force [kN] where w leaves or enters zero."""
+    run = cold_run(dt)
+    weight, force = run.books[:, SHARING], run.books[:, FORCE]
+    edges = np.flatnonzero(np.diff((weight > 0.0).astype(int)) != 0)
+    assert len(edges) == 12  # in and out, twice a cycle
+    return float(np.abs(np.diff(weight)).max()), float(np.abs(np.diff(force, 2))[edges - 1].max())
+
+
+def test_softening_sets_in_and_ends_without_a_jump() -> None:
+    """A jump would stay as it is when the step is halved; a continuous rule halves it."""
+    jumps = np.array([edge_jumps(dt) for dt in (4e-3, 2e-3, 1e-3)])
+    print(f"change of w {jumps[:, 0]}, bend of the force {jumps[:, 1]} kN, dt = 4, 2, 1 ms")
+    assert (jumps[1:] < HALVED * jumps[:-1]).all()
