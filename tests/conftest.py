@@ -4,7 +4,9 @@ A test that needs the given data or an optional program skips elsewhere, with a 
 CI everything is there, so every skip must stand in tests/expected_skips.txt.
 """
 
+import json
 import os
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -30,3 +32,24 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     if unexpected:
         terminalreporter.write_line(f"not as in {EXPECTED.name}: {sorted(unexpected)}")
         terminalreporter._session.exitstatus = pytest.ExitCode.TESTS_FAILED  # type: ignore[attr-defined]
+
+
+MEASURED: dict[str, tuple[str, str, str]] = {}
+
+
+@pytest.fixture
+def measured(request: pytest.FixtureRequest) -> "Callable[[str, str, str], None]":
+    """Record a measured number for docs/measured.json: what, value, limit."""
+
+    def record(what: str, value: str, limit: str) -> None:
+        MEASURED[what] = (value, limit, request.node.nodeid.split("[")[0])
+
+    return record
+
+
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    """Write what the tests measured where THERMOBEARING_MEASURED says (used by `make docs`)."""
+    target = os.environ.get("THERMOBEARING_MEASURED")
+    if target:
+        rows = [dict(zip(("what", "value", "limit", "test"), (k, *v))) for k, v in MEASURED.items()]
+        Path(target).write_text(json.dumps(rows, indent=1, ensure_ascii=False) + "\n")

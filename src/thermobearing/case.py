@@ -113,7 +113,22 @@ def load_case(path: str | Path, **overrides: Any) -> Case:
     bearing = table.get("bearing")
     if isinstance(bearing, str) and bearing.endswith(".toml") and overrides.get("bearing") is None:
         table["bearing"] = str(path.parent / bearing)
+    if isinstance(table.get("initial_result"), str):
+        table["initial_profile"] = _final_profile(path.parent / table.pop("initial_result"))
     return make_case(table, str(path), **overrides)
+
+
+def _final_profile(result: Path) -> list[str]:
+    """Final cell temperatures of an earlier result with a single run, as text with units."""
+    from thermobearing.results.files import load_result
+
+    final = load_result(result)["final_temperature"].values
+    if len(final) != 1:
+        raise InputError(
+            f"initial_result has {len(final)} runs; use a result at a single ambient temperature",
+            str(result),
+        )
+    return [with_unit(float(value), "degC") for value in final[0]]
 
 
 def _steps(table: dict[str, Any]) -> list[dict[str, Any]]:

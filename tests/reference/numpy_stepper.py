@@ -144,10 +144,13 @@ class NumpyStepper:
         """Layer displacements, their Z and the common force: Newton on (d_1 .. d_L, F)."""
         law, layers = self.law, len(self.d)
         warmer = (self.layer_temperature - law.reference_temperature) / 100.0
-        k = law.layer_stiffness
-        elastic = law.post_yield_ratio * k * np.exp(law.elastic_temperature_coefficient * warmer)
-        hysteretic = (1.0 - law.post_yield_ratio) * k
-        hysteretic = hysteretic * np.exp(law.hysteretic_temperature_coefficient * warmer)
+        k, m, n = (
+            law.layer_stiffness,
+            law.elastic_temperature_coefficient,
+            law.hysteretic_temperature_coefficient,
+        )
+        elastic = law.post_yield_ratio * k * np.exp(m * warmer)
+        hysteretic = (1.0 - law.post_yield_ratio) * k * np.exp(n * warmer)
         b = law.hardening / self.layer_thickness**2
         d, force = self.d + (x - self.x) / (2 * layers), self.force
         jacobian = np.zeros((layers + 1, layers + 1))

@@ -185,7 +185,8 @@ def fin_profile(source: float) -> Profile:
 
     def profile(y: Floats) -> Floats:
         rubber = source / side + base * np.cosh(m_r * y)
-        return np.where(y < B, rubber, c * np.cosh(m_s * (y - B)) + d * np.sinh(m_s * (y - B)))
+        steel = c * np.cosh(m_s * (y - B)) + d * np.sinh(m_s * (y - B))
+        return np.asarray(np.where(y < B, rubber, steel))
 
     return profile
 
@@ -197,12 +198,12 @@ def test_steady_composite_fin_has_order_two() -> None:
         bearing = slab(rubber=RUBBER, steel=STEEL, side_film=SIDE, cells=cells)
         constants = assembled(bearing, upper=Face(film=FILM))
         y = heights(bearing)
-        rise = np.where(y < B, source / RUBBER.volumetric_heat, 0.0)
-        steady = np.linalg.solve(rate_matrix(constants), rise)
+        rise = np.asarray((y < B) * (source / RUBBER.volumetric_heat), dtype=np.float64)
+        steady = np.asarray(np.linalg.solve(rate_matrix(constants), rise), dtype=np.float64)
         exact = fin_profile(source)(y)
         errors.append(float(np.max(np.abs(steady - exact)) / np.max(exact)))
         # The core must agree that this is its steady state.
-        change = heat_step(constants, ambient + steady, dt, ambient, dt * rise).change
+        change = heat_step(constants, steady + ambient, dt, ambient, dt * rise).change
         assert_allclose(change, 0.0, rtol=0.0, atol=FIXED_POINT * np.max(exact))
     orders = np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
     print(f"fin: relative errors {errors}, observed orders {orders}")

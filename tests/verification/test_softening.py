@@ -58,6 +58,22 @@ def test_no_history_ends_a_run(dt: float, steps: int, half: bool) -> None:
     assert softened > 0  # the hard regime was visited
 
 
+@pytest.mark.parametrize("half", [True, False])
+def test_jumps_within_one_step_end_no_run(half: bool) -> None:
+    """White noise up to 350 %, layers 20 K apart: coarser than sensible, but a trial may ask it."""
+    constants, peak = assembled(specimen(), half=half), 3.5 * specimen().total_rubber_thickness
+    rng = np.random.default_rng(22)
+    for temperature in TEMPERATURES:
+        for _ in range(10):
+            x = rng.uniform(-peak, peak, 100)
+            uneven = temperature + rng.uniform(-20.0, 20.0, constants.cells.shape[1])
+            run = marched(constants, x, 5e-3, uneven, temperature)
+            assert run.outcome in (COMPLETED, SOFTENED)
+            assert len(run.books) == len(x)
+            assert np.isfinite(run.books).all()
+            assert_allclose(run.d @ constants.multiplicity, x, rtol=0.0, atol=ADDS_UP)
+
+
 def cold_run(dt: float, temperature: float = -40.0, strain: float = 3.0) -> Run:
     """Three cycles of 300 % at -40 degC."""
     x = sine(specimen(), strain=strain, period=4.0, cycles=3, dt=dt)
@@ -87,6 +103,22 @@ def test_mismatch_is_told_as_it_is() -> None:
     print(f"-40 degC, 300 %: mismatch at most {apart.max():.2f} kN of {peak:.0f} kN")
     assert_allclose(run.books[:, MISMATCH], apart, rtol=0.0, atol=EQUAL_FORCE * peak)
     assert_allclose(apart[~soft], 0.0, rtol=0.0, atol=EQUAL_FORCE * peak)
+
+
+def test_layer_forces_are_equal_under_the_law_that_softened_steps_use() -> None:
+    """Hardening at (1 - w) d + w x/N, every other term of Eq. 4.34 as printed: one force."""
+    bearing = specimen()
+    run = cold_run(5e-3)
+    h, t_r, w = bearing.hysteresis, bearing.geometry.rubber_thickness, run.books[:, [SHARING]]
+    mean = run.books[:, [DISPLACEMENT]] / bearing.geometry.rubber_layers
+    printed = h.hardening * (run.d / t_r) ** 2
+    shared = h.hardening * (((1.0 - w) * run.d + w * mean) / t_r) ** 2
+    warmer = h.hysteretic_temperature_coefficient * (run.layer_start - 23.0) / 100.0
+    kh = (1.0 - h.post_yield_ratio) * np.exp(warmer) * h.layer_stiffness
+    force = layer_forces(bearing, run) + (shared - printed) * kh * run.z
+    common = run.books[:, [FORCE]]
+    atol = EQUAL_FORCE * np.abs(common).max()
+    assert_allclose(force, np.broadcast_to(common, force.shape), rtol=0.0, atol=atol)
 
 
 def edge_jumps(dt: float) -> tuple[float, float]:

@@ -49,6 +49,7 @@ PLAIN_NEWTON = 10  # iterations before each Newton step is searched along its li
 ALL_NEWTON = 60
 LINE_SEARCH = 30
 LAST_CORRECTION = 1e-6  # relative force difference that one more correction squares away
+NO_MOTION = 1e-12  # correction, relative to d_y, too small for its direction to matter
 ESCALATIONS = 6  # halvings of (1 - w) before w = 1 is taken
 EULER_LIMIT = 4.0  # |Z| / d_y beyond which explicit Euler has clearly lost its way
 
@@ -175,6 +176,17 @@ def common_force(
 
 
 @compiled
+def reverses(old: Floats, work: Floats, d_y: float) -> bool:
+    """Whether the Newton correction turns a layer's increment round, where dZ/dd jumps."""
+    for j in range(old.shape[1]):
+        moved, by = work[TRIAL, j] - old[D, j], work[DIRECTION, j]
+        ahead = by if moved >= 0.0 else -by
+        if abs(moved) + ahead < 0.0 and abs(by) > NO_MOTION * d_y:
+            return True
+    return False
+
+
+@compiled
 def newton(
     rubber: Rubber,
     multiplicity: Floats,
@@ -198,7 +210,8 @@ def newton(
         force, tangent, apart = common_force(rubber, multiplicity, work, new, x, w)
         if not math.isfinite(force + apart):
             return force, tangent, smallest, NOT_FINITE
-        if apart <= LAST_CORRECTION * (abs(force) + floor):
+        close = apart <= LAST_CORRECTION * (abs(force) + floor)
+        if close and not reverses(old, work, rubber.yield_displacement):
             # The next iterate differs by this correction squared: take it without the law.
             for j in range(old.shape[1]):
                 work[TRIAL, j] += work[DIRECTION, j]

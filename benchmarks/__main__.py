@@ -1,0 +1,75 @@
+"""Run all benches, print one table, write it as JSON if asked."""
+
+import argparse
+import json
+import time
+from dataclasses import asdict
+from importlib import import_module
+from pathlib import Path
+
+from rich.console import Console
+from rich.table import Table
+
+from benchmarks.machine import machine
+from benchmarks.rows import Row, failed
+
+ITEMS = {
+    "coupled_step": "Speed",
+    "whole_test": "Speed",
+    "numpy_stepper": "Speed",
+    "opensees": "Speed",
+    "startup": "Waiting",
+    "first_run": "Waiting",
+    "integrator": "Accuracy",
+    "step_halving": "Accuracy",
+    "energy": "Energy books",
+    "memory": "Memory",
+}
+MARKS = {True: "[green]yes[/]", False: "[bold red]NO[/]", None: ""}
+
+
+def measured(item: str) -> list[Row]:
+    """Rows of one bench; one that breaks becomes a row of its own and spoils no other."""
+    try:
+        rows: list[Row] = import_module(f"benchmarks.{item}").rows()
+    except Exception as error:
+        return [failed(item, f"{type(error).__name__}: {error}", target="to run at all")]
+    return rows
+
+
+def table(found: dict[str, list[Row]], about: dict[str, str]) -> Table:
+    """What, measured, target, met; one section per bench."""
+    caption = ", ".join(f"{key} {value}" for key, value in about.items())
+    out = Table(title="thermobearing: measured beside target", caption=caption)
+    for head in ("", "what", "measured", "target", "met", "note"):
+        out.add_column(head, justify="right" if head in ("measured", "target") else "left")
+    for item, rows in found.items():
+        for row in rows:
+            out.add_row(ITEMS[item], row.what, row.measured, row.target, MARKS[row.met], row.note)
+        out.add_section()
+    return out
+
+
+def main() -> None:
+    """Always ends with status 0: the table says what was not met."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
+    parser.add_argument("--json", metavar="FILE", type=Path, help="write the same as JSON")
+    parser.add_argument("--only", metavar="ITEM", nargs="+", choices=ITEMS, default=list(ITEMS))
+    options = parser.parse_args()
+    begin, console = time.perf_counter(), Console(width=170)
+    found: dict[str, list[Row]] = {}
+    for item in options.only:
+        console.print(f"measuring {item} ...", style="dim")
+        found[item] = measured(item)
+    console.print(table(found, machine()))
+    judged = [row.met for rows in found.values() for row in rows if row.met is not None]
+    elapsed = time.perf_counter() - begin
+    console.print(f"{sum(judged)} of {len(judged)} targets met; {elapsed:.0f} s")
+    if options.json:
+        listed = {item: [asdict(row) for row in rows] for item, rows in found.items()}
+        report = {"machine": machine(), "rows": listed, "seconds": elapsed}
+        options.json.write_text(json.dumps(report, indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    main()

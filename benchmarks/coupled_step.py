@@ -1,0 +1,16 @@
+"""Time of one coupled step: sharing, heat, conduction, books, one kept row."""
+
+from benchmarks.rows import Row, at_most
+from benchmarks.specimen import AMBIENTS, step_microseconds
+
+LIMIT = 0.6  # [us]
+
+
+def rows() -> list[Row]:
+    """One row per ambient temperature; the fastest of many runs counts, the median is noted."""
+    found = []
+    for ambient in AMBIENTS:
+        fastest, median = step_microseconds(ambient, repeats=30)
+        what = f"coupled step, 19 cells, 3 layers, Table 3.4 at {ambient:g} degC"
+        found.append(at_most(what, fastest, LIMIT, "us", f"median {median:.3f} us"))
+    return found

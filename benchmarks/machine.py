@@ -1,0 +1,29 @@
+"""Where the numbers come from: processor and versions."""
+
+import os
+import platform
+from importlib.metadata import version
+from pathlib import Path
+
+PACKAGES = ("thermobearing", "numpy", "scipy", "numba", "xarray")
+
+
+def processor() -> str:
+    """Model name of the processor, as well as the system tells it."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text().splitlines()
+    except OSError:
+        return platform.processor() or platform.machine()
+    names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
+    return names[0] if names else platform.machine()
+
+
+def machine() -> dict[str, str]:
+    """Processor, cores, system and versions."""
+    about = {
+        "processor": processor(),
+        "cores": str(os.cpu_count()),
+        "system": f"{platform.system()} {platform.machine()}",
+        "python": platform.python_version(),
+    }
+    return about | {name: version(name) for name in PACKAGES}

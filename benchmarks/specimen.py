@@ -1,0 +1,60 @@
+"""What most benches run: the HDR specimen (19 cells, 3 layers in the half stack), Table 3.4."""
+
+import time
+from collections.abc import Callable
+
+import numpy as np
+
+import thermobearing as tb
+from thermobearing.core.types import Constants
+from thermobearing.drive.ambient import Ambient
+from thermobearing.drive.assemble import build_constants
+from thermobearing.drive.protocol import Segment, build_segments
+from thermobearing.drive.run import History, run_segments
+from thermobearing.stack import Face, build_stack
+
+NAME = "shen-hdr-specimen"
+AMBIENTS = (-20.0, 0.0, 23.0)  # [degC]
+ETA = 2.0
+
+
+def specimen_constants() -> Constants:
+    """Of the half stack, conservative scheme, exact integrator."""
+    bearing = tb.load_bearing(NAME)
+    stack = build_stack(bearing, half=True)
+    return build_constants(bearing, stack, upper=Face(eta=ETA), lower=None)
+
+
+def table_34() -> list[Segment]:
+    """The whole of Table 3.4 with its rests, steps of 5 ms."""
+    bearing = tb.load_bearing(NAME)
+    return build_segments(tb.cyclic_test(), bearing.total_rubber_thickness)
+
+
+def run_at(constants: Constants, segments: list[Segment], ambient: float) -> History:
+    """One run, everything kept that is kept by default."""
+    start = np.full(constants.cells.shape[1], ambient)
+    return run_segments(constants, segments, Ambient.constant(ambient), start)
+
+
+def seconds(function: Callable[[], object], repeats: int) -> list[float]:
+    """Processor time of each call, after one that does not count; sorted.
+
+    Everything here runs on one core, where this is the wall time of an idle machine; on a busy
+    one the wall time would count the neighbours.
+    """
+    function()
+    times = []
+    for _ in range(repeats):
+        begin = time.process_time()
+        function()
+        times.append(time.process_time() - begin)
+    return sorted(times)
+
+
+def step_microseconds(ambient: float = 23.0, repeats: int = 20) -> tuple[float, float]:
+    """Fastest and median time of one coupled step over Table 3.4, histories kept [us]."""
+    constants, segments = specimen_constants(), table_34()
+    count = run_at(constants, segments, ambient).steps
+    times = seconds(lambda: run_at(constants, segments, ambient), repeats)
+    return 1e6 * times[0] / count, 1e6 * times[len(times) // 2] / count

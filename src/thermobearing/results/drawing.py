@@ -1,0 +1,220 @@
+"""How figures look: panels, colours, legends, thinned histories. Only for figures.py.
+
+Everything is set on the artists themselves, so that a figure looks the same under any
+matplotlib settings and none of the user's settings are touched.
+"""
+
+import math
+import textwrap
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.colors import LinearSegmentedColormap, to_hex
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+LARGE, NORMAL, SMALL = 10.5, 9.0, 7.5  # font sizes [pt]
+LETTER, BOLD_LETTER = 0.56, 0.66  # mean width of a letter, of the font size
+HANDLE = 4.5  # width of a legend's line and gaps, of the font size
+INK, GREY, PALE, STEEL, RUBBER = "#1a1a1a", "#6b6b6b", "#eef0f3", "#d3d8de", "#fdf6ec"
+# Paul Tol's "vibrant" colours in the order of temperature: safe for colour-blind readers.
+COLD_TO_WARM = LinearSegmentedColormap.from_list(
+    "cold_to_warm", ["#0077BB", "#33BBEE", "#009988", "#EE7733", "#CC3311"]
+)
+COLD, WARM = -20.0, 23.0  # ends of the scale for a single ambient temperature [degC]
+MOST_LOOP_POINTS = 60_000
+CYCLE_LOOKS = (("-", "o"), ("--", "s"), (":", "^"))  # line and marker
+POINTS = ("none", "o")
+MARKERS = "os^Dv<>p"
+ENERGIES = (
+    ("work_in", "work in", "#000000", "-", 2.2),
+    ("heat_released", "heat released", "#E69F00", "--", 1.6),
+    ("heat_stored", "heat stored", "#D55E00", "-", 1.3),
+    ("heat_lost_ends", "heat lost through the ends", "#0072B2", "-", 1.3),
+    ("heat_lost_sides", "heat lost through the sides", "#56B4E9", "-.", 1.3),
+    ("recoverable", "recoverable", "#009E73", "-", 1.3),
+)
+THIN = 0.02  # of the height: a part too thin for its name
+LOOP_STEP = 1 / 250  # distance of kept points of a loop, of the size of the panel
+
+
+def degrees(value: float) -> str:
+    """A temperature for a title, with a true minus sign."""
+    return f"{value:g} °C".replace("-", "\N{MINUS SIGN}")
+
+
+def residual(value: float) -> str:
+    """A residual for a title: rounding as a power of ten, a real one in per cent."""
+    text = f"{value:.1e}" if abs(value) < 1e-3 else f"{100.0 * value:.2g} %"
+    return text.replace("-", "\N{MINUS SIGN}")
+
+
+def ambient_colours(ambient: Floats) -> list[str]:
+    """From cold (blue) to warm (red); a single temperature by its value."""
+    if len(ambient) == 1:
+        place = np.clip((ambient - COLD) / (WARM - COLD), 0.0, 1.0)
+    else:
+        place = np.argsort(np.argsort(ambient)) / (len(ambient) - 1)
+    return [to_hex(COLD_TO_WARM(float(p))) for p in place]
+
+
+def ordered_colours(count: int, name: str) -> list[str]:
+    """Colours in a readable order, without the end of the map that is too pale for lines."""
+    return [to_hex(colormaps[name](p)) for p in np.linspace(0.0, 0.82, max(count, 2))[:count]]
+
+
+def panels(
+    rows: int, columns: int, size: tuple[float, float], title: str, *, share: bool = False
+) -> tuple[Figure, list[Axes]]:
+    """A figure of so many inches with its panels row by row, styled but empty."""
+    figure = Figure(figsize=size, layout="constrained")
+    room = int(size[0] * 72.0 / (BOLD_LETTER * LARGE))
+    lines = title.replace(": ", ":\n", 1) if len(title) > room else title
+    wrapped = "\n".join(textwrap.fill(line, room) for line in lines.splitlines())
+    figure.suptitle(wrapped, fontsize=LARGE, fontweight="bold", color=INK)
+    axes = figure.subplots(rows, columns, squeeze=False, sharex=share, sharey=share)
+    for ax in axes.flat:
+        style(ax)
+        ax.grid(True, color="#dddddd", linewidth=0.6)
+    return figure, list(axes.flat)
+
+
+def style(ax: Axes) -> None:
+    """Sizes and lines of one panel."""
+    ax.set_axisbelow(True)
+    ax.tick_params(labelsize=SMALL, color=GREY, labelcolor=INK)
+    for spine in ax.spines.values():
+        spine.set_color(GREY)
+        spine.set_linewidth(0.7)
+
+
+def name_axes(ax: Axes, x: str = "", y: str = "", title: str = "", pad: float = 5.0) -> None:
+    """Labels with units, and the title of the panel."""
+    if x:
+        ax.set_xlabel(x, fontsize=NORMAL)
+    if y:
+        ax.set_ylabel(y, fontsize=NORMAL)
+    if title:
+        ax.set_title(title, fontsize=NORMAL, loc="left", pad=pad)
+
+
+def scaling(factor: float) -> tuple[Callable[[Any], Any], Callable[[Any], Any]]:
+    """Multiply and divide by a factor, for a second axis."""
+    return (lambda value: value * factor, lambda value: value / factor)
+
+
+def thin(values: Floats, bins: int) -> Ints:
+    """Points that draw like all of them: the first, the last, each bin's lowest and highest."""
+    size = max(1, len(values) // max(bins, 1))
+    if size <= 2:
+        return np.arange(len(values))
+    whole = len(values) // size * size
+    shaped = values[:whole].reshape(-1, size)
+    start = np.arange(0, whole, size)
+    rest = np.arange(whole, len(values))
+    picked = [[0], start + shaped.argmin(axis=1), start + shaped.argmax(axis=1), rest]
+    return np.unique(np.concatenate([*picked, [len(values) - 1]])).astype(np.int64)
+
+
+def thin_paths(
+    paths: list[tuple[Floats, Floats]], width: float, height: float
+) -> tuple[Floats, Floats]:
+    """Paths in a plane of that size as one line, NaN between them, fewer points on each."""
+    xs, ys = [np.empty(0)], [np.empty(0)]
+    for x, y in paths:
+        kept = thin_loops(x, y, width, height)
+        xs += [x[kept], np.array([np.nan])]
+        ys += [y[kept], np.array([np.nan])]
+    return np.concatenate(xs), np.concatenate(ys)
+
+
+def thin_loops(x: Floats, y: Floats, width: float, height: float) -> Ints:
+    """Points of a path in the plane that keep its shape: evenly along it, and where it turns."""
+    if len(x) < 3:
+        return np.arange(len(x))
+    way = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x) / width, np.diff(y) / height))])
+    step = max(LOOP_STEP, way[-1] / MOST_LOOP_POINTS)
+    kept = np.flatnonzero(np.diff(np.floor(way / step), prepend=-1.0))
+    turns = 1 + np.flatnonzero(np.diff(x)[:-1] * np.diff(x)[1:] < 0.0)
+    if len(turns) < MOST_LOOP_POINTS:  # else it is noise that turns
+        kept = np.union1d(kept, turns)
+    return np.union1d(kept, [len(x) - 1]).astype(np.int64)
+
+
+def look_of(line: str, marker: str, colour: str) -> dict[str, Any]:
+    """Line and marker of one cycle number; only full lines and lone points are filled."""
+    return {
+        "color": colour,
+        "linestyle": line,
+        "marker": marker,
+        "markersize": 4.5,
+        "linewidth": 1.2,
+        "markerfacecolor": colour if line in ("-", "none") else "white",
+    }
+
+
+def layer_names(count: int, half: bool) -> list[str]:
+    """Layers from the upper face, with where the first and the last one are."""
+    names = [f"layer {j}" for j in range(1, count + 1)]
+    names[-1] += " (innermost)" if half else " (lower face)"
+    names[0] = "layer 1 (outermost)" if half else "layer 1 (upper face)"
+    return names
+
+
+def ambient_handle() -> Line2D:
+    """Legend entry of the dotted line at the ambient temperature."""
+    return Line2D([], [], color=GREY, linewidth=1.0, linestyle=":", label="ambient")
+
+
+def legend_below(figure: Figure, handles: list[Line2D]) -> None:
+    """One legend for all panels, in as few rows as the width of the figure allows."""
+    room = figure.get_figwidth() * 72.0 / SMALL
+    wide = sum(LETTER * len(str(handle.get_label())) + HANDLE for handle in handles)
+    rows = math.ceil(wide / room)
+    columns = math.ceil(len(handles) / rows)
+    figure.legend(
+        handles=handles, loc="outside lower center", ncols=columns, fontsize=SMALL, frameon=False
+    )
+
+
+def draw_stack(ax: Axes, data: xr.Dataset, *, names: bool) -> None:
+    """Bands of steel and rubber behind profiles, the faces, and beside them the parts' names."""
+    part = [str(name) for name in data["part"].values]
+    bottom = np.cumsum(data["cell_thickness"].values)
+    half = bool(data.attrs["half_stack"])
+    height, layer, top = float(bottom[-1]), 0, 0.0
+    ends = [i for i in range(len(part)) if i == len(part) - 1 or part[i] != part[i + 1]]
+    for end in ends:
+        rubber = part[end] == "rubber"
+        layer += rubber
+        ax.axhspan(top, bottom[end], color=RUBBER if rubber else STEEL, zorder=0, linewidth=0)
+        if names and bottom[end] - top > THIN * height:
+            name = f"rubber {layer}" if rubber else part[end].replace("_", " ")
+            name = f"half {name}" if half and end == ends[-1] else name
+            ax.text(
+                1.03, 0.5 * (top + bottom[end]), name, fontsize=SMALL - 0.5, color=GREY,
+                va="center", transform=ax.get_yaxis_transform(),
+            )  # fmt: skip
+        top = float(bottom[end])
+    ax.set_yticks([y for y in ax.get_yticks() if 0.0 <= y <= height])
+    ax.set_ylim(1.055 * height, -0.055 * height)  # with room for the names of the faces
+    ax.grid(False, axis="y")
+    _draw_face(ax, -0.006 * height, 0.0, "upper face", "-")
+    lower = ("plane of symmetry", "-.") if half else ("lower face", "-")
+    _draw_face(ax, 1.006 * height, height, *lower)
+
+
+def _draw_face(ax: Axes, label_at: float, at: float, name: str, line: str) -> None:
+    ax.axhline(at, color=INK, linewidth=0.9, linestyle=line, zorder=1.5)
+    ax.text(
+        0.5, label_at, name, fontsize=SMALL - 0.5, color=INK, ha="center",
+        va="bottom" if label_at < at else "top", transform=ax.get_yaxis_transform(),
+    )  # fmt: skip
