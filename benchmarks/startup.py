@@ -28,6 +28,7 @@ def rows() -> list[Row]:
     return [
         timed("python without anything, for comparison", "pass", limit=None),
         timed("import thermobearing", "import thermobearing"),
+        timed("the same and everything run() needs", "import thermobearing; thermobearing.run"),
         timed("thermobearing --help", CLI, "--help"),
         timed("thermobearing cyclic --help", CLI, "cyclic", "--help"),
     ]

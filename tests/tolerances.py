@@ -49,11 +49,11 @@ CLOSED_CYCLE = 1e-9  # of the work of a cycle: Z forgets its start as exp(-path 
 
 # --- cross code: numpy stepper -----------------------------------------------------------
 # Both solve the same discrete equations, so only Newton's last correction and rounding, summed
-# over some 5000 steps, are between them: 2e-11 measured in motion, and 3e-9 in rests, where the
-# last correction may turn a layer back and take its dZ/dd from the wrong side.
-STEPPER_FORCE = 1e-8  # of the peak force
-STEPPER_DISPLACEMENT = 1e-8  # of the largest layer displacement
-STEPPER_TEMPERATURE = 1e-8  # K
+# over some 5000 steps, are between them; 2e-11 at most measured for each. A last correction
+# that takes dZ/dd from the wrong side of a turn came to 3e-9 in rests.
+STEPPER_FORCE = 1e-9  # of the peak force
+STEPPER_DISPLACEMENT = 1e-9  # of the largest layer displacement
+STEPPER_TEMPERATURE = 1e-9  # K
 
 # --- Validation and regression, HDR ------------------------------------------------------
 ROUNDING = 1e-14  # sums of a few dozen numbers

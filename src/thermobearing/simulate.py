@@ -20,7 +20,12 @@ from thermobearing.case import Case, EndFace, make_case, resolved_toml
 from thermobearing.drive.ambient import Ambient
 from thermobearing.drive.assemble import build_constants
 from thermobearing.drive.outcomes import INTERRUPTED, SENTENCES, SHARING_SENTENCES
-from thermobearing.drive.protocol import CyclicTest, Segment, build_segments
+from thermobearing.drive.protocol import (
+    CyclicTest,
+    Segment,
+    build_segments,
+    longest_layer_increment,
+)
 from thermobearing.drive.run import History, run_segments
 from thermobearing.errors import InputError
 from thermobearing.results.dataset import RunRecord, StackLabels, build_dataset
@@ -175,6 +180,18 @@ def _initial_temperatures(case: Case, stack: Stack, ambient: float) -> Floats:
     return np.full(cells, ambient if case.initial is None else case.initial)
 
 
+def warnings_of(case: Case, segments: list[Segment]) -> list[str]:
+    """What a user should know about the accuracy of a case, in sentences."""
+    increment = longest_layer_increment(segments, case.bearing.geometry.rubber_layers)
+    yielding = case.bearing.hysteresis.yield_displacement
+    if increment <= yielding:
+        return []
+    return [
+        f"a step moves each rubber layer by up to {increment:.3g} mm, more than its yield "
+        f"displacement of {yielding:g} mm: work and heat of such steps are coarse; use a smaller dt"
+    ]
+
+
 def _label(
     case: Case,
     stack: Stack,
@@ -217,6 +234,7 @@ def _label(
             {"kind": s.kind, "label": s.label, "amplitude_strain": s.amplitude_strain}
             for s in segments
         ],
+        "warnings": warnings_of(case, segments),
         "sentences": SENTENCES | SHARING_SENTENCES,
     }
     return Result(

@@ -269,6 +269,12 @@ def build_segments(test: CyclicTest, total_rubber_thickness: float) -> list[Segm
     return segments
 
 
+def longest_layer_increment(segments: list[Segment], layers: int) -> float:
+    """Largest displacement of one rubber layer in one step of a test [mm]."""
+    x = np.concatenate([[0.0], *(segment.x for segment in segments)])
+    return float(np.abs(np.diff(x)).max()) / layers
+
+
 def cyclic_test(
     strain: list[float] | tuple[float, ...] = (0.5, 1.0, 1.5, 2.0, 2.5),
     *,

@@ -65,6 +65,11 @@ class Result:
         names = [str(name) for name in self.dataset["outcome"].values]
         return next((name for name in names if name != "completed"), "completed")
 
+    @property
+    def warnings(self) -> list[str]:
+        """Sentences about accuracy that a user should read; empty when there is nothing."""
+        return list(json.loads(self.dataset.attrs["warnings"]))
+
     def time(self, run: int) -> Floats:
         """Times of the kept steps of a run [s]."""
         if "clock" in self.dataset:
@@ -81,7 +86,7 @@ class Result:
             if len(inside) == 0:
                 continue
             if about["kind"] == "recorded":
-                first = int(inside[0]) - 1
+                first = max(int(inside[0]) - 1, 0)
                 x = self.dataset["displacement"].values[run, first : inside[-1] + 1]
                 found += [
                     (number, k, slice(first + a, first + b + 1))
@@ -197,6 +202,7 @@ class Result:
             "scheme": attrs["scheme"],
             "version": attrs["version"],
             "outcome": self.outcome,
+            "warnings": self.warnings,
             "runs": [self._run_summary(run) for run in range(self.dataset.sizes["ambient"])],
         }
 

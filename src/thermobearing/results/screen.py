@@ -22,6 +22,8 @@ def print_result(result: Result) -> None:
     console.print(
         f"[bold]{result.dataset.attrs['title']}[/bold] ({result.dataset.attrs['scheme']})"
     )
+    for warning in result.warnings:
+        console.print(f"[yellow]warning: {warning}[/yellow]")
     cycles = result.cycles
     layers = [name for name in cycles.columns if str(name).startswith("rubber")]
     for run, ambient in enumerate(result["ambient"].values):

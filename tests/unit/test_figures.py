@@ -1,0 +1,316 @@
+"""Figures: axes with units, the right panels and lines, and results that lack something."""
+
+import struct
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+import thermobearing as tb
+from thermobearing.results.drawing import ambient_colours, thin, thin_loops
+from thermobearing.results.figures import NothingToDrawError
+from thermobearing.results.time_axis import TimeAxis
+
+BEARING = "shen-hdr-specimen"
+NAMES = ["imposed_displacement", "loops", "measures", "layer_temperatures", "profiles"]
+NAMES += ["energy_balance"]
+PNG = b"\x89PNG\r\n\x1a\n"
+TEMPERATURES = [-20.0, 0.0, 23.0]
+
+
+def steps(*given: dict[str, object]) -> tb.CyclicTest:
+    return tb.CyclicTest.model_validate({"name": "test", "dt": "0.02 s", "steps": list(given)})
+
+
+@pytest.fixture(scope="module")
+def result() -> tb.Result:
+    test = tb.cyclic_test(strain=[0.5, 1.0], cycles=3, dt=0.01)
+    return tb.run(BEARING, test, ambient=TEMPERATURES)
+
+
+def labels(ax: Axes) -> tuple[str, str]:
+    return ax.get_xlabel(), ax.get_ylabel()
+
+
+def titles(figure: Figure) -> list[str]:
+    return [ax.get_title(loc="left") for ax in figure.axes]
+
+
+def shown(figure: Figure) -> list[str]:
+    return [text.get_text() for text in figure.legends[0].get_texts()]
+
+
+def drawn(ax: Axes) -> list[np.ndarray]:
+    """Ordinates of the lines of a panel that are not straight reference lines."""
+    return [np.asarray(y) for line in ax.get_lines() if len(y := line.get_ydata(orig=True)) > 2]
+
+
+def test_save_all_writes_six_png(result: tb.Result, tmp_path: Path) -> None:
+    files = result.plot.save_all(tmp_path / "new" / "figures")
+    assert [file.stem for file in files] == NAMES
+    for file in files:
+        head = file.read_bytes()[:24]
+        width, height = struct.unpack(">II", head[16:])
+        assert head[:8] == PNG
+        assert width > 800
+        assert height > 400
+
+
+def test_displacement_cuts_the_rest_out(result: tb.Result) -> None:
+    figure = result.plot.displacement()
+    ax = figure.axes[0]
+    assert "[s]" in ax.get_xlabel()
+    assert ax.get_ylabel() == "shear displacement [mm]"
+    assert ax.child_axes[0].get_ylabel() == "shear strain [%]"
+    line = ax.get_lines()[0]
+    x, y = np.asarray(line.get_xdata()), np.asarray(line.get_ydata())
+    assert np.nanmax(y) == 30.0
+    assert np.nanmin(y) == -30.0
+    assert np.nanmax(x) < 30.0  # 6.4 s and 12.4 s of loading and a gap, not 4500 s
+    texts = [text.get_text() for text in ax.texts]
+    assert "1.25 h rest" in texts
+    assert {"50 %", "100 %"} <= set(texts)
+
+
+def test_second_axis_is_strain(result: tb.Result) -> None:
+    figure = result.plot.displacement()
+    figure.draw_without_rendering()
+    ax = figure.axes[0]
+    low, high = ax.get_ylim()
+    assert ax.child_axes[0].get_ylim() == pytest.approx((low / 0.3, high / 0.3))
+
+
+@pytest.mark.parametrize("count", [1, 3, 5])
+def test_loops_have_a_panel_per_temperature(count: int) -> None:
+    ambient = [-30.0, -20.0, 0.0, 10.0, 23.0][:count]
+    figure = tb.run(BEARING, tb.cyclic_test(strain=[1.0], cycles=1, dt=0.02), ambient).plot.loops()
+    assert len(figure.axes) == count
+    assert titles(figure)[0] == "ambient −30 °C"
+    assert labels(figure.axes[0])[1] == "shear stress [MPa]"
+    assert labels(figure.axes[-1])[0] == "shear strain [%]"
+    limits = {(ax.get_xlim(), ax.get_ylim()) for ax in figure.axes}
+    assert len(limits) == 1
+    assert len({ax.get_lines()[0].get_color() for ax in figure.axes}) == count
+
+
+def test_loops_reach_the_peaks(result: tb.Result) -> None:
+    for run, ax in enumerate(result.plot.loops().axes):
+        line = ax.get_lines()[0]
+        stress = result["stress"].values[run]
+        assert np.nanmax(line.get_xdata()) == 100.0
+        assert np.nanmax(line.get_ydata()) == stress.max()
+        assert np.nanmin(line.get_ydata()) == stress.min()
+
+
+def test_measures_draw_cycles_by_temperature(result: tb.Result) -> None:
+    figure = result.plot.measures()
+    left, right = figure.axes
+    assert labels(left) == ("shear strain amplitude [%]", "equivalent shear modulus $G_e$ [MPa]")
+    assert labels(right)[1] == "equivalent damping ratio $h_{eq}$ [-]"
+    assert len(left.get_lines()) == len(right.get_lines()) == 9
+    assert shown(figure)[3:] == ["cycle 1", "cycle 2", "cycle 3"]
+    table = result.cycles
+    first = table[(table["ambient_degC"] == -20) & (table["cycle"] == 1)]
+    np.testing.assert_array_equal(left.get_lines()[0].get_ydata(), first["G_eq_MPa"])
+    np.testing.assert_array_equal(left.get_lines()[0].get_xdata(), [50.0, 100.0])
+
+
+@pytest.mark.parametrize(
+    ("cycles", "expected"), [(1, [1]), (2, [1, 2]), (4, [1, 2, 4]), (5, [1, 2, 5]), (7, [1, 2, 5])]
+)
+def test_measures_take_the_cycles_there_are(cycles: int, expected: list[int]) -> None:
+    test = tb.cyclic_test(strain=[0.5], cycles=cycles, dt=0.02)
+    figure = tb.run(BEARING, test).plot.measures()
+    assert shown(figure)[1:] == [f"cycle {n}" for n in expected]
+
+
+def test_layer_temperatures(result: tb.Result) -> None:
+    figure = result.plot.layer_temperatures()
+    assert titles(figure) == ["ambient −20 °C", "ambient 0 °C", "ambient 23 °C"]
+    assert all(ax.get_ylabel() == "rubber temperature [°C]" for ax in figure.axes)
+    assert "[s]" in figure.axes[-1].get_xlabel()
+    assert shown(figure) == ["layer 1 (outermost)", "layer 2", "layer 3 (innermost)", "ambient"]
+    spans = [np.ptp(ax.get_ylim()) for ax in figure.axes]
+    np.testing.assert_allclose(spans, spans[0])
+    for run, ax in enumerate(figure.axes):
+        lines = drawn(ax)
+        assert len(lines) == 3
+        for layer, line in enumerate(lines):
+            values = result["rubber_temperature"].values[run, :, layer]
+            assert np.nanmax(line) == values.max()
+            assert line[-2] == values[-1]  # the last point before the closing NaN
+
+
+def test_profiles_are_those_at_the_end_of_the_cycles(result: tb.Result) -> None:
+    figure = result.plot.profiles()
+    assert labels(figure.axes[0]) == ("temperature [°C]", "distance from the upper face [mm]")
+    assert shown(figure) == ["50 %", "100 %", "ambient"]
+    low, high = figure.axes[0].get_ylim()
+    assert low > 48.0 > 0.0 > high  # the upper face on top
+    segment = result["segment"].values[0]
+    for run, ax in enumerate(figure.axes):
+        lines = [line for line in ax.get_lines() if line.get_marker() != "None"]
+        assert len(lines) == 2
+        for line, number in zip(lines, (0, 3), strict=True):
+            row = np.flatnonzero(segment == number)[-1]
+            np.testing.assert_array_equal(line.get_xdata(), result["temperature"].values[run, row])
+        assert "plane of symmetry" in [text.get_text() for text in ax.texts]
+
+
+def test_energy_gives_the_residual(result: tb.Result) -> None:
+    figure = result.plot.energy()
+    assert all(ax.get_ylabel() == "energy [kJ = kN m]" for ax in figure.axes)
+    assert all(len(drawn(ax)) == 6 for ax in figure.axes)
+    assert "thermal" in titles(figure)[0]
+    assert "%" not in titles(figure)[0]
+    work = drawn(figure.axes[0])[0]
+    assert np.nanmax(work) == pytest.approx(result["work_in"].values[0].max() / 1000.0)
+
+
+def test_energy_shows_that_the_published_scheme_loses_the_balance() -> None:
+    test = tb.cyclic_test(strain=[1.0], cycles=2, dt=0.02)
+    result = tb.run(BEARING, test, -20, scheme="published")
+    expected = 100.0 * result.energy["thermal_residual"][0]
+    text = f"thermal {expected:.2g} %".replace("-", "−")
+    assert text in titles(result.plot.energy())[0]
+
+
+def test_full_stack_shows_the_whole_height(tmp_path: Path) -> None:
+    test = tb.cyclic_test(strain=[0.5], cycles=1, dt=0.02)
+    result = tb.run(BEARING, test, lower_face=tb.EndFace(film=5.0))
+    figure = result.plot.profiles()
+    texts = [text.get_text() for text in figure.axes[0].texts]
+    assert {"upper face", "lower face", "rubber 6"} <= set(texts)
+    assert figure.axes[0].get_ylim()[0] > 96.0
+    assert "layer 6 (lower face)" in shown(result.plot.layer_temperatures())
+    assert len(result.plot.save_all(tmp_path)) == 6
+
+
+def test_recorded_history_gives_points(tmp_path: Path) -> None:
+    time = np.arange(0.0, 8.0, 0.02)
+    displacement = 30.0 * np.sin(np.pi * time) * np.sin(np.pi * time / 8.0)
+    path = tmp_path / "record.csv"
+    rows = "\n".join(f"{t:.3f},{d:.6f}" for t, d in zip(time, displacement, strict=True))
+    path.write_text(f"time_s,displacement_mm\n{rows}\n")
+    result = tb.run(BEARING, steps({"step": "recorded", "file": str(path)}), [-20, 23])
+    assert len(result.cycles) > 0
+    figure = result.plot.measures()
+    assert {line.get_linestyle() for line in figure.axes[0].get_lines()} == {"None"}
+    assert shown(figure)[-1] == "every cycle"
+    assert len(result.plot.save_all(tmp_path / "figures")) == 6
+
+
+def test_ramp_has_no_measures(tmp_path: Path) -> None:
+    result = tb.run(BEARING, steps({"step": "ramp", "to_strain": 1, "speed": "10 mm/s"}), -20)
+    with pytest.raises(NothingToDrawError, match="no closed cycle"):
+        result.plot.measures()
+    written = [path.stem for path in result.plot.save_all(tmp_path)]
+    assert written == [name for name in NAMES if name != "measures"]
+    assert shown(result.plot.profiles())[0] == "ramp to 30 mm"
+
+
+def test_slow_ramps_are_told_in_hours() -> None:
+    slow = {"step": "ramp", "to": "30 mm", "duration": "10 h"}
+    back = {"step": "ramp", "to": "0 mm", "duration": "10 h"}
+    result = tb.run(BEARING, steps(slow, {"step": "rest", "duration": "5 h"}, back), dt=10.0)
+    assert "[h]" in result.plot.displacement().axes[0].get_xlabel()
+
+
+def test_rest_only_is_drawn_to_scale(tmp_path: Path) -> None:
+    result = tb.run(BEARING, steps({"step": "rest", "duration": "5 h"}), -20, initial=20)
+    assert result.plot.layer_temperatures().axes[0].get_xlabel() == "time [min]"
+    written = [path.stem for path in result.plot.save_all(tmp_path)]
+    assert written == [name for name in NAMES if name not in ("loops", "measures")]
+
+
+def test_what_was_not_kept_is_skipped(tmp_path: Path) -> None:
+    test = tb.cyclic_test(strain=[0.5], cycles=1, dt=0.02)
+    result = tb.run(BEARING, test, keep=[])
+    with pytest.raises(NothingToDrawError, match=r'keep=\["cells"'):
+        result.plot.profiles()
+    with pytest.raises(NothingToDrawError, match=r'keep=\["rubber"'):
+        result.plot.layer_temperatures()
+    written = [path.stem for path in result.plot.save_all(tmp_path)]
+    assert written == ["imposed_displacement", "loops", "measures", "energy_balance"]
+
+
+def test_unequal_clocks(tmp_path: Path) -> None:
+    cycle = {"step": "cycles", "strain": 1, "speed": "30 mm/s", "count": 2}
+    result = tb.run(BEARING, steps(cycle, {"step": "rest", "within": "0.5 K"}, cycle), [-20, 23])
+    assert "clock" in result.dataset
+    axis = TimeAxis(result)
+    rest = axis.stretches[1]
+    assert rest.shortest < rest.longest
+    assert "–" in rest.label()
+    for run in range(2):  # the second loading starts at the same place on the axis
+        x, _ = axis.trace(run, result["displacement"].values[run])
+        assert np.isclose(x, axis.stretches[2].left).any()
+    assert len(result.plot.save_all(tmp_path)) == 6
+
+
+def test_interrupted_run_is_drawn_as_far_as_it_got(tmp_path: Path) -> None:
+    def stop(done: int, _: int) -> None:
+        if done > 2000:
+            raise KeyboardInterrupt
+
+    test = tb.cyclic_test(strain=[0.5, 1.0], cycles=2, dt=0.01)
+    result = tb.run(BEARING, test, TEMPERATURES, progress=stop)
+    assert result.outcome == "interrupted"
+    assert (result["segment"].values == -1).any()
+    assert titles(result.plot.loops())[-1].endswith("(interrupted)")
+    assert len(result.plot.save_all(tmp_path)) == 6
+
+
+def test_shortened_rest_starts_to_scale_and_fills_its_room(result: tb.Result) -> None:
+    axis = TimeAxis(result)
+    rest = axis.stretches[1]
+    assert rest.rest
+    assert rest.shortened
+    slope = (rest.place(np.array(1e-7)) - rest.left) / 1e-7
+    assert float(slope) == pytest.approx(1.0)
+    assert float(rest.place(np.array(rest.longest))) == pytest.approx(rest.right)
+
+
+def test_trace_is_continuous_and_monotone(result: tb.Result) -> None:
+    axis = TimeAxis(result)
+    x, _ = axis.trace(0, result["force"].values[0])
+    x = x[~np.isnan(x)]
+    assert (np.diff(x) >= 0.0).all()
+    assert x[0] == 0.0
+    assert x[-1] == pytest.approx(axis.end)
+
+
+def test_thinning_keeps_ends_and_extremes() -> None:
+    values = np.sin(np.linspace(0.0, 300.0, 100_001))
+    values[41_234] = 5.0
+    kept = thin(values, 100)
+    assert len(kept) < 400
+    assert kept[0] == 0
+    assert kept[-1] == 100_000
+    assert 41_234 in kept
+    assert values[kept].min() == values.min()
+    np.testing.assert_array_equal(thin(values[:150], 100), np.arange(150))
+
+
+def test_thinned_loops_keep_their_turning_points() -> None:
+    t = np.arange(200_001) * (2.0 * np.pi / 1000.0)
+    x, y = np.sin(t), np.cos(t)
+    kept = thin_loops(x, y, 2.0, 2.0)
+    assert len(kept) < 70_000
+    np.testing.assert_array_equal(np.sort(x[kept])[-100:], np.ones(100))
+
+
+def test_colours_go_from_cold_to_warm() -> None:
+    assert ambient_colours(np.array([23.0, -20.0])) == ["#cc3311", "#0077bb"]
+    assert ambient_colours(np.array([-20.0])) == ["#0077bb"]
+    assert ambient_colours(np.array([40.0])) == ["#cc3311"]
+
+
+def test_long_history_stays_small() -> None:
+    test = tb.cyclic_test(strain=[1.0], cycles=250, dt=0.01)
+    result = tb.run(BEARING, test, keep=["rubber"])
+    assert result.dataset.sizes["time"] > 100_000
+    for ax in result.plot.layer_temperatures().axes:
+        assert all(len(line) <= 4100 for line in drawn(ax))
