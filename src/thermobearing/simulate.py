@@ -204,6 +204,7 @@ def _label(
         RunRecord(
             ambient=climate.at(0.0),
             rows=history.rows,
+            cells=history.cells,
             segment=history.segment,
             cycle=history.cycle,
             initial=history.initial,

@@ -1,5 +1,8 @@
 """Many coupled steps in a row, with the rows that the user asked to keep."""
 
+import numpy as np
+from numpy.typing import NDArray
+
 from thermobearing.core.compile import compiled
 from thermobearing.core.step import layer_temperature, step
 from thermobearing.core.types import (
@@ -40,7 +43,7 @@ def farthest_from(temperature: Floats, ambient: float) -> float:
 
 @compiled
 def write_row(layer_cells: Ints, state: State, row: Floats) -> None:
-    """One kept row: books, layer temperatures, layer displacements, Z, cell temperatures."""
+    """One kept row: books, layer temperatures, layer displacements, Z."""
     layers = state.layers.shape[1]
     for k in range(BOOKS):
         row[k] = state.books[k]
@@ -48,8 +51,6 @@ def write_row(layer_cells: Ints, state: State, row: Floats) -> None:
         row[BOOKS + j] = layer_temperature(layer_cells, state.temperature, j)
         row[BOOKS + layers + j] = state.layers[D, j]
         row[BOOKS + 2 * layers + j] = state.layers[Z, j]
-    for i in range(len(state.temperature)):
-        row[BOOKS + 3 * layers + i] = state.temperature[i]
 
 
 @compiled
@@ -61,11 +62,12 @@ def march(
     x: Floats,
     dt: Floats,
     ambient: Floats,
-    keep: Floats,
+    keep: NDArray[np.bool_],
     settled: float,
     columns: Ints,
     row: Floats,
     rows: Floats,
+    cells: NDArray[np.float32],
 ) -> tuple[int, int, int, int, float]:
     """Step through the displacements x [mm] with steps dt [s].
 
@@ -73,8 +75,9 @@ def march(
     ----------
     state : start, and on return the last good step. `spare` is a second state to work in.
     ambient : mean ambient temperature of each step [degC].
-    keep : 1 where the step's end is to be kept as a row of `rows`.
+    keep : whether the step's end is to be kept as a row of `rows` and `cells`.
     columns : which columns of `write_row` go into `rows`; `row` is scratch for one of them.
+    cells : cell temperatures of the kept rows; no columns if they are not wanted.
     settled : stop once every cell is this close to the ambient [K]; 0 never stops early.
 
     Returns
@@ -98,10 +101,12 @@ def march(
             softened += 1
         mismatch = max(mismatch, start.books[MISMATCH])
         settle = settled > 0.0 and farthest_from(start.temperature, ambient[i]) <= settled
-        if keep[i] != 0.0 or settle:
+        if keep[i] or settle:
             write_row(constants.layer_cells, start, row)
             for k in range(len(columns)):
                 rows[kept, k] = row[columns[k]]
+            for k in range(cells.shape[1]):
+                cells[kept, k] = start.temperature[k]
             kept += 1
         if settle:
             break

@@ -117,7 +117,7 @@ class Segment:
     label: str
     x: Floats  # [mm]
     dt: Floats  # [s]
-    cycle: NDArray[np.int64]  # number of the cycle within the segment, 0 outside cycles
+    cycle: NDArray[np.int32]  # number of the cycle within the segment, 0 outside cycles
     turning: NDArray[np.bool_]  # a leg ends here: always kept in a result
     amplitude_strain: float = 0.0
     settle: float = 0.0  # stop once within this of the ambient [K]
@@ -155,13 +155,13 @@ def _cycles(step: Cycles, rubber: float, dt: float, label: str) -> list[Segment]
         shape = _cycle_shape(step.wave, steps)
         turning = np.zeros(4 * steps, dtype=bool)
         turning[steps - 1 :: steps] = True
-        numbers = np.repeat(np.arange(1, count + 1), 4 * steps)
+        numbers = np.repeat(np.arange(1, count + 1, dtype=np.int32), 4 * steps)
         segments.append(
             Segment(
                 kind=kind,
                 label=name,
                 x=np.tile(size * shape, count),
-                dt=np.full(4 * steps * count, quarter / steps),
+                dt=np.broadcast_to(quarter / steps, 4 * steps * count),
                 cycle=numbers if kind == "cycles" else np.zeros_like(numbers),
                 turning=np.tile(turning, count),
                 amplitude_strain=size / rubber,
@@ -199,7 +199,7 @@ def _rest(step: Rest, dt: float, start: float) -> Segment:
 def _plain(kind: str, label: str, x: Floats, dt: Floats, settle: float = 0.0) -> Segment:
     turning = np.zeros(len(x), dtype=bool)
     turning[-1] = True
-    return Segment(kind, label, x, dt, np.zeros(len(x), dtype=np.int64), turning, settle=settle)
+    return Segment(kind, label, x, dt, np.zeros(len(x), dtype=np.int32), turning, settle=settle)
 
 
 def _recorded(step: Recorded, rubber: float, dt: float, start: float) -> Segment:
@@ -230,7 +230,7 @@ def _recorded(step: Recorded, rubber: float, dt: float, start: float) -> Segment
     x = np.interp(np.arange(counts.sum()) + 1, np.concatenate([[0], ends + 1]), displacement)
     turns = np.zeros(len(x), dtype=bool)
     turns[ends] = True
-    cycle = np.zeros(len(x), dtype=np.int64)
+    cycle = np.zeros(len(x), dtype=np.int32)
     name = Path(step.file).name
     peak = float(np.abs(displacement).max()) / rubber
     return Segment("recorded", name, x, steps, cycle, turns, amplitude_strain=peak)

@@ -1,12 +1,12 @@
 """Drive one bearing through the segments of a test at one ambient temperature."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from thermobearing.core.march import march
+from thermobearing.core.march import march, write_row
 from thermobearing.core.types import (
     BOOKS,
     COMPLETED,
@@ -22,6 +22,7 @@ from thermobearing.drive.outcomes import INTERRUPTED, NAMES
 from thermobearing.drive.protocol import Segment
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 CHUNK = 20_000  # steps between two looks at the progress bar and at Ctrl-C
 
 Progress = Callable[[int], None]
@@ -32,35 +33,44 @@ class History:
     """What one run left behind: kept rows and how it ended.
 
     `rows` has one row per kept step and one column per entry of `columns`, which counts
-    through books, layer temperatures, layer displacements, Z and cell temperatures.
+    through books, layer temperatures, layer displacements and Z. `cells` holds the cell
+    temperatures of the same steps in single precision (a micro-kelvin is plenty, and the
+    cells are most of a long history); it has no columns if they were not asked for.
     """
 
-    columns: list[int]
+    columns: Ints
     rows: Floats
-    segment: NDArray[np.int64]
-    cycle: NDArray[np.int64]
+    cells: NDArray[np.float32]
+    segment: NDArray[np.int32]
+    cycle: NDArray[np.int32]
     initial: Floats  # cell temperatures at the start [degC]
     state: State  # where the run ended
     outcome: str = "completed"
     softened_steps: int = 0
     mismatch: float = 0.0  # largest of the run [kN]
     steps: int = 0
-    chunks: list[tuple[Floats, NDArray[np.int64], NDArray[np.int64]]] = field(
-        default_factory=list, repr=False
-    )
+    kept: int = 0
+
+    def cut(self) -> None:
+        """Drop the room for rows that the run did not come to."""
+        self.rows, self.cells = self.rows[: self.kept], self.cells[: self.kept]
+        self.segment, self.cycle = self.segment[: self.kept], self.cycle[: self.kept]
 
 
-def column_numbers(layers: int, cells: int, groups: tuple[str, ...]) -> list[int]:
+def column_numbers(layers: int, groups: tuple[str, ...]) -> Ints:
     """Columns of a kept row for the chosen groups; the books are always kept."""
-    ends = np.cumsum([0, BOOKS, layers, layers, layers, cells])
-    names = ("books", "rubber", "layer_displacement", "hysteretic", "cells")
+    ends = np.cumsum([0, BOOKS, layers, layers, layers])
+    names = ("books", "rubber", "layer_displacement", "hysteretic")
     chosen = {"books", *groups}
-    return [
-        int(column)
-        for name, start, end in zip(names, ends[:-1], ends[1:], strict=True)
-        if name in chosen
-        for column in range(start, end)
-    ]
+    parts = zip(names, ends[:-1], ends[1:], strict=True)
+    return np.concatenate([np.arange(a, b) for name, a, b in parts if name in chosen])
+
+
+def kept_steps(segment: Segment, keep_every: int) -> NDArray[np.bool_]:
+    """Which steps of a segment are kept: every n-th, and the ends of legs."""
+    keep = segment.turning.copy()
+    keep[keep_every - 1 :: keep_every] = True
+    return keep
 
 
 def run_segments(
@@ -85,33 +95,37 @@ def run_segments(
     groups : of "rubber", "layer_displacement", "hysteretic", "cells": what to keep.
     progress : called with the number of steps done since the last call.
     """
-    layers, cells = len(constants.multiplicity), constants.cells.shape[1]
-    columns = column_numbers(layers, cells, groups)
-    state = new_state(constants, initial)
+    # One row more per segment: a rest that settles early keeps the step at which it does.
+    room = 1 + sum(int(kept_steps(part, keep_every).sum()) + 1 for part in segments)
+    columns = column_numbers(len(constants.multiplicity), groups)
+    initial = np.array(initial, dtype=np.float64)
     run = History(
         columns=columns,
-        rows=np.empty((0, len(columns))),
-        segment=np.empty(0, dtype=np.int64),
-        cycle=np.empty(0, dtype=np.int64),
-        initial=np.array(initial, dtype=np.float64),
-        state=state,
+        rows=np.empty((room, len(columns))),
+        cells=np.empty((room, len(initial) if "cells" in groups else 0), dtype=np.float32),
+        segment=np.zeros(room, dtype=np.int32),
+        cycle=np.zeros(room, dtype=np.int32),
+        initial=initial,
+        state=new_state(constants, initial),
     )
-    start = np.zeros((1, BOOKS + 3 * layers + cells))
-    middles = constants.layer_cells[:, 2:]
-    start[0, BOOKS : BOOKS + layers] = 0.5 * (initial[middles[:, 0]] + initial[middles[:, 1]])
-    start[0, BOOKS + 3 * layers :] = initial
-    run.chunks.append((start[:, columns], np.zeros(1, dtype=np.int64), np.zeros(1, dtype=np.int64)))
+    _keep_start(constants, run)
     try:
         for number, segment in enumerate(segments):
             if not _run_segment(constants, run, number, segment, ambient, keep_every, progress):
                 break
     except KeyboardInterrupt:
         run.outcome = INTERRUPTED
-    run.rows = np.concatenate([chunk[0] for chunk in run.chunks])
-    run.segment = np.concatenate([chunk[1] for chunk in run.chunks])
-    run.cycle = np.concatenate([chunk[2] for chunk in run.chunks])
-    run.chunks.clear()
+    run.cut()
     return run
+
+
+def _keep_start(constants: Constants, run: History) -> None:
+    """First row: the virgin bearing at its initial temperatures."""
+    row = np.empty(BOOKS + 3 * len(constants.multiplicity))
+    write_row(constants.layer_cells, run.state, row)
+    run.rows[0] = row[run.columns]
+    run.cells[0] = run.initial[: run.cells.shape[1]]
+    run.kept = 1
 
 
 def _run_segment(
@@ -125,30 +139,29 @@ def _run_segment(
 ) -> bool:
     """One segment in chunks; False when the run cannot go on."""
     work, spare = new_workspace(constants), new_state(constants, run.initial)
-    air = ambient.means(float(run.state.books[TIME]), segment.dt)
-    keep = segment.turning.copy()
-    keep[keep_every - 1 :: keep_every] = True
-    numbers = np.array(run.columns, dtype=np.int64)
-    row = np.empty(BOOKS + 3 * len(constants.multiplicity) + constants.cells.shape[1])
+    keep = kept_steps(segment, keep_every)
+    row = np.empty(BOOKS + 3 * len(constants.multiplicity))
     for first in range(0, len(segment.x), CHUNK):
         part = slice(first, first + CHUNK)
-        rows = np.empty((int(keep[part].sum()) + 1, len(numbers)))
+        dt = np.ascontiguousarray(segment.dt[part])
         done, kept, outcome, softened, mismatch = march(
-            constants, work, run.state, spare, segment.x[part], segment.dt[part], air[part],
-            keep[part].astype(np.float64), segment.settle, numbers, row, rows,
+            constants, work, run.state, spare,
+            segment.x[part], dt, ambient.means(float(run.state.books[TIME]), dt), keep[part],
+            segment.settle, run.columns, row, run.rows[run.kept :], run.cells[run.kept :],
         )  # fmt: skip
         run.steps += done
         run.softened_steps += softened
         run.mismatch = max(run.mismatch, mismatch)
-        settled = done < len(segment.x[part])
+        end = run.kept + kept
+        run.segment[run.kept : end] = number
         cycle = segment.cycle[part][:done][keep[part][:done]]
-        cycle = np.concatenate([cycle, np.zeros(kept - len(cycle), dtype=np.int64)])
-        run.chunks.append((rows[:kept], np.full(kept, number), cycle))
+        run.cycle[run.kept : run.kept + len(cycle)] = cycle
+        run.kept = end
         if progress:
             progress(done)
         if outcome not in (COMPLETED, SOFTENED):
             run.outcome = NAMES[outcome]
             return False
-        if settled:
+        if done < len(dt):  # the rest settled
             break
     return True

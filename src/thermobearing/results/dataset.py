@@ -51,12 +51,13 @@ class StackLabels:
 
 @dataclass(frozen=True)
 class RunRecord:
-    """One run as plain arrays: `rows` holds the books, then the groups in their order."""
+    """One run as plain arrays: `rows` holds the books, then the layer groups in their order."""
 
     ambient: float  # at the start [degC]
     rows: Floats
-    segment: NDArray[np.int64]
-    cycle: NDArray[np.int64]
+    cells: NDArray[np.float32]  # cell temperatures of the kept steps, if asked for
+    segment: NDArray[np.int32]
+    cycle: NDArray[np.int32]
     initial: Floats  # cell temperatures [degC]
     final: Floats
     outcome: str
@@ -94,14 +95,13 @@ def build_dataset(
             data[name] = (("ambient", "time"), values, {"units": unit, "long_name": meaning})
     data |= _derived(data, area, total_rubber_thickness)
     column = len(BOOKS)
-    sizes = {"layer": labels.layers, "cell": len(labels.depth)}
     for group in (name for name in GROUPS if name in groups):
         name, dimension, unit, meaning = GROUPS[group]
-        part = slice(column, column + sizes[dimension])
-        values = _stacked([run.rows[:, part] for run in runs], length)
+        part = slice(column, column + labels.layers)
+        parts = [run.cells if group == "cells" else run.rows[:, part] for run in runs]
         attrs = {"units": unit, "long_name": meaning}
-        data[name] = (("ambient", "time", dimension), values, attrs)
-        column += sizes[dimension]
+        data[name] = (("ambient", "time", dimension), _stacked(parts, length), attrs)
+        column += labels.layers
     data |= _per_run(runs, length)
     coordinates = _coordinates(runs, labels)
     if same:
@@ -109,11 +109,11 @@ def build_dataset(
     return xr.Dataset(data, coords=coordinates, attrs=_flat(attributes))
 
 
-def _stacked(arrays: list[Floats], length: int) -> Floats:
-    """Runs on a leading axis, shorter ones padded with NaN; no copy for a single run."""
+def _stacked(arrays: list[NDArray[Any]], length: int, padding: float = np.nan) -> NDArray[Any]:
+    """Runs on a leading axis, shorter ones padded; no copy for a single run."""
     if len(arrays) == 1:
         return arrays[0][np.newaxis]
-    out = np.full((len(arrays), length, *arrays[0].shape[1:]), np.nan)
+    out = np.full((len(arrays), length, *arrays[0].shape[1:]), padding, dtype=arrays[0].dtype)
     for i, values in enumerate(arrays):
         out[i, : len(values)] = values
     return out
@@ -132,11 +132,8 @@ def _derived(data: dict[str, Any], area: float, rubber: float) -> dict[str, Any]
 
 def _per_run(runs: list[RunRecord], length: int) -> dict[str, Any]:
     """What has no clock, or is a whole number: outcomes, profiles, segment and cycle numbers."""
-    segment = np.full((len(runs), length), -1, dtype=np.int32)
-    cycle = np.zeros((len(runs), length), dtype=np.int32)
-    for i, run in enumerate(runs):
-        segment[i, : len(run.segment)] = run.segment
-        cycle[i, : len(run.cycle)] = run.cycle
+    segment = _stacked([run.segment for run in runs], length, padding=-1)
+    cycle = _stacked([run.cycle for run in runs], length, padding=0)
     counted = ("ambient", "time")
     profile = ("ambient", "cell")
     degrees = {"units": "degC"}
