@@ -34,22 +34,39 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
         terminalreporter._session.exitstatus = pytest.ExitCode.TESTS_FAILED  # type: ignore[attr-defined]
 
 
-MEASURED: dict[str, tuple[str, str, str]] = {}
+Value = str | float
+Recorder = Callable[[str, Value, str], None]
+MEASURED: dict[str, tuple[Value, str, str]] = {}
 
 
 @pytest.fixture
-def measured(request: pytest.FixtureRequest) -> "Callable[[str, str, str], None]":
-    """Record a measured number for docs/measured.json: what, value, limit."""
+def measured(request: pytest.FixtureRequest) -> Recorder:
+    """Record a measured number for the docs: what, value, limit.
 
-    def record(what: str, value: str, limit: str) -> None:
+    Text is kept as it is; of numbers under one name the largest is kept.
+    """
+
+    def record(what: str, value: Value, limit: str) -> None:
+        before = MEASURED.get(what, (value, "", ""))[0]
+        if not isinstance(value, str) and not isinstance(before, str):
+            value = max(float(value), before)
         MEASURED[what] = (value, limit, request.node.nodeid.split("[")[0])
 
     return record
 
 
-def pytest_sessionfinish(session: pytest.Session) -> None:
+def pytest_sessionfinish() -> None:
     """Write what the tests measured where THERMOBEARING_MEASURED says (used by `make docs`)."""
     target = os.environ.get("THERMOBEARING_MEASURED")
-    if target:
-        rows = [dict(zip(("what", "value", "limit", "test"), (k, *v))) for k, v in MEASURED.items()]
-        Path(target).write_text(json.dumps(rows, indent=1, ensure_ascii=False) + "\n")
+    if not target:
+        return
+    rows = [
+        {
+            "what": what,
+            "value": value if isinstance(value, str) else f"{value:.1e}",
+            "limit": limit,
+            "test": test,
+        }
+        for what, (value, limit, test) in MEASURED.items()
+    ]
+    Path(target).write_text(json.dumps(rows, indent=1, ensure_ascii=False) + "\n")

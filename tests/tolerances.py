@@ -54,6 +54,7 @@ CLOSED_CYCLE = 1e-9  # of the work of a cycle: Z forgets its start as exp(-path 
 STEPPER_FORCE = 1e-9  # of the peak force
 STEPPER_DISPLACEMENT = 1e-9  # of the largest layer displacement
 STEPPER_TEMPERATURE = 1e-9  # K
+SINGLE_PRECISION = 4e-6  # K: cell histories are kept as float32, 2e-6 at 40 degC
 
 # --- Validation and regression, HDR ------------------------------------------------------
 ROUNDING = 1e-14  # sums of a few dozen numbers

@@ -5,6 +5,7 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
 
+from tests.conftest import Recorder
 from tests.tolerances import SCIPY_ABSOLUTE, SCIPY_HYSTERESIS, SCIPY_RELATIVE
 from thermobearing.core.hysteresis import exact_increment
 
@@ -41,7 +42,7 @@ def integrated(z: float, increment: float, s: float) -> float:
 
 
 @pytest.mark.parametrize("s", SHAPES)
-def test_closed_form_agrees_with_scipy(s: float) -> None:
+def test_closed_form_agrees_with_scipy(s: float, measured: Recorder) -> None:
     rng = np.random.default_rng(round(1000 * (s + 1.0)))
     curvature = (1.0 - s) / ((1.0 + s) * D_Y**2)
     worst = 0.0
@@ -52,4 +53,4 @@ def test_closed_form_agrees_with_scipy(s: float) -> None:
         other = integrated(z, increment, s)
         worst = max(worst, abs(closed - other) / D_Y)
         assert_allclose(closed, other, rtol=0.0, atol=SCIPY_HYSTERESIS * D_Y)
-    print(f"s = {s}: largest difference {worst:.1e} d_y")
+    measured("exact increment against scipy solve_ivp, of d_y", worst, f"{SCIPY_HYSTERESIS:g}")

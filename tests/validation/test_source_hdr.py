@@ -1,13 +1,12 @@
 """What the source says of the HDR bearings, beside what this model gives."""
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
 import thermobearing as tb
 from tests import tolerances as tol
+from tests.conftest import Recorder
 
 BRIDGE_K_EQ = 2.6331  # Table 6.1, kN/mm
 PUBLISHED_TEST = tb.cyclic_test()
@@ -40,7 +39,7 @@ def _isothermal(name: str) -> tb.Bearing:
 
 @pytest.mark.parametrize("amplitude", [140.0, 178.0])
 def test_bridge_bearing_has_the_stiffness_of_table_6_1(
-    amplitude: float, measured: Callable[..., None]
+    amplitude: float, measured: Recorder
 ) -> None:
     bearing = _isothermal("shen-hdr-bridge")
     strain = amplitude / bearing.total_rubber_thickness
@@ -86,9 +85,7 @@ def test_stiffness_and_damping_fall_with_strain_cycles_and_temperature() -> None
         assert (np.diff(levels) < 0.0).all()
 
 
-def test_published_scheme_overheats_the_inner_layer(
-    cold: tb.Result, measured: Callable[..., None]
-) -> None:
+def test_published_scheme_overheats_the_inner_layer(cold: tb.Result, measured: Recorder) -> None:
     """P1: shims receive twice what their neighbours lose, so the inside runs too hot."""
     printed = tb.run("shen-hdr-specimen", PUBLISHED_TEST, ambient=-20, scheme="published")
     rise = [float(r.cycles["rubber3_degC"].iloc[-1]) + 20.0 for r in (cold, printed)]

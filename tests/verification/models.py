@@ -129,8 +129,8 @@ def marched(
     """March through the displacements x from cell temperatures `start`, keeping every step."""
     n, layers = constants.cells.shape[1], len(constants.multiplicity)
     first = np.broadcast_to(np.asarray(start, dtype=float), (n,))
-    width = BOOKS + 3 * layers + n
-    rows = np.zeros((len(x), width))
+    width = BOOKS + 3 * layers
+    rows, cells = np.zeros((len(x), width)), np.zeros((len(x), n))
     done, kept, outcome, softened, _ = march(
         constants,
         new_workspace(constants),
@@ -139,11 +139,12 @@ def marched(
         np.asarray(x, dtype=float),
         np.full(len(x), dt),
         np.full(len(x), ambient),
-        np.ones(len(x)),
+        np.ones(len(x), dtype=bool),
         0.0,
         np.arange(width),
         np.zeros(width),
         rows,
+        cells,  # in double precision here: single is a choice of drive/run.py
     )
     assert done == kept
     layer, d, z = (rows[:kept, BOOKS + k * layers : BOOKS + (k + 1) * layers] for k in range(3))
@@ -156,7 +157,7 @@ def marched(
         layer_start=np.vstack([at_first, layer[:-1]]),
         d=d,
         z=z,
-        cells=rows[:kept, BOOKS + 3 * layers :],
+        cells=cells[:kept],
         constants=constants,
     )
 

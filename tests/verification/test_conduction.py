@@ -15,6 +15,7 @@ from numpy.testing import assert_allclose
 from scipy.linalg import expm
 from scipy.optimize import brentq
 
+from tests.conftest import Recorder
 from tests.tolerances import (
     ADIABATIC_RISE,
     FIXED_POINT,
@@ -138,16 +139,21 @@ def mode_error(mode: Mode, cells: int) -> float:
 
 
 @pytest.mark.parametrize("name", MODES)
-def test_decaying_mode_has_order_two_in_space(name: str) -> None:
+def test_decaying_mode_has_order_two_in_space(name: str, measured: Recorder) -> None:
     errors = np.array([mode_error(MODES[name](), cells) for cells in MESHES])
     orders = np.log2(errors[:-1] / errors[1:])
-    print(f"{name}: errors {errors}, observed orders {orders}")
+    measured(f"conduction, {name}: observed order in space", f"{orders[-1]:.3f}", "2 +- 0.1")
+    measured(
+        "conduction, decaying modes: error of the finest mesh, of the peak",
+        errors[-1],
+        f"{MODE_CAP:g}",
+    )
     assert_allclose(orders[-1], 2.0, rtol=0.0, atol=ORDER)
     assert_allclose(errors[-1], 0.0, rtol=0.0, atol=MODE_CAP)
 
 
 @pytest.mark.parametrize("half", [True, False])
-def test_crank_nicolson_has_order_two_in_time(half: bool) -> None:
+def test_crank_nicolson_has_order_two_in_time(half: bool, measured: Recorder) -> None:
     """Against expm of the same rate matrix, on the specimen's mesh: no error in space."""
     constants = assembled(
         changed(specimen(), materials={"side_film": SIDE}), half=half, upper=Face(eta=2.0)
@@ -160,7 +166,8 @@ def test_crank_nicolson_has_order_two_in_time(half: bool) -> None:
         run = marched(constants, np.zeros(steps), duration / steps, start, ambient)
         errors.append(float(np.max(np.abs(run.cells[-1] - exact))))
     orders = np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
-    print(f"half {half}: errors {errors} K, observed orders {orders}")
+    measured("conduction: observed order in time", f"{orders[-1]:.4f}", "2 +- 0.1")
+    measured("conduction: error in time at the smallest step [K]", errors[-1], f"{TIME_CAP:g}")
     assert_allclose(orders, 2.0, rtol=0.0, atol=ORDER)
     assert_allclose(errors[-1], 0.0, rtol=0.0, atol=TIME_CAP)
 
@@ -191,7 +198,7 @@ def fin_profile(source: float) -> Profile:
     return profile
 
 
-def test_steady_composite_fin_has_order_two() -> None:
+def test_steady_composite_fin_has_order_two(measured: Recorder) -> None:
     """Uniform source in the rubber against side loss and an end film: a steady cosh profile."""
     source, ambient, dt, errors = 2e-4, -20.0, 3.0, []
     for cells in MESHES:
@@ -206,7 +213,11 @@ def test_steady_composite_fin_has_order_two() -> None:
         change = heat_step(constants, steady + ambient, dt, ambient, dt * rise).change
         assert_allclose(change, 0.0, rtol=0.0, atol=FIXED_POINT * np.max(exact))
     orders = np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
-    print(f"fin: relative errors {errors}, observed orders {orders}")
+    measured(
+        "steel and rubber fin with source, side loss and film: observed order",
+        f"{orders[-1]:.3f}",
+        "2 +- 0.1",
+    )
     assert_allclose(orders[-1], 2.0, rtol=0.0, atol=ORDER)
     assert_allclose(errors[-1], 0.0, rtol=0.0, atol=STEADY_CAP)
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from tests.conftest import Recorder
 from tests.tolerances import CLOSED_CYCLE, ENERGY_BOOKS
 from tests.verification.models import (
     Run,
@@ -66,7 +67,9 @@ CASES = [
 
 
 @pytest.mark.parametrize(("face", "half", "source", "strain"), CASES)
-def test_conservative_books_close(face: str, half: bool, source: str, strain: float) -> None:
+def test_conservative_books_close(
+    face: str, half: bool, source: str, strain: float, measured: Recorder
+) -> None:
     run = run_of(face, half, cycles(strain), heat_source=source)
     books = run.books
     work = books[-1, WORK_IN]
@@ -76,7 +79,8 @@ def test_conservative_books_close(face: str, half: bool, source: str, strain: fl
     mechanical = books[:, WORK_IN] - books[:, HEAT_RELEASED] - books[:, RECOVERABLE]
     lost = books[:, HEAT_LOST_ENDS] + books[:, HEAT_LOST_SIDES]
     thermal = books[-1, HEAT_RELEASED] - stored_heat(run, START) - lost[-1]
-    print(f"mechanical {np.abs(mechanical).max() / work:.1e}, thermal {abs(thermal) / work:.1e}")
+    measured("energy books, cyclic: mechanical residual", np.abs(mechanical).max() / work, "1e-10")
+    measured("energy books, cyclic: thermal residual", abs(thermal) / work, "1e-10")
     assert_allclose(mechanical, 0.0, rtol=0.0, atol=atol)
     assert_allclose(thermal, 0.0, rtol=0.0, atol=atol)
     # The books themselves, against sums made outside the core.

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
+from tests.conftest import Recorder
 from tests.tolerances import (
     ADDS_UP,
     EQUAL_FORCE,
@@ -67,14 +68,16 @@ def healthy(run: Run) -> np.ndarray:
 
 @pytest.mark.parametrize("temperature", [-20.0, 0.0, 23.0])
 @pytest.mark.parametrize("name", HISTORIES)
-def test_layer_forces_are_equal_and_displacements_add_up(name: str, temperature: float) -> None:
+def test_layer_forces_are_equal_and_displacements_add_up(
+    name: str, temperature: float, measured: Recorder
+) -> None:
     """Eq. 4.34 recomputed from the returned d and Z at the temperatures of the step's start."""
     run = marched(assembled(specimen()), history(name), 5e-3, temperature, temperature)
     ok, force = healthy(run), run.books[:, FORCE]
     assert ok.mean() > 0.9
     peak = np.max(np.abs(force))
     apart = np.abs(layer_forces(specimen(), run) - force[:, None])
-    print(f"{name} at {temperature} degC: apart {apart[ok].max() / peak:.1e} of the peak force")
+    measured("layer forces apart, of the peak force", apart[ok].max() / peak, f"{EQUAL_FORCE:g}")
     assert_allclose(apart[ok], 0.0, rtol=0.0, atol=EQUAL_FORCE * peak)
     # The mismatch that the run reports is this very difference, softened steps included.
     assert_allclose(run.books[:, MISMATCH], apart.max(axis=1), rtol=0.0, atol=EQUAL_FORCE * peak)
@@ -124,13 +127,15 @@ def tangent_and_difference(
 
 @pytest.mark.parametrize("layers", [1, 5, 6])
 @pytest.mark.parametrize("temperature", [-20.0, 23.0])
-def test_tangent_is_the_derivative_of_the_force(layers: int, temperature: float) -> None:
+def test_tangent_is_the_derivative_of_the_force(
+    layers: int, temperature: float, measured: Recorder
+) -> None:
     bearing = changed(specimen(), geometry={"rubber_layers": layers})
     x = sine(bearing, strain=2.0, period=4.0, cycles=2, dt=5e-3)
     pairs = np.array(tangent_and_difference(assembled(bearing), x, temperature))
     assert len(pairs) > 30
     worst = np.max(np.abs(pairs[:, 0] / pairs[:, 1] - 1.0))
-    print(f"{layers} layers, {temperature} degC: tangent off by at most {worst:.1e}")
+    measured("bearing tangent against central differences", worst, f"{TANGENT_BEARING:g}")
     assert_allclose(pairs[:, 0], pairs[:, 1], rtol=TANGENT_BEARING, atol=0.0)
 
 
@@ -170,10 +175,13 @@ def test_full_stack_equals_half_stack(layers: int, shim_cells: int) -> None:
     assert_allclose(by_temperature, 0.0, rtol=0.0, atol=FULL_AND_HALF)
 
 
-def test_half_stack_that_cuts_a_shim_cell_in_two_is_close_to_the_full_one() -> None:
+def test_half_stack_that_cuts_a_shim_cell_in_two_is_close_to_the_full_one(
+    measured: Recorder,
+) -> None:
     """The specimen: half a shim as one cell has its centre nearer the rubber than a whole one."""
     by_force, by_temperature = full_and_half(6, 1)
-    print(f"cut shim: force {by_force:.1e} of the peak, temperature {by_temperature:.1e} K")
+    measured("half against full stack, force, of the peak", by_force, f"{HALF_SHIM:g}")
+    measured("half against full stack, temperature [K]", by_temperature, f"{HALF_SHIM:g}")
     assert_allclose(by_force, 0.0, rtol=0.0, atol=HALF_SHIM)
     assert_allclose(by_temperature, 0.0, rtol=0.0, atol=HALF_SHIM)
     assert by_temperature > FULL_AND_HALF  # the two meshes do differ: the tests above can fail

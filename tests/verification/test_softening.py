@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from tests.conftest import Recorder
 from tests.tolerances import (
     ADDS_UP,
     BOUND_ROUNDING,
@@ -92,7 +93,7 @@ def test_softened_runs_converge_with_the_time_step() -> None:
         assert abs(values[2] - values[1]) < HALVED * abs(values[1] - values[0])
 
 
-def test_mismatch_is_told_as_it_is() -> None:
+def test_mismatch_is_told_as_it_is(measured: Recorder) -> None:
     """In softened steps too, the reported mismatch is the distance from the printed law."""
     run = cold_run(5e-3)
     force = run.books[:, FORCE]
@@ -100,7 +101,8 @@ def test_mismatch_is_told_as_it_is() -> None:
     soft = run.books[:, SHARING] > 0.0
     assert run.softened == np.count_nonzero(soft) > 0
     peak = np.abs(force).max()
-    print(f"-40 degC, 300 %: mismatch at most {apart.max():.2f} kN of {peak:.0f} kN")
+    text = f"{apart.max():.2f} kN of {peak:.0f} kN"
+    measured("softened layers, -40 degC, 300 %: layer law at most this far from F", text, "told")
     assert_allclose(run.books[:, MISMATCH], apart, rtol=0.0, atol=EQUAL_FORCE * peak)
     assert_allclose(apart[~soft], 0.0, rtol=0.0, atol=EQUAL_FORCE * peak)
 

@@ -67,7 +67,7 @@ def march(
     columns: Ints,
     row: Floats,
     rows: Floats,
-    cells: NDArray[np.float32],
+    cells: NDArray[np.floating],
 ) -> tuple[int, int, int, int, float]:
     """Step through the displacements x [mm] with steps dt [s].
 
@@ -77,7 +77,8 @@ def march(
     ambient : mean ambient temperature of each step [degC].
     keep : whether the step's end is to be kept as a row of `rows` and `cells`.
     columns : which columns of `write_row` go into `rows`; `row` is scratch for one of them.
-    cells : cell temperatures of the kept rows; no columns if they are not wanted.
+    cells : cell temperatures of the kept rows, single or double precision; no columns if
+        they are not wanted.
     settled : stop once every cell is this close to the ambient [K]; 0 never stops early.
 
     Returns

@@ -1,0 +1,137 @@
+"""Regenerate every number and figure in README and docs: `make docs`.
+
+Runs the tests (which record what they measure) and the benches, draws the loops, and writes
+the tables between the `generated` marks. `--texts-only` rewrites the texts from the
+numbers that are there, which the tests use to see that nobody typed a number by hand.
+"""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+DOCS = Path(__file__).parent
+README = DOCS.parent / "README.md"
+MEASURED, BENCH = DOCS / "measured.json", DOCS / "bench.json"
+
+# Rows of the README, by the names that tests and benches give their numbers.
+IN_README = (
+    "exact increment against scipy solve_ivp, of d_y",
+    "core against a plain NumPy stepper, force, of the peak",
+    "layer forces apart, of the peak force",
+    "conduction, rubber and steel: observed order in space",
+    "conduction: observed order in time",
+    "energy books, cyclic: thermal residual",
+    "K_eq of the bridge bearing at 178 mm, K_r = 25 kN/mm, against Table 6.1",
+    "inner-layer rise, published over conservative, -20 degC, 250 %",
+)
+BENCH_IN_README = ("coupled_step", "whole_test", "numpy_stepper", "opensees", "memory")
+
+
+def load(path: Path) -> Any:
+    """A JSON file."""
+    return json.loads(path.read_text(encoding="utf-8"))
+
+
+def table(heads: list[str], rows: list[list[str]]) -> str:
+    """A Markdown table."""
+    lines = ["| " + " | ".join(heads) + " |", "|" + "---|" * len(heads)]
+    return "\n".join(lines + ["| " + " | ".join(row) + " |" for row in rows])
+
+
+def test_rows(measured: list[dict[str, str]]) -> list[list[str]]:
+    """What the tests measured, with the test that asserts it."""
+    return [[m["what"], m["value"], m["limit"], f"`{m['test']}`"] for m in measured]
+
+
+def bench_rows(bench: dict[str, Any], items: tuple[str, ...] | None = None) -> list[list[str]]:
+    """What the benches measured, with target and whether it was met."""
+    marks = {True: "yes", False: "**no**", None: ""}
+    return [
+        [row["what"], number(row["value"], row["unit"]), row["target"], marks[row["met"]]]
+        for item, rows in bench["rows"].items()
+        if items is None or item in items
+        for row in rows
+    ]
+
+
+def number(value: float | None, unit: str) -> str:
+    """A value as people read it."""
+    if value is None:
+        return "-"
+    text = f"{value:.1e}" if value and abs(value) < 1e-3 else f"{value:.3g}"
+    return f"{f'{value:.0f}' if abs(value) >= 1000 else text} {unit}".strip()
+
+
+def readme_text(old: str, measured: list[dict[str, str]], bench: dict[str, Any]) -> str:
+    """README with its generated part written anew."""
+    by_name = {m["what"]: m for m in measured}
+    missing = [name for name in IN_README if name not in by_name]
+    if missing:
+        raise SystemExit(f"no test measured: {missing}")
+    about = bench["machine"]
+    parts = [
+        table(
+            ["verified", "measured", "limit"],
+            [[m["what"], m["value"], m["limit"]] for m in (by_name[n] for n in IN_README)],
+        ),
+        f"Speed and memory ({about['processor']}, one core, Python {about['python']}, "
+        f"numba {about['numba']}):",
+        table(["what", "measured", "target", "met"], bench_rows(bench, BENCH_IN_README)),
+    ]
+    return between(old, "verified", "\n\n".join(parts))
+
+
+def verification_text(measured: list[dict[str, str]], bench: dict[str, Any]) -> str:
+    """docs/verification.md, all of it."""
+    about = ", ".join(f"{key} {value}" for key, value in bench["machine"].items())
+    return (
+        "\n\n".join(
+            [
+                "# Verification",
+                "Written by `make docs`; do not edit. The first table is what the tests measured "
+                "(each asserts its limit), the second what `make bench` measured.",
+                table(["what", "measured", "limit", "test"], test_rows(measured)),
+                f"## Benches\n\n{about}",
+                table(["what", "measured", "target", "met"], bench_rows(bench)),
+            ]
+        )
+        + "\n"
+    )
+
+
+def between(text: str, name: str, content: str) -> str:
+    """The text with what stands between two marks replaced."""
+    start, end = f"<!-- generated: {name} -->", "<!-- end generated -->"
+    head, rest = text.split(start)
+    return f"{head}{start}\n{content}\n{end}{rest.split(end, 1)[1]}"
+
+
+def draw() -> None:
+    """The loops of the README."""
+    import thermobearing as tb
+
+    result = tb.run("shen-hdr-specimen", tb.cyclic_test(), ambient=[-20.0, 0.0, 23.0])
+    (DOCS / "figures").mkdir(exist_ok=True)
+    result.plot.loops().savefig(DOCS / "figures" / "loops.png", dpi=110)
+
+
+def main() -> None:
+    """Measure (unless --texts-only), draw, write."""
+    if "--texts-only" not in sys.argv:
+        environment = os.environ | {"THERMOBEARING_MEASURED": str(MEASURED)}
+        numeric = [f"tests/{kind}" for kind in ("verification", "cross_code", "validation")]
+        pytest = [sys.executable, "-m", "pytest", "-q", *numeric]
+        subprocess.run(pytest, check=True, cwd=DOCS.parent, env=environment)
+        bench = [sys.executable, "-m", "benchmarks", "--json", str(BENCH)]
+        subprocess.run(bench, check=True, cwd=DOCS.parent)
+        draw()
+    measured, bench_numbers = load(MEASURED), load(BENCH)
+    README.write_text(readme_text(README.read_text(), measured, bench_numbers))
+    (DOCS / "verification.md").write_text(verification_text(measured, bench_numbers))
+
+
+if __name__ == "__main__":
+    main()
