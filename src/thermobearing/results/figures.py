@@ -12,29 +12,7 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from thermobearing.errors import InputError
-from thermobearing.results.drawing import (
-    CYCLE_LOOKS,
-    ENERGIES,
-    GREY,
-    INK,
-    MARKERS,
-    NORMAL,
-    POINTS,
-    SMALL,
-    ambient_colours,
-    ambient_handle,
-    degrees,
-    draw_stack,
-    layer_names,
-    legend_below,
-    look_of,
-    name_axes,
-    ordered_colours,
-    panels,
-    residual,
-    scaling,
-    thin_paths,
-)
+from thermobearing.results import drawing
 from thermobearing.results.result import Result
 from thermobearing.results.time_axis import TimeAxis
 
@@ -73,7 +51,7 @@ class Figures:
         self._result = result
         self._data = result.dataset
         self._ambient = np.asarray(result["ambient"].values, dtype=float)
-        self._colours = ambient_colours(self._ambient)
+        self._colours = drawing.ambient_colours(self._ambient)
 
     def _title(self, what: str) -> str:
         return f"{self._data.attrs.get('title', self._result.bearing_name)}: {what}"
@@ -82,7 +60,7 @@ class Figures:
         """The ambient temperature, and what ended the run if it did not complete."""
         outcome = str(self._data["outcome"].values[run])
         ended = "" if outcome == "completed" else f" ({outcome.replace('_', ' ')})"
-        return f"ambient {degrees(self._ambient[run])}{ended}"
+        return f"ambient {drawing.degrees(self._ambient[run])}{ended}"
 
     def _needs(self, name: str, figure: str, group: str) -> None:
         if name not in self._data:
@@ -105,15 +83,19 @@ class Figures:
         'shear displacement [mm]'
         """
         time = TimeAxis(self._result, cut=True)
-        figure, (ax,) = panels(1, 1, (9.0, 3.4), self._title("imposed displacement"))
+        figure, (ax,) = drawing.panels(1, 1, (9.0, 3.4), self._title("imposed displacement"))
         run = time.farthest
-        ax.plot(*time.trace(run, self._data["displacement"].values[run]), color=INK, linewidth=0.9)
+        ax.plot(
+            *time.trace(run, self._data["displacement"].values[run]),
+            color=drawing.INK,
+            linewidth=0.9,
+        )
         time.set_ticks(ax)
-        name_axes(ax, time.caption(), "shear displacement [mm]")
+        drawing.name_axes(ax, time.caption(), "shear displacement [mm]")
         factor = 100.0 / float(self._data.attrs["total_rubber_thickness_mm"])
-        strain = ax.secondary_yaxis("right", functions=scaling(factor))
-        strain.set_ylabel("shear strain [%]", fontsize=NORMAL)
-        strain.tick_params(labelsize=SMALL, color=GREY)
+        strain = ax.secondary_yaxis("right", functions=drawing.scaling(factor))
+        strain.set_ylabel("shear strain [%]", fontsize=drawing.NORMAL)
+        strain.tick_params(labelsize=drawing.SMALL, color=drawing.GREY)
         strain.spines["right"].set_visible(False)  # the panel has one
         time.cut_out_rests(ax)
         time.label_loadings(ax)
@@ -122,7 +104,7 @@ class Figures:
     def loops(self) -> Figure:
         """Stress-strain loops, one panel per ambient temperature, as Fig. 4.7.
 
-        All panels have the same axes. Stress is the force over the gross plan area, strain the
+        All drawing.panels have the same axes. Stress is the force over the gross plan area, strain the
         displacement over the total rubber thickness; rests are left out.
 
         Returns
@@ -146,7 +128,7 @@ class Figures:
         count = len(self._ambient)
         columns = count if count <= 3 else (count + 1) // 2
         rows = -(-count // columns)
-        figure, axes = panels(
+        figure, axes = drawing.panels(
             rows, columns, (max(5.5, 1.2 + 3.0 * columns), max(4.5, 0.7 + 3.1 * rows)),
             self._title("shear stress-strain loops"), share=True,
         )  # fmt: skip
@@ -154,10 +136,10 @@ class Figures:
         spans = [max(float(np.nanmax(v) - np.nanmin(v)), 1e-9) for v in (strain, stress)]
         for run, (ax, colour) in enumerate(zip(axes, self._colours, strict=False)):
             paths = [(strain[run, rows], stress[run, rows]) for rows in time.moving_rows(run)]
-            ax.plot(*thin_paths(paths, *spans), color=colour, linewidth=0.8)
-            ax.axhline(0.0, color=GREY, linewidth=0.6, zorder=1)
-            ax.axvline(0.0, color=GREY, linewidth=0.6, zorder=1)
-            name_axes(
+            ax.plot(*drawing.thin_paths(paths, *spans), color=colour, linewidth=0.8)
+            ax.axhline(0.0, color=drawing.GREY, linewidth=0.6, zorder=1)
+            ax.axvline(0.0, color=drawing.GREY, linewidth=0.6, zorder=1)
+            drawing.name_axes(
                 ax,
                 "shear strain [%]" if run + columns >= count else "",
                 "shear stress [MPa]" if run % columns == 0 else "",
@@ -193,7 +175,9 @@ class Figures:
         if len(cycles) == 0:
             raise NothingToDrawError("measures: the result has no closed cycle")
         shown = self._shown_cycles()
-        figure, axes = panels(1, 2, (9.0, 4.2), self._title("equivalent modulus and damping"))
+        figure, axes = drawing.panels(
+            1, 2, (9.0, 4.2), self._title("equivalent modulus and damping")
+        )
         for ax, column, label in (
             (axes[0], "G_eq_MPa", "equivalent shear modulus $G_e$ [MPa]"),
             (axes[1], "h_eq", "equivalent damping ratio $h_{eq}$ [-]"),
@@ -202,28 +186,31 @@ class Figures:
                 for _, table, look in shown:
                     mine = table[table["ambient_degC"] == ambient]
                     strain = 100.0 * mine["amplitude_strain"]
-                    ax.plot(strain, mine[column], **look_of(*look, colour))
-            name_axes(ax, "shear strain amplitude [%]", label)
+                    ax.plot(strain, mine[column], **drawing.look_of(*look, colour))
+            drawing.name_axes(ax, "shear strain amplitude [%]", label)
             ax.set_xlim(0.0, 108.0 * float(cycles["amplitude_strain"].max()))
             ax.set_ylim(0.0, 1.08 * float(cycles[column].max()))
         handles = [
             Line2D([], [], color=colour, linewidth=3.0, label=self._run_title(run))
             for run, colour in enumerate(self._colours)
         ]
-        handles += [Line2D([], [], label=name, **look_of(*look, GREY)) for name, _, look in shown]
-        legend_below(figure, handles)
+        handles += [
+            Line2D([], [], label=name, **drawing.look_of(*look, drawing.GREY))
+            for name, _, look in shown
+        ]
+        drawing.legend_below(figure, handles)
         return figure
 
     def _shown_cycles(self) -> list[tuple[str, pd.DataFrame, tuple[str, str]]]:
         """Name, rows of `Result.cycles` and look of each line of `measures`."""
         cycles = self._result.cycles
         if any(about["kind"] == "recorded" for about in self._result.segments):
-            return [("every cycle", cycles, POINTS)]
+            return [("every cycle", cycles, drawing.POINTS)]
         last = min(int(cycles["cycle"].max()), max(SHOWN_CYCLES))
         numbers = sorted({n for n in SHOWN_CYCLES if n <= last} | {last})
         return [
             (f"cycle {n}", cycles[cycles["cycle"] == n], look)
-            for n, look in zip(numbers, CYCLE_LOOKS, strict=False)
+            for n, look in zip(numbers, drawing.CYCLE_LOOKS, strict=False)
         ]
 
     def layer_temperatures(self) -> Figure:
@@ -251,8 +238,8 @@ class Figures:
         time = TimeAxis(self._result)
         titles = [self._run_title(run) for run in range(len(self._ambient))]
         figure, axes = time.rows_of_panels(self._title("temperature of the rubber layers"), titles)
-        names = layer_names(self._data.sizes["layer"], bool(self._data.attrs["half_stack"]))
-        colours = ordered_colours(len(names), "plasma")
+        names = drawing.layer_names(self._data.sizes["layer"], bool(self._data.attrs["half_stack"]))
+        colours = drawing.ordered_colours(len(names), "plasma")
         lows, highs = [], []
         for run, ax in enumerate(axes):
             values = self._data["rubber_temperature"].values[run, : time.rows[run]]
@@ -260,14 +247,14 @@ class Figures:
                 x, y = time.trace(run, values[:, j])
                 # Later layers are thinner: where two agree, both are seen.
                 ax.plot(x, y, color=colour, label=name, linewidth=2.0 - 1.2 * j / len(names))
-            ax.axhline(self._ambient[run], color=GREY, linewidth=0.8, linestyle=":")
-            name_axes(ax, y="rubber temperature [°C]")
+            ax.axhline(self._ambient[run], color=drawing.GREY, linewidth=0.8, linestyle=":")
+            drawing.name_axes(ax, y="rubber temperature [°C]")
             lows.append(min(float(values.min()), self._ambient[run]))
             highs.append(max(float(values.max()), self._ambient[run]))
         span = max(float(np.max(np.subtract(highs, lows))), 0.1)
         for ax, low in zip(axes, lows, strict=True):
             ax.set_ylim(low - 0.05 * span, low + 1.08 * span)
-        legend_below(figure, [*axes[0].get_lines()[: len(names)], ambient_handle()])
+        drawing.legend_below(figure, [*axes[0].get_lines()[: len(names)], drawing.ambient_handle()])
         return figure
 
     def profiles(self) -> Figure:
@@ -295,13 +282,15 @@ class Figures:
         time = TimeAxis(self._result)
         count = len(self._ambient)
         title = self._title("temperature at the end of each loading")
-        figure, axes = panels(1, count, (max(5.5, 1.9 + 2.5 * count), 5.2), title)
+        figure, axes = drawing.panels(1, count, (max(5.5, 1.9 + 2.5 * count), 5.2), title)
         shown = time.loading_ends(MOST_PROFILES)
-        colours = ordered_colours(len(shown), "viridis")
+        colours = drawing.ordered_colours(len(shown), "viridis")
         ranges = []
         for run, ax in enumerate(axes):
             seen = [float(self._ambient[run])]
-            for (number, name), colour, marker in zip(shown, colours, MARKERS, strict=False):
+            for (number, name), colour, marker in zip(
+                shown, colours, drawing.MARKERS, strict=False
+            ):
                 row = time.last_row(run, number)
                 if row is None:
                     continue
@@ -311,28 +300,28 @@ class Figures:
                     markersize=3.2, linewidth=1.1,
                 )  # fmt: skip
                 seen += [float(profile.min()), float(profile.max())]
-            ax.axvline(self._ambient[run], color=GREY, linewidth=0.8, linestyle=":")
+            ax.axvline(self._ambient[run], color=drawing.GREY, linewidth=0.8, linestyle=":")
             ax.locator_params(axis="x", nbins=6)
-            name_axes(ax, "temperature [°C]", title=self._run_title(run))
+            drawing.name_axes(ax, "temperature [°C]", title=self._run_title(run))
             ranges.append((min(seen), max(seen)))
         span = max(*(high - low for low, high in ranges), 0.1)
         for ax, (low, _) in zip(axes, ranges, strict=True):
             ax.set_xlim(low - 0.06 * span, low + 1.06 * span)
-            draw_stack(ax, self._data, names=ax is axes[-1])
+            drawing.draw_stack(ax, self._data, names=ax is axes[-1])
             ax.tick_params(labelleft=ax is axes[0])
-        name_axes(axes[0], y="distance from the upper face [mm]")
+        drawing.name_axes(axes[0], y="distance from the upper face [mm]")
         handles = [
             Line2D([], [], color=colour, marker=marker, markersize=3.2, label=name)
-            for (_, name), colour, marker in zip(shown, colours, MARKERS, strict=False)
+            for (_, name), colour, marker in zip(shown, colours, drawing.MARKERS, strict=False)
         ]
-        legend_below(figure, [*handles, ambient_handle()])
+        drawing.legend_below(figure, [*handles, drawing.ambient_handle()])
         return figure
 
     def energy(self) -> Figure:
         """Where the work goes: heat released, stored and lost, and recoverable energy, in time.
 
         The titles give the residuals of the balances at the end, relative to the work. The
-        published scheme does not conserve heat, so its residual is not zero.
+        published scheme does not conserve heat, so its drawing.residual is not zero.
 
         Returns
         -------
@@ -347,22 +336,22 @@ class Figures:
         """
         time = TimeAxis(self._result)
         titles = [
-            f"{self._run_title(run)}; relative residual of the balance: "
-            f"mechanical {residual(mechanical)}, thermal {residual(thermal)}"
+            f"{self._run_title(run)}; relative drawing.residual of the balance: "
+            f"mechanical {drawing.residual(mechanical)}, thermal {drawing.residual(thermal)}"
             for run, (mechanical, thermal) in enumerate(
                 self._result.energy[["mechanical_residual", "thermal_residual"]].to_numpy()
             )
         ]
         figure, axes = time.rows_of_panels(self._title("energy balance"), titles)
         for run, ax in enumerate(axes):
-            for name, label, colour, line, width in ENERGIES:
+            for name, label, colour, line, width in drawing.ENERGIES:
                 values = KJ * self._data[name].values[run]
                 ax.plot(
                     *time.trace(run, values), color=colour, linestyle=line, linewidth=width,
                     label=label,
                 )  # fmt: skip
-            name_axes(ax, y="energy [kJ = kN m]")
-        legend_below(figure, axes[0].get_lines()[: len(ENERGIES)])
+            drawing.name_axes(ax, y="energy [kJ = kN m]")
+        drawing.legend_below(figure, axes[0].get_lines()[: len(drawing.ENERGIES)])
         return figure
 
     def save_all(self, directory: str | Path) -> list[Path]:

@@ -1,0 +1,111 @@
+"""The texts tell the truth: every command and example in them runs, every number is generated."""
+
+import os
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from docs import generate
+
+ROOT = Path(__file__).parents[2]
+TEXTS = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
+README = (ROOT / "README.md").read_text()
+
+
+def blocks(text: str, language: str) -> list[str]:
+    return re.findall(rf"```{language}\n(.*?)```", text, re.DOTALL)
+
+
+def commands(program: str) -> list[str]:
+    """Lines of all bash blocks that start with the program, without their comments."""
+    lines = [line for path in TEXTS for block in blocks(path.read_text(), "bash")
+             for line in block.splitlines()]  # fmt: skip
+    return [line.split("#")[0].strip() for line in lines if line.startswith(program)]
+
+
+def test_readme_example_runs_and_is_short(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (example,) = blocks(README, "python")
+    assert len([line for line in example.splitlines() if line.strip()]) == 6
+    monkeypatch.chdir(tmp_path)
+    exec(compile(example, "README.md", "exec"), {})
+    assert (tmp_path / "loops.png").stat().st_size > 10_000
+
+
+def test_readme_commands_run(tmp_path: Path) -> None:
+    environment = os.environ | {"PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}"}
+    found = commands("thermobearing")
+    assert len(found) >= 3
+    for command in found:
+        done = subprocess.run(
+            shlex.split(command), cwd=tmp_path, env=environment, capture_output=True, text=True
+        )
+        assert done.returncode == 0, f"{command}: {done.stderr}"
+
+
+def test_make_targets_exist() -> None:
+    for command in {*commands("make"), "make demo", "make test"}:
+        done = subprocess.run(
+            ["make", "--dry-run", *command.split()[1:]], cwd=ROOT, capture_output=True, text=True
+        )
+        assert done.returncode == 0, f"{command}: {done.stderr}"
+
+
+def test_case_in_the_docs_is_valid(tmp_path: Path) -> None:
+    from thermobearing.check import describe_file
+
+    (case,) = blocks((ROOT / "docs" / "files.md").read_text(), "toml")
+    path = tmp_path / "case.toml"
+    path.write_text(case)
+    assert describe_file(path)[0] == "case"
+
+
+def test_numbers_are_the_generated_ones() -> None:
+    measured, bench = generate.load(generate.MEASURED), generate.load(generate.BENCH)
+    assert generate.readme_text(README, measured, bench) == README
+    page = (ROOT / "docs" / "verification.md").read_text()
+    assert generate.verification_text(measured, bench) == page
+
+
+def test_every_measured_number_has_its_test() -> None:
+    for row in generate.load(generate.MEASURED):
+        path, name = row["test"].split("::")
+        assert f"def {name}(" in (ROOT / path).read_text()
+
+
+def test_links_between_texts_lead_somewhere() -> None:
+    for path in TEXTS:
+        for target in re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", path.read_text()):
+            assert (path.parent / target).exists(), f"{path.name}: {target}"
+
+
+def test_files_and_functions_stay_small() -> None:
+    """Files under 400 lines, functions under 60: the house rule."""
+    import ast
+
+    for path in [
+        *ROOT.glob("src/**/*.py"),
+        *ROOT.glob("tests/**/*.py"),
+        *ROOT.glob("benchmarks/*.py"),
+    ]:
+        text = path.read_text()
+        assert text.count("\n") < 400, path
+        for node in ast.walk(ast.parse(text)):
+            if isinstance(node, ast.FunctionDef):
+                assert (node.end_lineno or 0) - node.lineno < 60 + _docstring(node), (
+                    path,
+                    node.name,
+                )
+
+
+def _docstring(node: "object") -> int:
+    """Lines of a function's docstring, which the rule does not count."""
+    import ast
+
+    assert isinstance(node, ast.FunctionDef)
+    first = node.body[0]
+    is_text = isinstance(first, ast.Expr) and isinstance(first.value, ast.Constant)
+    return (first.end_lineno or 0) - first.lineno + 1 if is_text else 0
