@@ -104,7 +104,7 @@ class Figures:
     def loops(self) -> Figure:
         """Stress-strain loops, one panel per ambient temperature, as Fig. 4.7.
 
-        All drawing.panels have the same axes. Stress is the force over the gross plan area, strain the
+        All panels have the same axes. Stress is the force over the gross plan area, strain the
         displacement over the total rubber thickness; rests are left out.
 
         Returns
