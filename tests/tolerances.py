@@ -60,3 +60,19 @@ SINGLE_PRECISION = 4e-6  # K: cell histories are kept as float32, 2e-6 at 40 deg
 ROUNDING = 1e-14  # sums of a few dozen numbers
 TABLE_6_1_STIFFNESS = 0.015  # Table 6.4 prints K_r with two digits
 REGRESSION = 1e-7  # another compiler may round a fused multiply-add otherwise
+
+# --- The border: units and tables --------------------------------------------------------
+CONVERSION = 1e-12  # a few roundings on the way through SI
+ZERO_DEGREES = 1e-11  # K: 32 degF by way of 273.15 K comes to -4e-13
+
+# --- Protocols, ambient series, measures -------------------------------------------------
+PROTOCOL = 1e-12  # sums of up to ten thousand time steps
+RAMP = 1e-9  # speed from differences of displacements: rounding over a step of 0.25 mm
+WAVE = 1e-11  # of the amplitude: phases up to 8 pi, from sums of 800 steps
+RECORDING = 1e-9  # of the amplitude: slopes of 1e5 mm/s times the rounding of the clock
+MEAN = 1e-12  # areas of some hundred trapezia
+SETTLED = 0.01  # K after 1e6 s; Crank-Nicolson rings in the steps of 600 s, 3e-3 measured
+LOOP = 1e-12  # sums of some thousand products
+POLYGON = 1e-6  # 4000 points on an ellipse: (2 pi / n)^2 / 6 = 4e-7
+NOISY_CROSSING = 0.01  # of the period: 1 % of noise over the slope 2 pi, some four sigma
+CLOCK_FORCE = 1e-9  # of the peak: time steps taken from differences of the clock

@@ -7,15 +7,16 @@ case.resolved.toml beside every result; running that file again gives the same b
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
-from thermobearing.bearing.library import bearing_from_table, load_bearing, split_sources
+from thermobearing.bearing.library import load_bearing, split_sources
 from thermobearing.bearing.model import Bearing
 from thermobearing.bearing.schema import Strict, in_unit, read_toml, unit_of, validated
+from thermobearing.drive.ambient import Ambient
 from thermobearing.drive.assemble import HeatSource, Integrator
-from thermobearing.drive.protocol import CyclicTest, cyclic_test
+from thermobearing.drive.protocol import CyclicTest, cyclic_test, find_faults
 from thermobearing.errors import InputError
-from thermobearing.stack import Face, Scheme
+from thermobearing.stack import Face, Scheme, build_stack
 from thermobearing.units import with_unit
 
 Group = Literal["rubber", "layer_displacement", "hysteretic", "cells"]
@@ -32,11 +33,12 @@ class EndFace(Strict):
     eta: Annotated[float, Field(ge=1, le=3)] | None = None
     film: Annotated[float, in_unit("W/(m^2 K)"), Field(ge=0)] | None = None
 
-    @model_validator(mode="after")
-    def _one(self) -> "EndFace":
-        if (self.eta is None) == (self.film is None):
-            raise ValueError("give either eta (1 adiabatic to 3 at ambient) or film")
-        return self
+    @classmethod
+    def conflicts(cls, given: dict[str, Any]) -> list[str]:
+        """One of the two."""
+        if ("eta" in given) == ("film" in given):
+            return ["give either eta (1 adiabatic to 3 at ambient) or film"]
+        return []
 
     def face(self) -> Face:
         """The same, for the stack."""
@@ -76,18 +78,36 @@ class Case(Strict):
     bearing: Bearing
     test: CyclicTest
     ambient: Annotated[list[Temperature], Field(min_length=1)]
-    ambient_series: str | None = None  # CSV with time and temperature, instead of `ambient`
+    # CSV with time and temperature, instead of `ambient`
+    ambient_series: Annotated[str, Field(min_length=1)] | None = None
     initial: Temperature | None = None  # uniform; None: the ambient temperature
     initial_profile: list[Temperature] | None = None  # one per cell, upper face first
     analysis: Analysis = Analysis()
 
-    @model_validator(mode="after")
-    def _consistent(self) -> "Case":
-        if self.initial is not None and self.initial_profile is not None:
-            raise ValueError("give initial or initial_profile, not both")
-        if len(set(self.ambient)) < len(self.ambient):
-            raise ValueError("ambient: every temperature only once")
-        return self
+    @field_validator("ambient")
+    @classmethod
+    def _each_once(cls, ambient: list[float]) -> list[float]:
+        for value in ambient:
+            if ambient.count(value) > 1:
+                raise ValueError(f"{value:g} degC is given more than once")
+        return ambient
+
+    def faults(self) -> list[str]:
+        """What the parts do to each other: a test that cannot be done with this bearing, ..."""
+        found = find_faults(self.test, self.bearing.total_rubber_thickness)
+        found = [f"test.{fault}" for fault in found]
+        if self.ambient_series is not None:
+            try:
+                Ambient.from_csv(self.ambient_series)
+            except InputError as error:
+                found += error.lines("ambient_series")
+        cells = len(build_stack(self.bearing, half=self.analysis.half).part)
+        if self.initial_profile is not None and len(self.initial_profile) != cells:
+            found.append(
+                f"initial_profile: has {len(self.initial_profile)} temperatures, "
+                f"but the stack has {cells} cells"
+            )
+        return found
 
 
 def load_case(path: str | Path, **overrides: Any) -> Case:
@@ -105,17 +125,21 @@ def load_case(path: str | Path, **overrides: Any) -> Case:
     """
     path = Path(path)
     table, _ = split_sources(read_toml(path))
-    for step in _steps(table):
-        if isinstance(step.get("file"), str):
-            step["file"] = str(path.parent / step["file"])
-    if isinstance(table.get("ambient_series"), str):
-        table["ambient_series"] = str(path.parent / table["ambient_series"])
+    _make_absolute(table, path.parent)
     bearing = table.get("bearing")
     if isinstance(bearing, str) and bearing.endswith(".toml") and overrides.get("bearing") is None:
         table["bearing"] = str(path.parent / bearing)
-    if isinstance(table.get("initial_result"), str):
-        table["initial_profile"] = _final_profile(path.parent / table.pop("initial_result"))
     return make_case(table, str(path), **overrides)
+
+
+def _make_absolute(table: dict[str, Any], folder: Path) -> None:
+    """Paths of files, so that the resolved case finds them from wherever it is saved."""
+    test = table.get("test")
+    steps = test.get("steps") if isinstance(test, dict) else None
+    named = [(step, "file") for step in steps] if isinstance(steps, list) else []
+    for holder, key in [*named, (table, "ambient_series"), (table, "initial_result")]:
+        if isinstance(holder, dict) and isinstance(holder.get(key), str) and holder[key]:
+            holder[key] = str((folder / holder[key]).absolute())
 
 
 def _final_profile(result: Path) -> list[str]:
@@ -131,10 +155,21 @@ def _final_profile(result: Path) -> list[str]:
     return [with_unit(float(value), "degC") for value in final[0]]
 
 
-def _steps(table: dict[str, Any]) -> list[dict[str, Any]]:
-    test = table.get("test")
-    steps = test.get("steps") if isinstance(test, dict) else None
-    return [step for step in steps if isinstance(step, dict)] if isinstance(steps, list) else []
+def _settle_start(table: dict[str, Any]) -> list[str]:
+    """Replace `initial_result` by the profile in it; returns what is wrong with the start."""
+    ways = [key for key in ("initial", "initial_profile", "initial_result") if key in table]
+    if len(ways) > 1:
+        return [f"give only one of initial, initial_profile, initial_result; got {ways}"]
+    result = table.pop("initial_result", None)
+    if result is None:
+        return []
+    if not isinstance(result, str) or not result:
+        return [f"initial_result = {result!r}: must be the path of a result"]
+    try:
+        table["initial_profile"] = _final_profile(Path(result))
+    except InputError as error:
+        return error.lines("initial_result")
+    return []
 
 
 def make_case(table: dict[str, Any], where: str, **overrides: Any) -> Case:
@@ -151,37 +186,55 @@ def make_case(table: dict[str, Any], where: str, **overrides: Any) -> Case:
     table = dict(table)
     chosen = {key: given.pop(key) for key in list(given) if key in Analysis.model_fields}
     if chosen:
-        table["analysis"] = {**_plain_table(table.get("analysis", {}), where), **chosen}
+        table["analysis"] = _updated(table.get("analysis", {}), chosen)
     dt = given.pop("dt", None)
+    if "ambient" in given:
+        table.pop("ambient_series", None)
     table |= given
     test = table.get("test", cyclic_test())
     table["test"] = to_table(test) if isinstance(test, CyclicTest) else test
     if dt is not None:
-        table["test"] = {**_plain_table(table["test"], where), "dt": dt}
-    bearing = table.get("bearing", DEFAULT_BEARING)
-    if isinstance(bearing, str | Path):
-        table["bearing"] = load_bearing(bearing)
-    elif isinstance(bearing, dict):
-        table["bearing"] = bearing_from_table(bearing, f"{where}, bearing")
+        table["test"] = _updated(table["test"], {"dt": dt})
+    _make_absolute(table, Path())
+    problems = _settle_start(table)
+    if "ambient" in table and table.get("ambient_series") is not None:
+        problems.append("give ambient or ambient_series, not both")
     table.setdefault("ambient", _said_with_unit(DEFAULT_AMBIENT, "degC"))
     if not isinstance(table["ambient"], list):
         table["ambient"] = [table["ambient"]]
-    return validated(Case, table, where)
+    bearing = table.setdefault("bearing", DEFAULT_BEARING)
+    if isinstance(bearing, str | Path):
+        try:
+            table["bearing"] = load_bearing(bearing)
+        except InputError as error:
+            problems += error.lines("bearing")
+            table["bearing"] = load_bearing(DEFAULT_BEARING)  # to find what else is wrong
+    else:
+        table["bearing"], _ = split_sources(bearing)
+    try:
+        case = validated(Case, table, where)
+    except InputError as error:
+        raise InputError([*problems, *error.problems], where) from None
+    problems += case.faults() if not problems else []
+    if problems:
+        raise InputError(problems, where)
+    return case
 
 
-def _plain_table(value: Any, where: str) -> dict[str, Any]:
-    if not isinstance(value, dict):
-        raise InputError("analysis and test must be tables", where)
-    return value
+def _updated(table: Any, changes: dict[str, Any]) -> Any:
+    """The table with changes; what is no table stays as it is, for the checks to find."""
+    return {**table, **changes} if isinstance(table, dict) else table
 
 
 def _said_with_unit(value: Any, unit: str | None) -> Any:
     """Plain numbers, alone or in a sequence, as text with their unit."""
-    if isinstance(value, str | bytes | dict | Strict | Path) or unit is None:
-        return value
-    if hasattr(value, "__iter__"):
+    if hasattr(value, "tolist"):  # numpy arrays and scalars
+        value = value.tolist()
+    if isinstance(value, list | tuple) and unit is not None:
         return [_said_with_unit(item, unit) for item in value]
-    return with_unit(float(value), unit)
+    if isinstance(value, int | float) and not isinstance(value, bool) and unit is not None:
+        return with_unit(float(value), unit)
+    return value
 
 
 def to_table(model: Strict) -> dict[str, Any]:
@@ -210,4 +263,7 @@ def resolved_toml(case: Case) -> str:
     """The case with every default filled in, as TOML text that reads back to the same bits."""
     import tomli_w
 
-    return tomli_w.dumps(to_table(case))
+    table = to_table(case)
+    if case.ambient_series is not None:
+        del table["ambient"]
+    return tomli_w.dumps(table)

@@ -6,7 +6,6 @@ from thermobearing.bearing.library import load_bearing, split_sources
 from thermobearing.bearing.model import Bearing
 from thermobearing.bearing.schema import read_toml
 from thermobearing.case import load_case
-from thermobearing.drive.ambient import Ambient
 from thermobearing.drive.protocol import build_segments
 from thermobearing.stack import build_stack
 
@@ -23,15 +22,15 @@ def describe_file(path: Path) -> tuple[str, dict[str, str]]:
         return "bearing", bearing_facts(load_bearing(path))
     case = load_case(path)
     segments = build_segments(case.test, case.bearing.total_rubber_thickness)
-    if case.ambient_series is not None:
-        Ambient.from_csv(case.ambient_series)
     time = sum(float(segment.dt.sum()) for segment in segments)
+    steps = sum(len(segment.x) for segment in segments)
+    until = "at most " if any(segment.settle for segment in segments) else ""
     ambient = case.ambient_series or ", ".join(f"{value:g} degC" for value in case.ambient)
     return "case", {
         "bearing": f"{case.bearing.name} ({case.bearing.description})",
         "ambient": ambient,
         "test": f"{case.test.name}: " + "; ".join(segment.label for segment in segments),
-        "duration": f"{time:g} s in {sum(len(segment.x) for segment in segments)} steps a run",
+        "duration": f"{until}{time:g} s in {until}{steps} steps a run",
         "scheme": f"{case.analysis.scheme}, {case.analysis.integrator} integrator",
     }
 

@@ -5,14 +5,17 @@ written); 3 the analysis ended early (partial results written); 130 interrupted 
 results kept). Heavy imports wait until a command needs them, so that --help is quick.
 """
 
+import contextlib
 import functools
 import json
+import re
 import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+import typer.core
 
 import thermobearing
 from thermobearing.errors import InputError, OutputError
@@ -23,8 +26,25 @@ if TYPE_CHECKING:
 
 BAD_INPUT, ENDED_EARLY, INTERRUPTED = 2, 3, 130
 
+
+class _Commands(typer.core.TyperGroup):
+    """The commands; wrong usage too ends with a line of JSON if --json is among the words."""
+
+    def main(self, *args: Any, **kwargs: Any) -> Any:
+        words = args[0] if args else kwargs.get("args")
+        words = sys.argv[1:] if words is None else words
+        try:
+            return super().main(*args, **kwargs)
+        except SystemExit as end:
+            usage = getattr(end.__context__, "format_message", None)
+            if end.code == BAD_INPUT and usage is not None and "--json" in words:
+                _echo_json({"outcome": "bad_input", "exit_status": BAD_INPUT, "message": usage()})
+            raise
+
+
 app = typer.Typer(
     name="thermobearing",
+    cls=_Commands,
     help="Rubber isolation bearings in the cold: heat conduction coupled to hysteresis.",
     no_args_is_help=True,
     add_completion=False,
@@ -43,8 +63,12 @@ def _fail(message: str, status: int, outcome: str, as_json: bool) -> typer.Exit:
     """Report a failure once, on stderr, and as JSON if asked for."""
     typer.echo(f"thermobearing: {message}", err=True)
     if as_json:
-        typer.echo(json.dumps({"outcome": outcome, "exit_status": status, "message": message}))
+        _echo_json({"outcome": outcome, "exit_status": status, "message": message})
     return typer.Exit(status)
+
+
+def _echo_json(last: dict[str, Any]) -> None:
+    typer.echo(json.dumps(last, allow_nan=False))
 
 
 def reported(command: Callable[..., int]) -> Callable[..., None]:
@@ -55,8 +79,10 @@ def reported(command: Callable[..., int]) -> Callable[..., None]:
         as_json = bool(kwargs.get("as_json"))
         try:
             status = command(*args, **kwargs)
-        except (InputError, OutputError) as error:
+        except InputError as error:
             raise _fail(str(error), BAD_INPUT, "bad_input", as_json) from None
+        except OutputError as error:
+            raise _fail(str(error), BAD_INPUT, "not_written", as_json) from None
         except MemoryError:
             message = "not enough memory; keep fewer histories (keep_every) or a larger dt"
             raise _fail(message, BAD_INPUT, "bad_input", as_json) from None
@@ -124,14 +150,15 @@ def cyclic(
         complete = make_case({}, "command line", **overrides)
     else:
         complete = load_case(case, **overrides)
-    target = output or Path(f"cyclic-{complete.bearing.name}")
+    target = output or Path("cyclic-" + re.sub(r"[^\w.+-]+", "-", complete.bearing.name))
     check_target(target, force=force)
     result = _run_with_progress(complete, quiet=quiet)
+    result.save(target, force=force, figures=not no_figures)
     if not quiet:
         from thermobearing.results.screen import print_result
 
-        print_result(result)
-    result.save(target, force=force, figures=not no_figures)
+        with contextlib.suppress(KeyboardInterrupt):  # the result is safe by now
+            print_result(result)
     return _finish(result, target, as_json=as_json, quiet=quiet)
 
 
@@ -165,7 +192,7 @@ def _finish(result: "Result", target: Path, *, as_json: bool, quiet: bool) -> in
     if as_json:
         files = sorted(str(p.relative_to(target)) for p in target.rglob("*") if p.is_file())
         last = {"outcome": outcome, "exit_status": status, "output": str(target), "files": files}
-        typer.echo(json.dumps(last))
+        _echo_json(last)
     return status
 
 
@@ -179,7 +206,7 @@ def list_(as_json: AsJson = False) -> int:
     for bearing in bearings:
         typer.echo(f"{bearing.name:24}  {bearing.kind:5}  {bearing.description}")
     if as_json:
-        typer.echo(json.dumps({"bearings": [bearing.name for bearing in bearings]}))
+        _echo_json({"bearings": [bearing.name for bearing in bearings]})
     return 0
 
 
@@ -196,7 +223,7 @@ def check(
     kind, facts = describe_file(file)
     print_facts(f"{file}: a valid {kind}", facts)
     if as_json:
-        typer.echo(json.dumps({"outcome": "valid", "kind": kind, "file": str(file)}))
+        _echo_json({"outcome": "valid", "kind": kind, "file": str(file)})
     return 0
 
 
@@ -213,6 +240,7 @@ def measure(
     import dataclasses
 
     from thermobearing.bearing.library import load_bearing
+    from thermobearing.results.files import without_nan
     from thermobearing.results.metrics import measure_history
     from thermobearing.results.screen import print_measures
     from thermobearing.tables import read_columns
@@ -228,7 +256,7 @@ def measure(
         raise InputError(error.problems, str(file)) from None
     print_measures(cycles, rubber)
     if as_json:
-        typer.echo(json.dumps({"cycles": [dataclasses.asdict(cycle) for cycle in cycles]}))
+        _echo_json(without_nan({"cycles": [dataclasses.asdict(cycle) for cycle in cycles]}))
     return 0
 
 

@@ -19,6 +19,11 @@ class InputError(ThermobearingError, ValueError):
         self.where = where
         super().__init__(self.message())
 
+    def lines(self, key: str = "") -> list[str]:
+        """Each problem with the name of its file: for a report on the file that refers to it."""
+        before = "".join(f"{part}: " for part in (key, self.where) if part)
+        return [f"{before}{problem}" for problem in self.problems]
+
     def message(self) -> str:
         """All problems as one text, under the name of the file they are in."""
         if not self.where:
@@ -33,10 +38,19 @@ class OutputError(ThermobearingError):
     """A result could not be written; nothing half written is left behind."""
 
 
+def closest(name: str, known: Iterable[str]) -> str:
+    """A clause '; did you mean "..."?' with the closest known name, or nothing."""
+    close = difflib.get_close_matches(name, sorted(known), n=1, cutoff=0.6)
+    return f'; did you mean "{close[0]}"?' if close else ""
+
+
 def nearest(name: str, known: Iterable[str]) -> str:
-    """A clause ' (did you mean "..."?)' with the closest known name, or the list of them."""
+    """A clause '; did you mean "..."?' with the closest known name, or the list of them."""
     names = sorted(known)
-    close = difflib.get_close_matches(name, names, n=1, cutoff=0.6)
-    if close:
-        return f'; did you mean "{close[0]}"?'
-    return f"; known: {', '.join(names)}" if names else ""
+    listed = f"; known: {', '.join(names)}" if names else ""
+    return closest(name, names) or listed
+
+
+def shortened(text: str, longest: int = 60) -> str:
+    """The text, cut where a message would lose its reader in it."""
+    return text if len(text) <= longest else f"{text[: longest - 3]}..."

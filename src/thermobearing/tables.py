@@ -6,13 +6,14 @@ A header is `name_unit` or `name [unit]`: `time_s`, `displacement_mm`, `force [k
 
 import csv
 import io
+import math
 import re
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from thermobearing.errors import InputError, nearest
+from thermobearing.errors import InputError, nearest, shortened
 from thermobearing.units import conversion
 
 Floats = NDArray[np.float64]
@@ -31,6 +32,10 @@ def read_text(path: Path) -> str:
         raise InputError("no such file", str(path)) from None
     except OSError as error:
         raise InputError(f"cannot be read: {error.strerror or error}", str(path)) from None
+    except ValueError as error:  # a null byte in the path
+        raise InputError(f"cannot be read: {error}", repr(str(path))) from None
+    if b"\0" in raw:
+        raise InputError("is not a text file: it holds null bytes", str(path))
     for encoding in ("utf-8-sig", "cp932"):
         try:
             return raw.decode(encoding)
@@ -51,31 +56,55 @@ def _columns(header: list[str]) -> dict[tuple[str, str], int]:
 
 
 def _pick(
-    columns: dict[tuple[str, str], int], name: str, unit: str, header: list[str], where: str
-) -> tuple[int, float]:
-    """Column number of a quantity and the factor to the wanted unit."""
+    columns: dict[tuple[str, str], int], name: str, unit: str, header: list[str]
+) -> tuple[int, float, float]:
+    """Column number of a quantity, and scale and offset to the wanted unit."""
     units = {u: number for (n, u), number in columns.items() if n == name}
     if unit in units:
-        return units[unit], 1.0
+        return units[unit], 1.0, 0.0
     for given, number in units.items():
-        return number, conversion(given, unit)[0]
-    shown = ", ".join(title.strip() for title in header)
-    hint = nearest(f"{name}_{unit}", [title.strip() for title in header])
-    raise InputError(f'no column "{name}_{unit}" among: {shown}{hint}', where)
+        try:
+            return number, *conversion(given, unit)
+        except InputError as error:
+            raise InputError(error.lines(f'column "{header[number]}"')) from None
+    hint = nearest(f"{name}_{unit}", header)
+    raise InputError(f'no column "{name}_{unit}"{hint}')
 
 
-def _numbers(rows: list[list[str]], number: int, title: str, where: str) -> Floats:
-    """One column as floats; names the line of the first cell that is not a finite number."""
+def _number(cell: str) -> float:
+    """A finite float; Python would also take "1_0" and "nan"."""
+    try:
+        value = float(cell.replace("_", "x"))
+    except ValueError:
+        raise InputError(f'"{shortened(cell)}" is not a number') from None
+    if not math.isfinite(value):
+        raise InputError(f'"{shortened(cell)}" is not a finite number')
+    return value
+
+
+def _numbers(
+    rows: list[tuple[int, list[str]]], number: int, title: str, scale: float, offset: float
+) -> Floats:
+    """One converted column; names the line of the first cell that is not a finite number."""
     values = np.empty(len(rows))
-    for i, row in enumerate(rows):
+    for i, (line, row) in enumerate(rows):
         cell = row[number].strip() if number < len(row) else ""
         try:
-            values[i] = float(cell)
-        except ValueError:
-            raise InputError(f'line {i + 2}, {title}: "{cell}" is not a number', where) from None
-        if not np.isfinite(values[i]):
-            raise InputError(f'line {i + 2}, {title}: "{cell}" is not a finite number', where)
+            values[i] = _number(cell) * scale + offset
+        except InputError as error:
+            raise InputError(error.lines(f"line {line}, {title}")) from None
+        if not math.isfinite(values[i]):
+            raise InputError(f'line {line}, {title}: "{cell}" is too large')
     return values
+
+
+def _rows(path: Path) -> list[tuple[int, list[str]]]:
+    """Rows that hold anything, with their line numbers."""
+    reader = csv.reader(io.StringIO(read_text(path), newline=None), strict=True)
+    try:
+        return [(reader.line_num, row) for row in reader if any(cell.strip() for cell in row)]
+    except csv.Error as error:
+        raise InputError(f"line {reader.line_num}: {error}") from None
 
 
 def read_columns(path: Path | str, wanted: dict[str, str]) -> dict[str, Floats]:
@@ -91,16 +120,30 @@ def read_columns(path: Path | str, wanted: dict[str, str]) -> dict[str, Floats]:
     InputError : unreadable or empty file, missing column, wrong unit, a cell that is not a
         finite number (with its line).
     """
-    where = str(path)
-    rows = [row for row in csv.reader(io.StringIO(read_text(Path(path)))) if any(row)]
+    try:
+        return _read_columns(Path(path), wanted)
+    except InputError as error:
+        raise error if error.where else InputError(error.problems, str(path)) from None
+
+
+def _read_columns(path: Path, wanted: dict[str, str]) -> dict[str, Floats]:
+    rows = _rows(path)
     if not rows:
-        raise InputError("is empty", where)
-    header, body = rows[0], rows[1:]
-    columns = _columns(header)
-    picked = {name: _pick(columns, name, unit, header, where) for name, unit in wanted.items()}
+        raise InputError("is empty")
+    if len(rows[0][1]) == 1 and re.search("[;\t]", rows[0][1][0]):
+        raise InputError("columns must be separated by commas (and decimals take a point)")
+    header, body = [title.strip() for title in rows[0][1]], rows[1:]
+    columns, picked, problems = _columns(header), {}, []
+    for name, unit in wanted.items():
+        try:
+            picked[name] = _pick(columns, name, unit, header)
+        except InputError as error:
+            problems += error.problems
     if len(body) < 2:
-        raise InputError(f"has {len(body)} rows of numbers; at least 2 are needed", where)
+        problems.append(f"has {len(body)} rows of numbers; at least 2 are needed")
+    if problems:
+        raise InputError(problems)
     return {
-        name: _numbers(body, number, header[number].strip(), where) * factor
-        for name, (number, factor) in picked.items()
+        name: _numbers(body, number, header[number], scale, offset)
+        for name, (number, scale, offset) in picked.items()
     }

@@ -5,10 +5,8 @@ from pathlib import Path
 from typing import Any
 
 from thermobearing.bearing.model import Bearing
-from thermobearing.bearing.schema import read_toml, validated
+from thermobearing.bearing.schema import SOURCED, read_toml, validated
 from thermobearing.errors import InputError, nearest
-
-SOURCED = {"value", "source", "note"}
 
 
 def _library() -> Path:

@@ -1,23 +1,129 @@
 """Strict data with units: how TOML tables become checked objects, and faults become sentences."""
 
+import math
 import tomllib
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import Any, TypeVar, get_args
+from typing import TYPE_CHECKING, Any, TypeVar, cast, get_args
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationError, ValidationInfo
-from pydantic_core import ErrorDetails, PydanticCustomError
+from annotated_types import Ge, Gt, Le, Lt
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    ModelWrapValidatorHandler,
+    ValidationError,
+    ValidationInfo,
+    model_validator,
+)
+from pydantic.fields import FieldInfo
+from pydantic_core import ErrorDetails, InitErrorDetails, PydanticCustomError
 
-from thermobearing.errors import InputError, nearest
+from thermobearing.errors import InputError, closest, nearest, shortened
 from thermobearing.units import parse_quantity
+
+if TYPE_CHECKING:
+    from pydantic._internal._model_construction import ModelMetaclass
+else:  # the same class without its private address
+    ModelMetaclass = type(BaseModel)
 
 M = TypeVar("M", bound="Strict")
 
+# A size beyond this is a slip in a unit or an exponent, whatever it means, and so is a number
+# that must be positive and is less than its inverse; between, the formulas do not overflow.
+HUGEST = 1e12
+SOURCED = {"value", "source", "note"}  # keys of an entry {value = ..., source = ...}
+OURS = {"unit", "conflict", "size"}  # types of the faults found here, not by pydantic
 
-class Strict(BaseModel):
-    """Immutable record that refuses unknown keys and numbers that are not finite."""
+
+class _InputErrors(ModelMetaclass):
+    """Faults of `EndFace(eta=5)`, built by hand, are told as InputError too."""
+
+    def __call__(self, *args: Any, **kwargs: Any) -> Any:
+        try:
+            return super().__call__(*args, **kwargs)
+        except ValidationError as error:
+            model = cast(type[BaseModel], self)
+            problems = [_sentence(model, item) for item in error.errors()]
+            raise InputError(problems, f"{self.__name__}()") from None
+
+
+class Strict(BaseModel, metaclass=_InputErrors):
+    """Immutable record that refuses unknown keys, numbers that are not finite or not numbers."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    @classmethod
+    def conflicts(cls, given: dict[str, Any]) -> list[str]:
+        """What is wrong with the combination of the keys that were given."""
+        return []
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _all_at_once(cls, data: Any, handler: ModelWrapValidatorHandler[Any]) -> Any:
+        """Faults of single keys and of their combination in one error."""
+        if not isinstance(data, dict):
+            return handler(data)
+        given = {name: value for name, value in data.items() if value is not None}
+        faults = [_fault("conflict", (), text, data) for text in cls.conflicts(given)]
+        try:
+            made = handler({name: _plain(cls, name, value) for name, value in data.items()})
+        except ValidationError as error:
+            found = [*_line_errors(error), *faults]
+            raise ValidationError.from_exception_data(cls.__name__, found) from None
+        faults += [
+            _fault("size", (name,), "", value)
+            for name in cls.model_fields
+            if isinstance(value := getattr(made, name), float) and _is_absurd(cls, name, value)
+        ]
+        if faults:
+            raise ValidationError.from_exception_data(cls.__name__, faults)
+        return made
+
+
+class _NotANumber:
+    """Text or a truth value where a plain number belongs: pydantic would convert it."""
+
+    def __init__(self, value: Any) -> None:
+        self.value = value
+
+    def __repr__(self) -> str:
+        return repr(self.value)
+
+
+def _is_absurd(model: type[BaseModel], name: str, value: float) -> bool:
+    """Whether a number is so large, or so close to a zero it may not be, that it must be a slip."""
+    positive = any(
+        isinstance(part, Gt) and part.gt == 0 for part in _parts(model.model_fields[name])
+    )
+    return abs(value) > HUGEST or (positive and value < 1.0 / HUGEST)
+
+
+def _plain(model: type[BaseModel], name: str, value: Any) -> Any:
+    """The value, marked if it is no number although the field is one without a unit."""
+    field = model.model_fields.get(name)
+    if field is None or not isinstance(value, bool | str):
+        return value
+    types = {item for item in _parts(field) if isinstance(item, type)}
+    plain = types & {int, float} and not types & {bool, str} and unit_of(model, name) is None
+    return _NotANumber(value) if plain else value
+
+
+def _fault(kind: str, location: tuple[int | str, ...], text: str, value: Any) -> InitErrorDetails:
+    error = PydanticCustomError(kind, "{text}", {"text": text})
+    return InitErrorDetails(type=error, loc=location, input=value)
+
+
+def _line_errors(error: ValidationError) -> Iterator[InitErrorDetails]:
+    """The faults of an error, to be raised again together with others."""
+    for item in error.errors(include_url=False):
+        if item["type"] in OURS:
+            yield _fault(item["type"], item["loc"], item["msg"], item["input"])
+        else:
+            again = InitErrorDetails(type=item["type"], loc=item["loc"], input=item["input"])
+            if "ctx" in item:
+                again["ctx"] = item["ctx"]
+            yield again
 
 
 class InUnit:
@@ -41,7 +147,7 @@ class InUnit:
             raise PydanticCustomError(
                 "unit", "expected text such as {text}", {"text": f'"1.5 {self.unit}"'}
             )
-        if info.context and info.context.get("from_file"):
+        if info.context and info.context.get("from_file") and math.isfinite(value):
             raise PydanticCustomError(
                 "unit",
                 "has no unit; write {text} if that is meant",
@@ -55,35 +161,41 @@ def in_unit(unit: str) -> BeforeValidator:
     return BeforeValidator(InUnit(unit))
 
 
+def _parts(item: Any) -> Iterator[Any]:
+    """Types, validators and limits in a field or annotation, at any depth."""
+    if isinstance(item, FieldInfo):
+        inner: Iterable[Any] = [*item.metadata, item.annotation]
+    else:
+        yield item
+        inner = get_args(item)
+    for part in inner:
+        yield from _parts(part)
+
+
 def unit_of(model: type[BaseModel], name: str) -> str | None:
     """Unit of a field declared with `in_unit`, None for a pure number or a nested table."""
-    field = model.model_fields[name]
-    return _unit_in([*field.metadata, field.annotation])
-
-
-def _unit_in(parts: Iterable[Any]) -> str | None:
-    for item in parts:
+    for item in _parts(model.model_fields[name]):
         if isinstance(item, BeforeValidator) and isinstance(item.func, InUnit):
             return item.func.unit
-        found = _unit_in(get_args(item)) or _unit_in(getattr(item, "__metadata__", ()))
-        if found:
-            return found
     return None
 
 
 def read_toml(path: Path) -> dict[str, Any]:
     """Parse a TOML file; every fault becomes an InputError that names the file."""
     try:
-        with path.open("rb") as file:
-            return tomllib.load(file)
+        return tomllib.loads(path.read_bytes().decode("utf-8-sig"))
     except FileNotFoundError:
         raise InputError("no such file", str(path)) from None
     except IsADirectoryError:
         raise InputError("is a directory, not a TOML file", str(path)) from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"cannot be read: {error}", str(path)) from None
-    except tomllib.TOMLDecodeError as error:
+    except OSError as error:
+        raise InputError(f"cannot be read: {error.strerror or error}", str(path)) from None
+    except UnicodeDecodeError as error:
+        raise InputError(f"is not UTF-8 text (byte {error.start + 1})", str(path)) from None
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise InputError(f"is not valid TOML: {error}", str(path)) from None
+    except ValueError as error:  # a null byte in the path
+        raise InputError(f"cannot be read: {error}", repr(str(path))) from None
 
 
 def validated(model: type[M], data: Any, where: str, *, from_file: bool = True) -> M:
@@ -101,16 +213,11 @@ def validated(model: type[M], data: Any, where: str, *, from_file: bool = True) 
         raise InputError([_sentence(model, item) for item in error.errors()], where) from None
 
 
-def _models(annotation: Any) -> list[type[BaseModel]]:
-    """Model classes inside an annotation, through Annotated, unions and lists."""
-    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        return [annotation]
-    return [found for part in get_args(annotation) for found in _models(part)]
-
-
-def _resolve(model: type[BaseModel], location: tuple[int | str, ...]) -> tuple[str, Any, Any]:
-    """Dotted key, owning model and field of an error location, without union tags."""
-    models, owner, field = [model], model, None
+def _resolve(
+    model: type[BaseModel], location: tuple[int | str, ...]
+) -> tuple[str, type[BaseModel], str]:
+    """Dotted key, owning model and field name of an error location, without union tags."""
+    models, owner, name = [model], model, ""
     keys: list[str] = []
     for part in location:
         if isinstance(part, int):
@@ -118,17 +225,15 @@ def _resolve(model: type[BaseModel], location: tuple[int | str, ...]) -> tuple[s
             continue
         tagged = [m for m in models if part in _tags(m)] if len(models) > 1 else []
         if tagged:
-            models = owner_candidates = tagged
-            owner = owner_candidates[0]
+            models, owner = tagged, tagged[0]
             continue
         keys.append(part)
-        holder = next((m for m in models if part in m.model_fields), None)
-        owner = holder or (models[0] if models else owner)
-        field = holder.model_fields[part] if holder else None
-        if field is not None:
-            inner = [m for item in field.metadata for m in _models(item)]
-            models = _models(field.annotation) + inner
-    return ".".join(keys), owner, field
+        owner = next((m for m in models if part in m.model_fields), models[0] if models else owner)
+        name = part
+        if part in owner.model_fields:
+            found = _parts(owner.model_fields[part])
+            models = [m for m in found if isinstance(m, type) and issubclass(m, BaseModel)]
+    return ".".join(keys), owner, name
 
 
 def _tags(model: type[BaseModel]) -> list[str]:
@@ -141,30 +246,74 @@ def _tags(model: type[BaseModel]) -> list[str]:
 
 
 def _sentence(model: type[BaseModel], item: ErrorDetails) -> str:
-    """One fault: key, value, unit, allowed range or nearest name."""
-    key, owner, field = _resolve(model, item["loc"])
-    name = str(item["loc"][-1]) if item["loc"] else ""
-    unit = unit_of(owner, name) if field is not None and name in owner.model_fields else None
-    kind = item["type"]
+    """One fault: key, value, what is allowed with its unit, nearest name."""
+    key, owner, name = _resolve(model, item["loc"])
+    kind, value = item["type"], item["input"]
     if kind == "extra_forbidden":
         return f'unknown key "{key}"{nearest(name, owner.model_fields)}'
+    if kind in ("union_tag_invalid", "union_tag_not_found"):
+        return _tag_sentence(key, item)
     if kind == "missing":
-        example = f' = "... {unit}"' if unit else ""
-        return f'missing key "{key}"{example}'
+        unit = unit_of(owner, name)
+        return f'missing key "{key}"' + (f' = "... {unit}"' if unit else "")
+    if kind == "conflict":
+        return f"{key}: {item['msg']}" if key else item["msg"]
     message = item["msg"].removeprefix("Value error, ")
-    if kind in ("greater_than", "greater_than_equal", "less_than", "less_than_equal"):
-        message = message.replace("Input should", "must") + (f" {unit}" if unit else "")
+    if isinstance(value, dict) and kind != "value_error" and set(value) & SOURCED:
+        strange = sorted(set(value) - SOURCED)
+        message = f'an entry with a source needs a "value"; got {", ".join(sorted(value))}'
+        if strange and "value" in value:
+            message = f'unknown key "{strange[0]}" beside "value"{nearest(strange[0], SOURCED)}'
     elif kind == "literal_error":
-        message = message.replace("Input should be", "must be")
-        if isinstance(item["input"], str):
-            message += nearest(
-                item["input"],
-                str(item["ctx"]["expected"])
-                .strip("'")
-                .replace("' or '", ", ")
-                .replace("', '", ", ")
-                .split(", "),
-            )
-    value = item["input"]
-    shown = "" if isinstance(value, dict | list) else f" = {value!r}"
+        message = f"must be {item['ctx']['expected']}"
+        message += _closest_of(value, item["ctx"]["expected"])
+    elif kind in ("model_type", "model_attributes_type", "dict_type"):
+        message = "must be a table"
+    elif kind in ("list_type", "tuple_type"):
+        message = "must be a list"
+    elif kind == "too_short":
+        message = f"must have at least {item['ctx']['min_length']} entry"
+    elif kind == "string_type":
+        message = "must be text"
+    elif kind == "string_too_short":
+        message = "must not be empty"
+    elif kind == "size":
+        large = abs(value) > 1.0
+        message = (
+            f"must be {'at most' if large else 'at least'} {HUGEST if large else 1 / HUGEST:g}"
+        )
+        message += f" {unit_of(owner, name) or ''} in size; is it a slip?".replace("  ", " ")
+    elif kind not in ("unit", "value_error"):
+        message = f"must be {_allowed(owner, name)}"
+    shown = "" if kind == "value_error" else f" = {shortened(repr(value))}"
     return f"{key}{shown}: {message}" if key else message
+
+
+def _tag_sentence(key: str, item: ErrorDetails) -> str:
+    """A table that says by one of its keys what it is: the key is missing or unknown."""
+    tag = item["ctx"]["discriminator"].strip("'")
+    given = item["input"].get(tag)
+    if given is None:
+        return f'missing key "{key}.{tag}"'
+    expected = item["ctx"]["expected_tags"]
+    return f"{key}.{tag} = {given!r}: must be one of {expected}" + _closest_of(given, expected)
+
+
+def _closest_of(value: Any, quoted: str) -> str:
+    """A hint at the name nearest to the value in a text such as "'a', 'b' or 'c'"."""
+    return closest(value, quoted.split("'")[1::2]) if isinstance(value, str) else ""
+
+
+def _allowed(model: type[BaseModel], name: str) -> str:
+    """The numbers a field takes, such as "a number greater than 0 and at most 5 mm"."""
+    parts = list(_parts(model.model_fields[name]))
+    what = "a whole number" if int in parts and float not in parts else "a number"
+    words = {Gt: "greater than", Ge: "at least", Lt: "less than", Le: "at most"}
+    limits = [
+        f"{words[type(part)]} {getattr(part, type(part).__name__.lower()):g}"
+        for part in parts
+        if type(part) in words
+    ]
+    if not limits:
+        what = what.replace("a number", "a finite number")
+    return " ".join(word for word in (what, " and ".join(limits), unit_of(model, name)) if word)

@@ -33,11 +33,17 @@ class Ambient:
     @classmethod
     def series(cls, time: Floats, temperature: Floats, where: str = "ambient series") -> "Ambient":
         """A series; InputError unless times increase and temperatures are plausible."""
-        time, temperature = np.asarray(time, float), np.asarray(temperature, float)
+        try:
+            time, temperature = np.asarray(time, float), np.asarray(temperature, float)
+        except (TypeError, ValueError):
+            raise InputError("needs two lists of numbers", where) from None
         if time.ndim != 1 or time.shape != temperature.shape or len(time) < 2:
             raise InputError("needs two equally long lists of at least 2 numbers", where)
+        if not np.isfinite(time).all():
+            raise InputError("time is not finite", where)
         if not (np.diff(time) > 0).all():
-            raise InputError("time does not increase", where)
+            k = int(np.argmin(np.diff(time) > 0))
+            raise InputError(f"time does not increase from {time[k]:g} to {time[k + 1]:g} s", where)
         for value in (temperature.min(), temperature.max()):
             check_temperature(float(value), where)
         return cls(time, temperature)
@@ -67,6 +73,8 @@ class Ambient:
 
 def check_temperature(value: float, where: str) -> float:
     """The value, if it is a plausible temperature in degC."""
+    if isinstance(value, bool | str) or np.ndim(value) or value is None:
+        raise InputError(f"expected a temperature in degC, got {value!r}", where)
     if not COLDEST <= value <= HOTTEST:
-        raise InputError(f"{where}: {value:g} degC is outside {COLDEST:g} to {HOTTEST:g} degC")
+        raise InputError(f"{value:g} degC is outside {COLDEST:g} to {HOTTEST:g} degC", where)
     return value

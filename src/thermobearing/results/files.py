@@ -4,9 +4,11 @@ Everything is written into a hidden sibling directory that is renamed at the end
 disk, an interruption or a crash leaves either the complete result or nothing.
 """
 
+import errno
 import json
 import math
 import os
+import secrets
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
@@ -20,7 +22,9 @@ from thermobearing.results.result import Result
 
 SUMMARY, DATASET, HISTORY = "summary.json", "result.nc", "history.csv"
 RESOLVED, FIGURES = "case.resolved.toml", "figures"
+RESULT_NAMES = {SUMMARY, DATASET, HISTORY, RESOLVED, FIGURES, ".DS_Store"}
 CSV_BLOCK = 50_000  # rows formatted at a time
+NETCDF_EXTRA = 500_000  # attributes, names and tables of the netCDF file beside its numbers [bytes]
 
 
 def check_target(directory: Path, *, force: bool) -> None:
@@ -28,23 +32,34 @@ def check_target(directory: Path, *, force: bool) -> None:
 
     Raises
     ------
-    OutputError : it exists and `force` is False, or it is not a result directory.
+    OutputError : it exists and `force` is False, it is not a result directory or holds
+        anything else, or it cannot be made.
     """
-    if not directory.exists():
-        return
-    if not directory.is_dir():
-        raise OutputError(f"{directory}: is a file; choose another directory with -o")
-    names = {path.name for path in directory.iterdir()}
+    choose = "choose another directory with -o"
+    try:
+        final = directory.resolve()
+        if not final.exists():
+            above = next(path for path in final.parents if path.exists())
+            if not above.is_dir():
+                raise OutputError(f"{directory}: cannot be made, {above} is a file; {choose}")
+            if not os.access(above, os.W_OK | os.X_OK):
+                raise OutputError(f"{directory}: {above} is not writable; {choose}")
+            return
+        if not final.is_dir():
+            raise OutputError(f"{directory}: is a file; {choose}")
+        names = {path.name for path in final.iterdir()}
+    except (OSError, ValueError, RuntimeError) as error:  # too long, a null byte, a loop of links
+        raise OutputError(f"{directory}: cannot be used: {error}; {choose}") from None
+    if final in (Path.cwd(), *Path.cwd().parents):
+        raise OutputError(f"{directory}: is the directory you are in, or holds it; {choose}")
     if not names:
         return
-    if SUMMARY not in names:
-        raise OutputError(
-            f"{directory}: exists and is not a result directory; choose another one with -o"
-        )
+    foreign = sorted(names - RESULT_NAMES)
+    if SUMMARY not in names or foreign:
+        held = f" (it holds {', '.join(foreign[:3])})" if foreign else ""
+        raise OutputError(f"{directory}: exists and is not a result directory{held}; {choose}")
     if not force:
-        raise OutputError(
-            f"{directory}: exists; give --force to replace it, or another directory with -o"
-        )
+        raise OutputError(f"{directory}: exists; give --force to replace it, or {choose}")
 
 
 def save_result(
@@ -68,50 +83,82 @@ def save_result(
     OutputError : see `check_target`; or the disk is full or not writable. Nothing is left.
     """
     check_target(directory, force=force)
-    partial = directory.parent / f".{directory.name}.writing-{os.getpid()}"
+    final = directory.resolve()
+    above = [path for path in final.parents if not path.exists()]
+    mark = f"{os.getpid()}-{secrets.token_hex(4)}"
+    partial = final.parent / f".{final.name}.writing-{mark}"
+    old = final.parent / f".{final.name}.old-{mark}"
     try:
         partial.mkdir(parents=True)
         _write_all(result, partial, figures=figures)
-        _replace(directory, partial)
-    except OSError as error:
-        raise OutputError(f"{directory}: cannot be written: {error.strerror or error}") from error
+        _replace(final, partial, old)
+    except (OSError, RuntimeError) as error:  # h5py tells a failing disk as either
+        told = getattr(error, "strerror", None) or error
+        raise OutputError(f"{directory}: cannot be written: {told}") from error
     finally:
         shutil.rmtree(partial, ignore_errors=True)
+        if final.exists():
+            shutil.rmtree(old, ignore_errors=True)
+        else:
+            _remove_empty(above)
     return directory
 
 
-def _replace(directory: Path, partial: Path) -> None:
-    """Put the finished directory in place; an earlier one goes only when that has worked."""
-    old = directory.parent / f".{directory.name}.old-{os.getpid()}"
-    if directory.exists():
-        directory.rename(old)
+def _replace(directory: Path, partial: Path, old: Path) -> None:
+    """Put the finished directory in place; whatever stops this, the earlier one comes back."""
     try:
+        if directory.exists():
+            directory.rename(old)
         partial.rename(directory)
-    except OSError:
-        if old.exists():
+    except BaseException:  # Ctrl-C too
+        if old.exists() and not directory.exists():
             old.rename(directory)
         raise
-    shutil.rmtree(old, ignore_errors=True)
+
+
+def _remove_empty(directories: list[Path]) -> None:
+    """Take away the parents that were made for nothing, innermost first."""
+    for path in directories:
+        try:
+            path.rmdir()
+        except OSError:
+            return
 
 
 def _write_all(result: Result, folder: Path, *, figures: bool) -> None:
-    text = json.dumps(_finite(result.summary()), indent=2, allow_nan=False)
+    text = json.dumps(without_nan(result.summary()), indent=2, allow_nan=False)
     (folder / SUMMARY).write_text(text + "\n", encoding="utf-8")
     (folder / RESOLVED).write_text(result.dataset.attrs["case"], encoding="utf-8")
     with (folder / HISTORY).open("w", encoding="utf-8") as file:
         file.writelines(history_blocks(result))
+    _reserve(folder / DATASET, result.dataset.nbytes + NETCDF_EXTRA)
     result.dataset.to_netcdf(folder / DATASET, engine="h5netcdf")
     if figures:
         (folder / FIGURES).mkdir()
         result.plot.save_all(folder / FIGURES)
 
 
-def _finite(value: Any) -> Any:
+def _reserve(path: Path, size: int) -> None:
+    """OSError if the disk has no room for a file of this size [bytes]; leaves no file.
+
+    HDF5 cannot close a file that it could not write: it crashes the process instead.
+    """
+    try:
+        with path.open("wb") as file:
+            if hasattr(os, "posix_fallocate"):
+                os.posix_fallocate(file.fileno(), 0, size)
+            elif shutil.disk_usage(path.parent).free < size:
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+    finally:
+        path.unlink(missing_ok=True)
+
+
+def without_nan(value: Any) -> Any:
     """JSON has no NaN: a number that does not exist becomes null."""
     if isinstance(value, dict):
-        return {key: _finite(item) for key, item in value.items()}
+        return {key: without_nan(item) for key, item in value.items()}
     if isinstance(value, list):
-        return [_finite(item) for item in value]
+        return [without_nan(item) for item in value]
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return value

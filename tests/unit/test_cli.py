@@ -1,0 +1,290 @@
+"""The command: exit status, messages, JSON, files; the same bits again from the resolved case."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from typer.testing import Result
+
+import thermobearing as tb
+import thermobearing.drive.run
+from tests.unit.inputs import (
+    CYCLES,
+    FILES,
+    changed_table,
+    command,
+    content,
+    cyclic,
+    last_line,
+    quick_case,
+    specimen_table,
+    steps_case,
+    summary,
+    write_toml,
+)
+
+SUMMARY_KEYS = {"command", "bearing", "scheme", "version", "outcome", "runs"}
+RUN_KEYS = {"ambient_degC", "outcome", "layer_force_mismatch_max_kN", "cycles", "energy"}
+CYCLE_KEYS = {"amplitude_strain", "cycle", "G_eq_MPa", "h_eq", "stress_max_MPa", "stress_min_MPa"}
+CYCLE_KEYS |= {"energy_kN_mm", "rubber_degC", "lead_degC"}
+ENERGY_KEYS = {"work_in_kN_mm", "heat_released_kN_mm", "recoverable_kN_mm", "heat_stored_kN_mm"}
+ENERGY_KEYS |= {"heat_lost_ends_kN_mm", "heat_lost_sides_kN_mm"}
+ENERGY_KEYS |= {"mechanical_residual", "thermal_residual"}
+HEADER = "ambient_degC,time_s,displacement_mm,force_kN,stress_MPa,strain,"
+HEADER += "rubber1_degC,rubber2_degC,rubber3_degC,lead_degC"
+
+
+@pytest.fixture
+def case(tmp_path: Path) -> Path:
+    return quick_case(tmp_path / "case.toml")
+
+
+@pytest.fixture(scope="module")
+def saved(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Result]:
+    """A complete result with figures, of two ambient temperatures."""
+    folder = tmp_path_factory.mktemp("saved")
+    path = quick_case(folder / "case.toml")
+    words = ["--ambient", -20, "--ambient", 23, "-o", folder / "out", "--json"]
+    return folder / "out", command("cyclic", path, *words)
+
+
+def test_good_run_writes_all_files_and_ends_with_json(saved: tuple[Path, Result]) -> None:
+    directory, done = saved
+    assert done.exit_code == 0
+    figures = {name for name in content(directory) if name.startswith("figures/")}
+    assert len(figures) >= 5
+    assert set(content(directory)) == {*FILES, *figures}
+    assert last_line(done) == {
+        "outcome": "completed",
+        "exit_status": 0,
+        "output": str(directory),
+        "files": sorted(content(directory)),
+    }
+    assert [path.name for path in directory.parent.iterdir() if path.name.startswith(".")] == []
+
+
+def test_summary_has_the_promised_keys(saved: tuple[Path, Result]) -> None:
+    told = summary(saved[0])
+    assert set(told) >= SUMMARY_KEYS
+    assert (told["command"], told["outcome"], told["scheme"]) == (
+        "cyclic", "completed", "conservative",
+    )  # fmt: skip
+    assert [run["ambient_degC"] for run in told["runs"]] == [-20.0, 23.0]
+    for run in told["runs"]:
+        assert set(run) >= RUN_KEYS
+        assert set(run["energy"]) == ENERGY_KEYS
+        (cycle,) = run["cycles"]
+        assert set(cycle) >= CYCLE_KEYS
+        assert len(cycle["rubber_degC"]) == 3
+        assert cycle["lead_degC"] is None
+
+
+def test_netcdf_has_units_on_every_number(saved: tuple[Path, Result]) -> None:
+    with xr.open_dataset(saved[0] / "result.nc", engine="h5netcdf") as data:
+        assert {"ambient", "time", "layer", "cell"} <= set(data.dims)
+        numbers = [v for v in data.variables.values() if np.issubdtype(v.dtype, np.floating)]
+        assert len(numbers) > 15
+        assert [v for v in numbers if not v.attrs.get("units")] == []
+        for name in ("case", "version", "scheme", "bearing"):
+            assert data.attrs[name]
+
+
+def test_history_csv(saved: tuple[Path, Result]) -> None:
+    lines = (saved[0] / "history.csv").read_text().splitlines()
+    assert lines[0] == HEADER
+    assert len(lines) == 1 + 2 * (1 + 200)  # two runs of a start and 200 steps
+    assert [line.split(",")[0] for line in (lines[1], lines[-1])] == ["-20", "23"]
+    assert all(line.count(",") == HEADER.count(",") for line in lines)
+
+
+def test_result_reads_back(saved: tuple[Path, Result]) -> None:
+    result = tb.load_result(saved[0])
+    assert result.outcome == "completed"
+    assert result.summary() == summary(saved[0])
+
+
+def test_quiet_says_nothing(case: Path, tmp_path: Path) -> None:
+    done = cyclic(case, "-o", tmp_path / "out", "-q")
+    assert (done.exit_code, done.stdout, done.stderr) == (0, "", "")
+    loud = cyclic(case, "-o", tmp_path / "out", "--force")
+    assert "G_e" in loud.stdout
+    assert loud.stdout.endswith(f"written: {tmp_path / 'out'}\n")
+
+
+def test_overrides(case: Path, tmp_path: Path) -> None:
+    words = ["--dt", 0.02, "--ambient", 5, "--ambient", -5, "--bearing", "shen-hdr-bridge"]
+    words += ["--scheme", "published", "--integrator", "euler", "--heat-source", "dissipation"]
+    done = cyclic(case, *words, "--keep-every", 2, "-o", tmp_path / "out", "-q")
+    assert done.exit_code == 0
+    resolved = tb.load_case(tmp_path / "out" / "case.resolved.toml")
+    assert resolved.test.dt == 0.02
+    assert resolved.ambient == [5.0, -5.0]
+    assert resolved.bearing.name == "shen-hdr-bridge"
+    analysis = resolved.analysis
+    chosen = (analysis.scheme, analysis.integrator, analysis.heat_source, analysis.keep_every)
+    assert chosen == ("published", "euler", "dissipation", 2)
+    told = summary(tmp_path / "out")
+    assert [run["ambient_degC"] for run in told["runs"]] == [5.0, -5.0]
+
+
+def assert_same_bits(path: Path, again: Path, words: list[Any]) -> None:
+    """Run a case, run its resolved form, and compare every file."""
+    assert cyclic(path, *words, "-o", again / "one", "-q").exit_code == 0
+    resolved = again / "one" / "case.resolved.toml"
+    assert cyclic(resolved, "-o", again / "two", "-q").exit_code == 0
+    one, two = content(again / "one"), content(again / "two")
+    assert sorted(one) == FILES
+    for name in one:
+        assert one[name] == two[name], f"{name} differs"
+
+
+def test_resolved_case_gives_the_same_bits(case: Path, tmp_path: Path) -> None:
+    assert_same_bits(case, tmp_path, ["--dt", 0.013, "--ambient", -11.3, "--scheme", "published"])
+
+
+def test_resolved_case_finds_its_files_from_elsewhere(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Recordings, series and bearings are named relative to the case; the resolved one moved."""
+    folder = tmp_path / "given"
+    folder.mkdir()
+    (folder / "moved.csv").write_text("time_s,displacement_cm\n0,0\n1,3\n2,0\n3,-3\n4,0\n")
+    (folder / "night.csv").write_text("time_h,temperature_degF\n0,32\n1,14\n")
+    table = changed_table(specimen_table(), {"name": "mine/first", "geometry.rubber_layers": 5})
+    write_toml(folder / "mine.toml", table)
+    path = write_toml(
+        folder / "case.toml",
+        {
+            "bearing": "mine.toml",
+            "ambient_series": "night.csv",
+            "initial": "3.3 degC",
+            "test": {"dt": "10 ms", "steps": [{"step": "recorded", "file": "moved.csv"}]},
+        },
+    )
+    monkeypatch.chdir(tmp_path)
+    assert_same_bits(path.relative_to(tmp_path), Path("results"), [])
+    told = summary(Path("results/one"))["runs"][0]
+    assert told["ambient_degC"] == pytest.approx(0.0, abs=1e-9)  # 32 degF, offset and all
+    assert told["cycles"][0]["amplitude_strain"] == pytest.approx(30.0 / 25.0)
+
+
+def test_ambient_on_the_command_line_replaces_a_series(tmp_path: Path) -> None:
+    (tmp_path / "night.csv").write_text("time_h,temperature_degC\n0,0\n1,-10\n")
+    table = {"ambient_series": "night.csv", "test": {"dt": "10 ms", "steps": [CYCLES]}}
+    path = write_toml(tmp_path / "case.toml", table)
+    assert cyclic(path, "--ambient", 7, "-o", tmp_path / "out", "-q").exit_code == 0
+    assert summary(tmp_path / "out")["runs"][0]["ambient_degC"] == 7.0
+
+
+def test_default_target_is_named_after_the_bearing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    bearing = write_toml(
+        tmp_path / "b.toml", changed_table(specimen_table(), {"name": "../G1 (new)"})
+    )
+    path = quick_case(tmp_path / "case.toml", bearing=bearing.name)
+    assert cyclic(path, "-q").exit_code == 0
+    assert sorted(content(tmp_path / "cyclic-..-G1-new-")) == FILES
+
+
+def test_list() -> None:
+    done = command("list", "--json")
+    assert done.exit_code == 0
+    assert last_line(done) == {"bearings": tb.list_bearings()}
+    assert all(name in done.stdout for name in tb.list_bearings())
+
+
+def test_check_of_a_bearing_and_of_a_case(tmp_path: Path) -> None:
+    bearing = write_toml(tmp_path / "mine.toml", specimen_table())
+    done = command("check", bearing, "--json")
+    assert done.exit_code == 0
+    assert last_line(done) == {"outcome": "valid", "kind": "bearing", "file": str(bearing)}
+    assert "S1 = 12, S2 = 8" in done.stdout
+    rest = {"step": "rest", "within": "1 K"}
+    path = steps_case(tmp_path / "case.toml", CYCLES, rest)
+    done = command("check", path, "--json")
+    assert done.exit_code == 0
+    assert last_line(done)["kind"] == "case"
+    assert "100%; rest until within 1 K" in done.stdout
+    assert "at most" in done.stdout  # how long such a rest takes is not known beforehand
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["case.toml", "mine.toml"]
+
+
+def test_measure(tmp_path: Path) -> None:
+    turn = np.linspace(0.0, 4.0 * np.pi, 401)
+    rows = np.column_stack([30.0 * np.sin(turn), 60.0 * np.sin(turn) + 20.0 * np.cos(turn)])
+    path = tmp_path / "measured.csv"
+    header = "displacement_mm,force_kN"
+    np.savetxt(path, rows, delimiter=",", header=header, comments="")
+    done = command("measure", path, "--bearing", "shen-hdr-specimen", "--json")
+    assert done.exit_code == 0
+    cycles = last_line(done)["cycles"]
+    assert [cycle["amplitude_mm"] for cycle in cycles] == pytest.approx([30.0, 30.0], rel=1e-3)
+    np.savetxt(path, rows * [1.0, 0.0], delimiter=",", header=header, comments="")
+    done = command("measure", path, "--bearing", "shen-hdr-specimen", "--json")
+    assert last_line(done)["cycles"][0]["h_eq"] is None  # no force: no ratio, and no NaN in JSON
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["cyclic", "--dt", "soon"],
+        ["cyclic", "--nonsense"],
+        ["cyclic", "a.toml", "b.toml"],
+        ["measure", "m.csv"],
+        ["nonsense"],
+    ],
+    ids=["text for a number", "unknown option", "too many", "missing option", "unknown command"],
+)
+def test_wrong_usage(words: list[str]) -> None:
+    done = command(*words, "--json")
+    assert done.exit_code == 2
+    assert last_line(done)["outcome"] == "bad_input"
+    assert last_line(done)["message"]
+    plain = command(*words)
+    assert (plain.exit_code, plain.stdout) == (2, "")
+    assert plain.stderr
+
+
+@pytest.mark.parametrize(
+    ("words", "pieces"),
+    [
+        (["--ambient", "500"], ["ambient[0] = '500.0 degC'", "at most 100 degC"]),
+        (["--ambient", "nan"], ["ambient[0]", "not a finite number"]),
+        (["--dt", "-1"], ["test.dt = '-1.0 s'", "greater than 0"]),
+        (["--scheme", "publishd"], ["analysis.scheme = 'publishd'", '"published"?']),
+        (["--bearing", "shen-hdr-brige"], ['"shen-hdr-bridge"?']),
+        (["--bearing", "none.toml"], ["none.toml: no such file"]),
+        (["--keep-every", "0"], ["analysis.keep_every = 0", "at least 1"]),
+    ],
+    ids=lambda value: value[0].strip("-") + value[1] if value[0].startswith("--") else "",
+)
+def test_bad_option_value(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, words: list[str], pieces: list[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    done = cyclic(*words, "--json")
+    assert done.exit_code == 2
+    for piece in ["command line: ", *pieces]:
+        assert piece in last_line(done)["message"]
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_no_memory_is_told(case: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def exhausted(*_: Any) -> None:
+        raise MemoryError
+
+    monkeypatch.setattr(thermobearing.drive.run, "march", exhausted)
+    done = cyclic(case, "-o", tmp_path / "out", "--json")
+    assert done.exit_code == 2
+    assert "keep_every" in last_line(done)["message"]
+    assert not (tmp_path / "out").exists()
+
+
+def test_version_and_help() -> None:
+    assert command("--version").stdout == f"thermobearing {tb.__version__}\n"
+    for words in (["-h"], ["cyclic", "--help"], ["check", "-h"]):
+        assert command(*words).exit_code == 0

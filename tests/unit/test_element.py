@@ -1,0 +1,125 @@
+"""Trial, commit, revert: the element for outside solvers does what the march does."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+
+import thermobearing as tb
+from tests import tolerances as tol
+from tests.unit.inputs import SPECIMEN, changed_table, specimen_table
+from tests.verification.models import assembled, marched, smooth_history, specimen
+from thermobearing.bearing.library import bearing_from_table
+from thermobearing.core.types import DISPLACEMENT, FORCE, TIME, Floats, State
+
+AIR, START, DT = -20.0, -10.0, 0.005
+PATH = smooth_history(np.random.default_rng(12), 90.0, 400)  # 300 % in the cold: softening too
+
+
+def fresh() -> tb.BearingElement:
+    constants = assembled(specimen())
+    return tb.BearingElement(constants, np.full(constants.cells.shape[1], START))
+
+
+def assert_same_state(one: State, other: State) -> None:
+    for a, b in zip(one, other, strict=True):
+        assert_array_equal(a, b)
+
+
+def follow(element: tb.BearingElement, path: Floats) -> list[float]:
+    forces = []
+    for x in path:
+        trial = element.set_trial(float(x), DT, AIR)
+        assert trial.outcome == "completed"
+        forces.append(trial.force)
+        element.commit()
+    return forces
+
+
+def test_committed_trials_are_the_march() -> None:
+    run = marched(assembled(specimen()), PATH, DT, START, AIR)
+    assert run.softened > 0
+    element = fresh()
+    assert_array_equal(follow(element, PATH), run.books[:, FORCE])
+    assert_array_equal(element.state.temperature, run.cells[-1])
+    assert element.state.books[DISPLACEMENT] == PATH[-1]
+
+
+def test_trials_that_are_not_committed_leave_no_trace() -> None:
+    """A solver that proposes three wrong displacements before each right one gets the same."""
+    plain, searching = fresh(), fresh()
+    rng = np.random.default_rng(2)
+    for x in PATH:
+        for wrong in rng.uniform(-90.0, 90.0, 3):
+            searching.set_trial(float(wrong), 7 * DT, 40.0)
+        trials = [element.set_trial(float(x), DT, AIR) for element in (plain, searching)]
+        assert trials[0] == trials[1]
+        plain.commit()
+        searching.commit()
+    assert_same_state(plain.state, searching.state)
+
+
+def test_commit_twice_moves_once() -> None:
+    element = fresh()
+    element.set_trial(3.0, DT, AIR)
+    element.commit()
+    once = element.save()
+    element.commit()
+    assert_same_state(element.state, once)
+    assert element.state.books[TIME] == DT
+
+
+def test_revert_to_start() -> None:
+    element = fresh()
+    virgin = element.save()
+    first = follow(element, PATH)
+    element.revert_to_start()
+    assert_same_state(element.state, virgin)
+    assert_array_equal(follow(element, PATH), first)
+
+
+def test_save_and_restore() -> None:
+    element = fresh()
+    follow(element, PATH[:150])
+    saved = element.save()
+    rest = follow(element, PATH[150:])
+    assert saved.books[DISPLACEMENT] == PATH[149]  # a copy: the motion went on without it
+    element.restore(saved)
+    assert_array_equal(follow(element, PATH[150:]), rest)
+
+
+def test_tangent_is_the_slope_of_the_force() -> None:
+    element = fresh()
+    follow(element, 0.2 * PATH[:100])
+    x, step = 0.2 * PATH[100], tol.TANGENT_STEP_BEARING
+    ahead, behind = (element.set_trial(x + d, DT, AIR).force for d in (step, -step))
+    tangent = element.set_trial(x, DT, AIR).tangent
+    assert_allclose(tangent, (ahead - behind) / (2.0 * step), rtol=tol.TANGENT_BEARING)
+
+
+def test_failed_trial_changes_nothing() -> None:
+    """After a trial that ran away, even a commit leaves the element where it was."""
+    table = changed_table(specimen_table(), {"hysteresis.yield_displacement": "0.1 mm"})
+    constants = assembled(bearing_from_table(table, "table"), integrator="euler")
+    element = tb.BearingElement(constants, np.full(constants.cells.shape[1], START))
+    follow(element, np.array([0.01, 0.02]))
+    before = element.save()
+    trial = element.set_trial(60.0, DT, AIR)
+    assert trial.outcome == "euler_unstable"
+    element.commit()
+    assert_same_state(element.state, before)
+
+
+@pytest.mark.parametrize("integrator", ["exact", "euler"])
+def test_run_of_the_package_is_the_same_march(integrator: str) -> None:
+    test = tb.cyclic_test(strain=[1.0], cycles=1, closing_strain=None)
+    result = tb.run(SPECIMEN, test, ambient=AIR, integrator=integrator)
+    x, clock = result["displacement"].values[0], result["time"].values
+    constants = assembled(specimen(), integrator=integrator)
+    element = tb.BearingElement(constants, np.full(constants.cells.shape[1], AIR))
+    forces = [0.0]
+    for k in range(1, len(x)):
+        forces.append(element.set_trial(x[k], clock[k] - clock[k - 1], AIR).force)
+        element.commit()
+    # The clock is a sum, so its differences are the steps but for rounding.
+    peak = np.abs(forces).max()
+    assert_allclose(result["force"].values[0], forces, rtol=0.0, atol=tol.CLOCK_FORCE * peak)

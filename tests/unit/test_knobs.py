@@ -1,0 +1,200 @@
+"""No dead knobs: every number of a bearing, every option and every key of a test changes something.
+
+A parameter that is read, checked, documented and then not used would pass all other tests.
+"""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from pydantic import BaseModel
+
+import thermobearing as tb
+from tests.unit.inputs import SPECIMEN
+from thermobearing.bearing.model import Bearing
+from thermobearing.bearing.schema import validated
+from thermobearing.case import Analysis, Case
+from thermobearing.drive.protocol import Cycles, Ramp, Recorded, Rest
+
+STEPS = [
+    {"step": "cycles", "strain": 1.5, "speed": 60.0, "count": 2, "closing_strain": 0.1},
+    {"step": "rest", "duration": 60.0},
+    {"step": "ramp", "to_strain": 0.7, "speed": 30.0},
+]
+TEST = tb.CyclicTest(dt=0.02, steps=STEPS)
+FACE = tb.EndFace(film=20.0)
+
+
+def numbers_of(model: BaseModel, key: str = "") -> Iterator[tuple[str, float | int]]:
+    """Dotted keys and values of every number in a model."""
+    for name in type(model).model_fields:
+        value, dotted = getattr(model, name), f"{key}.{name}" if key else name
+        if isinstance(value, BaseModel):
+            yield from numbers_of(value, dotted)
+        elif isinstance(value, int | float) and not isinstance(value, bool):
+            yield dotted, value
+
+
+def with_plan(**plan: Any) -> Bearing:
+    """The specimen with another plan and more cells, so that every cell count matters."""
+    table = tb.load_bearing(SPECIMEN).model_dump()
+    table["geometry"]["plan"] = plan
+    return validated(Bearing, table, "table", from_file=False)
+
+
+def perturbed(bearing: Bearing, key: str) -> Bearing:
+    """The bearing with one number a little larger: one more, or 3 %."""
+    table = bearing.model_dump()
+    *parents, name = key.split(".")
+    holder = table
+    for parent in parents:
+        holder = holder[parent]
+    holder[name] = holder[name] + 1 if isinstance(holder[name], int) else holder[name] * 1.03
+    return validated(Bearing, table, "table", from_file=False)
+
+
+def fingerprint(result: tb.Result) -> list[NDArray[Any]]:
+    """What an analysis computed: histories, final profile, and which variables there are."""
+    data = result.dataset
+    numbers = [data[name].values for name in sorted(map(str, data.variables)) if name != "outcome"]
+    return [np.array(sorted(map(str, data.variables))), *numbers]
+
+
+def differ(one: tb.Result, other: tb.Result) -> bool:
+    a, b = fingerprint(one), fingerprint(other)
+    return len(a) != len(b) or not all(map(np.array_equal, a, b))
+
+
+PLANS = {
+    "square": with_plan(shape="square", side=240.0),
+    "rectangular": with_plan(shape="rectangular", length=200.0, width=288.0),
+    "circular": with_plan(shape="circular", diameter=270.0),
+}
+KEYS = [
+    pytest.param(shape, key, id=f"{shape}-{key}")
+    for shape, bearing in PLANS.items()
+    for key, _ in numbers_of(bearing)
+    if shape == "square" or key.startswith("geometry.plan")
+]
+
+
+@pytest.fixture(scope="module")
+def results() -> dict[str, tb.Result]:
+    return {
+        shape: tb.run(bearing, TEST, ambient=-10, upper_face=FACE, lower_face=FACE)
+        for shape, bearing in PLANS.items()
+    }
+
+
+def test_keys_are_all_there() -> None:
+    names = {param.values[1] for param in KEYS}
+    assert len(names) == 26  # 23 of the square one, and the sizes of the other plans
+    assert {"hysteresis.reference_temperature", "cells.shim", "materials.side_film"} <= names
+
+
+def test_same_input_same_output(results: dict[str, tb.Result]) -> None:
+    """The comparison is to the bit, so it must say "the same" where nothing was changed."""
+    again = tb.run(PLANS["square"], TEST, ambient=-10, upper_face=FACE, lower_face=FACE)
+    assert not differ(results["square"], again)
+
+
+@pytest.mark.parametrize(("shape", "key"), KEYS)
+def test_numbers_of_a_bearing(results: dict[str, tb.Result], shape: str, key: str) -> None:
+    """Histories of force, not only geometry in the labels, must feel the change."""
+    changed = perturbed(PLANS[shape], key)
+    result = tb.run(changed, TEST, ambient=-10, upper_face=FACE, lower_face=FACE)
+    before, after = results[shape], result
+    assert differ(before, after)
+    same_force = np.array_equal(before["force"].values, after["force"].values)
+    same_heat = np.array_equal(before["heat_stored"].values, after["heat_stored"].values)
+    assert not (same_force and same_heat)
+
+
+def run(test: tb.CyclicTest = TEST, **options: Any) -> tb.Result:
+    return tb.run(SPECIMEN, test, **({"ambient": -10} | options))
+
+
+OPTIONS: dict[str, Any] = {
+    "scheme": "published",
+    "integrator": "euler",
+    "heat_source": "dissipation",
+    "stack": "full",
+    "upper_face": tb.EndFace(eta=3.0),
+    "lower_face": tb.EndFace(film=3.0),
+    "keep_every": 3,
+    "keep": ["rubber", "hysteretic", "layer_displacement"],
+    "initial": 5.0,
+    "initial_profile": np.linspace(-10.0, 20.0, 19),
+    "ambient": -9.0,
+    "dt": 0.01,
+}
+
+
+@pytest.fixture(scope="module")
+def plain() -> tb.Result:
+    return run()
+
+
+@pytest.mark.parametrize("option", OPTIONS)
+def test_options(plain: tb.Result, option: str) -> None:
+    name = "initial" if option == "initial_profile" else option
+    assert differ(plain, run(**{name: OPTIONS[option]}))
+
+
+def test_every_option_of_a_case_was_tried() -> None:
+    """A new option must come with a row above."""
+    elsewhere = {"bearing", "test", "ambient_series", "analysis"}
+    assert {*Analysis.model_fields, *Case.model_fields} - elsewhere <= set(OPTIONS)
+
+
+def test_ambient_series(plain: tb.Result) -> None:
+    series = tb.Ambient.series([0.0, 10.0], [-10.0, -11.0])
+    assert differ(plain, run(ambient=series))
+
+
+@pytest.mark.parametrize(
+    ("face", "other"),
+    [({"eta": 2.0}, {"eta": 2.1}), ({"film": 5.0}, {"film": 6.0}), ({"eta": 1.0}, {"film": 1.0})],
+)
+def test_faces(face: dict[str, float], other: dict[str, float]) -> None:
+    one, two = (run(upper_face=tb.EndFace(**f), initial=20.0) for f in (face, other))
+    assert differ(one, two)
+
+
+STEP_KEYS: list[tuple[str, dict[str, Any], dict[str, Any]]] = [
+    ("cycles.strain", {"strain": 1.0, "speed": 60.0}, {"strain": 1.1}),
+    ("cycles.amplitude", {"amplitude": 30.0, "speed": 60.0}, {"amplitude": 31.0}),
+    ("cycles.wave", {"strain": 1.0, "speed": 60.0}, {"wave": "sine"}),
+    ("cycles.speed", {"strain": 1.0, "speed": 60.0}, {"speed": 61.0}),
+    ("cycles.period", {"strain": 1.0, "period": 2.0}, {"period": 2.1}),
+    ("cycles.frequency", {"strain": 1.0, "frequency": 0.5}, {"frequency": 0.49}),
+    ("cycles.count", {"strain": 1.0, "speed": 60.0, "count": 1}, {"count": 2}),
+    ("cycles.closing_strain", {"strain": 1.0, "speed": 60.0}, {"closing_strain": 0.1}),
+    ("ramp.to", {"to": 10.0, "speed": 10.0}, {"to": 11.0}),
+    ("ramp.to_strain", {"to_strain": 0.3, "speed": 10.0}, {"to_strain": 0.4}),
+    ("ramp.speed", {"to": 10.0, "speed": 10.0}, {"speed": 11.0}),
+    ("ramp.duration", {"to": 10.0, "duration": 1.0}, {"duration": 1.1}),
+    ("rest.duration", {"duration": 60.0}, {"duration": 70.0}),
+    ("rest.within", {"within": 5.0}, {"within": 4.0}),
+]
+
+
+@pytest.mark.parametrize(
+    ("kind", "keys", "change"),
+    [pytest.param(name.split(".")[0], a, b, id=name) for name, a, b in STEP_KEYS],
+)
+def test_keys_of_steps(kind: str, keys: dict[str, Any], change: dict[str, Any]) -> None:
+    tests = [
+        tb.CyclicTest(dt=0.02, steps=[{"step": kind, **keys, **more}]) for more in ({}, change)
+    ]
+    one, two = (run(test, initial=20.0) for test in tests)
+    assert differ(one, two)
+
+
+def test_every_key_of_a_step_was_tried() -> None:
+    kinds = {"cycles": Cycles, "ramp": Ramp, "rest": Rest}
+    keys = {f"{kind}.{key}" for kind, model in kinds.items() for key in model.model_fields}
+    assert {key for key in keys if not key.endswith(".step")} == {row[0] for row in STEP_KEYS}
+    assert set(Recorded.model_fields) == {"step", "file"}  # read in test_protocol.py

@@ -1,0 +1,132 @@
+"""Measures of loops whose measures are known: ellipses, bilinear loops; cycles in noise."""
+
+import itertools
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from numpy.typing import NDArray
+
+import thermobearing as tb
+from tests import tolerances as tol
+from thermobearing.results.metrics import CycleMeasures, find_cycles, loop_energy
+
+Floats = NDArray[np.float64]
+AREA, RUBBER = 57600.0, 30.0  # mm2, mm
+
+
+def measured(d: Floats, f: Floats) -> CycleMeasures:
+    return tb.measure_cycle(d, f, area=AREA, total_rubber_thickness=RUBBER)
+
+
+def test_ellipse() -> None:
+    """Elastic k d and, a quarter of a turn ahead, a viscous force of the same amplitude."""
+    a, k, n = 45.0, 2.0, 4000
+    t = 2.0 * np.pi * np.arange(n + 1) / n
+    sine = np.sin(t)
+    sine[-1] = 0.0  # closed, where sin(2 pi) is not
+    m = measured(a * sine, k * a * (sine + np.cos(t)))
+    assert_allclose(m.force_max_kN, np.sqrt(2.0) * k * a, rtol=tol.LOOP)
+    assert_allclose(m.stiffness_kN_mm, np.sqrt(2.0) * k, rtol=tol.LOOP)
+    assert_allclose(m.G_eq_MPa, 1e3 * np.sqrt(2.0) * k * RUBBER / AREA, rtol=tol.LOOP)
+    # Inscribed in the ellipse is a polygon, whose area is known too.
+    polygon = 0.5 * n * np.sin(2.0 * np.pi / n) * k * a**2
+    assert_allclose(m.energy_kN_mm, polygon, rtol=tol.LOOP)
+    assert_allclose(m.h_eq, polygon / (2.0 * np.pi * np.sqrt(2.0) * k * a**2), rtol=tol.LOOP)
+    assert_allclose(m.h_eq, 0.5 / np.sqrt(2.0), rtol=tol.POLYGON)
+    assert_allclose(m.characteristic_strength_kN, k * a, rtol=tol.LOOP)
+    assert m.amplitude_mm == a
+
+
+def bilinear(a: float, q: float, k1: float, k2: float, points: int = 60) -> tuple[Floats, Floats]:
+    """The steady loop of a bilinear spring, from zero displacement on its upper branch."""
+    yielding = q / (k1 - k2)
+    corners_d = np.array([0.0, a, a - 2 * yielding, -a, -a + 2 * yielding, 0.0])
+    upper = q + k2 * corners_d
+    lower = -q + k2 * corners_d
+    corners_f = np.where([True, True, False, False, True, True], upper, lower)
+    where = np.linspace(0.0, 5.0, 5 * points + 1)
+    return np.interp(where, range(6), corners_d), np.interp(where, range(6), corners_f)
+
+
+@pytest.mark.parametrize("wanted", [(60.0, 30.0, 12.0, 2.0), (30.0, 5.0, 20.0, 0.5)])
+def test_bilinear_loop(wanted: tuple[float, float, float, float]) -> None:
+    a, q, k1, k2 = wanted
+    m = measured(*bilinear(a, q, k1, k2))
+    energy = 4.0 * q * (a - q / (k1 - k2))
+    stiffness = (q + k2 * a) / a
+    assert_allclose(m.energy_kN_mm, energy, rtol=tol.LOOP)
+    assert_allclose(m.stiffness_kN_mm, stiffness, rtol=tol.LOOP)
+    assert_allclose(m.G_eq_MPa, 1e3 * stiffness * RUBBER / AREA, rtol=tol.LOOP)
+    assert_allclose(m.h_eq, energy / (2.0 * np.pi * stiffness * a**2), rtol=tol.LOOP)
+    assert_allclose(m.characteristic_strength_kN, q, rtol=tol.LOOP)
+    assert_allclose(m.post_yield_stiffness_kN_mm, k2, rtol=tol.LOOP)
+    assert (m.force_max_kN, m.force_min_kN) == (q + k2 * a, -q - k2 * a)
+
+
+def test_spring_dissipates_nothing() -> None:
+    d, _ = bilinear(30.0, 5.0, 20.0, 0.5)
+    m = measured(d, 3.0 * d)
+    assert_allclose([m.energy_kN_mm, m.h_eq], 0.0, atol=tol.LOOP)
+    assert_allclose(m.post_yield_stiffness_kN_mm, 3.0, rtol=tol.LOOP)
+
+
+def test_loop_energy_is_the_work_on_the_specimen() -> None:
+    assert loop_energy(np.array([0.0, 2.0, 2.0, 0.0]), np.array([0.0, 6.0, 4.0, 0.0])) == 2.0
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.001, 0.01])
+def test_cycles_of_a_noisy_sine(noise: float) -> None:
+    """Noise crosses zero many times at each turn; it makes neither more cycles nor fewer."""
+    t = np.linspace(0.0, 7.0, 7001)
+    rng = np.random.default_rng(3)
+    d = 50.0 * (np.sin(2.0 * np.pi * t) + noise * rng.normal(size=len(t)))
+    cycles = find_cycles(d)
+    assert len(cycles) == 7
+    for k, (first, last) in enumerate(cycles):
+        assert_allclose([t[first], t[last]], [k, k + 1], atol=tol.NOISY_CROSSING)
+    for (_, end), (start, _) in itertools.pairwise(cycles):
+        assert abs(end - start) <= 1
+
+
+def test_growing_amplitudes_rests_and_half_cycles() -> None:
+    """Rests and an unfinished last cycle are left out; a small cycle counts above the threshold."""
+    wave = np.sin(2.0 * np.pi * np.linspace(0.0, 1.0, 401))
+    rest, half = np.zeros(50), wave[:150]
+    d = np.concatenate([10.0 * wave, rest, 50.0 * wave, 0.5 * wave, rest, 50.0 * half])
+    amplitudes = [np.abs(d[a : b + 1]).max() for a, b in find_cycles(d)]
+    assert amplitudes == [10.0, 50.0]
+    smaller = [np.abs(d[a : b + 1]).max() for a, b in find_cycles(d, smallest=0.005)]
+    assert smaller == [10.0, 50.0, 0.5]
+
+
+def test_first_motion_may_be_to_the_negative_side() -> None:
+    d = -30.0 * np.sin(2.0 * np.pi * np.linspace(0.0, 3.0, 601))
+    assert len(find_cycles(d)) == 2  # from upward crossing to upward crossing
+
+
+def test_no_cycles() -> None:
+    assert find_cycles(np.zeros(100)) == []
+    assert find_cycles(np.empty(0)) == []
+    assert find_cycles(np.linspace(0.0, 5.0, 50)) == []
+
+
+@pytest.mark.parametrize(
+    ("d", "f", "words"),
+    [
+        (np.zeros(20), np.zeros(19), "20 points but force 19"),
+        (np.zeros(20), np.zeros(20), "no full cycle"),
+        (np.linspace(0, 5, 20), np.zeros(20), "no full cycle"),
+        (np.empty(0), np.empty(0), "no full cycle"),
+    ],
+)
+def test_unusable_histories(d: Floats, f: Floats, words: str) -> None:
+    with pytest.raises(tb.InputError, match=words):
+        tb.measure_history(d, f, area=AREA, total_rubber_thickness=RUBBER)
+
+
+def test_unusable_cycles() -> None:
+    with pytest.raises(tb.InputError, match="5 points"):
+        measured(np.arange(5.0), np.arange(5.0))
+    with pytest.raises(tb.InputError, match="without displacement"):
+        measured(np.zeros(50), np.ones(50))

@@ -1,0 +1,292 @@
+"""A result directory is whole or not there: taken names, full disks, Ctrl-C, early ends."""
+
+import errno
+import json
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import thermobearing as tb
+import thermobearing.drive.run
+from tests.unit.inputs import (
+    CYCLES,
+    FILES,
+    changed_table,
+    content,
+    cyclic,
+    last_line,
+    quick_case,
+    specimen_table,
+    summary,
+    write_toml,
+)
+
+
+@pytest.fixture
+def case(tmp_path: Path) -> Path:
+    return quick_case(tmp_path / "case.toml")
+
+
+def test_existing_result_is_left_alone(case: Path, tmp_path: Path) -> None:
+    cyclic(case, "-o", tmp_path / "out", "-q")
+    before = content(tmp_path)
+    done = cyclic(case, "-o", tmp_path / "out", "--ambient", 5, "--json")
+    assert done.exit_code == 2
+    assert "--force" in done.stderr
+    assert last_line(done)["exit_status"] == 2
+    assert content(tmp_path) == before
+
+
+def test_force_replaces_a_result(case: Path, tmp_path: Path) -> None:
+    cyclic(case, "-o", tmp_path / "out", "-q")
+    done = cyclic(case, "-o", tmp_path / "out", "-q", "--force", "--ambient", 5)
+    assert done.exit_code == 0
+    assert summary(tmp_path / "out")["runs"][0]["ambient_degC"] == 5.0
+    assert sorted(content(tmp_path / "out")) == FILES
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["case.toml", "out"]
+
+
+def test_force_follows_a_link_to_the_result(case: Path, tmp_path: Path) -> None:
+    cyclic(case, "-o", tmp_path / "out", "-q")
+    (tmp_path / "link").symlink_to(tmp_path / "out")
+    assert cyclic(case, "-o", tmp_path / "link", "-q", "--force").exit_code == 0
+    assert (tmp_path / "link").is_symlink()
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["case.toml", "link", "out"]
+
+
+def test_empty_directory_is_used(case: Path, tmp_path: Path) -> None:
+    (tmp_path / "out").mkdir()
+    assert cyclic(case, "-o", tmp_path / "out", "-q").exit_code == 0
+    assert sorted(content(tmp_path / "out")) == FILES
+
+
+def test_parents_are_made(case: Path, tmp_path: Path) -> None:
+    assert cyclic(case, "-o", tmp_path / "a" / "b" / "out", "-q").exit_code == 0
+    assert sorted(content(tmp_path / "a" / "b" / "out")) == FILES
+
+
+@pytest.mark.parametrize("name", ["notes.txt", "summary.json"])
+def test_force_refuses_what_is_not_only_a_result(case: Path, tmp_path: Path, name: str) -> None:
+    """A folder with other files, with or without a summary.json among them, is never deleted."""
+    out = tmp_path / "out"
+    out.mkdir()
+    (out / name).write_text("{}")
+    (out / "thesis.tex").write_text("years of work")
+    before = content(tmp_path)
+    done = cyclic(case, "-o", out, "--force", "--json")
+    assert done.exit_code == 2
+    assert "not a result directory" in last_line(done)["message"]
+    assert "thesis.tex" in last_line(done)["message"]
+    assert content(tmp_path) == before
+
+
+@pytest.mark.parametrize(
+    ("target", "words"),
+    [
+        ("case.toml", "is a file"),
+        ("case.toml/below/it", "case.toml is a file"),
+        ("x" * 300, "cannot be used"),
+        (".", "directory you are in"),
+        ("..", "directory you are in"),
+        ("/proc/none/out", "cannot be written"),
+    ],
+)
+def test_unusable_target(
+    case: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, target: str, words: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    before = content(tmp_path)
+    done = cyclic(case, "-o", target, "--force", "--json")
+    assert done.exit_code == 2
+    assert words in last_line(done)["message"]
+    assert done.stderr == f"thermobearing: {last_line(done)['message']}\n"
+    assert content(tmp_path) == before
+
+
+def test_unusable_target_is_told_before_the_run(
+    case: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(thermobearing.drive.run, "march", lambda *_: pytest.fail("it was run"))
+    assert cyclic(case, "-o", case).exit_code == 2
+
+
+FULL = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+
+def stop_while_writing(monkeypatch: pytest.MonkeyPatch, how: BaseException) -> None:
+    """Raise in the middle of the writing: other files are there, netCDF is half written."""
+
+    def half(_: xr.Dataset, path: Path, **__: Any) -> None:
+        assert (path.parent / "summary.json").stat().st_size > 0
+        path.write_bytes(b"half")
+        raise how
+
+    monkeypatch.setattr(xr.Dataset, "to_netcdf", half)
+
+
+@pytest.mark.parametrize(
+    ("how", "status", "words"),
+    [
+        (FULL, 2, os.strerror(errno.ENOSPC)),
+        (RuntimeError("Can't decrement id ref count"), 2, "Can't decrement"),  # h5py, disk full
+        (KeyboardInterrupt(), 130, "nothing was written"),
+    ],
+    ids=["full disk", "full disk, as h5py tells it", "Ctrl-C"],
+)
+def test_writing_stopped_halfway_leaves_nothing(
+    case: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+    how: BaseException, status: int, words: str,
+) -> None:  # fmt: skip
+    cyclic(case, "-o", tmp_path / "old", "-q")
+    before = content(tmp_path)
+    stop_while_writing(monkeypatch, how)
+    for target, force in (("deep/new", []), ("old", ["--force"])):
+        done = cyclic(case, "-o", tmp_path / target, "--json", *force)
+        assert done.exit_code == status
+        assert words in last_line(done)["message"]
+        assert last_line(done)["exit_status"] == status
+        assert content(tmp_path) == before
+        assert sorted(path.name for path in tmp_path.iterdir()) == ["case.toml", "old"]
+
+
+@pytest.mark.parametrize("stop", [1, 2], ids=["before the old one is moved", "before the new one"])
+def test_interrupted_swap_brings_the_earlier_result_back(
+    case: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, stop: int
+) -> None:
+    cyclic(case, "-o", tmp_path / "out", "-q")
+    before = content(tmp_path)
+    rename, calls = Path.rename, []
+
+    def interrupted(path: Path, target: Path) -> Path:
+        calls.append(path)
+        if len(calls) == stop:
+            raise KeyboardInterrupt
+        return rename(path, target)
+
+    monkeypatch.setattr(Path, "rename", interrupted)
+    assert cyclic(case, "-o", tmp_path / "out", "--force").exit_code == 130
+    assert content(tmp_path) == before
+
+
+def test_really_full_disk(case: Path, tmp_path: Path) -> None:
+    """No monkeypatch: the system refuses files of more than 60 kB, and the netCDF is larger."""
+    resource = pytest.importorskip("resource")  # not on Windows
+
+    def limit() -> None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (60_000, 60_000))
+
+    words = ["cyclic", str(case), "-o", str(tmp_path / "out"), "--no-figures", "--json"]
+    done = subprocess.run(
+        [sys.executable, "-m", "thermobearing.cli", *words],
+        preexec_fn=limit, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 2, done.stderr
+    assert json.loads(done.stdout.splitlines()[-1])["outcome"] == "not_written"
+    assert [path.name for path in tmp_path.iterdir()] == ["case.toml"]
+
+
+def test_ctrl_c_during_a_run_keeps_what_was_computed(
+    case: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    march, calls = thermobearing.drive.run.march, []
+
+    def interrupted(*args: Any) -> Any:
+        calls.append(args)
+        if len(calls) == 4:
+            raise KeyboardInterrupt
+        return march(*args)
+
+    monkeypatch.setattr(thermobearing.drive.run, "CHUNK", 50)
+    monkeypatch.setattr(thermobearing.drive.run, "march", interrupted)
+    out = tmp_path / "out"
+    done = cyclic(case, "--ambient", 0, "--ambient", 23, "-o", out, "--json")
+    assert done.exit_code == 130
+    assert "interrupted" in done.stderr
+    assert last_line(done)["outcome"] == "interrupted"
+    assert last_line(done)["files"] == FILES
+    told = summary(out)
+    assert told["outcome"] == "interrupted"
+    (run,) = told["runs"]  # the second temperature was not begun
+    assert run["outcome"] == "interrupted"
+    assert run["energy"]["work_in_kN_mm"] > 0.0
+    assert len((out / "history.csv").read_text().splitlines()) == 1 + 1 + 150
+    assert tb.load_result(out).outcome == "interrupted"
+
+
+def test_ctrl_c_before_the_first_step(
+    case: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(*_: Any) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(thermobearing.drive.run, "march", interrupted)
+    assert cyclic(case, "-o", tmp_path / "out").exit_code == 130
+    assert summary(tmp_path / "out")["outcome"] == "interrupted"
+    assert summary(tmp_path / "out")["runs"][0]["cycles"] == []
+
+
+SPEAKING = """
+import sys
+import thermobearing.drive.run as drive
+march = drive.march
+def speaking(*args):
+    print("stepping", file=sys.stderr, flush=True)
+    return march(*args)
+drive.march = speaking
+from thermobearing.cli import main
+main()
+"""
+
+
+def test_real_interrupt_signal(tmp_path: Path) -> None:
+    """SIGINT to a real process in the middle of a run that would take minutes."""
+    step = CYCLES | {"count": 2000, "speed": "3 mm/s"}
+    analysis = {"keep_every": 20, "keep": ["rubber"]}
+    path = quick_case(
+        tmp_path / "long.toml", test={"dt": "5 ms", "steps": [step]}, analysis=analysis
+    )
+    out = tmp_path / "out"
+    words = ["cyclic", str(path), "-o", str(out), "--no-figures", "--json"]
+    with subprocess.Popen(
+        [sys.executable, "-c", SPEAKING, *words],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+    ) as process:  # fmt: skip
+        assert process.stderr is not None
+        for _ in range(3):  # the compiled code is loaded, and two chunks of steps are done
+            assert process.stderr.readline() == "stepping\n"
+        process.send_signal(signal.SIGINT)
+        stdout, stderr = process.communicate(timeout=60)
+    assert process.returncode == 130, stderr
+    assert json.loads(stdout.splitlines()[-1])["outcome"] == "interrupted"
+    told = summary(out)
+    assert told["outcome"] == "interrupted"
+    assert 40_000 <= told["runs"][0]["series_sharing"]["steps"] < 16_000_000
+    assert sorted(content(out)) == FILES
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["long.toml", "out"]
+
+
+def test_early_end_is_marked(tmp_path: Path) -> None:
+    """Steps far longer than the yield displacement, on which explicit Euler runs away."""
+    table = changed_table(specimen_table(), {"hysteresis.yield_displacement": "0.1 mm"})
+    write_toml(tmp_path / "stiff.toml", table)
+    path = quick_case(tmp_path / "case.toml", bearing="stiff.toml")
+    out = tmp_path / "out"
+    done = cyclic(path, "--integrator", "euler", "--dt", 1, "-o", out, "--json")
+    assert done.exit_code == 3
+    assert "euler_unstable" in done.stderr
+    assert "smaller dt" in done.stderr
+    assert last_line(done) == {
+        "outcome": "euler_unstable", "exit_status": 3, "output": str(out), "files": FILES,
+    }  # fmt: skip
+    told = summary(out)
+    assert told["outcome"] == told["runs"][0]["outcome"] == "euler_unstable"
+    assert told["runs"][0]["outcome_sentence"] in done.stderr
+    assert np.isfinite(tb.load_result(out)["force"]).all()
+    assert cyclic(path, "--dt", 1, "-o", tmp_path / "exact", "-q").exit_code == 0

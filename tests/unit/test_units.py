@@ -1,0 +1,101 @@
+"""Units, parsed once at the border: known conversions, exact round trips, refusals."""
+
+import math
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from tests import tolerances as tol
+from thermobearing.errors import InputError
+from thermobearing.units import conversion, parse_quantity, with_unit
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "value"),
+    [
+        ("5 mm", "mm", 5.0),
+        ("5mm", "mm", 5.0),
+        ("  0.5 cm ", "mm", 5.0),
+        ("2 inch", "mm", 50.8),
+        ("1e3 um", "mm", 1.0),
+        (".5 m", "mm", 500.0),
+        ("+5. mm", "mm", 5.0),
+        ("30.738 kN/mm", "kN/mm", 30.738),
+        ("20 tonf/cm", "kN/mm", 19.6133),
+        ("1 tonf/mm", "kN/mm", 9.80665),
+        ("1 kgf/cm^2", "MPa", 0.0980665),
+        ("11.6 W/(m^2 K)", "W/(m^2 K)", 11.6),
+        ("11.6 W/(m2 K)", "W/(m^2 K)", 11.6),
+        ("11.6 W/(m²·K)", "W/(m^2 K)", 11.6),
+        ("11.6 W m^-2 K^-1", "W/(m^2 K)", 11.6),
+        ("10 kcal/(m^2 h degC)", "W/(m^2 K)", 11.622222222222222),
+        ("1.146 g/cm^3", "kg/m^3", 1146.0),
+        ("1146 kg/m3", "kg/m^3", 1146.0),
+        ("-20 degC", "degC", -20.0),
+        ("-20 °C", "degC", -20.0),
+        ("-20 C", "degC", -20.0),
+        ("253.15 K", "degC", -20.0),
+        ("-4 degF", "degC", -20.0),
+        ("5 K", "K", 5.0),
+        ("5 delta_degC", "K", 5.0),
+        ("9 delta_degF", "K", 5.0),
+        ("1.25 h", "s", 4500.0),
+        ("5 ms", "s", 0.005),
+        ("30 1/min", "Hz", 0.5),
+    ],
+)
+def test_known_conversions(text: str, unit: str, value: float) -> None:
+    assert_allclose(parse_quantity(text, unit), value, rtol=tol.CONVERSION, atol=tol.ZERO_DEGREES)
+
+
+def test_own_unit_is_exact() -> None:
+    """A number in the wanted unit keeps its bits: conversions by way of SI would not."""
+    rng = np.random.default_rng(5)
+    for value in [0.1, 1.0 / 3.0, 1e-12, 1e12, *rng.normal(size=200)]:
+        for unit in ("mm", "kN/mm", "W/(m K)", "J/(kg K)", "degC", "s", "K"):
+            assert parse_quantity(with_unit(float(value), unit), unit) == value
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "words"),
+    [
+        ("5", "mm", ['"5" has no unit', '"5 mm"']),
+        ("mm", "mm", ["not a number with a unit", '"1.5 mm"']),
+        ("", "mm", ["not a number with a unit"]),
+        ("5 kg", "mm", ['"kg"', "to mm"]),
+        ("5 mm mm", "mm", ['"mm mm"', "to mm"]),
+        ("5 (mm^9)^9", "mm", ["to mm"]),
+        ("5 furlongz", "mm", ['unknown unit "furlongz"', "mm"]),
+        ("5 mm**", "mm", ["unknown unit"]),
+        ("5 mm))", "mm", ["unknown unit"]),
+        ("5 /mm", "mm", ["unknown unit"]),
+        ("5 mm 6", "mm", ["unknown unit"]),
+        ("5 mm^99", "mm", ["unknown unit"]),
+        ("5 mm^9^9^9", "mm", ["unknown unit"]),  # evaluated, it would take forever
+        ("5 mm**9**9**9", "mm", ["unknown unit"]),
+        ("5 " + "(" * 2000 + "mm", "mm", ["unknown unit", "..."]),
+        ("5,0 mm", "mm", ["decimals take a point"]),
+        ("nan mm", "mm", ["not a finite number"]),
+        ("-inf mm", "mm", ["not a finite number"]),
+        ("1e400 mm", "mm", ["not a finite number"]),
+        ("5 degC", "K", ["temperature", "difference", "K"]),
+        ("5 degF", "K", ["temperature", "difference", "K"]),
+        ("3 rad/s", "Hz", ["angles", "Hz"]),
+        ("3 rpm", "Hz", ["angles", "Hz"]),
+    ],
+)
+def test_refusals(text: str, unit: str, words: list[str]) -> None:
+    with pytest.raises(InputError) as caught:
+        parse_quantity(text, unit)
+    for word in words:
+        assert word in str(caught.value)
+    assert len(str(caught.value)) < 200
+
+
+def test_scale_and_offset() -> None:
+    assert conversion("mm", "mm") == (1.0, 0.0)
+    assert conversion("cm", "mm") == (10.0, 0.0)
+    scale, offset = conversion("degF", "degC")
+    assert math.isclose(scale, 5.0 / 9.0, rel_tol=tol.CONVERSION)
+    assert math.isclose(offset, -160.0 / 9.0, rel_tol=tol.CONVERSION)
