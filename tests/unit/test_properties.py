@@ -1,5 +1,6 @@
 """Whatever the bearing and the motion: finite numbers and closed books, or a typed outcome."""
 
+import json
 from typing import Any
 
 import numpy as np
@@ -86,6 +87,24 @@ def motions(draw: st.DrawFn) -> tb.CyclicTest:
     return tb.CyclicTest(dt=dt, steps=steps)
 
 
+def residuals(result: tb.Result) -> tuple[float, float, float]:
+    """What is missing from the mechanical and thermal books, and what may be [kN mm].
+
+    A run that hardly moves or heats has no work to compare with: then the temperatures, which
+    are rounded in every step, are what limits the heat that is computed from them.
+    """
+    books = result.energy.iloc[0]
+    mechanical = books["work_in_kN_mm"] - books["heat_released_kN_mm"]
+    mechanical -= books["recoverable_kN_mm"]
+    lost = books["heat_lost_ends_kN_mm"] + books["heat_lost_sides_kN_mm"]
+    thermal = books["heat_released_kN_mm"] - books["heat_stored_kN_mm"] - lost
+    scale = max(abs(books["work_in_kN_mm"]), abs(books["heat_stored_kN_mm"]), abs(lost))
+    capacity = sum(json.loads(result.dataset.attrs["heat_capacity_kN_mm_per_K"]))
+    warmest = float(np.abs(result["temperature"].values).max())
+    rounding = int(result["steps"][0]) * np.finfo(float).eps * capacity * warmest
+    return mechanical, thermal, tol.ENERGY_BOOKS * scale + rounding
+
+
 def end_of(test: tb.CyclicTest, bearing: Bearing) -> float:
     """Where the last ramp leads [mm]."""
     ramps = [step for step in test.steps if step.step == "ramp"]
@@ -135,11 +154,13 @@ def test_any_run_ends_well_or_says_why(
         assert np.isfinite(data[name].values).all(), name
     assert result.outcome in SENTENCES
     if options["integrator"] == "exact":
-        assert result.outcome == "completed"
-    books = result.energy.iloc[0]
-    assert abs(books["mechanical_residual"]) <= tol.ENERGY_BOOKS
+        # Very stiff rubber held under strain warms by softening and softens by warming.
+        held = options["heat_source"] == "dissipation"
+        assert result.outcome == "completed" or (held and result.outcome == "temperature_runaway")
+    mechanical, thermal, allowed = residuals(result)
+    assert abs(mechanical) <= allowed
     if options["scheme"] == "conservative":
-        assert abs(books["thermal_residual"]) <= tol.ENERGY_BOOKS
+        assert abs(thermal) <= allowed
     if result.outcome == "completed":
         assert int(data["steps"][0]) == data.sizes["time"] - 1
         assert data["displacement"].values[0, -1] == end_of(test, bearing)

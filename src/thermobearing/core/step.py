@@ -35,6 +35,7 @@ from thermobearing.core.types import (
     SHARING,
     SOFTENED,
     STORED,
+    TEMPERATURE_RUNAWAY,
     TIME,
     UPPER_MIDDLE,
     WORK_IN,
@@ -48,6 +49,8 @@ from thermobearing.core.types import (
     Z,
 )
 
+ABSOLUTE_ZERO, HOTTEST = -273.15, 1000.0  # [degC]
+
 
 @compiled
 def layer_temperature(layer_cells: Ints, temperature: Floats, j: int) -> float:
@@ -55,6 +58,16 @@ def layer_temperature(layer_cells: Ints, temperature: Floats, j: int) -> float:
     upper: float = temperature[layer_cells[j, UPPER_MIDDLE]]
     lower: float = temperature[layer_cells[j, LOWER_MIDDLE]]
     return 0.5 * (upper + lower)
+
+
+@compiled
+def runs_away(layer_cells: Ints, temperature: Floats) -> bool:
+    """Whether a rubber layer is colder than possible or hotter than rubber can be."""
+    for j in range(layer_cells.shape[0]):
+        t = layer_temperature(layer_cells, temperature, j)
+        if t < ABSOLUTE_ZERO or t > HOTTEST:
+            return True
+    return False
 
 
 @compiled
@@ -137,7 +150,8 @@ def step(
     -------
     force : restoring force at the end, positive with positive x [kN].
     tangent : dF/dx [kN/mm].
-    outcome : COMPLETED, SOFTENED, NOT_CONVERGED, NOT_FINITE or EULER_UNSTABLE.
+    outcome : COMPLETED, SOFTENED, NOT_CONVERGED, NOT_FINITE or EULER_UNSTABLE or
+        TEMPERATURE_RUNAWAY.
     """
     rubber, cells = constants.rubber, constants.cells
     old, books = state.books, new.books
@@ -176,4 +190,6 @@ def step(
     books[SHARING] = w
     if not math.isfinite(books[HEAT_LOST_SIDES] + released):
         return force, tangent, NOT_FINITE
+    if runs_away(constants.layer_cells, new.temperature):
+        return force, tangent, TEMPERATURE_RUNAWAY
     return force, tangent, outcome

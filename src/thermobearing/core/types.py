@@ -27,6 +27,7 @@ SOFTENED: Final = 1  # a layer tangent was not safely positive: hardening was sh
 NOT_CONVERGED: Final = 2
 NOT_FINITE: Final = 3
 EULER_UNSTABLE: Final = 4
+TEMPERATURE_RUNAWAY: Final = 5
 
 # Rows of Constants.cells: exchange rates [1/s], then capacity of the whole bearing [kN mm/K].
 TO_PREVIOUS: Final = 0

@@ -8,6 +8,7 @@ from thermobearing.core.types import (
     NOT_CONVERGED,
     NOT_FINITE,
     SOFTENED,
+    TEMPERATURE_RUNAWAY,
 )
 
 INTERRUPTED: Final = "interrupted"
@@ -18,6 +19,7 @@ NAMES: Final = {
     NOT_CONVERGED: "layer_forces_not_converged",
     NOT_FINITE: "not_finite",
     EULER_UNSTABLE: "euler_unstable",
+    TEMPERATURE_RUNAWAY: "temperature_runaway",
 }
 
 SENTENCES: Final = {
@@ -31,6 +33,10 @@ SENTENCES: Final = {
     ),
     "euler_unstable": (
         "The explicit Euler integration of Z ran away. Try a smaller dt, or integrator exact."
+    ),
+    "temperature_runaway": (
+        "A rubber layer left -273 to 1000 degC. Check stiffness, plan and heat capacity for their "
+        "units; with very stiff rubber, heat_source dissipation has this feedback while held."
     ),
     INTERRUPTED: "The run was interrupted; what had been computed until then was kept.",
 }
