@@ -22,7 +22,13 @@ Group = Literal["rubber", "layer_displacement", "hysteretic", "cells"]
 Temperature = Annotated[float, in_unit("degC"), Field(ge=-100, le=100)]
 DEFAULT_BEARING = "shen-hdr-specimen"
 DEFAULT_AMBIENT = (-20.0, 0.0, 23.0)  # the three chamber temperatures of Table 3.4
-OVERRIDE_UNITS = {"ambient": "degC", "initial": "degC", "initial_profile": "degC", "dt": "s"}
+OVERRIDE_UNITS = {
+    "ambient": "degC",
+    "initial": "degC",
+    "initial_profile": "degC",
+    "initial_lead": "degC",
+    "dt": "s",
+}
 DEFAULT_ETA = 2.0  # the source uses a "middle" value between 1 and 3 (Eq. 4.15)
 
 
@@ -78,6 +84,7 @@ class Case(Strict):
     ambient: Annotated[list[Temperature], Field(min_length=1)]
     ambient_series: str | None = None  # CSV with time and temperature, instead of `ambient`
     initial: Temperature | None = None  # uniform; None: the ambient temperature
+    initial_lead: Temperature | None = None  # None: the mean of the cells beside it
     initial_profile: list[Temperature] | None = None  # one per cell, upper face first
     analysis: Analysis = Analysis()
 
@@ -114,21 +121,25 @@ def load_case(path: str | Path, **overrides: Any) -> Case:
     if isinstance(bearing, str) and bearing.endswith(".toml") and overrides.get("bearing") is None:
         table["bearing"] = str(path.parent / bearing)
     if isinstance(table.get("initial_result"), str):
-        table["initial_profile"] = _final_profile(path.parent / table.pop("initial_result"))
+        table |= _final_temperatures(path.parent / table.pop("initial_result"))
     return make_case(table, str(path), **overrides)
 
 
-def _final_profile(result: Path) -> list[str]:
-    """Final cell temperatures of an earlier result with a single run, as text with units."""
+def _final_temperatures(result: Path) -> dict[str, Any]:
+    """Final temperatures of an earlier result with a single run, as text with units."""
     from thermobearing.results.files import load_result
 
-    final = load_result(result)["final_temperature"].values
+    earlier = load_result(result)
+    final, lead = (earlier[f"final_{name}temperature"].values for name in ("", "lead_"))
     if len(final) != 1:
         raise InputError(
             f"initial_result has {len(final)} runs; use a result at a single ambient temperature",
             str(result),
         )
-    return [with_unit(float(value), "degC") for value in final[0]]
+    found: dict[str, Any] = {"initial_profile": _said_with_unit(final[0], "degC")}
+    if lead[0] == lead[0]:  # NaN without lead
+        found["initial_lead"] = with_unit(float(lead[0]), "degC")
+    return found
 
 
 def _steps(table: dict[str, Any]) -> list[dict[str, Any]]:
@@ -154,19 +165,30 @@ def make_case(table: dict[str, Any], where: str, **overrides: Any) -> Case:
         table["analysis"] = {**_plain_table(table.get("analysis", {}), where), **chosen}
     dt = given.pop("dt", None)
     table |= given
-    test = table.get("test", cyclic_test())
-    table["test"] = to_table(test) if isinstance(test, CyclicTest) else test
-    if dt is not None:
-        table["test"] = {**_plain_table(table["test"], where), "dt": dt}
     bearing = table.get("bearing", DEFAULT_BEARING)
     if isinstance(bearing, str | Path):
         table["bearing"] = load_bearing(bearing)
     elif isinstance(bearing, dict):
         table["bearing"] = bearing_from_table(bearing, f"{where}, bearing")
+    _fill_defaults(table, where)
+    if dt is not None:
+        table["test"] = {**_plain_table(table["test"], where), "dt": dt}
+    return validated(Case, table, where)
+
+
+def _fill_defaults(table: dict[str, Any], where: str) -> None:
+    """Defaults that depend on the bearing: wave of Table 3.4, heat of natural rubber."""
+    bearing = table["bearing"]
+    kind = bearing.kind if isinstance(bearing, Bearing) else "HDR"
+    test = table.get("test", cyclic_test(wave="triangular" if kind == "HDR" else "sine"))
+    table["test"] = to_table(test) if isinstance(test, CyclicTest) else test
+    analysis = _plain_table(table.get("analysis", {}), where)
+    if kind == "LRB":  # natural rubber gives its elastic work back
+        analysis = {"heat_source": "dissipation", **analysis}
+    table["analysis"] = analysis
     table.setdefault("ambient", _said_with_unit(DEFAULT_AMBIENT, "degC"))
     if not isinstance(table["ambient"], list):
         table["ambient"] = [table["ambient"]]
-    return validated(Case, table, where)
 
 
 def _plain_table(value: Any, where: str) -> dict[str, Any]:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 import thermobearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.case import Case, EndFace, make_case, resolved_toml
+from thermobearing.core.types import LEAD_DEGC, Constants
 from thermobearing.drive.ambient import Ambient
 from thermobearing.drive.assemble import build_constants
 from thermobearing.drive.outcomes import INTERRUPTED, SENTENCES, SHARING_SENTENCES
@@ -107,19 +108,31 @@ def run(
         "keep_every": keep_every,
         "initial": profile if uniform else None,
         "initial_profile": None if uniform else profile,
+        "initial_lead": final_lead(initial, ambient) if isinstance(initial, Result) else None,
     }
     return run_case(make_case({}, "run()", **options), series=series, progress=progress)
 
 
 def final_profile(result: Result, ambient: Any) -> Floats:
     """Cell temperatures at the end of an earlier result; of the run at the same ambient."""
+    return np.asarray(result["final_temperature"].values[_same_run(result, ambient)])
+
+
+def final_lead(result: Result, ambient: Any) -> float | None:
+    """Lead temperature at the end of an earlier result; None without lead."""
+    value = float(result["final_lead_temperature"].values[_same_run(result, ambient)])
+    return None if np.isnan(value) else value
+
+
+def _same_run(result: Result, ambient: Any) -> int:
+    """Number of the run of a result at an ambient temperature; the only run, if there is one."""
     runs = result["ambient"].values
     if len(runs) == 1:
-        return np.asarray(result["final_temperature"].values[0])
+        return 0
     match = np.flatnonzero(runs == ambient)
     if np.ndim(ambient) != 0 or len(match) != 1:
         raise InputError(f"initial: the earlier result has runs at {runs} degC; use one of them")
-    return np.asarray(result["final_temperature"].values[match[0]])
+    return int(match[0])
 
 
 def run_case(
@@ -157,6 +170,7 @@ def run_case(
             segments,
             climate,
             _initial_temperatures(case, stack, climate.at(0.0)),
+            initial_lead=case.initial_lead,
             keep_every=analysis.keep_every,
             groups=analysis.keep,
             progress=report,
@@ -164,7 +178,7 @@ def run_case(
         histories.append(history)
         if history.outcome == INTERRUPTED:
             break
-    return _label(case, stack, segments, climates, histories)
+    return _label(case, stack, constants, segments, climates, histories)
 
 
 def _initial_temperatures(case: Case, stack: Stack, ambient: float) -> Floats:
@@ -195,6 +209,7 @@ def warnings_of(case: Case, segments: list[Segment]) -> list[str]:
 def _label(
     case: Case,
     stack: Stack,
+    constants: Constants,
     segments: list[Segment],
     climates: list[Ambient],
     histories: list[History],
@@ -209,6 +224,7 @@ def _label(
             cycle=history.cycle,
             initial=history.initial,
             final=history.state.temperature,
+            final_lead=float(history.state.books[LEAD_DEGC]) if case.bearing.lead else np.nan,
             outcome=history.outcome,
             softened_steps=history.softened_steps,
             mismatch=history.mismatch,
@@ -216,7 +232,8 @@ def _label(
         )
         for climate, history in zip(climates, histories, strict=False)
     ]
-    labels = StackLabels(stack.depth, stack.thickness, stack.part, len(stack.first_cell))
+    branches = case.bearing.lead is not None or case.bearing.rate is not None
+    labels = StackLabels(stack.depth, stack.thickness, stack.part, len(stack.first_cell), branches)
     attributes = {
         "title": f"{case.bearing.name}, {case.test.name}",
         "command": "cyclic",
@@ -224,6 +241,7 @@ def _label(
         "scheme": case.analysis.scheme,
         "integrator": case.analysis.integrator,
         "heat_source": case.analysis.heat_source,
+        "lead_capacity_kN_mm_per_K": constants.lead.cores * constants.lead.capacity,
         "version": thermobearing.__version__,
         "case": resolved_toml(case),
         "citation": case.bearing.citation,
