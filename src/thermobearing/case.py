@@ -13,6 +13,7 @@ from thermobearing.bearing.library import bearing_from_table, load_bearing, spli
 from thermobearing.bearing.model import Bearing
 from thermobearing.bearing.schema import Strict, in_unit, read_toml, unit_of, validated
 from thermobearing.drive.assemble import HeatSource, Integrator
+from thermobearing.drive.baselines import Model, needs_full_stack
 from thermobearing.drive.protocol import CyclicTest, cyclic_test
 from thermobearing.errors import InputError
 from thermobearing.stack import Face, Scheme
@@ -55,6 +56,7 @@ class Analysis(Strict):
     `stack` "auto" models the upper half when both faces are alike, else the whole height.
     """
 
+    model: Model = "multi-layer"
     scheme: Scheme = "conservative"
     integrator: Integrator = "exact"
     heat_source: HeatSource = "work"
@@ -68,6 +70,14 @@ class Analysis(Strict):
     def _stack_fits_faces(self) -> "Analysis":
         if self.stack == "half" and self.upper_face != self.lower_face:
             raise ValueError('stack "half" needs both faces alike; use "auto" or "full"')
+        return self
+
+    @model_validator(mode="after")
+    def _model_fits(self) -> "Analysis":
+        if self.model != "multi-layer" and self.scheme == "published":
+            raise ValueError('an earlier model goes with scheme "conservative" only')
+        if needs_full_stack(self.model) and self.stack == "half":
+            raise ValueError(f'model "{self.model}" has one cell for all layers; use stack "auto"')
         return self
 
     @property
@@ -92,6 +102,8 @@ class Case(Strict):
     def _consistent(self) -> "Case":
         if self.initial is not None and self.initial_profile is not None:
             raise ValueError("give initial or initial_profile, not both")
+        if self.analysis.model == "lead-alone" and self.bearing.lead is None:
+            raise ValueError('model "lead-alone" needs a bearing with lead')
         if len(set(self.ambient)) < len(self.ambient):
             raise ValueError("ambient: every temperature only once")
         return self
