@@ -14,6 +14,7 @@ from thermobearing.bearing.model import Bearing
 from thermobearing.bearing.schema import Strict, in_unit, read_toml, unit_of, validated
 from thermobearing.drive.ambient import Ambient
 from thermobearing.drive.assemble import HeatSource, Integrator
+from thermobearing.drive.baselines import Model, needs_full_stack
 from thermobearing.drive.protocol import CyclicTest, cyclic_test, find_faults
 from thermobearing.errors import InputError
 from thermobearing.stack import Face, Scheme, build_stack
@@ -23,7 +24,13 @@ Group = Literal["rubber", "layer_displacement", "hysteretic", "cells"]
 Temperature = Annotated[float, in_unit("degC"), Field(ge=-100, le=100)]
 DEFAULT_BEARING = "shen-hdr-specimen"
 DEFAULT_AMBIENT = (-20.0, 0.0, 23.0)  # the three chamber temperatures of Table 3.4
-OVERRIDE_UNITS = {"ambient": "degC", "initial": "degC", "initial_profile": "degC", "dt": "s"}
+OVERRIDE_UNITS = {
+    "ambient": "degC",
+    "initial": "degC",
+    "initial_profile": "degC",
+    "initial_lead": "degC",
+    "dt": "s",
+}
 DEFAULT_ETA = 2.0  # the source uses a "middle" value between 1 and 3 (Eq. 4.15)
 
 
@@ -51,6 +58,7 @@ class Analysis(Strict):
     `stack` "auto" models the upper half when both faces are alike, else the whole height.
     """
 
+    model: Model = "multi-layer"
     scheme: Scheme = "conservative"
     integrator: Integrator = "exact"
     heat_source: HeatSource = "work"
@@ -64,6 +72,14 @@ class Analysis(Strict):
     def _stack_fits_faces(self) -> "Analysis":
         if self.stack == "half" and self.upper_face != self.lower_face:
             raise ValueError('stack "half" needs both faces alike; use "auto" or "full"')
+        return self
+
+    @model_validator(mode="after")
+    def _model_fits(self) -> "Analysis":
+        if self.model != "multi-layer" and self.scheme == "published":
+            raise ValueError('an earlier model goes with scheme "conservative" only')
+        if needs_full_stack(self.model) and self.stack == "half":
+            raise ValueError(f'model "{self.model}" has one cell for all layers; use stack "auto"')
         return self
 
     @property
@@ -81,6 +97,7 @@ class Case(Strict):
     # CSV with time and temperature, instead of `ambient`
     ambient_series: Annotated[str, Field(min_length=1)] | None = None
     initial: Temperature | None = None  # uniform; None: the ambient temperature
+    initial_lead: Temperature | None = None  # None: the mean of the cells beside it
     initial_profile: list[Temperature] | None = None  # one per cell, upper face first
     analysis: Analysis = Analysis()
 
@@ -101,7 +118,10 @@ class Case(Strict):
                 Ambient.from_csv(self.ambient_series)
             except InputError as error:
                 found += error.lines("ambient_series")
+        if self.analysis.model == "lead-alone" and self.bearing.lead is None:
+            found.append('analysis.model = "lead-alone": needs a bearing with lead')
         cells = len(build_stack(self.bearing, half=self.analysis.half).part)
+        cells = 1 if needs_full_stack(self.analysis.model) else cells
         if self.initial_profile is not None and len(self.initial_profile) != cells:
             found.append(
                 f"initial_profile: has {len(self.initial_profile)} temperatures, "
@@ -142,17 +162,21 @@ def _make_absolute(table: dict[str, Any], folder: Path) -> None:
             holder[key] = str((folder / holder[key]).absolute())
 
 
-def _final_profile(result: Path) -> list[str]:
-    """Final cell temperatures of an earlier result with a single run, as text with units."""
+def _final_temperatures(result: Path) -> dict[str, Any]:
+    """Final temperatures of an earlier result with a single run, as text with units."""
     from thermobearing.results.files import load_result
 
-    final = load_result(result)["final_temperature"].values
+    earlier = load_result(result)
+    final, lead = (earlier[f"final_{name}temperature"].values for name in ("", "lead_"))
     if len(final) != 1:
         raise InputError(
             f"initial_result has {len(final)} runs; use a result at a single ambient temperature",
             str(result),
         )
-    return [with_unit(float(value), "degC") for value in final[0]]
+    found: dict[str, Any] = {"initial_profile": _said_with_unit(final[0], "degC")}
+    if lead[0] == lead[0]:  # NaN without lead
+        found["initial_lead"] = with_unit(float(lead[0]), "degC")
+    return found
 
 
 def _settle_start(table: dict[str, Any]) -> list[str]:
@@ -166,7 +190,7 @@ def _settle_start(table: dict[str, Any]) -> list[str]:
     if not isinstance(result, str) or not result:
         return [f"initial_result = {result!r}: must be the path of a result"]
     try:
-        table["initial_profile"] = _final_profile(Path(result))
+        table |= _final_temperatures(Path(result))
     except InputError as error:
         return error.lines("initial_result")
     return []
@@ -191,17 +215,10 @@ def make_case(table: dict[str, Any], where: str, **overrides: Any) -> Case:
     if "ambient" in given:
         table.pop("ambient_series", None)
     table |= given
-    test = table.get("test", cyclic_test())
-    table["test"] = to_table(test) if isinstance(test, CyclicTest) else test
-    if dt is not None:
-        table["test"] = _updated(table["test"], {"dt": dt})
     _make_absolute(table, Path())
     problems = _settle_start(table)
     if "ambient" in table and table.get("ambient_series") is not None:
         problems.append("give ambient or ambient_series, not both")
-    table.setdefault("ambient", _said_with_unit(DEFAULT_AMBIENT, "degC"))
-    if not isinstance(table["ambient"], list):
-        table["ambient"] = [table["ambient"]]
     bearing = table.setdefault("bearing", DEFAULT_BEARING)
     if isinstance(bearing, str | Path):
         try:
@@ -209,8 +226,11 @@ def make_case(table: dict[str, Any], where: str, **overrides: Any) -> Case:
         except InputError as error:
             problems += error.lines("bearing")
             table["bearing"] = load_bearing(DEFAULT_BEARING)  # to find what else is wrong
-    else:
+    elif isinstance(bearing, dict):
         table["bearing"], _ = split_sources(bearing)
+    _fill_defaults(table)
+    if dt is not None:
+        table["test"] = _updated(table["test"], {"dt": dt})
     try:
         case = validated(Case, table, where)
     except InputError as error:
@@ -219,6 +239,21 @@ def make_case(table: dict[str, Any], where: str, **overrides: Any) -> Case:
     if problems:
         raise InputError(problems, where)
     return case
+
+
+def _fill_defaults(table: dict[str, Any]) -> None:
+    """Defaults; the wave of Table 3.4 and the heat of natural rubber depend on the bearing."""
+    bearing = table["bearing"]
+    kind = bearing.get("kind") if isinstance(bearing, dict) else getattr(bearing, "kind", "HDR")
+    test = table.get("test", cyclic_test(wave="sine" if kind in ("LHDR", "LRB") else "triangular"))
+    table["test"] = to_table(test) if isinstance(test, CyclicTest) else test
+    if kind == "LRB":  # natural rubber gives its elastic work back
+        analysis = table.get("analysis", {})
+        if isinstance(analysis, dict):
+            table["analysis"] = {"heat_source": "dissipation", **analysis}
+    table.setdefault("ambient", _said_with_unit(DEFAULT_AMBIENT, "degC"))
+    if not isinstance(table["ambient"], list):
+        table["ambient"] = [table["ambient"]]
 
 
 def _updated(table: Any, changes: dict[str, Any]) -> Any:

@@ -12,27 +12,22 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-import thermobearing
 from thermobearing.bearing.model import Bearing
-from thermobearing.case import Case, EndFace, make_case, resolved_toml
+from thermobearing.case import Case, EndFace, make_case
+from thermobearing.core.types import Constants
 from thermobearing.drive.ambient import Ambient
 from thermobearing.drive.assemble import build_constants
-from thermobearing.drive.outcomes import INTERRUPTED, SENTENCES, SHARING_SENTENCES
-from thermobearing.drive.protocol import (
-    CyclicTest,
-    Segment,
-    build_segments,
-    longest_layer_increment,
-)
+from thermobearing.drive.baselines import apply_model, needs_full_stack
+from thermobearing.drive.outcomes import INTERRUPTED
+from thermobearing.drive.protocol import CyclicTest, build_segments
 from thermobearing.drive.run import History, run_segments
-from thermobearing.errors import InputError
-from thermobearing.results.dataset import RunRecord, StackLabels, build_dataset
+from thermobearing.equivalent import bilinear_parameters
+from thermobearing.label import label
 from thermobearing.results.result import Result
 from thermobearing.stack import Stack, build_stack
+from thermobearing.start import final_lead, final_profile, initial_temperatures
 
-Floats = NDArray[np.float64]
 Progress = Callable[[int, int], None]
 
 
@@ -48,9 +43,11 @@ def run(
     upper_face: EndFace | None = None,
     lower_face: EndFace | None = None,
     initial: float | Sequence[float] | Result | None = None,
+    initial_lead: float | None = None,
     keep: Sequence[str] | None = None,
     keep_every: int | None = None,
     stack: str | None = None,
+    model: str | None = None,
     progress: Progress | None = None,
 ) -> Result:
     """Put a bearing through a displacement-controlled test.
@@ -68,10 +65,12 @@ def run(
     upper_face, lower_face : heat exchange of the end faces; eta_B = 2 by default.
     initial : temperature at the start [degC]: uniform, one per cell (upper face first), or
         the final profile of an earlier result; the ambient temperature by default.
+    initial_lead : lead temperature at the start [degC]; that of the cells beside it by default.
     keep : of "rubber", "layer_displacement", "hysteretic", "cells": histories to keep
         besides displacement, force and energy; the first and last by default.
     keep_every : keep every n-th step (turning points are kept besides).
     stack : "auto" (default), "half" or "full" height.
+    model : "multi-layer" (default) or an earlier model to compare with (drive/baselines.py).
     progress : called with (steps done, all steps).
 
     Returns
@@ -91,6 +90,8 @@ def run(
     """
     series = ambient if isinstance(ambient, Ambient) else None
     profile = final_profile(initial, ambient) if isinstance(initial, Result) else initial
+    if isinstance(initial, Result) and initial_lead is None:
+        initial_lead = final_lead(initial, ambient)
     uniform = profile is None or np.ndim(profile) == 0
     options: dict[str, Any] = {
         "bearing": bearing,
@@ -101,43 +102,44 @@ def run(
         "integrator": integrator,
         "heat_source": heat_source,
         "stack": stack,
+        "model": model,
         "upper_face": upper_face,
         "lower_face": lower_face,
         "keep": keep,
         "keep_every": keep_every,
         "initial": profile if uniform else None,
         "initial_profile": None if uniform else profile,
+        "initial_lead": initial_lead,
     }
     return run_case(make_case({}, "run()", **options), series=series, progress=progress)
 
 
-def final_profile(result: Result, ambient: Any) -> Floats:
-    """Cell temperatures at the end of an earlier result; of the run at the same ambient."""
-    runs = result["ambient"].values
-    if len(runs) == 1:
-        return np.asarray(result["final_temperature"].values[0])
-    match = np.flatnonzero(runs == ambient)
-    if np.ndim(ambient) != 0 or len(match) != 1:
-        raise InputError(f"initial: the earlier result has runs at {runs} degC; use one of them")
-    return np.asarray(result["final_temperature"].values[match[0]])
+def prepare(case: Case) -> tuple[Stack, Constants]:
+    """The stack of a case and the constants of its step."""
+    bearing, analysis = case.bearing, case.analysis
+    half = analysis.half and not needs_full_stack(analysis.model)
+    stack = build_stack(bearing, half=half)
+    constants = build_constants(
+        bearing,
+        stack,
+        upper=analysis.upper_face.face(),
+        lower=None if half else analysis.lower_face.face(),
+        scheme=analysis.scheme,
+        integrator=analysis.integrator,
+        heat_source=analysis.heat_source,
+    )
+    constants = apply_model(
+        analysis.model, constants, bearing, stack, lambda: bilinear_parameters(bearing)
+    )
+    return stack, constants
 
 
 def run_case(
     case: Case, *, series: Ambient | None = None, progress: Progress | None = None
 ) -> Result:
     """Carry out a complete case; never raises for a failed analysis (see `Result.outcome`)."""
-    bearing, analysis = case.bearing, case.analysis
-    stack = build_stack(bearing, half=analysis.half)
-    constants = build_constants(
-        bearing,
-        stack,
-        upper=analysis.upper_face.face(),
-        lower=None if analysis.half else analysis.lower_face.face(),
-        scheme=analysis.scheme,
-        integrator=analysis.integrator,
-        heat_source=analysis.heat_source,
-    )
-    segments = build_segments(case.test, bearing.total_rubber_thickness)
+    stack, constants = prepare(case)
+    segments = build_segments(case.test, case.bearing.total_rubber_thickness)
     if case.ambient_series is not None:
         series = Ambient.from_csv(case.ambient_series)
     climates = [series] if series else [Ambient.constant(value) for value in case.ambient]
@@ -156,95 +158,13 @@ def run_case(
             constants,
             segments,
             climate,
-            _initial_temperatures(case, stack, climate.at(0.0)),
-            keep_every=analysis.keep_every,
-            groups=analysis.keep,
+            initial_temperatures(case, constants.cells.shape[1], climate.at(0.0)),
+            initial_lead=case.initial_lead,
+            keep_every=case.analysis.keep_every,
+            groups=case.analysis.keep,
             progress=report,
         )
         histories.append(history)
         if history.outcome == INTERRUPTED:
             break
-    return _label(case, stack, segments, climates, histories)
-
-
-def _initial_temperatures(case: Case, stack: Stack, ambient: float) -> Floats:
-    """Cell temperatures at the start [degC]."""
-    cells = len(stack.part)
-    if case.initial_profile is not None:
-        if len(case.initial_profile) != cells:
-            raise InputError(
-                f"initial_profile has {len(case.initial_profile)} temperatures, "
-                f"but the stack has {cells} cells"
-            )
-        return np.array(case.initial_profile)
-    return np.full(cells, ambient if case.initial is None else case.initial)
-
-
-def warnings_of(case: Case, segments: list[Segment]) -> list[str]:
-    """What a user should know about the accuracy of a case, in sentences."""
-    increment = longest_layer_increment(segments, case.bearing.geometry.rubber_layers)
-    yielding = case.bearing.hysteresis.yield_displacement
-    if increment <= yielding:
-        return []
-    return [
-        f"a step moves each rubber layer by up to {increment:.3g} mm, more than its yield "
-        f"displacement of {yielding:g} mm: work and heat of such steps are coarse; use a smaller dt"
-    ]
-
-
-def _label(
-    case: Case,
-    stack: Stack,
-    segments: list[Segment],
-    climates: list[Ambient],
-    histories: list[History],
-) -> Result:
-    """Names, units and provenance for what the runs left behind."""
-    records = [
-        RunRecord(
-            ambient=climate.at(0.0),
-            rows=history.rows,
-            cells=history.cells,
-            segment=history.segment,
-            cycle=history.cycle,
-            initial=history.initial,
-            final=history.state.temperature,
-            outcome=history.outcome,
-            softened_steps=history.softened_steps,
-            mismatch=history.mismatch,
-            steps=history.steps,
-        )
-        for climate, history in zip(climates, histories, strict=False)
-    ]
-    labels = StackLabels(stack.depth, stack.thickness, stack.part, len(stack.first_cell))
-    attributes = {
-        "title": f"{case.bearing.name}, {case.test.name}",
-        "command": "cyclic",
-        "bearing": case.bearing.name,
-        "scheme": case.analysis.scheme,
-        "integrator": case.analysis.integrator,
-        "heat_source": case.analysis.heat_source,
-        "version": thermobearing.__version__,
-        "case": resolved_toml(case),
-        "citation": case.bearing.citation,
-        "area_mm2": case.bearing.area,
-        "total_rubber_thickness_mm": case.bearing.total_rubber_thickness,
-        "heat_capacity_kN_mm_per_K": stack.heat_capacity.tolist(),
-        "half_stack": int(case.analysis.half),
-        "segments": [
-            {"kind": s.kind, "label": s.label, "amplitude_strain": s.amplitude_strain}
-            for s in segments
-        ],
-        "warnings": warnings_of(case, segments),
-        "sentences": SENTENCES | SHARING_SENTENCES,
-    }
-    return Result(
-        build_dataset(
-            records,
-            labels,
-            case.analysis.keep,
-            area=case.bearing.area,
-            total_rubber_thickness=case.bearing.total_rubber_thickness,
-            attributes=attributes,
-        )
-    )
+    return label(case, stack, constants, segments, climates, histories)

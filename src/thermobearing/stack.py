@@ -52,7 +52,7 @@ class Stack:
     counts twice in the whole bearing), 1 for a full one.
     """
 
-    part: tuple[str, ...]  # "end_plate", "rubber", "shim" of each cell
+    part: tuple[str, ...]  # "end_plate", "sealing_plate", "rubber", "shim" of each cell
     thickness: Floats  # [mm]
     conductivity: Floats  # [kN/(s K)] = [kN mm/(s mm K)]
     volumetric_heat: Floats  # [kN mm/(mm3 K)]
@@ -77,6 +77,21 @@ class Stack:
         """Of each cell, counted for the whole bearing [kN mm/K]."""
         return self.fold * self.volumetric_heat * self.area * self.thickness
 
+    @property
+    def beside_lead(self) -> Floats:
+        """Height of lead beside each cell, counted for the whole bearing [mm]."""
+        beside = np.array([name != "end_plate" for name in self.part])
+        return np.asarray(self.fold * self.thickness * beside)
+
+    @property
+    def touches_lead_end(self) -> NDArray[np.bool_]:
+        """Whether a cell is that of an end plate next to the rubber or sealing plate."""
+        ends = np.array([name == "end_plate" for name in self.part])
+        touches = np.zeros(len(ends), dtype=bool)
+        touches[:-1] |= ends[:-1] & ~ends[1:]
+        touches[1:] |= ends[1:] & ~ends[:-1]
+        return touches
+
     def middles(self) -> tuple[Ints, Ints]:
         """The two cells beside each layer's mid-thickness (the same one, if it lies there)."""
         count = self.last_cell - self.first_cell
@@ -93,11 +108,13 @@ def _parts(bearing: Bearing, half: bool) -> list[tuple[str, float, int]]:
     end = ("end_plate", g.end_plate_thickness, cells.end_plate)
     rubber = ("rubber", g.rubber_thickness, cells.rubber)
     shim = ("shim", g.shim_thickness, cells.shim)
+    sealing = [("sealing_plate", g.sealing_plate_thickness, cells.sealing_plate)]
+    sealing = sealing if g.sealing_plate_thickness > 0.0 else []
     middle = [part for _ in range(g.rubber_layers - 1) for part in (rubber, shim)] + [rubber]
     if not half:
-        return [end, *middle, end]
+        return [end, *sealing, *middle, *sealing, end]
     kept, (name, thickness, count) = middle[: len(middle) // 2], middle[len(middle) // 2]
-    return [end, *kept, (name, 0.5 * thickness, (count + 1) // 2)]
+    return [end, *sealing, *kept, (name, 0.5 * thickness, (count + 1) // 2)]
 
 
 def build_stack(bearing: Bearing, *, half: bool) -> Stack:
@@ -111,9 +128,11 @@ def build_stack(bearing: Bearing, *, half: bool) -> Stack:
     parts = _parts(bearing, half)
     materials: dict[str, Material] = {
         "end_plate": bearing.materials.steel,
+        "sealing_plate": bearing.materials.steel,
         "shim": bearing.materials.steel,
         "rubber": bearing.materials.rubber,
     }
+    net = bearing.area - bearing.lead_area
     names = tuple(name for name, _, count in parts for _ in range(count))
     thickness = np.array([t / count for _, t, count in parts for _ in range(count)])
     ends = np.cumsum([count for _, _, count in parts])
@@ -132,7 +151,7 @@ def build_stack(bearing: Bearing, *, half: bool) -> Stack:
         thickness=thickness,
         conductivity=np.array([materials[n].conductivity / MM_PER_M for n in names]),
         volumetric_heat=np.array([materials[n].volumetric_heat for n in names]),
-        area=np.full(len(names), bearing.area),
+        area=np.array([bearing.area if n == "end_plate" else net for n in names]),
         interface=interface,
         lone_shim=lone,
         first_cell=np.array([ends[i - 1] for i in layers], dtype=np.int64),

@@ -64,19 +64,35 @@ def fingerprint(result: tb.Result) -> list[NDArray[Any]]:
 
 def differ(one: tb.Result, other: tb.Result) -> bool:
     a, b = fingerprint(one), fingerprint(other)
-    return len(a) != len(b) or not all(map(np.array_equal, a, b))
+    return len(a) != len(b) or not all(map(same, a, b))
+
+
+def same(a: NDArray[Any], b: NDArray[Any]) -> bool:
+    """To the bit; what does not exist (lead in a bearing without) is the same as itself."""
+    return np.array_equal(a, b, equal_nan=a.dtype.kind == "f")
+
+
+def with_lead() -> Bearing:
+    """The LHDR specimen with every choice that makes a number of its lead count."""
+    table = tb.load_bearing("shen-lhdr-specimen").model_dump()
+    table["lead"] |= {"softening": 0.005, "confined": False, "clock": "lead"}
+    return validated(Bearing, table, "table", from_file=False)
 
 
 PLANS = {
     "square": with_plan(shape="square", side=240.0),
     "rectangular": with_plan(shape="rectangular", length=200.0, width=288.0),
     "circular": with_plan(shape="circular", diameter=270.0),
+    "lead": with_lead(),
 }
+OF_LEAD = ("lead", "rate", "materials.lead", "geometry.sealing", "cells.sealing")
 KEYS = [
     pytest.param(shape, key, id=f"{shape}-{key}")
     for shape, bearing in PLANS.items()
     for key, _ in numbers_of(bearing)
-    if shape == "square" or key.startswith("geometry.plan")
+    if key.startswith("geometry.plan")
+    or (shape == "square" and not key.startswith(OF_LEAD))
+    or (shape == "lead" and key.startswith(OF_LEAD))
 ]
 
 
@@ -90,7 +106,8 @@ def results() -> dict[str, tb.Result]:
 
 def test_keys_are_all_there() -> None:
     names = {param.values[1] for param in KEYS}
-    assert len(names) == 26  # 23 of the square one, and the sizes of the other plans
+    # 23 of the square one, the sizes of the other plans, and 14 of lead and rate dependence
+    assert len(names) == 40
     assert {"hysteresis.reference_temperature", "cells.shim", "materials.side_film"} <= names
 
 
@@ -123,6 +140,7 @@ OPTIONS: dict[str, Any] = {
     "stack": "full",
     "upper_face": tb.EndFace(eta=3.0),
     "lower_face": tb.EndFace(film=3.0),
+    "model": "adiabatic",
     "keep_every": 3,
     "keep": ["rubber", "hysteretic", "layer_displacement"],
     "initial": 5.0,
@@ -145,8 +163,22 @@ def test_options(plain: tb.Result, option: str) -> None:
 
 def test_every_option_of_a_case_was_tried() -> None:
     """A new option must come with a row above."""
-    elsewhere = {"bearing", "test", "ambient_series", "analysis"}
+    elsewhere = {"bearing", "test", "ambient_series", "analysis", "initial_lead"}
     assert {*Analysis.model_fields, *Case.model_fields} - elsewhere <= set(OPTIONS)
+
+
+def test_choices_of_lead(results: dict[str, tb.Result]) -> None:
+    table = with_lead().model_dump()
+    for choice in ({"confined": True}, {"clock": "steel"}):
+        changed = validated(
+            Bearing, table | {"lead": table["lead"] | choice}, "table", from_file=False
+        )
+        other = tb.run(changed, TEST, ambient=-10, upper_face=FACE, lower_face=FACE)
+        assert differ(results["lead"], other)
+    other = tb.run(
+        with_lead(), TEST, ambient=-10, upper_face=FACE, lower_face=FACE, initial_lead=30.0
+    )
+    assert differ(results["lead"], other)
 
 
 def test_ambient_series(plain: tb.Result) -> None:

@@ -7,10 +7,10 @@ annotations (kN, mm, s, degC; thermal properties as tables print them).
 import math
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, PrivateAttr
+from pydantic import Field, PrivateAttr, model_validator
 
 from thermobearing.bearing.schema import Strict, in_unit
-from thermobearing.units import CUBIC_MM_PER_CUBIC_M
+from thermobearing.units import CUBIC_MM_PER_CUBIC_M, NEWTON_PER_KILONEWTON
 
 Length = Annotated[float, in_unit("mm"), Field(gt=0)]
 
@@ -86,13 +86,18 @@ Plan = Annotated[SquarePlan | RectangularPlan | CircularPlan, Field(discriminato
 
 
 class Geometry(Strict):
-    """Plan and thicknesses; shims lie between the rubber layers, end plates outside them."""
+    """Plan and thicknesses; shims lie between the rubber layers, end plates outside them.
+
+    Sealing plates, if there are any, lie between the outer rubber layers and the end plates;
+    lead cores run from one end plate to the other.
+    """
 
     plan: Plan
     rubber_layers: Annotated[int, Field(ge=1, le=200)]
     rubber_thickness: Length
     shim_thickness: Length
     end_plate_thickness: Length
+    sealing_plate_thickness: Annotated[float, in_unit("mm"), Field(ge=0)] = 0.0
 
     @property
     def total_rubber_thickness(self) -> float:
@@ -128,13 +133,14 @@ class Materials(Strict):
 
     rubber: Material
     steel: Material
+    lead: Material | None = None
     side_film: Annotated[float, in_unit("W/(m^2 K)"), Field(ge=0)]
 
 
 class RubberHysteresis(Strict):
     """Identified parameters of ONE rubber layer (Eq. 4.34-4.37; symbols of Table 4.2)."""
 
-    post_yield_ratio: Annotated[float, Field(gt=0, lt=1)]  # alpha_0
+    post_yield_ratio: Annotated[float, Field(gt=0, le=1)]  # alpha_0; 1 is linear rubber
     layer_stiffness: Annotated[float, in_unit("kN/mm"), Field(gt=0)]  # K_r
     shape: Annotated[float, Field(gt=-1)]  # s
     yield_displacement: Length  # d_y
@@ -144,12 +150,54 @@ class RubberHysteresis(Strict):
     reference_temperature: Annotated[float, in_unit("degC"), Field(ge=-100, le=100)]
 
 
+class LeadCores(Strict):
+    """Lead cores in parallel; numbers of ONE core (Eq. 5.1-5.7, Table 5.2).
+
+    `softening` is E2 of sigma_Y exp(-E2 (T - T_0)), zero for constant strength. `confined`
+    cores (in springs) pass heat to the end plates only. `clock` says whose diffusivity makes
+    t+ dimensionless: that of steel (Kalpakidis & Constantinou) or of lead (as Eq. 5.6 prints).
+    """
+
+    cores: Annotated[int, Field(ge=1, le=1000)]  # n_l
+    diameter: Length
+    stiffness: Annotated[float, in_unit("kN/mm"), Field(gt=0)]  # K_l
+    yield_stress: Annotated[float, in_unit("MPa"), Field(gt=0)]  # sigma_Y
+    softening: Annotated[float, in_unit("1/K"), Field(ge=0, le=1)] = 0.0
+    reference_temperature: Annotated[float, in_unit("degC"), Field(ge=-100, le=100)]  # T_0
+    surface_ratio: Annotated[float, Field(gt=0, le=1)] = 0.5  # p
+    confined: bool
+    clock: Literal["steel", "lead"] = "steel"
+
+    @property
+    def radius(self) -> float:
+        """[mm]"""
+        return 0.5 * self.diameter
+
+    @property
+    def core_area(self) -> float:
+        """Of one core [mm2]."""
+        return math.pi * self.radius**2
+
+    @property
+    def core_strength(self) -> float:
+        """Q_l of one core at the reference temperature [kN]."""
+        return self.yield_stress * self.core_area / NEWTON_PER_KILONEWTON
+
+
+class RateDependence(Strict):
+    """A dashpot and a spring in series, beside the rubber (Eq. 5.38-5.39)."""
+
+    stiffness: Annotated[float, in_unit("kN/mm"), Field(gt=0)]  # K_v
+    damping: Annotated[float, in_unit("kN s/mm"), Field(gt=0)]  # c_v
+
+
 class Cells(Strict):
     """Heat cells through the thickness of one part each."""
 
     end_plate: Annotated[int, Field(ge=1, le=1000)]
     rubber: Annotated[int, Field(ge=1, le=1000)]
     shim: Annotated[int, Field(ge=1, le=1000)]
+    sealing_plate: Annotated[int, Field(ge=1, le=1000)] = 10
 
 
 class Bearing(Strict):
@@ -158,18 +206,34 @@ class Bearing(Strict):
     Attributes
     ----------
     name, kind, description, citation : what it is and where its numbers come from.
-    geometry, materials, hysteresis, cells : see those classes.
+    geometry, materials, hysteresis, lead, rate, cells : see those classes; `lead` is None
+        without lead cores, `rate` without rate dependence.
     """
 
     name: Annotated[str, Field(min_length=1)]
-    kind: Literal["HDR"]
+    kind: Literal["HDR", "LHDR", "LRB"]
     description: str = ""
     citation: str = ""
     geometry: Geometry
     materials: Materials
     hysteresis: RubberHysteresis
+    lead: LeadCores | None = None
+    rate: RateDependence | None = None
     cells: Cells
     _sources: dict[str, str] = PrivateAttr(default_factory=dict)
+
+    @model_validator(mode="after")
+    def _lead_fits_kind(self) -> "Bearing":
+        with_lead = self.kind != "HDR"
+        if with_lead and (self.lead is None or self.materials.lead is None):
+            raise ValueError(f"a {self.kind} bearing needs the tables lead and materials.lead")
+        if not with_lead and self.lead is not None:
+            raise ValueError('kind "HDR" has no lead; use "LHDR" or "LRB"')
+        if self.lead_area >= self.area:
+            raise ValueError(
+                f"the lead cores take {self.lead_area:g} mm2 of a plan of {self.area:g} mm2"
+            )
+        return self
 
     @property
     def sources(self) -> dict[str, str]:
@@ -180,6 +244,11 @@ class Bearing(Strict):
     def area(self) -> float:
         """Gross plan area [mm2]."""
         return self.geometry.plan.area
+
+    @property
+    def lead_area(self) -> float:
+        """Of all lead cores together [mm2]."""
+        return self.lead.cores * self.lead.core_area if self.lead else 0.0
 
     @property
     def total_rubber_thickness(self) -> float:

@@ -40,8 +40,9 @@ def compiled(function: F) -> F:
 
     `contract` lets the compiler fuse a multiply and an add (same bits on one machine);
     no other floating-point rule is relaxed, so NaN checks and signs stay as written.
-    `_nrt=False` leaves out numba's reference counting of arrays, which took half the time of
-    a step; the price is that kernels cannot allocate, which they must not anyway.
+    `_nrt=False` leaves out numba's reference counting of arrays, and `forceinline` the passing
+    of records between functions; each took more time than the physics. The price is that
+    kernels cannot allocate, which they must not anyway.
     """
     folder = cache_directory()
     config: Any = numba.config
@@ -50,7 +51,11 @@ def compiled(function: F) -> F:
     config.CACHE_DIR = str(folder or "")
     try:
         decorate = njit(
-            cache=folder is not None, error_model="numpy", fastmath={"contract"}, _nrt=False
+            cache=folder is not None,
+            error_model="numpy",
+            fastmath={"contract"},
+            forceinline=True,
+            _nrt=False,
         )
         return cast(F, decorate(function))
     finally:

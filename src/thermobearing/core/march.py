@@ -28,6 +28,8 @@ def copy_state(source: State, target: State) -> None:
             target.layers[row, j] = source.layers[row, j]
     for i in range(len(source.temperature)):
         target.temperature[i] = source.temperature[i]
+    for i in range(len(source.lead)):
+        target.lead[i] = source.lead[i]
     for i in range(len(source.books)):
         target.books[i] = source.books[i]
 

@@ -12,11 +12,13 @@ import math
 
 from thermobearing.core.compile import compiled
 from thermobearing.core.heat import balance, factor, right_side, solve
+from thermobearing.core.lead import core_force, lead_step
 from thermobearing.core.sharing import share
 from thermobearing.core.types import (
     CAPACITY,
     CHANGE,
     COMPLETED,
+    CORE_FORCE,
     DISPLACEMENT,
     ELASTIC,
     FIRST,
@@ -28,16 +30,22 @@ from thermobearing.core.types import (
     HEAT_STORED,
     HYSTERETIC,
     LAST,
+    LEAD_DEGC,
+    LEAD_FORCE,
+    LEAD_TEMPERATURE,
     LOWER_MIDDLE,
+    MAXWELL_FORCE,
     MISMATCH,
     NOT_FINITE,
     RECOVERABLE,
+    RUBBER_FORCE,
     SHARING,
     SOFTENED,
     STORED,
     TEMPERATURE_RUNAWAY,
     TIME,
     UPPER_MIDDLE,
+    VISCOUS_FORCE,
     WORK_IN,
     Constants,
     D,
@@ -48,6 +56,7 @@ from thermobearing.core.types import (
     Workspace,
     Z,
 )
+from thermobearing.core.viscous import maxwell
 
 ABSOLUTE_ZERO, HOTTEST = -273.15, 1000.0  # [degC]
 
@@ -97,18 +106,20 @@ def add_layer_heat(
     old: Floats,
     new: Floats,
     mean_force: float,
+    viscous_heat: float,
     mean: float,
     w: float,
 ) -> tuple[float, float]:
     """Heat of every layer into the right side of the heat step (Eq. 4.22).
 
-    Returns the heat released and the energy recoverable afterwards, whole bearing [kN mm].
+    `viscous_heat` is that of one layer. Returns the heat released and the energy recoverable
+    from the layers afterwards, whole bearing [kN mm].
     """
     released = 0.0
     recoverable = 0.0
     layer_cells, cells, change = constants.layer_cells, constants.cells, work.cells
     for j in range(old.shape[1]):
-        heat = mean_force * (new[D, j] - old[D, j])
+        heat = viscous_heat + mean_force * (new[D, j] - old[D, j])
         new[STORED, j] = 0.0
         if constants.heat_source == HEAT_FROM_DISSIPATION:
             ke, kh = work.layers[ELASTIC, j], work.layers[HYSTERETIC, j]
@@ -122,6 +133,109 @@ def add_layer_heat(
             change[CHANGE, i] += rise
             released += cells[CAPACITY, i] * rise
     return released, recoverable
+
+
+@compiled
+def beside_rubber(
+    constants: Constants, state: State, new: State, x: float, dt: float
+) -> tuple[float, float, float, float]:
+    """Forces of lead and of the viscous branch, their tangent, and what is recoverable."""
+    lead, viscous = constants.lead, constants.viscous
+    old, after = state.lead, new.lead
+    dx = x - state.books[DISPLACEMENT]
+    lead_force = 0.0
+    tangent = 0.0
+    stored = 0.0
+    after[LEAD_TEMPERATURE] = old[LEAD_TEMPERATURE]
+    after[CORE_FORCE] = 0.0
+    after[MAXWELL_FORCE] = 0.0
+    if lead.cores > 0.0:
+        after[CORE_FORCE], slope = core_force(
+            lead, constants.heat_source, old[LEAD_TEMPERATURE], old[CORE_FORCE], dx
+        )
+        lead_force = lead.cores * after[CORE_FORCE]
+        tangent += lead.cores * slope
+        stored += 0.5 * lead.cores * after[CORE_FORCE] * after[CORE_FORCE] / lead.stiffness
+    if viscous.stiffness > 0.0:
+        f, slope = maxwell(viscous.stiffness, viscous.relaxation, old[MAXWELL_FORCE], dx, dt)
+        after[MAXWELL_FORCE] = f
+        tangent += slope
+        stored += 0.5 * f * f / viscous.stiffness
+    if constants.heat_source != HEAT_FROM_DISSIPATION:
+        stored = 0.0
+    return lead_force, after[MAXWELL_FORCE], tangent, stored
+
+
+@compiled
+def viscous_layer_heat(constants: Constants, state: State, new: State, dx: float) -> float:
+    """Heat of the viscous branch that goes into each rubber layer over the step [kN mm]."""
+    viscous = constants.viscous
+    if viscous.stiffness == 0.0 or not viscous.heats:
+        return 0.0
+    before: float = state.lead[MAXWELL_FORCE]
+    after: float = new.lead[MAXWELL_FORCE]
+    heat = 0.5 * (before + after) * dx
+    if constants.heat_source == HEAT_FROM_DISSIPATION:
+        heat -= 0.5 * (after * after - before * before) / viscous.stiffness
+    return heat / constants.rubber.layer_count
+
+
+@compiled
+def heat_step(
+    constants: Constants,
+    work: Workspace,
+    state: State,
+    x: float,
+    dt: float,
+    ambient: float,
+    new: State,
+) -> None:
+    """Heat of the step into rubber and lead, conduction, and the heat books."""
+    cells, old, books = constants.cells, state.books, new.books
+    dx = x - old[DISPLACEMENT]
+    if work.factored_dt[0] != dt:
+        factor(cells, constants.side_implicit, dt, work.cells)
+        work.factored_dt[0] = dt
+    right_side(cells, state.temperature, dt, ambient, work.cells)
+    released, recoverable = add_layer_heat(
+        constants,
+        work,
+        state.layers,
+        new.layers,
+        0.5 * (old[RUBBER_FORCE] + books[RUBBER_FORCE]),
+        viscous_layer_heat(constants, state, new, dx),
+        x / constants.rubber.layer_count,
+        books[SHARING],
+    )
+    lead_stored = 0.0
+    if constants.lead.cores > 0.0:
+        released += lead_step(
+            constants.lead,
+            cells,
+            constants.lead_cells,
+            state.temperature,
+            work.cells,
+            state.lead,
+            new.lead,
+            constants.heat_source,
+            dx,
+            dt,
+            ambient,
+        )
+        warmer = new.lead[LEAD_TEMPERATURE] - state.lead[LEAD_TEMPERATURE]
+        lead_stored = constants.lead.cores * constants.lead.capacity * warmer
+    solve(work.cells)
+    stored, ends, sides = balance(
+        cells, constants.side_implicit, state.temperature, dt, ambient, work.cells
+    )
+    for i in range(len(state.temperature)):
+        new.temperature[i] = state.temperature[i] + work.cells[CHANGE, i]
+    books[HEAT_RELEASED] = old[HEAT_RELEASED] + released
+    books[RECOVERABLE] += recoverable
+    books[HEAT_LOST_ENDS] = old[HEAT_LOST_ENDS] + ends
+    books[HEAT_LOST_SIDES] = old[HEAT_LOST_SIDES] + sides
+    books[HEAT_STORED] = old[HEAT_STORED] + stored + lead_stored
+    books[LEAD_DEGC] = new.lead[LEAD_TEMPERATURE]
 
 
 @compiled
@@ -153,43 +267,30 @@ def step(
     outcome : COMPLETED, SOFTENED, NOT_CONVERGED, NOT_FINITE or EULER_UNSTABLE or
         TEMPERATURE_RUNAWAY.
     """
-    rubber, cells = constants.rubber, constants.cells
+    rubber = constants.rubber
     old, books = state.books, new.books
     set_stiffness(rubber, constants.layer_cells, state.temperature, work.layers)
-    force, tangent, mismatch, w, outcome = share(
+    rubber_force, tangent, mismatch, w, outcome = share(
         rubber, constants.multiplicity, state.layers, work.layers, old[DISPLACEMENT], x, new.layers
     )
     if outcome != COMPLETED and outcome != SOFTENED:
-        return force, tangent, outcome
-
-    if work.factored_dt[0] != dt:
-        factor(cells, constants.side_implicit, dt, work.cells)
-        work.factored_dt[0] = dt
-    right_side(cells, state.temperature, dt, ambient, work.cells)
-    mean_force = 0.5 * (old[FORCE] + force)
-    released, recoverable = add_layer_heat(
-        constants, work, state.layers, new.layers, mean_force, x / rubber.layer_count, w
-    )
-    solve(work.cells)
-    stored, ends, sides = balance(
-        cells, constants.side_implicit, state.temperature, dt, ambient, work.cells
-    )
-    for i in range(len(state.temperature)):
-        new.temperature[i] = state.temperature[i] + work.cells[CHANGE, i]
+        return rubber_force, tangent, outcome
+    lead_force, viscous_force, slope, stored = beside_rubber(constants, state, new, x, dt)
+    force = rubber_force + lead_force + viscous_force
 
     books[TIME] = old[TIME] + dt
     books[DISPLACEMENT] = x
     books[FORCE] = force
-    books[WORK_IN] = old[WORK_IN] + mean_force * (x - old[DISPLACEMENT])
-    books[HEAT_RELEASED] = old[HEAT_RELEASED] + released
-    books[RECOVERABLE] = recoverable
-    books[HEAT_LOST_ENDS] = old[HEAT_LOST_ENDS] + ends
-    books[HEAT_LOST_SIDES] = old[HEAT_LOST_SIDES] + sides
-    books[HEAT_STORED] = old[HEAT_STORED] + stored
+    books[RUBBER_FORCE] = rubber_force
+    books[LEAD_FORCE] = lead_force
+    books[VISCOUS_FORCE] = viscous_force
+    books[WORK_IN] = old[WORK_IN] + 0.5 * (old[FORCE] + force) * (x - old[DISPLACEMENT])
+    books[RECOVERABLE] = stored
     books[MISMATCH] = mismatch
     books[SHARING] = w
-    if not math.isfinite(books[HEAT_LOST_SIDES] + released):
-        return force, tangent, NOT_FINITE
+    heat_step(constants, work, state, x, dt, ambient, new)
+    if not math.isfinite(books[HEAT_LOST_SIDES] + books[HEAT_RELEASED] + force):
+        return force, tangent + slope, NOT_FINITE
     if runs_away(constants.layer_cells, new.temperature):
-        return force, tangent, TEMPERATURE_RUNAWAY
-    return force, tangent, outcome
+        return force, tangent + slope, TEMPERATURE_RUNAWAY
+    return force, tangent + slope, outcome

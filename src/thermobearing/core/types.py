@@ -35,6 +35,10 @@ TO_NEXT: Final = 1
 END_LOSS: Final = 2  # to the ambient, through an end face
 SIDE_LOSS: Final = 3  # to the ambient, through the side
 CAPACITY: Final = 4
+# Conductance to all lead cores together, before 1/F(t+) and t+^{-1/3} [kN mm/(s K)].
+LEAD_END: Final = 5
+LEAD_SIDE: Final = 6
+BESIDE_LEAD: Final = 7  # height of lead beside the cell [mm]
 
 # Columns of Constants.layer_cells.
 FIRST: Final = 0  # first rubber cell of the layer
@@ -46,6 +50,15 @@ LOWER_MIDDLE: Final = 3
 D: Final = 0  # displacement d_j [mm]
 Z: Final = 1  # hysteretic variable Z_j [mm]
 STORED: Final = 2  # recoverable energy of one layer [kN mm]
+
+# Rows of State.lead.
+LEAD_TEMPERATURE: Final = 0  # [degC]
+CORE_FORCE: Final = 1  # of one core [kN]
+MAXWELL_FORCE: Final = 2  # of the rate-dependent branch [kN]
+CLOCK: Final = 3  # time since the motion began [s]
+IDLE: Final = 4  # time since it stopped [s]
+NEVER_MOVED: Final = 1e30  # IDLE of a virgin bearing: the first motion starts the clock
+LEAD_ROWS: Final = 5
 
 # Rows of State.books.
 TIME: Final = 0  # [s]
@@ -59,7 +72,11 @@ HEAT_LOST_SIDES: Final = 7
 HEAT_STORED: Final = 8
 MISMATCH: Final = 9  # largest |layer force - bearing force| of this step [kN]
 SHARING: Final = 10  # weight w of the mean-strain hardening in this step [0, 1]
-BOOKS: Final = 11
+RUBBER_FORCE: Final = 11  # share of the rubber layers [kN]
+LEAD_FORCE: Final = 12  # share of all lead cores
+VISCOUS_FORCE: Final = 13  # share of the rate-dependent branch
+LEAD_DEGC: Final = 14  # lead temperature [degC]; 0 without lead
+BOOKS: Final = 15
 
 # Rows of Workspace.layers.
 ELASTIC: Final = 0  # alpha_0 e^{..} K_r at the layer's temperature [kN/mm]
@@ -93,13 +110,40 @@ class Rubber(NamedTuple):
     sharing_margin: float  # smallest layer tangent left alone, relative to alpha_0 e^{..} K_r
 
 
+class Lead(NamedTuple):
+    """Numbers of ONE lead core, and how its heat is booked; scalars only."""
+
+    cores: float  # in the whole bearing, n_l; 0 for none
+    stiffness: float  # K_l [kN/mm]
+    strength: float  # Q_l at the reference temperature [kN]
+    softening: float  # E2 of exp(-E2 (T - T_0)) [1/K]; 0 for constant strength
+    reference_temperature: float  # T_0 [degC]
+    capacity: float  # c rho V [kN mm/K]
+    clock_rate: float  # diffusivity / r_l^2 [1/s]: t+ per time
+    end_conductance: float  # A_l p k_s / r_l of one end, before 1/F [kN mm/(s K)]
+    side_conductance: float  # of all cores and plates, before t+^{-1/3} [kN mm/(s K)]
+    fold: float  # 2 for a half stack
+    published: bool  # the printed bookkeeping of the heat (P4)
+
+
+class Viscous(NamedTuple):
+    """The rate-dependent branch; scalars only."""
+
+    stiffness: float  # K_v [kN/mm]; 0 for none
+    relaxation: float  # c_v / K_v [s]
+    heats: bool  # whether its work warms the rubber
+
+
 class Constants(NamedTuple):
     """Everything about one bearing that does not change during a run."""
 
     rubber: Rubber
+    lead: Lead
+    viscous: Viscous
     multiplicity: Floats  # [L] layers of the bearing that each modelled layer stands for
     layer_cells: Ints  # [L, 4]
-    cells: Floats  # [5, n]
+    cells: Floats  # [8, n]
+    lead_cells: Ints  # cells that touch lead
     source_rise: float  # temperature rise of a layer per heat in one whole layer [K/(kN mm)]
     side_implicit: bool  # side loss in Crank-Nicolson (True) or explicit as printed (False)
     heat_source: int  # HEAT_FROM_WORK or HEAT_FROM_DISSIPATION
@@ -110,6 +154,7 @@ class State(NamedTuple):
 
     layers: Floats  # [3, L]
     temperature: Floats  # [n] cell temperatures [degC]
+    lead: Floats  # [LEAD_ROWS]
     books: Floats  # [BOOKS]
 
 
@@ -121,13 +166,26 @@ class Workspace(NamedTuple):
     cells: Floats  # [4, n]
 
 
-def new_state(constants: Constants, temperature: Floats) -> State:
-    """A virgin bearing (no displacement, no hysteresis) at the given cell temperatures [degC]."""
-    return State(
+def new_state(
+    constants: Constants, temperature: Floats, lead_temperature: float | None = None
+) -> State:
+    """A virgin bearing (no displacement, no hysteresis) at the given temperatures [degC].
+
+    The lead starts at the mean temperature of the cells between its ends, unless given.
+    """
+    state = State(
         np.zeros((3, len(constants.multiplicity))),
         np.array(temperature, dtype=np.float64),
+        np.zeros(LEAD_ROWS),
         np.zeros(BOOKS),
     )
+    state.lead[IDLE] = NEVER_MOVED
+    if constants.lead.cores > 0.0:
+        beside = constants.cells[BESIDE_LEAD]
+        mean = float(beside @ temperature / beside.sum())
+        state.lead[LEAD_TEMPERATURE] = mean if lead_temperature is None else lead_temperature
+    state.books[LEAD_DEGC] = state.lead[LEAD_TEMPERATURE]
+    return state
 
 
 def new_workspace(constants: Constants) -> Workspace:

@@ -11,14 +11,25 @@ from thermobearing.core.types import (
     HEAT_FROM_DISSIPATION,
     HEAT_FROM_WORK,
     Constants,
+    Floats,
+    Lead,
     Rubber,
+    Viscous,
 )
-from thermobearing.stack import Face, Scheme, Stack, conservative_rates, published_rates
+from thermobearing.stack import (
+    MM_PER_M,
+    Face,
+    Scheme,
+    Stack,
+    conservative_rates,
+    published_rates,
+)
 
 Integrator = Literal["exact", "euler"]
 HeatSource = Literal["work", "dissipation"]
 
 KELVIN_COEFFICIENT_SCALE = 100.0  # Eq. 4.34 divides T - 23 by 100
+SIDE_FLUX = 0.785  # of the flux from a core into the plates around it, Eq. 5.4
 SHARING_MARGIN = 0.2  # see docs/theory.md, "When a layer softens"
 
 
@@ -38,8 +49,11 @@ def build_constants(
     """
     make = conservative_rates if scheme == "conservative" else published_rates
     rates = make(stack, upper, lower)
+    lead, end, side = _lead(bearing, stack, published=scheme == "published")
     return Constants(
         rubber=_rubber(bearing, integrator),
+        lead=lead,
+        viscous=_viscous(bearing, heats=scheme != "published"),
         multiplicity=stack.multiplicity,
         layer_cells=np.column_stack([stack.first_cell, stack.last_cell, *stack.middles()]),
         cells=np.array(
@@ -49,17 +63,61 @@ def build_constants(
                 rates.end_loss,
                 rates.side_loss,
                 stack.heat_capacity,
+                end,
+                side,
+                stack.beside_lead,
             ]
         ),
+        lead_cells=np.flatnonzero(end + side),
         source_rise=1.0
         / (
             bearing.materials.rubber.volumetric_heat
-            * bearing.area
+            * (bearing.area - bearing.lead_area)
             * bearing.geometry.rubber_thickness
         ),
         side_implicit=rates.side_implicit,
         heat_source=HEAT_FROM_DISSIPATION if heat_source == "dissipation" else HEAT_FROM_WORK,
     )
+
+
+def _lead(bearing: Bearing, stack: Stack, *, published: bool) -> tuple[Lead, Floats, Floats]:
+    """Numbers of the lead cores, and their conductances to each cell: ends, sides (5.1-5.7)."""
+    nothing = np.zeros(len(stack.part))
+    given, material = bearing.lead, bearing.materials.lead
+    if given is None or material is None:
+        none = Lead(0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, float(stack.fold), published)
+        return none, nothing, nothing
+    steel = bearing.materials.steel
+    conductivity = steel.conductivity / MM_PER_M
+    medium = steel if given.clock == "steel" else material
+    diffusivity = medium.conductivity / MM_PER_M / medium.volumetric_heat
+    height = float(stack.beside_lead.sum())
+    one_end = given.core_area * given.surface_ratio * conductivity / given.radius
+    end = np.where(stack.touches_lead_end, stack.fold * given.cores * one_end, 0.0)
+    wall = 2.0 * np.pi * given.surface_ratio * conductivity / SIDE_FLUX
+    steel_beside = np.array([name != "rubber" for name in stack.part]) * stack.beside_lead
+    side = nothing if given.confined else given.cores * wall * steel_beside
+    lead = Lead(
+        cores=float(given.cores),
+        stiffness=given.stiffness,
+        strength=given.core_strength,
+        softening=given.softening,
+        reference_temperature=given.reference_temperature,
+        capacity=material.volumetric_heat * given.core_area * height,
+        clock_rate=diffusivity / given.radius**2,
+        end_conductance=one_end,
+        side_conductance=float(side.sum()),
+        fold=float(stack.fold),
+        published=published,
+    )
+    return lead, end, side
+
+
+def _viscous(bearing: Bearing, *, heats: bool) -> Viscous:
+    """The rate-dependent branch; the source leaves its work out of the heat."""
+    if bearing.rate is None:
+        return Viscous(0.0, 1.0, heats)
+    return Viscous(bearing.rate.stiffness, bearing.rate.damping / bearing.rate.stiffness, heats)
 
 
 def _rubber(bearing: Bearing, integrator: Integrator) -> Rubber:

@@ -10,6 +10,7 @@ from thermobearing.core.march import march, write_row
 from thermobearing.core.types import (
     BOOKS,
     COMPLETED,
+    RUBBER_FORCE,
     SOFTENED,
     TIME,
     Constants,
@@ -57,13 +58,23 @@ class History:
         self.segment, self.cycle = self.segment[: self.kept], self.cycle[: self.kept]
 
 
-def column_numbers(layers: int, groups: tuple[str, ...]) -> Ints:
-    """Columns of a kept row for the chosen groups; the books are always kept."""
+def column_numbers(layers: int, groups: tuple[str, ...], *, branches: bool) -> Ints:
+    """Columns of a kept row for the chosen groups; the books are always kept.
+
+    Those of lead and rate dependence (`branches`) only where there are such.
+    """
     ends = np.cumsum([0, BOOKS, layers, layers, layers])
     names = ("books", "rubber", "layer_displacement", "hysteretic")
     chosen = {"books", *groups}
     parts = zip(names, ends[:-1], ends[1:], strict=True)
-    return np.concatenate([np.arange(a, b) for name, a, b in parts if name in chosen])
+    columns = [np.arange(a, b) for name, a, b in parts if name in chosen]
+    columns[0] = columns[0] if branches else np.arange(RUBBER_FORCE)
+    return np.concatenate(columns)
+
+
+def has_branches(constants: Constants) -> bool:
+    """Whether lead or a rate-dependent branch acts beside the rubber."""
+    return constants.lead.cores > 0.0 or constants.viscous.stiffness > 0.0
 
 
 def kept_steps(segment: Segment, keep_every: int) -> NDArray[np.bool_]:
@@ -79,6 +90,7 @@ def run_segments(
     ambient: Ambient,
     initial: Floats,
     *,
+    initial_lead: float | None = None,
     keep_every: int = 1,
     groups: tuple[str, ...] = ("rubber", "cells"),
     progress: Progress | None = None,
@@ -91,13 +103,14 @@ def run_segments(
     segments : the test (drive/protocol.py).
     ambient : temperature of the air.
     initial : cell temperatures at the start [degC].
+    initial_lead : lead temperature at the start [degC]; the mean of the cells beside it by default.
     keep_every : keep every n-th step; ends of legs are kept besides.
     groups : of "rubber", "layer_displacement", "hysteretic", "cells": what to keep.
     progress : called with the number of steps done since the last call.
     """
     # One row more per segment: a rest that settles early keeps the step at which it does.
     room = 1 + sum(int(kept_steps(part, keep_every).sum()) + 1 for part in segments)
-    columns = column_numbers(len(constants.multiplicity), groups)
+    columns = column_numbers(len(constants.multiplicity), groups, branches=has_branches(constants))
     initial = np.array(initial, dtype=np.float64)
     run = History(
         columns=columns,
@@ -106,7 +119,7 @@ def run_segments(
         segment=np.zeros(room, dtype=np.int32),
         cycle=np.zeros(room, dtype=np.int32),
         initial=initial,
-        state=new_state(constants, initial),
+        state=new_state(constants, initial, initial_lead),
     )
     _keep_start(constants, run)
     try:

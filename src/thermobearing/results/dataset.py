@@ -30,6 +30,13 @@ BOOKS: tuple[tuple[str, str, str], ...] = (
     ("layer_force_mismatch", "kN", "largest difference of a layer law from the force"),
     ("sharing_weight", "1", "weight of the mean strain in the hardening factor"),
 )
+# Further books of bearings with lead or rate dependence.
+BRANCHES: tuple[tuple[str, str, str], ...] = (
+    ("rubber_force", "kN", "share of the rubber layers in the force"),
+    ("lead_force", "kN", "share of the lead cores in the force"),
+    ("viscous_force", "kN", "share of the rate-dependent branch in the force"),
+    ("lead_temperature", "degC", "temperature of the lead cores"),
+)
 # Groups of further columns: variable, dimension, unit, what it is.
 GROUPS: dict[str, tuple[str, str, str, str]] = {
     "rubber": ("rubber_temperature", "layer", "degC", "temperature at mid-thickness of the layer"),
@@ -47,6 +54,7 @@ class StackLabels:
     thickness: Floats  # of the cells [mm]
     part: tuple[str, ...]
     layers: int
+    branches: bool  # lead or rate dependence beside the rubber
 
 
 @dataclass(frozen=True)
@@ -60,6 +68,7 @@ class RunRecord:
     cycle: NDArray[np.int32]
     initial: Floats  # cell temperatures [degC]
     final: Floats
+    final_lead: float  # [degC], NaN without lead
     outcome: str
     softened_steps: int
     mismatch: float
@@ -89,12 +98,13 @@ def build_dataset(
     clock = _stacked([run.rows[:, 0] for run in runs], length)
     same = all(np.array_equal(clock[0], other) for other in clock)
     data: dict[str, Any] = {}
-    for column, (name, unit, meaning) in enumerate(BOOKS):
+    books = BOOKS + BRANCHES if labels.branches else BOOKS
+    for column, (name, unit, meaning) in enumerate(books):
         if name != "clock" or not same:
             values = _stacked([run.rows[:, column] for run in runs], length)
             data[name] = (("ambient", "time"), values, {"units": unit, "long_name": meaning})
     data |= _derived(data, area, total_rubber_thickness)
-    column = len(BOOKS)
+    column = len(books)
     for group in (name for name in GROUPS if name in groups):
         name, dimension, unit, meaning = GROUPS[group]
         part = slice(column, column + labels.layers)
@@ -142,6 +152,11 @@ def _per_run(runs: list[RunRecord], length: int) -> dict[str, Any]:
         "cycle": (counted, cycle, {"units": "1", "long_name": "cycle in the step, 0 outside"}),
         "initial_temperature": (profile, np.array([r.initial for r in runs]), degrees),
         "final_temperature": (profile, np.array([r.final for r in runs]), degrees),
+        "final_lead_temperature": (
+            "ambient",
+            np.array([r.final_lead for r in runs]),
+            {"units": "degC"},
+        ),
         "outcome": ("ambient", np.array([r.outcome for r in runs], dtype=object)),
         "steps": ("ambient", np.array([r.steps for r in runs]), {"units": "1"}),
         "softened_steps": ("ambient", np.array([r.softened_steps for r in runs]), {"units": "1"}),

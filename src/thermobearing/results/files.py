@@ -179,8 +179,11 @@ def history_blocks(result: Result) -> Iterator[str]:
         ]
         if layers:
             columns += list(data["rubber_temperature"].values[run, :count].T)
-        # lead_degC stays empty: the bearing has no lead
-        line = f"{ambient:.9g}," + ",".join(["%.9g"] * len(columns)) + ",\n"
+        last = ",\n"  # lead_degC stays empty where the bearing has no lead
+        if result.has_lead:
+            columns.append(data["lead_temperature"].values[run, :count])
+            last = "\n"
+        line = f"{ambient:.9g}," + ",".join(["%.9g"] * len(columns)) + last
         for first in range(0, count, CSV_BLOCK):
             block = np.column_stack([column[first : first + CSV_BLOCK] for column in columns])
             yield (line * len(block)) % tuple(block.ravel().tolist())

@@ -119,7 +119,7 @@ class Result:
                 )
                 rows.append(
                     self._row(float(ambient), self.segments[number], k, measures)
-                    | self._rubber(run, where.stop - 1)
+                    | self._temperatures(run, where.stop - 1)
                 )
         return pd.DataFrame(rows)
 
@@ -143,11 +143,15 @@ class Result:
             "post_yield_stiffness_kN_mm": m.post_yield_stiffness_kN_mm,
         }
 
-    def _rubber(self, run: int, row: int) -> dict[str, float]:
+    def _temperatures(self, run: int, row: int) -> dict[str, float]:
+        """Of layers (if they were kept) and lead at a kept step."""
         if "rubber_temperature" not in self.dataset:
             return {}
         values = self.dataset["rubber_temperature"].values[run, row]
-        return {f"rubber{j}_degC": float(value) for j, value in enumerate(values, 1)}
+        found = {f"rubber{j}_degC": float(value) for j, value in enumerate(values, 1)}
+        if self.has_lead:
+            found["lead_degC"] = float(self.dataset["lead_temperature"].values[run, row])
+        return found
 
     @cached_property
     def energy(self) -> pd.DataFrame:
@@ -172,7 +176,7 @@ class Result:
                 )
             }
             warmer = data["final_temperature"].values[run] - data["initial_temperature"].values[run]
-            stored = float(capacity @ warmer)
+            stored = float(capacity @ warmer) + self._heat_in_lead(run, last)
             lost = book["heat_lost_ends"] + book["heat_lost_sides"]
             scale = max(abs(book["work_in"]), abs(stored), abs(lost), 1e-12)
             rows.append(
@@ -192,6 +196,19 @@ class Result:
                 }
             )
         return pd.DataFrame(rows)
+
+    def _heat_in_lead(self, run: int, last: int) -> float:
+        """Heat stored in the lead since the start [kN mm], from its temperatures."""
+        if "lead_temperature" not in self.dataset or not self.has_lead:
+            return 0.0
+        first = float(self.dataset["lead_temperature"].values[run, 0])
+        final = float(self.dataset["lead_temperature"].values[run, last])
+        return float(self.dataset.attrs["lead_capacity_kN_mm_per_K"]) * (final - first)
+
+    @property
+    def has_lead(self) -> bool:
+        """Whether the bearing has lead cores."""
+        return float(self.dataset.attrs["lead_capacity_kN_mm_per_K"]) > 0.0
 
     def summary(self) -> dict[str, Any]:
         """The content of summary.json, see the interface description in docs/files.md."""
@@ -261,4 +278,4 @@ def _cycle_summary(row: dict[Any, Any]) -> dict[str, Any]:
         for key, value in row.items()
         if key != "ambient_degC" and not str(key).startswith("rubber")
     }
-    return plain | {"rubber_degC": rubber, "lead_degC": None}
+    return {"lead_degC": None} | plain | {"rubber_degC": rubber}

@@ -1,0 +1,235 @@
+"""Lead cores: strength, heating, and the heat they pass to the steel (Eq. 5.1-5.7, 5.31).
+
+Kalpakidis & Constantinou (2009): one temperature for the bulk of a core; its surface rises p
+times as much. Each end is a disc heating a half-space (flux over F(t+), Eq. 5.5), the side a
+hole heating a plate (t+^{1/3}); t+ = diffusivity x time / r_l^2 since the motion began.
+"""
+
+import math
+
+from thermobearing.core.compile import compiled
+from thermobearing.core.types import (
+    CAPACITY,
+    CHANGE,
+    CLOCK,
+    CORE_FORCE,
+    HEAT_FROM_DISSIPATION,
+    IDLE,
+    LEAD_END,
+    LEAD_SIDE,
+    LEAD_TEMPERATURE,
+    Floats,
+    Ints,
+    Lead,
+)
+
+STRENGTH_ITERATIONS = 20
+STRENGTH_TOLERANCE = 1e-14  # of the strength, on its last Newton correction
+SMALL_EXPONENT = 1e-4  # below it two terms of a series are exact to rounding
+SUBSTEP = 0.25  # largest explicit loss 2 theta of the published scheme in one go
+
+
+@compiled
+def half_space_factor(t_plus: float) -> float:
+    """F(t+) of Eq. 5.5: mean surface rise of a disc of constant flux, dimensionless."""
+    if t_plus < 0.6:
+        q = 0.25 * t_plus
+        series = 2.0 - q - q * q - 3.75 * q * q * q
+        return 2.0 * math.sqrt(t_plus / math.pi) - t_plus / math.pi * series
+    q = 0.25 / t_plus
+    series = 1.0 - q / 3.0 + q * q / 6.0 - q * q * q / 12.0
+    return 8.0 / (3.0 * math.pi) - 0.5 / math.sqrt(math.pi * t_plus) * series
+
+
+@compiled
+def end_factor(start: float, end: float) -> float:
+    """Mean of 1/F over a step from t+ = start to end; finite at 0, where 1/F ~ t^{-1/2}.
+
+    F is taken where sqrt(t+) has its mean: exact for the singular term.
+    """
+    middle = 0.5 * (math.sqrt(start) + math.sqrt(end))
+    return 1.0 / half_space_factor(middle * middle)
+
+
+@compiled
+def side_factor(start: float, end: float) -> float:
+    """Mean of t+^{-1/3} over a step, exact."""
+    after: float = end ** (2.0 / 3.0)
+    before: float = start ** (2.0 / 3.0)
+    return 1.5 * (after - before) / (end - start)
+
+
+@compiled
+def core_heat(lead: Lead, source: int, before: float, after: float, dx: float) -> float:
+    """Heat of one core over a displacement increment: its work, or the plastic part of it."""
+    heat = 0.5 * (before + after) * dx
+    if source == HEAT_FROM_DISSIPATION:
+        heat -= 0.5 * (after * after - before * before) / lead.stiffness
+    return heat
+
+
+@compiled
+def core_force(
+    lead: Lead, source: int, temperature: float, before: float, dx: float
+) -> tuple[float, float]:
+    """Force of one core after an increment dx [mm], and its tangent [kN/mm].
+
+    Elastic, then yielding at Q = Q_0 exp(-E2 (T - T_0)) with T warmed by the work of this
+    increment (implicit, so that strength and heat agree at the end of the step).
+    """
+    trial = before + lead.stiffness * dx
+    sign = 1.0 if trial >= 0.0 else -1.0
+    fall = lead.softening
+    q = lead.strength * math.exp(-fall * (temperature - lead.reference_temperature))
+    if fall == 0.0:
+        return (sign * q, 0.0) if abs(trial) > q else (trial, lead.stiffness)
+    cold = q
+    per = fall / lead.capacity
+    if abs(trial) <= cold * math.exp(-per * core_heat(lead, source, before, trial, dx)):
+        return trial, lead.stiffness
+    plastic = 1.0 if source == HEAT_FROM_DISSIPATION else 0.0
+    for _ in range(STRENGTH_ITERATIONS):
+        heated = cold * math.exp(-per * core_heat(lead, source, before, sign * q, dx))
+        heat_by_q = 0.5 * sign * dx - plastic * q / lead.stiffness
+        correction = (q - heated) / (1.0 + per * heated * heat_by_q)
+        q -= correction
+        if abs(correction) <= STRENGTH_TOLERANCE * cold:
+            break
+    heat_by_q = 0.5 * sign * dx - plastic * q / lead.stiffness
+    by_x = -per * q * 0.5 * (before + sign * q) / (1.0 + per * q * heat_by_q)
+    return sign * q, sign * by_x
+
+
+@compiled
+def run_clock(lead: Lead, old: Floats, dx: float, dt: float, new: Floats) -> float:
+    """Advance the clock of the motion; returns t+ at the start of the step.
+
+    A pause as long as the half-space takes to recover (t+ of the pause = 1) stops it: the
+    next motion starts it again from zero.
+    """
+    start: float = old[CLOCK]
+    idle: float = old[IDLE]
+    if dx != 0.0:
+        if idle * lead.clock_rate >= 1.0:
+            start = 0.0
+        idle = 0.0
+    else:
+        idle += dt
+    new[CLOCK] = start + dt
+    new[IDLE] = idle
+    return start * lead.clock_rate
+
+
+@compiled
+def phi(z: float) -> tuple[float, float]:
+    """(1 - e^-z)/z and (1 - that)/z, also for small z."""
+    if z < SMALL_EXPONENT:
+        return 1.0 - 0.5 * z + z * z / 6.0, 0.5 - z / 6.0
+    first = -math.expm1(-z) / z
+    return first, (1.0 - first) / z
+
+
+@compiled
+def exchange(
+    lead: Lead,
+    rates: Floats,
+    lead_cells: Ints,
+    temperature: Floats,
+    cells: Floats,
+    lead_temperature: float,
+    heat: float,
+    ends: float,
+    sides: float,
+    dt: float,
+) -> float:
+    """Heat the cores (all of them: `heat` [kN mm]) and let them exchange heat with the steel.
+
+    What the cores lose, the plate cells gain (into row CHANGE). The cores' excess over the
+    cells they touch relaxes exponentially, exactly for two bodies, so any step is stable.
+    Returns the lead temperature at the end [degC]; `ends` and `sides` are the means of 1/F
+    and t+^{-1/3} over the step.
+    """
+    conductance = 0.0
+    towards = 0.0
+    touched = 0.0
+    for i in lead_cells:
+        g = rates[LEAD_END, i] * ends + rates[LEAD_SIDE, i] * sides
+        conductance += g
+        towards += g * temperature[i]
+        touched += rates[CAPACITY, i]
+    capacity = lead.cores * lead.capacity
+    if conductance == 0.0:
+        return lead_temperature + heat / capacity
+    mean = towards / conductance
+    decay, heating = phi(dt * conductance * (1.0 / capacity + 1.0 / touched))
+    passed = dt * conductance * ((lead_temperature - mean) * decay + heat / capacity * heating)
+    for i in lead_cells:
+        g = rates[LEAD_END, i] * ends + rates[LEAD_SIDE, i] * sides
+        gained = g * dt * (mean - temperature[i]) + passed * g / conductance
+        cells[CHANGE, i] += gained / rates[CAPACITY, i]
+    return lead_temperature + (heat - passed) / capacity
+
+
+@compiled
+def published_exchange(
+    lead: Lead,
+    rates: Floats,
+    lead_cells: Ints,
+    cells: Floats,
+    lead_temperature: float,
+    heat: float,
+    ends: float,
+    sides: float,
+    dt: float,
+    ambient: float,
+) -> float:
+    """The printed bookkeeping (Eq. 5.15-5.31), with its slips (P4).
+
+    theta contains n_l already and is multiplied by n_l again for the plates; the plates are
+    warmed with the lead's c rho; the reference is the ambient. Explicit in time as printed,
+    in substeps where the printed step would be unstable (long rests).
+    """
+    volume = lead.capacity  # c rho V of one core
+    whole = lead.cores * lead.end_conductance * ends * 2.0 + lead.side_conductance * sides
+    loss = dt * whole / volume
+    substeps = max(1.0, math.ceil(loss / SUBSTEP))
+    keep: float = (1.0 - loss / substeps) ** substeps
+    above = lead_temperature - ambient
+    mean = above if loss == 0.0 else above * (1.0 - keep) / loss
+    for i in lead_cells:
+        g = rates[LEAD_END, i] * ends + rates[LEAD_SIDE, i] * sides
+        theta = dt * g / (lead.fold * volume)
+        cells[CHANGE, i] += lead.cores * theta * mean
+    return ambient + above * keep + heat / (lead.cores * lead.capacity)
+
+
+@compiled
+def lead_step(
+    lead: Lead,
+    rates: Floats,
+    lead_cells: Ints,
+    temperature: Floats,
+    cells: Floats,
+    old: Floats,
+    new: Floats,
+    source: int,
+    dx: float,
+    dt: float,
+    ambient: float,
+) -> float:
+    """Clock, heat and temperature of the cores after a step; returns their heat [kN mm].
+
+    The forces of the step are in `old` and `new` already.
+    """
+    start = run_clock(lead, old, dx, dt, new)
+    end = start + dt * lead.clock_rate
+    ends = end_factor(start, end)
+    sides = 0.0 if lead.side_conductance == 0.0 else side_factor(start, end)
+    heat = lead.cores * core_heat(lead, source, old[CORE_FORCE], new[CORE_FORCE], dx)
+    t = old[LEAD_TEMPERATURE]
+    if lead.published:
+        t = published_exchange(lead, rates, lead_cells, cells, t, heat, ends, sides, dt, ambient)
+    else:
+        t = exchange(lead, rates, lead_cells, temperature, cells, t, heat, ends, sides, dt)
+    new[LEAD_TEMPERATURE] = t
+    return heat
