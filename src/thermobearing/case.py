@@ -120,6 +120,8 @@ class Case(Strict):
                 found += error.lines("ambient_series")
         if self.analysis.model == "lead-alone" and self.bearing.lead is None:
             found.append('analysis.model = "lead-alone": needs a bearing with lead')
+        if self.initial_lead is not None and self.bearing.lead is None:
+            found.append("initial_lead: needs a bearing with lead")
         cells = len(build_stack(self.bearing, half=self.analysis.half).part)
         cells = 1 if needs_full_stack(self.analysis.model) else cells
         if self.initial_profile is not None and len(self.initial_profile) != cells:

@@ -126,6 +126,8 @@ def cyclic(
     scheme: Annotated[str | None, typer.Option(help="conservative or published.")] = None,
     integrator: Annotated[str | None, typer.Option(help="exact or euler.")] = None,
     heat_source: Annotated[str | None, typer.Option(help="work or dissipation.")] = None,
+    model: Annotated[str | None, typer.Option(help="An earlier model, see docs/theory.md.")] = None,
+    compare: Annotated[bool, typer.Option("--compare", help="Earlier models beside it.")] = False,
     keep_every: Annotated[int | None, typer.Option(help="Keep every n-th step.")] = None,
     output: Output = None,
     force: Force = False,
@@ -135,7 +137,8 @@ def cyclic(
 ) -> int:
     """Displacement-controlled cyclic test of a bearing, heat and hysteresis coupled."""
     from thermobearing.case import load_case, make_case
-    from thermobearing.results.files import check_target
+    from thermobearing.results.files import check_target, save_result
+    from thermobearing.results.screen import print_result
 
     overrides = {
         "bearing": bearing,
@@ -144,6 +147,7 @@ def cyclic(
         "scheme": scheme,
         "integrator": integrator,
         "heat_source": heat_source,
+        "model": model,
         "keep_every": keep_every,
     }
     if case is None:
@@ -153,13 +157,21 @@ def cyclic(
     target = output or Path("cyclic-" + re.sub(r"[^\w.+-]+", "-", complete.bearing.name))
     check_target(target, force=force)
     result = _run_with_progress(complete, quiet=quiet)
-    result.save(target, force=force, figures=not no_figures)
+    others = _others(complete, result) if compare and result.outcome == "completed" else {}
+    save_result(result, target, force=force, figures=not no_figures, compared=others)
     if not quiet:
-        from thermobearing.results.screen import print_result
-
         with contextlib.suppress(KeyboardInterrupt):  # the result is safe by now
-            print_result(result)
+            print_result(result, others)
     return _finish(result, target, as_json=as_json, quiet=quiet)
+
+
+def _others(case: "Case", result: "Result") -> "dict[str, Result]":
+    """The result and those of the earlier models, by name; InputError without cycles."""
+    from thermobearing.compare import compare_models
+
+    if len(result.cycles) == 0:
+        raise InputError("--compare needs a test with cycles")
+    return compare_models(case)
 
 
 def _run_with_progress(case: "Case", *, quiet: bool) -> "Result":

@@ -29,6 +29,20 @@ from thermobearing.drive.protocol import MAX_STEPS
 G, H, M = "geometry.", "hysteresis.", "materials."
 MM = '"1.5 mm"'
 
+LEAD = {
+    "cores": 4,
+    "diameter": "34.5 mm",
+    "stiffness": "22 kN/mm",
+    "yield_stress": "12 MPa",
+    "reference_temperature": "23 degC",
+    "confined": True,
+}
+LEAD_METAL = {
+    "conductivity": "35.3 W/(m K)",
+    "specific_heat": "130 J/(kg K)",
+    "density": "11336 kg/m^3",
+}
+
 BEARINGS: list[Row] = [
     ("no unit", {G + "shim_thickness": 3.2}, ["geometry.shim_thickness = 3.2", '"3.2 mm"']),
     ("no unit in text", {G + "plan.side": "240"}, ["geometry.plan.side = '240'", '"240 mm"']),
@@ -105,6 +119,25 @@ BEARINGS: list[Row] = [
     ),
     ("number for a name", {"name": 4}, ["name = 4", "must be text"]),
     ("empty name", {"name": ""}, ["name = ''", "must not be empty"]),
+    ("HDR with lead", {"lead": LEAD}, ['kind "HDR" has no lead']),
+    ("lead missing", {"kind": "LHDR"}, ["LHDR bearing needs the tables lead and materials.lead"]),
+    (
+        "faults in lead",
+        {"lead": LEAD | {"confined": "yes", "clock": "stel", "cores": 0, "softening": "2 1/K"}},
+        [
+            "4 problems",
+            "lead.confined = 'yes': must be true or false",
+            'did you mean "steel"',
+            "lead.cores = 0",
+            "at most 1 1/K",
+        ],
+    ),
+    ("one for true", {"lead": LEAD | {"confined": 1}}, ["lead.confined = 1", "true or false"]),
+    (
+        "more lead than plan",
+        {"kind": "LHDR", "lead": LEAD | {"cores": 400}, "materials.lead": LEAD_METAL},
+        ["the lead cores take", "of a plan of 57600 mm2"],
+    ),
     (
         "many faults at once",
         {
@@ -279,6 +312,8 @@ CASES: list[Row] = [
     ("missing bearing file", {"bearing": "mine.toml"}, ["bearing: ", "mine.toml: no such file"]),
     ("bearing is a number", {"bearing": 3}, ["bearing = 3", "must be a table"]),
     ("profile too short", {"initial_profile": ["1 degC"] * 2}, ["has 2 temperatures", "19 cells"]),
+    ("lead in a bearing without", {"initial_lead": "5 degC"}, ["initial_lead", "with lead"]),
+    ("model of lead without", {"analysis": {"model": "lead-alone"}}, ["lead-alone", "with lead"]),
     ("two starts", {"initial": "1 degC", "initial_profile": ["1 degC"] * 19}, ["only one of"]),
     ("missing earlier result", {"initial_result": "none"}, ["initial_result", "no result.nc"]),
     ("earlier result is a number", {"initial_result": 3}, ["initial_result = 3", "path"]),

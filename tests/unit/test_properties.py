@@ -17,7 +17,8 @@ LONGEST = 250  # steps of one leg: the examples together must stay quick
 
 
 def between(low: float, high: float) -> st.SearchStrategy[float]:
-    return st.floats(low, high, allow_nan=False, allow_subnormal=False)
+    """Numbers with six decimals: 1e-200 degC is no temperature, and its square is zero."""
+    return st.floats(low, high, allow_nan=False).map(lambda value: round(value, 6))
 
 
 PLANS = st.one_of(
@@ -32,13 +33,19 @@ COUNTS = st.integers(1, 6)
 
 @st.composite
 def bearings(draw: st.DrawFn) -> Bearing:
-    """Layers 1 to 8, odd and even; parameters around those identified, s also above 1."""
-    thickness = draw(between(2.0, 25.0))
+    """Layers 1 to 8, odd and even; parameters around those identified, s also above 1.
+
+    The modulus is drawn, not the stiffness: a stiff law on a small plan would be glass, not
+    rubber, and boil within a cycle. The specimen's is 2.7 MPa.
+    """
+    thickness, plan, modulus = draw(between(2.0, 25.0)), draw(PLANS), draw(between(0.2, 8.0))
+    area = plan.get("side", 0.0) ** 2 + plan.get("length", 0.0) * plan.get("width", 0.0)
+    area += 0.25 * np.pi * plan.get("diameter", 0.0) ** 2
     table: dict[str, Any] = {
         "name": "random",
         "kind": "HDR",
         "geometry": {
-            "plan": draw(PLANS),
+            "plan": plan,
             "rubber_layers": draw(st.integers(1, 8)),
             "rubber_thickness": thickness,
             "shim_thickness": draw(between(1.0, 8.0)),
@@ -59,7 +66,7 @@ def bearings(draw: st.DrawFn) -> Bearing:
         },
         "hysteresis": {
             "post_yield_ratio": draw(between(0.02, 0.9)),
-            "layer_stiffness": draw(between(2.0, 120.0)),
+            "layer_stiffness": 1e-3 * modulus * area / thickness,
             "shape": draw(st.one_of(between(-0.95, 3.0), st.just(1.0))),
             "yield_displacement": thickness * draw(between(0.05, 0.8)),
             "hardening": draw(between(0.0, 0.6)),
@@ -126,7 +133,7 @@ OPTIONS = st.fixed_dictionaries(
 )
 
 
-@settings(max_examples=60, derandomize=True, deadline=None, database=None)
+@settings(max_examples=200, derandomize=True, deadline=None, database=None)
 @given(
     bearing=bearings(),
     test=motions(),
@@ -154,9 +161,7 @@ def test_any_run_ends_well_or_says_why(
         assert np.isfinite(data[name].values).all(), name
     assert result.outcome in SENTENCES
     if options["integrator"] == "exact":
-        # Very stiff rubber held under strain warms by softening and softens by warming.
-        held = options["heat_source"] == "dissipation"
-        assert result.outcome == "completed" or (held and result.outcome == "temperature_runaway")
+        assert result.outcome == "completed"
     mechanical, thermal, allowed = residuals(result)
     assert abs(mechanical) <= allowed
     if options["scheme"] == "conservative":
@@ -164,3 +169,16 @@ def test_any_run_ends_well_or_says_why(
     if result.outcome == "completed":
         assert int(data["steps"][0]) == data.sizes["time"] - 1
         assert data["displacement"].values[0, -1] == end_of(test, bearing)
+
+
+def test_glass_for_rubber_runs_away_and_says_so() -> None:
+    """Far outside those ranges the forces boil what they move, within a cycle."""
+    table = tb.load_bearing("shen-hdr-specimen").model_dump()
+    table["geometry"]["plan"] = {"shape": "circular", "diameter": 10.0}
+    bearing = validated(Bearing, table, "glass", from_file=False)
+    test = tb.cyclic_test(strain=[3.0], cycles=2, dt=0.01)
+    result = tb.run(bearing, test, ambient=-20, heat_source="dissipation")
+    assert result.outcome == "temperature_runaway"
+    assert np.isfinite(result["force"].values).all()
+    assert np.isfinite(result["temperature"].values).all()
+    assert 0 < int(result["steps"][0]) < 2400

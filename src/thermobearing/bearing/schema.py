@@ -81,8 +81,8 @@ class Strict(BaseModel, metaclass=_InputErrors):
         return made
 
 
-class _NotANumber:
-    """Text or a truth value where a plain number belongs: pydantic would convert it."""
+class _Converted:
+    """A value of another type than the field's, which pydantic would convert without a word."""
 
     def __init__(self, value: Any) -> None:
         self.value = value
@@ -100,13 +100,15 @@ def _is_absurd(model: type[BaseModel], name: str, value: float) -> bool:
 
 
 def _plain(model: type[BaseModel], name: str, value: Any) -> Any:
-    """The value, marked if it is no number although the field is one without a unit."""
+    """The value, marked where text or true stands for a plain number, or 1 for true."""
     field = model.model_fields.get(name)
-    if field is None or not isinstance(value, bool | str):
+    if field is None or not isinstance(value, bool | str | int | float):
         return value
     types = {item for item in _parts(field) if isinstance(item, type)}
     plain = types & {int, float} and not types & {bool, str} and unit_of(model, name) is None
-    return _NotANumber(value) if plain else value
+    truth = types == {bool}
+    wrong = (plain and isinstance(value, bool | str)) or (truth and not isinstance(value, bool))
+    return _Converted(value) if wrong else value
 
 
 def _fault(kind: str, location: tuple[int | str, ...], text: str, value: Any) -> InitErrorDetails:
@@ -275,6 +277,8 @@ def _sentence(model: type[BaseModel], item: ErrorDetails) -> str:
         message = f"must have at least {item['ctx']['min_length']} entry"
     elif kind == "string_type":
         message = "must be text"
+    elif kind in ("bool_type", "bool_parsing"):
+        message = "must be true or false"
     elif kind == "string_too_short":
         message = "must not be empty"
     elif kind == "size":

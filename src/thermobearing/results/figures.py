@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 
 from thermobearing.errors import InputError
 from thermobearing.results import drawing
+from thermobearing.results.lead_figures import draw_force_shares, draw_lead_temperature
+from thermobearing.results.profile_figure import draw_profiles
 from thermobearing.results.result import Result
 from thermobearing.results.time_axis import TimeAxis
 
@@ -20,7 +22,6 @@ Floats = NDArray[np.float64]
 
 DPI = 150
 SHOWN_CYCLES = (1, 2, 5)  # of Fig. 4.8
-MOST_PROFILES = 8
 KJ = 1e-3  # kN mm -> kN m = kJ
 
 
@@ -279,49 +280,42 @@ class Figures:
         'distance from the upper face [mm]'
         """
         self._needs("temperature", "profiles", "cells")
-        time = TimeAxis(self._result)
-        count = len(self._ambient)
+        titles = [self._run_title(run) for run in range(len(self._ambient))]
         title = self._title("temperature at the end of each loading")
-        figure, axes = drawing.panels(1, count, (max(5.5, 1.9 + 2.5 * count), 5.2), title)
-        shown = time.loading_ends(MOST_PROFILES)
-        colours = drawing.ordered_colours(len(shown), "viridis")
-        ranges = []
-        for run, ax in enumerate(axes):
-            seen = [float(self._ambient[run])]
-            for (number, name), colour, marker in zip(
-                shown, colours, drawing.MARKERS, strict=False
-            ):
-                row = time.last_row(run, number)
-                if row is None:
-                    continue
-                profile = self._data["temperature"].values[run, row]
-                ax.plot(
-                    profile, self._data["depth"].values, color=colour, label=name, marker=marker,
-                    markersize=3.2, linewidth=1.1,
-                )  # fmt: skip
-                seen += [float(profile.min()), float(profile.max())]
-            ax.axvline(self._ambient[run], color=drawing.GREY, linewidth=0.8, linestyle=":")
-            ax.locator_params(axis="x", nbins=6)
-            drawing.name_axes(ax, "temperature [°C]", title=self._run_title(run))
-            ranges.append((min(seen), max(seen)))
-        span = max(*(high - low for low, high in ranges), 0.1)
-        for ax, (low, _) in zip(axes, ranges, strict=True):
-            ax.set_xlim(low - 0.06 * span, low + 1.06 * span)
-            drawing.draw_stack(ax, self._data, names=ax is axes[-1])
-            ax.tick_params(labelleft=ax is axes[0])
-        drawing.name_axes(axes[0], y="distance from the upper face [mm]")
-        handles = [
-            Line2D([], [], color=colour, marker=marker, markersize=3.2, label=name)
-            for (_, name), colour, marker in zip(shown, colours, drawing.MARKERS, strict=False)
-        ]
-        drawing.legend_below(figure, [*handles, drawing.ambient_handle()])
-        return figure
+        return draw_profiles(self._result, title, titles)
+
+    def lead_temperature(self) -> Figure:
+        """Temperature of the lead beside that of the innermost rubber layer, as Fig. 5.8.
+
+        Raises
+        ------
+        NothingToDrawError : the bearing has no lead, or layers were not kept.
+        """
+        self._needs_lead("lead_temperature")
+        self._needs("rubber_temperature", "lead_temperature", "rubber")
+        titles = [self._run_title(run) for run in range(len(self._ambient))]
+        return draw_lead_temperature(self._result, self._title("temperature of the lead"), titles)
+
+    def force_shares(self) -> Figure:
+        """Shares of rubber, lead and rate-dependent branch in the force, as Fig. 5.15.
+
+        Raises
+        ------
+        NothingToDrawError : nothing but rubber carries force, or there are no cycles.
+        """
+        self._needs_lead("force_shares")
+        titles = [self._run_title(run) for run in range(len(self._ambient))]
+        return draw_force_shares(self._result, self._title("shares of the force"), titles)
+
+    def _needs_lead(self, figure: str) -> None:
+        if not self._result.has_lead:
+            raise NothingToDrawError(f"{figure}: the bearing has no lead")
 
     def energy(self) -> Figure:
         """Where the work goes: heat released, stored and lost, and recoverable energy, in time.
 
         The titles give the residuals of the balances at the end, relative to the work. The
-        published scheme does not conserve heat, so its drawing.residual is not zero.
+        published scheme does not conserve heat, so its residual is not zero.
 
         Returns
         -------
@@ -336,7 +330,7 @@ class Figures:
         """
         time = TimeAxis(self._result)
         titles = [
-            f"{self._run_title(run)}; relative drawing.residual of the balance: "
+            f"{self._run_title(run)}; relative residual of the balance: "
             f"mechanical {drawing.residual(mechanical)}, thermal {drawing.residual(thermal)}"
             for run, (mechanical, thermal) in enumerate(
                 self._result.energy[["mechanical_residual", "thermal_residual"]].to_numpy()
@@ -383,6 +377,8 @@ class Figures:
             ("loops", self.loops),
             ("measures", self.measures),
             ("layer_temperatures", self.layer_temperatures),
+            ("lead_temperature", self.lead_temperature),
+            ("force_shares", self.force_shares),
             ("profiles", self.profiles),
             ("energy_balance", self.energy),
         ):

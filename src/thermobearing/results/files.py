@@ -21,7 +21,7 @@ from thermobearing.errors import InputError, OutputError
 from thermobearing.results.result import Result
 
 SUMMARY, DATASET, HISTORY = "summary.json", "result.nc", "history.csv"
-RESOLVED, FIGURES = "case.resolved.toml", "figures"
+RESOLVED, FIGURES, COMPARISON = "case.resolved.toml", "figures", "comparison.csv"
 RESULT_NAMES = {SUMMARY, DATASET, HISTORY, RESOLVED, FIGURES, ".DS_Store"}
 CSV_BLOCK = 50_000  # rows formatted at a time
 NETCDF_EXTRA = 500_000  # attributes, names and tables of the netCDF file beside its numbers [bytes]
@@ -63,7 +63,12 @@ def check_target(directory: Path, *, force: bool) -> None:
 
 
 def save_result(
-    result: Result, directory: Path, *, force: bool = False, figures: bool = True
+    result: Result,
+    directory: Path,
+    *,
+    force: bool = False,
+    figures: bool = True,
+    compared: dict[str, Result] | None = None,
 ) -> Path:
     """Write summary.json, result.nc, history.csv, case.resolved.toml and figures.
 
@@ -73,6 +78,7 @@ def save_result(
     directory : made if needed, with its parents.
     force : replace an earlier result directory.
     figures : draw the figures too.
+    compared : results of the same test by model, this one first: adds a table and a figure.
 
     Returns
     -------
@@ -91,6 +97,8 @@ def save_result(
     try:
         partial.mkdir(parents=True)
         _write_all(result, partial, figures=figures)
+        if compared:
+            _write_comparison(compared, partial, figures=figures)
         _replace(final, partial, old)
     except (OSError, RuntimeError) as error:  # h5py tells a failing disk as either
         told = getattr(error, "strerror", None) or error
@@ -136,6 +144,15 @@ def _write_all(result: Result, folder: Path, *, figures: bool) -> None:
     if figures:
         (folder / FIGURES).mkdir()
         result.plot.save_all(folder / FIGURES)
+
+
+def _write_comparison(results: dict[str, Result], folder: Path, *, figures: bool) -> None:
+    from thermobearing.results.comparison import comparison_figure, comparison_table
+
+    reference = next(iter(results))
+    comparison_table(results, reference).to_csv(folder / COMPARISON, index=False)
+    if figures:
+        comparison_figure(results, reference).savefig(folder / FIGURES / "comparison.png", dpi=150)
 
 
 def _reserve(path: Path, size: int) -> None:

@@ -16,8 +16,8 @@ def _table(title: str, columns: list[str]) -> Table:
     return table
 
 
-def print_result(result: Result) -> None:
-    """Per-cycle table of each run, then its energy books."""
+def print_result(result: Result, compared: dict[str, Result] | None = None) -> None:
+    """Per-cycle table of each run, its energy books, and earlier models beside it."""
     console = Console()
     console.print(
         f"[bold]{result.dataset.attrs['title']}[/bold] ({result.dataset.attrs['scheme']})"
@@ -35,6 +35,33 @@ def print_result(result: Result) -> None:
         if len(mine):
             console.print(table)
         _print_books(console, result, run)
+    if compared:
+        print_comparison(compared)
+
+
+def print_comparison(results: dict[str, Result]) -> None:
+    """Errors of the earlier models, one row per ambient temperature and model."""
+    from thermobearing.results.comparison import comparison_table
+
+    rows = comparison_table(results, next(iter(results)))
+    shown = {
+        "ambient_degC": "degC",
+        "model": "model",
+        "inner layer largest K": "inner K",
+        "lead largest K": "lead K",
+        "peak force %": "peak f %",
+        "last G_e %": "G_e %",
+        "last h_eq %": "h_eq %",
+        "last energy %": "energy %",
+    }
+    names = [name for name in shown if name in rows]
+    title = (
+        "\nearlier models: largest temperature error, error of the peak force and the last cycle"
+    )
+    table = _table(title, [shown[name] for name in names])
+    for row in rows[names].itertuples(index=False):
+        table.add_row(*(v if isinstance(v, str) else f"{v:.3g}" for v in row))
+    Console().print(table)
 
 
 def _layer_title(name: str) -> str:
