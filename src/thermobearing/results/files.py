@@ -22,7 +22,7 @@ from thermobearing.results.result import Result
 
 SUMMARY, DATASET, HISTORY = "summary.json", "result.nc", "history.csv"
 RESOLVED, FIGURES, COMPARISON = "case.resolved.toml", "figures", "comparison.csv"
-RESULT_NAMES = {SUMMARY, DATASET, HISTORY, RESOLVED, FIGURES, ".DS_Store"}
+RESULT_NAMES = {SUMMARY, DATASET, HISTORY, RESOLVED, FIGURES, COMPARISON, ".DS_Store"}
 CSV_BLOCK = 50_000  # rows formatted at a time
 NETCDF_EXTRA = 500_000  # attributes, names and tables of the netCDF file beside its numbers [bytes]
 

@@ -1,0 +1,250 @@
+"""Lead cores: the half-space factor, strength that falls while it heats, heat into the plates."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy import integrate, special
+from scipy.linalg import expm
+
+import thermobearing as tb
+from tests import tolerances as tol
+from tests.conftest import Recorder
+from thermobearing.core.lead import (
+    core_force,
+    core_heat,
+    end_factor,
+    exchange,
+    half_space_factor,
+    side_factor,
+)
+from thermobearing.core.march import march
+from thermobearing.core.types import (
+    BOOKS,
+    CAPACITY,
+    CHANGE,
+    CLOCK,
+    HEAT_FROM_DISSIPATION,
+    HEAT_FROM_WORK,
+    LEAD_DEGC,
+    Constants,
+    Lead,
+    new_state,
+    new_workspace,
+)
+from thermobearing.drive.assemble import build_constants
+from thermobearing.stack import Face, build_stack
+
+SPECIMEN = "shen-lhdr-specimen"
+
+
+def constants_of(name: str = SPECIMEN, **lead: object) -> Constants:
+    bearing = tb.load_bearing(name)
+    if lead:
+        changed = bearing.lead.model_copy(update=lead)  # type: ignore[union-attr]
+        bearing = bearing.model_copy(update={"lead": changed})
+    stack = build_stack(bearing, half=True)
+    return build_constants(bearing, stack, upper=Face(eta=2.0), lower=None)
+
+
+def exact_factor(t_plus: float) -> float:
+    """Mean surface rise of a disc of constant flux on a half-space, by its Hankel integral."""
+
+    def part(x: float) -> float:
+        return float(2.0 * special.j1(x) ** 2 / x**2 * special.erf(x * np.sqrt(t_plus)))
+
+    return float(integrate.quad(part, 0.0, 200.0, limit=2000)[0])
+
+
+def test_half_space_factor_has_its_limits_and_joins_at_0_6(measured: Recorder) -> None:
+    assert_allclose(half_space_factor(1e-12) / (2.0 * np.sqrt(1e-12 / np.pi)), 1.0, rtol=1e-5)
+    assert_allclose(half_space_factor(1e12), 8.0 / (3.0 * np.pi), rtol=1e-5)
+    jump = half_space_factor(0.6) / half_space_factor(0.6 - 1e-12) - 1.0
+    assert abs(jump) < tol.FACTOR_JUMP
+    measured("F(t+) of Eq. 5.5: jump at 0.6", f"{jump:+.2e}", f"{tol.FACTOR_JUMP:g}")
+
+
+def test_half_space_factor_is_that_of_a_heated_disc(measured: Recorder) -> None:
+    times = np.geomspace(1e-3, 100.0, 25)
+    off = [half_space_factor(t) / exact_factor(t) - 1.0 for t in times]
+    assert np.abs(off).max() < tol.FACTOR
+    measured(
+        "F(t+) of Eq. 5.5 against the Hankel integral", float(np.abs(off).max()), f"{tol.FACTOR:g}"
+    )
+
+
+@pytest.mark.parametrize(("start", "end"), [(0.0, 1e-4), (0.0, 0.05), (0.01, 0.012), (1.0, 1.2)])
+def test_means_over_a_step(start: float, end: float) -> None:
+    """1/F is singular like t^(-1/2) at the first step; its mean must be right there too."""
+    exact = integrate.quad(
+        lambda r: 2.0 * r / half_space_factor(r * r), np.sqrt(start), np.sqrt(end)
+    )
+    assert_allclose(end_factor(start, end), exact[0] / (end - start), rtol=tol.FACTOR_MEAN)
+    third = integrate.quad(lambda r: 3.0 * r, start ** (1 / 3), end ** (1 / 3))
+    assert_allclose(side_factor(start, end), third[0] / (end - start), rtol=tol.HEAT_BALANCE)
+
+
+def core(softening: float) -> Lead:
+    """One core of the specimen that is stiff, so that all of its path is plastic."""
+    lead = constants_of(softening=softening).lead
+    return lead._replace(stiffness=1e6, reference_temperature=0.0)
+
+
+def heated(lead: Lead, path: float, steps: int) -> float:
+    """Temperature of an adiabatic core after a plastic path, from 0 degC."""
+    t, force = 0.0, lead.strength
+    for _ in range(steps):
+        after, _ = core_force(lead, HEAT_FROM_WORK, t, force, path / steps)
+        t += core_heat(lead, HEAT_FROM_WORK, force, after, path / steps) / lead.capacity
+        force = after
+    return t
+
+
+def test_adiabatic_core_with_falling_strength_is_exact(measured: Recorder) -> None:
+    """T = ln(1 + E2 sigma_0 s/(rho c h))/E2, second order in the step."""
+    lead, path = core(0.0069), 1500.0
+    exact = np.log1p(lead.softening * lead.strength * path / lead.capacity) / lead.softening
+    errors = np.array([heated(lead, path, n) / exact - 1.0 for n in (100, 200, 400)])
+    orders = np.log2(errors[:-1] / errors[1:])
+    assert_allclose(orders, 2.0, atol=tol.ORDER)
+    realistic = abs(heated(lead, path, 10_000) / exact - 1.0)  # steps of 0.15 mm
+    assert realistic < tol.ADIABATIC_CORE
+    measured("adiabatic core, exponential strength, against the exact rise", realistic, "1e-06")
+    plain = core(0.0)
+    assert_allclose(
+        heated(plain, path, 100), plain.strength * path / plain.capacity, rtol=tol.HEAT_BALANCE
+    )
+
+
+@pytest.mark.parametrize("source", [HEAT_FROM_WORK, HEAT_FROM_DISSIPATION])
+@pytest.mark.parametrize("dx", [0.05, 2.0, -3.0])
+def test_tangent_of_a_core(source: int, dx: float) -> None:
+    lead = constants_of(softening=0.0069).lead
+    h = 1e-5
+    ahead, behind = (core_force(lead, source, 10.0, 3.0, dx + e)[0] for e in (h, -h))
+    _, tangent = core_force(lead, source, 10.0, 3.0, dx)
+    assert_allclose(tangent, (ahead - behind) / (2.0 * h), rtol=1e-6, atol=1e-8)
+
+
+def test_exchange_is_that_of_two_bodies(measured: Recorder) -> None:
+    """Lead and the touched cell alone: the exact exponential at any step, heat conserved."""
+    constants = constants_of()
+    rates, touched = constants.cells, constants.lead_cells
+    temperature = np.linspace(-20.0, 5.0, rates.shape[1])
+    capacity = np.array(
+        [constants.lead.cores * constants.lead.capacity, rates[CAPACITY, touched[0]]]
+    )
+    worst = 0.0
+    for dt in (1e-3, 0.1, 10.0, 1000.0):
+        work = np.zeros((4, rates.shape[1]))
+        after = exchange(constants.lead, rates, touched, temperature, work, 60.0, 0.0, 3.0, 0.0, dt)
+        g = rates[5, touched[0]] * 3.0
+        matrix = g * dt * np.array([[-1.0, 1.0], [1.0, -1.0]]) / capacity[:, None]
+        exact = expm(matrix) @ np.array([60.0, temperature[touched[0]]])
+        found = np.array([after, temperature[touched[0]] + work[CHANGE, touched[0]]])
+        assert_allclose(found, exact, rtol=0.0, atol=tol.TWO_BODIES)
+        kept = capacity @ found - capacity @ np.array([60.0, temperature[touched[0]]])
+        worst = max(worst, abs(kept) / capacity.sum())
+    measured(
+        "lead and plate cell as two bodies: heat lost [K of both]", worst, f"{tol.TWO_BODIES:g}"
+    )
+    assert worst < tol.TWO_BODIES
+
+
+def cooling(constants: Constants, dt: float, steps: int) -> tuple[float, np.ndarray]:
+    """Lead and cells after a rest that follows one tiny motion, from a hot lead."""
+    n, layers = constants.cells.shape[1], len(constants.multiplicity)
+    state = new_state(constants, np.zeros(n), 50.0)
+    spare = new_state(constants, np.zeros(n), 50.0)
+    x = np.full(steps, 1e-9)
+    march(
+        constants, new_workspace(constants), state, spare, x, np.full(steps, dt), np.zeros(steps),
+        np.zeros(steps, dtype=bool), 0.0, np.arange(1), np.zeros(BOOKS + 3 * layers),
+        np.zeros((1, 1)), np.zeros((1, n)),
+    )  # fmt: skip
+    return float(state.books[LEAD_DEGC]), state.temperature
+
+
+def test_cooling_agrees_with_an_ode_solver(measured: Recorder) -> None:
+    """Lead and all 29 cells from 50 K above, 20 s, against scipy with the same F(t+)."""
+    constants = constants_of()
+    rates, cell = constants.cells, int(constants.lead_cells[0])
+    n = rates.shape[1]
+    lead_capacity = constants.lead.cores * constants.lead.capacity
+
+    def slope(r: float, y: np.ndarray) -> np.ndarray:
+        t, cells = r * r, y[:n]  # in r = sqrt(t) the flux is not singular
+        out = -(rates[2] + rates[3]) * cells
+        out[1:] += rates[0][1:] * (cells[:-1] - cells[1:])
+        out[:-1] += rates[1][:-1] * (cells[1:] - cells[:-1])
+        flux = rates[5, cell] / half_space_factor(max(t * constants.lead.clock_rate, 1e-14))
+        flux *= y[n] - cells[cell]
+        out[cell] += flux / rates[CAPACITY, cell]
+        return 2.0 * r * np.append(out, -flux / lead_capacity)
+
+    start = np.append(np.zeros(n), 50.0)
+    exact = integrate.solve_ivp(
+        slope, (1e-7, np.sqrt(20.0)), start, method="BDF", rtol=1e-10, atol=1e-10
+    ).y[:, -1]
+    errors = [abs(cooling(constants, 20.0 / k, k)[0] - exact[n]) for k in (1000, 2000, 4000)]
+    assert errors[1] < errors[0]
+    assert errors[-1] < tol.COOLING
+    measured(
+        "lead after 20 s of cooling from 50 K, steps of 5 ms, against scipy [K]",
+        errors[-1],
+        f"{tol.COOLING:g}",
+    )
+
+
+def test_clock_starts_again_after_a_long_pause_only() -> None:
+    constants = constants_of()
+    recovery = 1.0 / constants.lead.clock_rate
+    n, layers = constants.cells.shape[1], len(constants.multiplicity)
+    for pause, restarted in ((0.5 * recovery, False), (1.1 * recovery, True)):
+        state, spare = (new_state(constants, np.zeros(n)) for _ in range(2))
+        x = np.array([0.1, 0.2, *[0.2] * 100, 0.3])
+        dt = np.array([0.01, 0.01, *[pause / 100] * 100, 0.01])
+        march(
+            constants, new_workspace(constants), state, spare, x, dt, np.zeros(len(x)),
+            np.zeros(len(x), dtype=bool), 0.0, np.arange(1), np.zeros(BOOKS + 3 * layers),
+            np.zeros((1, 1)), np.zeros((1, n)),
+        )  # fmt: skip
+        expected = 0.01 if restarted else 0.03 + pause
+        assert_allclose(state.lead[CLOCK], expected, rtol=1e-9)
+
+
+@pytest.mark.parametrize("dt", [1e-5, 5e-3, 5e-2])
+@pytest.mark.parametrize("name", [SPECIMEN, "lrb-example"])
+def test_first_steps_are_finite_and_heat_flows_downhill(name: str, dt: float) -> None:
+    lead, cells = cooling(constants_of(name), dt, 5)
+    assert 0.0 < lead < 50.0
+    assert (cells >= 0.0).all()
+    assert cells.max() > 0.0
+
+
+@pytest.mark.parametrize("scheme", ["conservative", "published"])
+def test_long_rest_is_stable(scheme: str) -> None:
+    """1.25 h of growing steps bring the lead to the ambient without overshoot."""
+    test = tb.CyclicTest(
+        steps=[
+            {"step": "cycles", "strain": 1.0, "speed": 30.0, "count": 1},
+            {"step": "rest", "duration": 4500.0},
+        ]
+    )
+    result = tb.run(SPECIMEN, test, ambient=-20.0, scheme=scheme)
+    lead = result["lead_temperature"].values[0]
+    rest = result["segment"].values[0] == 1
+    assert (lead[rest] >= -20.0).all()
+    assert lead[-1] < -19.8
+
+
+def test_cores_are_in_parallel() -> None:
+    test = tb.cyclic_test(strain=[1.0], cycles=1)
+    bearing = tb.load_bearing(SPECIMEN)
+    result = tb.run(bearing, test, ambient=0.0)
+    force = result["force"].values
+    parts = sum(result[f"{name}_force"].values for name in ("rubber", "lead", "viscous"))
+    assert_allclose(force, parts, rtol=0.0, atol=1e-10)
+    assert bearing.lead is not None
+    expected = bearing.lead.cores * bearing.lead.core_strength
+    assert_allclose(np.abs(result["lead_force"].values).max(), expected, rtol=1e-12)
+    assert_allclose(bearing.lead.core_strength, 11.22, rtol=1e-3)  # 5.3.2 prints 11.21 kN
