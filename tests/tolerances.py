@@ -94,3 +94,4 @@ TWO_BODIES = 1e-11  # K: an exponential and a few products at 60 degC
 COOLING = 5e-3  # K of 50 K: first order in the touched cell, steps of 5 ms
 MAXWELL = 1e-10  # what the specification asks
 MAXWELL_SINE = 5e-4  # kN of 10 kN: a sine drawn in straight lines, 2000 a cycle
+OPENSEES_LEAD = 0.02  # another yield law (smooth) and another time scheme
