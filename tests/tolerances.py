@@ -95,3 +95,5 @@ COOLING = 5e-3  # K of 50 K: first order in the touched cell, steps of 5 ms
 MAXWELL = 1e-10  # what the specification asks
 MAXWELL_SINE = 5e-4  # kN of 10 kN: a sine drawn in straight lines, 2000 a cycle
 OPENSEES_LEAD = 0.02  # another yield law (smooth) and another time scheme
+PUBLISHED_LEAD = 1e-9  # K: the same system, set up and solved in another order
+TABLE_6_1_LHDR = 0.03  # Table 6.4 prints K_r and K_l with two digits

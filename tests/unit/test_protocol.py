@@ -107,7 +107,7 @@ def test_speed_period_and_frequency_say_the_same(wave: str, amplitude: dict[str,
 
 
 def test_closing_cycle_keeps_the_speed() -> None:
-    main, closing = built(cycles(period=4.0, closing_strain=0.1))
+    main, closing = built(cycles(strain=2.0, period=8.0, closing_strain=0.1))
     speeds = [np.abs(np.diff(part.x, prepend=0.0)) / part.dt for part in (main, closing)]
     assert_allclose(speeds[0], 30.0, rtol=tol.PROTOCOL)
     assert_allclose(speeds[1], 30.0, rtol=tol.PROTOCOL)
@@ -124,6 +124,17 @@ def test_ramps() -> None:
     assert_allclose(np.diff(back.x, prepend=-15.0) / back.dt, 25.0, rtol=tol.RAMP)
     assert back.x[-1] == 10.0
     assert_array_equal(np.flatnonzero(back.turning), [len(back.x) - 1])
+
+
+@pytest.mark.parametrize("target", [0.3, -0.7, 1e-3, 70.1])
+def test_ramp_ends_exactly(target: float) -> None:
+    """0.1 + (0.3 - 0.1) is not 0.3, and cycles may only follow at zero."""
+    ramps = [{"step": "ramp", "to": x, "duration": 0.07} for x in (0.1, target, 0.0)]
+    assert [segment.x[-1] for segment in built(*ramps, cycles(speed=30.0))[:3]] == [
+        0.1,
+        target,
+        0.0,
+    ]
 
 
 def test_ramp_to_where_it_is_takes_no_time() -> None:
