@@ -96,7 +96,7 @@ def run(
     options: dict[str, Any] = {
         "bearing": bearing,
         "test": test,
-        "ambient": [series.at(0.0)] if series else np.atleast_1d(np.asarray(ambient, float)),
+        "ambient": [series.at(0.0)] if series else ambient,
         "dt": dt,
         "scheme": scheme,
         "integrator": integrator,

@@ -190,6 +190,17 @@ def test_default_target_is_named_after_the_bearing(
     assert sorted(content(tmp_path / "cyclic-..-G1-new-")) == FILES
 
 
+@pytest.mark.parametrize("name", ["[bold]", "x[/y]", "[/]"])
+def test_names_are_no_markup(tmp_path: Path, name: str) -> None:
+    """rich would swallow [bold] and crash on [/y]."""
+    table = changed_table(specimen_table(), {"name": name})
+    path = quick_case(tmp_path / "case[red].toml", bearing=table)
+    for done in (cyclic(path, "-o", tmp_path / "out"), command("check", path)):
+        assert done.exit_code == 0
+        assert name in done.stdout
+    assert "case[red].toml" in done.stdout.replace("\n", "")
+
+
 def test_list() -> None:
     done = command("list", "--json")
     assert done.exit_code == 0

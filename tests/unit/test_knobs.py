@@ -8,10 +8,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 from pydantic import BaseModel
 
 import thermobearing as tb
+from tests import tolerances as tol
 from tests.unit.inputs import SPECIMEN
 from thermobearing.bearing.model import Bearing
 from thermobearing.bearing.schema import validated
@@ -179,6 +181,14 @@ def test_choices_of_lead(results: dict[str, tb.Result]) -> None:
         with_lead(), TEST, ambient=-10, upper_face=FACE, lower_face=FACE, initial_lead=30.0
     )
     assert differ(results["lead"], other)
+
+
+def test_keeping_less_changes_no_measure() -> None:
+    """What is kept is a choice of output: energy and damping come from every step."""
+    whole, thin, thinnest = (run(keep_every=n).cycles for n in (1, 20, 10_000))
+    for less in (thin, thinnest):
+        for name in ("G_eq_MPa", "h_eq", "energy_kN_mm", "stress_max_MPa", "rubber1_degC"):
+            assert_allclose(less[name], whole[name], rtol=tol.LOOP, err_msg=name)
 
 
 def test_ambient_series(plain: tb.Result) -> None:

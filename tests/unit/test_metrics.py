@@ -23,9 +23,7 @@ def test_ellipse() -> None:
     """Elastic k d and, a quarter of a turn ahead, a viscous force of the same amplitude."""
     a, k, n = 45.0, 2.0, 4000
     t = 2.0 * np.pi * np.arange(n + 1) / n
-    sine = np.sin(t)
-    sine[-1] = 0.0  # closed, where sin(2 pi) is not
-    m = measured(a * sine, k * a * (sine + np.cos(t)))
+    m = measured(a * np.sin(t), k * a * (np.sin(t) + np.cos(t)))  # sin(2 pi) is not quite zero
     assert_allclose(m.force_max_kN, np.sqrt(2.0) * k * a, rtol=tol.LOOP)
     assert_allclose(m.stiffness_kN_mm, np.sqrt(2.0) * k, rtol=tol.LOOP)
     assert_allclose(m.G_eq_MPa, 1e3 * np.sqrt(2.0) * k * RUBBER / AREA, rtol=tol.LOOP)
@@ -125,8 +123,43 @@ def test_unusable_histories(d: Floats, f: Floats, words: str) -> None:
         tb.measure_history(d, f, area=AREA, total_rubber_thickness=RUBBER)
 
 
+@pytest.mark.parametrize("points", [40, 200, 1003])
+def test_cycles_share_no_energy(points: int) -> None:
+    """However coarse and wherever its points lie, each cycle counts its own area once."""
+    t = np.arange(0.3, 4.2 * points) / points
+    d, f = 30.0 * np.sin(2 * np.pi * t), 50.0 * np.cos(2 * np.pi * t)
+    cycles = tb.measure_history(d, f, area=AREA, total_rubber_thickness=RUBBER)
+    polygon = 0.5 * points * np.sin(2 * np.pi / points) * 1500.0
+    assert len(cycles) == 4
+    energy = [cycle.energy_kN_mm for cycle in cycles[1:]]
+    assert_allclose(energy, polygon, rtol=(np.pi / points) ** 3)  # of the two cut chords
+
+
+def test_known_work_needs_peaks_and_zeros_only() -> None:
+    d, f = np.array([0.0, 30.0, 0.0, -30.0, 0.0]), np.array([9.0, 60.0, -9.0, -60.0, 9.0])
+    m = tb.measure_cycle(d, f, area=AREA, total_rubber_thickness=RUBBER, work=700.0)
+    assert_allclose(m.h_eq, 700.0 / (2.0 * np.pi * 2.0 * 900.0), rtol=tol.LOOP)
+
+
+@pytest.mark.parametrize(
+    ("d", "f", "words"),
+    [
+        (np.full(20, np.nan), np.zeros(20), "displacement is nan at point 1"),
+        (np.sin(np.arange(20.0)), np.full(20, np.inf), "force is inf at point 1"),
+        ("all", np.zeros(20), "lists of numbers"),
+        (np.zeros((4, 5)), np.zeros((4, 5)), "points"),
+    ],
+)
+def test_no_numbers(d: Floats, f: Floats, words: str) -> None:
+    for measure in (tb.measure_history, tb.measure_cycle):
+        with pytest.raises(tb.InputError, match=words):
+            measure(d, f, area=AREA, total_rubber_thickness=RUBBER)
+
+
 def test_unusable_cycles() -> None:
     with pytest.raises(tb.InputError, match="5 points"):
         measured(np.arange(5.0), np.arange(5.0))
+    with pytest.raises(tb.InputError, match="must be positive"):
+        tb.measure_cycle(np.arange(9.0), np.arange(9.0), area=0.0, total_rubber_thickness=1.0)
     with pytest.raises(tb.InputError, match="without displacement"):
         measured(np.zeros(50), np.ones(50))

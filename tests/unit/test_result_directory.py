@@ -15,6 +15,7 @@ import xarray as xr
 
 import thermobearing as tb
 import thermobearing.drive.run
+from tests import tolerances as tol
 from tests.unit.inputs import (
     CYCLES,
     FILES,
@@ -218,6 +219,29 @@ def test_ctrl_c_during_a_run_keeps_what_was_computed(
     assert run["energy"]["work_in_kN_mm"] > 0.0
     assert len((out / "history.csv").read_text().splitlines()) == 1 + 1 + 150
     assert tb.load_result(out).outcome == "interrupted"
+
+
+def test_books_of_a_partial_result_close_whatever_is_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The run stops between two kept rows; the final profile and the last row must agree."""
+    march, calls = thermobearing.drive.run.march, []
+
+    def interrupted(*args: Any) -> Any:
+        calls.append(args)
+        if len(calls) == 4:
+            raise KeyboardInterrupt
+        return march(*args)
+
+    monkeypatch.setattr(thermobearing.drive.run, "CHUNK", 47)
+    monkeypatch.setattr(thermobearing.drive.run, "march", interrupted)
+    result = tb.run("shen-hdr-specimen", tb.cyclic_test(strain=[1.0], dt=0.01), keep_every=20)
+    assert result.outcome == "interrupted"
+    assert int(result["steps"][0]) == 3 * 47
+    assert float(result["time"][-1]) == pytest.approx(3 * 0.47)
+    books = result.energy.iloc[0]
+    assert abs(books["thermal_residual"]) < tol.ENERGY_BOOKS
+    assert abs(books["mechanical_residual"]) < tol.ENERGY_BOOKS
 
 
 def test_ctrl_c_before_the_first_step(

@@ -128,6 +128,7 @@ def run_segments(
                 break
     except KeyboardInterrupt:
         run.outcome = INTERRUPTED
+    _keep_end(constants, run)
     run.cut()
     return run
 
@@ -139,6 +140,19 @@ def _keep_start(constants: Constants, run: History) -> None:
     run.rows[0] = row[run.columns]
     run.cells[0] = run.initial[: run.cells.shape[1]]
     run.kept = 1
+
+
+def _keep_end(constants: Constants, run: History) -> None:
+    """Last row: where a run that was cut off stands, so that its books and profiles agree."""
+    last = run.kept - 1
+    if run.rows[last, TIME] == run.state.books[TIME]:
+        return
+    row = np.empty(BOOKS + 3 * len(constants.multiplicity))
+    write_row(constants.layer_cells, run.state, row)
+    run.rows[run.kept] = row[run.columns]
+    run.cells[run.kept] = run.state.temperature[: run.cells.shape[1]]
+    run.segment[run.kept], run.cycle[run.kept] = run.segment[last], run.cycle[last]
+    run.kept += 1
 
 
 def _run_segment(

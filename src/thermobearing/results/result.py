@@ -107,7 +107,7 @@ class Result:
         Temperatures are those at the end of the cycle; `rubber1_degC` is the outer layer.
         """
         attrs = self.dataset.attrs
-        x, f = self.dataset["displacement"].values, self.dataset["force"].values
+        x, f, work = (self.dataset[name].values for name in ("displacement", "force", "work_in"))
         rows: list[dict[str, Any]] = []
         for run, ambient in enumerate(self.dataset["ambient"].values):
             for number, k, where in self._cycle_rows(run):
@@ -116,6 +116,8 @@ class Result:
                     f[run, where],
                     area=attrs["area_mm2"],
                     total_rubber_thickness=attrs["total_rubber_thickness_mm"],
+                    # from the books, which know every step and not only the kept ones
+                    work=float(work[run, where.stop - 1] - work[run, where.start]),
                 )
                 rows.append(
                     self._row(float(ambient), self.segments[number], k, measures)

@@ -3,6 +3,7 @@
 from typing import Any
 
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 from thermobearing.results.metrics import CycleMeasures
@@ -20,10 +21,10 @@ def print_result(result: Result, compared: dict[str, Result] | None = None) -> N
     """Per-cycle table of each run, its energy books, and earlier models beside it."""
     console = Console()
     console.print(
-        f"[bold]{result.dataset.attrs['title']}[/bold] ({result.dataset.attrs['scheme']})"
+        f"[bold]{escape(result.dataset.attrs['title'])}[/bold] ({result.dataset.attrs['scheme']})"
     )
     for warning in result.warnings:
-        console.print(f"[yellow]warning: {warning}[/yellow]")
+        console.print(f"[yellow]warning: {escape(warning)}[/yellow]")
     cycles = result.cycles
     layers = [name for name in cycles.columns if str(name).startswith("rubber")]
     for run, ambient in enumerate(result["ambient"].values):
@@ -120,7 +121,7 @@ def print_measures(cycles: list[CycleMeasures], total_rubber_thickness: float) -
 def print_facts(title: str, facts: dict[str, str]) -> None:
     """A titled list of names and values."""
     console = Console(highlight=False)
-    console.print(f"[bold]{title}[/bold]")
+    console.print(f"[bold]{escape(title)}[/bold]")
     width = max(len(name) for name in facts)
     for name, value in facts.items():
         console.print(f"  {name:{width}}  {value}", markup=False)
