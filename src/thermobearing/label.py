@@ -14,16 +14,23 @@ from thermobearing.results.result import Result
 from thermobearing.stack import Stack
 
 
-def warnings_of(case: Case, segments: list[Segment]) -> list[str]:
-    """What a user should know about the accuracy of a case, in sentences."""
+def warnings_of(case: Case, segments: list[Segment], climates: list[Ambient]) -> list[str]:
+    """What a user should know about a result, in sentences."""
+    found = []
+    if case.ambient_series is None and any(len(climate.time) > 1 for climate in climates):
+        found.append(
+            "the ambient series was given in Python: case.resolved.toml has its first value only; "
+            "give it as a CSV file (ambient_series) to be able to run the case again"
+        )
     increment = longest_layer_increment(segments, case.bearing.geometry.rubber_layers)
     yielding = case.bearing.hysteresis.yield_displacement
-    if increment <= yielding:
-        return []
-    return [
-        f"a step moves each rubber layer by up to {increment:.3g} mm, more than its yield "
-        f"displacement of {yielding:g} mm: work and heat of such steps are coarse; use a smaller dt"
-    ]
+    if increment > yielding:
+        found.append(
+            f"a step moves each rubber layer by up to {increment:.3g} mm, more than its yield "
+            f"displacement of {yielding:g} mm: work and heat of such steps are coarse; use a "
+            "smaller dt"
+        )
+    return found
 
 
 def stack_labels(stack: Stack, constants: Constants) -> StackLabels:
@@ -84,7 +91,7 @@ def label(
             {"kind": s.kind, "label": s.label, "amplitude_strain": s.amplitude_strain}
             for s in segments
         ],
-        "warnings": warnings_of(case, segments),
+        "warnings": warnings_of(case, segments, climates),
         "sentences": SENTENCES | SHARING_SENTENCES,
     }
     return Result(

@@ -11,12 +11,16 @@ from typing import Any
 
 import thermobearing as tb
 
-BASELINE = Path(__file__).with_name("baselines") / "hdr_cyclic.json"
+BASELINE = Path(__file__).with_name("baselines") / "cyclic.json"
 CASES: dict[str, dict[str, Any]] = {
     "specimen, conservative, exact": {},
     "specimen, published, euler": {"scheme": "published", "integrator": "euler"},
     "specimen, dissipated heat, full stack": {"heat_source": "dissipation", "stack": "full"},
     "bridge": {"bearing": "shen-hdr-bridge"},
+    "lead specimen": {"bearing": "shen-lhdr-specimen"},
+    "lead specimen, published": {"bearing": "shen-lhdr-specimen", "scheme": "published"},
+    "lead rubber bearing": {"bearing": "lrb-example"},
+    "single temperature": {"bearing": "shen-lhdr-specimen", "model": "single-temperature"},
 }
 
 
