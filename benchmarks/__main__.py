@@ -22,6 +22,7 @@ ITEMS = {
     "first_run": "Waiting",
     "integrator": "Accuracy",
     "step_halving": "Accuracy",
+    "finite_elements": "One dimension",
     "energy": "Energy books",
     "memory": "Memory",
 }

@@ -96,3 +96,9 @@ MAXWELL_SINE = 5e-4  # kN of 10 kN: a sine drawn in straight lines, 2000 a cycle
 OPENSEES_LEAD = 0.02  # another yield law (smooth) and another time scheme
 PUBLISHED_LEAD = 1e-9  # K: the same system, set up and solved in another order
 TABLE_6_1_LHDR = 0.03  # Table 6.4 prints K_r and K_l with two digits
+
+# --- One dimension against finite elements -----------------------------------------------
+FE_BOOKS = 1e-9  # of the heat: factorised solves of a few thousand unknowns
+FE_LAYER = 2.5  # K of 20 to 30 K after loading: two cells a layer, flux of the lead spread out
+FE_LEAD = 2.5  # K of 73 K: the half-space formula with p = 1/2
+FE_MESH = 0.1  # K between two meshes and steps: well below what is compared

@@ -1,0 +1,140 @@
+"""When is one dimension good enough: layers and lead against axisymmetric finite elements.
+
+The finite elements get the heat of our own run, so only the heat flow is compared: five cycles
+of 250 % at -20 degC, then two minutes of rest.
+"""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import thermobearing as tb
+from tests import tolerances as tol
+from tests.conftest import Recorder
+
+pytest.importorskip("skfem", reason="scikit-fem is not installed")
+
+AMBIENT, END = -20.0, 50.0  # degC, s of loading
+REST = (60.0, 110.0, 170.0)  # s, when the cooling is looked at
+MODELS: dict[str, dict[str, Any]] = {
+    "conservative": {},
+    "published": {"scheme": "published"},
+    "single-temperature": {"model": "single-temperature"},
+}
+
+
+def variant(name: str) -> tb.Bearing:
+    """HDR specimen, LHDR specimen, and the same without confinement of its cores."""
+    if name == "HDR":
+        return tb.load_bearing("shen-hdr-specimen")
+    bearing = tb.load_bearing("shen-lhdr-specimen")
+    assert bearing.lead is not None
+    lead = bearing.lead.model_copy(update={"confined": name == "LHDR"})
+    return bearing.model_copy(update={"lead": lead})
+
+
+def loading(bearing: tb.Bearing) -> tb.CyclicTest:
+    wave = "triangular" if bearing.lead is None else "sine"
+    cycles = {"step": "cycles", "strain": 2.5, "wave": wave, "speed": 30.0, "count": 5}
+    return tb.CyclicTest(dt=0.01, steps=[cycles, {"step": "rest", "duration": 120.0}])
+
+
+def finite_elements(bearing: tb.Bearing, fineness: float = 1.0, dt: float = 0.1) -> Any:
+    """Temperatures above the ambient, from the heat of our conservative run."""
+    from tests.reference.fe_heat import FiniteElements, bearing_problem, released
+
+    keep = ("rubber", "layer_displacement", "cells")
+    result = tb.run(bearing, loading(bearing), ambient=AMBIENT, keep=keep)
+    stages = [(dt, round(END / dt)), (4.0 * dt, round(120.0 / dt / 4.0))]
+    problem = bearing_problem(bearing, fineness=fineness)
+    return FiniteElements(problem).march(stages, released(bearing, result))
+
+
+def rises(result: tb.Result, time: float) -> dict[str, float]:
+    """Above the ambient, at a time [s], by the names of the finite element history."""
+    row = int(np.searchsorted(result.time(0), time - 1e-6))
+    layers = result["rubber_temperature"].values[0, row] - AMBIENT
+    found = {"middle of rubber 1": layers[0], "middle of rubber 3": layers[2]}
+    if result.has_lead:
+        found["lead"] = result["lead_temperature"].values[0, row] - AMBIENT
+    return {name: float(value) for name, value in found.items()}
+
+
+def errors(history: Any, result: tb.Result, time: float) -> dict[str, float]:
+    row = int(np.searchsorted(history.time, time - 1e-6))
+    return {name: value - history.means[name][row] for name, value in rises(result, time).items()}
+
+
+@pytest.mark.parametrize("name", ["HDR", "LHDR", "LHDR unconfined"])
+def test_one_dimension_against_two(name: str, measured: Recorder) -> None:
+    bearing = variant(name)
+    history = finite_elements(bearing)
+    assert_allclose(history.released, history.stored + history.lost, rtol=tol.FE_BOOKS)
+    found = {}
+    for model, options in MODELS.items():
+        result = tb.run(bearing, loading(bearing), ambient=AMBIENT, **options)
+        found[model] = errors(history, result, END)
+        rest = [errors(history, result, time) for time in REST]
+        for place, error in found[model].items():
+            row = int(np.searchsorted(history.time, END - 1e-6))
+            whole = history.means[place][row]
+            worst = max((after[place] for after in rest), key=abs)
+            label = f"{name}, {place}, {model} against finite elements, after loading"
+            measured(label, f"{error:+.1f} of {whole:.1f} K; cooling {worst:+.1f} K", "told")
+    best = found["conservative"]
+    assert abs(best["middle of rubber 1"]) < tol.FE_LAYER
+    assert abs(best["middle of rubber 3"]) < tol.FE_LAYER
+    if name == "LHDR":
+        assert abs(best["lead"]) < tol.FE_LEAD
+        assert abs(found["published"]["lead"]) > 10.0 * abs(best["lead"])
+
+
+def test_finer_cells_halve_the_error_of_the_layers(measured: Recorder) -> None:
+    """Two cells a layer (Fig. 4.2b) miss the middle of its parabola; eight do not."""
+    bearing = variant("HDR")
+    cells = bearing.cells.model_copy(update={"rubber": 8, "shim": 2})
+    fine = bearing.model_copy(update={"cells": cells})
+    history = finite_elements(bearing)
+    two, eight = (
+        errors(history, tb.run(b, loading(b), ambient=AMBIENT), END)["middle of rubber 3"]
+        for b in (bearing, fine)
+    )
+    assert abs(eight) < 0.5 * abs(two)
+    measured(
+        "HDR, inner layer, 2 and 8 cells a layer against finite elements",
+        f"{two:+.2f} K, {eight:+.2f} K",
+        "",
+    )
+
+
+def test_finite_elements_are_fine_enough() -> None:
+    bearing = variant("LHDR")
+    coarse, fine = finite_elements(bearing), finite_elements(bearing, 1.7, 0.05)
+    for place in ("middle of rubber 1", "middle of rubber 3", "lead"):
+        ends = [h.means[place][int(np.searchsorted(h.time, END - 1e-6))] for h in (coarse, fine)]
+        assert abs(ends[1] - ends[0]) < tol.FE_MESH
+
+
+def test_surface_ratio_is_the_closure_that_matters(measured: Recorder) -> None:
+    """p = 1/2 suits confined cores; without confinement 0.7 does (heat through the wall too)."""
+    for name, ratios, better in (
+        ("LHDR", (0.45, 0.5, 0.55), 0.5),
+        ("LHDR unconfined", (0.5, 0.7, 1.0), 0.7),
+    ):
+        bearing = variant(name)
+        assert bearing.lead is not None
+        history = finite_elements(bearing)
+        error = {}
+        for p in ratios:
+            lead = bearing.lead.model_copy(update={"surface_ratio": p})
+            other = bearing.model_copy(update={"lead": lead})
+            result = tb.run(other, loading(bearing), ambient=AMBIENT)
+            error[p] = errors(history, result, END)["lead"]
+        assert abs(error[better]) < 3.0
+        assert all(abs(error[better]) <= abs(e) for e in error.values())
+        text = ", ".join(f"{p:g}: {e:+.1f} K" for p, e in error.items())
+        measured(
+            f"{name}: lead after loading by surface_ratio p, against finite elements", text, "told"
+        )
