@@ -41,18 +41,16 @@ the domain's time zero instead of the start of the motion. Drawn by
 FE_TEXT = """## Is one dimension good enough?
 
 The rows "against finite elements" above compare layers and lead with an axisymmetric solution that
-gets the heat of our own run (five cycles of 250 % at -20 degC, two minutes of rest). The source's
-own confined specimens: layers within about 1.3 K of 20 to 28 K at the end of the loading, more
-than half of it because two cells a layer miss the middle of the parabola (eight cells halve it);
-lead 2 % low at the end, up to 5 K low while it cools from 73 K. `published` has the lead two thirds
-low (P4) and the inner layer up to 6 K high while it cools (P1); a single temperature is 3 K low in the
-inner layer of the HDR and 10 to 15 K high in the outer one.
+gets the heat of our own run (five cycles of 250 % at -20 degC, two minutes of rest). For the
+source's own, confined specimens the layers are good, and half of their error is the two cells of a
+layer, which miss the middle of its parabola (`cells.rubber = 8` mends that); the lead is good while it
+heats and a little low while it cools. `published` has the lead far too cold (P4) and the inside too
+hot while it cools (P1); a single temperature is too low inside and too high outside.
 
-Without confinement the formula for the wall of the core (q2) is the weak part: the lead is 6 K of
-26 K too hot. The closure that mends it is `surface_ratio`: 0.7 instead of 0.5 brings it within 1 K.
-For confined cores 0.5 is right; the exact superposition of the half-space step response was tried
-in its place and is worse at p = 1/2 (5.9 K low instead of 1.7 K), because the error of taking the
-flux as constant and that of p partly cancel."""
+Without confinement the formula for the wall of the core (q2) is the weak part: the lead gets too
+hot. The closure that mends it is `surface_ratio`, 0.7 instead of 0.5. For confined cores 0.5 is
+right: the exact superposition of the half-space step response is worse with it, because the error
+of taking the flux as constant and that of p partly cancel."""
 BENCH_IN_README = ("coupled_step", "whole_test", "numpy_stepper", "opensees", "memory")
 
 

@@ -13,6 +13,7 @@ from numpy.testing import assert_allclose
 import thermobearing as tb
 from tests import tolerances as tol
 from tests.conftest import Recorder
+from thermobearing.core.lead import half_space_factor
 
 pytest.importorskip("skfem", reason="scikit-fem is not installed")
 
@@ -138,3 +139,49 @@ def test_surface_ratio_is_the_closure_that_matters(measured: Recorder) -> None:
         measured(
             f"{name}: lead after loading by surface_ratio p, against finite elements", text, "told"
         )
+
+
+def superposed_lead(result: tb.Result, heat: tuple[Any, Any], p: float) -> float:
+    """Rise of the lead after loading when the half-space answers to the flux as it varies.
+
+    Duhamel's superposition of F(t+) instead of the flux over F(t+): p T_l less the plate's rise
+    is r/k times the sum of flux increments of each step on F. `heat` is that of half a core.
+    """
+    lead = tb.load_bearing("shen-lhdr-specimen").lead
+    assert lead is not None
+    steel, capacity = 38.76e-3, 129.0 * 11360e-9 * lead.core_area * 96.0
+    rate = 38.76 / (432.0 * 7740.0) * 1e6 / lead.radius**2
+    dt = 0.05
+    time = np.arange(0.0, END + dt / 2, dt)
+    given = np.diff(2.0 * np.interp(time, *heat))
+    plate = np.interp(time, result.time(0), result["temperature"].values[0, :, 9] - AMBIENT)
+    step = np.diff([half_space_factor(max(t * rate, 1e-15)) for t in time])
+    own = lead.radius / steel * step[0]
+    flux, rise = np.zeros(len(given)), 0.0
+    for n, warmed in enumerate(given):
+        before = lead.radius / steel * float(flux[:n] @ step[n:0:-1])
+        warm = rise + warmed / capacity
+        drain = 2.0 * lead.core_area * dt / capacity
+        flux[n] = (p * (warm - plate[n + 1]) - before) / (own + p * drain)
+        rise = warm - drain * flux[n]
+    return rise
+
+
+def test_exact_superposition_is_no_better_with_p_one_half(measured: Recorder) -> None:
+    """The formula takes the flux as constant since the start; that error and p partly cancel."""
+    from tests.reference.fe_heat import released
+
+    bearing = variant("LHDR")
+    history = finite_elements(bearing)
+    keep = ("rubber", "layer_displacement", "cells")
+    result = tb.run(bearing, loading(bearing), ambient=AMBIENT, keep=keep)
+    row = int(np.searchsorted(history.time, END - 1e-6))
+    heat = released(bearing, result)["lead"]
+    error = {p: superposed_lead(result, heat, p) - history.means["lead"][row] for p in (0.42, 0.5)}
+    formula = errors(history, result, END)["lead"]
+    assert abs(error[0.5]) > abs(formula)
+    assert abs(error[0.42]) < abs(error[0.5])
+    text = ", ".join(f"p = {p:g}: {e:+.1f} K" for p, e in error.items())
+    measured(
+        "LHDR: lead after loading by exact superposition, against finite elements", text, "told"
+    )
