@@ -40,12 +40,12 @@ the domain's time zero instead of the start of the motion. Drawn by
 ![Lead temperature, OpenSees beside this package](figures/opensees_lead.png)"""
 FE_TEXT = """## Is one dimension good enough?
 
-The rows "against finite elements" above compare layers and lead with an axisymmetric solution that
-gets the heat of our own run (five cycles of 250 % at -20 degC, two minutes of rest). For the
-source's own, confined specimens the layers are good, and half of their error is the two cells of a
-layer, which miss the middle of its parabola (`cells.rubber = 8` mends that); the lead is good while it
-heats and a little low while it cools. `published` has the lead far too cold (P4) and the inside too
-hot while it cools (P1); a single temperature is too low inside and too high outside.
+The rows "against finite elements" above compare layers and lead with an axisymmetric solution
+that gets the heat of our own run (five cycles of 250 % at -20 degC, two minutes of rest). For the
+source's own, confined specimens the layers are good, and half of their error is the two cells of
+a layer, which miss the middle of its parabola (`cells.rubber = 8` mends that); the lead is good
+while it heats and a little low while it cools. `published` has the lead far too cold (P4) and the
+inside too hot while it cools (P1); a single temperature is too low inside and too high outside.
 
 Without confinement the formula for the wall of the core (q2) is the weak part: the lead gets too
 hot. The closure that mends it is `surface_ratio`, 0.7 instead of 0.5. For confined cores 0.5 is
