@@ -102,3 +102,6 @@ FE_BOOKS = 1e-9  # of the heat: factorised solves of a few thousand unknowns
 FE_LAYER = 2.5  # K of 20 to 30 K after loading: two cells a layer, flux of the lead spread out
 FE_LEAD = 2.5  # K of 73 K: the half-space formula with p = 1/2
 FE_MESH = 0.1  # K between two meshes and steps: well below what is compared
+
+# --- Earlier models ----------------------------------------------------------------------
+BASELINE = 1e-9  # sums over thousands of steps, kept energies

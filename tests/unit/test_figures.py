@@ -314,3 +314,21 @@ def test_long_history_stays_small() -> None:
     assert result.dataset.sizes["time"] > 100_000
     for ax in result.plot.layer_temperatures().axes:
         assert all(len(line) <= 4100 for line in drawn(ax))
+
+
+def test_lead_has_its_own_figures(tmp_path: Path) -> None:
+    result = tb.run("shen-lhdr-specimen", tb.cyclic_test(strain=[0.5, 1.0], cycles=2), [-20, 23])
+    names = {path.stem for path in result.plot.save_all(tmp_path)}
+    assert {"lead_temperature", "force_shares"} <= names
+    shares = result.plot.force_shares()
+    assert len(shares.axes) == 4
+    assert shares.axes[0].get_ylabel() == "force [kN]"
+    profile = result.plot.profiles().axes[0]
+    dashed = [line for line in profile.get_lines() if str(line.get_linestyle()) != "-"]
+    assert len(dashed) >= 3  # two cores and the ambient
+
+
+def test_no_lead_no_lead_figures() -> None:
+    result = tb.run(BEARING, tb.cyclic_test(strain=[0.5], cycles=1))
+    with pytest.raises(NothingToDrawError, match="no lead"):
+        result.plot.force_shares()
