@@ -60,7 +60,7 @@ def adiabatic(constants: Constants) -> Constants:
     return constants._replace(cells=cells, lead=lead, lead_cells=np.empty(0, dtype=np.int64))
 
 
-def lumped(constants: Constants, bearing: Bearing, stack: Stack) -> Constants:
+def lumped(constants: Constants, stack: Stack) -> Constants:
     """One cell for all rubber layers, shims and lead, losing no heat.
 
     Okui et al. (2019), Eq. 2.11: dT = delta V_r / (m_r c_r + m_s c_s); the rise per cycle of
@@ -90,7 +90,7 @@ def lumped_with_losses(constants: Constants, bearing: Bearing, stack: Stack) -> 
     here is ours (Eq. 4.34 at the one temperature), heat leaves through half an outer rubber
     layer and the plates beyond it to a face at ambient temperature, and through the sides.
     """
-    one = lumped(constants, bearing, stack)
+    one = lumped(constants, stack)
     g, m = bearing.geometry, bearing.materials
     plates = (g.end_plate_thickness + g.sealing_plate_thickness) / m.steel.conductivity
     resistance = MM_PER_M * (0.5 * g.rubber_thickness / m.rubber.conductivity + plates)
@@ -182,7 +182,7 @@ def apply_model(
     if model == "adiabatic":
         return adiabatic(constants)
     if model == "per-cycle":
-        return lumped(constants, bearing, stack)
+        return lumped(constants, stack)
     if model == "single-temperature":
         return lumped_with_losses(constants, bearing, stack)
     if model == "lead-alone":
