@@ -101,6 +101,10 @@ TABLE_6_1_LHDR = 0.03  # Table 6.4 prints K_r and K_l with two digits
 FE_BOOKS = 1e-9  # of the heat: factorised solves of a few thousand unknowns
 FE_LAYER = 2.5  # K of 20 to 30 K after loading: two cells a layer, flux of the lead spread out
 FE_LEAD = 2.5  # K of 73 K: the half-space formula with p = 1/2
+FE_CELLS = 0.15  # K of 24 K, eight cells a layer; 0.09 measured
+FE_MODE = 1e-5  # of the peak: biquadratic, 16 x 8 elements, 200 steps; 1e-6 measured
+KERNEL_LEAD = 1.2  # K of 65 to 113 K, at any time; 0.8 measured
+KERNEL_SUM = 5e-3  # 400 x 200 modes; 3.4e-3 is left out of the plate's
 FE_MESH = 0.1  # K between two meshes and steps: well below what is compared
 
 # --- Earlier models ----------------------------------------------------------------------

@@ -244,7 +244,7 @@ def bearing_problem(bearing: Bearing, eta: float = 2.0, fineness: float = 1.0) -
     depth = 0.0
     for name, thickness, count, material in parts:
         elements = 2 * round(0.5 * count * fineness + 0.2)  # even: a line at mid-thickness
-        ratio = {"end plate": 0.15, "sealing plate": 6.0}.get(name, 1.0) if lead else 1.0
+        ratio = {"end plate": 0.03, "sealing plate": 30.0}.get(name, 1.0) if lead else 1.0
         lines.append(graded(depth, depth + thickness, elements, ratio))
         blocks.append(Block(name, (core if name != "end plate" else 0.0, radius),
                             (depth, depth + thickness), material))  # fmt: skip
@@ -252,10 +252,10 @@ def bearing_problem(bearing: Bearing, eta: float = 2.0, fineness: float = 1.0) -
             planes.append((f"middle of {name}", depth + 0.5 * thickness, core))
         depth += thickness
     count = max(2, round(9 * fineness))
-    across = [np.zeros(1), graded(core, radius, count, 6.0 if lead else 0.2)]
+    across = [np.zeros(1), graded(core, radius, count, 30.0 if lead else 0.2)]
     slit = None
     if lead is not None and m.lead is not None:
-        across.insert(1, graded(0.0, core, max(2, round(7 * fineness)), 0.15))
+        across.insert(1, graded(0.0, core, max(2, round(7 * fineness)), 0.03))
         blocks.append(Block("lead", (0.0, core), (g.end_plate_thickness, depth), m.lead))
         slit = (core, g.end_plate_thickness) if lead.confined else None
     cell = g.end_plate_thickness / bearing.cells.end_plate

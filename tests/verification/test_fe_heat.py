@@ -92,21 +92,25 @@ def test_one_dimension_against_two(name: str, measured: Recorder) -> None:
         assert abs(found["published"]["lead"]) > 10.0 * abs(best["lead"])
 
 
-def test_finer_cells_halve_the_error_of_the_layers(measured: Recorder) -> None:
-    """Two cells a layer (Fig. 4.2b) miss the middle of its parabola; eight do not."""
+def test_the_error_of_the_layers_is_that_of_two_cells(measured: Recorder) -> None:
+    """Two cells a layer (Fig. 4.2b) miss the middle of its parabola; eight do not.
+
+    Each with the heat of its own run: a layer that is warmer at mid-thickness releases less.
+    """
     bearing = variant("HDR")
     cells = bearing.cells.model_copy(update={"rubber": 8, "shim": 2})
     fine = bearing.model_copy(update={"cells": cells})
-    history = finite_elements(bearing)
     two, eight = (
-        errors(history, tb.run(b, loading(b), ambient=AMBIENT), END)["middle of rubber 3"]
+        errors(finite_elements(b), tb.run(b, loading(b), ambient=AMBIENT), END)[
+            "middle of rubber 3"
+        ]
         for b in (bearing, fine)
     )
-    assert abs(eight) < 0.5 * abs(two)
+    assert abs(eight) < tol.FE_CELLS
     measured(
-        "HDR, inner layer, 2 and 8 cells a layer against finite elements",
+        "HDR, inner layer, 2 and 8 cells a layer against finite elements, each with its own heat",
         f"{two:+.2f} K, {eight:+.2f} K",
-        "",
+        f"8 cells: {tol.FE_CELLS:g} K",
     )
 
 
@@ -119,7 +123,10 @@ def test_finite_elements_are_fine_enough() -> None:
 
 
 def test_surface_ratio_is_the_closure_that_matters(measured: Recorder) -> None:
-    """p = 1/2 suits confined cores; without confinement 0.7 does (heat through the wall too)."""
+    """At the end of this loading p = 1/2 suits the confined core, 0.7 the unconfined one.
+
+    At that moment only: no p is right while the lead cools, nor for the bridge bearing.
+    """
     for name, ratios, better in (
         ("LHDR", (0.45, 0.5, 0.55), 0.5),
         ("LHDR unconfined", (0.5, 0.7, 1.0), 0.7),
