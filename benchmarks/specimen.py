@@ -8,7 +8,7 @@ import numpy as np
 import thermobearing as tb
 from thermobearing.core.types import Constants
 from thermobearing.drive.ambient import Ambient
-from thermobearing.drive.assemble import build_constants
+from thermobearing.drive.assemble import LeadEnds, build_constants
 from thermobearing.drive.protocol import Segment, build_segments
 from thermobearing.drive.run import History, run_segments
 from thermobearing.stack import Face, build_stack
@@ -18,11 +18,11 @@ AMBIENTS = (-20.0, 0.0, 23.0)  # [degC]
 ETA = 2.0
 
 
-def specimen_constants(name: str = NAME) -> Constants:
+def specimen_constants(name: str = NAME, lead_ends: LeadEnds = "half-space") -> Constants:
     """Of the half stack, conservative scheme, exact integrator."""
     bearing = tb.load_bearing(name)
     stack = build_stack(bearing, half=True)
-    return build_constants(bearing, stack, upper=Face(eta=ETA), lower=None)
+    return build_constants(bearing, stack, upper=Face(eta=ETA), lower=None, lead_ends=lead_ends)
 
 
 def table_34(name: str = NAME) -> list[Segment]:
@@ -54,10 +54,13 @@ def seconds(function: Callable[[], object], repeats: int) -> list[float]:
 
 
 def step_microseconds(
-    ambient: float = 23.0, repeats: int = 20, name: str = NAME
+    ambient: float = 23.0,
+    repeats: int = 20,
+    name: str = NAME,
+    lead_ends: LeadEnds = "half-space",
 ) -> tuple[float, float]:
     """Fastest and median time of one coupled step over Table 3.4, histories kept [us]."""
-    constants, segments = specimen_constants(name), table_34(name)
+    constants, segments = specimen_constants(name, lead_ends), table_34(name)
     count = run_at(constants, segments, ambient).steps
     times = seconds(lambda: run_at(constants, segments, ambient), repeats)
     return 1e6 * times[0] / count, 1e6 * times[len(times) // 2] / count

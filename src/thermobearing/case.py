@@ -13,7 +13,7 @@ from thermobearing.bearing.library import load_bearing, split_sources
 from thermobearing.bearing.model import Bearing
 from thermobearing.bearing.schema import Strict, in_unit, read_toml, unit_of, validated
 from thermobearing.drive.ambient import Ambient
-from thermobearing.drive.assemble import HeatSource, Integrator
+from thermobearing.drive.assemble import HeatSource, Integrator, LeadEnds
 from thermobearing.drive.baselines import Model, needs_full_stack
 from thermobearing.drive.protocol import CyclicTest, cyclic_test, find_faults
 from thermobearing.errors import InputError
@@ -62,6 +62,7 @@ class Analysis(Strict):
     scheme: Scheme = "conservative"
     integrator: Integrator = "exact"
     heat_source: HeatSource = "work"
+    lead_ends: LeadEnds = "half-space"
     stack: Literal["auto", "half", "full"] = "auto"
     upper_face: EndFace = EndFace(eta=DEFAULT_ETA)
     lower_face: EndFace = EndFace(eta=DEFAULT_ETA)
@@ -80,6 +81,8 @@ class Analysis(Strict):
             raise ValueError('an earlier model goes with scheme "conservative" only')
         if needs_full_stack(self.model) and self.stack == "half":
             raise ValueError(f'model "{self.model}" has one cell for all layers; use stack "auto"')
+        if self.lead_ends != "half-space" and self.scheme == "published":
+            raise ValueError('scheme "published" goes with lead_ends "half-space" only')
         return self
 
     @property
@@ -120,6 +123,13 @@ class Case(Strict):
                 found += error.lines("ambient_series")
         if self.analysis.model == "lead-alone" and self.bearing.lead is None:
             found.append('analysis.model = "lead-alone": needs a bearing with lead')
+        if self.analysis.lead_ends == "finite-plate":
+            lead = self.bearing.lead
+            if lead is None or not lead.confined:
+                found.append(
+                    'analysis.lead_ends = "finite-plate": needs a bearing with confined lead '
+                    "cores (lead.confined = true), whose heat leaves through the ends only"
+                )
         if self.initial_lead is not None and self.bearing.lead is None:
             found.append("initial_lead: needs a bearing with lead")
         cells = len(build_stack(self.bearing, half=self.analysis.half).part)

@@ -40,6 +40,7 @@ def run(
     scheme: str | None = None,
     integrator: str | None = None,
     heat_source: str | None = None,
+    lead_ends: str | None = None,
     upper_face: EndFace | None = None,
     lower_face: EndFace | None = None,
     initial: float | Sequence[float] | Result | None = None,
@@ -62,6 +63,7 @@ def run(
     scheme : "conservative" (default) or "published" heat scheme.
     integrator : "exact" (default) or "euler" integration of Z.
     heat_source : "work" (default, Eq. 4.22) or "dissipation".
+    lead_ends : "half-space" (default, Eq. 5.5) or "finite-plate", for confined lead cores.
     upper_face, lower_face : heat exchange of the end faces; eta_B = 2 by default.
     initial : temperature at the start [degC]: uniform, one per cell (upper face first), or
         the final profile of an earlier result; the ambient temperature by default.
@@ -101,6 +103,7 @@ def run(
         "scheme": scheme,
         "integrator": integrator,
         "heat_source": heat_source,
+        "lead_ends": lead_ends,
         "stack": stack,
         "model": model,
         "upper_face": upper_face,
@@ -127,6 +130,7 @@ def prepare(case: Case) -> tuple[Stack, Constants]:
         scheme=analysis.scheme,
         integrator=analysis.integrator,
         heat_source=analysis.heat_source,
+        lead_ends=analysis.lead_ends,
     )
     constants = apply_model(
         analysis.model, constants, bearing, stack, lambda: bilinear_parameters(bearing)

@@ -314,6 +314,22 @@ CASES: list[Row] = [
     ("profile too short", {"initial_profile": ["1 degC"] * 2}, ["has 2 temperatures", "19 cells"]),
     ("lead in a bearing without", {"initial_lead": "5 degC"}, ["initial_lead", "with lead"]),
     ("model of lead without", {"analysis": {"model": "lead-alone"}}, ["lead-alone", "with lead"]),
+    (
+        "finite plates without lead",
+        {"analysis": {"lead_ends": "finite-plate"}},
+        ["analysis.lead_ends", "confined lead cores"],
+    ),
+    (
+        "finite plates under a core that is not confined",
+        {"bearing": "lrb-example", "analysis": {"lead_ends": "finite-plate"}},
+        ["analysis.lead_ends", "lead.confined = true"],
+    ),
+    (
+        "finite plates as published",
+        {"analysis": {"lead_ends": "finite-plate", "scheme": "published"}},
+        ['scheme "published"', '"half-space" only'],
+    ),
+    ("misspelt lead ends", {"analysis": {"lead_ends": "halfspace"}}, ['"half-space"?']),
     ("two starts", {"initial": "1 degC", "initial_profile": ["1 degC"] * 19}, ["only one of"]),
     ("missing earlier result", {"initial_result": "none"}, ["initial_result", "no result.nc"]),
     ("earlier result is a number", {"initial_result": 3}, ["initial_result = 3", "path"]),

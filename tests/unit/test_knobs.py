@@ -87,6 +87,7 @@ PLANS = {
     "circular": with_plan(shape="circular", diameter=270.0),
     "lead": with_lead(),
 }
+OF_ENDS = "lead.end_spreading"  # for lead on finite plates only
 OF_LEAD = ("lead", "rate", "materials.lead", "geometry.sealing", "cells.sealing")
 KEYS = [
     pytest.param(shape, key, id=f"{shape}-{key}")
@@ -94,7 +95,7 @@ KEYS = [
     for key, _ in numbers_of(bearing)
     if key.startswith("geometry.plan")
     or (shape == "square" and not key.startswith(OF_LEAD))
-    or (shape == "lead" and key.startswith(OF_LEAD))
+    or (shape == "lead" and key.startswith(OF_LEAD) and key != OF_ENDS)
 ]
 
 
@@ -165,7 +166,7 @@ def test_options(plain: tb.Result, option: str) -> None:
 
 def test_every_option_of_a_case_was_tried() -> None:
     """A new option must come with a row above."""
-    elsewhere = {"bearing", "test", "ambient_series", "analysis", "initial_lead"}
+    elsewhere = {"bearing", "test", "ambient_series", "analysis", "initial_lead", "lead_ends"}
     assert {*Analysis.model_fields, *Case.model_fields} - elsewhere <= set(OPTIONS)
 
 
@@ -181,6 +182,20 @@ def test_choices_of_lead(results: dict[str, tb.Result]) -> None:
         with_lead(), TEST, ambient=-10, upper_face=FACE, lower_face=FACE, initial_lead=30.0
     )
     assert differ(results["lead"], other)
+
+
+def test_lead_on_finite_plates() -> None:
+    """The option, and the numbers that only it uses; p and clock no longer matter."""
+    bearing = tb.load_bearing("shen-lhdr-specimen")
+    run_of = {
+        ends: tb.run(bearing, TEST, ambient=-10, lead_ends=ends)
+        for ends in ("half-space", "finite-plate")
+    }
+    plain = run_of["finite-plate"]
+    assert differ(run_of["half-space"], plain)
+    for key, matters in ((OF_ENDS, True), ("lead.surface_ratio", False)):
+        other = tb.run(perturbed(bearing, key), TEST, ambient=-10, lead_ends="finite-plate")
+        assert differ(plain, other) == matters
 
 
 def test_keeping_less_changes_no_measure() -> None:

@@ -156,6 +156,8 @@ class LeadCores(Strict):
     `softening` is E2 of sigma_Y exp(-E2 (T - T_0)), zero for constant strength. `confined`
     cores (in springs) pass heat to the end plates only. `clock` says whose diffusivity makes
     t+ dimensionless: that of steel (Kalpakidis & Constantinou) or of lead (as Eq. 5.6 prints).
+    `end_spreading` is for `lead_ends = "finite-plate"`, which needs neither p nor clock: it is
+    the resistance of the end plate to one core, relative to a core that stands on nothing but it.
     """
 
     cores: Annotated[int, Field(ge=1, le=1000)]  # n_l
@@ -167,6 +169,7 @@ class LeadCores(Strict):
     surface_ratio: Annotated[float, Field(gt=0, le=1)] = 0.5  # p
     confined: bool
     clock: Literal["steel", "lead"] = "steel"
+    end_spreading: Annotated[float, Field(gt=0, le=1)] = 1.0
 
     @property
     def radius(self) -> float:

@@ -8,6 +8,7 @@ hole heating a plate (t+^{1/3}); t+ = diffusivity x time / r_l^2 since the motio
 import math
 
 from thermobearing.core.compile import compiled
+from thermobearing.core.lead_ends import exchange_at_ends
 from thermobearing.core.types import (
     CAPACITY,
     CHANGE,
@@ -208,6 +209,7 @@ def lead_step(
     lead: Lead,
     rates: Floats,
     lead_cells: Ints,
+    modes: Floats,
     temperature: Floats,
     cells: Floats,
     old: Floats,
@@ -219,13 +221,17 @@ def lead_step(
 ) -> float:
     """Clock, heat and temperature of the cores after a step; returns their heat [kN mm].
 
-    The forces of the step are in `old` and `new` already.
+    The forces of the step are in `old` and `new` already. `modes` are the factors of the finite
+    plate (core/lead_ends.py), without columns where the half-space formula is wanted.
     """
+    heat = lead.cores * core_heat(lead, source, old[CORE_FORCE], new[CORE_FORCE], dx)
+    if modes.shape[1] > 0:
+        exchange_at_ends(lead, rates, lead_cells, modes, temperature, cells, old, heat, dt, new)
+        return heat
     start = run_clock(lead, old, dx, dt, new)
     end = start + dt * lead.clock_rate
     ends = end_factor(start, end)
     sides = 0.0 if lead.side_conductance == 0.0 else side_factor(start, end)
-    heat = lead.cores * core_heat(lead, source, old[CORE_FORCE], new[CORE_FORCE], dx)
     t = old[LEAD_TEMPERATURE]
     if lead.published:
         t = published_exchange(lead, rates, lead_cells, cells, t, heat, ends, sides, dt, ambient)

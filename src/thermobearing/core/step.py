@@ -13,6 +13,7 @@ import math
 from thermobearing.core.compile import compiled
 from thermobearing.core.heat import balance, factor, right_side, solve
 from thermobearing.core.lead import core_force, lead_step
+from thermobearing.core.lead_ends import factor_modes
 from thermobearing.core.sharing import share
 from thermobearing.core.types import (
     CAPACITY,
@@ -195,6 +196,7 @@ def heat_step(
     dx = x - old[DISPLACEMENT]
     if work.factored_dt[0] != dt:
         factor(cells, constants.side_implicit, dt, work.cells)
+        factor_modes(constants.lead_modes, dt, work.lead_modes)
         work.factored_dt[0] = dt
     right_side(cells, state.temperature, dt, ambient, work.cells)
     released, recoverable = add_layer_heat(
@@ -213,6 +215,7 @@ def heat_step(
             constants.lead,
             cells,
             constants.lead_cells,
+            work.lead_modes,
             state.temperature,
             work.cells,
             state.lead,

@@ -58,7 +58,14 @@ MAXWELL_FORCE: Final = 2  # of the rate-dependent branch [kN]
 CLOCK: Final = 3  # time since the motion began [s]
 IDLE: Final = 4  # time since it stopped [s]
 NEVER_MOVED: Final = 1e30  # IDLE of a virgin bearing: the first motion starts the clock
-LEAD_ROWS: Final = 5
+LEAD_ROWS: Final = 5  # then, for each end of a core, the terms y of Constants.lead_modes [K]
+
+# Rows of Constants.lead_modes.
+RESISTANCE: Final = 0  # a [K s/(kN mm)]
+RELAXATION: Final = 1  # tau [s]
+# Rows of Workspace.lead_modes, for the last dt.
+KEPT: Final = 0  # exp(-dt/tau)
+GAIN: Final = 1  # a (1 - exp(-dt/tau))
 
 # Rows of State.books.
 TIME: Final = 0  # [s]
@@ -144,6 +151,7 @@ class Constants(NamedTuple):
     layer_cells: Ints  # [L, 4]
     cells: Floats  # [8, n]
     lead_cells: Ints  # cells that touch lead
+    lead_modes: Floats  # [2, K] core end on a finite plate; K = 0 for the half-space formula
     source_rise: float  # temperature rise of a layer per heat in one whole layer [K/(kN mm)]
     side_implicit: bool  # side loss in Crank-Nicolson (True) or explicit as printed (False)
     heat_source: int  # HEAT_FROM_WORK or HEAT_FROM_DISSIPATION
@@ -154,7 +162,7 @@ class State(NamedTuple):
 
     layers: Floats  # [3, L]
     temperature: Floats  # [n] cell temperatures [degC]
-    lead: Floats  # [LEAD_ROWS]
+    lead: Floats  # [LEAD_ROWS + K per end]
     books: Floats  # [BOOKS]
 
 
@@ -164,6 +172,7 @@ class Workspace(NamedTuple):
     factored_dt: Floats  # [1] dt that the factors belong to [s]; 0: none yet
     layers: Floats  # [7, L]
     cells: Floats  # [4, n]
+    lead_modes: Floats  # [2, K]
 
 
 def new_state(
@@ -176,7 +185,7 @@ def new_state(
     state = State(
         np.zeros((3, len(constants.multiplicity))),
         np.array(temperature, dtype=np.float64),
-        np.zeros(LEAD_ROWS),
+        np.zeros(LEAD_ROWS + constants.lead_modes.shape[1] * len(constants.lead_cells)),
         np.zeros(BOOKS),
     )
     state.lead[IDLE] = NEVER_MOVED
@@ -191,4 +200,5 @@ def new_state(
 def new_workspace(constants: Constants) -> Workspace:
     """Scratch arrays for one run; never share them between threads."""
     layers, cells = len(constants.multiplicity), constants.cells.shape[1]
-    return Workspace(np.zeros(1), np.zeros((7, layers)), np.zeros((4, cells)))
+    modes = np.zeros_like(constants.lead_modes)
+    return Workspace(np.zeros(1), np.zeros((7, layers)), np.zeros((4, cells)), modes)

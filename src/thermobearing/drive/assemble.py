@@ -16,6 +16,7 @@ from thermobearing.core.types import (
     Rubber,
     Viscous,
 )
+from thermobearing.drive.lead_ends import NO_MODES, end_modes
 from thermobearing.stack import (
     MM_PER_M,
     Face,
@@ -27,6 +28,7 @@ from thermobearing.stack import (
 
 Integrator = Literal["exact", "euler"]
 HeatSource = Literal["work", "dissipation"]
+LeadEnds = Literal["half-space", "finite-plate"]
 
 KELVIN_COEFFICIENT_SCALE = 100.0  # Eq. 4.34 divides T - 23 by 100
 SIDE_FLUX = 0.785  # of the flux from a core into the plates around it, Eq. 5.4
@@ -42,14 +44,19 @@ def build_constants(
     scheme: Scheme = "conservative",
     integrator: Integrator = "exact",
     heat_source: HeatSource = "work",
+    lead_ends: LeadEnds = "half-space",
 ) -> Constants:
     """The numbers one coupled step needs, from a bearing and its stack.
 
-    `lower` is None for a half stack: its last cell lies at the symmetry plane.
+    `lower` is None for a half stack: its last cell lies at the symmetry plane. `lead_ends`
+    "finite-plate" needs confined cores and the conservative scheme.
     """
     make = conservative_rates if scheme == "conservative" else published_rates
     rates = make(stack, upper, lower)
     lead, end, side = _lead(bearing, stack, published=scheme == "published")
+    modes = NO_MODES
+    if lead_ends == "finite-plate":
+        modes = end_modes(bearing, 0.5 * float(stack.beside_lead.sum()))
     return Constants(
         rubber=_rubber(bearing, integrator),
         lead=lead,
@@ -69,6 +76,7 @@ def build_constants(
             ]
         ),
         lead_cells=np.flatnonzero(end + side),
+        lead_modes=modes,
         source_rise=1.0
         / (
             bearing.materials.rubber.volumetric_heat

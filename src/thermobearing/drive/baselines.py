@@ -23,6 +23,7 @@ from thermobearing.core.types import (
     Constants,
     Lead,
 )
+from thermobearing.drive.lead_ends import NO_MODES
 from thermobearing.stack import MM_PER_M, Stack
 
 Model = Literal[
@@ -57,7 +58,9 @@ def adiabatic(constants: Constants) -> Constants:
     cells = constants.cells.copy()
     cells[EXCHANGES] = 0.0
     lead = constants.lead._replace(end_conductance=0.0, side_conductance=0.0)
-    return constants._replace(cells=cells, lead=lead, lead_cells=np.empty(0, dtype=np.int64))
+    return without_modes(constants)._replace(
+        cells=cells, lead=lead, lead_cells=np.empty(0, dtype=np.int64)
+    )
 
 
 def lumped(constants: Constants, stack: Stack) -> Constants:
@@ -74,7 +77,7 @@ def lumped(constants: Constants, stack: Stack) -> Constants:
     cells[-1] = constants.cells[-1].sum()
     touching = np.zeros(0 if constants.lead.cores == 0.0 else 1, dtype=np.int64)
     cells[LEAD_END] = TIGHT * len(touching)
-    return constants._replace(
+    return without_modes(constants)._replace(
         cells=cells,
         layer_cells=np.tile(np.array([0, 1, 0, 0], dtype=np.int64), (layers, 1)),
         lead_cells=touching,
@@ -106,7 +109,7 @@ def lead_alone(constants: Constants) -> Constants:
 
     Kalpakidis & Constantinou (2009), Eq. 2.7-2.9.
     """
-    return isothermal(constants)
+    return isothermal(without_modes(constants))
 
 
 def temperature_blind(constants: Constants) -> Constants:
@@ -148,7 +151,7 @@ def bilinear(constants: Constants, parameters: BilinearParameters) -> Constants:
     cells = constants.cells.copy()
     cells[-1] = constants.cells[CAPACITY]  # the spring starts at the mean temperature
     viscous = constants.viscous._replace(stiffness=0.0)
-    plain = constants._replace(
+    plain = without_modes(constants)._replace(
         rubber=rubber,
         lead=spring,
         viscous=viscous,
@@ -156,6 +159,11 @@ def bilinear(constants: Constants, parameters: BilinearParameters) -> Constants:
         lead_cells=np.empty(0, dtype=np.int64),
     )
     return isothermal(plain)
+
+
+def without_modes(constants: Constants) -> Constants:
+    """Lead on a half-space, as the earlier models have it, whatever `lead_ends` says."""
+    return constants._replace(lead_modes=NO_MODES)
 
 
 def isothermal(constants: Constants) -> Constants:
