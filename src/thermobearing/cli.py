@@ -6,11 +6,9 @@ results kept). Heavy imports wait until a command needs them, so that --help is 
 """
 
 import contextlib
-import functools
 import json
 import re
 import sys
-from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -18,13 +16,22 @@ import typer
 import typer.core
 
 import thermobearing
-from thermobearing.errors import InputError, OutputError
+from thermobearing.commands.common import (
+    BAD_INPUT,
+    AsJson,
+    Force,
+    NoFigures,
+    Output,
+    Quiet,
+    echo_json,
+    reported,
+    written,
+)
+from thermobearing.errors import InputError
 
 if TYPE_CHECKING:
     from thermobearing.case import Case
     from thermobearing.results.result import Result
-
-BAD_INPUT, ENDED_EARLY, INTERRUPTED = 2, 3, 130
 
 
 class _Commands(typer.core.TyperGroup):
@@ -38,7 +45,7 @@ class _Commands(typer.core.TyperGroup):
         except SystemExit as end:
             usage = getattr(end.__context__, "format_message", None)
             if end.code == BAD_INPUT and usage is not None and "--json" in words:
-                _echo_json({"outcome": "bad_input", "exit_status": BAD_INPUT, "message": usage()})
+                echo_json({"outcome": "bad_input", "exit_status": BAD_INPUT, "message": usage()})
             raise
 
 
@@ -51,48 +58,6 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-
-Output = Annotated[Path | None, typer.Option("-o", "--output", help="Result directory.")]
-Force = Annotated[bool, typer.Option("--force", help="Replace an earlier result directory.")]
-NoFigures = Annotated[bool, typer.Option("--no-figures", help="Draw no figures.")]
-AsJson = Annotated[bool, typer.Option("--json", help="Last line of output is JSON.")]
-Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="No progress bar, no tables.")]
-
-
-def _fail(message: str, status: int, outcome: str, as_json: bool) -> typer.Exit:
-    """Report a failure once, on stderr, and as JSON if asked for."""
-    typer.echo(f"thermobearing: {message}", err=True)
-    if as_json:
-        _echo_json({"outcome": outcome, "exit_status": status, "message": message})
-    return typer.Exit(status)
-
-
-def _echo_json(last: dict[str, Any]) -> None:
-    typer.echo(json.dumps(last, allow_nan=False))
-
-
-def reported(command: Callable[..., int]) -> Callable[..., None]:
-    """Turn what a command raises or returns into one message and an exit status."""
-
-    @functools.wraps(command)
-    def wrapper(*args: Any, **kwargs: Any) -> None:
-        as_json = bool(kwargs.get("as_json"))
-        try:
-            status = command(*args, **kwargs)
-        except InputError as error:
-            raise _fail(str(error), BAD_INPUT, "bad_input", as_json) from None
-        except OutputError as error:
-            raise _fail(str(error), BAD_INPUT, "not_written", as_json) from None
-        except MemoryError:
-            message = "not enough memory; keep fewer histories (keep_every) or a larger dt"
-            raise _fail(message, BAD_INPUT, "bad_input", as_json) from None
-        except KeyboardInterrupt:
-            message = "interrupted; nothing was written"
-            raise _fail(message, INTERRUPTED, "interrupted", as_json) from None
-        if status:
-            raise typer.Exit(status)
-
-    return wrapper
 
 
 def _version(wanted: bool) -> None:
@@ -138,7 +103,8 @@ def cyclic(
 ) -> int:
     """Displacement-controlled cyclic test of a bearing, heat and hysteresis coupled."""
     from thermobearing.case import load_case, make_case
-    from thermobearing.results.files import check_target, save_result
+    from thermobearing.results.directory import check_target
+    from thermobearing.results.files import save_result
     from thermobearing.results.screen import print_result
 
     overrides = {
@@ -164,7 +130,8 @@ def cyclic(
     if not quiet:
         with contextlib.suppress(KeyboardInterrupt):  # the result is safe by now
             print_result(result, others)
-    return _finish(result, target, as_json=as_json, quiet=quiet)
+    sentence = json.loads(result.dataset.attrs["sentences"]).get(result.outcome, "")
+    return written(result.outcome, sentence, target, as_json=as_json, quiet=quiet)
 
 
 def _others(case: "Case", result: "Result") -> "dict[str, Result]":
@@ -194,22 +161,6 @@ def _run_with_progress(case: "Case", *, quiet: bool) -> "Result":
         return run_case(case, progress=show)
 
 
-def _finish(result: "Result", target: Path, *, as_json: bool, quiet: bool) -> int:
-    """Say where the result is and how it ended; the exit status."""
-    outcome = result.outcome
-    status = {"completed": 0, "interrupted": INTERRUPTED}.get(outcome, ENDED_EARLY)
-    if status:
-        sentence = json.loads(result.dataset.attrs["sentences"])[outcome]
-        typer.echo(f"thermobearing: {outcome}: {sentence}", err=True)
-    if not quiet:
-        typer.echo(f"written: {target}")
-    if as_json:
-        files = sorted(str(p.relative_to(target)) for p in target.rglob("*") if p.is_file())
-        last = {"outcome": outcome, "exit_status": status, "output": str(target), "files": files}
-        _echo_json(last)
-    return status
-
-
 @app.command("list")
 @reported
 def list_(as_json: AsJson = False) -> int:
@@ -220,7 +171,7 @@ def list_(as_json: AsJson = False) -> int:
     for bearing in bearings:
         typer.echo(f"{bearing.name:24}  {bearing.kind:5}  {bearing.description}")
     if as_json:
-        _echo_json({"bearings": [bearing.name for bearing in bearings]})
+        echo_json({"bearings": [bearing.name for bearing in bearings]})
     return 0
 
 
@@ -237,7 +188,7 @@ def check(
     kind, facts = describe_file(file)
     print_facts(f"{file}: a valid {kind}", facts)
     if as_json:
-        _echo_json({"outcome": "valid", "kind": kind, "file": str(file)})
+        echo_json({"outcome": "valid", "kind": kind, "file": str(file)})
     return 0
 
 
@@ -270,7 +221,7 @@ def measure(
         raise InputError(error.problems, str(file)) from None
     print_measures(cycles, rubber)
     if as_json:
-        _echo_json(without_nan({"cycles": [dataclasses.asdict(cycle) for cycle in cycles]}))
+        echo_json(without_nan({"cycles": [dataclasses.asdict(cycle) for cycle in cycles]}))
     return 0
 
 

@@ -1,0 +1,70 @@
+"""What all commands share: options, how they end, the last line of JSON."""
+
+import functools
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from thermobearing.errors import InputError, OutputError
+
+BAD_INPUT, ENDED_EARLY, INTERRUPTED = 2, 3, 130
+
+Output = Annotated[Path | None, typer.Option("-o", "--output", help="Result directory.")]
+Force = Annotated[bool, typer.Option("--force", help="Replace an earlier result directory.")]
+NoFigures = Annotated[bool, typer.Option("--no-figures", help="Draw no figures.")]
+AsJson = Annotated[bool, typer.Option("--json", help="Last line of output is JSON.")]
+Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="No progress bar, no tables.")]
+
+
+def _fail(message: str, status: int, outcome: str, as_json: bool) -> typer.Exit:
+    """Report a failure once, on stderr, and as JSON if asked for."""
+    typer.echo(f"thermobearing: {message}", err=True)
+    if as_json:
+        echo_json({"outcome": outcome, "exit_status": status, "message": message})
+    return typer.Exit(status)
+
+
+def echo_json(last: dict[str, Any]) -> None:
+    """The last line of a command with --json."""
+    typer.echo(json.dumps(last, allow_nan=False))
+
+
+def reported(command: Callable[..., int]) -> Callable[..., None]:
+    """Turn what a command raises or returns into one message and an exit status."""
+
+    @functools.wraps(command)
+    def wrapper(*args: Any, **kwargs: Any) -> None:
+        as_json = bool(kwargs.get("as_json"))
+        try:
+            status = command(*args, **kwargs)
+        except InputError as error:
+            raise _fail(str(error), BAD_INPUT, "bad_input", as_json) from None
+        except OutputError as error:
+            raise _fail(str(error), BAD_INPUT, "not_written", as_json) from None
+        except MemoryError:
+            message = "not enough memory; keep fewer histories (keep_every) or a larger dt"
+            raise _fail(message, BAD_INPUT, "bad_input", as_json) from None
+        except KeyboardInterrupt:
+            message = "interrupted; nothing was written"
+            raise _fail(message, INTERRUPTED, "interrupted", as_json) from None
+        if status:
+            raise typer.Exit(status)
+
+    return wrapper
+
+
+def written(outcome: str, sentence: str, target: Path, *, as_json: bool, quiet: bool) -> int:
+    """Say where the result is and how it ended; the exit status."""
+    status = {"completed": 0, "interrupted": INTERRUPTED}.get(outcome, ENDED_EARLY)
+    if status:
+        typer.echo(f"thermobearing: {outcome}: {sentence}", err=True)
+    if not quiet:
+        typer.echo(f"written: {target}")
+    if as_json:
+        files = sorted(str(p.relative_to(target)) for p in target.rglob("*") if p.is_file())
+        last = {"outcome": outcome, "exit_status": status, "output": str(target), "files": files}
+        echo_json(last)
+    return status

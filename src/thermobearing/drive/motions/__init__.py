@@ -1,0 +1,1 @@
+"""Ground motions: reading, preparing, spectra, and motions made to fit a spectrum."""

@@ -1,0 +1,103 @@
+"""A result directory: checked before anything is computed, written whole or not at all.
+
+Everything is written into a hidden sibling directory that is renamed at the end, so a full
+disk, an interruption or a crash leaves either the complete result or nothing.
+"""
+
+import os
+import secrets
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+from thermobearing.errors import OutputError
+
+SUMMARY, DATASET, HISTORY = "summary.json", "result.nc", "history.csv"
+RESOLVED, FIGURES, COMPARISON = "case.resolved.toml", "figures", "comparison.csv"
+# Everything that any command writes into a result directory; nothing else is ever deleted.
+RESULT_NAMES = {SUMMARY, DATASET, HISTORY, RESOLVED, FIGURES, COMPARISON, ".DS_Store"}
+
+
+def check_target(directory: Path, *, force: bool) -> None:
+    """Refuse a target that a run may not write to, before anything is computed.
+
+    Raises
+    ------
+    OutputError : it exists and `force` is False, it is not a result directory or holds
+        anything else, or it cannot be made.
+    """
+    choose = "choose another directory with -o"
+    try:
+        final = directory.resolve()
+        if not final.exists():
+            above = next(path for path in final.parents if path.exists())
+            if not above.is_dir():
+                raise OutputError(f"{directory}: cannot be made, {above} is a file; {choose}")
+            if not os.access(above, os.W_OK | os.X_OK):
+                raise OutputError(f"{directory}: {above} is not writable; {choose}")
+            return
+        if not final.is_dir():
+            raise OutputError(f"{directory}: is a file; {choose}")
+        names = {path.name for path in final.iterdir()}
+    except (OSError, ValueError, RuntimeError) as error:  # too long, a null byte, a loop of links
+        raise OutputError(f"{directory}: cannot be used: {error}; {choose}") from None
+    if final in (Path.cwd(), *Path.cwd().parents):
+        raise OutputError(f"{directory}: is the directory you are in, or holds it; {choose}")
+    if not names:
+        return
+    foreign = sorted(names - RESULT_NAMES)
+    if SUMMARY not in names or foreign:
+        held = f" (it holds {', '.join(foreign[:3])})" if foreign else ""
+        raise OutputError(f"{directory}: exists and is not a result directory{held}; {choose}")
+    if not force:
+        raise OutputError(f"{directory}: exists; give --force to replace it, or {choose}")
+
+
+def write_directory(directory: Path, fill: Callable[[Path], None], *, force: bool = False) -> Path:
+    """Let `fill` write its files into a new directory, and put it in place when it is complete.
+
+    Raises
+    ------
+    OutputError : see `check_target`; or the disk is full or not writable. Nothing is left.
+    """
+    check_target(directory, force=force)
+    final = directory.resolve()
+    above = [path for path in final.parents if not path.exists()]
+    mark = f"{os.getpid()}-{secrets.token_hex(4)}"
+    partial = final.parent / f".{final.name}.writing-{mark}"
+    old = final.parent / f".{final.name}.old-{mark}"
+    try:
+        partial.mkdir(parents=True)
+        fill(partial)
+        _replace(final, partial, old)
+    except (OSError, RuntimeError) as error:  # h5py tells a failing disk as either
+        told = getattr(error, "strerror", None) or error
+        raise OutputError(f"{directory}: cannot be written: {told}") from error
+    finally:
+        shutil.rmtree(partial, ignore_errors=True)
+        if final.exists():
+            shutil.rmtree(old, ignore_errors=True)
+        else:
+            _remove_empty(above)
+    return directory
+
+
+def _replace(directory: Path, partial: Path, old: Path) -> None:
+    """Put the finished directory in place; whatever stops this, the earlier one comes back."""
+    try:
+        if directory.exists():
+            directory.rename(old)
+        partial.rename(directory)
+    except BaseException:  # Ctrl-C too
+        if old.exists() and not directory.exists():
+            old.rename(directory)
+        raise
+
+
+def _remove_empty(directories: list[Path]) -> None:
+    """Take away the parents that were made for nothing, innermost first."""
+    for path in directories:
+        try:
+            path.rmdir()
+        except OSError:
+            return
