@@ -30,7 +30,7 @@ class GroundMotion:
     @property
     def time(self) -> Floats:
         """Times of the samples [s]."""
-        return self.dt * np.arange(len(self.acceleration))
+        return np.arange(len(self.acceleration), dtype=np.float64) * self.dt
 
     @property
     def duration(self) -> float:
