@@ -26,6 +26,9 @@ def list_bearings() -> list[str]:
 
 def split_sources(table: Any, key: str = "") -> tuple[Any, dict[str, str]]:
     """Plain values and their sources, from a table whose entries may be {value, source, note}."""
+    if isinstance(table, list):
+        pairs = [split_sources(item, f"{key}[{k}]") for k, item in enumerate(table)]
+        return [value for value, _ in pairs], {k: v for _, found in pairs for k, v in found.items()}
     if not isinstance(table, dict):
         return table, {}
     if "value" in table and set(table) <= SOURCED:

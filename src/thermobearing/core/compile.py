@@ -1,7 +1,7 @@
 """How the scalar functions become machine code, and where that code is kept.
 
 One decorator, `compiled`, so that every kernel is compiled the same way. The machine code
-is cached on disk under a folder named after a hash of all core sources: numba itself
+is cached on disk under a folder named after a hash of all sources with kernels: numba itself
 notices a change of the decorated function's own file only, and would happily run a stale
 copy of a function imported from another file.
 """
@@ -22,8 +22,10 @@ F = TypeVar("F", bound=Callable[..., Any])
 def cache_directory() -> Path | None:
     """Folder for the compiled code of exactly these sources, or None if none can be written."""
     digest = hashlib.sha256(f"{numba.__version__}".encode())
-    for source in sorted(Path(__file__).parent.glob("*.py")):
-        digest.update(source.read_bytes())
+    package = Path(__file__).parents[1]
+    for part in ("core", "drive"):
+        for source in sorted((package / part).rglob("*.py")):
+            digest.update(source.read_bytes())
     base = os.environ.get("NUMBA_CACHE_DIR") or os.path.join(
         os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache"), "thermobearing"
     )
@@ -42,7 +44,8 @@ def compiled(function: F) -> F:
     no other floating-point rule is relaxed, so NaN checks and signs stay as written.
     `_nrt=False` leaves out numba's reference counting of arrays, and `forceinline` the passing
     of records between functions; each took more time than the physics. The price is that
-    kernels cannot allocate, which they must not anyway.
+    kernels cannot allocate, which they must not anyway. Without allocation nothing needs the
+    interpreter, so threads may run side by side (`nogil`).
     """
     folder = cache_directory()
     config: Any = numba.config
@@ -56,6 +59,7 @@ def compiled(function: F) -> F:
             fastmath={"contract"},
             forceinline=True,
             _nrt=False,
+            nogil=True,
         )
         return cast(F, decorate(function))
     finally:

@@ -1,0 +1,1 @@
+"""Structures on bearings: built from bodies and connections, moved by the ground."""
