@@ -18,6 +18,7 @@ ITEMS = {
     "whole_test": "Speed",
     "numpy_stepper": "Speed",
     "opensees": "Speed",
+    "structure": "Speed",
     "startup": "Waiting",
     "first_run": "Waiting",
     "integrator": "Accuracy",

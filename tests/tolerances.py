@@ -113,3 +113,16 @@ FE_MESH = 0.1  # K between two meshes and steps: well below what is compared
 
 # --- Earlier models ----------------------------------------------------------------------
 BASELINE = 1e-9  # sums over thousands of steps, kept energies
+
+# --- Structures ---------------------------------------------------------------------------
+OPENSEES_PEAK = 1e-4  # 2e-5 measured; 5e-3 is asked
+OPENSEES_HISTORY = 1e-4  # of the peak, at every step: 2e-5 (stiff beams) and 1e-12 measured
+OPENSEES_PERIODS = 1e-4  # bodies there are stiff beams: 2e-5 measured
+STRUCTURE_BOOKS = 1e-9  # of the input, beta = 1/4: 7e-11 measured, 1e-6 is asked
+STEP_PEAKS = 0.01  # peaks when the step is halved, as asked
+NEWMARK_ORDER = 0.1
+TAKEDA = 1e-12  # straight lines, relative to the yield moment
+SAME_MOTION = 1e-9  # of the peak, between two ways to the same structure
+PERIOD_TABLE = 5e-4  # s: periods are printed with three digits
+EXACT_LINEAR = 2e-4  # of the peak, dt 2.5 ms against the exact solution of the linear structure
+HYBRID_LAYER = 2.0  # K: the text reads "about -15" and "-5" off a figure; 1.0 measured

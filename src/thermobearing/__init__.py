@@ -17,55 +17,88 @@ _HOME = {
     "Ambient": "thermobearing.drive.ambient",
     "Bearing": "thermobearing.bearing.model",
     "BearingElement": "thermobearing.drive.element",
+    "BilinearBearing": "thermobearing.bearing.bilinear",
     "Case": "thermobearing.case",
     "CyclicTest": "thermobearing.drive.protocol",
+    "EarthquakeCase": "thermobearing.earthquake_case",
+    "EarthquakeResult": "thermobearing.results.earthquake_result",
     "EndFace": "thermobearing.case",
+    "GroundMotion": "thermobearing.drive.motions.record",
     "InputError": "thermobearing.errors",
     "OutputError": "thermobearing.errors",
     "Result": "thermobearing.results.result",
+    "bridge": "thermobearing.earthquake",
     "cyclic_test": "thermobearing.drive.protocol",
+    "hybrid": "thermobearing.earthquake",
     "list_bearings": "thermobearing.bearing.library",
+    "list_motions": "thermobearing.drive.motions.library",
+    "list_structures": "thermobearing.drive.structure.model",
     "load_bearing": "thermobearing.bearing.library",
+    "load_bilinear": "thermobearing.bearing.bilinear",
     "load_case": "thermobearing.case",
+    "load_earthquake_case": "thermobearing.earthquake_case",
+    "load_motion": "thermobearing.drive.motions.library",
     "load_result": "thermobearing.results.files",
+    "load_structure": "thermobearing.drive.structure.model",
     "measure_cycle": "thermobearing.results.metrics",
     "measure_history": "thermobearing.results.metrics",
     "read_columns": "thermobearing.tables",
     "run": "thermobearing.simulate",
     "run_case": "thermobearing.simulate",
+    "run_earthquake": "thermobearing.earthquake",
 }
 
 __all__ = [
     "Ambient",
     "Bearing",
     "BearingElement",
+    "BilinearBearing",
     "Case",
     "CyclicTest",
+    "EarthquakeCase",
+    "EarthquakeResult",
     "EndFace",
+    "GroundMotion",
     "InputError",
     "OutputError",
     "Result",
     "__version__",
+    "bridge",
     "cyclic_test",
+    "hybrid",
     "list_bearings",
+    "list_motions",
+    "list_structures",
     "load_bearing",
+    "load_bilinear",
     "load_case",
+    "load_earthquake_case",
+    "load_motion",
     "load_result",
+    "load_structure",
     "measure_cycle",
     "measure_history",
     "read_columns",
     "run",
     "run_case",
+    "run_earthquake",
 ]
 
 if TYPE_CHECKING:
+    from thermobearing.bearing.bilinear import BilinearBearing, load_bilinear
     from thermobearing.bearing.library import list_bearings, load_bearing
     from thermobearing.bearing.model import Bearing
     from thermobearing.case import Case, EndFace, load_case
     from thermobearing.drive.ambient import Ambient
     from thermobearing.drive.element import BearingElement
+    from thermobearing.drive.motions.library import list_motions, load_motion
+    from thermobearing.drive.motions.record import GroundMotion
     from thermobearing.drive.protocol import CyclicTest, cyclic_test
+    from thermobearing.drive.structure.model import list_structures, load_structure
+    from thermobearing.earthquake import bridge, hybrid, run_earthquake
+    from thermobearing.earthquake_case import EarthquakeCase, load_earthquake_case
     from thermobearing.errors import InputError, OutputError
+    from thermobearing.results.earthquake_result import EarthquakeResult
     from thermobearing.results.files import load_result
     from thermobearing.results.metrics import measure_cycle, measure_history
     from thermobearing.results.result import Result

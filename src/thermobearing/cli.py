@@ -16,6 +16,7 @@ import typer
 import typer.core
 
 import thermobearing
+from thermobearing.commands import earthquake
 from thermobearing.commands.common import (
     BAD_INPUT,
     AsJson,
@@ -73,6 +74,10 @@ def _common(
     ] = False,
 ) -> None:
     """Rubber isolation bearings in the cold."""
+
+
+app.command()(earthquake.bridge)
+app.command()(earthquake.hybrid)
 
 
 @app.command()

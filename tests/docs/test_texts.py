@@ -5,12 +5,14 @@ import re
 import shlex
 import subprocess
 import sys
+from importlib import resources
 from pathlib import Path
 
 import pytest
 
 from docs import generate
 
+LIBRARY = Path(str(resources.files("thermobearing") / "data"))
 ROOT = Path(__file__).parents[2]
 TEXTS = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
 README = (ROOT / "README.md").read_text()
@@ -66,10 +68,29 @@ def test_make_targets_exist() -> None:
 def test_case_in_the_docs_is_valid(tmp_path: Path) -> None:
     from thermobearing.check import describe_file
 
-    (case,) = blocks((ROOT / "docs" / "files.md").read_text(), "toml")
-    path = tmp_path / "case.toml"
-    path.write_text(case)
-    assert describe_file(path)[0] == "case"
+    found = {}
+    for case in blocks((ROOT / "docs" / "files.md").read_text(), "toml"):
+        path = tmp_path / "case.toml"
+        path.write_text(case)
+        (tmp_path / "mine.toml").write_text(
+            (LIBRARY / "bearings" / "lrb-example.toml").read_text(encoding="utf-8"),
+            encoding="utf-8",
+        )
+        (tmp_path / "record.csv").write_text("t_s,acc_gal\n0,0\n0.01,300\n0.02,-200\n0.03,0\n")
+        found[describe_file(path)[0]] = path
+    assert set(found) == {"case", "earthquake case"}
+
+
+def test_library_files_are_described(tmp_path: Path) -> None:
+    from thermobearing.check import describe_file
+
+    for folder, kind in (
+        ("bearings", "bearing"),
+        ("bilinear", "bilinear bearing"),
+        ("structures", "structure"),
+    ):
+        for path in (LIBRARY / folder).glob("*.toml"):
+            assert describe_file(path)[0] == kind, path
 
 
 def test_numbers_are_the_generated_ones() -> None:

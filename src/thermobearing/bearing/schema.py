@@ -241,7 +241,7 @@ def _resolve(
 def _tags(model: type[BaseModel]) -> list[str]:
     return [
         str(tag)
-        for name in ("shape", "step")
+        for name in ("shape", "step", "kind")
         if name in model.model_fields
         for tag in get_args(model.model_fields[name].annotation)
     ]

@@ -13,8 +13,11 @@ import numpy as np
 
 from thermobearing.bearing.model import Bearing
 from thermobearing.core.types import (
+    BESIDE_LEAD,
     CAPACITY,
     END_LOSS,
+    EXACT,
+    HEAT_FROM_WORK,
     LEAD_END,
     LEAD_SIDE,
     SIDE_LOSS,
@@ -22,6 +25,8 @@ from thermobearing.core.types import (
     TO_PREVIOUS,
     Constants,
     Lead,
+    Rubber,
+    Viscous,
 )
 from thermobearing.drive.lead_ends import NO_MODES
 from thermobearing.stack import MM_PER_M, Stack
@@ -127,38 +132,69 @@ def bilinear(constants: Constants, parameters: BilinearParameters) -> Constants:
     A linear spring K_2 and, in parallel, an elastic and perfectly plastic one of strength Q_d
     and stiffness K_1 - K_2, which are the branches of the lead here.
     """
-    count = constants.rubber.layer_count
-    rubber = constants.rubber._replace(
+    cells = constants.cells.copy()
+    cells[-1] = constants.cells[CAPACITY]  # the spring starts at the mean temperature
+    plain = without_modes(constants)._replace(
+        rubber=_backbone_rubber(constants.rubber.layer_count, parameters),
+        lead=_backbone_spring(parameters, constants.lead.fold),
+        viscous=constants.viscous._replace(stiffness=0.0),
+        cells=cells,
+        lead_cells=np.empty(0, dtype=np.int64),
+    )
+    return isothermal(plain)
+
+
+def bilinear_constants(parameters: BilinearParameters) -> Constants:
+    """A bilinear bearing that is nothing else: one layer, one cell that never warms."""
+    cells = np.zeros((BESIDE_LEAD + 1, 1))
+    cells[[CAPACITY, BESIDE_LEAD]] = UNCHANGING
+    return Constants(
+        rubber=_backbone_rubber(1.0, parameters),
+        lead=_backbone_spring(parameters, 1.0),
+        viscous=Viscous(0.0, 1.0, heats=False),
+        multiplicity=np.ones(1),
+        layer_cells=np.array([[0, 1, 0, 0]], dtype=np.int64),
+        cells=cells,
+        lead_cells=np.empty(0, dtype=np.int64),
+        lead_modes=NO_MODES,
+        source_rise=1.0 / UNCHANGING,
+        side_implicit=True,
+        heat_source=HEAT_FROM_WORK,
+    )
+
+
+def _backbone_rubber(count: float, parameters: BilinearParameters) -> Rubber:
+    """A chain of `count` linear layers whose stiffness is K_2 [kN/mm]."""
+    return Rubber(
+        layer_count=count,
         elastic_stiffness=count * parameters.post_yield,
         hysteretic_stiffness=0.0,
         elastic_exponent=0.0,
         hysteretic_exponent=0.0,
+        reference_temperature=0.0,
         hardening=0.0,
+        yield_displacement=1.0,
+        unloading_curvature=0.0,
+        integrator=EXACT,
+        sharing_margin=0.0,
     )
-    spring = Lead(
+
+
+def _backbone_spring(parameters: BilinearParameters, fold: float) -> Lead:
+    """Elastic and perfectly plastic: strength Q_d, stiffness K_1 - K_2."""
+    return Lead(
         cores=1.0,
         stiffness=parameters.initial - parameters.post_yield,
         strength=parameters.strength,
         softening=0.0,
         reference_temperature=0.0,
         capacity=UNCHANGING,
-        clock_rate=constants.lead.clock_rate or 1.0,
+        clock_rate=1.0,
         end_conductance=0.0,
         side_conductance=0.0,
-        fold=constants.lead.fold,
+        fold=fold,
         published=False,
     )
-    cells = constants.cells.copy()
-    cells[-1] = constants.cells[CAPACITY]  # the spring starts at the mean temperature
-    viscous = constants.viscous._replace(stiffness=0.0)
-    plain = without_modes(constants)._replace(
-        rubber=rubber,
-        lead=spring,
-        viscous=viscous,
-        cells=cells,
-        lead_cells=np.empty(0, dtype=np.int64),
-    )
-    return isothermal(plain)
 
 
 def without_modes(constants: Constants) -> Constants:

@@ -50,7 +50,8 @@ def bearing_dt(line: Floats, b: int, dt: float, dx: float) -> float:
     """How long the modelled bearing takes for dx [mm]: earthquake time, or that of its actuator."""
     if line[b, SPEED] == 0.0:
         return dt
-    return max(abs(dx) / line[b, SPEED], SHORTEST)
+    moving: float = max(abs(dx) / line[b, SPEED], SHORTEST)
+    return moving
 
 
 @compiled

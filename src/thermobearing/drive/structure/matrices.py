@@ -68,7 +68,7 @@ def unit(structure: Structure, name: str) -> Floats:
 
 
 def rotation_row(structure: Structure, name: str) -> Floats:
-    """Absolute rotation of a body per coordinate; a body that does not rotate follows its carrier."""
+    """Absolute rotation of a body per coordinate; one that does not rotate follows its carrier."""
     if name == GROUND:
         return np.zeros(len(coordinates(structure)))
     body = structure.body(name)
@@ -188,7 +188,7 @@ def damping_ratios(structure: Structure, matrices: Matrices, modes: Modes) -> Fl
     """Damping ratio of each mode: those of the parts, weighed with their strain energy."""
     parts = []
     for spring in structure.springs:
-        only = structure.model_copy(update={"springs": [spring]})
+        only = structure.model_copy(update={"springs": (spring,)})
         parts.append((spring.damping_ratio, build_matrices(only).springs))
     for hinge, row in zip(structure.hinges, matrices.hinge_rows, strict=True):
         parts.append((hinge.damping_ratio, hinge.stiffness * np.outer(row, row)))

@@ -125,8 +125,8 @@ class Structure(Strict):
     citation: str = ""
     bodies: Annotated[list[Body], Field(min_length=1, max_length=100)]
     masses: Annotated[list[Mass], Field(min_length=1)]
-    springs: list[Spring] = []
-    hinges: list[Hinge] = []
+    springs: tuple[Spring, ...] = ()
+    hinges: tuple[Hinge, ...] = ()
     bearings: Annotated[list[BearingLine], Field(min_length=1, max_length=8)]
     damping: Damping = Damping()
     report: Reported
@@ -145,8 +145,14 @@ class Structure(Strict):
             if body.on is None and not body.moves:
                 faults.append(f'body "{body.name}" needs moves = true, or a body that carries it')
             known.append(body.name)
-        parts = [*self.masses, *self.springs, *self.hinges, *self.bearings]
-        used = [name for part in parts for name in (part.body, getattr(part, "base", GROUND))]
+        used = [mass.body for mass in self.masses]
+        connections: list[Spring | Hinge | BearingLine] = [
+            *self.springs,
+            *self.hinges,
+            *self.bearings,
+        ]
+        for part in connections:
+            used += [part.body, part.base]
         used += [self.report.deck, self.report.pier, self.report.pier_base]
         for name in dict.fromkeys(used):
             if name not in (*known, GROUND):

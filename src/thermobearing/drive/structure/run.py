@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -53,7 +53,6 @@ GAMMA = 0.5
 TOLERANCE = 1e-10  # of the largest inertia force
 ITERATIONS = 15
 HALVINGS = 8
-CHUNK = 4000  # steps between two looks at Ctrl-C
 
 OUTCOMES = {**NAMES, NO_EQUILIBRIUM: "no_equilibrium", DIVERGED: "diverged"}
 SENTENCES = {
@@ -229,17 +228,19 @@ def run_structure(
     rows[0, columns["a"]] = motion.vectors[2]
     history = StructureHistory(rows, columns, states)
     scheme = Scheme(BETA[method], GAMMA, TOLERANCE, ITERATIONS, HALVINGS)
-    common: tuple[Any, ...] = (system, constants, works, states, spares, motion, scheme)
-    explicit = method == "predictor-corrector"
-    if explicit:
+    if method == "predictor-corrector":
         errors = np.zeros(steps) if noise is None else noise
         commands = np.zeros((steps + 1, len(lines)))
         stiffness = np.ascontiguousarray(prepared.predictor)
         done, kept, outcome = predictor_march(
-            *common, stiffness, ground, dt, ambient, errors, commands, delay / dt, keep, rows[1:]
-        )
+            system, constants, works, states, spares, motion, scheme, stiffness, ground, dt,
+            ambient, errors, commands, delay / dt, keep, rows[1:],
+        )  # fmt: skip
     else:
-        done, kept, outcome = newmark_march(*common, ground, dt, ambient, keep, rows[1:])
+        done, kept, outcome = newmark_march(
+            system, constants, works, states, spares, motion, scheme, ground, dt, ambient, keep,
+            rows[1:],
+        )  # fmt: skip
     history.steps, history.rows = int(done), rows[: 1 + kept]
     history.outcome = OUTCOMES[int(outcome)]
     history.iterations, history.substeps = int(motion.books[-2]), int(motion.books[-1])

@@ -33,15 +33,18 @@ def backbone(hinges: Floats, h: int, rotation: float) -> float:
     """Moment on the backbone at a positive rotation [kN mm]."""
     first = hinges[h, INITIAL] * min(rotation, hinges[h, YIELD])
     beyond = max(rotation - hinges[h, YIELD], 0.0)
-    return first + hinges[h, HARDENING] * hinges[h, INITIAL] * beyond
+    moment: float = first + hinges[h, HARDENING] * hinges[h, INITIAL] * beyond
+    return moment
 
 
 @compiled
 def unloading_stiffness(hinges: Floats, h: int, farthest: float) -> float:
-    """K_0 (theta_y/theta_max)^exponent [kN mm/rad]."""
+    """K_0 (theta_y/theta_max)^exponent [kN mm/rad], never softer than the secant: unloading
+    further than the origin would leave the rules.
+    """
     ratio = hinges[h, YIELD] / farthest
     degraded: float = hinges[h, INITIAL] * ratio ** hinges[h, UNLOADING]
-    return degraded
+    return max(degraded, backbone(hinges, h, farthest) / farthest)
 
 
 @compiled

@@ -1,0 +1,80 @@
+"""A bridge pier in an earthquake: one analysis, the same in OpenSees, the default study."""
+
+import json
+import subprocess
+import sys
+import time
+
+import numpy as np
+
+import thermobearing as tb
+from benchmarks.rows import Row, at_least, at_most, failed, plain
+from benchmarks.specimen import seconds
+from thermobearing.core.types import Floats
+from thermobearing.drive.assemble import build_constants
+from thermobearing.drive.motions.library import load_motion
+from thermobearing.drive.structure.model import load_structure
+from thermobearing.drive.structure.run import Line, prepare_structure, run_structure
+from thermobearing.earthquake import run_earthquake
+from thermobearing.earthquake_case import make_earthquake_case
+from thermobearing.stack import Face, build_stack
+
+STRUCTURE, BEARING, MOTION, LINE = "pier-p1", "shen-lhdr-bridge", "jra-ii-i-1", 5
+DT, DURATION, AMBIENT = 0.005, 40.0, -20.0
+LIMIT_MS, LIMIT_RATIO, LIMIT_STUDY = 40.0, 30.0, 6.0
+THEIRS = "OpenSees, pier P1 on LeadRubberX with lead heating"
+
+
+def ground() -> Floats:
+    """40 s of a Level 2 motion at 5 ms [mm/s2]; silence after its end."""
+    motion = load_motion(MOTION)
+    time_ = DT * np.arange(round(DURATION / DT) + 1)
+    values = np.interp(time_, motion.time, motion.acceleration, right=0.0)
+    values[0] = 0.0
+    return np.asarray(values)
+
+
+def one_analysis() -> float:
+    """Fastest of some analyses with every step kept [ms]."""
+    bearing = tb.load_bearing(BEARING)
+    stack = build_stack(bearing, half=True)
+    constants = build_constants(bearing, stack, upper=Face(eta=2.0), lower=None)
+    prepared = prepare_structure(load_structure(STRUCTURE))
+    acceleration = ground()
+    line = Line(constants, np.full(constants.cells.shape[1], AMBIENT))
+    air = np.full(len(acceleration) - 1, AMBIENT)
+    times = seconds(lambda: run_structure(prepared, [line], acceleration, DT, air), 15)
+    return 1e3 * times[0]
+
+
+def study() -> tuple[float, int]:
+    """Wall time of the default study on all cores, without figures and files [s]; its runs."""
+    case = make_earthquake_case({"command": "bridge"}, "bench")
+    run_earthquake(case)
+    begin = time.perf_counter()
+    result = run_earthquake(case)
+    return time.perf_counter() - begin, result.runs
+
+
+def rows() -> list[Row]:
+    """Ours, theirs in the same run, the study."""
+    ours = one_analysis()
+    wall, runs = study()
+    found = [
+        at_most("pier P1 on LHDR, 40 s, 8000 steps of 5 ms, one core", ours, LIMIT_MS, "ms"),
+        at_most(f"default bridge study, {runs} runs, two cores", wall, LIMIT_STUDY, "s"),
+    ]
+    command = [sys.executable, "-m", "benchmarks.opensees_pier_model"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode:
+        reason = (done.stderr.strip().splitlines() or ["no message"])[-1]
+        return [*found, failed(THEIRS, reason, f">= {LIMIT_RATIO:g}")]
+    theirs = json.loads(done.stdout.splitlines()[-1])
+    again = min(ours, one_analysis())
+    note = f"lead {theirs['rise']:.0f} K warmer, {theirs['iterations']} iterations in the last step"
+    slow = 1e3 * theirs["seconds"]
+    return [
+        *found,
+        plain(THEIRS, slow, "ms", note),
+        at_least("ratio of the two", slow / again, LIMIT_RATIO, note=f"ours {again:.1f} ms"),
+    ]

@@ -1,0 +1,69 @@
+"""Figure: the rules of the degrading hinge. `python -m benchmarks.takeda_figure OUT.png`."""
+
+import sys
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from thermobearing.drive.structure.model import load_structure
+from thermobearing.drive.structure.takeda import NEVER_TURNED, takeda
+from thermobearing.drive.structure.types import (
+    HIGHEST,
+    HINGE_STATE,
+    LOWEST,
+    MOMENT,
+    TURNED_HIGH,
+    TURNED_LOW,
+)
+from thermobearing.results import drawing
+
+PATH = [1.0, 4.0, 2.8, 4.0, 5.0, 0.0, -3.0, 0.5, 3.0, 1.5, 5.0]  # rotations over yield
+RULES = (  # text, leg of the path, place along it, offset of the text
+    ("1 elastic", 0, 0.75, (-60, 4)),
+    ("2 backbone", 1, 0.55, (-20, -18)),
+    ("3 unloads softer,\n   comes back", 2, 0.8, (6, -22)),
+    (
+        "4 beyond zero: towards the\n   farthest point (yield point\n   before it yielded there)",
+        5,
+        0.9,
+        (8, -42),
+    ),
+    ("5 backbone on\n   the other side", 6, 0.75, (-10, 16)),
+    ("6 reloads towards the\n   farthest point above", 8, 0.2, (-30, -80)),
+)
+COUNT = 200  # points of a leg
+
+
+def draw() -> Figure:
+    """The hinge of pier P1 along a path that meets every rule."""
+    hinge = load_structure("pier-p1").hinges[0]
+    y = hinge.yield_rotation
+    constants = np.array([[hinge.stiffness, y, hinge.hardening_ratio, hinge.unloading_exponent]])
+    state = np.zeros((1, HINGE_STATE))
+    state[0, [HIGHEST, LOWEST]] = y, -y
+    state[0, [TURNED_HIGH, TURNED_LOW]] = NEVER_TURNED, -NEVER_TURNED
+    figure, (ax,) = drawing.panels(1, 1, (7.0, 4.8), "Hinge of pier P1: stiffness-degrading rules")
+    here, legs = 0.0, []
+    for end in PATH:
+        leg = [(here, state[0, MOMENT] / hinge.yield_moment)]
+        for rotation in np.linspace(here, end, COUNT)[1:]:
+            new = state.copy()
+            takeda(constants, state, 0, float(rotation * y), new)
+            state = new
+            leg.append((float(rotation), state[0, MOMENT] / hinge.yield_moment))
+        here = end
+        legs.append(np.array(leg))
+    for leg, colour in zip(legs, drawing.ordered_colours(len(legs), "viridis"), strict=True):
+        ax.plot(*leg.T, color=colour, linewidth=1.6)
+    for text, number, place, offset in RULES:
+        at = legs[number][int(place * (COUNT - 1))]
+        ax.annotate(
+            text, at, offset, textcoords="offset points", fontsize=drawing.SMALL,
+            arrowprops={"arrowstyle": "-", "color": drawing.GREY, "linewidth": 0.6},
+        )  # fmt: skip
+    drawing.name_axes(ax, "rotation / yield rotation", "moment / yield moment")
+    return figure
+
+
+if __name__ == "__main__":
+    draw().savefig(sys.argv[1], dpi=130)

@@ -1,0 +1,173 @@
+"""`thermobearing bridge` and `thermobearing hybrid`: structures in earthquakes."""
+
+import contextlib
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from thermobearing.commands.common import (
+    AsJson,
+    Force,
+    NoFigures,
+    Output,
+    Quiet,
+    reported,
+    written,
+)
+
+if TYPE_CHECKING:
+    from thermobearing.earthquake_case import EarthquakeCase
+    from thermobearing.results.earthquake_result import EarthquakeResult
+
+Case = Annotated[Path | None, typer.Argument(help="Case file; without one, the default study.")]
+Bearings = Annotated[
+    list[str] | None,
+    typer.Option("--bearing", help="Name or TOML file; may be repeated.", metavar="NAME/FILE"),
+]
+Motions = Annotated[
+    list[str] | None,
+    typer.Option("--motion", help="Name or file; may be repeated.", metavar="NAME/FILE"),
+]
+Ambients = Annotated[
+    list[float] | None,
+    typer.Option("--ambient", help="Ambient temperature [degC]; may be repeated."),
+]
+Dt = Annotated[float | None, typer.Option(help="Largest time step [s].")]
+Structure_ = Annotated[
+    str | None, typer.Option("--structure", help="Name or TOML file.", metavar="NAME/FILE")
+]
+Method = Annotated[
+    str | None,
+    typer.Option(help="average-acceleration, linear-acceleration or predictor-corrector."),
+]
+Duration = Annotated[float | None, typer.Option(help="Cut motions to this [s].")]
+Weather = Annotated[
+    str | None,
+    typer.Option(help="CSV of ambient temperature that ends at the earthquake.", metavar="FILE"),
+]
+
+
+@reported
+def bridge(
+    case: Case = None,
+    bearing: Bearings = None,
+    motion: Motions = None,
+    ambient: Ambients = None,
+    weather: Weather = None,
+    mass: Annotated[str | None, typer.Option(help="consistent or published.")] = None,
+    structure: Structure_ = None,
+    method: Method = None,
+    dt: Dt = None,
+    duration: Duration = None,
+    output: Output = None,
+    force: Force = False,
+    no_figures: NoFigures = False,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> int:
+    """A bridge pier on isolation bearings in earthquakes, at several temperatures."""
+    overrides = {
+        "bearings": bearing or None,
+        "motions": motion or None,
+        "ambient": ambient or None,
+        "weather": weather,
+        "mass": mass,
+        "structure": structure,
+        "method": method,
+        "dt": dt,
+        "duration": duration,
+    }
+    complete = _case("bridge", case, overrides)
+    return _carry_out(complete, output, force, no_figures, as_json, quiet)
+
+
+@reported
+def hybrid(
+    case: Case = None,
+    mode: Annotated[str | None, typer.Option(help="rt (real time) or pd (pseudo-dynamic).")] = None,
+    bearing: Bearings = None,
+    motion: Motions = None,
+    ambient: Ambients = None,
+    structure: Structure_ = None,
+    delay: Annotated[float | None, typer.Option(help="Delay of the actuator [s].")] = None,
+    force_noise: Annotated[
+        float | None, typer.Option(help="Standard deviation of the measured force [kN].")
+    ] = None,
+    seed: Annotated[int | None, typer.Option(help="Of the noise.")] = None,
+    method: Method = None,
+    dt: Dt = None,
+    duration: Duration = None,
+    output: Output = None,
+    force: Force = False,
+    no_figures: NoFigures = False,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> int:
+    """A hybrid test, simulated: a specimen in the loop with a calculated pier."""
+    from thermobearing.units import with_unit
+
+    lab: dict[str, Any] = {"mode": mode, "seed": seed}
+    lab["delay"] = None if delay is None else with_unit(delay, "s")
+    lab["force_noise"] = None if force_noise is None else with_unit(force_noise, "kN")
+    overrides = {
+        "bearings": bearing or None,
+        "motions": motion or None,
+        "ambient": ambient or None,
+        "structure": structure,
+        "method": method,
+        "dt": dt,
+        "duration": duration,
+        "laboratory": {key: value for key, value in lab.items() if value is not None} or None,
+    }
+    complete = _case("hybrid", case, overrides)
+    return _carry_out(complete, output, force, no_figures, as_json, quiet)
+
+
+def _case(command: str, path: Path | None, overrides: dict[str, Any]) -> "EarthquakeCase":
+    from thermobearing.earthquake_case import load_earthquake_case, make_earthquake_case
+
+    if path is None:
+        return make_earthquake_case({"command": command}, "command line", **overrides)
+    return load_earthquake_case(path, command=command, **overrides)
+
+
+def _carry_out(
+    case: "EarthquakeCase",
+    output: Path | None,
+    force: bool,
+    no_figures: bool,
+    as_json: bool,
+    quiet: bool,
+) -> int:
+    """Check the target, run, write, tell."""
+    from thermobearing.results.directory import check_target
+    from thermobearing.results.screen_earthquake import print_study
+
+    target = output or Path(f"{case.command}-{case.structure.name}")
+    check_target(target, force=force)
+    result = _run_with_progress(case, quiet=quiet)
+    result.save(target, force=force, figures=not no_figures)
+    if not quiet:
+        with contextlib.suppress(KeyboardInterrupt):  # the result is safe by now
+            print_study(result)
+    return written(result.outcome, result.sentence, target, as_json=as_json, quiet=quiet)
+
+
+def _run_with_progress(case: "EarthquakeCase", *, quiet: bool) -> "EarthquakeResult":
+    """Run a study under a progress bar (on stderr, only on a terminal)."""
+    from thermobearing.earthquake import run_earthquake
+
+    if quiet or not sys.stderr.isatty():
+        return run_earthquake(case)
+    from rich.console import Console
+    from rich.progress import Progress
+
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("compiling, the first time", total=None)
+
+        def show(done: int, total: int) -> None:
+            bar.update(task, description="runs", completed=done, total=total)
+
+        return run_earthquake(case, progress=show)

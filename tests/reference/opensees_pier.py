@@ -1,0 +1,132 @@
+"""The structures of this package in OpenSees: linear and bilinear bearings, or LeadRubberX.
+
+Units N, m, s, kg inside; kN, mm, s outside. Rigid bodies are stiff beams, hinges and springs
+zero-length elements; damping is the same a M + b K' (stiffness part on springs and hinges only).
+"""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import openseespy.opensees as ops
+from numpy.typing import NDArray
+
+from thermobearing.drive.structure.model import Structure
+from thermobearing.drive.structure.run import Prepared
+
+RIGID = 1e15  # E, G [N/m2] of bodies with a unit cross-section
+Floats = NDArray[np.float64]
+VERTICAL = (0.0, 0.0, 1.0, 0.0, 1.0, 0.0)
+Bearing = Callable[[int, int, int], Any]  # makes the element: tag, lower node, upper node
+
+
+def spring_bearing(stiffness: float, count: int) -> Bearing:
+    """`count` linear springs [kN/mm] side by side."""
+
+    def make(tag: int, lower: int, upper: int) -> None:
+        ops.uniaxialMaterial("Elastic", 900, count * stiffness * 1e6)
+        ops.element("zeroLength", tag, lower, upper, "-mat", 900, "-dir", 1)
+
+    return make
+
+
+def bilinear_bearing(strength: float, initial: float, post_yield: float, count: int) -> Bearing:
+    """`count` bilinear bearings: Q_d [kN], K_1 and K_2 [kN/mm], kinematic hardening."""
+
+    def make(tag: int, lower: int, upper: int) -> None:
+        yield_force = strength * initial / (initial - post_yield)
+        ops.uniaxialMaterial(
+            "Steel01", 900, count * yield_force * 1e3, count * initial * 1e6, post_yield / initial
+        )
+        ops.element("zeroLength", tag, lower, upper, "-mat", 900, "-dir", 1)
+
+    return make
+
+
+def _pier_p1(structure: Structure) -> tuple[int, int, int]:
+    """Nodes of pier P1; returns ground-side node of the bearings, deck node, pier base node."""
+    heights = {2: -2.0, 3: -1.0, 4: 0.0, 5: 0.0, 6: 3.75, 7: 8.9, 8: 10.0, 9: 10.0}
+    for node, height in ({1: -2.0} | heights).items():
+        ops.node(node, 0.0, 0.0, height)
+    ops.fix(1, 1, 1, 1, 1, 1, 1)
+    for node in (2, 5):
+        ops.fix(node, 0, 1, 1, 1, 0, 1)
+    ops.fix(9, 0, 1, 1, 1, 1, 1)
+    for node in (3, 4, 6, 7, 8):
+        ops.fix(node, 0, 1, 1, 1, 0, 1)
+    ops.geomTransf("Linear", 1, 0.0, 1.0, 0.0)
+    for tag, ends in enumerate(((2, 3), (3, 4), (5, 6), (6, 7), (7, 8)), 20):
+        ops.element("elasticBeamColumn", tag, *ends, 1.0, RIGID, RIGID, 1.0, 1.0, 1.0, 1)
+    deck, top, middle, footing = structure.masses
+    for node, item in ((9, deck), (7, top), (6, middle), (3, footing)):
+        mass = item.mass * 1e6  # kN mm s2 = kg m2: rotary inertia needs no factor
+        ops.mass(node, mass, 0.0, 0.0, 0.0, item.rotary_inertia, 0.0)
+    sideways, rocking = structure.springs
+    assert sideways.stiffness is not None
+    assert rocking.rotational_stiffness is not None
+    ops.uniaxialMaterial("Elastic", 1, sideways.stiffness * 1e6)
+    ops.uniaxialMaterial("Elastic", 2, rocking.rotational_stiffness)
+    ops.uniaxialMaterial("Elastic", 3, structure.hinges[0].stiffness)
+    ops.element("zeroLength", 1, 1, 2, "-mat", 1, 2, "-dir", 1, 5, "-doRayleigh", 1)
+    ops.element("zeroLength", 2, 4, 5, "-mat", 3, "-dir", 5, "-doRayleigh", 1)
+    ops.equalDOF(4, 5, 1)
+    return 8, 9, 5
+
+
+def _hybrid_pier(structure: Structure) -> tuple[int, int, int]:
+    """Ground, pier, deck in a row."""
+    for node in (1, 2, 3):
+        ops.node(node, 0.0, 0.0, 0.0)
+        ops.fix(node, int(node == 1), 1, 1, 1, 1, 1)
+    deck, pier = structure.masses
+    ops.mass(3, deck.mass * 1e6, 0.0, 0.0, 0.0, 0.0, 0.0)
+    ops.mass(2, pier.mass * 1e6, 0.0, 0.0, 0.0, 0.0, 0.0)
+    stiffness = structure.springs[0].stiffness
+    assert stiffness is not None
+    ops.uniaxialMaterial("Elastic", 1, stiffness * 1e6)
+    ops.element("zeroLength", 1, 1, 2, "-mat", 1, "-dir", 1, "-doRayleigh", 1)
+    return 2, 3, 2
+
+
+def build(
+    prepared: Prepared, bearing: Bearing, ground: Floats, dt: float, rayleigh: tuple[float, float]
+) -> tuple[int, int, int]:
+    """A model that is ready to be analysed; ground acceleration in mm/s2."""
+    structure = prepared.structure
+    ops.wipe()
+    ops.model("basic", "-ndm", 3, "-ndf", 6)
+    make = _pier_p1 if structure.name == "pier-p1" else _hybrid_pier
+    nodes = make(structure)
+    bearing(10, nodes[0], nodes[1])
+    ops.rayleigh(rayleigh[0], 0.0, rayleigh[1], 0.0)
+    ops.timeSeries("Path", 1, "-dt", dt, "-values", *(ground / 1e3), ground[-1] / 1e3)
+    ops.pattern("UniformExcitation", 1, 1, "-accel", 1)
+    ops.constraints("Transformation")
+    ops.numberer("RCM")
+    ops.system("FullGeneral")
+    ops.test("NormDispIncr", 1e-10, 50)
+    ops.algorithm("Newton")
+    ops.integrator("Newmark", 0.5, 0.25)
+    ops.analysis("Transient")
+    return nodes
+
+
+def shake(nodes: tuple[int, int, int], steps: int, dt: float) -> dict[str, Floats]:
+    """Histories after each step: deck and pier [mm], bearing force of the line [kN], deck
+    acceleration relative to the ground [mm/s2]."""
+    lower, deck, _ = nodes
+    rows = []
+    for _ in range(steps):
+        if ops.analyze(1, dt) != 0:
+            raise RuntimeError("OpenSees did not converge")
+        rows.append(
+            (
+                1e3 * ops.nodeDisp(deck, 1),
+                1e3 * ops.nodeDisp(lower, 1),
+                1e-3 * ops.eleResponse(10, "force")[6],
+                1e3 * ops.nodeAccel(deck, 1),
+            )
+        )
+    ops.wipe()
+    names = ("deck", "pier", "force", "acceleration")
+    return dict(zip(names, np.array(rows).T, strict=True))

@@ -1,0 +1,78 @@
+"""What the tests of structures share. No tests."""
+
+from typing import Any
+
+import numpy as np
+
+import thermobearing as tb
+from thermobearing.core.types import Constants, Floats
+from thermobearing.drive.assemble import build_constants
+from thermobearing.drive.baselines import BilinearParameters, bilinear_constants
+from thermobearing.drive.motions.library import load_motion
+from thermobearing.drive.structure.matrices import hinge_stiffness
+from thermobearing.drive.structure.model import Structure, load_structure
+from thermobearing.drive.structure.run import (
+    Line,
+    Method,
+    Prepared,
+    StructureHistory,
+    prepare_structure,
+    run_structure,
+)
+from thermobearing.stack import Face, build_stack
+
+AMBIENT = -20.0
+NEVER = 1e9  # kN: strength of a bearing that stays linear
+
+
+def ground_of(name: str, dt: float, duration: float | None = None) -> Floats:
+    """A built-in motion at steps of dt [s], starting from zero [mm/s2]."""
+    motion = load_motion(name)
+    last = motion.duration if duration is None else duration
+    ground = np.interp(dt * np.arange(round(last / dt) + 1), motion.time, motion.acceleration)
+    ground[0] = 0.0
+    return np.asarray(ground)
+
+
+def linear_bearing(stiffness: float) -> Constants:
+    """A spring [kN/mm], by way of the bilinear bearing that never yields."""
+    return bilinear_constants(BilinearParameters(NEVER, 0.5 * stiffness, stiffness))
+
+
+def real_bearing(name: str, **options: Any) -> Constants:
+    """Constants of a library bearing, half stack."""
+    bearing = tb.load_bearing(name)
+    stack = build_stack(bearing, half=True)
+    return build_constants(bearing, stack, upper=Face(eta=2.0), lower=None, **options)
+
+
+def shaken(
+    structure: Structure | str,
+    constants: Constants,
+    ground: Floats,
+    dt: float,
+    *,
+    ambient: float = AMBIENT,
+    method: Method = "average-acceleration",
+    mass: Any = "consistent",
+    **options: Any,
+) -> tuple[Prepared, StructureHistory]:
+    """A structure whose lines all have one bearing."""
+    if isinstance(structure, str):
+        structure = load_structure(structure)
+    prepared = prepare_structure(structure, mass)
+    line = Line(
+        constants, np.full(constants.cells.shape[1], ambient), None, options.pop("speed", 0.0)
+    )
+    lines = [line] * len(structure.bearings)
+    air = np.full(len(ground) - 1, ambient)
+    return prepared, run_structure(prepared, lines, ground, dt, air, method=method, **options)
+
+
+def rayleigh_factors(prepared: Prepared) -> tuple[float, float]:
+    """a and b of C = a M + b K', from the damping matrix itself."""
+    matrices = prepared.matrices
+    stiffness = matrices.springs + hinge_stiffness(prepared.structure, matrices)
+    parts = np.column_stack([matrices.mass.ravel(), stiffness.ravel()])
+    a, b = np.linalg.lstsq(parts, prepared.damping.ravel())[0]
+    return float(a), float(b)
