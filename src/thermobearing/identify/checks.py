@@ -17,7 +17,7 @@ Level = Literal["refused", "warning", "note"]
 
 FEW_SAMPLES, FEWEST_SAMPLES = 40, 12  # in a cycle: warned, refused
 GAP_FACTOR = 5.0  # a sampling gap longer than this times the usual one, while moving
-GAP_WAY = 0.1  # of the largest displacement, covered without a sample
+GAP_WAY = 0.05  # of the largest displacement, covered without a sample
 DRIFT = 0.05  # of the largest force or displacement, over the record
 OFFSET = 0.03  # the same, mean of all cycles
 ENDS_AWAY = 0.1  # of the largest displacement
@@ -182,7 +182,7 @@ def _sampling(report: CheckReport) -> None:
     report.add(
         "note", "sampling",
         f"{len(record.time)} samples, usually {1e3 * usual:.3g} ms apart, mean speed "
-        f"{speed:.3g} mm/s, {int(((gaps > PAUSE) & ~moving).sum())} pauses between samples",
+        f"{speed:.3g} mm/s, {int(((gaps > PAUSE) & ~moving).sum())} gaps longer than {PAUSE:g} s at rest",
     )  # fmt: skip
     counts = [c.last - c.first for c in report.cycles if not c.closing]
     if counts and min(counts) < FEW_SAMPLES:

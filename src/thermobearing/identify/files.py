@@ -133,7 +133,8 @@ def _check_figure(report: CheckReport) -> Figure:
         record.time,
         record.displacement,
         record.force,
-        cycles=[(c.first, c.last) for c in report.cycles],
+        cycles=[(c.first, c.last) for c in report.cycles if not c.closing],
+        starts=[c.first for c in report.cycles],
         clipped=report.clipped,
         sentences=[f"{f.level}: {f.sentence}" for f in report.findings],
     )
@@ -173,7 +174,8 @@ def _figures(found: Identification, bands: list[Band]) -> dict[str, Figure]:
         "cycles": figures.cycle_figure(f"{name}: errors of each cycle", panels),
     }
     for band in bands:
-        title = f"{name}: predicted at {band.ambient:g} °C"
+        degrees = f"{band.ambient:g} °C".replace("-", "\N{MINUS SIGN}")
+        title = f"{name}: predicted at {degrees}"
         made[f"band_{band.ambient:g}"] = figures.band_figure(
             title, band.displacement, band.best, band.lower, band.upper,
             (band.peak, band.peak_lower, band.peak_upper),

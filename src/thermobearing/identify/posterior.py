@@ -34,7 +34,11 @@ class Samples:
 
 @dataclass(frozen=True)
 class Band:
-    """95 % band of the force at the samples of a test, and of its peak; noise of the test apart."""
+    """95 % band of the force at the samples of a test, and of its peak.
+
+    It carries the uncertainty of the parameters of this law; noise and what the law misses
+    come on top.
+    """
 
     ambient: float
     displacement: Floats
@@ -78,14 +82,14 @@ def posterior_samples(
             "laplace_samples draws from the normal distribution of the fit"
         ) from None
     problem, best = found.problem, found.cube
-    residual = np.concatenate(problem.parts(best, fine=False))
+    residual = np.concatenate(problem.parts(best, fine=True))
     variance = float(residual @ residual) / max(len(residual) - len(best), 1)
     worth = found.uncertainty.effective_samples / found.uncertainty.samples
 
     def log_probability(u: Floats) -> float:
         if (u < 0.0).any() or (u > 1.0).any():
             return float("-inf")
-        r = np.concatenate(problem.parts(u, fine=False))
+        r = np.concatenate(problem.parts(u, fine=True))
         return -0.5 * worth * float(r @ r) / variance
 
     walkers = max(2 * len(best) + 2, WALKERS_PER * len(best))
@@ -125,7 +129,7 @@ def predictive_band(
     if not -100.0 <= ambient <= 100.0:
         raise InputError(f"ambient = {ambient} degC: must be between -100 and 100 degC")
     test = record or found.records[0]
-    model = ForwardModel(test, found.bearing, ambient=ambient)
+    model = ForwardModel(test, found.bearing, fine=True, ambient=ambient)
     picked = np.random.default_rng(seed).choice(len(samples.cube), size=count)
     runs = [model.run(found.pset.bearing(samples.cube[i])) for i in picked]
     forces = np.array([run.force for run in runs if run is not None])

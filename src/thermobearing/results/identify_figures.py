@@ -38,13 +38,13 @@ def check_figure(
     force: Floats,
     *,
     cycles: Sequence[tuple[int, int]],
+    starts: Sequence[int],
     clipped: NDArray[np.bool_],
     sentences: Sequence[str],
 ) -> Figure:
     """A record at a glance: histories over samples, loops, middles of the loops, findings."""
     figure, (top, middle, loops, centre) = drawing.panels(2, 2, (10.0, 6.8), title)
     number = np.arange(len(time))
-    starts = [a for a, _ in cycles]
     for ax, values, name in (
         (top, displacement, "displacement [mm]"),
         (middle, force, "force [kN]"),
@@ -187,5 +187,5 @@ def band_figure(
     number = np.arange(len(best))
     band.fill_between(number, lower - best, upper - best, color=TEST, linewidth=0.0)
     band.axhline(0.0, color=MODEL, linewidth=0.8)
-    drawing.name_axes(band, "sample", "force - best [kN]", "95 % band of the model (without noise)")
+    drawing.name_axes(band, "sample", "force - best [kN]", "95 % band from the parameters alone")
     return figure
