@@ -3,6 +3,8 @@
 Shorter than benchmarks/identification.py, which does ten seeds and forty problems.
 """
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -10,6 +12,7 @@ import thermobearing as tb
 from tests import tolerances as tol
 from tests.conftest import Recorder
 from thermobearing.identify.fit import Identification, identify
+from thermobearing.identify.forward import ForwardModel
 from thermobearing.identify.report import fits
 from thermobearing.identify.synthetic import forgotten, synthetic_record
 
@@ -95,7 +98,7 @@ def test_another_law_is_noticed() -> None:
         for k in good.uncertainty.estimates
     ]
     assert min(wider) > 2.0
-    later = [r.__class__(**{**vars(r), "first_cycle_weight": 0.0}) for r in spoilt]
+    later = [replace(record, first_cycle_weight=0.0) for record in spoilt]
     b = identify(later, HDR, blind=False, starts=1)
     key = "hysteresis.layer_stiffness"
     assert abs(b.values[key] - true_value(HDR, key)) < 0.02 * true_value(HDR, key)
@@ -119,3 +122,49 @@ def test_other_methods_end_at_the_same_place(method: str) -> None:
     other = identify(record, forgotten(HDR), method=method, evaluations=600)  # type: ignore[arg-type]
     for key, item in best.uncertainty.estimates.items():
         assert abs(other.values[key] - item.value) < 0.1 * item.stderr, key
+
+
+def test_outliers_and_a_robust_loss() -> None:
+    """One sample in a hundred is a spike of half the peak force."""
+    test = tb.cyclic_test(strain=[0.5, 2.0], cycles=3, rest=None)
+    record = synthetic_record(HDR, 23.0, test, noise=0.005)
+    rng = np.random.default_rng(3)
+    force = record.force.copy()
+    spikes = rng.choice(len(force), size=len(force) // 100, replace=False)
+    force[spikes] += 0.5 * record.peak_force
+    spoilt = replace(record, force=force)
+    errors = {}
+    for loss in ("linear", "cauchy"):
+        found = identify(spoilt, HDR, loss=loss, starts=1)  # type: ignore[arg-type]
+        errors[loss] = max(
+            abs(item.value - true_value(HDR, key)) / abs(true_value(HDR, key))
+            for key, item in found.uncertainty.estimates.items()
+        )
+    assert errors["cauchy"] < 0.5 * errors["linear"]
+
+
+def test_thermocouples_are_fitted_and_judged() -> None:
+    """Temperatures of two layers beside the force; the rise is judged by Eq. 4.39."""
+    test = tb.cyclic_test(strain=[1.0, 2.0], cycles=3, rest=600.0)
+    places = {"T1_degC": "rubber 1", "T3_degC": "rubber 4"}
+    bare = replace(synthetic_record(HDR, 0.0, test), places=places)
+    truth = ForwardModel(bare, HDR, fine=True).run(HDR)
+    assert truth is not None
+    assert truth.temperatures["T3_degC"].max() > truth.temperatures["T1_degC"].max()
+    record = replace(bare, temperatures=truth.temperatures)
+    found = identify(record, HDR, temperatures=True, starts=1)
+    (fit,) = fits(found)
+    assert set(fit.temperature_error) == set(places)
+    assert max(fit.temperature_error.values()) < tol.TEMPERATURE_RISE
+    with pytest.raises(tb.InputError, match="6 rubber layers"):
+        identify(replace(record, places={"T": "rubber 7"}), HDR)
+
+
+def test_lead_rubber_bearing_with_linear_rubber() -> None:
+    truth = tb.load_bearing("lrb-example")
+    test = tb.cyclic_test(strain=[0.25, 1.0, 2.0], cycles=3, wave="sine", speed=200.0, rest=None)
+    records = [synthetic_record(truth, at, test, seed=i) for i, at in enumerate((-10.0, 30.0))]
+    found = identify(records, truth)
+    symbols = {e.parameter.kind.symbol for e in found.uncertainty.estimates.values()}
+    assert symbols == {"K_r", "m_T", "K_l", "sigma_Y"}
+    assert_recovered(found, truth)

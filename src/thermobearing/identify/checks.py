@@ -182,7 +182,8 @@ def _sampling(report: CheckReport) -> None:
     report.add(
         "note", "sampling",
         f"{len(record.time)} samples, usually {1e3 * usual:.3g} ms apart, mean speed "
-        f"{speed:.3g} mm/s, {int(((gaps > PAUSE) & ~moving).sum())} gaps longer than {PAUSE:g} s at rest",
+        f"{speed:.3g} mm/s, {int(((gaps > PAUSE) & ~moving).sum())} gaps longer than {PAUSE:g} s "
+        "at rest",
     )  # fmt: skip
     counts = [c.last - c.first for c in report.cycles if not c.closing]
     if counts and min(counts) < FEW_SAMPLES:

@@ -16,7 +16,7 @@ from thermobearing.identify.checks import CheckReport, check_test
 from thermobearing.identify.forward import Prediction
 from thermobearing.identify.krill import krill_herd
 from thermobearing.identify.parameters import ParameterSet, parameter_set
-from thermobearing.identify.problem import Problem
+from thermobearing.identify.problem import ROBUST_SCALE, Problem
 from thermobearing.identify.record import TestRecord, load_test
 from thermobearing.identify.start import loop_start
 from thermobearing.identify.uncertainty import Uncertainty, estimate
@@ -30,7 +30,6 @@ PROBES = 12  # points looked at for each start that is taken
 MOST_STEPS = 40  # of least squares from one start
 POLISH_STEPS = 30
 INSIDE = 1e-6  # of the cube: least squares starts strictly inside
-ROBUST_SCALE = 0.02  # of the largest force: beyond it a robust loss bends
 SEARCH = 2000  # evaluations of krill herd and differential evolution
 
 
@@ -143,7 +142,11 @@ def identify(
         raise InputError(refused)
     pset = parameter_set(base, free, [record.ambient for record in tests], bounds)
     problem = Problem(
-        tests, pset, temperatures=temperatures, clipped=[check.clipped for check in checks]
+        tests,
+        pset,
+        temperatures=temperatures,
+        loss=loss,
+        clipped=[check.clipped for check in checks],
     )
     start = loop_start(tests, pset, problem.coarse) if blind else pset.values(pset.start)
     given = {p.kind.key for p in pset.parameters if not p.free} | set(bounds or {})

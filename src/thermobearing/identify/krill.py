@@ -2,9 +2,9 @@
 
 Gandomi & Alavi (2012), "Krill herd: a new bio-inspired optimization algorithm",
 Communications in Nonlinear Science and Numerical Simulation 17:4831-4845. Equation numbers
-are those of that paper. Two departures, both needed: the food weights are taken relative to
-the best krill, so that the objective may be zero or negative; and the best krill is kept
-(elitism), as in the authors' own program.
+are those of that paper. Departures: the food weights are taken relative to the best krill, so
+that the objective may be zero or negative; the best krill is kept (elitism) and diffusion
+shrinks with the merit of a krill, both as in the authors' own program.
 """
 
 from collections.abc import Callable
@@ -44,8 +44,8 @@ def _induced(x: Floats, f: Floats, best: int, spread: float, pull: Floats) -> Fl
     distance = np.linalg.norm(towards, axis=2)
     sensing = distance.mean(axis=1) / 5.0  # Eq. 7
     near = (distance < sensing[:, None]) & ~np.eye(len(x), dtype=bool)
-    merit = (f[:, None] - f[None, :]) / spread  # Eq. 5
-    local = ((near * merit)[:, :, None] * _unit(towards)).sum(axis=1)  # Eq. 4
+    merit = (f[:, None] - f[None, :]) / spread  # Eq. 6
+    local = ((near * merit)[:, :, None] * _unit(towards)).sum(axis=1)  # Eq. 4, 5
     to_best = (f - f[best])[:, None] / spread * _unit(x[best] - x)
     return np.asarray(local + pull[:, None] * to_best)  # Eq. 8
 
@@ -134,7 +134,7 @@ def krill_herd(
         if food_f < top_f:
             top, top_f = food.copy(), food_f
         pull = 2.0 * (rng.random(population) + late)  # C_best, Eq. 9
-        attraction = 2.0 * (1.0 - late)  # C_food, Eq. 13
+        attraction = 2.0 * (1.0 - late)  # C_food, Eq. 14
         induced = MAX_INDUCED * _induced(x, f, best, spread, pull) + inertia * induced  # Eq. 2
         beta = _foraging(x, f, own, own_f, spread, food_f, food, attraction)
         foraging = MAX_FORAGING * beta + inertia * foraging  # Eq. 10

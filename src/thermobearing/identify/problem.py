@@ -15,6 +15,7 @@ Floats = NDArray[np.float64]
 LOST = 2.0  # residual where the model does not get through: twice the largest force
 KELVIN = 5.0  # a temperature that is off by this counts as ...
 KELVIN_AS = 0.05  # ... a force that is off by this part of the largest
+ROBUST_SCALE = 0.02  # of the largest force: beyond it a robust loss bends
 STEP = 1e-3  # of the unit cube, for finite differences: the law is not smooth below ~1e-5
 
 
@@ -26,6 +27,7 @@ class Problem:
     records : tests of one bearing.
     pset : what is free.
     temperatures : count thermocouples too.
+    loss : of the fit, for the weights that its outliers keep in the uncertainty.
     clipped : by record, samples that do not count (a saturated force).
     """
 
@@ -35,6 +37,7 @@ class Problem:
         pset: ParameterSet,
         *,
         temperatures: bool = False,
+        loss: str = "linear",
         clipped: Sequence[NDArray[np.bool_]] | None = None,
     ) -> None:
         self.records = list(records)
@@ -42,6 +45,7 @@ class Problem:
         self.coarse = [ForwardModel(record, pset.base) for record in self.records]
         self.fine = [ForwardModel(record, pset.base, fine=True) for record in self.records]
         self.temperatures = temperatures
+        self.loss = loss
         self.evaluations = 0
         self._last: tuple[tuple[bytes, bool], list[Floats]] | None = None
         self.history: list[tuple[int, float]] = []
@@ -109,6 +113,22 @@ class Problem:
             low = np.concatenate(self.parts(down, fine=fine))
             columns.append((high - low) / (up[i] - down[i]))
         return np.column_stack(columns)
+
+
+def robust_weights(residuals: Floats, loss: str) -> Floats:
+    """Weight that each residual keeps under a robust loss of scipy: d rho / d z.
+
+    Examples
+    --------
+    >>> robust_weights(np.array([0.0, 0.02]), "cauchy").tolist()
+    [1.0, 0.5]
+    """
+    z = (residuals / ROBUST_SCALE) ** 2
+    if loss == "soft_l1":
+        return np.asarray(1.0 / np.sqrt(1.0 + z))
+    if loss == "huber":
+        return np.asarray(1.0 / np.sqrt(np.maximum(z, 1.0)))
+    return np.asarray(1.0 / (1.0 + z)) if loss == "cauchy" else np.ones_like(z)
 
 
 def sample_weights(record: TestRecord) -> Floats:

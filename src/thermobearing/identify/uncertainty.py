@@ -27,7 +27,7 @@ from thermobearing.identify.parameters import (
     SIGMA_Y,
     Parameter,
 )
-from thermobearing.identify.problem import Problem
+from thermobearing.identify.problem import Problem, robust_weights
 from thermobearing.identify.record import TestRecord
 
 Floats = NDArray[np.float64]
@@ -129,11 +129,13 @@ def effective_samples(residuals: Floats) -> float:
 
 def _covariance(problem: Problem, cube: Floats) -> tuple[Floats, float, int]:
     """Covariance in the unit cube, effective samples, all samples."""
-    parts = problem.parts(cube, fine=True)
+    plain = problem.parts(cube, fine=True)
+    roots = [np.sqrt(robust_weights(part, problem.loss)) for part in plain]
+    parts = [root * part for root, part in zip(roots, plain, strict=True)]
     jacobian = problem.jacobian(cube, fine=True, central=True)
     residuals = np.concatenate(parts)
     inside = (cube > AT_BOUND) & (cube < 1.0 - AT_BOUND)
-    J = jacobian[:, inside]
+    J = np.concatenate(roots)[:, None] * jacobian[:, inside]
     scale = np.maximum(np.linalg.norm(J, axis=0), 1e-12)
     J = J / scale
     bread = np.linalg.pinv(J.T @ J, rcond=1e-12)
