@@ -25,6 +25,10 @@ def test_real_hdr_test(tmp_path: Path, measured: Recorder) -> None:
     measured("NRMSE of a real HDR test, no scragging", fit.NRMSE, f"<= {tol.MEASURED_NRMSE:g}")
     assert fit.NRMSE <= tol.MEASURED_NRMSE
     assert len(fit.cycles) == 27  # the 28th is cut off by the end of the file
+    worst = max(abs(c.energy_error) for c in fit.cycles)
+    measured("largest energy error of a cycle of that test", worst, "told, not limited")
+    firsts = [round(c.amplitude_strain, 1) for c in fit.cycles if c.number == 1]
+    assert firsts == [0.2, 0.5, 1.0, 1.5]
     said = "\n".join(found.warnings)
     for words in ("not noise", "first cycles", "no time column", "no ambient temperature"):
         assert words in said
