@@ -264,7 +264,7 @@ def _ambient(sidecar: Sidecar, column: Floats | None, assumptions: list[str], wh
         if np.ptp(column) > 3.0:
             raise InputError(
                 f"ambient runs from {column.min():g} to {column.max():g} degC; one record has one "
-                "ambient temperature: cut the file, or give ambient in a sidecar",
+                "ambient temperature: cut the file in one per temperature",
                 where,
             )
         return float(column.mean())

@@ -38,6 +38,7 @@ POOR = 0.1  # relative standard error of a poorly determined one
 LEAST = 0.1  # m_T, n_T, b and s may be zero: errors are relative to this at least
 LEVEL = 0.95
 CORRELATED = 0.95
+NEGLIGIBLE = 1e-3  # of the peak force: smaller residuals are no matter for a warning
 ALIKE = 0.2  # effective over actual samples, below which residuals are not noise
 BLOCK_TURN = 0.05  # of the largest displacement: half cycles larger than this are blocks
 TEMPERATURE_SPAN = 15.0  # K between tests that fix a temperature coefficient
@@ -87,6 +88,7 @@ class Uncertainty:
     covariance : in the unit cube; rows and columns of parameters at bounds are zero.
     correlation : the same, normalised.
     samples, effective_samples : how many, and how many independent ones they are worth.
+    rms : root mean square of the residuals, relative to the peak force.
     warnings : in words.
     """
 
@@ -95,6 +97,7 @@ class Uncertainty:
     correlation: Floats
     samples: int
     effective_samples: float
+    rms: float
     warnings: list[str] = field(default_factory=list)
 
 
@@ -127,8 +130,8 @@ def effective_samples(residuals: Floats) -> float:
     return float(n / (1.0 + 2.0 * rho[1:end].sum()))
 
 
-def _covariance(problem: Problem, cube: Floats) -> tuple[Floats, float, int]:
-    """Covariance in the unit cube, effective samples, all samples."""
+def _covariance(problem: Problem, cube: Floats) -> tuple[Floats, float, int, float]:
+    """Covariance in the unit cube, effective samples, all samples, rms of the residuals."""
     plain = problem.parts(cube, fine=True)
     roots = [np.sqrt(robust_weights(part, problem.loss)) for part in plain]
     parts = [root * part for root, part in zip(roots, plain, strict=True)]
@@ -157,14 +160,14 @@ def _covariance(problem: Problem, cube: Floats) -> tuple[Floats, float, int]:
     chosen = sandwich * np.outer(grow, grow) / np.outer(scale, scale)
     full = np.zeros((len(cube), len(cube)))
     full[np.ix_(inside, inside)] = chosen
-    return full, effective, n
+    return full, effective, n, float(np.sqrt(np.mean(residuals**2)))
 
 
 def estimate(problem: Problem, cube: Floats) -> Uncertainty:
     """Standard errors, intervals and warnings at the optimum of a fit."""
     from scipy.stats import t as student
 
-    covariance, effective, samples = _covariance(problem, cube)
+    covariance, effective, samples, rms = _covariance(problem, cube)
     blocks = sum(len(np.unique(_blocks(record))) for record in problem.records)
     wide = float(student.ppf(0.5 + 0.5 * LEVEL, max(blocks - len(cube), 2)))
     estimates = {}
@@ -183,7 +186,7 @@ def estimate(problem: Problem, cube: Floats) -> Uncertainty:
     spread = np.sqrt(np.diag(covariance))
     safe = np.where(spread > 0.0, spread, 1.0)
     correlation = covariance / np.outer(safe, safe)
-    found = Uncertainty(estimates, covariance, correlation, samples, effective)
+    found = Uncertainty(estimates, covariance, correlation, samples, effective, rms)
     found.warnings.extend(_warnings(problem, found))
     return found
 
@@ -218,7 +221,7 @@ def _warnings(problem: Problem, found: Uncertainty) -> list[str]:
                     f"{a} and {b} are entangled (correlation {rho:.2f}): only a combination of "
                     f"them is known; {_remedy({keys[i], keys[j]})}"
                 )
-    if found.effective_samples < ALIKE * found.samples:
+    if found.rms > NEGLIGIBLE and found.effective_samples < ALIKE * found.samples:
         said.append(
             "the residuals are not noise: they repeat themselves from sample to sample "
             f"({found.samples} samples are worth {found.effective_samples:.0f} independent ones), "
@@ -234,9 +237,12 @@ def _test_warnings(problem: Problem) -> list[str]:
     free = {p.kind.key for p in problem.pset.free}
     ambients = [record.ambient for record in problem.records]
     if free & {M_T, N_T} and max(ambients) - min(ambients) < TEMPERATURE_SPAN:
+        span = f"{min(ambients):g}"
+        if max(ambients) > min(ambients):
+            span += f" to {max(ambients):g}"
         said.append(
-            f"m_T and n_T were fitted to tests at {min(ambients):g} to {max(ambients):g} degC "
-            f"only, from self-heating alone: {_remedy({M_T})}"
+            f"m_T and n_T were fitted to tests at {span} degC only, mostly from self-heating: "
+            f"{_remedy({M_T})}"
         )
     if free & {C_V, K_V}:
         speeds = [s for record in problem.records for s in _speeds(record)]
