@@ -17,7 +17,7 @@ from thermobearing.identify.synthetic import forgotten, synthetic_record
 Floats = NDArray[np.float64]
 
 AMBIENTS = (-20.0, 0.0, 23.0)  # [degC]
-SEEDS, PROBLEMS = 10, 40
+SEEDS, PROBLEMS = 10, 80
 BUDGET = 1000  # evaluations of each method in the table
 MEMORY = 0.8  # of the correlated noise
 LIMITS = {"HDR": 15.0, "LHDR": 40.0}  # [s], three tests on two cores
@@ -68,7 +68,7 @@ def recovery(kind: str) -> list[Row]:
 
 
 def coverage(memory: float) -> Row:
-    """Share of 95 % intervals that hold the truth, over forty problems."""
+    """Share of 95 % intervals that hold the truth, over eighty problems."""
     truth = tb.load_bearing(NAMES["HDR"])
     inside = []
     for seed in range(PROBLEMS):

@@ -168,3 +168,34 @@ def test_lead_rubber_bearing_with_linear_rubber() -> None:
     symbols = {e.parameter.kind.symbol for e in found.uncertainty.estimates.values()}
     assert symbols == {"K_r", "m_T", "K_l", "sigma_Y"}
     assert_recovered(found, truth)
+
+
+def test_standard_errors_are_the_exact_ones_of_correlated_noise(measured: Recorder) -> None:
+    """Covariance B J^T C J B of least squares, B = (J^T J)^-1, with the C that made the noise."""
+    rho, noise = 0.8, 0.02
+    ratios = []
+    for seed in range(3):
+        records = [
+            synthetic_record(HDR, at, noise=noise, memory=rho, seed=30 + 10 * seed + i)
+            for i, at in enumerate(AMBIENTS)
+        ]
+        found = identify(records, HDR, starts=1, blind=False)
+        jacobian = found.problem.jacobian(found.cube, fine=True, central=True)
+        bread = np.linalg.inv(jacobian.T @ jacobian)
+        sizes = np.cumsum([len(record.time) for record in records])[:-1]
+        meat = sum(J.T @ ar1_times(J, rho) for J in np.split(jacobian, sizes))
+        exact = noise * np.sqrt(np.diag(bread @ meat @ bread))
+        ratios.append(np.sqrt(np.diag(found.uncertainty.covariance)) / exact)
+    mean = np.mean(ratios, axis=0)
+    off = float(np.abs(mean - 1.0).max())
+    measured("standard errors over those of the known noise, less one", off, "<= 0.15")
+    assert off <= tol.STANDARD_ERROR
+
+
+def ar1_times(columns: np.ndarray, rho: float) -> np.ndarray:
+    """The correlation matrix rho^|i - j| times columns, by two recursions."""
+    from scipy.signal import lfilter
+
+    ahead = lfilter([1.0], [1.0, -rho], columns, axis=0)
+    back = lfilter([1.0], [1.0, -rho], columns[::-1], axis=0)[::-1]
+    return np.asarray(ahead + back - columns)
