@@ -26,6 +26,7 @@ ITEMS = {
     "finite_elements": "One dimension",
     "energy": "Energy books",
     "memory": "Memory",
+    "identification": "Identification",
 }
 MARKS = {True: "[green]yes[/]", False: "[bold red]NO[/]", None: ""}
 

@@ -28,6 +28,7 @@ from thermobearing.commands.common import (
     reported,
     written,
 )
+from thermobearing.commands.identify import identify
 from thermobearing.errors import InputError
 
 if TYPE_CHECKING:
@@ -228,6 +229,9 @@ def measure(
     if as_json:
         echo_json(without_nan({"cycles": [dataclasses.asdict(cycle) for cycle in cycles]}))
     return 0
+
+
+app.command()(identify)
 
 
 def main() -> None:

@@ -8,6 +8,8 @@ import csv
 import io
 import math
 import re
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -98,22 +100,85 @@ def _numbers(
     return values
 
 
-def _rows(path: Path) -> list[tuple[int, list[str]]]:
-    """Rows that hold anything, with their line numbers."""
-    reader = csv.reader(io.StringIO(read_text(path), newline=None), strict=True)
+def _rows(path: Path, layout: "Layout") -> list[tuple[int, list[str]]]:
+    """Header and rows that hold anything, with their line numbers."""
+    lines = io.StringIO(read_text(path), newline=None).readlines()
+    if layout.lines_before >= len(lines) > 0:
+        raise InputError(f"has {len(lines)} lines, not {layout.lines_before} before its header")
+    reader = csv.reader(lines[layout.lines_before :], strict=True)
     try:
-        return [(reader.line_num, row) for row in reader if any(cell.strip() for cell in row)]
+        rows = [
+            (reader.line_num + layout.lines_before, row)
+            for row in reader
+            if any(cell.strip() for cell in row)
+        ]
     except csv.Error as error:
-        raise InputError(f"line {reader.line_num}: {error}") from None
+        line = reader.line_num + layout.lines_before
+        raise InputError(f"line {line}: {error}") from None
+    return rows[:1] + rows[1 + layout.lines_after :]
 
 
-def read_columns(path: Path | str, wanted: dict[str, str]) -> dict[str, Floats]:
+@dataclass(frozen=True)
+class Layout:
+    """How a laboratory's file differs from a plain table.
+
+    Attributes
+    ----------
+    lines_before : lines before the line that names the columns.
+    lines_after : lines between that line and the first numbers (of units, of channels).
+    titles : the file's own title of a column, by the name it is wanted by.
+    units : unit of a column, by that name; wins over what the title says.
+    """
+
+    lines_before: int = 0
+    lines_after: int = 0
+    titles: Mapping[str, str] = field(default_factory=dict)
+    units: Mapping[str, str] = field(default_factory=dict)
+
+
+def _titled(
+    name: str, unit: str, header: list[str], columns: dict[tuple[str, str], int], layout: Layout
+) -> tuple[int, float, float]:
+    """Column number, scale and offset of a quantity whose title or unit the user gave."""
+    known = {number: key for key, number in columns.items()}
+    if name in layout.titles:
+        title = layout.titles[name]
+        if title not in header:
+            raise InputError(f'no column "{title}"{nearest(title, header)}')
+        number = header.index(title)
+    else:
+        by_name = [number for (n, _), number in columns.items() if n == name]
+        by_name += [number for number, title in enumerate(header) if title.lower() == name]
+        if not by_name:
+            raise InputError(f'no column "{name}"{nearest(name, header)}')
+        number = by_name[0]
+    given = layout.units.get(name) or known.get(number, ("", ""))[1]
+    if not given:
+        bracket = re.search(r"[\[(（_]([^\])）_]+)[\])）]?$", header[number])
+        if bracket is None:
+            raise InputError(f'column "{header[number]}" has no unit; give units.{name}')
+        given = bracket[1]
+    try:
+        return number, *conversion(given, unit)
+    except InputError as error:
+        raise InputError(error.lines(f'column "{header[number]}"')) from None
+
+
+def read_columns(
+    path: Path | str,
+    wanted: dict[str, str],
+    *,
+    optional: Collection[str] = (),
+    layout: Layout | None = None,
+) -> dict[str, Floats]:
     """Columns of a CSV file by name, converted to the wanted units.
 
     Parameters
     ----------
     path : the file; its first line names the columns and their units.
     wanted : unit by column name, such as {"time": "s", "displacement": "mm"}.
+    optional : names that may be missing; they are then missing from what is returned.
+    layout : extra lines and other titles and units, if the file is not a plain table.
 
     Raises
     ------
@@ -121,13 +186,15 @@ def read_columns(path: Path | str, wanted: dict[str, str]) -> dict[str, Floats]:
         finite number (with its line).
     """
     try:
-        return _read_columns(Path(path), wanted)
+        return _read_columns(Path(path), wanted, optional, layout or Layout())
     except InputError as error:
         raise error if error.where else InputError(error.problems, str(path)) from None
 
 
-def _read_columns(path: Path, wanted: dict[str, str]) -> dict[str, Floats]:
-    rows = _rows(path)
+def _read_columns(
+    path: Path, wanted: dict[str, str], optional: Collection[str], layout: Layout
+) -> dict[str, Floats]:
+    rows = _rows(path, layout)
     if not rows:
         raise InputError("is empty")
     if len(rows[0][1]) == 1 and re.search("[;\t]", rows[0][1][0]):
@@ -136,7 +203,10 @@ def _read_columns(path: Path, wanted: dict[str, str]) -> dict[str, Floats]:
     columns, picked, problems = _columns(header), {}, []
     for name, unit in wanted.items():
         try:
-            picked[name] = _pick(columns, name, unit, header)
+            if name in layout.titles or name in layout.units:
+                picked[name] = _titled(name, unit, header, columns, layout)
+            elif name not in optional or any(n == name for n, _ in columns):
+                picked[name] = _pick(columns, name, unit, header)
         except InputError as error:
             problems += error.problems
     if len(body) < 2:

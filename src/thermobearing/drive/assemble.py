@@ -88,6 +88,21 @@ def build_constants(
     )
 
 
+def with_parameters(constants: Constants, bearing: Bearing, stack: Stack) -> Constants:
+    """The same stack and heat cells with the rubber, lead and rate numbers of another bearing.
+
+    For identification, where only those change from one evaluation to the next. The bearing
+    must have the geometry and materials that `constants` and `stack` were built from.
+    """
+    integrator: Integrator = "euler" if constants.rubber.integrator == EULER else "exact"
+    lead, _, _ = _lead(bearing, stack, published=constants.lead.published)
+    return constants._replace(
+        rubber=_rubber(bearing, integrator),
+        lead=lead,
+        viscous=_viscous(bearing, heats=constants.viscous.heats),
+    )
+
+
 def _lead(bearing: Bearing, stack: Stack, *, published: bool) -> tuple[Lead, Floats, Floats]:
     """Numbers of the lead cores, and their conductances to each cell: ends, sides (5.1-5.7)."""
     nothing = np.zeros(len(stack.part))

@@ -15,8 +15,10 @@ from thermobearing.errors import OutputError
 SUMMARY, DATASET, HISTORY = "summary.json", "result.nc", "history.csv"
 RESOLVED, FIGURES, COMPARISON = "case.resolved.toml", "figures", "comparison.csv"
 TABLE = "table.csv"
+IDENTIFIED, FIT_TABLE, SAMPLES = "bearing.toml", "fit.csv", "posterior.csv"
 # Everything that any command writes into a result directory; nothing else is ever deleted.
 RESULT_NAMES = {SUMMARY, DATASET, HISTORY, RESOLVED, FIGURES, COMPARISON, TABLE, ".DS_Store"}
+RESULT_NAMES |= {IDENTIFIED, FIT_TABLE, SAMPLES}
 
 
 def check_target(directory: Path, *, force: bool) -> None:

@@ -1,0 +1,175 @@
+"""Parameters from tests: recovery, time, coverage, model error, methods at the same budget."""
+
+import time
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+import thermobearing as tb
+from benchmarks.rows import Row, at_least, at_most, plain
+from thermobearing.identify.fit import Identification, identify
+from thermobearing.identify.krill import krill_herd
+from thermobearing.identify.record import TestRecord
+from thermobearing.identify.report import fits
+from thermobearing.identify.synthetic import forgotten, synthetic_record
+
+Floats = NDArray[np.float64]
+
+AMBIENTS = (-20.0, 0.0, 23.0)  # [degC]
+SEEDS, PROBLEMS = 10, 80
+BUDGET = 1000  # evaluations of each method in the table
+MEMORY = 0.8  # of the correlated noise
+LIMITS = {"HDR": 15.0, "LHDR": 40.0}  # [s], three tests on two cores
+NAMES = {"HDR": "shen-hdr-specimen", "LHDR": "shen-lhdr-specimen"}
+
+
+def tests_of(bearing: tb.Bearing, seed: int, **options: float) -> list[TestRecord]:
+    """Table 3.4 at three temperatures with 2 % of noise."""
+    return [
+        synthetic_record(bearing, at, seed=10 * seed + i, **options)  # type: ignore[arg-type]
+        for i, at in enumerate(AMBIENTS)
+    ]
+
+
+def true_value(bearing: tb.Bearing, key: str) -> float:
+    """A number of a bearing by dotted key."""
+    table, name = key.split(".")
+    return float(getattr(getattr(bearing, table), name))
+
+
+def recovery(kind: str) -> list[Row]:
+    """Ten seeds from a blind start."""
+    truth = tb.load_bearing(NAMES[kind])
+    tests_of(truth, 0)
+    errors, scores, r2, seconds, beyond, well = [], [], [], [], 0, set()
+    for seed in range(SEEDS):
+        records = tests_of(truth, seed)
+        begin = time.perf_counter()
+        found = identify(records, forgotten(truth), seed=seed)
+        seconds.append(time.perf_counter() - begin)
+        r2 += [fit.R2 for fit in fits(found)]
+        for key, item in found.uncertainty.estimates.items():
+            off = abs(item.value - true_value(truth, key))
+            if item.well_determined:
+                well.add(item.parameter.kind.symbol)
+                errors.append(off / abs(true_value(truth, key)))
+                scores.append(off / item.stderr)
+                beyond += off > 3.0 * item.stderr
+    what = f"{kind}, 3 x 25 cycles, {SEEDS} seeds"
+    note = f"of {len(scores)} values, {beyond} beyond 3 standard errors; " + " ".join(sorted(well))
+    return [
+        at_most(f"{what}: largest error, well determined", 100.0 * max(errors), 3.0, "%"),
+        at_most(f"{what}: largest error in standard errors", max(scores), 3.0, note=note),
+        at_least(f"{what}: smallest R2", min(r2), 0.99),
+        at_most(f"{what}: longest time", max(seconds), LIMITS[kind], "s",
+                f"median {np.median(seconds):.1f} s"),
+    ]  # fmt: skip
+
+
+def coverage(memory: float) -> Row:
+    """Share of 95 % intervals that hold the truth, over eighty problems."""
+    truth = tb.load_bearing(NAMES["HDR"])
+    inside = []
+    for seed in range(PROBLEMS):
+        found = identify(tests_of(truth, 100 + seed, memory=memory), truth, starts=1)
+        inside += [
+            item.lower <= true_value(truth, key) <= item.upper
+            for key, item in found.uncertainty.estimates.items()
+        ]
+    share = 100.0 * float(np.mean(inside))
+    kind = f"noise of correlation {memory:g}" if memory else "white noise"
+    what = f"95 % intervals that hold the truth, {PROBLEMS} HDR problems, {kind}"
+    return Row(what, share, "%", "85 to 99 %", 85.0 <= share <= 99.0)
+
+
+def model_error() -> list[Row]:
+    """First cycles stiffer than the law on purpose."""
+    truth = tb.load_bearing(NAMES["HDR"])
+    rows = []
+    for factor in (1.0, 1.1, 1.3, 1.5):
+        found = identify(tests_of(truth, 0, first_cycle=factor), forgotten(truth))
+        lowest = min(fit.R2 for fit in fits(found))
+        worth = found.uncertainty.effective_samples / found.uncertainty.samples
+        note = f"{len(found.warnings)} warnings; a sample is worth {worth:.2f} of one"
+        rows.append(plain(f"R2 with first cycles x {factor:g}", lowest, note=note))
+    return rows
+
+
+def known_functions() -> list[Row]:
+    """Krill Herd on two functions of seven dimensions."""
+
+    def sphere(u: Floats) -> float:
+        return float(((10.0 * u - 5.0) ** 2).sum())
+
+    def rosenbrock(u: Floats) -> float:
+        x = 10.0 * u - 5.0
+        return float((100.0 * (x[1:] - x[:-1] ** 2) ** 2 + (1.0 - x[:-1]) ** 2).sum())
+
+    rows = []
+    cases: list[tuple[str, Callable[[Floats], float], float]] = [
+        ("sphere", sphere, 1e-4),
+        ("Rosenbrock", rosenbrock, 7.0),
+    ]
+    for name, function, limit in cases:
+        begin = time.perf_counter()
+        values = [krill_herd(function, 7, evaluations=5000, seed=s).value for s in range(5)]
+        note = f"worst {max(values):.2g}; {(time.perf_counter() - begin) / 5:.2f} s a run"
+        what = f"Krill Herd, 7-D {name}, 5000 evaluations, median"
+        rows.append(at_most(what, float(np.median(values)), limit, note=note))
+    return rows
+
+
+def _cost(found: Identification) -> float:
+    return float(np.mean(np.concatenate(found.problem.parts(found.cube, fine=True)) ** 2))
+
+
+def methods() -> list[Row]:
+    """The same three HDR tests, every method with the same budget, three seeds."""
+    truth = tb.load_bearing(NAMES["HDR"])
+    records = tests_of(truth, 7)
+    cases = {
+        "krill-herd alone": {"method": "krill-herd", "polish": False},
+        "krill-herd, then least squares": {"method": "krill-herd", "evaluations": BUDGET - 150},
+        "least squares, one start": {"starts": 1},
+        "least squares, 8 starts": {"starts": 8},
+        "differential evolution alone": {"method": "differential-evolution", "polish": False},
+        "differential evolution, then least squares": {
+            "method": "differential-evolution", "evaluations": BUDGET - 150,
+        },
+    }  # fmt: skip
+    lowest, rows, results = np.inf, [], {}
+    for name, options in cases.items():
+        runs = [
+            identify(records, forgotten(truth), seed=seed, **{"evaluations": BUDGET, **options})  # type: ignore[arg-type]
+            for seed in range(3)
+        ]
+        results[name] = runs
+        lowest = min(lowest, *(_cost(run) for run in runs))
+    for name, runs in results.items():
+        costs = sorted(_cost(run) / lowest for run in runs)
+        off = max(
+            abs(run.values[key] / true_value(truth, key) - 1.0)
+            for run in runs
+            for key in run.uncertainty.estimates
+        )
+        seconds = np.median([run.seconds for run in runs])
+        note = (
+            f"worst {costs[-1]:.4g}; largest parameter error {off:.1%}; "
+            f"{max(run.evaluations for run in runs)} evaluations, {seconds:.1f} s"
+        )
+        rows.append(plain(f"cost over the best, {name}, median of 3", costs[1], note=note))
+    return rows
+
+
+def rows() -> list[Row]:
+    """All of them; some minutes."""
+    return [
+        *recovery("HDR"),
+        *recovery("LHDR"),
+        coverage(0.0),
+        coverage(MEMORY),
+        *model_error(),
+        *known_functions(),
+        *methods(),
+    ]

@@ -1,0 +1,321 @@
+"""Is a test record what it says it is? Findings in words, before anything is fitted."""
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from thermobearing.bearing.model import Bearing
+from thermobearing.identify.cycles import Cycle, cycles_of, measures_of
+from thermobearing.identify.forward import PAUSE
+from thermobearing.identify.record import TestRecord
+from thermobearing.results.metrics import loop_energy
+
+Floats = NDArray[np.float64]
+Level = Literal["refused", "warning", "note"]
+
+FEW_SAMPLES, FEWEST_SAMPLES = 40, 12  # in a cycle: warned, refused
+GAP_FACTOR = 5.0  # a sampling gap longer than this times the usual one, while moving
+GAP_WAY = 0.05  # of the largest displacement, covered without a sample
+DRIFT = 0.05  # of the largest force or displacement, over the record
+OFFSET = 0.03  # the same, mean of all cycles
+ENDS_AWAY = 0.1  # of the largest displacement
+CLIPPED_RUN = 4  # samples in a row at exactly the extreme force ...
+CLIPPED_WAY = 0.02  # ... while the bearing moves this part of the largest displacement
+SOFTEST, STIFFEST = 0.2, 12.0  # equivalent shear modulus of bearings, cold ones too [MPa]
+LARGEST_STRAIN, SMALLEST_STRAIN = 4.0, 0.05
+TONF = 9.80665
+SLOWEST, FASTEST = 0.01, 2000.0  # mean speed [mm/s]
+COLDEST, HOTTEST = -80.0, 250.0  # thermocouples [degC]
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing noticed: how grave, which check, and a sentence with numbers."""
+
+    level: Level
+    check: str
+    sentence: str
+
+
+@dataclass
+class CheckReport:
+    """What was found in a record.
+
+    Attributes
+    ----------
+    record : what was looked at.
+    cycles : full cycles, with their amplitude and number.
+    findings : in the order of the checks.
+    clipped : samples at which the force was saturated; a fit leaves them out.
+    """
+
+    record: TestRecord
+    cycles: list[Cycle]
+    findings: list[Finding] = field(default_factory=list)
+    clipped: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, dtype=bool))
+
+    def add(self, level: Level, check: str, sentence: str) -> None:
+        """Note something."""
+        self.findings.append(Finding(level, check, sentence))
+
+    @property
+    def refusals(self) -> list[str]:
+        """Why the record cannot be fitted; empty if it can."""
+        where = self.record.file or self.record.name
+        return [f"{where}: {f.sentence}" for f in self.findings if f.level == "refused"]
+
+    @property
+    def outcome(self) -> str:
+        """The gravest level: "refused", "warning" or "good"."""
+        levels = {finding.level for finding in self.findings}
+        return next((level for level in ("refused", "warning") if level in levels), "good")
+
+
+def check_test(record: TestRecord, bearing: Bearing | None = None) -> CheckReport:
+    """Look a record over.
+
+    Parameters
+    ----------
+    record : from `load_test`.
+    bearing : plan area and rubber thickness, for the plausibility of strains and stresses.
+
+    Returns
+    -------
+    CheckReport : never raises for what is in the record; see `refusals`.
+
+    Examples
+    --------
+    >>> from thermobearing.identify.record import record_from_arrays
+    >>> t = np.linspace(0.0, 10.0, 500)
+    >>> still = record_from_arrays(t, 0.0 * t, np.sin(t), 23.0)
+    >>> check_test(still).outcome
+    'refused'
+    """
+    report = CheckReport(record, [])
+    report.clipped = np.zeros(len(record.time), dtype=bool)
+    for text in record.assumptions:
+        report.add("warning", "assumed", text)
+    if not _is_a_test(report):
+        return report
+    report.cycles = cycles_of(record)
+    if not _sign(report):
+        return report
+    _sampling(report)
+    _cycles(report)
+    _centred(report)
+    _clipping(report)
+    if bearing is not None and report.cycles:
+        _plausible(report, bearing)
+    _temperatures(report)
+    return report
+
+
+def _is_a_test(report: CheckReport) -> bool:
+    """Numbers that can be a test at all."""
+    record = report.record
+    if not (np.diff(record.time) > 0.0).all():
+        k = int(np.argmin(np.diff(record.time) > 0.0))
+        report.add(
+            "refused", "time",
+            f"time does not increase from {record.time[k]:g} to {record.time[k + 1]:g} s "
+            f"(rows {k + 1} and {k + 2}): files joined, or columns swapped?",
+        )  # fmt: skip
+        return False
+    for name, values, unit in (
+        ("displacement", record.displacement, "mm"),
+        ("force", record.force, "kN"),
+    ):
+        if np.ptp(values) <= 1e-9 * max(1.0, float(np.abs(values).max())):
+            report.add("refused", name, f"{name} is constant at {values[0]:g} {unit}")
+            return False
+    return True
+
+
+def _sign(report: CheckReport) -> bool:
+    """Loops that dissipate, with force along displacement."""
+    record = report.record
+    d, f = record.displacement, record.force
+    if report.cycles:
+        energy = sum(loop_energy(d[c.first : c.last + 1], f[c.first : c.last + 1])
+                     for c in report.cycles)  # fmt: skip
+    else:
+        energy = loop_energy(d, f)
+    along = float(np.corrcoef(d, f)[0, 1])
+    if energy >= 0.0 and along > 0.0:
+        return True
+    if energy < 0.0 and along > 0.0:
+        report.add(
+            "refused", "columns",
+            f"the loops give back work ({energy:.4g} kN mm) although force goes with displacement: "
+            "the columns of displacement and force look swapped",
+        )  # fmt: skip
+    else:
+        report.add(
+            "refused", "sign",
+            "force has the opposite sign of displacement: set flip_force = true in the sidecar",
+        )  # fmt: skip
+    return False
+
+
+def _sampling(report: CheckReport) -> None:
+    """Enough samples, none missing while the bearing moves, a plausible speed."""
+    record = report.record
+    gaps, ways = np.diff(record.time), np.abs(np.diff(record.displacement))
+    moving = ways > 1e-4 * record.peak_displacement
+    usual = float(np.median(gaps[moving])) if moving.any() else float(np.median(gaps))
+    same_block = np.diff(record.block) == 0
+    lost = (gaps > GAP_FACTOR * usual) & (ways > GAP_WAY * record.peak_displacement) & same_block
+    for k in np.flatnonzero(lost)[:3]:
+        report.add(
+            "warning", "sampling",
+            f"no samples from {record.time[k]:.4g} to {record.time[k + 1]:.4g} s, while the "
+            f"bearing moved {ways[k]:.3g} mm",
+        )  # fmt: skip
+    speed = float(np.sum(ways[moving]) / max(float(np.sum(gaps[moving])), 1e-12))
+    if not SLOWEST <= speed <= FASTEST:
+        report.add(
+            "warning", "speed",
+            f"mean speed is {speed:.3g} mm/s: is the unit of time or displacement right?",
+        )  # fmt: skip
+    report.add(
+        "note", "sampling",
+        f"{len(record.time)} samples, usually {1e3 * usual:.3g} ms apart, mean speed "
+        f"{speed:.3g} mm/s, {int(((gaps > PAUSE) & ~moving).sum())} gaps longer than {PAUSE:g} s "
+        "at rest",
+    )  # fmt: skip
+    counts = [c.last - c.first for c in report.cycles if not c.closing]
+    if counts and min(counts) < FEW_SAMPLES:
+        level: Level = "refused" if min(counts) < FEWEST_SAMPLES else "warning"
+        report.add(level, "sampling", f"a cycle has only {min(counts)} samples")
+
+
+def _cycles(report: CheckReport) -> None:
+    """Full cycles, more than one, and an end where they end."""
+    record = report.record
+    full = [c for c in report.cycles if not c.closing]
+    if not full:
+        report.add(
+            "refused", "cycles",
+            "no full cycle (zero, one side, other side, zero) was found: a fit needs reversals",
+        )  # fmt: skip
+        return
+    if len(full) == 1:
+        report.add(
+            "warning", "cycles",
+            "one cycle only: nothing tells the virgin loop from the later ones, amplitude "
+            "dependence (b) from stiffness, or heating from the rest",
+        )  # fmt: skip
+    levels = sum(c.number == 1 for c in full)
+    report.add("note", "cycles", f"{len(full)} full cycles at {levels} amplitudes in a row")
+    if abs(record.displacement[-1]) > ENDS_AWAY * record.peak_displacement:
+        report.add(
+            "warning", "end",
+            f"the record ends at {record.displacement[-1]:.4g} mm, in the middle of a cycle: "
+            "truncated?",
+        )  # fmt: skip
+    if abs(record.displacement[0]) > ENDS_AWAY * record.peak_displacement:
+        report.add(
+            "warning", "begin",
+            f"the record begins at {record.displacement[0]:.4g} mm: the model has to get there "
+            "first, from rest",
+        )  # fmt: skip
+
+
+def _centred(report: CheckReport) -> None:
+    """Drift and offset of the middle of the loops."""
+    record = report.record
+    full = [c for c in report.cycles if not c.closing]
+    for name, values, peak, unit in (
+        ("force", record.force, record.peak_force, "kN"),
+        ("displacement", record.displacement, record.peak_displacement, "mm"),
+    ):
+        middles = np.array(
+            [0.5 * (values[c.first : c.last + 1].max() + values[c.first : c.last + 1].min())
+             for c in full]
+        )  # fmt: skip
+        if len(middles) == 0:
+            continue
+        if len(middles) > 2:
+            slope = float(np.polyfit(np.arange(len(middles)), middles, 1)[0])
+            drift = slope * (len(middles) - 1)
+            if abs(drift) > DRIFT * peak:
+                report.add(
+                    "warning", "drift",
+                    f"the middle of the {name} loops drifts by {drift:.3g} {unit} over the record",
+                )  # fmt: skip
+        offset = float(np.median(middles))
+        if abs(offset) > OFFSET * peak:
+            report.add(
+                "warning", "offset",
+                f"the middle of the {name} loops is at {offset:.3g} {unit}, not at zero; "
+                f'{name}_offset = "{offset:.3g} {unit}" in the sidecar takes it away',
+            )  # fmt: skip
+
+
+def _clipping(report: CheckReport) -> None:
+    """Force that stays at exactly its extreme while the bearing moves on."""
+    record = report.record
+    for extreme in (record.force.max(), record.force.min()):
+        at = np.abs(record.force - extreme) <= 1e-9 * record.peak_force
+        edges = np.flatnonzero(np.diff(np.concatenate([[False], at, [False]]).astype(np.int8)))
+        for a, b in edges.reshape(-1, 2):
+            way = float(np.ptp(record.displacement[a:b]))
+            if b - a >= CLIPPED_RUN and way > CLIPPED_WAY * record.peak_displacement:
+                report.clipped[a:b] = True
+    count = int(report.clipped.sum())
+    if count:
+        largest = float(np.abs(record.force[report.clipped]).max())
+        report.add(
+            "warning", "saturation",
+            f"force is clipped at {largest:.4g} kN in {count} samples: the load cell or amplifier "
+            "was saturated; a fit leaves them out, and peak forces of the test are too small",
+        )  # fmt: skip
+
+
+def _plausible(report: CheckReport, bearing: Bearing) -> None:
+    """Strains and moduli that a rubber bearing can have."""
+    record, rubber = report.record, bearing.total_rubber_thickness
+    strain = record.peak_displacement / rubber
+    if strain > LARGEST_STRAIN:
+        report.add(
+            "refused", "strain",
+            f"displacement reaches {record.peak_displacement:.4g} mm, {strain:.0%} of the total "
+            f"rubber thickness of {rubber:g} mm: wrong unit, or the wrong bearing?",
+        )  # fmt: skip
+    elif strain < SMALLEST_STRAIN:
+        report.add(
+            "warning", "strain",
+            f"displacement reaches {strain:.1%} of the total rubber thickness only: wrong unit?",
+        )  # fmt: skip
+    measured = measures_of(record, record.force, bearing.area, rubber)
+    largest = max(measured, key=lambda m: m.amplitude_mm)
+    modulus = largest.G_eq_MPa
+    stated = f"the equivalent shear modulus at the largest amplitude is {modulus:.3g} MPa"
+    if modulus < SOFTEST:
+        hint = ""
+        if SOFTEST < TONF * modulus < STIFFEST:
+            hint = f"; in tonf it would be {TONF * modulus:.3g} MPa: is force in tonf labelled kN?"
+        report.add("refused", "force unit", f"{stated}, less than any rubber has{hint}")
+    elif modulus > STIFFEST:
+        hint = f"; {modulus / TONF:.3g} MPa if force is in kN labelled tonf?"
+        report.add("refused", "force unit", f"{stated}, more than any bearing has{hint}")
+    else:
+        report.add("note", "force unit", stated)
+
+
+def _temperatures(report: CheckReport) -> None:
+    """Thermocouples that work, and that start near the ambient."""
+    record = report.record
+    for title, values in record.temperatures.items():
+        if values.min() < COLDEST or values.max() > HOTTEST:
+            report.add(
+                "warning", "thermocouple",
+                f"{title} runs from {values.min():.3g} to {values.max():.3g} degC: broken?",
+            )  # fmt: skip
+        elif abs(values[0] - record.ambient) > 5.0:
+            report.add(
+                "warning", "thermocouple",
+                f"{title} starts at {values[0]:.3g} degC, the ambient is {record.ambient:g} degC",
+            )  # fmt: skip

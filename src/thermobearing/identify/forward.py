@@ -1,0 +1,231 @@
+"""The model driven through a record: the same march as everywhere, with quick new numbers.
+
+Stack, cells and time steps are made once per record; an evaluation changes the numbers of
+rubber, lead and rate dependence only. Steps may be coarser than the samples: fine where the
+motion turns (the loop is steep there) and longer along a leg; Z is exact for any increment,
+and the force between two steps is interpolated along the displacement.
+"""
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from thermobearing.bearing.model import Bearing
+from thermobearing.core.types import BOOKS, FORCE, LEAD_DEGC
+from thermobearing.drive.ambient import Ambient
+from thermobearing.drive.assemble import build_constants, with_parameters
+from thermobearing.drive.outcomes import INTERRUPTED
+from thermobearing.drive.protocol import Segment
+from thermobearing.drive.run import column_numbers, has_branches, run_segments
+from thermobearing.errors import InputError
+from thermobearing.identify.record import TestRecord
+from thermobearing.stack import Face, build_stack
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+ETA = 2.0  # heat exchange of the end faces, as in `run`
+TURN = 0.005  # of the largest displacement: a smaller wiggle is noise, not a turn
+FIRST_STEP = 0.002  # of the largest displacement, after a turn
+GROWTH = 0.15  # of the way since the turn: step along a leg
+LONGEST_STEP = 0.05  # of the largest displacement
+PAUSE = 1.0  # a gap between samples longer than this is cut into growing steps [s]
+PAUSE_FIRST, PAUSE_GROWTH, PAUSE_STEPS = 0.05, 1.2, 40
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """What the model says at the samples of a record."""
+
+    force: Floats  # [kN]
+    temperatures: dict[str, Floats]  # by title of the thermocouple [degC]
+    outcome: str
+
+
+@dataclass(frozen=True)
+class _Grid:
+    """Steps of the model, and where each sample lies between them."""
+
+    x: Floats
+    dt: Floats
+    before: Ints  # row of the step at or before each sample
+    after: Ints
+    part: Floats  # of the way between them
+
+
+def turning_points(x: Floats, threshold: float) -> Ints:
+    """First and last sample, and each between them where the motion turns by the threshold.
+
+    Examples
+    --------
+    >>> turning_points(np.array([0.0, 1.0, 2.0, 1.0, -1.0, 0.0]), 0.5).tolist()
+    [0, 2, 4, 5]
+    """
+    turns, extreme, rising = [0], 0, 0
+    values = x.tolist()
+    for i, value in enumerate(values):
+        if (rising >= 0 and value > values[extreme]) or (rising <= 0 and value < values[extreme]):
+            extreme = i
+        elif rising >= 0 and value < values[extreme] - threshold:
+            turns.append(extreme)
+            extreme, rising = i, -1
+        elif rising <= 0 and value > values[extreme] + threshold:
+            turns.append(extreme)
+            extreme, rising = i, 1
+        if rising == 0 and abs(values[extreme] - values[0]) > threshold:
+            rising = 1 if values[extreme] > values[0] else -1
+    return np.unique([*turns, len(values) - 1]).astype(np.int64)
+
+
+def _leg_ways(longest: float, peak: float) -> Floats:
+    """Distances from a turn at which a step ends."""
+    ways = [0.0]
+    while ways[-1] < longest:
+        step = min(max(FIRST_STEP * peak, GROWTH * ways[-1]), LONGEST_STEP * peak)
+        ways.append(ways[-1] + step)
+    return np.array(ways[1:])
+
+
+def coarse_nodes(time: Floats, x: Floats) -> Ints:
+    """Samples at which a step of the model ends: at turns, and ever sparser after them."""
+    peak = float(np.abs(x).max())
+    turns = turning_points(x, TURN * peak)
+    nodes = [turns]
+    ways = _leg_ways(2.2 * peak, peak)
+    for a, b in pairwise(turns.tolist()):
+        way = np.maximum.accumulate(np.abs(x[a : b + 1] - x[a]))
+        nodes.append(a + np.searchsorted(way, ways[ways < way[-1]]))
+    gaps = np.flatnonzero(np.diff(time) > PAUSE)
+    return np.unique(np.concatenate([*nodes, gaps, gaps + 1])).astype(np.int64)
+
+
+def _pause(duration: float, before: float, growth: float, steps: int) -> Floats:
+    """Growing steps that fill a pause [s]; they go on from a pause `before` it."""
+    sizes, left = [], duration
+    size = min(max(PAUSE_FIRST, before), duration)
+    while left > 0.0:
+        if left < 1.5 * size:
+            size = left
+        sizes.append(size)
+        left -= size
+        size = min(size * growth, max(size, duration / steps))
+    return np.array(sizes)
+
+
+def _grid(record: TestRecord, fine: bool) -> _Grid:
+    """Steps through a record; `fine` takes every sample."""
+    time, x = record.time, record.displacement
+    nodes = np.arange(len(x)) if fine else coarse_nodes(time, x)
+    growth, steps = (1.05, 100) if fine else (PAUSE_GROWTH, PAUSE_STEPS)
+    still = TURN * record.peak_displacement
+    usual = float(np.median(np.diff(time)))
+    xs, dts = [x[:1]], [np.array([usual])]
+    gaps, moves = np.diff(time[nodes]), np.diff(x[nodes])
+    counts = np.ones(len(gaps), dtype=np.int64)
+    first = 0
+    for k in np.flatnonzero((gaps > PAUSE) & (np.abs(moves) <= still)).tolist():
+        sizes = _pause(float(gaps[k]), float(gaps[k - 1]) if k else 0.0, growth, steps)
+        counts[k] = len(sizes)
+        xs += [x[nodes[first + 1 : k + 1]], np.full(len(sizes), x[nodes[k + 1]])]
+        dts += [gaps[first:k], sizes]
+        first = k + 1
+    xs.append(x[nodes[first + 1 :]])
+    dts.append(gaps[first:])
+    rows_of = 1 + np.concatenate([[0], np.cumsum(counts)])
+    place = np.clip(np.searchsorted(nodes, np.arange(len(x)), side="right") - 1, 0, len(nodes) - 2)
+    a, b = nodes[place], nodes[place + 1]
+    way, span = x - x[a], x[b] - x[a]
+    by_time = (time - time[a]) / (time[b] - time[a])
+    moved = np.abs(span) > 0.1 * FIRST_STEP * record.peak_displacement
+    part = np.where(moved, way / np.where(moved, span, 1.0), by_time)
+    return _Grid(
+        x=np.concatenate(xs),
+        dt=np.concatenate(dts),
+        before=rows_of[place],
+        after=rows_of[place + 1],
+        part=np.clip(part, -0.5, 1.5),
+    )
+
+
+class ForwardModel:
+    """One record, ready to be predicted for many bearings that differ in parameters only.
+
+    Parameters
+    ----------
+    record : what was done to the bearing.
+    bearing : geometry and materials.
+    fine : step at every sample; else fine at turns and coarse along legs, some five times faster.
+    ambient : another ambient temperature than the record's [degC].
+
+    Raises
+    ------
+    InputError : a thermocouple in a layer that the bearing has not, or in lead without lead.
+    """
+
+    def __init__(
+        self,
+        record: TestRecord,
+        bearing: Bearing,
+        *,
+        fine: bool = False,
+        ambient: float | None = None,
+    ) -> None:
+        self.record = record
+        self._stack = build_stack(bearing, half=True)
+        self._constants = build_constants(bearing, self._stack, upper=Face(eta=ETA), lower=None)
+        self._grid = _grid(record, fine)
+        grid = self._grid
+        no_turns = np.zeros(len(grid.x), dtype=bool)
+        cycle = np.zeros(len(grid.x), dtype=np.int32)
+        self._segment = Segment("recorded", record.name, grid.x, grid.dt, cycle, no_turns)
+        self._at = record.ambient if ambient is None else ambient
+        self._ambient = Ambient.constant(self._at)
+        self._initial = np.full(len(self._stack.part), self._at)
+        self._groups = ("rubber",) if record.places else ()
+        self._columns = self._thermocouples(bearing)
+
+    @property
+    def steps(self) -> int:
+        """Time steps of one evaluation."""
+        return len(self._grid.x)
+
+    def _thermocouples(self, bearing: Bearing) -> dict[str, int]:
+        """Column of the model's history for each thermocouple."""
+        layers = len(self._constants.multiplicity)
+        branches = has_branches(self._constants)
+        columns = column_numbers(layers, self._groups, branches=branches).tolist()
+        found = {}
+        for title, place in self.record.places.items():
+            if place == "lead":
+                if bearing.lead is None:
+                    raise InputError(f"thermocouples.{title}: the bearing has no lead")
+                found[title] = columns.index(LEAD_DEGC)
+                continue
+            layer, count = int(place.split()[1]), bearing.geometry.rubber_layers
+            if layer > count:
+                raise InputError(f"thermocouples.{title}: the bearing has {count} rubber layers")
+            found[title] = columns.index(BOOKS + min(layer, count + 1 - layer) - 1)
+        return found
+
+    def run(self, bearing: Bearing) -> Prediction | None:
+        """Force and temperatures at the samples; None where the model does not get through."""
+        constants = with_parameters(self._constants, bearing, self._stack)
+        history = run_segments(
+            constants, [self._segment], self._ambient, self._initial, groups=self._groups
+        )
+        if history.outcome == INTERRUPTED:
+            raise KeyboardInterrupt
+        if history.outcome != "completed":
+            return None
+        return Prediction(
+            self._at_samples(history.rows[:, FORCE]),
+            {title: self._at_samples(history.rows[:, c]) for title, c in self._columns.items()},
+            history.outcome,
+        )
+
+    def _at_samples(self, values: Floats) -> Floats:
+        grid = self._grid
+        before = values[grid.before]
+        return np.asarray(before + grid.part * (values[grid.after] - before))

@@ -1,0 +1,271 @@
+"""What may be identified: numbers of a bearing by dotted key, their symbols, bounds, scales."""
+
+import math
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from thermobearing.bearing.model import Bearing
+from thermobearing.bearing.schema import validated
+from thermobearing.errors import InputError, nearest
+
+Floats = NDArray[np.float64]
+Transform = Literal["linear", "log", "log1p"]
+
+SHAPE, D_Y = "hysteresis.shape", "hysteresis.yield_displacement"
+ALPHA, K_R, HARDENING = (
+    "hysteresis.post_yield_ratio",
+    "hysteresis.layer_stiffness",
+    "hysteresis.hardening",
+)
+M_T = "hysteresis.elastic_temperature_coefficient"
+N_T = "hysteresis.hysteretic_temperature_coefficient"
+K_L, SIGMA_Y, E2 = "lead.stiffness", "lead.yield_stress", "lead.softening"
+K_V, C_V = "rate.stiffness", "rate.damping"
+
+
+@dataclass(frozen=True)
+class Kind:
+    """One number that may be identified.
+
+    `lower` and `upper` are bounds; with `relative` they multiply the starting value. A wide
+    range is deliberate: a fit that ends at a bound says so. `transform` is the scale on
+    which the search moves: stiffness and the like by their logarithm, s by that of 1 + s,
+    because the steepness of unloading goes with 1/(1 + s).
+    """
+
+    key: str
+    symbol: str
+    unit: str
+    transform: Transform
+    lower: float
+    upper: float
+    relative: bool = False
+
+
+KINDS = (
+    Kind(ALPHA, "alpha_0", "", "log", 0.02, 1.0),
+    Kind(K_R, "K_r", "kN/mm", "log", 0.1, 10.0, relative=True),
+    Kind(SHAPE, "s", "", "log1p", -0.98, 1.0),
+    Kind(D_Y, "d_y", "mm", "log", 0.1, 10.0, relative=True),
+    Kind(HARDENING, "b", "", "linear", 0.0, 2.0),
+    Kind(M_T, "m_T", "", "linear", -6.0, 2.0),
+    Kind(N_T, "n_T", "", "linear", -8.0, 2.0),
+    Kind(K_L, "K_l", "kN/mm", "log", 0.1, 10.0, relative=True),
+    Kind(SIGMA_Y, "sigma_Y", "MPa", "log", 2.0, 40.0),
+    Kind(E2, "E2", "1/K", "linear", 0.0, 0.03),
+    Kind(K_V, "K_v", "kN/mm", "log", 0.05, 20.0, relative=True),
+    Kind(C_V, "c_v", "kN s/mm", "log", 0.05, 20.0, relative=True),
+)
+BY_KEY = {kind.key: kind for kind in KINDS}
+ALIASES = {kind.symbol: kind.key for kind in KINDS} | {"Q_l": SIGMA_Y, "alpha_1": ALPHA}
+TIE = re.compile(r"^\s*([^=]+?)\s*=\s*(?:([-+.\deE]+)\s*\*\s*)?([A-Za-z_][\w.]*)\s*$")
+
+
+def full_key(name: str) -> str:
+    """Dotted key of a parameter from its key or symbol; InputError names the nearest.
+
+    Examples
+    --------
+    >>> full_key("K_r")
+    'hysteresis.layer_stiffness'
+    """
+    key = ALIASES.get(name.strip(), name.strip())
+    if key not in BY_KEY:
+        raise InputError(f'no parameter "{name}"{nearest(name, [*ALIASES, *BY_KEY])}')
+    return key
+
+
+def forward(transform: Transform, value: float) -> float:
+    """Value on the scale of the search."""
+    if transform == "log":
+        return math.log(value)
+    return math.log1p(value) if transform == "log1p" else value
+
+
+def backward(transform: Transform, scaled: float) -> float:
+    """The value again."""
+    if transform == "log":
+        return math.exp(scaled)
+    return math.expm1(scaled) if transform == "log1p" else scaled
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One number of a bearing in a fit: free between its bounds, fixed, or tied to another.
+
+    `tie` is (key, factor): the value is factor times that of the other parameter.
+    """
+
+    kind: Kind
+    value: float
+    lower: float
+    upper: float
+    free: bool = True
+    tie: tuple[str, float] | None = None
+
+    def at(self, unit: float) -> float:
+        """Value at a place in [0, 1] between the bounds."""
+        low, high = (forward(self.kind.transform, v) for v in (self.lower, self.upper))
+        value = backward(self.kind.transform, low + unit * (high - low))
+        return min(max(value, self.lower), self.upper)
+
+    def place(self, value: float) -> float:
+        """Place of a value between the bounds, in [0, 1]."""
+        t = self.kind.transform
+        low, high = forward(t, self.lower), forward(t, self.upper)
+        inside = min(max(value, self.lower), self.upper)
+        return (forward(t, inside) - low) / (high - low)
+
+    def slope(self, unit: float) -> float:
+        """D value / d place."""
+        t, value = self.kind.transform, self.at(unit)
+        span = forward(t, self.upper) - forward(t, self.lower)
+        return span * {"log": value, "log1p": 1.0 + value}.get(t, 1.0)
+
+
+@dataclass(frozen=True)
+class ParameterSet:
+    """All parameters of a fit; the search moves in the unit cube of the free ones."""
+
+    base: Bearing
+    parameters: tuple[Parameter, ...]
+
+    @property
+    def free(self) -> list[Parameter]:
+        """Those that the search moves."""
+        return [p for p in self.parameters if p.free and p.tie is None]
+
+    @property
+    def start(self) -> Floats:
+        """Where the starting values lie in the unit cube."""
+        return np.array([p.place(p.value) for p in self.free])
+
+    def values(self, cube: Floats) -> dict[str, float]:
+        """All values, tied ones too, at a point of the unit cube."""
+        found = {p.kind.key: p.value for p in self.parameters}
+        found |= {p.kind.key: p.at(float(u)) for p, u in zip(self.free, cube, strict=True)}
+        for p in self.parameters:
+            if p.tie is not None:
+                key, factor = p.tie
+                found[p.kind.key] = factor * found[key]
+        return found
+
+    def bearing(self, cube: Floats) -> Bearing:
+        """The bearing at a point of the unit cube, unchecked: quick, for the search."""
+        return with_values(self.base, self.values(cube))
+
+    def with_start(self, values: dict[str, float]) -> "ParameterSet":
+        """The same with other starting values; relative bounds move along."""
+        moved = []
+        for p in self.parameters:
+            value = values.get(p.kind.key, p.value)
+            lower, upper = p.lower, p.upper
+            if p.kind.relative and p.free:
+                lower, upper = p.kind.lower * value, p.kind.upper * value
+            moved.append(replace(p, value=value, lower=lower, upper=upper))
+        return replace(self, parameters=tuple(moved))
+
+    def checked(self, cube: Floats) -> Bearing:
+        """The bearing at a point of the unit cube, validated: for the result."""
+        data = self.base.model_dump()
+        for key, value in self.values(cube).items():
+            table, name = key.split(".")
+            data[table][name] = value
+        bearing = validated(Bearing, data, "identified bearing", from_file=False)
+        return bearing.with_sources(self.base.sources)
+
+
+def with_values(bearing: Bearing, values: dict[str, float]) -> Bearing:
+    """A copy of a bearing with some numbers changed, without checking them."""
+    tables: dict[str, dict[str, Any]] = {}
+    for key, value in values.items():
+        table, name = key.split(".")
+        tables.setdefault(table, {})[name] = value
+    update = {t: getattr(bearing, t).model_copy(update=v) for t, v in tables.items()}
+    return bearing.model_copy(update=update)
+
+
+def available(bearing: Bearing) -> list[Kind]:
+    """What there is to identify in a bearing."""
+    return [k for k in KINDS if getattr(bearing, k.key.split(".")[0]) is not None]
+
+
+def default_free(bearing: Bearing, ambients: Iterable[float]) -> list[str]:
+    """Keys that are free unless the user says otherwise.
+
+    Those of Tables 4.2 and 5.2. Temperature coefficients need tests at two temperatures.
+    Linear rubber (post-yield ratio 1, as in an LRB) has one stiffness and one coefficient.
+    """
+    at = list(ambients)
+    linear = bearing.hysteresis.post_yield_ratio == 1.0
+    rubber = [K_R] if linear else [ALPHA, K_R, SHAPE, D_Y, HARDENING]
+    warm = ([M_T] if linear else [M_T, N_T]) if max(at) - min(at) >= 10.0 else []
+    lead = [K_L] if bearing.lead is not None else []
+    if linear and lead:
+        lead = [K_L, SIGMA_Y]
+    rate = [K_V, C_V] if bearing.rate is not None else []
+    return [*rubber, *warm, *rate, *lead]
+
+
+def _chosen(bearing: Bearing, free: Sequence[str]) -> tuple[set[str], dict[str, tuple[str, float]]]:
+    """Free keys and ties from names such as "K_r" and "n_T = 2.4 * m_T"."""
+    keys, ties = set(), {}
+    there = {kind.key for kind in available(bearing)}
+    for name in free:
+        match = TIE.match(name)
+        left = full_key(match[1] if match else name)
+        if left not in there:
+            raise InputError(f'"{name}": the bearing "{bearing.name}" has no {left.split(".")[0]}')
+        if match:
+            ties[left] = (full_key(match[3]), float(match[2] or 1.0))
+        else:
+            keys.add(left)
+    return keys, ties
+
+
+def parameter_set(
+    bearing: Bearing,
+    free: Sequence[str] | None,
+    ambients: Iterable[float],
+    bounds: dict[str, tuple[float, float]] | None = None,
+) -> ParameterSet:
+    """Parameters of a bearing, free or fixed.
+
+    Parameters
+    ----------
+    bearing : geometry, materials and starting values.
+    free : keys or symbols of what is free, ties as "n_T = 2.4 * m_T"; None for the usual.
+    ambients : ambient temperatures of the tests [degC].
+    bounds : other bounds than the usual, by key or symbol.
+
+    Raises
+    ------
+    InputError : an unknown name, or bounds that exclude each other.
+
+    Examples
+    --------
+    >>> from thermobearing.bearing.library import load_bearing
+    >>> found = parameter_set(load_bearing("shen-hdr-specimen"), ["K_r", "d_y"], [23.0])
+    >>> [p.kind.symbol for p in found.free]
+    ['K_r', 'd_y']
+    """
+    names = default_free(bearing, ambients) if free is None else list(free)
+    keys, ties = _chosen(bearing, names)
+    if not keys:
+        raise InputError("nothing is free: name at least one parameter")
+    given = {full_key(name): pair for name, pair in (bounds or {}).items()}
+    made = []
+    for kind in available(bearing):
+        table, name = kind.key.split(".")
+        value = float(getattr(getattr(bearing, table), name))
+        scale = value if kind.relative else 1.0
+        lower, upper = given.get(kind.key, (kind.lower * scale, kind.upper * scale))
+        if not lower < upper:
+            raise InputError(f"{kind.symbol}: bounds {lower:g} to {upper:g} {kind.unit} are empty")
+        made.append(Parameter(kind, value, lower, upper, kind.key in keys, ties.get(kind.key)))
+    return ParameterSet(bearing, tuple(made))

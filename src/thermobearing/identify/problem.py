@@ -1,0 +1,141 @@
+"""The residuals of a fit: force, and temperatures if wanted, weighted, at all samples."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from thermobearing.identify.cycles import cycles_of
+from thermobearing.identify.forward import ForwardModel, Prediction
+from thermobearing.identify.parameters import ParameterSet
+from thermobearing.identify.record import TestRecord
+
+Floats = NDArray[np.float64]
+
+LOST = 2.0  # residual where the model does not get through: twice the largest force
+KELVIN = 5.0  # a temperature that is off by this counts as ...
+KELVIN_AS = 0.05  # ... a force that is off by this part of the largest
+ROBUST_SCALE = 0.02  # of the largest force: beyond it a robust loss bends
+STEP = 1e-3  # of the unit cube, for finite differences: the law is not smooth below ~1e-5
+
+
+class Problem:
+    """Least squares between records and model over the unit cube of the free parameters.
+
+    Parameters
+    ----------
+    records : tests of one bearing.
+    pset : what is free.
+    temperatures : count thermocouples too.
+    loss : of the fit, for the weights that its outliers keep in the uncertainty.
+    clipped : by record, samples that do not count (a saturated force).
+    """
+
+    def __init__(
+        self,
+        records: Sequence[TestRecord],
+        pset: ParameterSet,
+        *,
+        temperatures: bool = False,
+        loss: str = "linear",
+        clipped: Sequence[NDArray[np.bool_]] | None = None,
+    ) -> None:
+        self.records = list(records)
+        self.pset = pset
+        self.coarse = [ForwardModel(record, pset.base) for record in self.records]
+        self.fine = [ForwardModel(record, pset.base, fine=True) for record in self.records]
+        self.temperatures = temperatures
+        self.loss = loss
+        self.evaluations = 0
+        self._last: tuple[tuple[bytes, bool], list[Floats]] | None = None
+        self.history: list[tuple[int, float]] = []
+        self.weights = [sample_weights(record) for record in self.records]
+        for weight, bad in zip(self.weights, clipped or [], strict=False):
+            weight[bad] = 0.0
+
+    def predict(self, cube: Floats, *, fine: bool = True) -> list[Prediction | None]:
+        """The model at the samples of all records."""
+        bearing = self.pset.bearing(cube)
+        self.evaluations += 1
+        return [model.run(bearing) for model in (self.fine if fine else self.coarse)]
+
+    def parts(self, cube: Floats, *, fine: bool = False) -> list[Floats]:
+        """Weighted residuals of each record, relative to its largest force."""
+        key = (cube.tobytes(), fine)
+        if self._last is None or self._last[0] != key:
+            self._last = (key, self._parts(cube, fine=fine))
+        return self._last[1]
+
+    def _parts(self, cube: Floats, *, fine: bool) -> list[Floats]:
+        found = []
+        for record, weight, predicted in zip(
+            self.records, self.weights, self.predict(cube, fine=fine), strict=True
+        ):
+            if predicted is None:
+                extra = len(record.temperatures) if self.temperatures else 0
+                found.append(np.full(len(record.time) * (1 + extra), LOST))
+                continue
+            rows = [weight * (predicted.force - record.force) / record.peak_force]
+            if self.temperatures:
+                for title, measured in record.temperatures.items():
+                    off = predicted.temperatures[title] - measured
+                    rows.append(record.weight * KELVIN_AS / KELVIN * off)
+            found.append(np.concatenate(rows))
+        return found
+
+    def residuals(self, cube: Floats, *, fine: bool = False) -> Floats:
+        """All residuals in one vector."""
+        vector = np.concatenate(self.parts(cube, fine=fine))
+        cost = float(np.mean(vector**2))
+        if not self.history or cost < self.history[-1][1]:
+            self.history.append((self.evaluations, cost))
+        return vector
+
+    def cost(self, cube: Floats) -> float:
+        """Mean of the squared residuals, coarse steps."""
+        return float(np.mean(self.residuals(np.asarray(cube)) ** 2))
+
+    def jacobian(self, cube: Floats, *, fine: bool = False, central: bool = False) -> Floats:
+        """Finite differences in the unit cube, turned inwards at its faces."""
+        cube = np.asarray(cube, dtype=float)
+        here = None if central else np.concatenate(self.parts(cube, fine=fine))
+        columns = []
+        for i in range(len(cube)):
+            up, down = cube.copy(), cube.copy()
+            up[i] = min(cube[i] + STEP, 1.0)
+            down[i] = max(cube[i] - STEP, 0.0)
+            if here is not None and up[i] - cube[i] > 0.5 * STEP:
+                low, base = here, cube[i]
+                high = np.concatenate(self.parts(up, fine=fine))
+                columns.append((high - low) / (up[i] - base))
+                continue
+            high = np.concatenate(self.parts(up, fine=fine))
+            low = np.concatenate(self.parts(down, fine=fine))
+            columns.append((high - low) / (up[i] - down[i]))
+        return np.column_stack(columns)
+
+
+def robust_weights(residuals: Floats, loss: str) -> Floats:
+    """Weight that each residual keeps under a robust loss of scipy: d rho / d z.
+
+    Examples
+    --------
+    >>> robust_weights(np.array([0.0, 0.02]), "cauchy").tolist()
+    [1.0, 0.5]
+    """
+    z = (residuals / ROBUST_SCALE) ** 2
+    if loss == "soft_l1":
+        return np.asarray(1.0 / np.sqrt(1.0 + z))
+    if loss == "huber":
+        return np.asarray(1.0 / np.sqrt(np.maximum(z, 1.0)))
+    return np.asarray(1.0 / (1.0 + z)) if loss == "cauchy" else np.ones_like(z)
+
+
+def sample_weights(record: TestRecord) -> Floats:
+    """Square roots of weights of the samples of a record."""
+    weights = np.full(len(record.time), np.sqrt(record.weight))
+    if record.first_cycle_weight != 1.0:
+        for cycle in cycles_of(record):
+            if cycle.number == 1 and not cycle.closing:
+                weights[cycle.first : cycle.last] *= np.sqrt(record.first_cycle_weight)
+    return weights

@@ -1,0 +1,130 @@
+"""Bad records are refused or warned of, with the reason; good ones are left in peace."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import thermobearing as tb
+from thermobearing.errors import InputError
+from thermobearing.identify.checks import CheckReport, check_test
+from thermobearing.identify.fit import identify
+from thermobearing.identify.record import TestRecord
+from thermobearing.identify.synthetic import synthetic_record
+
+BEARING = tb.load_bearing("shen-hdr-specimen")
+
+
+@pytest.fixture(scope="module")
+def good() -> TestRecord:
+    test = tb.cyclic_test(strain=[0.5, 1.5], cycles=3, rest=600.0)
+    return synthetic_record(BEARING, 23.0, test, noise=0.005)
+
+
+def said(report: CheckReport, level: str) -> str:
+    return "\n".join(f.sentence for f in report.findings if f.level == level)
+
+
+def cut(record: TestRecord, stop: int) -> TestRecord:
+    columns = {name: getattr(record, name)[:stop]
+               for name in ("time", "displacement", "force", "block")}  # fmt: skip
+    return replace(record, **columns)
+
+
+def test_a_good_record_is_good(good: TestRecord) -> None:
+    report = check_test(good, BEARING)
+    assert report.outcome == "good", report.findings
+    assert len([c for c in report.cycles if not c.closing]) == 6
+    assert [c.number for c in report.cycles if not c.closing] == [1, 2, 3, 1, 2, 3]
+
+
+def test_truncated(good: TestRecord) -> None:
+    stop = int(np.argmax(good.displacement)) + 1
+    assert "truncated" in said(check_test(cut(good, stop), BEARING), "warning")
+
+
+def test_swapped_columns(good: TestRecord) -> None:
+    swapped = replace(good, displacement=good.force, force=good.displacement)
+    report = check_test(swapped, BEARING)
+    assert "swapped" in said(report, "refused")
+    with pytest.raises(InputError, match="swapped"):
+        identify(swapped, BEARING)
+
+
+def test_flipped_force(good: TestRecord) -> None:
+    assert "flip_force" in said(check_test(replace(good, force=-good.force), BEARING), "refused")
+
+
+def test_tonf_labelled_kilonewton(good: TestRecord) -> None:
+    report = check_test(replace(good, force=good.force / 9.80665), BEARING)
+    assert "tonf labelled kN" in said(report, "refused")
+
+
+def test_kilonewton_labelled_tonf(good: TestRecord) -> None:
+    report = check_test(replace(good, force=good.force * 9.80665), BEARING)
+    assert "kN labelled tonf" in said(report, "refused")
+
+
+def test_centimetres_labelled_metres(good: TestRecord) -> None:
+    report = check_test(replace(good, displacement=100.0 * good.displacement), BEARING)
+    assert "wrong unit" in said(report, "refused")
+
+
+def test_one_cycle_only() -> None:
+    test = tb.cyclic_test(strain=[1.0], cycles=1, closing_strain=None)
+    record = synthetic_record(BEARING, 23.0, test, noise=0.0)
+    assert "one cycle only" in said(check_test(record, BEARING), "warning")
+
+
+def test_no_cycle(good: TestRecord) -> None:
+    quarter = int(np.argmax(good.displacement[:60]))
+    assert "no full cycle" in said(check_test(cut(good, quarter), BEARING), "refused")
+
+
+@pytest.mark.parametrize("name", ["displacement", "force"])
+def test_constant(good: TestRecord, name: str) -> None:
+    still = replace(good, **{name: np.full(len(good.time), 3.0)})
+    assert f"{name} is constant" in said(check_test(still, BEARING), "refused")
+
+
+def test_clipped_force(good: TestRecord) -> None:
+    limit = 0.85 * good.peak_force
+    clipped = replace(good, force=np.clip(good.force, -limit, limit))
+    report = check_test(clipped, BEARING)
+    assert "clipped" in said(report, "warning")
+    assert report.clipped.sum() > 10
+    assert (np.abs(clipped.force[report.clipped]) == limit).all()
+
+
+def test_drift_and_offset(good: TestRecord) -> None:
+    ramp = np.linspace(0.0, 0.3, len(good.time)) * good.peak_force
+    assert "drifts" in said(check_test(replace(good, force=good.force + ramp), BEARING), "warning")
+    shifted = replace(good, force=good.force + 0.1 * good.peak_force)
+    assert "force_offset" in said(check_test(shifted, BEARING), "warning")
+
+
+def test_missing_samples(good: TestRecord) -> None:
+    kept = np.ones(len(good.time), dtype=bool)
+    kept[-300:-285] = False
+    columns = {name: getattr(good, name)[kept]
+               for name in ("time", "displacement", "force", "block")}  # fmt: skip
+    assert "no samples from" in said(check_test(replace(good, **columns), BEARING), "warning")
+
+
+def test_time_that_goes_back(good: TestRecord) -> None:
+    time = good.time.copy()
+    time[100] = time[50]
+    assert "does not increase" in said(check_test(replace(good, time=time), BEARING), "refused")
+
+
+def test_few_samples(good: TestRecord) -> None:
+    every = {name: getattr(good, name)[::12]
+             for name in ("time", "displacement", "force", "block")}  # fmt: skip
+    report = check_test(replace(good, **every), BEARING)
+    assert "only" in said(report, "refused") + said(report, "warning")
+
+
+def test_broken_thermocouple(good: TestRecord) -> None:
+    broken = np.full(len(good.time), 850.0)
+    record = replace(good, temperatures={"T": broken}, places={"T": "rubber 1"})
+    assert "broken" in said(check_test(record, BEARING), "warning")

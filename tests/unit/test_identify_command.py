@@ -1,0 +1,169 @@
+"""`thermobearing identify`: from files to a result directory that the other commands take."""
+
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import thermobearing as tb
+from thermobearing.cli import app
+from thermobearing.errors import InputError
+from thermobearing.identify.fit import Identification, identify
+from thermobearing.identify.forward import ForwardModel
+from thermobearing.identify.posterior import (
+    laplace_samples,
+    posterior_samples,
+    predictive_band,
+)
+from thermobearing.identify.record import TestRecord
+from thermobearing.identify.synthetic import synthetic_record
+
+HDR = tb.load_bearing("shen-hdr-specimen")
+SHORT = tb.cyclic_test(strain=[0.5, 2.0], cycles=2, rest=600.0)
+AMBIENTS = (0.0, 23.0)
+
+
+def write(folder: Path, record: TestRecord, name: str, extra: str = "") -> Path:
+    path = folder / f"{name}.csv"
+    rows = np.column_stack([record.time, record.displacement, record.force])
+    np.savetxt(path, rows, delimiter=",", header="time_s,displacement_mm,force_kN", comments="")
+    path.with_suffix(".toml").write_text(
+        f'ambient = "{record.ambient} degC"\nbearing = "shen-hdr-specimen"\n{extra}'
+    )
+    return path
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("tests")
+    for at in AMBIENTS:
+        write(path, synthetic_record(HDR, at, SHORT, sampling=25.0), f"at{at:g}")
+    return path
+
+
+@pytest.fixture(scope="module")
+def found() -> Identification:
+    records = [synthetic_record(HDR, at, SHORT, sampling=25.0) for at in AMBIENTS]
+    return identify(records, HDR, starts=1)
+
+
+def invoke(*words: object) -> tuple[int, str]:
+    result = CliRunner().invoke(app, ["identify", *map(str, words)])
+    return result.exit_code, result.output
+
+
+def test_fit_of_two_files(folder: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    status, text = invoke(folder / "at0.csv", folder / "at23.toml", "-o", out, "--predict", -20,
+                          "--json")  # fmt: skip
+    assert status == 0, text
+    summary = json.loads((out / "summary.json").read_text())
+    assert summary["command"] == "identify"
+    assert summary["outcome"] == "completed"
+    stiffness = summary["parameters"]["hysteresis.layer_stiffness"]
+    assert {"value", "unit", "stderr", "lower", "upper", "at_bound"} <= set(stiffness)
+    assert stiffness["lower"] < 30.738 < stiffness["upper"]
+    for record in summary["records"]:
+        assert {"file", "ambient_degC", "R2", "NRMSE", "cycles"} <= set(record)
+        assert {"cycle", "G_eq_error", "energy_error", "force_max_error"} <= set(
+            record["cycles"][0]
+        )
+    assert summary["posterior"]["peak_force"][0]["ambient_degC"] == -20.0
+    names = {path.stem for path in (out / "figures").iterdir()}
+    assert names == {"loops", "residuals", "convergence", "correlation", "cycles", "band_-20"}
+    assert json.loads(text.splitlines()[-1])["outcome"] == "completed"
+
+
+def test_fitted_bearing_is_a_library_file(folder: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    assert invoke(folder / "at23.csv", "-o", out, "--no-figures", "-q")[0] == 0
+    bearing = tb.load_bearing(out / "bearing.toml")
+    summary = json.loads((out / "summary.json").read_text())
+    key = "hysteresis.layer_stiffness"
+    assert bearing.hysteresis.layer_stiffness == summary["parameters"][key]["value"]
+    assert "identified from at23" in bearing.sources[key]
+    assert bearing.sources["geometry.rubber_layers"] == "Table 3.1"
+    again = tb.run(bearing, tb.cyclic_test(strain=[1.0], cycles=1), ambient=23)
+    assert again.outcome == "completed"
+
+
+def test_check_alone(folder: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    status, text = invoke(folder / "at0.csv", "--check", "-o", out)
+    assert status == 0
+    assert "at0: good" in text
+    assert (out / "figures" / "check_1_at0.png").stat().st_size > 10_000
+    assert json.loads((out / "summary.json").read_text())["records"][0]["outcome"] == "good"
+
+
+def test_bad_tests_write_nothing_and_say_why(folder: Path, tmp_path: Path) -> None:
+    record = synthetic_record(HDR, 0.0, SHORT, sampling=25.0)
+    bad = write(tmp_path, record, "bad", "flip_force = true\n")
+    out = tmp_path / "out"
+    status, text = invoke(bad, "-o", out)
+    assert status == 2
+    assert "flip_force" in text
+    assert not out.exists()
+    status, text = invoke(bad, "--check", "-o", out)
+    assert status == 2
+    assert "REFUSED" in text
+    assert out.exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--free", "K_x"], "no parameter"),
+        (["--method", "annealing"], "least-squares"),
+        (["--loss", "cubic"], "soft_l1"),
+        (["--starts", "0"], "at least 1"),
+        (["--start", "nobody"], "no bearing"),
+        (["--predict", "400"], "between -100 and 100"),
+    ],
+)
+def test_wrong_options(folder: Path, tmp_path: Path, words: list[str], said: str) -> None:
+    status, text = invoke(folder / "at0.csv", "-o", tmp_path / "out", *words)
+    assert status == 2
+    assert said in text
+    assert not (tmp_path / "out").exists()
+
+
+def test_which_bearing(tmp_path: Path) -> None:
+    path = write(tmp_path, synthetic_record(HDR, 0.0, SHORT), "t")
+    path.with_suffix(".toml").unlink()
+    status, text = invoke(path, "-o", tmp_path / "out")
+    assert status == 2
+    assert "which bearing?" in text
+
+
+def test_laplace_samples_have_the_covariance(found: Identification) -> None:
+    draws = laplace_samples(found, 4000).cube
+    spread = np.sqrt(np.diag(found.uncertainty.covariance))
+    np.testing.assert_allclose(draws.std(axis=0), spread, rtol=0.1)
+
+
+def test_band_at_a_temperature_that_was_not_tested(found: Identification) -> None:
+    band = predictive_band(found, laplace_samples(found), -20.0)
+    truth = ForwardModel(found.records[0], HDR, fine=True, ambient=-20.0).run(HDR)
+    assert truth is not None
+    assert band.peak_lower < np.abs(truth.force).max() < band.peak_upper
+    inside = (band.lower <= truth.force) & (truth.force <= band.upper)
+    assert inside.mean() > 0.8
+
+
+def test_posterior_agrees_with_the_normal_distribution(found: Identification) -> None:
+    pytest.importorskip("emcee")
+    samples = posterior_samples(found, steps=150, burn=100)
+    spread = np.sqrt(np.diag(found.uncertainty.covariance))
+    assert 0.2 < samples.acceptance < 0.8
+    np.testing.assert_allclose(samples.cube.std(axis=0), spread, rtol=0.5)
+    assert (np.abs(samples.cube.mean(axis=0) - found.cube) < spread).all()
+
+
+def test_posterior_without_emcee(found: Identification, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "emcee", None)
+    with pytest.raises(InputError, match="thermobearing\\[bayes\\]"):
+        posterior_samples(found)
