@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 import thermobearing as tb
 from benchmarks.rows import Row, at_least, at_most, plain
-from thermobearing.identify.fit import Identification, identify
+from thermobearing.identify.fit import Identification, identify_bearing
 from thermobearing.identify.krill import krill_herd
 from thermobearing.identify.record import TestRecord
 from thermobearing.identify.report import fits
@@ -46,7 +46,7 @@ def recovery(kind: str) -> list[Row]:
     for seed in range(SEEDS):
         records = tests_of(truth, seed)
         begin = time.perf_counter()
-        found = identify(records, forgotten(truth), seed=seed)
+        found = identify_bearing(records, forgotten(truth), seed=seed)
         seconds.append(time.perf_counter() - begin)
         r2 += [fit.R2 for fit in fits(found)]
         for key, item in found.uncertainty.estimates.items():
@@ -72,7 +72,7 @@ def coverage(memory: float) -> Row:
     truth = tb.load_bearing(NAMES["HDR"])
     inside = []
     for seed in range(PROBLEMS):
-        found = identify(tests_of(truth, 100 + seed, memory=memory), truth, starts=1)
+        found = identify_bearing(tests_of(truth, 100 + seed, memory=memory), truth, starts=1)
         inside += [
             item.lower <= true_value(truth, key) <= item.upper
             for key, item in found.uncertainty.estimates.items()
@@ -88,7 +88,7 @@ def model_error() -> list[Row]:
     truth = tb.load_bearing(NAMES["HDR"])
     rows = []
     for factor in (1.0, 1.1, 1.3, 1.5):
-        found = identify(tests_of(truth, 0, first_cycle=factor), forgotten(truth))
+        found = identify_bearing(tests_of(truth, 0, first_cycle=factor), forgotten(truth))
         lowest = min(fit.R2 for fit in fits(found))
         worth = found.uncertainty.effective_samples / found.uncertainty.samples
         note = f"{len(found.warnings)} warnings; a sample is worth {worth:.2f} of one"
@@ -141,7 +141,9 @@ def methods() -> list[Row]:
     lowest, rows, results = np.inf, [], {}
     for name, options in cases.items():
         runs = [
-            identify(records, forgotten(truth), seed=seed, **{"evaluations": BUDGET, **options})  # type: ignore[arg-type]
+            identify_bearing(
+                records, forgotten(truth), seed=seed, **{"evaluations": BUDGET, **options}
+            )  # type: ignore[arg-type]
             for seed in range(3)
         ]
         results[name] = runs

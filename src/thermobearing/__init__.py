@@ -24,12 +24,16 @@ _HOME = {
     "EarthquakeResult": "thermobearing.results.earthquake_result",
     "EndFace": "thermobearing.case",
     "GroundMotion": "thermobearing.drive.motions.record",
+    "Identification": "thermobearing.identify.fit",
     "InputError": "thermobearing.errors",
     "OutputError": "thermobearing.errors",
     "Result": "thermobearing.results.result",
+    "TestRecord": "thermobearing.identify.record",
     "bridge": "thermobearing.earthquake",
+    "check_test": "thermobearing.identify.checks",
     "cyclic_test": "thermobearing.drive.protocol",
     "hybrid": "thermobearing.earthquake",
+    "identify_bearing": "thermobearing.identify.fit",
     "list_bearings": "thermobearing.bearing.library",
     "list_motions": "thermobearing.drive.motions.library",
     "list_structures": "thermobearing.drive.structure.model",
@@ -40,12 +44,15 @@ _HOME = {
     "load_motion": "thermobearing.drive.motions.library",
     "load_result": "thermobearing.results.files",
     "load_structure": "thermobearing.drive.structure.model",
+    "load_test": "thermobearing.identify.record",
     "measure_cycle": "thermobearing.results.metrics",
     "measure_history": "thermobearing.results.metrics",
     "read_columns": "thermobearing.tables",
+    "record_from_arrays": "thermobearing.identify.record",
     "run": "thermobearing.simulate",
     "run_case": "thermobearing.simulate",
     "run_earthquake": "thermobearing.earthquake",
+    "synthetic_record": "thermobearing.identify.synthetic",
 }
 
 __all__ = [
@@ -59,13 +66,17 @@ __all__ = [
     "EarthquakeResult",
     "EndFace",
     "GroundMotion",
+    "Identification",
     "InputError",
     "OutputError",
     "Result",
+    "TestRecord",
     "__version__",
     "bridge",
+    "check_test",
     "cyclic_test",
     "hybrid",
+    "identify_bearing",
     "list_bearings",
     "list_motions",
     "list_structures",
@@ -76,12 +87,15 @@ __all__ = [
     "load_motion",
     "load_result",
     "load_structure",
+    "load_test",
     "measure_cycle",
     "measure_history",
     "read_columns",
+    "record_from_arrays",
     "run",
     "run_case",
     "run_earthquake",
+    "synthetic_record",
 ]
 
 if TYPE_CHECKING:
@@ -98,6 +112,10 @@ if TYPE_CHECKING:
     from thermobearing.earthquake import bridge, hybrid, run_earthquake
     from thermobearing.earthquake_case import EarthquakeCase, load_earthquake_case
     from thermobearing.errors import InputError, OutputError
+    from thermobearing.identify.checks import check_test
+    from thermobearing.identify.fit import Identification, identify_bearing
+    from thermobearing.identify.record import TestRecord, load_test, record_from_arrays
+    from thermobearing.identify.synthetic import synthetic_record
     from thermobearing.results.earthquake_result import EarthquakeResult
     from thermobearing.results.files import load_result
     from thermobearing.results.metrics import measure_cycle, measure_history

@@ -8,7 +8,7 @@ import pytest
 import thermobearing as tb
 from thermobearing.errors import InputError
 from thermobearing.identify.checks import CheckReport, check_test
-from thermobearing.identify.fit import identify
+from thermobearing.identify.fit import identify_bearing
 from thermobearing.identify.record import TestRecord
 from thermobearing.identify.synthetic import synthetic_record
 
@@ -48,7 +48,7 @@ def test_swapped_columns(good: TestRecord) -> None:
     report = check_test(swapped, BEARING)
     assert "swapped" in said(report, "refused")
     with pytest.raises(InputError, match="swapped"):
-        identify(swapped, BEARING)
+        identify_bearing(swapped, BEARING)
 
 
 def test_flipped_force(good: TestRecord) -> None:

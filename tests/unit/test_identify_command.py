@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 import thermobearing as tb
 from thermobearing.cli import app
 from thermobearing.errors import InputError
-from thermobearing.identify.fit import Identification, identify
+from thermobearing.identify.fit import Identification, identify_bearing
 from thermobearing.identify.forward import ForwardModel
 from thermobearing.identify.posterior import (
     laplace_samples,
@@ -47,7 +47,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def found() -> Identification:
     records = [synthetic_record(HDR, at, SHORT, sampling=25.0) for at in AMBIENTS]
-    return identify(records, HDR, starts=1)
+    return identify_bearing(records, HDR, starts=1)
 
 
 def invoke(*words: object) -> tuple[int, str]:

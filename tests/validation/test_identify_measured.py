@@ -7,7 +7,7 @@ from tests import tolerances as tol
 from tests.conftest import Recorder
 from tests.shared_data import shared_data
 from tests.unit.inputs import GALLARDO
-from thermobearing.identify.fit import identify
+from thermobearing.identify.fit import identify_bearing
 from thermobearing.identify.record import load_test
 from thermobearing.identify.report import fits
 
@@ -20,7 +20,7 @@ def test_real_hdr_test(tmp_path: Path, measured: Recorder) -> None:
     record = load_test(tmp_path / "test.csv")
     assert len(record.assumptions) == 2  # 30 mm/s, 23 degC
     assert record.bearing is not None
-    found = identify(record, record.bearing)
+    found = identify_bearing(record, record.bearing)
     (fit,) = fits(found)
     measured("NRMSE of a real HDR test, no scragging", fit.NRMSE, f"<= {tol.MEASURED_NRMSE:g}")
     assert fit.NRMSE <= tol.MEASURED_NRMSE

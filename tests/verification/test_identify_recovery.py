@@ -11,7 +11,7 @@ import pytest
 import thermobearing as tb
 from tests import tolerances as tol
 from tests.conftest import Recorder
-from thermobearing.identify.fit import Identification, identify
+from thermobearing.identify.fit import Identification, identify_bearing
 from thermobearing.identify.forward import ForwardModel
 from thermobearing.identify.report import fits
 from thermobearing.identify.synthetic import forgotten, synthetic_record
@@ -48,7 +48,7 @@ def test_recovery_from_a_blind_start(
 ) -> None:
     """Table 3.4 at three temperatures with 2 % of noise, starting from nobody's values."""
     records = [synthetic_record(truth, at, seed=10 * seed + i) for i, at in enumerate(AMBIENTS)]
-    found = identify(records, forgotten(truth), seed=seed)
+    found = identify_bearing(records, forgotten(truth), seed=seed)
     largest = assert_recovered(found, truth)
     known = [e for e in found.uncertainty.estimates.values() if e.well_determined]
     assert len(known) >= well
@@ -63,7 +63,7 @@ def small_problem(seed: int, memory: float) -> Identification:
         synthetic_record(HDR, at, test, seed=100 * seed + i, memory=memory, sampling=25.0)
         for i, at in enumerate((-20.0, 23.0))
     ]
-    return identify(records, HDR, starts=1, blind=False)
+    return identify_bearing(records, HDR, starts=1, blind=False)
 
 
 @pytest.mark.parametrize("memory", [0.0, 0.8], ids=["white", "correlated"])
@@ -86,7 +86,9 @@ def test_another_law_is_noticed() -> None:
         [synthetic_record(HDR, at, noise=0.005, first_cycle=f) for at in AMBIENTS]
         for f in (1.0, 1.1)
     )
-    good, bad = (identify(records, HDR, blind=False, starts=1) for records in (clean, spoilt))
+    good, bad = (
+        identify_bearing(records, HDR, blind=False, starts=1) for records in (clean, spoilt)
+    )
     assert not good.warnings
     assert max(f.R2 for f in fits(bad)) < min(f.R2 for f in fits(good))
     assert max(f.R2 for f in fits(bad)) < tol.MODEL_ERROR_R2
@@ -99,7 +101,7 @@ def test_another_law_is_noticed() -> None:
     ]
     assert min(wider) > 2.0
     later = [replace(record, first_cycle_weight=0.0) for record in spoilt]
-    b = identify(later, HDR, blind=False, starts=1)
+    b = identify_bearing(later, HDR, blind=False, starts=1)
     key = "hysteresis.layer_stiffness"
     assert abs(b.values[key] - true_value(HDR, key)) < 0.02 * true_value(HDR, key)
 
@@ -107,10 +109,10 @@ def test_another_law_is_noticed() -> None:
 def test_what_the_tests_cannot_tell_is_said() -> None:
     test = tb.cyclic_test(strain=[1.0], cycles=3, rest=None, closing_strain=None)
     record = synthetic_record(HDR, 23.0, test)
-    found = identify(record, HDR, free=["alpha_0", "K_r", "s", "d_y", "b", "m_T", "n_T"])
+    found = identify_bearing(record, HDR, free=["alpha_0", "K_r", "s", "d_y", "b", "m_T", "n_T"])
     said = "\n".join(found.warnings)
     assert "two ambient temperatures" in said
-    held = identify(record, HDR)
+    held = identify_bearing(record, HDR)
     assert "hysteresis.elastic_temperature_coefficient" not in held.uncertainty.estimates
 
 
@@ -118,8 +120,8 @@ def test_what_the_tests_cannot_tell_is_said() -> None:
 def test_other_methods_end_at_the_same_place(method: str) -> None:
     test = tb.cyclic_test(strain=[0.5, 2.0], cycles=2, rest=None)
     record = synthetic_record(HDR, 23.0, test, sampling=25.0)
-    best = identify(record, forgotten(HDR))
-    other = identify(record, forgotten(HDR), method=method, evaluations=600)  # type: ignore[arg-type]
+    best = identify_bearing(record, forgotten(HDR))
+    other = identify_bearing(record, forgotten(HDR), method=method, evaluations=600)  # type: ignore[arg-type]
     for key, item in best.uncertainty.estimates.items():
         assert abs(other.values[key] - item.value) < 0.1 * item.stderr, key
 
@@ -135,7 +137,7 @@ def test_outliers_and_a_robust_loss() -> None:
     spoilt = replace(record, force=force)
     errors = {}
     for loss in ("linear", "cauchy"):
-        found = identify(spoilt, HDR, loss=loss, starts=1)  # type: ignore[arg-type]
+        found = identify_bearing(spoilt, HDR, loss=loss, starts=1)  # type: ignore[arg-type]
         errors[loss] = max(
             abs(item.value - true_value(HDR, key)) / abs(true_value(HDR, key))
             for key, item in found.uncertainty.estimates.items()
@@ -152,19 +154,19 @@ def test_thermocouples_are_fitted_and_judged() -> None:
     assert truth is not None
     assert truth.temperatures["T3_degC"].max() > truth.temperatures["T1_degC"].max()
     record = replace(bare, temperatures=truth.temperatures)
-    found = identify(record, HDR, temperatures=True, starts=1)
+    found = identify_bearing(record, HDR, temperatures=True, starts=1)
     (fit,) = fits(found)
     assert set(fit.temperature_error) == set(places)
     assert max(fit.temperature_error.values()) < tol.TEMPERATURE_RISE
     with pytest.raises(tb.InputError, match="6 rubber layers"):
-        identify(replace(record, places={"T": "rubber 7"}), HDR)
+        identify_bearing(replace(record, places={"T": "rubber 7"}), HDR)
 
 
 def test_lead_rubber_bearing_with_linear_rubber() -> None:
     truth = tb.load_bearing("lrb-example")
     test = tb.cyclic_test(strain=[0.25, 1.0, 2.0], cycles=3, wave="sine", speed=200.0, rest=None)
     records = [synthetic_record(truth, at, test, seed=i) for i, at in enumerate((-10.0, 30.0))]
-    found = identify(records, truth)
+    found = identify_bearing(records, truth)
     symbols = {e.parameter.kind.symbol for e in found.uncertainty.estimates.values()}
     assert symbols == {"K_r", "m_T", "K_l", "sigma_Y"}
     assert_recovered(found, truth)
@@ -179,7 +181,7 @@ def test_standard_errors_are_the_exact_ones_of_correlated_noise(measured: Record
             synthetic_record(HDR, at, noise=noise, memory=rho, seed=30 + 10 * seed + i)
             for i, at in enumerate(AMBIENTS)
         ]
-        found = identify(records, HDR, starts=1, blind=False)
+        found = identify_bearing(records, HDR, starts=1, blind=False)
         jacobian = found.problem.jacobian(found.cube, fine=True, central=True)
         bread = np.linalg.inv(jacobian.T @ jacobian)
         sizes = np.cumsum([len(record.time) for record in records])[:-1]

@@ -70,7 +70,7 @@ def identify(
     quiet: Quiet = False,
 ) -> int:
     """Identify a bearing's parameters from cyclic tests, with their uncertainty."""
-    from thermobearing.identify.fit import identify as fit
+    from thermobearing.identify.fit import identify_bearing as fit
     from thermobearing.results.directory import check_target
 
     records, bearing = _load(tests, start, needed=not check)

@@ -78,7 +78,7 @@ class Identification:
         return [*said, *self.uncertainty.warnings, *model_warnings(self)]
 
 
-def identify(
+def identify_bearing(
     records: Sequence[TestRecord | str | Path] | TestRecord | str | Path,
     bearing: Bearing | str | Path,
     *,
@@ -128,7 +128,7 @@ def identify(
     >>> run = tb.run(bearing, tb.cyclic_test(strain=[0.5, 1.5], cycles=2, rest=None), dt=0.02)
     >>> x, force = run["displacement"].values[0], run["force"].values[0]
     >>> record = record_from_arrays(run.time(0), x, force, 23.0)
-    >>> found = identify(record, bearing, free=["K_r", "d_y"], starts=1)
+    >>> found = identify_bearing(record, bearing, free=["K_r", "d_y"], starts=1)
     >>> abs(found.values["hysteresis.layer_stiffness"] / 30.738 - 1.0) < 0.02
     True
     """
