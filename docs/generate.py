@@ -165,12 +165,19 @@ def between(text: str, name: str, content: str) -> str:
 def draw() -> None:
     """The loops of the README."""
     import thermobearing as tb
+    from thermobearing.design.bounds_study import DEMANDS
+    from thermobearing.results.design_figures import draw_bounds
 
     result = tb.run("shen-hdr-specimen", tb.cyclic_test(), ambient=[-20.0, 0.0, 23.0])
     (DOCS / "figures").mkdir(exist_ok=True)
     result.plot.loops().savefig(DOCS / "figures" / "loops.png", dpi=110)
     bearings = ["shen-hdr-bridge", "shen-lhdr-bridge"]
     study = tb.bridge(bearings, ["jra-i-i-1", "jra-ii-i-1"], [23.0, 0.0, -20.0])
+    bearing = tb.load_bearing("shen-hdr-bridge")
+    motions = [name for name in tb.list_motions() if name.split("-")[2] == "i"]
+    draw_bounds(
+        tb.bounds_study(bearing, motions), DEMANDS, "shen-hdr-bridge: bounds (bars), coupled (dots)"
+    ).savefig(DOCS / "figures" / "bounds.png", dpi=80)
     study.plot.loops().savefig(DOCS / "figures" / "bridge.png", dpi=110)
 
 

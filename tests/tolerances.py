@@ -143,3 +143,10 @@ FILE_ROUNDING = 1e-14  # a bearing written with repr and read back
 BACKBONE_START = 0.5  # of the value: a start from the loops is no estimate
 TEMPERATURE_RISE = 0.01  # of the rise, data from the model itself with 2 % of force noise
 STANDARD_ERROR = 0.15  # of the exact ones; 180 half cycles scatter by 5 %, 0.06 measured
+
+# --- Design -------------------------------------------------------------------------------
+TABLE_K_B = 1.5  # N/mm, as asked: 0.6 measured
+TABLE_H_B = 5e-5  # printed with four digits
+BACKBONE = 2e-3  # of peak and area: corners of the loop fall between 4000 points
+DESIGN_START = 0.02  # between starts of 50 to 400 mm, as asked; 0.5 % measured
+EQUAL_STIFFNESS = 0.01  # plans in steps of 5 mm

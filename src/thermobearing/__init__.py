@@ -29,9 +29,11 @@ _HOME = {
     "OutputError": "thermobearing.errors",
     "Result": "thermobearing.results.result",
     "TestRecord": "thermobearing.identify.record",
+    "bounds_study": "thermobearing.design.bounds_study",
     "bridge": "thermobearing.earthquake",
     "check_test": "thermobearing.identify.checks",
     "cyclic_test": "thermobearing.drive.protocol",
+    "equal_bearing": "thermobearing.design.equal",
     "hybrid": "thermobearing.earthquake",
     "identify_bearing": "thermobearing.identify.fit",
     "list_bearings": "thermobearing.bearing.library",
@@ -40,17 +42,20 @@ _HOME = {
     "load_bearing": "thermobearing.bearing.library",
     "load_bilinear": "thermobearing.bearing.bilinear",
     "load_case": "thermobearing.case",
+    "load_design_case": "thermobearing.design.case",
     "load_earthquake_case": "thermobearing.earthquake_case",
     "load_motion": "thermobearing.drive.motions.library",
     "load_result": "thermobearing.results.files",
     "load_structure": "thermobearing.drive.structure.model",
     "load_test": "thermobearing.identify.record",
+    "make_design_case": "thermobearing.design.case",
     "measure_cycle": "thermobearing.results.metrics",
     "measure_history": "thermobearing.results.metrics",
     "read_columns": "thermobearing.tables",
     "record_from_arrays": "thermobearing.identify.record",
     "run": "thermobearing.simulate",
     "run_case": "thermobearing.simulate",
+    "run_design": "thermobearing.design.loop",
     "run_earthquake": "thermobearing.earthquake",
     "synthetic_record": "thermobearing.identify.synthetic",
 }
@@ -72,9 +77,11 @@ __all__ = [
     "Result",
     "TestRecord",
     "__version__",
+    "bounds_study",
     "bridge",
     "check_test",
     "cyclic_test",
+    "equal_bearing",
     "hybrid",
     "identify_bearing",
     "list_bearings",
@@ -83,17 +90,20 @@ __all__ = [
     "load_bearing",
     "load_bilinear",
     "load_case",
+    "load_design_case",
     "load_earthquake_case",
     "load_motion",
     "load_result",
     "load_structure",
     "load_test",
+    "make_design_case",
     "measure_cycle",
     "measure_history",
     "read_columns",
     "record_from_arrays",
     "run",
     "run_case",
+    "run_design",
     "run_earthquake",
     "synthetic_record",
 ]
@@ -103,6 +113,10 @@ if TYPE_CHECKING:
     from thermobearing.bearing.library import list_bearings, load_bearing
     from thermobearing.bearing.model import Bearing
     from thermobearing.case import Case, EndFace, load_case
+    from thermobearing.design.bounds_study import bounds_study
+    from thermobearing.design.case import load_design_case, make_design_case
+    from thermobearing.design.equal import equal_bearing
+    from thermobearing.design.loop import run_design
     from thermobearing.drive.ambient import Ambient
     from thermobearing.drive.element import BearingElement
     from thermobearing.drive.motions.library import list_motions, load_motion

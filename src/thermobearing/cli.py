@@ -16,7 +16,7 @@ import typer
 import typer.core
 
 import thermobearing
-from thermobearing.commands import earthquake
+from thermobearing.commands import design, earthquake
 from thermobearing.commands.common import (
     BAD_INPUT,
     AsJson,
@@ -79,6 +79,8 @@ def _common(
 
 app.command()(earthquake.bridge)
 app.command()(earthquake.hybrid)
+app.command()(design.design)
+app.command()(design.bounds)
 
 
 @app.command()

@@ -1,0 +1,131 @@
+"""`thermobearing design` and `thermobearing bounds`."""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from thermobearing.commands.common import (
+    AsJson,
+    Force,
+    NoFigures,
+    Output,
+    Quiet,
+    reported,
+    written,
+)
+
+Motions = Annotated[
+    list[str] | None,
+    typer.Option("--motion", help="Name or file; may be repeated.", metavar="NAME/FILE"),
+]
+
+
+@reported
+def design(
+    case: Annotated[
+        Path | None, typer.Argument(help="Case file; without one, the bridge of section 6.2.")
+    ] = None,
+    start: Annotated[float | None, typer.Option(help="First displacement u_B [mm].")] = None,
+    compound: Annotated[str | None, typer.Option(help="G8, G10 or G12.")] = None,
+    kind: Annotated[str | None, typer.Option(help="HDR or HDR-S.")] = None,
+    motion: Motions = None,
+    weight: Annotated[float | None, typer.Option(help="Load of one bearing [kN].")] = None,
+    tolerance: Annotated[
+        float | None, typer.Option(help="Of found over assumed displacement, up to 0.1.")
+    ] = None,
+    output: Output = None,
+    force: Force = False,
+    no_figures: NoFigures = False,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> int:
+    """Size isolation bearings: assume a displacement, size, analyse, compare, repeat."""
+    from thermobearing.bearing.library import load_bearing
+    from thermobearing.design.case import load_design_case, make_design_case
+    from thermobearing.design.equal import equal_bearing
+    from thermobearing.design.files import save_design
+    from thermobearing.design.loop import Round, run_design
+    from thermobearing.design.screen import print_design, print_head, print_round
+    from thermobearing.results.directory import check_target
+
+    overrides: dict[str, Any] = {
+        "start": start,
+        "compound": compound,
+        "compound_kind": kind,
+        "motions": motion or None,
+        "weight": weight,
+        "tolerance": tolerance,
+    }
+    if case is None:
+        complete = make_design_case({}, "command line", **overrides)
+    else:
+        complete = load_design_case(case, **overrides)
+    templates = [load_bearing(name) for name in complete.equal]
+    target = output or Path("design")
+    check_target(target, force=force)
+
+    def tell(turn: Round) -> None:
+        if not quiet:
+            print_round(turn)
+
+    if not quiet:
+        print_head(complete)
+    found = run_design(complete, tell)
+    strain = complete.sizing.design_strain
+    equal = [
+        equal_bearing(item, found.last.stiffness, found.last.assumed, strain)
+        for item in templates
+        if found.outcome == "converged"
+    ]
+    save_design(complete, found, equal, target, force=force, figures=not no_figures)
+    if not quiet:
+        print_design(found, equal)
+    outcome = "completed" if found.outcome == "converged" else found.outcome
+    return written(outcome, found.sentence, target, as_json=as_json, quiet=quiet)
+
+
+@reported
+def bounds(
+    bearing: Annotated[
+        list[str] | None,
+        typer.Option("--bearing", help="Layered; may be repeated.", metavar="NAME/FILE"),
+    ] = None,
+    motion: Motions = None,
+    ambient: Annotated[
+        list[float] | None,
+        typer.Option("--ambient", help="Temperatures of the coupled model [degC]."),
+    ] = None,
+    strain: Annotated[float, typer.Option(help="Of the bilinear models.")] = 1.75,
+    output: Output = None,
+    force: Force = False,
+    no_figures: NoFigures = False,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> int:
+    """Is a bounding analysis good enough? Two bilinear bounds against the coupled model."""
+    from thermobearing.bearing.library import load_bearing
+    from thermobearing.design.bounds_study import bounds_study, paragraph
+    from thermobearing.design.files import save_bounds
+    from thermobearing.drive.motions.library import list_motions
+    from thermobearing.errors import InputError
+    from thermobearing.results.directory import check_target
+
+    temperatures = ambient or [23.0, 0.0, -20.0]
+    if len(set(temperatures)) < 2:
+        raise InputError("--ambient: give at least two different temperatures")
+    if not 0.1 <= strain <= 3.0:
+        raise InputError(f"--strain = {strain:g}: must be between 0.1 and 3")
+    names = bearing or ["shen-hdr-bridge", "shen-lhdr-bridge"]
+    bearings = [load_bearing(name) for name in names]
+    motions = motion or [name for name in list_motions() if name.split("-")[2] == "i"]
+    target = output or Path("bounds")
+    check_target(target, force=force)
+    tables = {
+        item.name: bounds_study(item, motions, temperatures, strain=strain) for item in bearings
+    }
+    save_bounds(tables, target, force=force, figures=not no_figures)
+    if not quiet:
+        for name, table in tables.items():
+            typer.echo(paragraph(table, name) + "\n")
+    return written("completed", "", target, as_json=as_json, quiet=quiet)

@@ -1,0 +1,1 @@
+"""What a designer needs: sizing, the design loop, temperature factors and bounds."""

@@ -1,0 +1,130 @@
+"""Is a bounding analysis good enough: two bilinear bounds against the coupled model."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from thermobearing.bearing.bilinear import BilinearBearing
+from thermobearing.bearing.model import Bearing
+from thermobearing.earthquake import run_earthquake
+from thermobearing.earthquake_case import make_earthquake_case
+from thermobearing.equivalent import DESIGN_STRAIN, bilinear_parameters
+
+DEMANDS = {  # column of the study's table: title of the panel
+    "bearing_strain_max": "bearing strain",
+    "bearing_force_max_kN": "bearing force [kN]",
+    "pier_displacement_max_mm": "pier displacement [mm]",
+    "deck_acceleration_max_m_s2": "deck acceleration [m/s2]",
+}
+UNSAFE, WASTEFUL = 0.95, 1.3  # envelope of the bounds over the coupled model; chosen
+
+
+def bound(bearing: Bearing, name: str, temperature: float, strain: float) -> BilinearBearing:
+    """The bilinear model of a bearing soaked at a temperature, without heating."""
+    model = bilinear_parameters(bearing, strain=strain, temperature=temperature)
+    return BilinearBearing(
+        name=name,
+        description=f"{bearing.name} at {temperature:g} degC and {strain:.0%}, third cycle",
+        total_rubber_thickness=bearing.total_rubber_thickness,
+        strength=model.strength,
+        initial_stiffness=model.initial,
+        post_yield_stiffness=model.post_yield,
+    )
+
+
+def bounds_study(
+    bearing: Bearing,
+    motions: Sequence[Any],
+    temperatures: Sequence[float] = (23.0, 0.0, -20.0),
+    *,
+    strain: float = DESIGN_STRAIN,
+    **options: Any,
+) -> pd.DataFrame:
+    """Bounding analysis beside the coupled model, for one bearing on the pier of a bridge.
+
+    The bounds are bilinear models of the bearing soaked at the warmest and at the coldest
+    temperature (equal peak force and loop area in the third cycle at the design strain, as a
+    code's property modification factors would have it, but from the model itself).
+
+    Parameters
+    ----------
+    bearing : layered.
+    motions : names, files or tables as in an earthquake case.
+    temperatures : at which the coupled model runs [degC]; at least two.
+    strain : of the bilinear models.
+    options : further keys of an earthquake case and its analysis.
+
+    Returns
+    -------
+    DataFrame : one row per motion and demand: lower, upper, envelope of the two; largest of the
+        coupled model and the temperature where it occurs; envelope over coupled; verdict
+        ("unsafe" below 0.95, "wasteful" above 1.3).
+
+    Examples
+    --------
+    >>> import thermobearing as tb
+    >>> bearing = tb.load_bearing("shen-hdr-bridge")
+    >>> table = bounds_study(bearing, ["jra-ii-i-1"], [23.0, -20.0])
+    >>> len(table), bool((table["envelope_over_coupled"] > 0.5).all())
+    (4, True)
+    """
+    cold, warm = min(temperatures), max(temperatures)
+    bounds = [bound(bearing, "lower", warm, strain), bound(bearing, "upper", cold, strain)]
+    common: dict[str, Any] = {"motions": list(motions), **options}
+    simple = make_earthquake_case(
+        {"command": "bridge"}, "bounds", bearings=bounds, ambient=[warm], **common
+    )
+    whole = make_earthquake_case(
+        {"command": "bridge"}, "bounds", bearings=[bearing], ambient=list(temperatures), **common
+    )
+    bounded, coupled = run_earthquake(simple).table, run_earthquake(whole).table
+    rows = []
+    for motion in dict.fromkeys(coupled["motion"]):
+        two = bounded[bounded["motion"] == motion].set_index("bearing")
+        many = coupled[coupled["motion"] == motion].set_index("ambient_degC")
+        for column in DEMANDS:
+            lower, upper = (float(two.loc[name, column]) for name in ("lower", "upper"))
+            values = many[column]
+            ratio = max(lower, upper) / float(values.max())
+            rows.append(
+                {
+                    "motion": motion,
+                    "demand": column,
+                    "lower_bound": lower,
+                    "upper_bound": upper,
+                    "coupled_max": float(values.max()),
+                    "coupled_at_degC": float(values.idxmax()),
+                    "envelope_over_coupled": ratio,
+                    "verdict": verdict(ratio),
+                    **{f"coupled_{t:g}_degC": float(values[t]) for t in temperatures},
+                }
+            )
+    return pd.DataFrame(rows)
+
+
+def verdict(ratio: float) -> str:
+    """What a ratio of the envelope to the coupled model means."""
+    if ratio < UNSAFE:
+        return "unsafe"
+    return "wasteful" if ratio > WASTEFUL else "good"
+
+
+def paragraph(table: pd.DataFrame, name: str) -> str:
+    """The result in words."""
+    sentences = []
+    for column, title in DEMANDS.items():
+        ratios = table[table["demand"] == column]["envelope_over_coupled"].to_numpy()
+        unsafe, wasteful = int((ratios < UNSAFE).sum()), int((ratios > WASTEFUL).sum())
+        sentences.append(
+            f"{title.split(' [')[0]}: {ratios.min():.2f} to {ratios.max():.2f} of what the coupled "
+            f"model gives (unsafe for {unsafe}, wasteful for {wasteful} of {len(ratios)} motions)"
+        )
+    worst = table.loc[int(np.argmin(table["envelope_over_coupled"].to_numpy()))]
+    return (
+        f"{name}: the envelope of the two bilinear bounds against the coupled model. "
+        + "; ".join(sentences)
+        + f". The least safe is {DEMANDS[str(worst['demand'])].split(' [')[0]} under "
+        f"{worst['motion']} ({worst['envelope_over_coupled']:.2f})."
+    )

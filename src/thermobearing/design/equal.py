@@ -1,0 +1,102 @@
+"""Layered bearings with the equivalent stiffness of a design, as the source chose them by hand."""
+
+import math
+from dataclasses import dataclass
+
+from thermobearing.bearing.model import Bearing
+from thermobearing.equivalent import isothermal_cycle
+from thermobearing.errors import InputError
+
+ROUNDING = 5.0  # mm: plans are made in such steps
+TRIES = 60
+
+
+@dataclass(frozen=True)
+class EqualBearing:
+    """A layered bearing scaled to a stiffness.
+
+    Attributes
+    ----------
+    bearing : ready for `bridge`.
+    stiffness, damping : K_eq [kN/mm] and h_eq of its third cycle without heating at the design
+        displacement and the reference temperature of its rubber.
+    """
+
+    bearing: Bearing
+    stiffness: float
+    damping: float
+
+
+def with_side(template: Bearing, side: float, layers: int) -> Bearing:
+    """The template with another square plan and number of layers; K_r follows the area."""
+    plan = template.geometry.plan.model_copy(update={"side": side})
+    geometry = template.geometry.model_copy(update={"plan": plan, "rubber_layers": layers})
+    ratio = (side**2 - template.lead_area) / (template.area - template.lead_area)
+    stiffness = ratio * template.hysteresis.layer_stiffness
+    hysteresis = template.hysteresis.model_copy(update={"layer_stiffness": stiffness})
+    return template.model_copy(
+        update={
+            "name": f"{template.kind.lower()}-{side:g}-{layers}x{geometry.rubber_thickness:g}",
+            "description": f"{template.name} scaled to the stiffness of a design",
+            "geometry": geometry,
+            "hysteresis": hysteresis,
+        }
+    )
+
+
+def equal_bearing(
+    template: Bearing, stiffness: float, displacement: float, design_strain: float = 1.75
+) -> EqualBearing:
+    """A bearing of the template's rubber, layers and lead with a given K_B.
+
+    As many layers as keep the design strain; the side of the square plan follows from K_B, in
+    steps of 5 mm; K_r grows with the rubber area.
+
+    Parameters
+    ----------
+    template : a layered bearing with a square plan.
+    stiffness : K_B [kN/mm], > 0.
+    displacement : design displacement u_B [mm], > 0.
+    design_strain : largest u_B over total rubber thickness.
+
+    Raises
+    ------
+    InputError : the plan is not square, or no plan between the lead and 5 m has that stiffness.
+
+    Examples
+    --------
+    >>> from thermobearing.bearing.library import load_bearing
+    >>> found = equal_bearing(load_bearing("shen-hdr-bridge"), 2.6153, 178.0)
+    >>> found.bearing.area**0.5, found.bearing.geometry.rubber_layers
+    (480.0, 6)
+    """
+    if template.geometry.plan.shape != "square":
+        raise InputError(f"{template.name}: only square plans are scaled")
+    thickness = template.geometry.rubber_thickness
+    layers = max(1, math.ceil(displacement / (design_strain * thickness) - 1e-9))
+    strain = displacement / (layers * thickness)
+    low, high = math.sqrt(1.02 * template.lead_area) + ROUNDING, 5000.0
+    if (
+        not _stiffness(template, low, layers, strain)
+        <= stiffness
+        <= _stiffness(template, high, layers, strain)
+    ):
+        raise InputError(
+            f"{template.name}: no plan of {low:.0f} to {high:.0f} mm gives {stiffness:g} kN/mm"
+        )
+    for _ in range(TRIES):
+        middle = 0.5 * (low + high)
+        if _stiffness(template, middle, layers, strain) < stiffness:
+            low = middle
+        else:
+            high = middle
+        if high - low < 0.1:
+            break
+    side = ROUNDING * round(0.5 * (low + high) / ROUNDING)
+    bearing = with_side(template, side, layers)
+    measured = isothermal_cycle(bearing, strain)
+    return EqualBearing(bearing, measured.stiffness_kN_mm, measured.h_eq)
+
+
+def _stiffness(template: Bearing, side: float, layers: int, strain: float) -> float:
+    return isothermal_cycle(with_side(template, side, layers), strain).stiffness_kN_mm

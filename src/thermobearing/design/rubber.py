@@ -1,0 +1,166 @@
+"""JRA equivalent linearisation of high damping rubber (Eq. 6.1-6.3)."""
+
+from functools import cache
+from importlib import resources
+from pathlib import Path
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field
+
+from thermobearing.bearing.schema import Strict, read_toml, validated
+from thermobearing.drive.baselines import BilinearParameters
+from thermobearing.equivalent import solve_backbone
+from thermobearing.errors import InputError, nearest
+
+NEWTON_PER_KILONEWTON = 1e3
+Kind = Literal["HDR", "HDR-S"]
+
+
+class Compound(Strict):
+    """Coefficients of one rubber: G_e [MPa] and h_B by powers of the design shear strain."""
+
+    name: str
+    kind: Kind
+    shear_modulus: Annotated[list[float], Field(min_length=1)]
+    damping_ratio: Annotated[list[float], Field(min_length=1)]
+    note: str = ""
+
+
+class Curves(Strict):
+    """The file of design curves, with the strains it may be used for."""
+
+    citation: str
+    smallest_strain: Annotated[float, Field(ge=0)]
+    largest_strain: Annotated[float, Field(gt=0)]
+    compounds: list[Compound]
+
+
+@cache
+def load_curves() -> Curves:
+    """The design curves shipped with the package."""
+    path = Path(str(resources.files("thermobearing") / "data" / "rubber" / "jra-hdr.toml"))
+    return validated(Curves, read_toml(path), str(path))
+
+
+def load_compound(name: str, kind: Kind = "HDR") -> Compound:
+    """A compound by name ("G8", "G10", "G12") and kind ("HDR" or "HDR-S").
+
+    Raises
+    ------
+    InputError : no such compound.
+
+    Examples
+    --------
+    >>> load_compound("G8").damping_ratio[0]
+    0.21615
+    """
+    known = [item for item in load_curves().compounds if item.kind == kind]
+    for item in known:
+        if item.name == name:
+            return item
+    names = [item.name for item in known] or ["HDR", "HDR-S"]
+    wrong = name if known else kind
+    raise InputError(f'no {kind} rubber is called "{wrong}"{nearest(wrong, names)}')
+
+
+def checked_strain(strain: float) -> float:
+    """The strain, if the curves may be used for it."""
+    curves = load_curves()
+    if not curves.smallest_strain <= strain <= curves.largest_strain:
+        raise InputError(
+            f"design shear strain {strain:.3g}: the curves are for {curves.smallest_strain:g} to "
+            f"{curves.largest_strain:g}; choose a thicker or thinner bearing"
+        )
+    return strain
+
+
+def shear_modulus(compound: Compound, strain: float) -> float:
+    """Design equivalent shear modulus G_e [MPa] at a design shear strain (Eq. 6.2).
+
+    Raises
+    ------
+    InputError : the strain is outside the range of the curves.
+
+    Examples
+    --------
+    >>> round(shear_modulus(load_compound("G8"), 178 / 112), 4)
+    0.8134
+    """
+    powers = np.arange(len(compound.shear_modulus))
+    return float(np.array(compound.shear_modulus) @ checked_strain(strain) ** powers)
+
+
+def damping_ratio(compound: Compound, strain: float) -> float:
+    """Design equivalent damping ratio h_B at a design shear strain (Eq. 6.3).
+
+    Examples
+    --------
+    >>> round(damping_ratio(load_compound("G8"), 178 / 112), 4)
+    0.1513
+    """
+    powers = np.arange(len(compound.damping_ratio))
+    return float(np.array(compound.damping_ratio) @ checked_strain(strain) ** powers)
+
+
+def equivalent_stiffness(
+    compound: Compound, area: float, total_rubber_thickness: float, displacement: float
+) -> float:
+    """K_B = G_e A_e / sum t_e (Eq. 6.1) [kN/mm].
+
+    Parameters
+    ----------
+    compound : from `load_compound`.
+    area : effective plan area A_e, without side cover [mm2], > 0.
+    total_rubber_thickness : [mm], > 0.
+    displacement : design displacement [mm], within the strains of the curves.
+
+    Examples
+    --------
+    >>> round(equivalent_stiffness(load_compound("G8"), 360_000.0, 112.0, 178.0), 3)
+    2.614
+    """
+    modulus = shear_modulus(compound, displacement / total_rubber_thickness)
+    return modulus * area / total_rubber_thickness / NEWTON_PER_KILONEWTON
+
+
+def bilinear_of(
+    stiffness: float, damping: float, displacement: float, stiffness_ratio: float
+) -> BilinearParameters:
+    """Bilinear model with a given equivalent stiffness and damping ratio at a displacement.
+
+    Equal peak force and loop area; the equation is at `equivalent.solve_backbone`.
+
+    Parameters
+    ----------
+    stiffness : K_B [kN/mm], > 0.
+    damping : h_B, in (0, 0.6).
+    displacement : u at which both hold [mm], > 0; for an effective displacement factor c_B give
+        c_B u_B here and in the stiffness.
+    stiffness_ratio : alpha = K_2/K_1, in (0, 1).
+
+    Raises
+    ------
+    InputError : no bilinear loop is that fat.
+
+    Examples
+    --------
+    >>> design = bilinear_of(2.615, 0.1513, 178.0, 0.19)
+    >>> round(design.strength), round(design.post_yield, 2), round(design.initial, 1)
+    (120, 1.94, 10.2)
+    """
+    for name, value, low, high in (
+        ("stiffness", stiffness, 0.0, np.inf),
+        ("damping", damping, 0.0, 0.6),
+        ("displacement", displacement, 0.0, np.inf),
+        ("stiffness_ratio", stiffness_ratio, 0.0, 1.0),
+    ):
+        if not low < value < high:
+            raise InputError(f"{name} = {value:g}: must be between {low:g} and {high:g}")
+    found = solve_backbone(stiffness, damping, displacement, stiffness_ratio)
+    if found is None:
+        raise InputError(
+            f"no bilinear model with K_2/K_1 = {stiffness_ratio:g} has a damping ratio of "
+            f"{damping:g}; try a smaller ratio"
+        )
+    return found

@@ -1,0 +1,148 @@
+"""Size of a bearing for a design displacement, and the checks of a designer."""
+
+import math
+from dataclasses import dataclass
+from typing import Annotated
+
+from pydantic import Field
+
+from thermobearing.bearing.schema import Strict, in_unit
+from thermobearing.design.rubber import (
+    NEWTON_PER_KILONEWTON,
+    Compound,
+    damping_ratio,
+    equivalent_stiffness,
+)
+from thermobearing.errors import InputError
+
+Length = Annotated[float, in_unit("mm"), Field(gt=0)]
+MOST_LAYERS = 60
+
+
+class SizingRules(Strict):
+    """How a bearing is sized; the defaults give the source's bearing for its displacement.
+
+    As many layers as keep the design strain, then the smallest square plan (in whole steps)
+    with the second shape factor and under the stress.
+    """
+
+    layer_thickness: Length = 14.0  # Table 6.1
+    design_strain: Annotated[float, Field(gt=0, le=2.5)] = 1.75
+    second_shape_factor: Annotated[float, Field(gt=0)] = 5.0
+    stress: Annotated[float, in_unit("MPa"), Field(gt=0)] = 6.0
+    plan_step: Length = 50.0
+
+
+@dataclass(frozen=True)
+class Size:
+    """A square bearing.
+
+    Attributes
+    ----------
+    side : of the plan [mm].
+    layers : number of rubber layers.
+    layer_thickness : [mm].
+    """
+
+    side: float
+    layers: int
+    layer_thickness: float
+
+    @property
+    def area(self) -> float:
+        """[mm2]"""
+        return self.side**2
+
+    @property
+    def total_rubber_thickness(self) -> float:
+        """[mm]"""
+        return self.layers * self.layer_thickness
+
+    @property
+    def first_shape_factor(self) -> float:
+        """Plan area over the free side area of one layer."""
+        return self.side / (4.0 * self.layer_thickness)
+
+    @property
+    def second_shape_factor(self) -> float:
+        """Side over total rubber thickness."""
+        return self.side / self.total_rubber_thickness
+
+
+@dataclass(frozen=True)
+class Check:
+    """One line of a calculation sheet; `least` says whether the limit is a lower one."""
+
+    what: str
+    value: float
+    limit: float
+    unit: str
+    source: str
+    least: bool = False
+
+    @property
+    def passed(self) -> bool:
+        """Whether the value keeps the limit."""
+        return self.value >= self.limit if self.least else self.value <= self.limit
+
+    @property
+    def verdict(self) -> str:
+        """OK or NG."""
+        return "OK" if self.passed else "NG"
+
+
+def size_bearing(displacement: float, weight: float, rules: SizingRules) -> Size:
+    """The smallest bearing that keeps the rules.
+
+    Parameters
+    ----------
+    displacement : design displacement u_B [mm], > 0.
+    weight : vertical load of one bearing [kN], > 0.
+    rules : of sizing.
+
+    Raises
+    ------
+    InputError : it would take more than 60 layers.
+
+    Examples
+    --------
+    >>> size = size_bearing(178.0, 784.8, SizingRules())
+    >>> size.side, size.layers
+    (600.0, 8)
+    """
+    if not displacement > 0.0 or not weight > 0.0:
+        raise InputError(f"displacement {displacement:g} mm and weight {weight:g} kN must be > 0")
+    layers = max(1, math.ceil(displacement / (rules.design_strain * rules.layer_thickness) - 1e-9))
+    if layers > MOST_LAYERS:
+        raise InputError(
+            f"a design displacement of {displacement:.0f} mm needs {layers} layers of "
+            f"{rules.layer_thickness:g} mm; at most {MOST_LAYERS} make sense"
+        )
+    stable = rules.second_shape_factor * layers * rules.layer_thickness
+    strong = math.sqrt(weight * NEWTON_PER_KILONEWTON / rules.stress)
+    steps = math.ceil(max(stable, strong) / rules.plan_step - 1e-9)
+    return Size(steps * rules.plan_step, layers, rules.layer_thickness)
+
+
+def checks_of(
+    size: Size, weight: float, strain: float, ductility: float, rules: SizingRules
+) -> list[Check]:
+    """The calculation sheet: strain, stress, shape factors, ductility."""
+    stress = weight * NEWTON_PER_KILONEWTON / size.area
+    return [
+        Check("shear strain", strain, 2.5, "1", "largest strain tested, Table 3.4"),
+        Check("compressive stress", stress, rules.stress, "MPa", "of the tests, section 3.3"),
+        Check("first shape factor", size.first_shape_factor, 5.0, "1",
+              "chosen; unverified: no limit is printed in the source", least=True),
+        Check("second shape factor", size.second_shape_factor, 4.0, "1",
+              "usual in Japan; unverified: no limit is printed in the source", least=True),
+        Check("pier ductility", ductility, 3.0, "1",
+              "a large value for a pier in an isolated bridge, section 6.3.3"),
+    ]  # fmt: skip
+
+
+def design_values(compound: Compound, size: Size, displacement: float) -> tuple[float, float]:
+    """K_B [kN/mm] and h_B of a size at a displacement."""
+    thickness = size.total_rubber_thickness
+    stiffness = equivalent_stiffness(compound, size.area, thickness, displacement)
+    return stiffness, damping_ratio(compound, displacement / thickness)
