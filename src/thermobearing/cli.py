@@ -29,6 +29,7 @@ from thermobearing.commands.common import (
     written,
 )
 from thermobearing.commands.identify import identify
+from thermobearing.commands.motions import app as motions
 from thermobearing.errors import InputError
 
 if TYPE_CHECKING:
@@ -77,6 +78,7 @@ def _common(
     """Rubber isolation bearings in the cold."""
 
 
+app.add_typer(motions, name="motions")
 app.command()(earthquake.bridge)
 app.command()(earthquake.hybrid)
 app.command()(design.design)

@@ -18,6 +18,8 @@ TABLE = "table.csv"
 IDENTIFIED, FIT_TABLE, SAMPLES = "bearing.toml", "fit.csv", "posterior.csv"
 # Everything that any command writes into a result directory; nothing else is ever deleted.
 RESULT_NAMES = {SUMMARY, DATASET, HISTORY, RESOLVED, FIGURES, COMPARISON, TABLE, ".DS_Store"}
+MOTION, SPECTRUM = "motion.csv", "spectrum.csv"
+RESULT_NAMES |= {MOTION, SPECTRUM}
 ROUNDS, CHECKS, BEARINGS = "rounds.csv", "checks.csv", "bearings"
 RESULT_NAMES |= {ROUNDS, CHECKS, BEARINGS}
 RESULT_NAMES |= {IDENTIFIED, FIT_TABLE, SAMPLES}
