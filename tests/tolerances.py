@@ -150,3 +150,17 @@ TABLE_H_B = 5e-5  # printed with four digits
 BACKBONE = 2e-3  # of peak and area: corners of the loop fall between 4000 points
 DESIGN_START = 0.02  # between starts of 50 to 400 mm, as asked; 0.5 % measured
 EQUAL_STIFFNESS = 0.01  # plans in steps of 5 mm
+
+# --- Ground motions -----------------------------------------------------------------------
+RECORD_PGA = 0.005  # told with three or four digits
+RESAMPLED = 1e-3  # of the amplitude, away from the ends
+RESAMPLED_SPECTRUM = 0.02  # linear between samples is not the same motion between other samples
+QUIET_END = 1e-6  # mm/s and mm
+MISFIT = 0.03  # rms over 0.1-3 s, as asked; 1.3 to 2.5 % measured
+STORED_END = 1e-4  # of the peak: stored as 32-bit numbers
+FARTHEST_GROUND = 1500.0  # mm; the standard spectra ask for a metre at long periods
+SPECTRUM_CORNER = 2e-3  # the printed branches are rounded
+SPECTRUM_STEP = 1e-4  # the peak falls between sub-steps
+STORED_MOTION = 1e-5  # 32-bit numbers; the same seed on the same numpy
+EQSIG = 1e-6  # as asked
+EQSIG_ARIAS = 1e-3  # other rules of summing
