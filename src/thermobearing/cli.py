@@ -27,6 +27,7 @@ from thermobearing.commands.common import (
     reported,
     written,
 )
+from thermobearing.commands.motions import app as motions
 from thermobearing.errors import InputError
 
 if TYPE_CHECKING:
@@ -58,6 +59,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
+app.add_typer(motions, name="motions")
 
 
 def _version(wanted: bool) -> None:

@@ -14,8 +14,10 @@ from thermobearing.errors import OutputError
 
 SUMMARY, DATASET, HISTORY = "summary.json", "result.nc", "history.csv"
 RESOLVED, FIGURES, COMPARISON = "case.resolved.toml", "figures", "comparison.csv"
+MOTION, SPECTRUM = "motion.csv", "spectrum.csv"
 # Everything that any command writes into a result directory; nothing else is ever deleted.
 RESULT_NAMES = {SUMMARY, DATASET, HISTORY, RESOLVED, FIGURES, COMPARISON, ".DS_Store"}
+RESULT_NAMES |= {MOTION, SPECTRUM}
 
 
 def check_target(directory: Path, *, force: bool) -> None:

@@ -97,6 +97,12 @@ def _respond(
         peaks[j, 5] = when_down
 
 
+def check_damping(damping: float) -> None:
+    """InputError unless a damping ratio is in [0, 1)."""
+    if not 0.0 <= damping < 1.0:
+        raise InputError(f"damping: {damping:g} is outside [0, 1)")
+
+
 def response_spectrum(
     motion: GroundMotion,
     periods: ArrayLike,
@@ -136,8 +142,7 @@ def response_spectrum(
     values = np.atleast_1d(np.asarray(periods, dtype=np.float64))
     if values.ndim != 1 or not len(values) or not (np.isfinite(values) & (values >= 0.0)).all():
         raise InputError("periods [s]: give one or more numbers, not negative", "response_spectrum")
-    if not 0.0 <= damping < 1.0:
-        raise InputError(f"damping: {damping:g} is outside [0, 1)", "response_spectrum")
+    check_damping(damping)
     if not 1 <= steps_per_period <= 10_000:
         raise InputError(
             f"steps_per_period: {steps_per_period} is outside 1 to 10000", "response_spectrum"

@@ -1,0 +1,102 @@
+"""Figures of a ground motion: its histories, and its response spectrum beside standard ones."""
+
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import FuncFormatter, NullFormatter
+from numpy.typing import NDArray
+
+from thermobearing.results import drawing
+
+Floats = NDArray[np.float64]
+
+DPI = 150
+BINS = 2000
+MOTION_COLOUR = "#0077BB"
+REFERENCE_LOOKS = (("#CC3311", "--"), ("#EE7733", "-."))
+ROWS = (
+    ("acceleration [gal]", "largest {:.0f} gal"),
+    ("velocity [cm/s]", "largest {:.1f} cm/s"),
+    ("displacement [cm]", "largest {:.1f} cm"),
+)
+
+
+def motion_figure(
+    title: str,
+    time: Floats,
+    acceleration_gal: Floats,
+    velocity_cm_s: Floats,
+    displacement_cm: Floats,
+    strong: tuple[float, float] | None = None,
+) -> Figure:
+    """Acceleration, velocity and displacement of the ground against time.
+
+    Parameters
+    ----------
+    title : name of the motion.
+    time : [s].
+    acceleration_gal, velocity_cm_s, displacement_cm : [gal], [cm/s], [cm].
+    strong : beginning and end of the significant duration [s], shaded.
+    """
+    figure, axes = drawing.panels(3, 1, (9.0, 6.2), title)
+    histories = (acceleration_gal, velocity_cm_s, displacement_cm)
+    for ax, values, (label, told) in zip(axes, histories, ROWS, strict=True):
+        if strong is not None:
+            ax.axvspan(*strong, color=drawing.PALE, zorder=0, linewidth=0)
+        kept = drawing.thin(values, BINS)
+        ax.plot(time[kept], values[kept], color=MOTION_COLOUR, linewidth=0.8)
+        peak = int(np.abs(values).argmax())
+        ax.plot(time[peak], values[peak], "o", color=drawing.INK, markersize=3.5)
+        ax.set_xlim(0.0, time[-1])
+        drawing.name_axes(ax, y=label, title=told.format(abs(values[peak])))
+    drawing.name_axes(axes[-1], "time [s]")
+    if strong is not None:
+        patch = Line2D([], [], color="#d5dae2", linewidth=7.0, label="5 to 95 % of Arias intensity")
+        drawing.legend_below(figure, [patch])
+    return figure
+
+
+def spectrum_figure(
+    title: str,
+    periods: Floats,
+    acceleration_gal: Floats,
+    displacement_cm: Floats,
+    references: dict[str, Floats],
+    damping: float,
+) -> Figure:
+    """Response spectra of acceleration and displacement, beside standard ones.
+
+    Parameters
+    ----------
+    title : name of the motion.
+    periods : [s].
+    acceleration_gal, displacement_cm : largest absolute acceleration [gal] and relative
+        displacement [cm].
+    references : standard acceleration spectra at the same periods [gal], by name.
+    damping : ratio of critical damping.
+    """
+    figure, (left, right) = drawing.panels(1, 2, (10.0, 4.6), title)
+    handles = []
+    for (name, values), (colour, line) in zip(references.items(), REFERENCE_LOOKS, strict=False):
+        look: dict[str, Any] = {"color": colour, "linestyle": line, "linewidth": 1.6}
+        left.plot(periods, values, **look)
+        implied = values * (periods / (2.0 * np.pi)) ** 2
+        right.plot(periods, implied, **look)
+        handles.append(Line2D([], [], label=name, **look))
+    left.plot(periods, acceleration_gal, color=MOTION_COLOUR, linewidth=1.2)
+    right.plot(periods, displacement_cm, color=MOTION_COLOUR, linewidth=1.2)
+    handles.insert(0, Line2D([], [], color=MOTION_COLOUR, linewidth=1.2, label="this motion"))
+    for ax in (left, right):
+        ax.set_xscale("log")
+        ax.set_xlim(periods[0], periods[-1])
+        ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        ax.xaxis.set_minor_formatter(NullFormatter())
+    left.set_yscale("log")
+    left.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    percent = f"{100.0 * damping:g} % damping"
+    drawing.name_axes(left, "period [s]", "acceleration [gal]", f"absolute acceleration, {percent}")
+    drawing.name_axes(right, "period [s]", "displacement [cm]", f"displacement, {percent}")
+    drawing.legend_below(figure, handles)
+    return figure
