@@ -16,6 +16,9 @@ from thermobearing.errors import InputError
 
 ROOM = 4.0  # [s] of rest before and after a record, for the ringing of changed amplitudes
 SMALLEST_DT, LARGEST_DT = 0.001, 0.02  # half a period of 0.1 s holds at least 2.5 steps
+# Above this the ground shakes less and less [Hz], as in records; the periods that are fitted
+# end at 0.1 s, and white noise beyond would make large, short peaks.
+HIGHEST = 10.0
 # Where waves cancel in a narrow band, no amplitudes fill the hole: then the phases are drawn
 # again. The limit leaves room below the 3 % that are promised.
 DRAWS, ACCEPTED = 8, 0.025
@@ -71,7 +74,9 @@ def _noise(kind: str, ground: str, seed: int, draw: int, dt: float) -> Floats:
         sign = 1.0 if stream.uniform() < 0.5 else -1.0
         pulse = np.cos(angle + 0.5 * np.pi * stream.uniform()) * np.exp(-0.5 * past**2)
         values += sign * PULSE_WEIGHT * pulse / np.sqrt(period) * np.sqrt(shape.decay)
-    return values
+    frequency = np.asarray(np.fft.rfftfreq(len(values), dt), dtype=np.float64)
+    gain = 1.0 / (1.0 + (frequency / HIGHEST) ** 4)
+    return np.asarray(np.fft.irfft(np.fft.rfft(values) * gain, len(values)))
 
 
 def make_motion(
