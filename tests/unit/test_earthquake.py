@@ -50,7 +50,9 @@ def small(**changes: Any) -> EarthquakeCase:
 @pytest.fixture(scope="module")
 def saved(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("bridge")
-    path = write_toml(folder / "case.toml", SMALL | {"bearings": ["shen-lhdr-bridge"]})
+    path = write_toml(
+        folder / "case.toml", SMALL | {"bearings": ["shen-lhdr-bridge"], "duration": "12 s"}
+    )
     done = command(
         "bridge", path, "--ambient", -20, "--ambient", 23, "-o", folder / "out", "--json"
     )
