@@ -166,6 +166,7 @@ def draw() -> None:
     """The loops of the README."""
     import thermobearing as tb
     from thermobearing.design.bounds_study import DEMANDS
+    from thermobearing.design.factor_files import scale_figure
     from thermobearing.results.design_figures import draw_bounds
 
     result = tb.run("shen-hdr-specimen", tb.cyclic_test(), ambient=[-20.0, 0.0, 23.0])
@@ -178,6 +179,9 @@ def draw() -> None:
     draw_bounds(
         tb.bounds_study(bearing, motions), DEMANDS, "shen-hdr-bridge: bounds (bars), coupled (dots)"
     ).savefig(DOCS / "figures" / "bounds.png", dpi=80)
+    lead = tb.load_bearing("shen-lhdr-bridge")
+    _, results = tb.scale_study(lead)
+    scale_figure(lead, results).savefig(DOCS / "figures" / "scale.png", dpi=80)
     study.plot.loops().savefig(DOCS / "figures" / "bridge.png", dpi=110)
 
 

@@ -164,3 +164,5 @@ SPECTRUM_STEP = 1e-4  # the peak falls between sub-steps
 STORED_MOTION = 1e-5  # 32-bit numbers; the same seed on the same numpy
 EQSIG = 1e-6  # as asked
 EQSIG_ARIAS = 1e-3  # other rules of summing
+STEEL01 = 1e-9  # of the yield force: OpenSees' bilinear material is ours
+SCALED = 1e-9  # K, MPa and strains: the same equations in other lengths

@@ -29,6 +29,7 @@ _HOME = {
     "OutputError": "thermobearing.errors",
     "Result": "thermobearing.results.result",
     "TestRecord": "thermobearing.identify.record",
+    "bound_models": "thermobearing.design.bound_models",
     "bounds_study": "thermobearing.design.bounds_study",
     "bridge": "thermobearing.earthquake",
     "check_test": "thermobearing.identify.checks",
@@ -57,7 +58,10 @@ _HOME = {
     "run_case": "thermobearing.simulate",
     "run_design": "thermobearing.design.loop",
     "run_earthquake": "thermobearing.earthquake",
+    "scale_study": "thermobearing.design.scale",
+    "scaled_bearing": "thermobearing.design.scale",
     "synthetic_record": "thermobearing.identify.synthetic",
+    "temperature_factors": "thermobearing.design.factors",
 }
 
 __all__ = [
@@ -77,6 +81,7 @@ __all__ = [
     "Result",
     "TestRecord",
     "__version__",
+    "bound_models",
     "bounds_study",
     "bridge",
     "check_test",
@@ -105,7 +110,10 @@ __all__ = [
     "run_case",
     "run_design",
     "run_earthquake",
+    "scale_study",
+    "scaled_bearing",
     "synthetic_record",
+    "temperature_factors",
 ]
 
 if TYPE_CHECKING:
@@ -113,10 +121,13 @@ if TYPE_CHECKING:
     from thermobearing.bearing.library import list_bearings, load_bearing
     from thermobearing.bearing.model import Bearing
     from thermobearing.case import Case, EndFace, load_case
+    from thermobearing.design.bound_models import bound_models
     from thermobearing.design.bounds_study import bounds_study
     from thermobearing.design.case import load_design_case, make_design_case
     from thermobearing.design.equal import equal_bearing
+    from thermobearing.design.factors import temperature_factors
     from thermobearing.design.loop import run_design
+    from thermobearing.design.scale import scale_study, scaled_bearing
     from thermobearing.drive.ambient import Ambient
     from thermobearing.drive.element import BearingElement
     from thermobearing.drive.motions.library import list_motions, load_motion

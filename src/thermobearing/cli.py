@@ -16,7 +16,7 @@ import typer
 import typer.core
 
 import thermobearing
-from thermobearing.commands import design, earthquake
+from thermobearing.commands import design, earthquake, factors
 from thermobearing.commands.common import (
     BAD_INPUT,
     AsJson,
@@ -83,6 +83,7 @@ app.command()(earthquake.bridge)
 app.command()(earthquake.hybrid)
 app.command()(design.design)
 app.command()(design.bounds)
+app.command("lambda")(factors.lambda_)
 
 
 @app.command()

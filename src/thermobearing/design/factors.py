@@ -1,0 +1,245 @@
+"""Temperature factors of a bearing from the coupled model, instead of from a table."""
+
+from collections.abc import Sequence
+from functools import cache
+from importlib import resources
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+import pandas as pd
+from pydantic import Field
+
+from thermobearing.bearing.model import Bearing
+from thermobearing.bearing.schema import Strict, read_toml, validated
+from thermobearing.drive.protocol import CyclicTest
+from thermobearing.errors import InputError, nearest
+from thermobearing.simulate import run
+
+TEMPERATURES = tuple(float(t) for t in range(-40, 41, 10))
+STRAINS = (1.0, 1.75)
+PERIOD = 2.0  # of the sine [s]
+QUANTITIES = {  # name: unit
+    "K_eq": "kN/mm",
+    "Q_d": "kN",
+    "K_d": "kN/mm",
+    "h_eq": "1",
+    "energy": "kN mm",
+}
+# Which cycles count. "3": ISO 22762-1, EN 15129 (third of three); "2-11": repeated tests; the
+# assignment to standards is from memory and unverified.
+PRESETS: dict[str, tuple[int, ...]] = {
+    "3": (3,),
+    "1-3": (1, 2, 3),
+    "2-11": tuple(range(2, 12)),
+    "all-but-first": tuple(range(2, 6)),
+}
+QUANTILES = (0.05, 0.95)
+BASES = ("first", "heated", "mean")
+COLDEST, HOTTEST = -60.0, 60.0
+MOST_CYCLES = 100
+
+
+class PublishedTable(Strict):
+    """Factors from elsewhere; `unverified` ones are from memory."""
+
+    name: str
+    quantity: str
+    reference_temperature: float
+    temperatures: Annotated[list[float], Field(min_length=2)]
+    factors: Annotated[list[float], Field(min_length=2)]
+    source: str
+    unverified: bool
+
+    @property
+    def label(self) -> str:
+        """Name for a legend, with the mark."""
+        return f"{self.name} (unverified)" if self.unverified else self.name
+
+
+class _Published(Strict):
+    tables: list[PublishedTable]
+
+
+@cache
+def published_tables() -> list[PublishedTable]:
+    """Factors of other sources, for comparison."""
+    path = Path(str(resources.files("thermobearing") / "data" / "factors" / "published.toml"))
+    return validated(_Published, read_toml(path), str(path)).tables
+
+
+def chosen_cycles(cycles: str | Sequence[int]) -> tuple[int, ...]:
+    """Numbers of the cycles of a preset or a list, from 1.
+
+    Raises
+    ------
+    InputError : unknown preset, or numbers that are not 1 to 100.
+
+    Examples
+    --------
+    >>> chosen_cycles("1-3"), chosen_cycles([5])
+    ((1, 2, 3), (5,))
+    """
+    if isinstance(cycles, str):
+        if cycles not in PRESETS:
+            raise InputError(f'cycles = "{cycles}"{nearest(cycles, list(PRESETS))}')
+        return PRESETS[cycles]
+    numbers = tuple(cycles)
+    if not numbers or not all(
+        isinstance(n, int | np.integer) and 1 <= n <= MOST_CYCLES for n in numbers
+    ):
+        raise InputError(f"cycles = {list(numbers)}: give whole numbers from 1 to {MOST_CYCLES}")
+    return tuple(sorted({int(n) for n in numbers}))
+
+
+def temperature_factors(
+    bearing: Bearing | Sequence[Bearing],
+    *,
+    reference_temperature: float,
+    temperatures: Sequence[float] = TEMPERATURES,
+    strains: Sequence[float] = STRAINS,
+    period: float = PERIOD,
+    cycles: str | Sequence[int] = "1-3",
+    **options: Any,
+) -> pd.DataFrame:
+    """K_eq, Q_d, K_d, h_eq and energy over temperature, relative to a reference temperature.
+
+    The coupled model does sine cycles from a soaked state at each temperature. Basis "first"
+    is the first cycle; "heated" the last of the chosen cycles, with self-heating until then;
+    "mean" the mean over the chosen cycles. Every factor is relative to the same basis at the
+    reference temperature.
+
+    Parameters
+    ----------
+    bearing : one bearing; or several, such as samples of a posterior: the first gives the values,
+        all of them the band between the 5 and 95 % quantiles.
+    reference_temperature : [degC], in [-60, 60]; there is no default.
+    temperatures : [degC], in [-60, 60].
+    strains : shear strain amplitudes, in [0.1, 3].
+    period : of the sine [s], in [0.2, 1000].
+    cycles : "3", "1-3", "2-11", "all-but-first" (of five), or numbers.
+    options : of `run`: scheme, lead_ends, faces, ...
+
+    Returns
+    -------
+    DataFrame : strain, basis, ambient_degC, quantity, unit, value, factor, factor_low,
+        factor_high (the last two NaN for one bearing).
+
+    Raises
+    ------
+    InputError : anything out of range; an analysis that did not complete.
+
+    Examples
+    --------
+    >>> import thermobearing as tb
+    >>> table = temperature_factors(
+    ...     tb.load_bearing("shen-hdr-bridge"),
+    ...     reference_temperature=23,
+    ...     temperatures=[-20],
+    ...     strains=[1.75],
+    ... )
+    >>> first = table.query("basis == 'first' and quantity == 'K_eq' and ambient_degC == -20")
+    >>> bool(first["factor"].iloc[0] > 1.5)
+    True
+    """
+    bearings = [bearing] if isinstance(bearing, Bearing) else list(bearing)
+    numbers = chosen_cycles(cycles)
+    _check(bearings, reference_temperature, temperatures, strains, period)
+    air = list(dict.fromkeys([float(reference_temperature), *(float(t) for t in temperatures)]))
+    tables = [
+        pd.concat([_measured(item, air, strain, period, numbers, options) for strain in strains])
+        for item in bearings
+    ]
+    keys = ["strain", "basis", "ambient_degC", "quantity"]
+    for number, table in enumerate(tables):
+        at = table["ambient_degC"] == reference_temperature
+        base = table[at].set_index(["strain", "basis", "quantity"])["value"]
+        index = pd.MultiIndex.from_frame(table[["strain", "basis", "quantity"]])
+        table["factor"] = table["value"].to_numpy() / base.loc[index].to_numpy()
+        tables[number] = table.set_index(keys)
+    found = tables[0].copy()
+    low = high = np.full(len(found), np.nan)
+    if len(tables) > 1:
+        many = np.array([table.loc[found.index, "factor"].to_numpy() for table in tables])
+        low, high = np.quantile(many, QUANTILES, axis=0)
+    found["factor_low"], found["factor_high"] = low, high
+    return found.reset_index().sort_values(
+        ["strain", "quantity", "basis", "ambient_degC"], ignore_index=True
+    )
+
+
+def _check(
+    bearings: Sequence[Any],
+    reference: float,
+    temperatures: Sequence[float],
+    strains: Sequence[float],
+    period: float,
+) -> None:
+    """All faults at once."""
+    problems = []
+    if not bearings or not all(isinstance(item, Bearing) for item in bearings):
+        problems.append("bearing: give one or more layered bearings")
+    for name, values, low, high, unit in (
+        ("reference_temperature", [reference], COLDEST, HOTTEST, "degC"),
+        ("temperatures", temperatures, COLDEST, HOTTEST, "degC"),
+        ("strains", strains, 0.1, 3.0, ""),
+        ("period", [period], 0.2, 1000.0, "s"),
+    ):
+        if not len(values):
+            problems.append(f"{name}: give at least one")
+        problems += [
+            f"{name} = {value!r}: must be a number from {low:g} to {high:g} {unit}".rstrip()
+            for value in values
+            if isinstance(value, bool | str) or not low <= value <= high
+        ]
+    if problems:
+        raise InputError(problems)
+
+
+def _measured(
+    bearing: Bearing,
+    air: list[float],
+    strain: float,
+    period: float,
+    numbers: tuple[int, ...],
+    options: dict[str, Any],
+) -> pd.DataFrame:
+    """Values at one strain: rows of basis, temperature and quantity."""
+    step = {"step": "cycles", "strain": float(strain), "wave": "sine", "period": float(period)}
+    test = CyclicTest(dt=min(0.01, period / 200.0), steps=[step | {"count": max(numbers)}])
+    result = run(bearing, test, air, keep=["rubber"], **options)
+    if result.outcome != "completed":
+        raise InputError(f"{bearing.name}: the model ended with {result.outcome} at {strain:.0%}")
+    cycles = result.cycles
+    scale = bearing.area / bearing.total_rubber_thickness / 1e3  # MPa -> kN/mm
+    values = pd.DataFrame(
+        {
+            "ambient_degC": cycles["ambient_degC"],
+            "cycle": cycles["cycle"],
+            "K_eq": cycles["G_eq_MPa"] * scale,
+            "Q_d": cycles["characteristic_strength_kN"],
+            "K_d": cycles["post_yield_stiffness_kN_mm"],
+            "h_eq": cycles["h_eq"],
+            "energy": cycles["energy_kN_mm"],
+        }
+    )
+    chosen = values[values["cycle"].isin(numbers)]
+    parts = {
+        "first": values[values["cycle"] == 1],
+        "heated": values[values["cycle"] == max(numbers)],
+        "mean": chosen.groupby("ambient_degC", as_index=False).mean(),
+    }
+    rows = [
+        {
+            "strain": float(strain),
+            "basis": basis,
+            "ambient_degC": float(row["ambient_degC"]),
+            "quantity": name,
+            "unit": unit,
+            "value": float(row[name]),
+        }
+        for basis, part in parts.items()
+        for row in part.to_dict("records")
+        for name, unit in QUANTITIES.items()
+    ]
+    return pd.DataFrame(rows)

@@ -1,0 +1,266 @@
+"""Temperature factors, bound models, and bearings at another scale."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+from numpy.testing import assert_allclose
+
+import thermobearing as tb
+from tests import tolerances as tol
+from tests.conftest import Recorder
+from tests.unit.inputs import assert_told, command
+from thermobearing.design.bound_models import bound_models, bounds_table, opensees_text
+from thermobearing.design.factors import (
+    chosen_cycles,
+    published_tables,
+    temperature_factors,
+)
+from thermobearing.design.scale import scale_study, scaled_bearing
+from thermobearing.drive.baselines import bilinear_constants
+from thermobearing.drive.element import BearingElement
+
+HDR = tb.load_bearing("shen-hdr-bridge")
+TEMPERATURES = [-40.0, -20.0, 0.0, 23.0, 40.0]
+
+
+@pytest.fixture(scope="module")
+def table() -> pd.DataFrame:
+    return temperature_factors(
+        HDR, reference_temperature=23.0, temperatures=TEMPERATURES, strains=[1.0, 1.75]
+    )
+
+
+def values(table: pd.DataFrame, quantity: str, basis: str, strain: float = 1.75) -> np.ndarray:
+    rows = table[
+        (table["quantity"] == quantity) & (table["basis"] == basis) & (table["strain"] == strain)
+    ]
+    return np.asarray(rows.sort_values("ambient_degC")["factor"], dtype=float)
+
+
+def test_factors_are_one_at_the_reference(table: pd.DataFrame) -> None:
+    at = table[table["ambient_degC"] == 23.0]
+    assert len(at) == 2 * 3 * 5
+    assert_allclose(at["factor"], 1.0, rtol=0.0)
+    assert np.isfinite(table["value"]).all()
+    assert table["factor_low"].isna().all()
+
+
+@pytest.mark.parametrize("name", tb.list_bearings())
+def test_monotone_where_physics_says_so(name: str, measured: Recorder) -> None:
+    """Colder is stiffer, stronger and takes more energy; self-heating takes the edge off."""
+    bearing = tb.load_bearing(name)
+    found = temperature_factors(
+        bearing, reference_temperature=23.0, temperatures=TEMPERATURES, strains=[1.0]
+    )
+    blind = bearing.hysteresis.elastic_temperature_coefficient == 0.0
+    for quantity in ("K_eq", "Q_d", "energy"):
+        first, heated = (values(found, quantity, basis, 1.0) for basis in ("first", "heated"))
+        if blind and bearing.lead is not None and quantity == "K_eq":
+            assert np.all(np.diff(first) <= 0.0)
+            continue
+        assert np.all(np.diff(first) < 0.0), quantity
+        assert heated[0] < first[0], quantity
+    measured(
+        f"{name}, 100 %, -20 against 23 degC, first cycle and heated: K_eq, Q_d",
+        ", ".join(
+            f"{values(found, q, b, 1.0)[1]:.2f}"
+            for q in ("K_eq", "Q_d")
+            for b in ("first", "heated")
+        ),
+        "told",
+    )
+
+
+def test_values_are_those_of_a_run(table: pd.DataFrame) -> None:
+    step = {"step": "cycles", "strain": 1.75, "wave": "sine", "period": 2.0, "count": 3}
+    result = tb.run(HDR, tb.CyclicTest(dt=0.01, steps=[step]), ambient=-20.0)
+    rows = table.query("strain == 1.75 and ambient_degC == -20 and quantity == 'energy'")
+    energy = rows.set_index("basis")["value"]
+    cycles = result.cycles["energy_kN_mm"].to_numpy()
+    assert_allclose(
+        [energy["first"], energy["heated"], energy["mean"]], [cycles[0], cycles[2], cycles.mean()]
+    )
+
+
+def test_a_posterior_makes_bands() -> None:
+    samples = [HDR]
+    for factor in (0.9, 0.95, 1.05, 1.1):
+        h = HDR.hysteresis
+        changed = h.model_copy(
+            update={"elastic_temperature_coefficient": factor * h.elastic_temperature_coefficient}
+        )
+        samples.append(HDR.model_copy(update={"hysteresis": changed}))
+    found = temperature_factors(
+        samples, reference_temperature=23.0, temperatures=[-20.0], strains=[1.0]
+    )
+    cold = found.query("ambient_degC == -20 and quantity == 'K_eq'")
+    assert np.all(cold["factor_low"] < cold["factor"])
+    assert np.all(cold["factor"] < cold["factor_high"])
+    at = found.query("ambient_degC == 23")
+    assert_allclose(at["factor_low"], 1.0)
+
+
+def test_bounds_are_the_softest_and_the_stiffest_cycle(table: pd.DataFrame) -> None:
+    models = bound_models(table, 1.75, HDR.total_rubber_thickness)
+    lower, upper = models
+    assert (upper.basis, upper.temperature) == ("first", -40.0)
+    assert lower.temperature == 40.0
+    u = 1.75 * HDR.total_rubber_thickness
+    for model, extreme in ((lower, "min"), (upper, "max")):
+        rows = table.query("strain == 1.75 and quantity == 'K_eq' and basis != 'mean'")["value"]
+        element = BearingElement(bilinear_constants(model.parameters), np.zeros(1))
+        force = element.set_trial(u, 1.0, 0.0).force
+        assert_allclose(force, getattr(rows, extreme)() * u, rtol=tol.LOOP * 100)
+    frame = bounds_table(models)
+    assert list(frame["bound"]) == ["lower", "upper"]
+    with pytest.raises(tb.InputError, match=r"the table has 1, 1\.75"):
+        bound_models(table, 2.0, 102.0)
+
+
+def test_opensees_text_gives_the_same_loop(table: pd.DataFrame) -> None:
+    """Both languages, executed; the loop of the material against our bilinear bearing."""
+    ops = pytest.importorskip(
+        "openseespy.opensees", reason="openseespy is not installed or lacks libblas3, liblapack3"
+    )
+    models = bound_models(table, 1.75, HDR.total_rubber_thickness)
+    python, tcl = (opensees_text(models, "x", language) for language in ("python", "tcl"))
+    numbers = [line.split()[2:] for line in tcl.splitlines() if line.startswith("uniaxial")]
+    ops.wipe()
+    ops.model("basic", "-ndm", 1, "-ndf", 1)
+    exec(compile(python, "bounds.py", "exec"), {})
+    path = 178.0 * np.sin(np.linspace(0.0, 4.0 * np.pi, 400))
+    for tag, model in enumerate(models, 1):
+        p = model.parameters
+        expected = [tag, model.yield_force, p.initial, p.post_yield / p.initial]
+        assert_allclose([float(v) for v in numbers[tag - 1]], expected)
+        element = BearingElement(bilinear_constants(p), np.zeros(1))
+        ops.testUniaxialMaterial(tag)
+        for x in path:
+            ops.setStrain(float(x))
+            force = element.set_trial(float(x), 0.01, 0.0).force
+            element.commit()
+            assert abs(force - ops.getStress()) < tol.STEEL01 * model.yield_force
+    ops.wipe()
+
+
+@pytest.mark.parametrize("name", tb.list_bearings())
+def test_scaled_bearing_is_exact_without_heat_flow(name: str) -> None:
+    """Adiabatic and alike in strain and time: temperatures, strains and stresses are the same."""
+    bearing = tb.load_bearing(name)
+    step = {"step": "cycles", "strain": 1.0, "wave": "sine", "period": 2.0, "count": 2}
+    test = tb.CyclicTest(dt=0.01, steps=[step])
+    factor = 0.4
+    full, small = (
+        tb.run(item, test, ambient=-10.0, model="adiabatic")
+        for item in (bearing, scaled_bearing(bearing, factor))
+    )
+    for quantity in ("stress", "strain", "rubber_temperature", "lead_temperature"):
+        if quantity in full.dataset:
+            assert_allclose(
+                small[quantity].values, full[quantity].values, rtol=tol.SCALED, atol=tol.SCALED
+            )
+    assert_allclose(small["force"].values, factor**2 * full["force"].values, atol=tol.SCALED * 1e3)
+
+
+def test_specimen_temperatures_do_not_carry_over(measured: Recorder) -> None:
+    """Section 7.2: heat leaves with the square of the size."""
+    for name in ("shen-hdr-bridge", "shen-lhdr-bridge"):
+        table, _ = scale_study(tb.load_bearing(name))
+        small, full = table.to_dict("records")
+        assert small["inner_at_end_K"] < full["inner_at_end_K"]
+        assert small["inner_after_10_min_K"] < 0.4 * full["inner_after_10_min_K"]
+        assert small["stress_cycle_5_over_1"] > full["stress_cycle_5_over_1"]
+        measured(
+            f"{name}, scale 1/6 and 1: inner rise at the end and 10 min later, stress 5/1",
+            "; ".join(
+                f"{row['inner_at_end_K']:.1f}, {row['inner_after_10_min_K']:.1f} K, "
+                f"{row['stress_cycle_5_over_1']:.2f}"
+                for row in (small, full)
+            ),
+            "told (7.2)",
+        )
+
+
+def test_published_tables_say_what_is_unverified() -> None:
+    tables = published_tables()
+    assert any(item.unverified for item in tables)
+    for item in tables:
+        assert len(item.temperatures) == len(item.factors)
+        assert ("from memory" in item.source) == item.unverified
+        assert item.label.endswith("(unverified)") == item.unverified
+
+
+def test_command(tmp_path: Path) -> None:
+    words = ["--temperature", -20, "--temperature", 0, "--strain", 1.0, "--scale"]
+    done = command("lambda", "shen-hdr-specimen", *words, "-o", tmp_path / "out", "--json")
+    assert done.exit_code == 0, done.output
+    assert "reference 23 degC" in done.output
+    assert "cycles 1-3" in done.output
+    names = {str(p.relative_to(tmp_path / "out")) for p in (tmp_path / "out").rglob("*.*")}
+    assert names == {
+        "summary.json", "factors.csv", "bounds.csv", "bounds.tcl", "bounds.py", "scale.csv",
+        "figures/factors.png", "figures/scale.png",
+    }  # fmt: skip
+    told = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert told["reference_degC"] == 23.0
+    assert len(told["factors"]) == 3 * 3 * 5
+    fast = command("lambda", "shen-lhdr-specimen", *words[:6], "--speed", 200, "--cycles", "2,3",
+                   "--reference", 20, "-o", tmp_path / "fast", "--no-figures")  # fmt: skip
+    assert fast.exit_code == 0, fast.output
+    assert "mean speed of 200 mm/s" in fast.output
+
+
+BAD_WORDS: list[tuple[list[Any], list[str]]] = [
+    (["shen-hdr-bridg"], ['"shen-hdr-bridge"?']),
+    (["shen-hdr-bridge", "--reference", 90], ["reference_temperature = 90", "-60 to 60"]),
+    (["shen-hdr-bridge", "--temperature", -90], ["temperatures = -90", "-60 to 60"]),
+    (["shen-hdr-bridge", "--strain", 0.0], ["strains = 0.0", "0.1 to 3"]),
+    (["shen-hdr-bridge", "--strain", 30], ["strains = 30.0", "0.1 to 3"]),
+    (["shen-hdr-bridge", "--period", 0.01], ["period = 0.01", "0.2 to 1000"]),
+    (["shen-hdr-bridge", "--speed", -3], ["--speed = -3"]),
+    (["shen-hdr-bridge", "--speed", 3, "--period", 2], ["--period or --speed"]),
+    (["shen-hdr-bridge", "--cycles", "third"], ['cycles = "third"', "all-but-first"]),
+    (["shen-hdr-bridge", "--cycles", "0,1"], ["cycles = [0, 1]", "1 to 100"]),
+    (["shen-hdr-bridge", "--cycles", "1-4"], ['cycles = "1-4"', '"1-3"?']),
+]
+
+
+@pytest.mark.parametrize(("words", "pieces"), BAD_WORDS)
+def test_bad_words(tmp_path: Path, words: list[Any], pieces: list[str]) -> None:
+    done = command("lambda", *words, "-o", tmp_path / "no")
+    assert done.exit_code == 2, done.output
+    assert_told(done.output, pieces)
+    assert not (tmp_path / "no").exists()
+
+
+@pytest.mark.parametrize(
+    ("call", "pieces"),
+    [
+        (lambda: temperature_factors([], reference_temperature=23.0), ["one or more"]),
+        (lambda: temperature_factors(HDR, reference_temperature="23"), ["reference_temperature"]),  # type: ignore[arg-type]
+        (lambda: temperature_factors(HDR, reference_temperature=True), ["reference_temperature"]),
+        (lambda: temperature_factors(HDR, reference_temperature=float("nan")), ["reference"]),
+        (
+            lambda: temperature_factors(HDR, reference_temperature=23.0, strains=[]),
+            ["strains: give at least one"],
+        ),
+        (lambda: chosen_cycles([]), ["cycles = []"]),
+        (lambda: chosen_cycles([1.5]), ["whole numbers"]),  # type: ignore[list-item]
+        (lambda: scaled_bearing(HDR, 0.0), ["factor = 0.0"]),
+        (lambda: scaled_bearing(HDR, float("nan")), ["factor"]),
+        (lambda: scaled_bearing(HDR, "half"), ["factor = 'half'"]),  # type: ignore[arg-type]
+    ],
+)
+def test_bad_arguments(call: Any, pieces: list[str]) -> None:
+    with pytest.raises(tb.InputError) as caught:
+        call()
+    assert_told(str(caught.value), pieces)
+
+
+def test_the_reference_has_no_default() -> None:
+    with pytest.raises(TypeError):
+        temperature_factors(HDR)  # type: ignore[call-arg]
