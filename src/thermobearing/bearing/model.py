@@ -150,6 +150,25 @@ class RubberHysteresis(Strict):
     reference_temperature: Annotated[float, in_unit("degC"), Field(ge=-100, le=100)]
 
 
+class Scragging(Strict):
+    """Virgin stiffness of the rubber and how it wears off (core/scragging.py); optional.
+
+    `amplitude` and `strain`: excess of the hysteretic part before any strain, and the shear
+    strain in which it falls by 1/e (scragging). `mullins_amplitude`, `mullins_decay`,
+    `mullins_renewal`: excess of the virgin share, the travel over the largest displacement in
+    which that share falls by 1/e, and the relative growth of the largest displacement that
+    brings it back. After the damage variables of Grant, Fenves & Whittaker (2004),
+    "Bidirectional modelling of high-damping rubber bearings", Journal of Earthquake
+    Engineering 8; the form is ours. Recovery in rests is ignored.
+    """
+
+    amplitude: Annotated[float, Field(ge=0, le=20)] = 0.0  # b
+    strain: Annotated[float, Field(gt=0, le=5)] = 0.1  # gamma
+    mullins_amplitude: Annotated[float, Field(ge=0, le=5)] = 0.0  # a
+    mullins_decay: Annotated[float, Field(gt=0, le=1000)] = 4.0  # c
+    mullins_renewal: Annotated[float, Field(gt=0, le=10)] = 0.05  # l
+
+
 class LeadCores(Strict):
     """Lead cores in parallel; numbers of ONE core (Eq. 5.1-5.7, Table 5.2).
 
@@ -209,8 +228,9 @@ class Bearing(Strict):
     Attributes
     ----------
     name, kind, description, citation : what it is and where its numbers come from.
-    geometry, materials, hysteresis, lead, rate, cells : see those classes; `lead` is None
-        without lead cores, `rate` without rate dependence.
+    geometry, materials, hysteresis, scragging, lead, rate, cells : see those classes;
+        `scragging` is None for rubber that has worked already, `lead` without lead cores,
+        `rate` without rate dependence.
     """
 
     name: Annotated[str, Field(min_length=1)]
@@ -220,6 +240,7 @@ class Bearing(Strict):
     geometry: Geometry
     materials: Materials
     hysteresis: RubberHysteresis
+    scragging: Scragging | None = None
     lead: LeadCores | None = None
     rate: RateDependence | None = None
     cells: Cells

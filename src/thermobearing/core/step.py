@@ -14,6 +14,7 @@ from thermobearing.core.compile import compiled
 from thermobearing.core.heat import balance, factor, right_side, solve
 from thermobearing.core.lead import core_force, lead_step
 from thermobearing.core.lead_ends import factor_modes
+from thermobearing.core.scragging import stiffen, wear
 from thermobearing.core.sharing import share
 from thermobearing.core.types import (
     CAPACITY,
@@ -273,11 +274,15 @@ def step(
     rubber = constants.rubber
     old, books = state.books, new.books
     set_stiffness(rubber, constants.layer_cells, state.temperature, work.layers)
+    if rubber.virgin:
+        stiffen(rubber, state.layers, work.layers)
     rubber_force, tangent, mismatch, w, outcome = share(
         rubber, constants.multiplicity, state.layers, work.layers, old[DISPLACEMENT], x, new.layers
     )
     if outcome != COMPLETED and outcome != SOFTENED:
         return rubber_force, tangent, outcome
+    if rubber.virgin:
+        wear(rubber, state.layers, new.layers)
     lead_force, viscous_force, slope, stored = beside_rubber(constants, state, new, x, dt)
     force = rubber_force + lead_force + viscous_force
 

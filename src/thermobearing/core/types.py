@@ -50,6 +50,9 @@ LOWER_MIDDLE: Final = 3
 D: Final = 0  # displacement d_j [mm]
 Z: Final = 1  # hysteretic variable Z_j [mm]
 STORED: Final = 2  # recoverable energy of one layer [kN mm]
+FARTHEST: Final = 3  # largest |d_j| so far [mm]
+VIRGIN: Final = 4  # share of the virgin stiffness that is left, 1 to 0
+LAYER_ROWS: Final = 5
 
 # Rows of State.lead.
 LEAD_TEMPERATURE: Final = 0  # [degC]
@@ -114,6 +117,12 @@ class Rubber(NamedTuple):
     yield_displacement: float  # d_y [mm]
     unloading_curvature: float  # beta - gamma = (1 - s) / ((1 + s) d_y^2) [1/mm2]
     integrator: int  # EXACT or EULER
+    virgin: bool  # whether the rubber is stiffer before it has worked (core/scragging.py)
+    scragging_amplitude: float  # b
+    scragging_displacement: float  # gamma t_r [mm]
+    mullins_amplitude: float  # a
+    mullins_decay: float  # c
+    mullins_renewal: float  # l
     sharing_margin: float  # smallest layer tangent left alone, relative to alpha_0 e^{..} K_r
 
 
@@ -160,7 +169,7 @@ class Constants(NamedTuple):
 class State(NamedTuple):
     """Everything that does change. `new_state` makes one, `copy_state` saves one."""
 
-    layers: Floats  # [3, L]
+    layers: Floats  # [LAYER_ROWS, L]
     temperature: Floats  # [n] cell temperatures [degC]
     lead: Floats  # [LEAD_ROWS + K per end]
     books: Floats  # [BOOKS]
@@ -183,11 +192,12 @@ def new_state(
     The lead starts at the mean temperature of the cells between its ends, unless given.
     """
     state = State(
-        np.zeros((3, len(constants.multiplicity))),
+        np.zeros((LAYER_ROWS, len(constants.multiplicity))),
         np.array(temperature, dtype=np.float64),
         np.zeros(LEAD_ROWS + constants.lead_modes.shape[1] * len(constants.lead_cells)),
         np.zeros(BOOKS),
     )
+    state.layers[VIRGIN] = 1.0
     state.lead[IDLE] = NEVER_MOVED
     if constants.lead.cores > 0.0:
         beside = constants.cells[BESIDE_LEAD]

@@ -145,7 +145,7 @@ def _viscous(bearing: Bearing, *, heats: bool) -> Viscous:
 
 def _rubber(bearing: Bearing, integrator: Integrator) -> Rubber:
     """Numbers of one rubber layer (Eq. 4.34-4.37)."""
-    h = bearing.hysteresis
+    h, virgin = bearing.hysteresis, bearing.scragging
     return Rubber(
         layer_count=float(bearing.geometry.rubber_layers),
         elastic_stiffness=h.post_yield_ratio * h.layer_stiffness,
@@ -157,5 +157,12 @@ def _rubber(bearing: Bearing, integrator: Integrator) -> Rubber:
         yield_displacement=h.yield_displacement,
         unloading_curvature=(1.0 - h.shape) / ((1.0 + h.shape) * h.yield_displacement**2),
         integrator=EULER if integrator == "euler" else EXACT,
+        virgin=virgin is not None,
+        scragging_amplitude=virgin.amplitude if virgin else 0.0,
+        scragging_displacement=(virgin.strain if virgin else 1.0)
+        * bearing.geometry.rubber_thickness,
+        mullins_amplitude=virgin.mullins_amplitude if virgin else 0.0,
+        mullins_decay=virgin.mullins_decay if virgin else 1.0,
+        mullins_renewal=virgin.mullins_renewal if virgin else 1.0,
         sharing_margin=SHARING_MARGIN,
     )

@@ -176,6 +176,12 @@ def _backbone_rubber(count: float, parameters: BilinearParameters) -> Rubber:
         yield_displacement=1.0,
         unloading_curvature=0.0,
         integrator=EXACT,
+        virgin=False,
+        scragging_amplitude=0.0,
+        scragging_displacement=1.0,
+        mullins_amplitude=0.0,
+        mullins_decay=1.0,
+        mullins_renewal=1.0,
         sharing_margin=0.0,
     )
 

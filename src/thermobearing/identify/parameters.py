@@ -26,6 +26,12 @@ M_T = "hysteresis.elastic_temperature_coefficient"
 N_T = "hysteresis.hysteretic_temperature_coefficient"
 K_L, SIGMA_Y, E2 = "lead.stiffness", "lead.yield_stress", "lead.softening"
 K_V, C_V = "rate.stiffness", "rate.damping"
+SCRAGGING = "scragging.amplitude"
+SCRAGGING_STRAIN = "scragging.strain"
+MULLINS = "scragging.mullins_amplitude"
+MULLINS_DECAY = "scragging.mullins_decay"
+MULLINS_RENEWAL = "scragging.mullins_renewal"
+VIRGIN = (SCRAGGING, SCRAGGING_STRAIN, MULLINS, MULLINS_DECAY, MULLINS_RENEWAL)
 
 
 @dataclass(frozen=True)
@@ -60,6 +66,11 @@ KINDS = (
     Kind(E2, "E2", "1/K", "linear", 0.0, 0.03),
     Kind(K_V, "K_v", "kN/mm", "log", 0.05, 20.0, relative=True),
     Kind(C_V, "c_v", "kN s/mm", "log", 0.05, 20.0, relative=True),
+    Kind(SCRAGGING, "b_s", "", "linear", 0.0, 8.0),
+    Kind(SCRAGGING_STRAIN, "gamma_s", "", "log", 0.02, 3.0),
+    Kind(MULLINS, "a_v", "", "linear", 0.0, 1.5),
+    Kind(MULLINS_DECAY, "c_d", "", "log", 0.5, 100.0),
+    Kind(MULLINS_RENEWAL, "l_r", "", "log", 0.01, 3.0),
 )
 BY_KEY = {kind.key: kind for kind in KINDS}
 ALIASES = {kind.symbol: kind.key for kind in KINDS} | {"Q_l": SIGMA_Y, "alpha_1": ALPHA}
@@ -209,7 +220,8 @@ def default_free(bearing: Bearing, ambients: Iterable[float]) -> list[str]:
     if linear and lead:
         lead = [K_L, SIGMA_Y]
     rate = [K_V, C_V] if bearing.rate is not None else []
-    return [*rubber, *warm, *rate, *lead]
+    virgin = VIRGIN if bearing.scragging is not None else ()
+    return [*rubber, *warm, *rate, *lead, *virgin]
 
 
 def _chosen(bearing: Bearing, free: Sequence[str]) -> tuple[set[str], dict[str, tuple[str, float]]]:

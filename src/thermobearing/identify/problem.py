@@ -134,6 +134,11 @@ def robust_weights(residuals: Floats, loss: str) -> Floats:
 def sample_weights(record: TestRecord) -> Floats:
     """Square roots of weights of the samples of a record."""
     weights = np.full(len(record.time), np.sqrt(record.weight))
+    if record.cycle_balance > 0.0:
+        for cycle in cycles_of(record):
+            part = slice(cycle.first, cycle.last)
+            peak = float(np.abs(record.force[part]).max())
+            weights[part] *= (record.peak_force / peak) ** record.cycle_balance
     if record.first_cycle_weight != 1.0:
         for cycle in cycles_of(record):
             if cycle.number == 1 and not cycle.closing:

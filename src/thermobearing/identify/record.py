@@ -62,6 +62,7 @@ class Sidecar(Strict):
     displacement_offset: Annotated[float, in_unit("mm")] = 0.0
     weight: Weight = 1.0
     first_cycle_weight: Weight = 1.0
+    cycle_balance: Annotated[float, Field(ge=0, le=1)] = 0.0
 
     @classmethod
     def conflicts(cls, given: dict[str, Any]) -> list[str]:
@@ -100,6 +101,8 @@ class TestRecord:
     temperatures : samples of thermocouples [degC] by title, and
     places : where each of them sits, "rubber 1" (outer layer), ..., "lead".
     weight : of this record in a fit; `first_cycle_weight` of its first cycles in addition.
+    cycle_balance : 0 counts forces as they are, 1 relative to the peak of their own cycle; between
+        them, to that power. Small cycles count for nothing else where large ones are in the record.
     assumptions : what the file did not say.
     bearing : name or file of the bearing, if the sidecar gave one.
     """
@@ -117,6 +120,7 @@ class TestRecord:
     places: dict[str, str] = field(default_factory=dict)
     weight: float = 1.0
     first_cycle_weight: float = 1.0
+    cycle_balance: float = 0.0
     assumptions: tuple[str, ...] = ()
     bearing: str | None = None
 
@@ -230,6 +234,7 @@ def _assemble(sidecar: Sidecar, blocks: list[BlockFile], folder: Path, path: Pat
         places=dict(sidecar.thermocouples),
         weight=sidecar.weight,
         first_cycle_weight=sidecar.first_cycle_weight,
+        cycle_balance=sidecar.cycle_balance,
         assumptions=tuple(dict.fromkeys(assumptions)),
         bearing=str(folder / where) if inside and where else sidecar.bearing,
     )

@@ -1,0 +1,48 @@
+"""Scragging and Mullins softening: virgin rubber is stiffer than rubber that has worked.
+
+The stiffness terms of a layer are multiplied by
+
+    elastic      1 + a v
+    hysteretic   (1 + a v)^2 (1 + b e^{-D/(gamma t_r)})
+
+D is the largest |d| of the layer so far, v in [0, 1] its virgin share:
+
+    dv = -v |dd| / (c D) + (1 - v) dD / (l D)
+
+so v falls with the travel relative to the largest strain (Mullins) and comes back where the
+layer is strained further than ever before. After Grant, Fenves & Whittaker (2004), who have
+one damage variable for the largest excursion (scragging) and one for the accumulated travel
+(Mullins); this form is ours. Recovery in rests is ignored. D and v are those of the start of a
+step: force and tangent of the step are what they are for constant stiffness.
+"""
+
+import math
+
+from thermobearing.core.compile import compiled
+from thermobearing.core.types import ELASTIC, FARTHEST, HYSTERETIC, VIRGIN, D, Floats, Rubber
+
+
+@compiled
+def stiffen(rubber: Rubber, layers: Floats, work: Floats) -> None:
+    """Multiply both stiffness terms of every layer by what is left of its virgin stiffness."""
+    for j in range(work.shape[1]):
+        factor = 1.0 + rubber.mullins_amplitude * layers[VIRGIN, j]
+        unstrained = math.exp(-layers[FARTHEST, j] / rubber.scragging_displacement)
+        work[ELASTIC, j] *= factor
+        work[HYSTERETIC, j] *= factor * factor * (1.0 + rubber.scragging_amplitude * unstrained)
+
+
+@compiled
+def wear(rubber: Rubber, old: Floats, new: Floats) -> None:
+    """Largest displacement and virgin share after a step."""
+    for j in range(old.shape[1]):
+        before = old[FARTHEST, j]
+        largest = max(before, abs(new[D, j]))
+        v = old[VIRGIN, j]
+        if largest > 0.0:
+            travel = abs(new[D, j] - old[D, j]) / largest
+            v *= math.exp(-travel / rubber.mullins_decay)
+            growth = (largest - before) / largest
+            v = 1.0 - (1.0 - v) * math.exp(-growth / rubber.mullins_renewal)
+        new[FARTHEST, j] = largest
+        new[VIRGIN, j] = v
