@@ -151,18 +151,31 @@ BACKBONE = 2e-3  # of peak and area: corners of the loop fall between 4000 point
 DESIGN_START = 0.02  # between starts of 50 to 400 mm, as asked; 0.5 % measured
 EQUAL_STIFFNESS = 0.01  # plans in steps of 5 mm
 
-# --- Ground motions -----------------------------------------------------------------------
-RECORD_PGA = 0.005  # told with three or four digits
-RESAMPLED = 1e-3  # of the amplitude, away from the ends
-RESAMPLED_SPECTRUM = 0.02  # linear between samples is not the same motion between other samples
-QUIET_END = 1e-6  # mm/s and mm
-MISFIT = 0.03  # rms over 0.1-3 s, as asked; 1.3 to 2.5 % measured
-STORED_END = 1e-4  # of the peak: stored as 32-bit numbers
-FARTHEST_GROUND = 1500.0  # mm; the standard spectra ask for a metre at long periods
-SPECTRUM_CORNER = 2e-3  # the printed branches are rounded
-SPECTRUM_STEP = 1e-4  # the peak falls between sub-steps
-STORED_MOTION = 1e-5  # 32-bit numbers; the same seed on the same numpy
-EQSIG = 1e-6  # as asked
-EQSIG_ARIAS = 1e-3  # other rules of summing
 STEEL01 = 1e-9  # of the yield force: OpenSees' bilinear material is ours
 SCALED = 1e-9  # K, MPa and strains: the same equations in other lengths
+
+# --- Ground motions ----------------------------------------------------------------------
+RECORD_PGA = 0.0012  # the table of the records prints three or four digits: 0.05 of 65.5 to 256
+RECORD_STEP = 1e-9  # a time step from differences of printed times
+MOTION_CSV = 1e-3  # mm/s2: written in gal with six decimals, and rounding
+EQSIG_SPECTRUM = 1e-6  # what the issue asks; 2.2e-8 measured, their pi has eight digits
+LSIM_SPECTRUM = 1e-9  # the same exact solution by matrix exponential; summed rounding
+EXACT_OSCILLATOR = 1e-11  # a closed form after a thousand steps
+PEAK_BETWEEN = 3.2e-3  # 1 - cos(pi / 40): a peak midway between 40 steps a period
+HARMONIC = 4e-3  # the same, and straight lines for a sine of 200 steps a period (1.6e-4)
+CORNER = 5e-4  # coefficients of the standard spectra are printed with four digits; 2.5e-4 measured
+MISFIT = 0.03  # rms over 0.1-3 s, what the issue asks; 0.025 measured
+END_VELOCITY = 1e-3  # mm/s: 32-bit samples of a built-in motion, 8e-5 measured
+END_DISPLACEMENT = 0.05  # mm: the same, 6e-3 measured
+QUIET_END = 1e-8  # mm and mm/s: two linear equations, sums of some ten thousand samples
+PGD_BOUND = (
+    1000.0  # mm: below the 1.4 m that the spectra imply for an oscillator of 3 s; 650 measured
+)
+REMADE = 1e-3  # of the peak: 40 rounds carry rounding and another FFT along; 6e-8 measured here
+EQSIG_MEASURE = 1e-12  # the same trapezia
+EQSIG_DURATION = 1.0  # time steps at each end: they take samples, we go between them
+POOR_PHASES = 0.031  # rms, a pulse of ground I made to fit ground III; 0.029 measured
+PASSBAND = 5e-3  # of a sine well below the new limit, away from the ends; 2e-3 measured
+STOPBAND = 2e-3  # of a sine well above the new limit; 1e-3 measured
+STAND_IN = 0.9  # correlation with given motions of the same phases; 0.91 to 0.97 measured
+PHASES = 0.05  # radians, weighted by amplitude: the tapered ends turn them; 0.011 measured

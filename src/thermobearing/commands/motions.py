@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from thermobearing.drive.motions.spectrum import ResponseSpectrum
 
 MM_PER_CM = 10.0
+LARGEST_MISFIT, POOR_FIT, COMPLETED = 0.03, "poor_fit", "completed"
 FIRST, LAST, COUNT = 0.05, 5.0, 200  # periods of spectrum.csv [s]
 TOLD = (0.1, 0.2, 0.3, 0.5, 0.7, 1.0, 1.5, 2.0, 2.5, 3.0)  # periods on the screen [s]
 
@@ -158,6 +159,8 @@ def make(
         given = given if dt is None else resampled(given, dt)
         motion = match_spectrum(given, kind, ground, zone_factor=zone_factor)
     summary = _summary("motions make", motion, (kind, ground, zone_factor))
+    if summary["standard_spectrum"]["misfit_rms"] > LARGEST_MISFIT:
+        summary["outcome"] = POOR_FIT
     if not quiet:
         _print_summary(summary)
     return _end(motion, summary, target, force, no_figures, as_json, quiet)
@@ -226,7 +229,7 @@ def _summary(
         "description": motion.description,
         "citation": motion.citation,
         "version": thermobearing.__version__,
-        "outcome": "completed",
+        "outcome": COMPLETED,
         "dt_s": motion.dt,
         "samples": len(motion.acceleration),
         "duration_s": motion.duration,
@@ -308,7 +311,8 @@ def _end(
         _write(motion, summary, folder, figures=not no_figures)
 
     write_directory(target, fill, force=force)
-    return written("completed", "", target, as_json=as_json, quiet=quiet)
+    sentence = f"misfit above {100 * LARGEST_MISFIT:g} % rms; try another record or seed"
+    return written(summary["outcome"], sentence, target, as_json=as_json, quiet=quiet)
 
 
 def _write(motion: "GroundMotion", summary: dict[str, Any], folder: Path, *, figures: bool) -> None:

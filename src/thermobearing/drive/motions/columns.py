@@ -72,8 +72,10 @@ def read_columns_of_text(lines: list[str], options: Options) -> Raw:
     """
     start = next((at for at, line in enumerate(lines) if line.strip() and _is_row(line)), None)
     if start is None:
-        raise InputError("holds no numbers; is it an accelerogram?")
-    header, rows = lines[:start], []
+        commas = any(re.search(r"\d,\d+\s*;", line) for line in lines)
+        hint = "decimals take a point" if commas else "is it an accelerogram?"
+        raise InputError(f"holds no numbers; {hint}")
+    header, rows = [line for line in lines[:start] if line.strip()], []
     width = len(_cells(lines[start]))
     for at, line in enumerate(lines[start:], start + 1):
         if not line.strip() or line.lstrip().startswith(_COMMENT):

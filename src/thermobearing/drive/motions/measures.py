@@ -80,9 +80,14 @@ def significant_interval(
     growth = arias_growth(motion)
     if growth[-1] <= 0.0:
         raise InputError("is zero throughout and has no duration", motion.name)
-    # Where nothing happens the growth stands still; interp wants it to rise.
-    rising = np.concatenate([[True], np.diff(growth) > 0.0])
-    times = np.interp(np.array([start, end]) * growth[-1], growth[rising], motion.time[rising])
+    after = (
+        int(np.searchsorted(growth, start * growth[-1], side="right")),
+        int(np.searchsorted(growth, end * growth[-1], side="left")),
+    )
+    times = [
+        (k - 1 + (share * growth[-1] - growth[k - 1]) / (growth[k] - growth[k - 1])) * motion.dt
+        for k, share in zip(after, (start, end), strict=True)
+    ]
     return float(times[0]), float(times[1])
 
 

@@ -186,8 +186,8 @@ def _read_knet(lines: list[str], options: Options) -> Raw:
     place, entries = _knet_header(lines)
     about = entries.get("dir", "")
     names = {"1": "NS", "2": "EW", "3": "UD", "4": "NS", "5": "EW", "6": "UD"}
-    held = names.get(about, about)
-    if options.component not in (None, 1, "1", held, held.replace("-", "")):
+    held = names.get(about, about.replace("-", ""))
+    if str(options.component).upper().replace("-", "") != held.upper():
         _only_component(options, f"the component {held}")
     frequency = re.match(_NUM, entries.get("samplingfreqhz", ""))
     if not frequency or float(frequency[0]) <= 0.0:

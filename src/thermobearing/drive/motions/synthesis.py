@@ -183,7 +183,7 @@ def match_spectrum(
     def target(periods: Floats) -> Floats:
         return standard_spectrum(kind, ground, periods, zone_factor=zone_factor)
 
-    fit = matched(padded(record, ROOM, ROOM).acceleration, record.dt, target)
+    fit = matched(padded(record, ROOM, ROOM).acceleration, record.dt, target, finer=True)
     return GroundMotion(
         name=f"{record.name}-as-{kind}-{ground}".lower(),
         dt=record.dt,

@@ -1,0 +1,62 @@
+"""Response spectra and measures against eqsig, another implementation."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from tests import tolerances as tol
+from tests.conftest import Recorder
+from thermobearing.drive.motions.library import load_motion
+from thermobearing.drive.motions.measures import (
+    BRACKET,
+    arias_growth,
+    bracketed_duration,
+    measure_motion,
+    significant_duration,
+)
+from thermobearing.drive.motions.record import STANDARD_GRAVITY
+from thermobearing.drive.motions.spectrum import response_spectrum
+
+eqsig = pytest.importorskip("eqsig", reason="eqsig is not installed")
+MOTIONS = ["jra-i-ii-1", "jra-ii-i-2", "jra-ii-iii-3"]
+
+
+@pytest.mark.parametrize("damping", [0.02, 0.05, 0.2])
+@pytest.mark.parametrize("name", MOTIONS)
+def test_spectra_are_those_of_eqsig(name: str, damping: float, measured: Recorder) -> None:
+    motion = load_motion(name)
+    periods = np.geomspace(0.07, 5.0, 60)  # eqsig takes shorter periods as rigid
+    ours = response_spectrum(motion, periods, damping, steps_per_period=1)
+    u, v, a = eqsig.sdof.true_response_spectra(motion.acceleration, motion.dt, periods, damping)
+    for mine, theirs in ((ours.displacement, u), (ours.velocity, v), (ours.acceleration, a)):
+        measured(
+            "Response spectra against eqsig",
+            float(np.abs(mine / theirs - 1.0).max()),
+            f"{tol.EQSIG_SPECTRUM:g}",
+        )
+        assert_allclose(mine, theirs, rtol=tol.EQSIG_SPECTRUM)
+    _, _, pseudo = eqsig.sdof.pseudo_response_spectra(
+        motion.acceleration, motion.dt, periods, damping
+    )
+    assert_allclose(ours.pseudo_acceleration, pseudo, rtol=tol.EQSIG_SPECTRUM)
+
+
+@pytest.mark.parametrize("name", MOTIONS)
+def test_measures_are_those_of_eqsig(name: str) -> None:
+    motion = load_motion(name)
+    other = eqsig.AccSignal(motion.acceleration, motion.dt)
+    ours = measure_motion(motion)
+    gravity = 9.81 / STANDARD_GRAVITY  # theirs is in m and has g = 9.81 m/s2
+    assert_allclose(
+        arias_growth(motion), eqsig.im.calc_arias_intensity(other) * gravity,
+        rtol=tol.EQSIG_MEASURE, atol=tol.EQSIG_MEASURE * ours.arias_intensity,
+    )  # fmt: skip
+    cav = eqsig.im.calc_cav(other)[-1]
+    assert ours.cumulative_absolute_velocity == pytest.approx(cav, rel=tol.EQSIG_MEASURE)
+    steps = 2.0 * tol.EQSIG_DURATION * motion.dt
+    assert significant_duration(motion) == pytest.approx(eqsig.im.calc_sig_dur(other), abs=steps)
+    assert bracketed_duration(motion) == pytest.approx(
+        eqsig.im.calc_brac_dur(other, BRACKET), abs=1e-9
+    )
+    assert ours.pga == other.pga
+    assert ours.pgv == pytest.approx(np.abs(other.velocity).max(), rel=1e-9)

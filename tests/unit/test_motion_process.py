@@ -1,0 +1,139 @@
+"""Base lines, time steps, sizes and lengths of ground motions."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.testing import assert_allclose
+
+from tests import tolerances as tol
+from thermobearing.drive.motions.library import load_motion
+from thermobearing.drive.motions.measures import bracketed_duration, significant_duration
+from thermobearing.drive.motions.process import (
+    baseline_corrected,
+    padded,
+    resampled,
+    scaled,
+    trimmed,
+    with_quiet_end,
+)
+from thermobearing.drive.motions.record import (
+    GroundMotion,
+    acceleration_unit,
+    displacement_of,
+    velocity_of,
+)
+from thermobearing.drive.motions.spectrum import response_spectrum
+
+DT = 0.01
+TIME = np.arange(4001) * DT
+
+
+def sine(frequency: float) -> GroundMotion:
+    return GroundMotion("sine", DT, 1000.0 * np.sin(2.0 * np.pi * frequency * TIME))
+
+
+@settings(max_examples=50, deadline=None)
+@given(st.integers(0, 1000), st.integers(16, 3000), st.sampled_from([0.002, 0.01, 0.02]))
+def test_quiet_end_for_any_motion(seed: int, count: int, dt: float) -> None:
+    values = 1000.0 * np.random.default_rng(seed).standard_normal(count)
+    quiet = with_quiet_end(values, dt)
+    assert abs(velocity_of(quiet, dt)[-1]) < tol.QUIET_END
+    assert abs(displacement_of(quiet, dt)[-1]) < tol.QUIET_END
+    assert quiet[0] == pytest.approx(values[0])
+    assert_allclose(with_quiet_end(quiet, dt), quiet, atol=1e-6)
+
+
+def test_quiet_end_of_several_rows_is_that_of_each() -> None:
+    rows = np.random.default_rng(1).standard_normal((3, 500))
+    together = with_quiet_end(rows, DT)
+    for row, quiet in zip(rows, together, strict=True):
+        assert_allclose(quiet, with_quiet_end(row, DT), atol=1e-12)
+
+
+@pytest.mark.parametrize("high_pass", [None, 0.05])
+def test_drift_is_taken_out_and_the_spectrum_stays(high_pass: float | None) -> None:
+    """A record on a tilted instrument: a constant and a ramp are added."""
+    clean = load_motion("jra-ii-i-1")
+    tilt = 5.0 + 0.3 * clean.time
+    tilted = GroundMotion("tilted", clean.dt, clean.acceleration + tilt)
+    assert np.abs(tilted.displacement).max() > 8000.0
+    mended = baseline_corrected(tilted, high_pass=high_pass)
+    assert abs(mended.velocity[-1]) < tol.QUIET_END
+    assert abs(mended.displacement[-1]) < tol.QUIET_END
+    assert np.abs(mended.displacement).max() < tol.PGD_BOUND
+    periods = np.geomspace(0.1, 3.0, 50)
+    one, other = (response_spectrum(m, periods).acceleration for m in (clean, mended))
+    assert_allclose(other, one, rtol=0.03)
+
+
+def test_finer_step_is_the_same_motion() -> None:
+    motion = load_motion("jra-ii-ii-2")
+    fine = resampled(motion, 0.0025)
+    assert fine.dt == 0.0025
+    assert fine.duration == pytest.approx(motion.duration)
+    assert_allclose(fine.acceleration[::4], motion.acceleration, rtol=0.0, atol=0.0)
+    assert fine.velocity[-1] == pytest.approx(motion.velocity[-1], abs=1e-6)
+    periods = [0.2, 1.0, 2.0]
+    one, other = (response_spectrum(m, periods, steps_per_period=400) for m in (motion, fine))
+    assert_allclose(other.displacement, one.displacement, rtol=1e-4)
+    assert resampled(motion, motion.dt) is motion
+
+
+@pytest.mark.parametrize("dt", [0.02, 0.025, 0.04])
+def test_coarser_step_does_not_fold_back(dt: float) -> None:
+    """What the new step cannot carry is gone, what it can carry stays."""
+    middle = slice(round(5.0 / dt), round(35.0 / dt))
+    limit = 0.5 / dt
+    gone = resampled(sine(1.4 * limit), dt)
+    assert np.abs(gone.acceleration[middle]).max() < 1000.0 * tol.STOPBAND
+    kept = resampled(sine(0.3 * limit), dt)
+    wanted = 1000.0 * np.sin(2.0 * np.pi * 0.3 * limit * kept.time)
+    assert np.abs(kept.acceleration - wanted)[middle].max() < 1000.0 * tol.PASSBAND
+    # Taking every n-th sample would have kept it at another frequency.
+    assert kept.dt == pytest.approx(dt)
+
+
+def test_step_that_does_not_divide() -> None:
+    motion = sine(2.0)
+    other = resampled(motion, 0.006)
+    middle = slice(round(5.0 / 0.006), round(35.0 / 0.006))
+    wanted = 1000.0 * np.sin(4.0 * np.pi * other.time)
+    assert np.abs(other.acceleration - wanted)[middle].max() < 1000.0 * tol.PASSBAND
+    assert other.duration == pytest.approx(motion.duration, abs=0.012)
+
+
+def test_scaled_trimmed_padded() -> None:
+    motion = load_motion("jra-i-i-1")
+    half = scaled(motion, -0.5)
+    assert_allclose(half.acceleration, -0.5 * motion.acceleration, rtol=1e-15)
+    assert scaled(motion, pga=2000.0).pga == pytest.approx(2000.0)
+    part = trimmed(motion, 10.0, 20.0)
+    assert len(part.acceleration) == 1001
+    assert_allclose(part.acceleration, motion.acceleration[1000:2001])
+    assert_allclose(trimmed(motion).acceleration, motion.acceleration)
+    longer = padded(part, 1.0, 2.5)
+    assert len(longer.acceleration) == 1001 + 350
+    assert_allclose(trimmed(longer, 1.0, 11.0).acceleration, part.acceleration)
+    assert longer.name == motion.name
+    assert longer.citation == motion.citation
+
+
+def test_durations_by_hand() -> None:
+    """Ten seconds of even shaking between rests."""
+    values = np.zeros(3001)
+    values[1000:2001] = 600.0 * (-1.0) ** np.arange(1001)
+    motion = GroundMotion("even", DT, values)
+    assert bracketed_duration(motion) == pytest.approx(10.0)
+    assert bracketed_duration(motion, 700.0) == 0.0
+    assert significant_duration(motion) == pytest.approx(9.0, abs=0.02)
+    assert significant_duration(motion, 0.0, 1.0) == pytest.approx(10.02, abs=0.02)
+
+
+@pytest.mark.parametrize(
+    ("text", "size"),
+    [("g", 9806.65), ("Gal", 10.0), ("cm/sec^2", 10.0), ("CM/S/S", 10.0), ("m/s²", 1000.0),
+     ("m / s ** 2", 1000.0), ("mm/s2", 1.0)],
+)  # fmt: skip
+def test_spellings_of_units(text: str, size: float) -> None:
+    assert acceleration_unit(text) == size

@@ -1,0 +1,174 @@
+"""`thermobearing motions`: what it prints and writes, and how it ends."""
+
+import json
+import struct
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import tests.unit.motion_files as files
+import thermobearing.commands.motions as commands
+from tests import tolerances as tol
+from tests.unit.inputs import command, content, last_line, summary
+from thermobearing.drive.motions.jra import standard_spectrum
+from thermobearing.drive.motions.library import list_motions, load_motion
+from thermobearing.results.motion_figures import motion_figure, spectrum_figure
+
+NAMES = {"motion.csv", "spectrum.csv", "summary.json"}
+FIGURES = {"figures/motion.png", "figures/spectrum.png"}
+KEYS = {"command", "motion", "outcome", "dt_s", "pga_gal", "pgv_cm_s", "pgd_cm", "samples"}
+KEYS |= {"end_velocity_cm_s", "end_displacement_cm", "arias_intensity_m_s", "duration_s"}
+KEYS |= {"significant_duration_s", "bracketed_duration_s", "cumulative_absolute_velocity_m_s"}
+KEYS |= {"standard_spectrum", "description", "citation", "version", "damping"}
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("made") / "out"
+    done = command("motions", "make", "--type", "II", "--ground", "I", "--seed", 1, "-o", out)
+    assert done.exit_code == 0
+    assert "rms over 0.1 to 3 s against Level 2 Type II" in " ".join(done.stdout.split())
+    return out
+
+
+def test_list_tells_that_they_are_stand_ins() -> None:
+    done = command("motions", "list", "--json")
+    assert done.exit_code == 0
+    lines = done.stdout.splitlines()
+    assert last_line(done) == {"motions": list_motions()}
+    assert len(lines) == 19
+    assert all("NOT an accelerogram" in line for line in lines[:-1])
+
+
+def test_make_writes_a_whole_directory(made: Path) -> None:
+    assert set(content(made)) == NAMES | FIGURES
+    told = summary(made)
+    assert set(told) == KEYS
+    assert (told["command"], told["outcome"]) == ("motions make", "completed")
+    assert told["standard_spectrum"]["misfit_rms"] <= tol.MISFIT
+    for name in FIGURES:
+        head = (made / name).read_bytes()[:24]
+        assert min(struct.unpack(">II", head[16:])) > 400
+
+
+def test_written_motion_is_read_back(made: Path) -> None:
+    again, stored = load_motion(made / "motion.csv"), load_motion("jra-ii-i-1")
+    assert again.dt == stored.dt
+    assert_allclose(again.acceleration, stored.acceleration, rtol=0.0, atol=tol.REMADE * stored.pga)
+
+
+def test_spectrum_csv_holds_the_standard_one(made: Path) -> None:
+    header = (made / "spectrum.csv").read_text().splitlines()[0].split(",")
+    table = np.loadtxt(made / "spectrum.csv", delimiter=",", skiprows=1)
+    columns = dict(zip(header, table.T, strict=True))
+    wanted = standard_spectrum("II", "I", columns["period_s"]) / 10.0
+    assert_allclose(columns["standard_gal"], wanted, rtol=1e-4)
+    inside = (columns["period_s"] > 0.1) & (columns["period_s"] < 3.0)
+    ratio = columns["acceleration_gal"] / columns["standard_gal"]
+    assert np.sqrt(np.mean((ratio[inside] - 1.0) ** 2)) < tol.MISFIT
+
+
+def test_existing_result_is_not_replaced_without_force(made: Path) -> None:
+    words = ("motions", "make", "-o", made, "--no-figures")
+    done = command(*words)
+    assert done.exit_code == 2
+    assert "--force" in done.stderr
+    before = content(made)
+    assert command(*words, "--force", "-q").exit_code == 0
+    assert set(content(made)) == NAMES
+    assert content(made)["motion.csv"] == before["motion.csv"]
+    assert command(*words[:-1], "--force", "-q").exit_code == 0
+
+
+def test_make_keeps_the_phases_of_a_record(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    done = command(
+        "motions", "make", "--from", "jra-ii-i-3", "--type", 2, "--ground", 2, "--dt", 0.02,
+        "-o", out, "--no-figures", "--json",
+    )  # fmt: skip
+    assert done.exit_code == 0
+    assert last_line(done)["files"] == sorted(NAMES)
+    told = summary(out)
+    assert (told["motion"], told["dt_s"]) == ("jra-ii-i-3-as-ii-ii", 0.02)
+    assert abs(told["end_velocity_cm_s"]) < tol.QUIET_END
+
+
+def test_poor_fit_is_an_outcome_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(commands, "LARGEST_MISFIT", 0.001)
+    out = tmp_path / "out"
+    done = command("motions", "make", "-o", out, "--no-figures", "-q")
+    assert done.exit_code == 3
+    assert "poor_fit: misfit above" in done.stderr
+    assert summary(out)["outcome"] == "poor_fit"
+
+
+@pytest.mark.parametrize(
+    ("words", "piece"),
+    [
+        (["--type", "III"], 'type of earthquake: "III" is not one of I, II'),
+        (["--ground", "IV"], 'ground: "IV"'),
+        (["--seed", -1], "seed: -1"),
+        (["--dt", 1], "dt: 1 s is outside"),
+        (["--zone-factor", 9], "zone_factor: 9"),
+        (["--from", "jra-ii-i-1", "--seed", 2], "--seed belongs to random phases"),
+        (["--unit", "gal"], "belong to a record"),
+        (["--from", "jra-ii-i-9"], 'no motion is called "jra-ii-i-9"'),
+    ],
+)
+def test_bad_options_of_make(words: list[object], piece: str, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    done = command("motions", "make", *words, "-o", out)
+    assert done.exit_code == 2
+    assert piece in done.stderr
+    assert not out.exists()
+
+
+def test_show_prints_and_writes_only_if_asked(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    path = files.write(tmp_path / "tilted.csv", files.csv_text())
+    done = command("motions", "show", path, "--json")
+    assert done.exit_code == 0
+    assert "300.0 gal" in done.stdout
+    assert last_line(done)["standard_spectrum"] is None
+    assert [item.name for item in tmp_path.iterdir()] == ["tilted.csv"]
+    out = tmp_path / "out"
+    done = command("motions", "show", path, "--baseline", "--type", "I", "-o", out, "-q")
+    assert (done.exit_code, done.stdout) == (0, "")
+    assert set(content(out)) == NAMES | FIGURES
+    assert abs(summary(out)["end_displacement_cm"]) < tol.QUIET_END
+
+
+def test_spectrum_prints_a_table() -> None:
+    done = command("motions", "spectrum", "jra-ii-i-1")
+    lines = done.stdout.splitlines()
+    assert "Type II, ground I [gal]" in lines[1]
+    row = next(line.split() for line in lines if line.split()[0] == "0.5")
+    assert float(row[1]) == pytest.approx(2000.0, rel=0.1)
+    assert float(row[4]) == 2000.0
+    assert command("motions", "spectrum", "jra-ii-i-1", "--damping", 2).exit_code == 2
+
+
+def test_json_of_spectrum_is_its_summary() -> None:
+    done = command("motions", "spectrum", "jra-i-i-1", "--json", "-q")
+    told = json.loads(done.stdout)
+    assert set(told) > KEYS
+    assert told["standard_spectrum"]["type"] == "I"
+
+
+def test_figures_have_units_and_a_reference() -> None:
+    motion = load_motion("jra-ii-i-1")
+    parts = (motion.acceleration / 10, motion.velocity / 10, motion.displacement / 10)
+    figure = motion_figure("name", motion.time, *parts)
+    labels = [ax.get_ylabel() for ax in figure.axes]
+    assert labels == ["acceleration [gal]", "velocity [cm/s]", "displacement [cm]"]
+    assert figure.axes[2].get_xlabel() == "time [s]"
+    assert f"{motion.pga / 10:.0f} gal" in figure.axes[0].get_title(loc="left")
+    periods = np.geomspace(0.1, 3.0, 20)
+    both = {"one": np.ones(20), "two": np.ones(20)}
+    figure = spectrum_figure("name", periods, np.ones(20), np.ones(20), both, 0.05)
+    assert [t.get_text() for t in figure.legends[0].get_texts()] == ["this motion", "one", "two"]
+    assert all(ax.get_xlabel() == "period [s]" for ax in figure.axes)

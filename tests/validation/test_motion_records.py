@@ -1,0 +1,114 @@
+"""Real records: every format is read, with the sizes that their table tells."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from tests import tolerances as tol
+from tests.conftest import Recorder
+from tests.shared_data import shared_data
+from thermobearing.drive.motions.jra import standard_spectrum
+from thermobearing.drive.motions.library import load_motion
+from thermobearing.drive.motions.matching import misfit
+from thermobearing.drive.motions.process import baseline_corrected, resampled
+from thermobearing.drive.motions.record import GroundMotion
+from thermobearing.drive.motions.synthesis import ROOM, match_spectrum
+
+KOBE, TAKATORI = "jma_kobe_ns_ew_gal_dt0.005.txt", "TAK000.AT2"
+# file, component, time step [s], samples, largest acceleration [gal]
+RECORDS = [
+    (KOBE, "NS", 0.005, 6000, 825.0),
+    (KOBE, "EW", 0.005, 6000, 619.0),
+    (TAKATORI, None, 0.01, 4096, 605.8),
+    ("RSN6_IMPVALL.I_I-ELC180.AT2", None, 0.01, 5372, 275.4),
+    ("STAIRlab_elCentro.at2", None, 0.02, 1559, 312.7),
+    ("RSN1546_CHICHI_TCU122-N.AT2", None, 0.005, 18000, 256.0),
+    ("TKYH121103111446.NS2", None, 0.01, 30000, 157.2),
+    ("TKYH121103111446.EW2", "EW", 0.01, 30000, 105.9),
+    ("TKYH121103111446.UD2", None, 0.01, 30000, 65.5),
+    ("Q4149CF2.csv", "NS", 0.01, 30000, 327.0),
+    ("KNG007_NS_t_g.txt", None, 0.02, 15000, 230.3),
+    ("II-I-1_like_JMA_NS.csv", None, 0.01, 4998, 827.0),
+    ("II-I-2_like_JMA_EW.csv", None, 0.01, 5000, 802.0),
+    ("II-II-1_like_TAK000.csv", None, 0.01, 4096, 607.0),
+]
+
+
+def record(name: str, component: str | None = None) -> GroundMotion:
+    return load_motion(shared_data(f"motions/{name}"), component=component)
+
+
+@pytest.mark.parametrize(("name", "component", "dt", "samples", "pga"), RECORDS)
+def test_record_has_the_size_of_the_table(
+    name: str, component: str | None, dt: float, samples: int, pga: float
+) -> None:
+    motion = record(name, component)
+    assert motion.dt == pytest.approx(dt, rel=tol.RECORD_STEP)
+    assert len(motion.acceleration) == samples
+    assert motion.pga / 10.0 == pytest.approx(pga, rel=tol.RECORD_PGA)
+    assert motion.name == name.rsplit(".", 1)[0]
+
+
+@pytest.mark.parametrize("component", ["NS", "EW", "UD", "1", 2, "ud"])
+def test_jma_file_holds_three_components(component: str | int) -> None:
+    motion = load_motion(shared_data("motions/Q4149CF2.csv"), component=component)
+    assert len(motion.acceleration) == 30000
+    assert "宇城市松橋町" in motion.description
+
+
+@pytest.mark.parametrize(("name", "component"), [row[:2] for row in RECORDS])
+def test_corrected_record_ends_at_rest(name: str, component: str | None) -> None:
+    motion = baseline_corrected(record(name, component), high_pass=0.1)
+    assert abs(motion.velocity[-1]) < tol.QUIET_END
+    assert abs(motion.displacement[-1]) < tol.QUIET_END
+    if "_like_" not in name:  # those were made without regard to their long periods
+        assert np.abs(motion.displacement).max() < tol.PGD_BOUND
+
+
+@pytest.mark.parametrize("ground", ["I", "II", "III"])
+@pytest.mark.parametrize(("name", "component"), [(KOBE, "NS"), (KOBE, "EW"), (TAKATORI, None)])
+def test_kobe_records_fit_type_ii(
+    name: str, component: str | None, ground: str, measured: Recorder
+) -> None:
+    fitted = match_spectrum(record(name, component), "II", ground)
+    error = misfit(fitted, lambda periods: standard_spectrum("II", ground, periods))
+    measured("Spectral matching of Kobe records: rms misfit", error, f"{tol.MISFIT:g}")
+    assert error <= tol.MISFIT
+    assert abs(fitted.velocity[-1]) < tol.QUIET_END
+    assert abs(fitted.displacement[-1]) < tol.QUIET_END
+    assert np.abs(fitted.displacement).max() < tol.PGD_BOUND
+
+
+@pytest.mark.parametrize("name", ["KNG007_NS_t_g.txt", "TKYH121103111446.NS2"])
+def test_long_records_fit_type_i(name: str) -> None:
+    fitted = match_spectrum(record(name), "I", "I")
+    assert misfit(fitted, lambda t: standard_spectrum("I", "I", t)) <= tol.MISFIT
+    assert np.abs(fitted.displacement).max() < tol.PGD_BOUND
+
+
+@pytest.mark.parametrize(
+    ("name", "component", "ground", "given"),
+    [
+        (KOBE, "NS", "I", "II-I-1_like_JMA_NS.csv"),
+        (KOBE, "EW", "I", "II-I-2_like_JMA_EW.csv"),
+        (TAKATORI, None, "II", "II-II-1_like_TAK000.csv"),
+    ],
+)
+def test_same_as_given_motions_of_the_same_phases(
+    name: str, component: str | None, ground: str, given: str, measured: Recorder
+) -> None:
+    fitted = match_spectrum(record(name, component), "II", ground)
+    ours = resampled(fitted, 0.01).acceleration[round(ROOM / 0.01) :]
+    theirs = record(given).acceleration
+    # The given motion may begin earlier or later than the record, or point the other way; it
+    # was made without regard to what velocity and displacement come to.
+    both = np.correlate(theirs, ours[: len(theirs) - 1000], "full")
+    whole = max(abs(both.max()), abs(both.min()))
+    whole /= np.linalg.norm(theirs) * np.linalg.norm(ours[: len(theirs) - 1000])
+    measured(f"Correlation with {given}", f"{whole:.3f}", f"at least {tol.STAND_IN:g}")
+    assert whole > tol.STAND_IN
+
+
+def test_network_maximum_is_that_of_the_numbers() -> None:
+    """K-NET files tell their own largest acceleration, with three decimals."""
+    assert_allclose(record("TKYH121103111446.NS2").pga, 1571.80, atol=0.01)

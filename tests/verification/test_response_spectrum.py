@@ -1,0 +1,107 @@
+"""Response spectra against closed forms and scipy; integrals of motions."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy import signal
+
+from tests import tolerances as tol
+from thermobearing.drive.motions.library import load_motion
+from thermobearing.drive.motions.record import GroundMotion
+from thermobearing.drive.motions.spectrum import response_spectrum
+
+
+def motion_of(values: object, dt: float = 0.01) -> GroundMotion:
+    return GroundMotion("test", dt, np.asarray(values, dtype=np.float64))
+
+
+@pytest.mark.parametrize("damping", [0.0, 0.05, 0.3])
+def test_sudden_load_overshoots_as_the_closed_form(damping: float) -> None:
+    """u_max = a / w^2 (1 + exp(-pi zeta / sqrt(1 - zeta^2))), at half a damped period."""
+    period = 1.0 * np.sqrt(1.0 - damping**2)  # so that the peak is on a sample
+    found = response_spectrum(motion_of(np.full(301, 1000.0)), [period], damping)
+    over = 1.0 + np.exp(-np.pi * damping / np.sqrt(1.0 - damping**2))
+    exact = 1000.0 * (period / (2.0 * np.pi)) ** 2 * over
+    assert found.displacement[0] == pytest.approx(exact, rel=tol.EXACT_OSCILLATOR)
+    assert found.pseudo_acceleration[0] == pytest.approx(1000.0 * over, rel=tol.EXACT_OSCILLATOR)
+    assert found.pseudo_velocity[0] == pytest.approx(
+        exact * 2.0 * np.pi / period, rel=tol.EXACT_OSCILLATOR
+    )
+
+
+def test_linear_acceleration_is_followed_exactly() -> None:
+    """Undamped under a = s t: u = -s (t - sin(w t) / w) / w^2, whatever the time step."""
+    slope, w = 500.0, 2.0 * np.pi / 0.8
+    end = 2.0
+    found = response_spectrum(motion_of([0.0, slope * end], end), [0.8], 0.0, steps_per_period=1)
+    exact = slope * (end - np.sin(w * end) / w) / w**2
+    assert found.displacement[0] == pytest.approx(exact, rel=tol.EXACT_OSCILLATOR)
+
+
+@pytest.mark.parametrize("ratio", [0.5, 1.0, 3.0])
+def test_steady_vibration_under_a_sine(ratio: float) -> None:
+    """Absolute acceleration of a long sine: the transmissibility."""
+    damping, period = 0.05, 1.0
+    time = np.arange(0.0, 60.0, 0.005)
+    motion = motion_of(100.0 * np.sin(2.0 * np.pi * ratio * time), 0.005)
+    quiet = 8000  # the free vibration has died away after 40 s
+    w = 2.0 * np.pi / period
+    system = signal.lti([-2.0 * damping * w, -(w**2)], [1.0, 2.0 * damping * w, w**2])
+    _, response, _ = signal.lsim(system, motion.acceleration, time)
+    gain = np.sqrt(
+        (1.0 + (2.0 * damping * ratio) ** 2)
+        / ((1.0 - ratio**2) ** 2 + (2.0 * damping * ratio) ** 2)
+    )
+    assert np.abs(response[quiet:]).max() == pytest.approx(100.0 * gain, rel=tol.HARMONIC)
+    if ratio == 1.0:  # nothing before was larger
+        found = response_spectrum(motion, [period], damping).acceleration[0]
+        assert found == pytest.approx(100.0 * gain, rel=tol.HARMONIC)
+
+
+@pytest.mark.parametrize("period", [0.1, 0.5, 2.0])
+def test_whole_histories_peak_as_with_scipy(period: float) -> None:
+    """scipy.signal.lsim takes the input as linear between samples too."""
+    motion, damping = load_motion("jra-ii-i-1"), 0.05
+    w = 2.0 * np.pi / period
+    matrix = np.array([[0.0, 1.0], [-(w**2), -2.0 * damping * w]])
+    wanted = np.array([[1.0, 0.0], [0.0, 1.0], [-(w**2), -2.0 * damping * w]])
+    system = signal.StateSpace(matrix, [[0.0], [-1.0]], wanted, np.zeros((3, 1)))
+    _, response, _ = signal.lsim(system, motion.acceleration, motion.time)
+    found = response_spectrum(motion, [period], damping, steps_per_period=1)
+    peaks = np.abs(response).max(axis=0)
+    ours = [found.displacement[0], found.velocity[0], found.acceleration[0]]
+    assert_allclose(ours, peaks, rtol=tol.LSIM_SPECTRUM)
+
+
+def test_ends_of_the_period_axis() -> None:
+    """A rigid oscillator moves with the ground, a very soft one stays where it was."""
+    motion = load_motion("jra-ii-i-1")
+    found = response_spectrum(motion, [0.0, 1e-9, 1000.0])
+    assert_allclose(found.acceleration[:2], motion.pga, rtol=1e-12)
+    assert found.displacement[0] == 0.0
+    assert found.displacement[2] == pytest.approx(np.abs(motion.displacement).max(), rel=0.05)
+
+
+def test_steps_within_a_period_miss_no_peak() -> None:
+    motion = load_motion("jra-ii-i-1")
+    periods = np.geomspace(0.05, 0.5, 30)
+    usual = response_spectrum(motion, periods)
+    fine = response_spectrum(motion, periods, steps_per_period=1000)
+    coarse = response_spectrum(motion, periods, steps_per_period=1)
+    assert (fine.acceleration >= usual.acceleration * (1.0 - 1e-12)).all()
+    assert_allclose(usual.acceleration, fine.acceleration, rtol=tol.PEAK_BETWEEN)
+    assert (coarse.acceleration < 0.99 * fine.acceleration).any()
+
+
+def test_peaks_of_either_sign() -> None:
+    found = response_spectrum(load_motion("jra-i-i-1"), [0.3, 1.0, 2.0])
+    assert_allclose(found.acceleration, found.peaks.max(axis=0), rtol=0.0)
+    assert (found.peaks > 0.0).all()
+    assert ((found.peak_times > 5.0) & (found.peak_times < 80.0)).all()
+
+
+def test_velocity_and_displacement_are_exact_for_straight_lines() -> None:
+    motion = motion_of(np.arange(101) * 10.0, 0.02)  # a = 500 t
+    t = motion.time
+    assert_allclose(motion.velocity, 250.0 * t**2, rtol=0.0, atol=1e-9)
+    assert_allclose(motion.displacement, 250.0 * t**3 / 3.0, rtol=0.0, atol=1e-9)

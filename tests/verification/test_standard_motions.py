@@ -1,0 +1,164 @@
+"""Standard spectra of Level 2 and the motions that fit them."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from tests import tolerances as tol
+from tests.conftest import Recorder
+from thermobearing.drive.motions.jra import standard_spectrum
+from thermobearing.drive.motions.library import list_motions, load_motion, stored_motions
+from thermobearing.drive.motions.matching import matched, misfit
+from thermobearing.drive.motions.measures import measure_motion
+from thermobearing.drive.motions.process import padded, resampled
+from thermobearing.drive.motions.synthesis import ROOM, make_motion, match_spectrum
+
+# Type, ground: rise, first corner, plateau, second corner, fall [gal, s].
+TABLE = {
+    ("I", "I"): (2579, 0.16, 1400, 0.6, 840),
+    ("I", "II"): (2153, 0.22, 1300, 0.9, 1170),
+    ("I", "III"): (1719, 0.34, 1200, 1.4, 1680),
+    ("II", "I"): (4463, 0.3, 2000, 0.7, 1104),
+    ("II", "II"): (3224, 0.4, 1750, 1.2, 2371),
+    ("II", "III"): (2381, 0.5, 1500, 1.5, 2948),
+}
+POWERS = {"I": (1.0 / 3.0, -1.0), "II": (2.0 / 3.0, -5.0 / 3.0)}
+
+
+@pytest.mark.parametrize(("kind", "ground"), TABLE)
+def test_branches_of_the_standard_spectra(kind: str, ground: str) -> None:
+    rise, first, plateau, second, fall = TABLE[kind, ground]
+    up, down = POWERS[kind]
+    for period, gal in (
+        (0.1, rise * 0.1**up),
+        (first, plateau),
+        (0.5 * (first + second), plateau),
+        (second, plateau),
+        (2.5, fall * 2.5**down),
+    ):
+        found = standard_spectrum(kind, ground, [period])
+        assert_allclose(found, 10.0 * gal, rtol=1e-12)
+
+
+@pytest.mark.parametrize(("kind", "ground"), TABLE)
+def test_standard_spectra_are_continuous_at_their_corners(
+    kind: str, ground: str, measured: Recorder
+) -> None:
+    for corner in (TABLE[kind, ground][1], TABLE[kind, ground][3]):
+        below, above = standard_spectrum(kind, ground, [corner * (1 - 1e-9), corner * (1 + 1e-9)])
+        measured("Standard spectra: jump at a corner", abs(below / above - 1.0), f"{tol.CORNER:g}")
+        assert below == pytest.approx(above, rel=tol.CORNER)
+
+
+def test_zone_factor_multiplies() -> None:
+    whole, part = (standard_spectrum(1, 2, [0.1, 1.0], zone_factor=c) for c in (1.0, 0.7))
+    assert_allclose(part, 0.7 * whole, rtol=1e-15)
+
+
+def test_eighteen_motions_are_built_in() -> None:
+    names = list_motions()
+    wanted = [
+        f"jra-{k}-{g}-{s}" for k in ("i", "ii") for g in ("i", "ii", "iii") for s in (1, 2, 3)
+    ]
+    assert names == sorted(wanted)
+    assert stored_motions().stat().st_size < 1e6
+
+
+@pytest.mark.parametrize("name", list_motions())
+def test_built_in_motion_fits_and_ends_at_rest(name: str, measured: Recorder) -> None:
+    kind, ground = name.split("-")[1:3]
+    motion = load_motion(name)
+    error = misfit(motion, lambda periods: standard_spectrum(kind, ground, periods), count=500)
+    measured("Built-in motions: rms misfit over 0.1-3 s", error, f"{tol.MISFIT:g}")
+    assert error <= tol.MISFIT
+    measures = measure_motion(motion)
+    assert abs(measures.end_velocity) < tol.END_VELOCITY
+    assert abs(measures.end_displacement) < tol.END_DISPLACEMENT
+    measured("Built-in motions: largest ground displacement [mm]", measures.pgd, "1000")
+    assert measures.pgd < tol.PGD_BOUND
+    assert motion.acceleration[0] == pytest.approx(0.0, abs=1e-3)
+    assert "NOT an accelerogram of the specifications" in motion.description
+    assert "Japan Road Association" in motion.citation
+
+
+@pytest.mark.parametrize("ground", ["i", "ii", "iii"])
+def test_type_i_is_long_and_type_ii_is_a_pulse(ground: str) -> None:
+    for seed in (1, 2, 3):
+        long, short = (load_motion(f"jra-{kind}-{ground}-{seed}") for kind in ("i", "ii"))
+        assert measure_motion(long).significant_duration > 30.0
+        assert measure_motion(short).significant_duration < 16.0
+        # One swing of two seconds about the peak has much of the whole motion.
+        assert _share_of_largest_swing(short) > 2.0 * _share_of_largest_swing(long)
+
+
+def _share_of_largest_swing(motion: object) -> float:
+    velocity = motion.velocity  # type: ignore[attr-defined]
+    middle, half = int(np.abs(velocity).argmax()), 100
+    near = velocity[max(0, middle - half) : middle + half]
+    return float((near**2).sum() / (velocity**2).sum())
+
+
+@pytest.mark.parametrize(
+    ("kind", "ground", "seed"), [("I", "I", 1), ("II", "I", 3), ("II", "III", 1)]
+)
+def test_seed_makes_the_stored_motion(
+    kind: str, ground: str, seed: int, measured: Recorder
+) -> None:
+    made = make_motion(kind, ground, seed)
+    stored = load_motion(made.name)
+    assert made.description == stored.description
+    error = np.abs(made.acceleration - stored.acceleration).max() / stored.pga
+    measured("Built-in motions made again, of the peak", float(error), f"{tol.REMADE:g}")
+    assert error < tol.REMADE
+    assert abs(made.velocity[-1]) < tol.QUIET_END
+    assert abs(made.displacement[-1]) < tol.QUIET_END
+
+
+def test_other_seeds_and_steps_make_other_motions_that_fit() -> None:
+    for seed, dt in ((11, 0.01), (12, 0.005), (13, 0.02)):
+        motion = make_motion("II", "II", seed, dt)
+        assert misfit(motion, lambda t: standard_spectrum("II", "II", t)) <= tol.MISFIT
+        assert motion.dt == dt
+    one, other = (make_motion("II", "I", seed).acceleration for seed in (21, 22))
+    assert abs(np.corrcoef(one, other)[0, 1]) < 0.5
+
+
+def test_zone_factor_scales_what_is_made() -> None:
+    motion = make_motion("II", "I", 1, zone_factor=0.7)
+    error = misfit(motion, lambda t: standard_spectrum("II", "I", t, zone_factor=0.7))
+    assert error <= tol.MISFIT
+
+
+def test_matching_keeps_phases(measured: Recorder) -> None:
+    """Every Fourier coefficient is turned by little; what turns it are the tapered ends."""
+    record = load_motion("jra-ii-ii-1")
+    fitted = match_spectrum(record, "II", "I")
+    before, after = (
+        np.fft.rfft(values)
+        for values in (padded(record, ROOM, ROOM).acceleration, fitted.acceleration)
+    )
+    frequency = np.fft.rfftfreq(len(fitted.acceleration), fitted.dt)
+    inside = (frequency > 0.4) & (frequency < 10.0)
+    turned = np.angle(after * before.conj())[inside]
+    weight = np.abs(after)[inside]
+    mean = float((weight * np.abs(turned)).sum() / weight.sum())
+    measured("Spectral matching: mean turn of phases [rad]", mean, f"{tol.PHASES:g}")
+    assert mean < tol.PHASES
+
+
+def test_finer_bands_fit_where_coarse_ones_cannot() -> None:
+    """Phases of a motion made for hard ground, asked to fit the softest one."""
+    record = resampled(load_motion("jra-ii-i-2"), 0.02)
+    target = lambda periods: standard_spectrum("II", "III", periods)  # noqa: E731
+    room = padded(record, ROOM, ROOM).acceleration
+    coarse, fine = (matched(room, record.dt, target, finer=finer) for finer in (False, True))
+    assert coarse.misfit > tol.MISFIT
+    assert fine.misfit < tol.POOR_PHASES
+
+
+def test_matched_reports_the_misfit_of_its_history() -> None:
+    record = load_motion("jra-ii-i-2")
+    target = lambda periods: standard_spectrum("II", "III", periods)  # noqa: E731
+    fit = matched(padded(record, 4.0, 4.0).acceleration, record.dt, target)
+    again = misfit(type(record)("again", record.dt, fit.acceleration), target)
+    assert fit.misfit == pytest.approx(again, rel=1e-12)
