@@ -120,6 +120,18 @@ BEARINGS: list[Row] = [
     ("number for a name", {"name": 4}, ["name = 4", "must be text"]),
     ("empty name", {"name": ""}, ["name = ''", "must not be empty"]),
     ("HDR with lead", {"lead": LEAD}, ['kind "HDR" has no lead']),
+    (
+        "negative scragging",
+        {"scragging": {"amplitude": -1.0}},
+        ["scragging.amplitude = -1.0", "at least 0"],
+    ),
+    (
+        "scragging at no strain",
+        {"scragging": {"strain": 0.0}},
+        ["scragging.strain", "greater than"],
+    ),
+    ("misspelt scragging", {"scragging": {"amplitud": 1.0}}, ['"amplitude"?']),
+    ("scragging is a number", {"scragging": 1.0}, ["scragging", "must be a table"]),
     ("lead missing", {"kind": "LHDR"}, ["LHDR bearing needs the tables lead and materials.lead"]),
     (
         "faults in lead",

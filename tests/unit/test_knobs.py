@@ -81,7 +81,15 @@ def with_lead() -> Bearing:
     return validated(Bearing, table, "table", from_file=False)
 
 
+def virgin() -> Bearing:
+    """The specimen before it has ever worked."""
+    table = tb.load_bearing(SPECIMEN).model_dump()
+    table["scragging"] = {"amplitude": 1.0, "mullins_amplitude": 0.3}
+    return validated(Bearing, table, "table", from_file=False)
+
+
 PLANS = {
+    "virgin": virgin(),
     "square": with_plan(shape="square", side=240.0),
     "rectangular": with_plan(shape="rectangular", length=200.0, width=288.0),
     "circular": with_plan(shape="circular", diameter=270.0),
@@ -95,6 +103,7 @@ KEYS = [
     for key, _ in numbers_of(bearing)
     if key.startswith("geometry.plan")
     or (shape == "square" and not key.startswith(OF_LEAD))
+    or (shape == "virgin" and key.startswith("scragging"))
     or (shape == "lead" and key.startswith(OF_LEAD) and key != OF_ENDS)
 ]
 
@@ -109,8 +118,9 @@ def results() -> dict[str, tb.Result]:
 
 def test_keys_are_all_there() -> None:
     names = {param.values[1] for param in KEYS}
-    # 23 of the square one, the sizes of the other plans, and 14 of lead and rate dependence
-    assert len(names) == 40
+    # 23 of the square one, the sizes of the other plans, 14 of lead and rate dependence, 5 of
+    # virgin rubber
+    assert len(names) == 45
     assert {"hysteresis.reference_temperature", "cells.shim", "materials.side_film"} <= names
 
 

@@ -3,24 +3,35 @@
 import shutil
 from pathlib import Path
 
+import numpy as np
+import pytest
+
 from tests import tolerances as tol
 from tests.conftest import Recorder
 from tests.shared_data import shared_data
 from tests.unit.inputs import GALLARDO
-from thermobearing.identify.fit import identify_bearing
+from thermobearing.identify.fit import Identification, identify_bearing
 from thermobearing.identify.record import load_test
 from thermobearing.identify.report import fits
+
+# Virgin rubber: every cycle counts relative to its own peak, first cycles four times.
+VIRGIN = "\n[scragging]\namplitude = 0.5\nstrain = 0.3\nmullins_amplitude = 0.3\n"
+BALANCED = "cycle_balance = 1.0\nfirst_cycle_weight = 4.0\n"
+
+
+def identified(folder: Path, bearing: str, sidecar: str) -> Identification:
+    shutil.copy(shared_data("bearing_tests/Test_2D_shear.csv"), folder / "test.csv")
+    (folder / "bearing.toml").write_text(bearing)
+    (folder / "test.toml").write_text('bearing = "bearing.toml"\n' + sidecar)
+    record = load_test(folder / "test.csv")
+    assert len(record.assumptions) == 2  # 30 mm/s, 23 degC
+    assert record.bearing is not None
+    return identify_bearing(record, record.bearing)
 
 
 def test_real_hdr_test(tmp_path: Path, measured: Recorder) -> None:
     """No clock, no temperature, no plan size are given; only the rubber height of 156 mm is."""
-    shutil.copy(shared_data("bearing_tests/Test_2D_shear.csv"), tmp_path / "test.csv")
-    (tmp_path / "bearing.toml").write_text(GALLARDO)
-    (tmp_path / "test.toml").write_text('bearing = "bearing.toml"\n')
-    record = load_test(tmp_path / "test.csv")
-    assert len(record.assumptions) == 2  # 30 mm/s, 23 degC
-    assert record.bearing is not None
-    found = identify_bearing(record, record.bearing)
+    found = identified(tmp_path, GALLARDO, "")
     (fit,) = fits(found)
     measured("NRMSE of a real HDR test, no scragging", fit.NRMSE, f"<= {tol.MEASURED_NRMSE:g}")
     assert fit.NRMSE <= tol.MEASURED_NRMSE
@@ -32,3 +43,27 @@ def test_real_hdr_test(tmp_path: Path, measured: Recorder) -> None:
     said = "\n".join(found.warnings)
     for words in ("not noise", "first cycles", "no time column", "no ambient temperature"):
         assert words in said
+
+
+def test_real_hdr_test_as_virgin_rubber(tmp_path: Path, measured: Recorder) -> None:
+    """What scragging buys: the first cycles, the fall over the later ones, and the energies."""
+    found = identified(tmp_path, GALLARDO + VIRGIN, BALANCED)
+    (fit,) = fits(found)
+    energy = np.array([c.energy_error for c in fit.cycles])
+    firsts = np.array([c.force_max_error for c in fit.cycles if c.number == 1])
+    measured("NRMSE of the real HDR test, with scragging", fit.NRMSE, f"<= {tol.VIRGIN_NRMSE:g}")
+    measured(
+        "energy errors of its cycles, with scragging",
+        f"{100 * energy.min():+.1f} to {100 * energy.max():+.1f} %",
+        f"+-{100 * tol.VIRGIN_ENERGY:g} %",
+    )
+    measured(
+        "peak force errors of its first cycles, with scragging",
+        ", ".join(f"{100 * value:+.1f} %" for value in firsts),
+        "-18 to -19 % without",
+    )
+    assert fit.NRMSE <= tol.VIRGIN_NRMSE
+    assert np.abs(energy).max() <= tol.VIRGIN_ENERGY
+    assert np.abs(firsts).max() < 0.08
+    assert found.values["scragging.amplitude"] > 0.5
+    assert found.values["scragging.mullins_amplitude"] == pytest.approx(0.19, abs=0.06)

@@ -1,0 +1,208 @@
+"""Virgin rubber: its limits, its memory, tangent, energy books, and hostile histories."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+
+import thermobearing as tb
+from tests import tolerances as tol
+from tests.conftest import Recorder
+from tests.verification.models import assembled, marched
+from thermobearing.bearing.model import Scragging
+from thermobearing.core.step import step
+from thermobearing.core.types import (
+    COMPLETED,
+    FARTHEST,
+    HEAT_RELEASED,
+    RECOVERABLE,
+    SOFTENED,
+    VIRGIN,
+    WORK_IN,
+    D,
+    new_state,
+    new_workspace,
+)
+from thermobearing.drive.element import BearingElement
+
+LAW = Scragging(
+    amplitude=1.5, strain=0.3, mullins_amplitude=0.25, mullins_decay=4.0, mullins_renewal=0.05
+)
+HDR = tb.load_bearing("shen-hdr-specimen")
+
+
+def virgin(**changes: Any) -> tb.Bearing:
+    return HDR.model_copy(update={"scragging": LAW.model_copy(update=changes)})
+
+
+def run(bearing: tb.Bearing, strains: list[float], cycles: int = 3, **options: Any) -> tb.Result:
+    test = tb.cyclic_test(strain=strains, cycles=cycles, rest=None, closing_strain=None, dt=0.01)
+    return tb.run(bearing, test, options.pop("ambient", 23.0), **options)
+
+
+def test_none_is_the_same_as_zero() -> None:
+    """To the bit: the factor is one."""
+    plain, zero = (
+        run(HDR, [1.0, 2.0]),
+        run(virgin(amplitude=0.0, mullins_amplitude=0.0), [1.0, 2.0]),
+    )
+    for name in ("force", "rubber_temperature", "heat_stored"):
+        assert_array_equal(plain[name].values, zero[name].values)
+
+
+def test_first_stiffness() -> None:
+    """At first both parts are stiffer by their whole excess."""
+    h, count = HDR.hysteresis, HDR.geometry.rubber_layers
+    small = 1e-6
+    forces = [
+        BearingElement(assembled(bearing), np.full(19, 23.0)).set_trial(small, 1.0, 23.0).force
+        for bearing in (HDR, virgin())
+    ]
+    elastic, hysteretic = h.post_yield_ratio, 1.0 - h.post_yield_ratio
+    expected = elastic * 1.25 + hysteretic * 1.25**2 * 2.5
+    assert_allclose(forces[1] / forces[0], expected, rtol=1e-5)
+    assert_allclose(forces[0], h.layer_stiffness / count * small, rtol=1e-5)
+
+
+def test_memory_follows_its_equations(measured: Recorder) -> None:
+    """Full cycles of one amplitude: D stays, v falls by e^{-4/c} each; never recovers."""
+    result_of = []
+    constants = assembled(virgin())
+    state, new, work = (
+        new_state(constants, np.full(19, 23.0)),
+        new_state(constants, np.full(19, 23.0)),
+        new_workspace(constants),
+    )
+    x = np.concatenate(
+        [np.linspace(0, 30, 300), *[np.linspace(s * 30, -s * 30, 601)[1:] for s in (1, -1, 1, -1)]]
+    )
+    for value in x[1:]:
+        outcome = step(constants, work, state, float(value), 0.005, 23.0, new)[2]
+        assert outcome in (COMPLETED, SOFTENED)
+        assert np.all(new.layers[FARTHEST] >= state.layers[FARTHEST])
+        assert np.all((new.layers[VIRGIN] > 0.0) & (new.layers[VIRGIN] <= 1.0))
+        assert np.all(new.layers[FARTHEST] >= np.abs(new.layers[D]) - 1e-12)
+        result_of.append(new.layers[VIRGIN].mean())
+        state, new = new, state
+    after = np.array(result_of)
+    end = 299 + 600 * np.arange(5) - 1
+    ratio = after[end[1:]] / after[end[:-1]]
+    measured(
+        "virgin share over half a cycle", f"{ratio[-1]:.4f}", f"e^(-2/c) = {math.exp(-0.5):.4f}"
+    )
+    assert_allclose(ratio[1:], math.exp(-2.0 / LAW.mullins_decay), rtol=tol.VIRGIN_SHARE)
+    # while loading for the first time: (1/l)/(1/l + 1/c)
+    loading = LAW.mullins_decay / (LAW.mullins_decay + LAW.mullins_renewal)
+    assert_allclose(after[250], loading, rtol=tol.VIRGIN_SHARE)
+
+
+def test_first_cycle_of_every_amplitude_is_stiffer() -> None:
+    """And the later ones approach those of worked rubber."""
+    plain, fresh = run(HDR, [1.0, 2.0], 6), run(virgin(strain=0.05), [1.0, 2.0], 6)
+    ratio = (fresh.cycles["stress_max_MPa"] / plain.cycles["stress_max_MPa"]).to_numpy()
+    for level in (ratio[:6], ratio[6:]):
+        assert np.all(np.diff(level) < 0.0)
+        assert level[0] > 1.15
+        assert level[-1] < 1.02
+    again = run(virgin(strain=0.05), [2.0, 1.0], 6).cycles["stress_max_MPa"].to_numpy()
+    assert again[6] / again[11] < 1.05  # no new strain: no new stiffness
+
+
+@pytest.mark.parametrize("heat_source", ["work", "dissipation"])
+@pytest.mark.parametrize("ambient", [-20.0, 23.0])
+def test_energy_books_close(heat_source: str, ambient: float, measured: Recorder) -> None:
+    result = run(virgin(), [1.5, 3.0], ambient=ambient, heat_source=heat_source)
+    energy = result.energy.iloc[0]
+    worst = max(abs(energy["mechanical_residual"]), abs(energy["thermal_residual"]))
+    measured(
+        f"energy books, virgin rubber, {heat_source}, {ambient:g} degC", f"{worst:.1e}", "1e-10"
+    )
+    assert worst < tol.ENERGY_BOOKS
+
+
+def test_lost_stiffness_is_heat() -> None:
+    """Dissipation: what wears off of the stored energy is released as heat."""
+    books = marched(
+        assembled(virgin(), heat_source="dissipation"),
+        np.linspace(0.0, 40.0, 400),
+        0.005,
+        23.0,
+        23.0,
+    ).books
+    released = np.diff(books[:, HEAT_RELEASED])
+    total = books[:, HEAT_RELEASED] + books[:, RECOVERABLE]
+    assert_allclose(total, books[:, WORK_IN], rtol=tol.LOOP, atol=1e-9)
+    assert np.all(released[20:] > 0.0)
+
+
+def test_tangent_is_the_slope_of_the_force() -> None:
+    rng = np.random.default_rng(5)
+    element = BearingElement(assembled(virgin()), np.full(19, -20.0))
+    x = 0.0
+    for _ in range(150):
+        x += float(rng.uniform(-6.0, 6.0)) - 0.05 * x
+        slope = element.set_trial(x, 0.01, -20.0).tangent
+        step_size = 1e-6
+        near = [element.set_trial(x + s, 0.01, -20.0).force for s in (step_size, -step_size)]
+        difference = (near[0] - near[1]) / (2.0 * step_size)
+        assert_allclose(slope, difference, rtol=tol.VIRGIN_TANGENT, atol=tol.VIRGIN_TANGENT)
+        element.set_trial(x, 0.01, -20.0)
+        element.commit()
+
+
+def test_a_trial_that_is_not_committed_wears_nothing() -> None:
+    element = BearingElement(assembled(virgin()), np.full(19, 23.0))
+    element.set_trial(60.0, 0.01, 23.0)
+    element.set_trial(10.0, 0.01, 23.0)
+    element.commit()
+    assert element.state.layers[FARTHEST].max() < 3.0
+    saved = element.save()
+    element.set_trial(-50.0, 0.01, 23.0)
+    element.commit()
+    element.restore(saved)
+    assert_array_equal(element.state.layers, saved.layers)
+    element.revert_to_start()
+    assert np.all(element.state.layers[VIRGIN] == 1.0)
+    assert np.all(element.state.layers[FARTHEST] == 0.0)
+
+
+def test_convergence_with_the_step(measured: Recorder) -> None:
+    """The memory is that of the start of a step: first order, small."""
+    peaks = []
+    for dt in (0.02, 0.01, 0.005):
+        test = tb.cyclic_test(strain=[1.0, 2.0], cycles=2, rest=None, closing_strain=None, dt=dt)
+        peaks.append(tb.run(virgin(), test, 23.0).cycles["energy_kN_mm"].to_numpy())
+    change = [float(np.abs(a / peaks[-1] - 1.0).max()) for a in peaks[:-1]]
+    measured(
+        "virgin rubber, energy of a cycle: 20 and 10 ms against 5 ms",
+        f"{100 * change[0]:.2f} %, {100 * change[1]:.2f} %",
+        f"{100 * tol.VIRGIN_STEP:g} %",
+    )
+    assert change[1] < tol.VIRGIN_STEP
+    assert change[1] < 0.6 * change[0]
+
+
+@pytest.mark.parametrize("ambient", [-60.0, -20.0, 60.0])
+@pytest.mark.parametrize("dt", [1e-4, 0.005, 0.05])
+def test_no_step_fails_in_hostile_histories(ambient: float, dt: float) -> None:
+    rng = np.random.default_rng(int(1e5 * dt) + int(ambient) + 100)
+    speeds = np.repeat(rng.uniform(-900.0, 900.0, 40), 50)
+    x = np.cumsum(speeds * dt)
+    x = 105.0 * np.sin(x / max(np.abs(x).max(), 1.0) * 9.0)
+    found = marched(
+        assembled(virgin(amplitude=4.0, mullins_amplitude=0.6)), x, dt, ambient, ambient
+    )
+    assert np.isfinite(found.books).all()
+    assert len(found.books) == len(x)
+
+
+def test_each_layer_has_its_own_memory() -> None:
+    """A bearing that is colder outside strains its layers differently, and remembers that."""
+    element = BearingElement(assembled(virgin()), np.linspace(-30.0, 20.0, 19))
+    for x in np.linspace(0.0, 45.0, 100):
+        element.set_trial(float(x), 0.01, -30.0)
+        element.commit()
+    farthest = element.state.layers[FARTHEST]
+    assert farthest[0] < farthest[1] < farthest[2]
