@@ -29,6 +29,7 @@ _HOME = {
     "OutputError": "thermobearing.errors",
     "Result": "thermobearing.results.result",
     "TestRecord": "thermobearing.identify.record",
+    "baseline_corrected": "thermobearing.drive.motions.process",
     "bound_models": "thermobearing.design.bound_models",
     "bounds_study": "thermobearing.design.bounds_study",
     "bridge": "thermobearing.earthquake",
@@ -50,16 +51,23 @@ _HOME = {
     "load_structure": "thermobearing.drive.structure.model",
     "load_test": "thermobearing.identify.record",
     "make_design_case": "thermobearing.design.case",
+    "make_motion": "thermobearing.drive.motions.synthesis",
+    "match_spectrum": "thermobearing.drive.motions.synthesis",
     "measure_cycle": "thermobearing.results.metrics",
     "measure_history": "thermobearing.results.metrics",
+    "measure_motion": "thermobearing.drive.motions.measures",
     "read_columns": "thermobearing.tables",
+    "read_motion": "thermobearing.drive.motions.readers",
     "record_from_arrays": "thermobearing.identify.record",
+    "resampled": "thermobearing.drive.motions.process",
+    "response_spectrum": "thermobearing.drive.motions.spectrum",
     "run": "thermobearing.simulate",
     "run_case": "thermobearing.simulate",
     "run_design": "thermobearing.design.loop",
     "run_earthquake": "thermobearing.earthquake",
     "scale_study": "thermobearing.design.scale",
     "scaled_bearing": "thermobearing.design.scale",
+    "standard_spectrum": "thermobearing.drive.motions.jra",
     "synthetic_record": "thermobearing.identify.synthetic",
     "temperature_factors": "thermobearing.design.factors",
 }
@@ -81,6 +89,7 @@ __all__ = [
     "Result",
     "TestRecord",
     "__version__",
+    "baseline_corrected",
     "bound_models",
     "bounds_study",
     "bridge",
@@ -102,16 +111,23 @@ __all__ = [
     "load_structure",
     "load_test",
     "make_design_case",
+    "make_motion",
+    "match_spectrum",
     "measure_cycle",
     "measure_history",
+    "measure_motion",
     "read_columns",
+    "read_motion",
     "record_from_arrays",
+    "resampled",
+    "response_spectrum",
     "run",
     "run_case",
     "run_design",
     "run_earthquake",
     "scale_study",
     "scaled_bearing",
+    "standard_spectrum",
     "synthetic_record",
     "temperature_factors",
 ]
@@ -130,8 +146,14 @@ if TYPE_CHECKING:
     from thermobearing.design.scale import scale_study, scaled_bearing
     from thermobearing.drive.ambient import Ambient
     from thermobearing.drive.element import BearingElement
+    from thermobearing.drive.motions.jra import standard_spectrum
     from thermobearing.drive.motions.library import list_motions, load_motion
+    from thermobearing.drive.motions.measures import measure_motion
+    from thermobearing.drive.motions.process import baseline_corrected, resampled
+    from thermobearing.drive.motions.readers import read_motion
     from thermobearing.drive.motions.record import GroundMotion
+    from thermobearing.drive.motions.spectrum import response_spectrum
+    from thermobearing.drive.motions.synthesis import make_motion, match_spectrum
     from thermobearing.drive.protocol import CyclicTest, cyclic_test
     from thermobearing.drive.structure.model import list_structures, load_structure
     from thermobearing.earthquake import bridge, hybrid, run_earthquake
