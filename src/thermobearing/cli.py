@@ -176,13 +176,30 @@ def _run_with_progress(case: "Case", *, quiet: bool) -> "Result":
 @reported
 def list_(as_json: AsJson = False) -> int:
     """What is built in."""
+    from thermobearing.bearing.bilinear import list_bilinear, load_bilinear
     from thermobearing.bearing.library import list_bearings, load_bearing
+    from thermobearing.drive.motions.library import list_motions
+    from thermobearing.drive.structure.model import list_structures, load_structure
 
     bearings = [load_bearing(name) for name in list_bearings()]
     for bearing in bearings:
-        typer.echo(f"{bearing.name:24}  {bearing.kind:5}  {bearing.description}")
+        typer.echo(f"{bearing.name:24}  {bearing.kind:8}  {bearing.description}")
+    for backbone in map(load_bilinear, list_bilinear()):
+        typer.echo(f"{backbone.name:24}  {backbone.kind:8}  {backbone.description}")
+    typer.echo("")
+    for structure in map(load_structure, list_structures()):
+        typer.echo(f"{structure.name:24}  structure  {structure.description}")
+    motions = list_motions()
+    typer.echo(f"\n{len(motions)} ground motions, see `thermobearing motions list`")
     if as_json:
-        echo_json({"bearings": [bearing.name for bearing in bearings]})
+        echo_json(
+            {
+                "bearings": [bearing.name for bearing in bearings],
+                "bilinear_bearings": list_bilinear(),
+                "structures": list_structures(),
+                "motions": motions,
+            }
+        )
     return 0
 
 

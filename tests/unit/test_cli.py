@@ -204,8 +204,12 @@ def test_names_are_no_markup(tmp_path: Path, name: str) -> None:
 def test_list() -> None:
     done = command("list", "--json")
     assert done.exit_code == 0
-    assert last_line(done) == {"bearings": tb.list_bearings()}
-    assert all(name in done.stdout for name in tb.list_bearings())
+    told = last_line(done)
+    assert told["bearings"] == tb.list_bearings()
+    assert told["structures"] == tb.list_structures()
+    assert told["motions"] == tb.list_motions()
+    shown = [*tb.list_bearings(), *tb.list_structures(), *told["bilinear_bearings"]]
+    assert all(name in done.stdout for name in shown)
 
 
 def test_check_of_a_bearing_and_of_a_case(tmp_path: Path) -> None:

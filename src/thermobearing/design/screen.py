@@ -60,6 +60,11 @@ def print_design(design: Design, equal: list[EqualBearing]) -> None:
             check.what, f"{check.value:.3g}{unit}", limit, check.verdict, check.source, style=style
         )
     console.print(table)
+    console.print(
+        "\nsource (Tables 6.1, 6.3): u_B 178 mm, 600 mm, 8x14, K_B 2.615 kN/mm, Q_d 125.4 kN; "
+        "equal HDR and LHDR bearings 480 mm, 6x17, K_B 2.633 and 2.543 kN/mm. Its motions are not "
+        "free to ship, so the displacement differs."
+    )
     for item in equal:
         console.print(
             f"equal K_B: {item.bearing.name}, K_eq {item.stiffness:.3f} kN/mm, "
