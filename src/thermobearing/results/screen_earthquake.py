@@ -6,8 +6,8 @@ from rich.table import Table
 
 from thermobearing.results.earthquake_result import EarthquakeResult
 
-HEADS = ("motion", "degC", "strain", "force kN", "energy kJ", "of warm", "pier mm", "ductility",
-         "deck m/s2")  # fmt: skip
+# Motion; air; bearing strain, force, energy, that of the warmest run; pier; deck acceleration.
+HEADS = ("motion", "degC", "strain", "kN", "kJ", "of warm", "pier mm", "ductility", "m/s2")
 
 
 def print_study(result: EarthquakeResult) -> None:
@@ -37,7 +37,7 @@ def _table(name: str, rows: "object") -> Table:
         table.add_row(
             row["motion"],
             f"{row['ambient_degC']:g}",
-            f"{row['bearing_strain_max']:.1%}",
+            f"{row['bearing_strain_max']:.0%}",
             f"{row['bearing_force_max_kN']:.0f}",
             f"{1e-3 * row['bearing_energy_kN_mm']:.1f}",
             f"{row['energy_of_warmest']:.0%}",
