@@ -1,6 +1,6 @@
 """Files of temperature factors."""
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -101,13 +101,8 @@ def _summary(report: FactorReport) -> dict[str, Any]:
         "cycles": report.cycles,
         "bounds": bounds_table(report.bounds).to_dict("records"),
         "factors": report.table.to_dict("records"),
-        "published": [asdict_of(item) for item in published_tables()],
+        "published": [item.model_dump() for item in published_tables()],
     }
-
-
-def asdict_of(item: Any) -> dict[str, Any]:
-    """A strict model or dataclass as plain data."""
-    return dict(item.model_dump()) if hasattr(item, "model_dump") else asdict(item)
 
 
 def _save_scale(bearing: Bearing, folder: Path, figures: bool) -> None:
