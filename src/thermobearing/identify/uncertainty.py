@@ -25,6 +25,7 @@ from thermobearing.identify.parameters import (
     N_T,
     SHAPE,
     SIGMA_Y,
+    VIRGIN,
     Parameter,
 )
 from thermobearing.identify.problem import Problem, robust_weights
@@ -50,6 +51,7 @@ REMEDIES = (
     ({K_L, SIGMA_Y}, "cycles below 25 % strain, or a specimen without lead, would fix it"),
     ({HARDENING}, "cycles at several amplitudes up to 200 % and more would fix it"),
     ({D_Y, SHAPE, K_R}, "denser samples after each turn and cycles of small strain would fix it"),
+    (set(VIRGIN), "more cycles at each of more growing amplitudes, on a virgin specimen, would fix it"),
     ({ALPHA}, "cycles at two or more amplitudes would fix it"),
 )  # fmt: skip
 
@@ -208,12 +210,12 @@ def _warnings(problem: Problem, found: Uncertainty) -> list[str]:
     said = _test_warnings(problem)
     for key, item in found.estimates.items():
         symbol, unit = item.parameter.kind.symbol, item.parameter.kind.unit
+        shown = f"{symbol} = {item.value:.4g} {unit}".strip()
         if item.at_bound:
-            said.append(f"{symbol} = {item.value:.4g} {unit} ended at a bound: {_remedy({key})}")
+            said.append(f"{shown} ended at a bound: {_remedy({key})}")
         elif item.relative_error > POOR:
             said.append(
-                f"{symbol} = {item.value:.4g} {unit} is poorly determined (standard error "
-                f"{item.stderr:.2g}): {_remedy({key})}"
+                f"{shown} is poorly determined (standard error {item.stderr:.2g}): {_remedy({key})}"
             )
     keys = list(found.estimates)
     for i, j in zip(*np.triu_indices(len(keys), 1), strict=True):
