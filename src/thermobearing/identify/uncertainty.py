@@ -51,7 +51,7 @@ REMEDIES = (
     ({K_L, SIGMA_Y}, "cycles below 25 % strain, or a specimen without lead, would fix it"),
     ({HARDENING}, "cycles at several amplitudes up to 200 % and more would fix it"),
     ({D_Y, SHAPE, K_R}, "denser samples after each turn and cycles of small strain would fix it"),
-    (set(VIRGIN), "more cycles at each of more growing amplitudes, on a virgin specimen, would fix it"),
+    (set(VIRGIN), "more cycles at more amplitudes, growing, on a virgin specimen would fix it"),
     ({ALPHA}, "cycles at two or more amplitudes would fix it"),
 )  # fmt: skip
 
