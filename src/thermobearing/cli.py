@@ -26,6 +26,7 @@ from thermobearing.commands.common import (
     Quiet,
     echo_json,
     reported,
+    with_progress,
     written,
 )
 from thermobearing.commands.identify import identify
@@ -117,6 +118,7 @@ def cyclic(
     from thermobearing.results.directory import check_target
     from thermobearing.results.files import save_result
     from thermobearing.results.screen import print_result
+    from thermobearing.simulate import run_case
 
     overrides = {
         "bearing": bearing,
@@ -135,7 +137,7 @@ def cyclic(
         complete = load_case(case, **overrides)
     target = output or Path("cyclic-" + re.sub(r"[^\w.+-]+", "-", complete.bearing.name))
     check_target(target, force=force)
-    result = _run_with_progress(complete, quiet=quiet)
+    result = with_progress(lambda show: run_case(complete, progress=show), "stepping", quiet)
     others = _others(complete, result) if compare and result.outcome == "completed" else {}
     save_result(result, target, force=force, figures=not no_figures, compared=others)
     if not quiet:
@@ -152,24 +154,6 @@ def _others(case: "Case", result: "Result") -> "dict[str, Result]":
     if len(result.cycles) == 0:
         raise InputError("--compare needs a test with cycles")
     return compare_models(case)
-
-
-def _run_with_progress(case: "Case", *, quiet: bool) -> "Result":
-    """Run a case under a progress bar (on stderr, only on a terminal)."""
-    from thermobearing.simulate import run_case
-
-    if quiet or not sys.stderr.isatty():
-        return run_case(case)
-    from rich.console import Console
-    from rich.progress import Progress
-
-    with Progress(console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task("compiling, the first time", total=None)
-
-        def show(done: int, total: int) -> None:
-            bar.update(task, description="stepping", completed=done, total=total)
-
-        return run_case(case, progress=show)
 
 
 @app.command("list")

@@ -2,14 +2,16 @@
 
 import functools
 import json
+import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, TypeVar
 
 import typer
 
 from thermobearing.errors import InputError, OutputError
 
+T = TypeVar("T")
 BAD_INPUT, ENDED_EARLY, INTERRUPTED = 2, 3, 130
 
 Output = Annotated[Path | None, typer.Option("-o", "--output", help="Result directory.")]
@@ -68,3 +70,19 @@ def written(outcome: str, sentence: str, target: Path, *, as_json: bool, quiet: 
         last = {"outcome": outcome, "exit_status": status, "output": str(target), "files": files}
         echo_json(last)
     return status
+
+
+def with_progress(
+    call: Callable[[Callable[[int, int], None] | None], T], what: str, quiet: bool
+) -> T:
+    """`call` with a progress bar (on stderr, only on a terminal); it reports (done, all)."""
+    if quiet or not sys.stderr.isatty():
+        return call(None)
+    from rich.console import Console
+    from rich.progress import Progress
+
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("compiling, the first time", total=None)
+        return call(
+            lambda done, total: bar.update(task, description=what, completed=done, total=total)
+        )

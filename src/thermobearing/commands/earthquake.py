@@ -1,7 +1,6 @@
 """`thermobearing bridge` and `thermobearing hybrid`: structures in earthquakes."""
 
 import contextlib
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -14,12 +13,12 @@ from thermobearing.commands.common import (
     Output,
     Quiet,
     reported,
+    with_progress,
     written,
 )
 
 if TYPE_CHECKING:
     from thermobearing.earthquake_case import EarthquakeCase
-    from thermobearing.results.earthquake_result import EarthquakeResult
 
 Case = Annotated[Path | None, typer.Argument(help="Case file; without one, the default study.")]
 Bearings = Annotated[
@@ -142,32 +141,15 @@ def _carry_out(
     quiet: bool,
 ) -> int:
     """Check the target, run, write, tell."""
+    from thermobearing.earthquake import run_earthquake
     from thermobearing.results.directory import check_target
     from thermobearing.results.screen_earthquake import print_study
 
     target = output or Path(f"{case.command}-{case.structure.name}")
     check_target(target, force=force)
-    result = _run_with_progress(case, quiet=quiet)
+    result = with_progress(lambda show: run_earthquake(case, progress=show), "runs", quiet)
     result.save(target, force=force, figures=not no_figures)
     if not quiet:
         with contextlib.suppress(KeyboardInterrupt):  # the result is safe by now
             print_study(result)
     return written(result.outcome, result.sentence, target, as_json=as_json, quiet=quiet)
-
-
-def _run_with_progress(case: "EarthquakeCase", *, quiet: bool) -> "EarthquakeResult":
-    """Run a study under a progress bar (on stderr, only on a terminal)."""
-    from thermobearing.earthquake import run_earthquake
-
-    if quiet or not sys.stderr.isatty():
-        return run_earthquake(case)
-    from rich.console import Console
-    from rich.progress import Progress
-
-    with Progress(console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task("compiling, the first time", total=None)
-
-        def show(done: int, total: int) -> None:
-            bar.update(task, description="runs", completed=done, total=total)
-
-        return run_earthquake(case, progress=show)
