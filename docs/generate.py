@@ -32,6 +32,11 @@ IN_README = (
     "pier-p1, bilinear bearings, force against OpenSees: peak, whole history",
     "energy books of pier P1, shen-lhdr-bridge, average-acceleration, of the input",
     "first period of pier-p1, published mass",
+    "lead, bridge, 175 %, 200 mm/s: largest error, half-space and finite plate",
+    "NRMSE of the real HDR test, with scragging",
+    "energy errors of its cycles, with scragging",
+    "K_B of G8 at 178 mm, 600 x 600 mm, 112 mm",
+    "design loop from 50, 100, 200, 400 mm: displacement, rounds",
     "inner-layer rise, published over conservative, -20 degC, 250 %",
 )
 LEAD_TEXT = """## Lead core against OpenSees
