@@ -31,6 +31,7 @@ from thermobearing.commands.common import (
 )
 from thermobearing.commands.identify import identify
 from thermobearing.commands.motions import app as motions
+from thermobearing.commands.threads import one_blas_thread
 from thermobearing.errors import InputError
 
 if TYPE_CHECKING:
@@ -242,6 +243,7 @@ app.command()(identify)
 
 def main() -> None:
     """Entry point of the console script."""
+    one_blas_thread()
     app()
 
 
