@@ -32,6 +32,7 @@ from thermobearing.commands.common import (
 )
 from thermobearing.commands.identify import identify
 from thermobearing.commands.motions import app as motions
+from thermobearing.commands.threads import one_blas_thread
 
 if TYPE_CHECKING:
     from thermobearing.cyclic.case import Case
@@ -241,6 +242,7 @@ app.command()(identify)
 
 def main() -> None:
     """Entry point of the console script."""
+    one_blas_thread()
     app()
 
 
