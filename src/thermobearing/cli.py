@@ -6,7 +6,6 @@ results kept). Heavy imports wait until a command needs them, so that --help is 
 """
 
 import contextlib
-import json
 import re
 import sys
 from pathlib import Path
@@ -143,8 +142,7 @@ def cyclic(
     if not quiet:
         with contextlib.suppress(KeyboardInterrupt):  # the result is safe by now
             print_result(result, others)
-    sentence = json.loads(result.dataset.attrs["sentences"]).get(result.outcome, "")
-    return written(result.outcome, sentence, target, as_json=as_json, quiet=quiet)
+    return written(result.outcome, result.sentence, target, as_json=as_json, quiet=quiet)
 
 
 def _others(case: "Case", result: "Result") -> "dict[str, Result]":
@@ -195,7 +193,7 @@ def check(
 ) -> int:
     """Validate a file without running it, and say what was understood."""
     from thermobearing.commands.check import describe_file
-    from thermobearing.cyclic.screen import print_facts
+    from thermobearing.results.screen import print_facts
 
     kind, facts = describe_file(file)
     print_facts(f"{file}: a valid {kind}", facts)
@@ -218,9 +216,9 @@ def measure(
 
     from thermobearing.bearing.library import load_bearing
     from thermobearing.border.tables import read_columns
-    from thermobearing.cyclic.files import without_nan
     from thermobearing.cyclic.screen import print_measures
     from thermobearing.results.metrics import measure_history
+    from thermobearing.results.writing import without_nan
 
     data = read_columns(file, {"displacement": "mm", "force": "kN"})
     specimen = load_bearing(bearing)

@@ -1,6 +1,5 @@
 """Files of a design and of a bounds study."""
 
-import json
 from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
@@ -12,7 +11,6 @@ import tomli_w
 
 import thermobearing
 from thermobearing.cyclic.case import to_table
-from thermobearing.cyclic.files import without_nan
 from thermobearing.cyclic.protocol import cyclic_test
 from thermobearing.cyclic.run import run
 from thermobearing.design.bounds_study import DEMANDS, paragraph
@@ -26,10 +24,10 @@ from thermobearing.results.directory import (
     FIGURES,
     RESOLVED,
     ROUNDS,
-    SUMMARY,
     TABLE,
     write_directory,
 )
+from thermobearing.results.writing import write_summary
 
 DPI = 150
 SOURCE = {"u_B_mm": 178.0, "side_mm": 600.0, "layers": 8, "K_B_kN_mm": 2.6153, "Q_d_kN": 125.4,
@@ -85,7 +83,7 @@ def save_design(
     """Write rounds, checks, bearings (TOML, ready for `bridge`), summary and figures."""
 
     def fill(folder: Path) -> None:
-        write_json(folder / SUMMARY, design_summary(design, equal))
+        write_summary(folder, design_summary(design, equal))
         (folder / RESOLVED).write_text(resolved_design_toml(case), encoding="utf-8")
         rounds = pd.DataFrame([round_row(turn) for turn in design.rounds])
         rounds.to_csv(folder / ROUNDS, index=False, float_format="%.7g")
@@ -154,7 +152,7 @@ def save_bounds(
             "paragraphs": told,
             "rows": rows,
         }
-        write_json(folder / SUMMARY, summary)
+        write_summary(folder, summary)
         if figures:
             (folder / FIGURES).mkdir()
             for name, table in tables.items():
@@ -163,9 +161,3 @@ def save_bounds(
                 figure.savefig(folder / FIGURES / f"bounds-{name}.png", dpi=DPI)
 
     return write_directory(directory, fill, force=force)
-
-
-def write_json(path: Path, value: dict[str, Any]) -> None:
-    """Strict JSON, NaN as null."""
-    text = json.dumps(without_nan(value), indent=2, allow_nan=False)
-    path.write_text(text + "\n", encoding="utf-8")

@@ -1,19 +1,17 @@
 """Files of an earthquake study."""
 
-import json
 from pathlib import Path
 
-from thermobearing.cyclic.files import without_nan
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.results.directory import (
     DATASET,
     FIGURES,
     HISTORY,
     RESOLVED,
-    SUMMARY,
     TABLE,
     write_directory,
 )
+from thermobearing.results.writing import write_summary
 
 DIGITS = "%.7g"
 
@@ -29,8 +27,7 @@ def save_earthquake(
     """
 
     def fill(folder: Path) -> None:
-        text = json.dumps(without_nan(result.summary()), indent=2, allow_nan=False)
-        (folder / SUMMARY).write_text(text + "\n", encoding="utf-8")
+        write_summary(folder, result.summary())
         (folder / RESOLVED).write_text(result.dataset.attrs["case"], encoding="utf-8")
         result.table.to_csv(folder / TABLE, index=False, float_format=DIGITS)
         _write_histories(result, folder / HISTORY)
