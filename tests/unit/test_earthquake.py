@@ -217,6 +217,7 @@ def test_interrupted_study_keeps_what_it_has(monkeypatch: pytest.MonkeyPatch) ->
     with ThreadPoolExecutor(1) as pool:
         result = run_earthquake(small(ambient=["1 degC", "2 degC", "3 degC"]), executor=pool)
     assert result.outcome == "interrupted"
+    assert result.sentence.startswith("The run was interrupted")
     assert result.runs == 1
 
 

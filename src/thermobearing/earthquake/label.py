@@ -29,6 +29,7 @@ from thermobearing.earthquake.case import EarthquakeCase, resolved_earthquake_to
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.model.outcomes import INTERRUPTED
 from thermobearing.model.outcomes import SENTENCES as RUN_SENTENCES
+from thermobearing.results.writing import as_attribute
 from thermobearing.structure.matrices import (
     displacement_row,
     find_modes,
@@ -222,7 +223,7 @@ def _attributes(
         "version": thermobearing.__version__,
         "case": resolved_earthquake_toml(case),
         "interrupted": int(_interrupted(case, histories)),
-        "sentences": str(RUN_SENTENCES | SENTENCES),
+        "sentences": as_attribute(RUN_SENTENCES | SENTENCES),
     }
     if prepared is None:
         return attrs

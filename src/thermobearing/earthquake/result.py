@@ -1,12 +1,13 @@
 """A study of a structure in earthquakes: histories, peaks, energy books, tables."""
 
-import ast
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
 import xarray as xr
+
+from thermobearing.results.writing import from_attribute
 
 if TYPE_CHECKING:
     from thermobearing.earthquake.figures import EarthquakeFigures
@@ -58,7 +59,7 @@ class EarthquakeResult:
     @property
     def sentence(self) -> str:
         """What the outcome means and what to try."""
-        return str(ast.literal_eval(self.dataset.attrs["sentences"]).get(self.outcome, ""))
+        return str(from_attribute(self.dataset, "sentences").get(self.outcome, ""))
 
     @property
     def table(self) -> pd.DataFrame:
