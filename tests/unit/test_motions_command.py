@@ -84,10 +84,8 @@ def test_existing_result_is_not_replaced_without_force(made: Path) -> None:
 
 def test_make_keeps_the_phases_of_a_record(tmp_path: Path) -> None:
     out = tmp_path / "out"
-    done = command(
-        "motions", "make", "--from", "jra-ii-i-3", "--type", 2, "--ground", 2, "--dt", 0.02,
-        "-o", out, "--no-figures", "--json",
-    )  # fmt: skip
+    words = ["--from", "jra-ii-i-3", "--type", 2, "--ground", 2, "--dt", 0.02]
+    done = command("motions", "make", *words, "-o", out, "--no-figures", "--json")
     assert done.exit_code == 0
     assert last_line(done)["files"] == sorted(NAMES)
     told = summary(out)

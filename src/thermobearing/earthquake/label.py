@@ -70,13 +70,22 @@ HISTORIES = (  # name, unit, long name
     ("pier_moment", "kN m", "moment of the first hinge"),
     ("lead_temperature", "degC", "temperature of the lead cores"),
 )
-ENERGIES = {"input": INPUT, "kinetic": KINETIC, "damping": DAMPING, "springs": SPRINGS,
-            "hinges": HINGES, "bearings": BEARINGS}  # fmt: skip
+ENERGIES = {
+    "input": INPUT,
+    "kinetic": KINETIC,
+    "damping": DAMPING,
+    "springs": SPRINGS,
+    "hinges": HINGES,
+    "bearings": BEARINGS,
+}
 BEARING_ENERGIES = {
-    "work_in": WORK_IN, "heat_released": HEAT_RELEASED, "recoverable": RECOVERABLE,
-    "heat_stored": HEAT_STORED, "heat_lost_ends": HEAT_LOST_ENDS,
+    "work_in": WORK_IN,
+    "heat_released": HEAT_RELEASED,
+    "recoverable": RECOVERABLE,
+    "heat_stored": HEAT_STORED,
+    "heat_lost_ends": HEAT_LOST_ENDS,
     "heat_lost_sides": HEAT_LOST_SIDES,
-}  # fmt: skip
+}
 
 
 def label_study(

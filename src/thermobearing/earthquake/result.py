@@ -12,8 +12,14 @@ from thermobearing.results.writing import from_attribute
 if TYPE_CHECKING:
     from thermobearing.earthquake.figures import EarthquakeFigures
 
-BEARING = ("work_in", "heat_released", "recoverable", "heat_stored", "heat_lost_ends",
-           "heat_lost_sides")  # fmt: skip
+BEARING = (
+    "work_in",
+    "heat_released",
+    "recoverable",
+    "heat_stored",
+    "heat_lost_ends",
+    "heat_lost_sides",
+)
 STRUCTURE = ("input", "kinetic", "damping", "springs", "hinges", "bearings")
 COLUMNS = {  # of the table: name in the dataset, factor
     "bearing_strain_max": ("bearing_strain_max", 1.0),

@@ -1,7 +1,6 @@
 """Figures of a ground motion: its histories, and its response spectrum beside standard ones."""
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -112,7 +111,7 @@ def spectrum_figure(
     figure, (left, right) = drawing.panels(1, 2, (10.0, 4.6), title)
     handles = []
     for (name, values), (colour, line) in zip(references.items(), REFERENCE_LOOKS, strict=False):
-        look: dict[str, Any] = {"color": colour, "linestyle": line, "linewidth": 1.6}
+        look: drawing.Look = {"color": colour, "linestyle": line, "linewidth": 1.6}
         left.plot(periods, values, **look)
         implied = values * (periods / (2.0 * np.pi)) ** 2
         right.plot(periods, implied, **look)
