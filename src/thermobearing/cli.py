@@ -6,7 +6,6 @@ results kept). Heavy imports wait until a command needs them, so that --help is 
 """
 
 import contextlib
-import json
 import re
 import sys
 from pathlib import Path
@@ -144,8 +143,7 @@ def cyclic(
     if not quiet:
         with contextlib.suppress(KeyboardInterrupt):  # the result is safe by now
             print_result(result, others)
-    sentence = json.loads(result.dataset.attrs["sentences"]).get(result.outcome, "")
-    return written(result.outcome, sentence, target, as_json=as_json, quiet=quiet)
+    return written(result.outcome, result.sentence, target, as_json=as_json, quiet=quiet)
 
 
 def _others(case: "Case", result: "Result") -> "dict[str, Result]":
@@ -196,7 +194,7 @@ def check(
 ) -> int:
     """Validate a file without running it, and say what was understood."""
     from thermobearing.commands.check import describe_file
-    from thermobearing.cyclic.screen import print_facts
+    from thermobearing.results.screen import print_facts
 
     kind, facts = describe_file(file)
     print_facts(f"{file}: a valid {kind}", facts)

@@ -143,9 +143,13 @@ def stop_while_writing(monkeypatch: pytest.MonkeyPatch, how: BaseException) -> N
     ids=["full disk", "full disk, as h5py tells it", "Ctrl-C"],
 )
 def test_writing_stopped_halfway_leaves_nothing(
-    case: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
-    how: BaseException, status: int, words: str,
-) -> None:  # fmt: skip
+    case: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    how: BaseException,
+    status: int,
+    words: str,
+) -> None:
     cyclic(case, "-o", tmp_path / "old", "-q")
     before = content(tmp_path)
     stop_while_writing(monkeypatch, how)
@@ -188,8 +192,11 @@ def test_really_full_disk(case: Path, tmp_path: Path) -> None:
     words = ["cyclic", str(case), "-o", str(tmp_path / "out"), "--no-figures", "--json"]
     done = subprocess.run(
         [sys.executable, "-m", "thermobearing.cli", *words],
-        preexec_fn=limit, capture_output=True, text=True, check=False,
-    )  # fmt: skip
+        preexec_fn=limit,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     assert done.returncode == 2, done.stderr
     assert json.loads(done.stdout.splitlines()[-1])["outcome"] == "not_written"
     assert [path.name for path in tmp_path.iterdir()] == ["case.toml"]
@@ -282,8 +289,10 @@ def test_real_interrupt_signal(tmp_path: Path) -> None:
     words = ["cyclic", str(path), "-o", str(out), "--no-figures", "--json"]
     with subprocess.Popen(
         [sys.executable, "-c", SPEAKING, *words],
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-    ) as process:  # fmt: skip
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as process:
         assert process.stderr is not None
         for _ in range(3):  # the compiled code is loaded, and two chunks of steps are done
             assert process.stderr.readline() == "stepping\n"
@@ -309,8 +318,11 @@ def test_early_end_is_marked(tmp_path: Path) -> None:
     assert "euler_unstable" in done.stderr
     assert "smaller dt" in done.stderr
     assert last_line(done) == {
-        "outcome": "euler_unstable", "exit_status": 3, "output": str(out), "files": FILES,
-    }  # fmt: skip
+        "outcome": "euler_unstable",
+        "exit_status": 3,
+        "output": str(out),
+        "files": FILES,
+    }
     told = summary(out)
     assert told["outcome"] == told["runs"][0]["outcome"] == "euler_unstable"
     assert told["runs"][0]["outcome_sentence"] in done.stderr

@@ -119,7 +119,8 @@ def _print(report: Any) -> None:
     name = report.bearings[0].name
     console.print(
         f"[bold]{name}[/bold]: {report.motion}, cycles {report.cycles}, "
-                  f"reference {report.reference:g} degC, strain {report.strain:.0%}")  # fmt: skip
+        f"reference {report.reference:g} degC, strain {report.strain:.0%}"
+    )
     rows = report.table[report.table["strain"] == report.strain]
     wide = rows.pivot_table(index=["quantity", "basis"], columns="ambient_degC", values="factor")
     table = Table(box=None, pad_edge=False)

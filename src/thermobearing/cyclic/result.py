@@ -1,6 +1,5 @@
 """What `run` returns: the labelled dataset, with the numbers and pictures engineers ask for."""
 
-import json
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,6 +10,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from thermobearing.results.metrics import CycleMeasures, find_cycles, measure_cycle
+from thermobearing.results.writing import from_attribute
 
 if TYPE_CHECKING:
     from thermobearing.cyclic.figures import Figures
@@ -57,7 +57,7 @@ class Result:
     @cached_property
     def segments(self) -> list[dict[str, Any]]:
         """Kind, label and amplitude of each step of the test."""
-        return list(json.loads(self.dataset.attrs["segments"]))
+        return list(from_attribute(self.dataset, "segments"))
 
     @property
     def outcome(self) -> str:
@@ -66,9 +66,14 @@ class Result:
         return next((name for name in names if name != "completed"), "completed")
 
     @property
+    def sentence(self) -> str:
+        """What the outcome means and what to try."""
+        return str(from_attribute(self.dataset, "sentences").get(self.outcome, ""))
+
+    @property
     def warnings(self) -> list[str]:
         """Sentences about accuracy that a user should read; empty when there is nothing."""
-        return list(json.loads(self.dataset.attrs["warnings"]))
+        return list(from_attribute(self.dataset, "warnings"))
 
     def time(self, run: int) -> Floats:
         """Times of the kept steps of a run [s]."""
@@ -163,7 +168,7 @@ class Result:
         `thermal_residual` (heat released - stored - lost), both over the work done.
         """
         data = self.dataset
-        capacity = np.asarray(json.loads(data.attrs["heat_capacity_kN_mm_per_K"]))
+        capacity = np.asarray(from_attribute(data, "heat_capacity_kN_mm_per_K"))
         rows = []
         for run, ambient in enumerate(data["ambient"].values):
             last = int(np.flatnonzero(data["segment"].values[run] >= 0)[-1])
@@ -231,7 +236,7 @@ class Result:
         outcome = str(data["outcome"].values[run])
         softened = int(data["softened_steps"].values[run])
         sharing = "softened_layers" if softened else "equal_layer_forces"
-        sentences = json.loads(data.attrs["sentences"])
+        sentences = from_attribute(data, "sentences")
         cycles = self.cycles
         mine = cycles[cycles["ambient_degC"] == ambient] if len(cycles) else cycles
         return {

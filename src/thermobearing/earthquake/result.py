@@ -1,6 +1,5 @@
 """A study of a structure in earthquakes: histories, peaks, energy books, tables."""
 
-import ast
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -8,11 +7,19 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from thermobearing.results.writing import from_attribute
+
 if TYPE_CHECKING:
     from thermobearing.earthquake.figures import EarthquakeFigures
 
-BEARING = ("work_in", "heat_released", "recoverable", "heat_stored", "heat_lost_ends",
-           "heat_lost_sides")  # fmt: skip
+BEARING = (
+    "work_in",
+    "heat_released",
+    "recoverable",
+    "heat_stored",
+    "heat_lost_ends",
+    "heat_lost_sides",
+)
 STRUCTURE = ("input", "kinetic", "damping", "springs", "hinges", "bearings")
 COLUMNS = {  # of the table: name in the dataset, factor
     "bearing_strain_max": ("bearing_strain_max", 1.0),
@@ -58,7 +65,7 @@ class EarthquakeResult:
     @property
     def sentence(self) -> str:
         """What the outcome means and what to try."""
-        return str(ast.literal_eval(self.dataset.attrs["sentences"]).get(self.outcome, ""))
+        return str(from_attribute(self.dataset, "sentences").get(self.outcome, ""))
 
     @property
     def table(self) -> pd.DataFrame:

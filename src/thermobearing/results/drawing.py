@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+Look = dict[str, Any]  # how an artist is drawn
 
 LARGE, NORMAL, SMALL = 10.5, 9.0, 7.5  # font sizes [pt]
 LETTER, BOLD_LETTER = 0.56, 0.66  # mean width of a letter, of the font size
@@ -199,10 +200,9 @@ def draw_stack(ax: Axes, data: xr.Dataset, *, names: bool) -> None:
         if names and bottom[end] - top > THIN * height:
             name = f"rubber {layer}" if rubber else part[end].replace("_", " ")
             name = f"half {name}" if half and end == ends[-1] else name
-            ax.text(
-                1.03, 0.5 * (top + bottom[end]), name, fontsize=SMALL - 0.5, color=GREY,
-                va="center", transform=ax.get_yaxis_transform(),
-            )  # fmt: skip
+            look: Look = {"fontsize": SMALL - 0.5, "color": GREY, "va": "center"}
+            place = ax.get_yaxis_transform()
+            ax.text(1.03, 0.5 * (top + bottom[end]), name, transform=place, **look)
         top = float(bottom[end])
     ax.set_yticks([y for y in ax.get_yticks() if 0.0 <= y <= height])
     ax.set_ylim(1.055 * height, -0.055 * height)  # with room for the names of the faces
@@ -214,7 +214,6 @@ def draw_stack(ax: Axes, data: xr.Dataset, *, names: bool) -> None:
 
 def _draw_face(ax: Axes, label_at: float, at: float, name: str, line: str) -> None:
     ax.axhline(at, color=INK, linewidth=0.9, linestyle=line, zorder=1.5)
-    ax.text(
-        0.5, label_at, name, fontsize=SMALL - 0.5, color=INK, ha="center",
-        va="bottom" if label_at < at else "top", transform=ax.get_yaxis_transform(),
-    )  # fmt: skip
+    side = "bottom" if label_at < at else "top"
+    look: Look = {"fontsize": SMALL - 0.5, "color": INK, "ha": "center", "va": side}
+    ax.text(0.5, label_at, name, transform=ax.get_yaxis_transform(), **look)
