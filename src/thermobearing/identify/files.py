@@ -1,6 +1,5 @@
 """Result directories of checks and fits."""
 
-import json
 import re
 from pathlib import Path
 from typing import Any
@@ -9,8 +8,7 @@ import numpy as np
 import tomli_w
 
 import thermobearing
-from thermobearing.cyclic.case import to_table
-from thermobearing.cyclic.files import without_nan
+from thermobearing.border.toml import to_table
 from thermobearing.identify.checks import CheckReport, checks_summary
 from thermobearing.identify.posterior import Forecast, Samples
 from thermobearing.identify.result import Identification
@@ -22,6 +20,7 @@ from thermobearing.results.directory import (
     SUMMARY,
     write_directory,
 )
+from thermobearing.results.writing import write_json
 
 
 def save_checks(
@@ -190,9 +189,3 @@ def _samples_text(found: Identification, samples: Samples) -> str:
     for row in samples.cube:
         lines.append(",".join(f"{p.at(float(u)):.6g}" for p, u in zip(free, row, strict=True)))
     return "\n".join(lines) + "\n"
-
-
-def write_json(path: Path, content: dict[str, Any]) -> None:
-    """JSON without NaN."""
-    text = json.dumps(without_nan(content), indent=2, allow_nan=False)
-    path.write_text(text + "\n", encoding="utf-8")
