@@ -24,7 +24,7 @@ _HOME = {
     "EarthquakeResult": "thermobearing.earthquake.result",
     "EndFace": "thermobearing.cyclic.case",
     "GroundMotion": "thermobearing.motions.record",
-    "Identification": "thermobearing.identify.run",
+    "Identification": "thermobearing.identify.result",
     "InputError": "thermobearing.border.errors",
     "OutputError": "thermobearing.border.errors",
     "Result": "thermobearing.cyclic.result",
@@ -156,7 +156,8 @@ if TYPE_CHECKING:
     from thermobearing.earthquake.run import bridge, hybrid, run_earthquake
     from thermobearing.identify.checks import check_test
     from thermobearing.identify.record import TestRecord, load_test, record_from_arrays
-    from thermobearing.identify.run import Identification, identify_bearing
+    from thermobearing.identify.result import Identification
+    from thermobearing.identify.run import identify_bearing
     from thermobearing.identify.synthetic import synthetic_record
     from thermobearing.model.element import BearingElement
     from thermobearing.motions.jra import standard_spectrum

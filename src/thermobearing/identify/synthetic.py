@@ -16,9 +16,17 @@ Floats = NDArray[np.float64]
 
 # Values that are nobody's: where a fit begins that must not know the truth.
 ANYBODY = {
-    "alpha_0": 0.5, "K_r": 10.0, "s": 0.0, "d_y": 1.0, "b": 0.1, "m_T": -0.5, "n_T": -0.5,
-    "K_l": 10.0, "K_v": 1.0, "c_v": 1.0,
-}  # fmt: skip
+    "alpha_0": 0.5,
+    "K_r": 10.0,
+    "s": 0.0,
+    "d_y": 1.0,
+    "b": 0.1,
+    "m_T": -0.5,
+    "n_T": -0.5,
+    "K_l": 10.0,
+    "K_v": 1.0,
+    "c_v": 1.0,
+}
 
 
 def synthetic_record(
