@@ -22,7 +22,7 @@ _HOME = {
     "CyclicTest": "thermobearing.drive.protocol",
     "EarthquakeCase": "thermobearing.earthquake_case",
     "EarthquakeResult": "thermobearing.results.earthquake_result",
-    "EndFace": "thermobearing.case",
+    "EndFace": "thermobearing.model_options",
     "GroundMotion": "thermobearing.drive.motions.record",
     "Identification": "thermobearing.identify.fit",
     "InputError": "thermobearing.errors",
@@ -136,7 +136,7 @@ if TYPE_CHECKING:
     from thermobearing.bearing.bilinear import BilinearBearing, load_bilinear
     from thermobearing.bearing.library import list_bearings, load_bearing
     from thermobearing.bearing.model import Bearing
-    from thermobearing.case import Case, EndFace, load_case
+    from thermobearing.case import Case, load_case
     from thermobearing.design.bound_models import bound_models
     from thermobearing.design.bounds_study import bounds_study
     from thermobearing.design.case import load_design_case, make_design_case
@@ -163,6 +163,7 @@ if TYPE_CHECKING:
     from thermobearing.identify.fit import Identification, identify_bearing
     from thermobearing.identify.record import TestRecord, load_test, record_from_arrays
     from thermobearing.identify.synthetic import synthetic_record
+    from thermobearing.model_options import EndFace
     from thermobearing.results.earthquake_result import EarthquakeResult
     from thermobearing.results.files import load_result
     from thermobearing.results.metrics import measure_cycle, measure_history

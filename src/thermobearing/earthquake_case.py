@@ -3,15 +3,14 @@
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, field_validator
 
 from thermobearing.bearing.bilinear import BilinearBearing, list_bilinear, load_bilinear
 from thermobearing.bearing.library import list_bearings, load_bearing, split_sources
 from thermobearing.bearing.model import Bearing
 from thermobearing.bearing.schema import Strict, in_unit, read_toml, validated
-from thermobearing.case import EndFace, Temperature, to_table
+from thermobearing.case import Temperature, to_table
 from thermobearing.drive.ambient import Ambient
-from thermobearing.drive.assemble import HeatSource, Integrator, LeadEnds
 from thermobearing.drive.motions.library import list_motions, load_motion
 from thermobearing.drive.motions.record import GroundMotion
 from thermobearing.drive.structure.model import (
@@ -22,11 +21,10 @@ from thermobearing.drive.structure.model import (
 )
 from thermobearing.drive.structure.run import Method
 from thermobearing.errors import InputError, nearest
-from thermobearing.stack import Scheme
+from thermobearing.model_options import ModelOptions
 from thermobearing.units import with_unit
 
 Command = Literal["bridge", "hybrid"]
-DEFAULT_ETA = 2.0
 DEFAULTS: dict[str, dict[str, Any]] = {
     "bridge": {
         "structure": "pier-p1",
@@ -74,25 +72,18 @@ class Laboratory(Strict):
     seed: Annotated[int, Field(ge=0)] = 0
 
 
-class EarthquakeAnalysis(Strict):
-    """How to compute. `heat_source` None: dissipation for natural rubber (LRB), else work."""
+class Stepping(Strict):
+    """How the structure is led through time."""
 
     dt: Annotated[float, in_unit("s"), Field(gt=0, le=0.1)] = 0.005
     method: Method = "average-acceleration"
     mass: MassModel = "consistent"
-    scheme: Scheme = "conservative"
-    integrator: Integrator = "exact"
-    heat_source: HeatSource | None = None
-    lead_ends: LeadEnds = "half-space"
-    upper_face: EndFace = EndFace(eta=DEFAULT_ETA)
-    lower_face: EndFace = EndFace(eta=DEFAULT_ETA)
-    keep_every: Annotated[int, Field(ge=1)] = 2
 
-    @model_validator(mode="after")
-    def _ends_fit(self) -> "EarthquakeAnalysis":
-        if self.lead_ends != "half-space" and self.scheme == "published":
-            raise ValueError('scheme "published" goes with lead_ends "half-space" only')
-        return self
+
+class EarthquakeAnalysis(ModelOptions, Stepping):
+    """How to compute, and what to keep. Options of lead pass by a bearing that has none."""
+
+    keep_every: Annotated[int, Field(ge=1)] = 2
 
 
 Device = Annotated[Bearing | BilinearBearing, Field(discriminator="kind")]
@@ -142,10 +133,10 @@ class EarthquakeCase(Strict):
                     "laboratory: delay, force_noise and mode pd need analysis.method = "
                     '"predictor-corrector", which moves the specimen once per step'
                 )
-        if self.analysis.lead_ends == "finite-plate":
-            for bearing in self.bearings:
-                if isinstance(bearing, Bearing) and bearing.lead and not bearing.lead.confined:
-                    found.append(f'analysis.lead_ends: "{bearing.name}" has unconfined cores')
+        for bearing in self.bearings:
+            if isinstance(bearing, Bearing):
+                misfits = self.analysis.settled(bearing).misfits(bearing)
+                found += [f'analysis.{text}; "{bearing.name}" is none' for text in misfits]
         return found
 
 
@@ -301,6 +292,9 @@ def resolved_earthquake_toml(case: EarthquakeCase) -> str:
     import tomli_w
 
     table = to_table(case)
+    for key in ("model", "stack"):  # said only where they are not the usual ones
+        if table["analysis"][key] == EarthquakeAnalysis.model_fields[key].default:
+            del table["analysis"][key]
     if case.weather is not None:
         del table["ambient"]
     return tomli_w.dumps(table)

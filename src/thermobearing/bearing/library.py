@@ -6,7 +6,7 @@ from typing import Any
 
 from thermobearing.bearing.model import Bearing
 from thermobearing.bearing.schema import SOURCED, read_toml, validated
-from thermobearing.errors import InputError, nearest
+from thermobearing.errors import InputError, nearest, shortened
 
 
 def _library() -> Path:
@@ -72,3 +72,33 @@ def load_bearing(name_or_path: str | Path) -> Bearing:
     else:
         raise InputError(f'no bearing is called "{text}"{nearest(text, list_bearings())}')
     return bearing_from_table(read_toml(path), str(path))
+
+
+def as_bearing(given: Any, key: str = "bearing") -> Bearing:
+    """A bearing from whatever stands for one: itself, a library name, a TOML file, or a table.
+
+    Parameters
+    ----------
+    given : a Bearing, what `load_bearing` takes, or a table as in a file.
+    key : what the argument is called, for the message.
+
+    Raises
+    ------
+    InputError : it stands for no layered bearing.
+
+    Examples
+    --------
+    >>> as_bearing("shen-hdr-specimen") == as_bearing(load_bearing("shen-hdr-specimen"))
+    True
+    """
+    if isinstance(given, Bearing):
+        return given
+    if isinstance(given, dict):
+        return bearing_from_table(given, key)
+    if not isinstance(given, str | Path):
+        said = shortened(repr(given))
+        raise InputError(f"{key} = {said}: must be a Bearing, a library name, or a TOML file")
+    try:
+        return load_bearing(given)
+    except InputError as error:
+        raise InputError(error.lines(key)) from None

@@ -9,7 +9,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from thermobearing.bearing.library import load_bearing
+from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.errors import InputError, nearest
 from thermobearing.identify.checks import CheckReport, check_test
@@ -134,7 +134,7 @@ def identify_bearing(
     """
     begin = time.perf_counter()
     tests = _records(records)
-    base = bearing if isinstance(bearing, Bearing) else load_bearing(bearing)
+    base = as_bearing(bearing)
     _check_options(method, loss, starts)
     checks = [check_test(record, base) for record in tests]
     refused = [line for check in checks for line in check.refusals]
