@@ -157,10 +157,10 @@ class EarthquakeResult:
             "scheme": attrs["scheme"],
             "version": attrs["version"],
             "outcome": self.outcome,
-            "periods_s": [float(v) for v in attrs.get("periods_s", [])],
-            "damping_ratios": [float(v) for v in attrs.get("damping_ratios", [])],
+            "periods_s": _numbers(attrs.get("periods_s", [])),
+            "damping_ratios": _numbers(attrs.get("damping_ratios", [])),
             "initial_periods_s": {
-                name: [float(v) for v in attrs[f"initial_periods_s:{name}"]] for name in names
+                name: _numbers(attrs[f"initial_periods_s:{name}"]) for name in names
             },
             "runs": runs,
         }
@@ -177,6 +177,11 @@ class EarthquakeResult:
         from thermobearing.results.earthquake_files import save_earthquake
 
         return save_earthquake(self, Path(directory), force=force, figures=figures)
+
+
+def _numbers(attribute: Any) -> list[float]:
+    """An attribute that is a list; netCDF gives a list of one back as a number."""
+    return [float(value) for value in np.atleast_1d(attribute)]
 
 
 def _plain(value: Any) -> Any:
