@@ -8,6 +8,8 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from thermobearing.results.metrics import LEAST_ENERGY
+
 if TYPE_CHECKING:
     from thermobearing.results.earthquake_figures import EarthquakeFigures
 
@@ -91,22 +93,26 @@ class EarthquakeResult:
         """Energy books of the structure and of one bearing at the end of each run [kN mm].
 
         `structure_residual`: (input - kinetic - damping - springs - hinges - bearings) / input.
-        `mechanical_residual`, `thermal_residual`: of the bearing, over its work.
+        `mechanical_residual`, `thermal_residual`: of the bearing, over its work (the thermal one
+        over its heat stored or lost where that is more). All are relative to at least 1e-6 kN mm.
         """
         data = self.dataset
         frame = pd.DataFrame({f"{n}_kN_mm": data[f"energy_{n}"].values for n in STRUCTURE})
         spent = frame.iloc[:, 1:].sum(axis=1)
-        frame["structure_residual"] = (frame["input_kN_mm"] - spent) / frame["input_kN_mm"]
+        given = frame["input_kN_mm"]
+        frame["structure_residual"] = (given - spent) / given.abs().clip(lower=LEAST_ENERGY)
         for name in BEARING:
             frame[f"bearing_{name}_kN_mm"] = data[f"heat_{name}"].values
         work = frame["bearing_work_in_kN_mm"]
         released = frame["bearing_heat_released_kN_mm"]
         lost = frame["bearing_heat_lost_ends_kN_mm"] + frame["bearing_heat_lost_sides_kN_mm"]
         stored = frame["bearing_heat_stored_kN_mm"]
-        scale = work.abs().clip(lower=np.finfo(float).tiny)
         recoverable = frame["bearing_recoverable_kN_mm"]
-        frame["mechanical_residual"] = (work - released - recoverable) / scale
-        frame["thermal_residual"] = (released - stored - lost) / scale
+        unbalanced, unheated = work - released - recoverable, released - stored - lost
+        moved = work.abs().clip(lower=LEAST_ENERGY)
+        frame["mechanical_residual"] = unbalanced / moved
+        heat = np.maximum(stored.abs(), lost.abs())
+        frame["thermal_residual"] = unheated / np.maximum(moved, heat)
         return frame
 
     def history(self, run: int) -> pd.DataFrame:
