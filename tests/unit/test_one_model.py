@@ -14,15 +14,15 @@ import thermobearing as tb
 from tests import tolerances as tol
 from tests.unit.inputs import assert_told, write_toml
 from thermobearing.bearing.library import as_bearing
-from thermobearing.case import make_case, to_table
 from thermobearing.core.types import HEAT_FROM_DISSIPATION, HEAT_FROM_WORK
-from thermobearing.earthquake import build_device
-from thermobearing.earthquake_case import make_earthquake_case, resolved_earthquake_toml
-from thermobearing.equivalent import bilinear_parameters, isothermal_cycle
+from thermobearing.cyclic.case import make_case, to_table
+from thermobearing.cyclic.equivalent import bilinear_parameters, isothermal_cycle
+from thermobearing.earthquake.case import make_earthquake_case, resolved_earthquake_toml
+from thermobearing.earthquake.run import build_device
 from thermobearing.identify.forward import ForwardModel
 from thermobearing.identify.parameters import parameter_set
 from thermobearing.identify.synthetic import forgotten, synthetic_record
-from thermobearing.model_options import EndFace, ModelOptions, build_model
+from thermobearing.model.options import EndFace, ModelOptions, build_model
 
 HDR = "shen-hdr-bridge"
 SHORT = tb.cyclic_test(strain=[1.0], cycles=1, rest=None, dt=0.02)
