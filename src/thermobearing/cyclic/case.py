@@ -19,6 +19,9 @@ from thermobearing.cyclic.protocol import CyclicTest, cyclic_test, find_faults
 from thermobearing.model.earlier import needs_full_stack
 from thermobearing.model.options import ModelOptions
 from thermobearing.model.stack import build_stack
+from thermobearing.model.constants import HeatSource, Integrator, LeadEnds
+from thermobearing.model.earlier import Model, needs_full_stack
+from thermobearing.model.stack import Face, Scheme, build_stack
 
 Group = Literal["rubber", "layer_displacement", "hysteretic", "cells"]
 Temperature = Annotated[float, in_unit("degC"), Field(ge=-100, le=100)]

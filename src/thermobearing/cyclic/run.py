@@ -15,7 +15,7 @@ import numpy as np
 
 from thermobearing.bearing.ambient import Ambient
 from thermobearing.bearing.model import Bearing
-from thermobearing.cyclic.case import Case, make_case
+from thermobearing.cyclic.case import Case, EndFace, make_case
 from thermobearing.cyclic.equivalent import bilinear_parameters
 from thermobearing.cyclic.history import History, run_segments
 from thermobearing.cyclic.label import label
