@@ -22,7 +22,7 @@ _HOME = {
     "CyclicTest": "thermobearing.cyclic.protocol",
     "EarthquakeCase": "thermobearing.earthquake.case",
     "EarthquakeResult": "thermobearing.earthquake.result",
-    "EndFace": "thermobearing.cyclic.case",
+    "EndFace": "thermobearing.model.options",
     "GroundMotion": "thermobearing.motions.record",
     "Identification": "thermobearing.identify.result",
     "InputError": "thermobearing.border.errors",
@@ -139,7 +139,7 @@ if TYPE_CHECKING:
     from thermobearing.bearing.model import Bearing
     from thermobearing.border.errors import InputError, OutputError
     from thermobearing.border.tables import read_columns
-    from thermobearing.cyclic.case import Case, EndFace, load_case
+    from thermobearing.cyclic.case import Case, load_case
     from thermobearing.cyclic.files import load_result
     from thermobearing.cyclic.protocol import CyclicTest, cyclic_test
     from thermobearing.cyclic.result import Result
@@ -160,6 +160,7 @@ if TYPE_CHECKING:
     from thermobearing.identify.run import identify_bearing
     from thermobearing.identify.synthetic import synthetic_record
     from thermobearing.model.element import BearingElement
+    from thermobearing.model.options import EndFace
     from thermobearing.motions.jra import standard_spectrum
     from thermobearing.motions.library import list_motions, load_motion
     from thermobearing.motions.measures import measure_motion

@@ -1,15 +1,17 @@
 """Is a test record what it says it is? Findings in words, before anything is fitted."""
 
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.identify.cycles import Cycle, cycles_of, measures_of
 from thermobearing.identify.forward import PAUSE
-from thermobearing.identify.record import TestRecord
+from thermobearing.identify.record import TestRecord, load_test
 from thermobearing.results.metrics import loop_energy
 
 Floats = NDArray[np.float64]
@@ -118,17 +120,24 @@ def checks_summary(reports: list[CheckReport]) -> dict[str, Any]:
     }
 
 
-def check_test(record: TestRecord, bearing: Bearing | None = None) -> CheckReport:
+def check_test(
+    record: TestRecord | str | Path, bearing: Bearing | str | Path | None = None
+) -> CheckReport:
     """Look a record over.
 
     Parameters
     ----------
-    record : from `load_test`.
-    bearing : plan area and rubber thickness, for the plausibility of strains and stresses.
+    record : a test, or its file as in `load_test`.
+    bearing : plan area and rubber thickness, for the plausibility of strains and stresses: a
+        Bearing, a library name, or a TOML file.
 
     Returns
     -------
     CheckReport : never raises for what is in the record; see `refusals`.
+
+    Raises
+    ------
+    InputError : a file that cannot be read; no such bearing.
 
     Examples
     --------
@@ -138,6 +147,8 @@ def check_test(record: TestRecord, bearing: Bearing | None = None) -> CheckRepor
     >>> check_test(still).outcome
     'refused'
     """
+    record = record if isinstance(record, TestRecord) else load_test(record)
+    bearing = None if bearing is None else as_bearing(bearing)
     report = CheckReport(record, [])
     report.clipped = np.zeros(len(record.time), dtype=bool)
     for text in record.assumptions:

@@ -81,7 +81,7 @@ class Problem:
             if self.temperatures:
                 for title, measured in record.temperatures.items():
                     off = predicted.temperatures[title] - measured
-                    rows.append(record.weight * KELVIN_AS / KELVIN * off)
+                    rows.append(np.sqrt(record.weight) * KELVIN_AS / KELVIN * off)
             found.append(np.concatenate(rows))
         return found
 
