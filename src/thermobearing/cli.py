@@ -31,6 +31,7 @@ from thermobearing.commands.common import (
 )
 from thermobearing.commands.identify import identify
 from thermobearing.commands.motions import app as motions
+from thermobearing.commands.threads import one_blas_thread
 
 if TYPE_CHECKING:
     from thermobearing.cyclic.case import Case
@@ -218,7 +219,6 @@ def measure(
     from thermobearing.border.tables import read_columns
     from thermobearing.cyclic.screen import print_measures
     from thermobearing.results.metrics import measure_history
-    from thermobearing.results.writing import without_nan
 
     data = read_columns(file, {"displacement": "mm", "force": "kN"})
     specimen = load_bearing(bearing)
@@ -231,7 +231,7 @@ def measure(
         raise InputError(error.problems, str(file)) from None
     print_measures(cycles, rubber)
     if as_json:
-        echo_json(without_nan({"cycles": [dataclasses.asdict(cycle) for cycle in cycles]}))
+        echo_json({"cycles": [dataclasses.asdict(cycle) for cycle in cycles]})
     return 0
 
 
@@ -240,6 +240,7 @@ app.command()(identify)
 
 def main() -> None:
     """Entry point of the console script."""
+    one_blas_thread()
     app()
 
 

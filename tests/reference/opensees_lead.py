@@ -5,10 +5,10 @@ an imposed displacement alone leaves the nodal velocity, and so the heat, at zer
 """
 
 import numpy as np
-import openseespy.opensees as ops
 from numpy.typing import NDArray
 
 import thermobearing as tb
+from tests.opensees import ops
 
 Floats = NDArray[np.float64]
 STIFF = 165.0  # kN/mm: so stiff that yielding is sharp in both (Bouc-Wen there, bilinear here)

@@ -12,6 +12,7 @@ from numpy.testing import assert_allclose
 import thermobearing as tb
 from tests import tolerances as tol
 from tests.conftest import Recorder
+from tests.opensees import needs_opensees, ops
 from tests.unit.inputs import assert_told, command
 from thermobearing.design.bound_models import bound_models, bounds_table, opensees_text
 from thermobearing.design.factors import (
@@ -121,11 +122,9 @@ def test_bounds_are_the_softest_and_the_stiffest_cycle(table: pd.DataFrame) -> N
         bound_models(table, 2.0, 102.0)
 
 
+@needs_opensees
 def test_opensees_text_gives_the_same_loop(table: pd.DataFrame) -> None:
     """Both languages, executed; the loop of the material against our bilinear bearing."""
-    ops = pytest.importorskip(
-        "openseespy.opensees", reason="openseespy is not installed or lacks libblas3, liblapack3"
-    )
     models = bound_models(table, 1.75, HDR.total_rubber_thickness)
     python, tcl = (opensees_text(models, "x", language) for language in ("python", "tcl"))
     numbers = [line.split()[2:] for line in tcl.splitlines() if line.startswith("uniaxial")]

@@ -17,9 +17,10 @@ from thermobearing.results.directory import (
     FIGURES,
     HISTORY,
     RESOLVED,
+    SUMMARY,
     write_directory,
 )
-from thermobearing.results.writing import write_summary
+from thermobearing.results.writing import write_json
 
 CSV_BLOCK = 50_000  # rows formatted at a time
 NETCDF_EXTRA = 500_000  # attributes, names and tables of the netCDF file beside its numbers [bytes]
@@ -61,7 +62,7 @@ def save_result(
 
 
 def _write_all(result: Result, folder: Path, *, figures: bool) -> None:
-    write_summary(folder, result.summary())
+    write_json(folder / SUMMARY, result.summary())
     (folder / RESOLVED).write_text(result.dataset.attrs["case"], encoding="utf-8")
     with (folder / HISTORY).open("w", encoding="utf-8") as file:
         file.writelines(history_blocks(result))

@@ -1,5 +1,6 @@
 """Files of a design and of a bounds study."""
 
+import json
 from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
@@ -7,14 +8,13 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-import tomli_w
 
 import thermobearing
-from thermobearing.cyclic.case import to_table
+from thermobearing.border.toml import to_toml
 from thermobearing.cyclic.protocol import cyclic_test
 from thermobearing.cyclic.run import run
 from thermobearing.design.bounds_study import DEMANDS, paragraph
-from thermobearing.design.case import DesignCase, resolved_design_toml
+from thermobearing.design.case import DesignCase
 from thermobearing.design.equal import EqualBearing
 from thermobearing.design.figures import draw_bounds, draw_equal, draw_rounds
 from thermobearing.design.run import Design, Round
@@ -24,10 +24,11 @@ from thermobearing.results.directory import (
     FIGURES,
     RESOLVED,
     ROUNDS,
+    SUMMARY,
     TABLE,
     write_directory,
 )
-from thermobearing.results.writing import write_summary
+from thermobearing.results.writing import without_nan
 
 DPI = 150
 SOURCE = {"u_B_mm": 178.0, "side_mm": 600.0, "layers": 8, "K_B_kN_mm": 2.6153, "Q_d_kN": 125.4,
@@ -83,8 +84,8 @@ def save_design(
     """Write rounds, checks, bearings (TOML, ready for `bridge`), summary and figures."""
 
     def fill(folder: Path) -> None:
-        write_summary(folder, design_summary(design, equal))
-        (folder / RESOLVED).write_text(resolved_design_toml(case), encoding="utf-8")
+        write_json(folder / SUMMARY, design_summary(design, equal))
+        (folder / RESOLVED).write_text(case.to_toml(), encoding="utf-8")
         rounds = pd.DataFrame([round_row(turn) for turn in design.rounds])
         rounds.to_csv(folder / ROUNDS, index=False, float_format="%.7g")
         sheet = [asdict(check) | {"verdict": check.verdict} for check in design.checks]
@@ -92,7 +93,7 @@ def save_design(
         (folder / BEARINGS).mkdir()
         for bearing in [design.bearing, *(item.bearing for item in equal)]:
             if bearing is not None:
-                text = tomli_w.dumps(to_table(bearing))
+                text = to_toml(bearing)
                 (folder / BEARINGS / f"{bearing.name}.toml").write_text(text, encoding="utf-8")
         if figures:
             (folder / FIGURES).mkdir()
@@ -152,7 +153,7 @@ def save_bounds(
             "paragraphs": told,
             "rows": rows,
         }
-        write_summary(folder, summary)
+        write_json(folder / SUMMARY, summary)
         if figures:
             (folder / FIGURES).mkdir()
             for name, table in tables.items():
@@ -161,3 +162,9 @@ def save_bounds(
                 figure.savefig(folder / FIGURES / f"bounds-{name}.png", dpi=DPI)
 
     return write_directory(directory, fill, force=force)
+
+
+def write_json(path: Path, value: dict[str, Any]) -> None:
+    """Strict JSON, NaN as null."""
+    text = json.dumps(without_nan(value), indent=2, allow_nan=False)
+    path.write_text(text + "\n", encoding="utf-8")

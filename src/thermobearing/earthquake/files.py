@@ -8,12 +8,11 @@ from thermobearing.results.directory import (
     FIGURES,
     HISTORY,
     RESOLVED,
+    SUMMARY,
     TABLE,
     write_directory,
 )
-from thermobearing.results.writing import write_summary
-
-DIGITS = "%.7g"
+from thermobearing.results.writing import DIGITS, write_csv, write_json
 
 
 def save_earthquake(
@@ -27,9 +26,9 @@ def save_earthquake(
     """
 
     def fill(folder: Path) -> None:
-        write_summary(folder, result.summary())
+        write_json(folder / SUMMARY, result.summary())
         (folder / RESOLVED).write_text(result.dataset.attrs["case"], encoding="utf-8")
-        result.table.to_csv(folder / TABLE, index=False, float_format=DIGITS)
+        write_csv(folder / TABLE, result.table)
         _write_histories(result, folder / HISTORY)
         result.dataset.to_netcdf(folder / DATASET, engine="h5netcdf")
         if figures:

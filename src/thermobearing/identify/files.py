@@ -10,16 +10,16 @@ from matplotlib.figure import Figure
 from thermobearing.identify import figures
 from thermobearing.identify.checks import CheckReport
 from thermobearing.identify.posterior import Band, Samples
-from thermobearing.identify.report import bearing_text, fit_table, fits, summary
+from thermobearing.identify.report import bearing_text, fit_table, fits, summary, write_json
 from thermobearing.identify.run import Identification
 from thermobearing.results.directory import (
     FIGURES,
     FIT_TABLE,
     IDENTIFIED,
     SAMPLES,
+    SUMMARY,
     write_directory,
 )
-from thermobearing.results.writing import write_summary
 
 DPI = 150
 ERRORS = {
@@ -36,7 +36,7 @@ def save_checks(
     """Write summary.json and a figure per record."""
 
     def fill(folder: Path) -> None:
-        write_summary(folder, checks_summary(reports))
+        write_json(folder / SUMMARY, checks_summary(reports))
         if draw:
             (folder / FIGURES).mkdir()
             for number, report in enumerate(reports, start=1):
@@ -84,7 +84,7 @@ def save_identification(
         if samples is not None:
             content["posterior"] = posterior_summary(found, samples, bands or [])
             (folder / SAMPLES).write_text(_samples_text(found, samples), encoding="utf-8")
-        write_summary(folder, content)
+        write_json(folder / SUMMARY, content)
         (folder / IDENTIFIED).write_text(bearing_text(found, version), encoding="utf-8")
         (folder / FIT_TABLE).write_text(fit_table(found), encoding="utf-8")
         if draw:

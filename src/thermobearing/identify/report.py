@@ -1,6 +1,8 @@
 """What a fit is worth, in numbers that an engineer checks: per record and per cycle."""
 
+import json
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -260,3 +262,11 @@ def fit_table(found: "Identification") -> str:
         rows = np.column_stack([np.full(len(record.time), float(number)), *columns])
         lines.append(("%d,%.9g,%.9g,%.9g,%.9g\n" * len(rows)) % tuple(rows.ravel().tolist()))
     return "".join(lines)
+
+
+def write_json(path: Path, content: dict[str, Any]) -> None:
+    """JSON without NaN."""
+    from thermobearing.results.writing import without_nan
+
+    text = json.dumps(without_nan(content), indent=2, allow_nan=False)
+    path.write_text(text + "\n", encoding="utf-8")
