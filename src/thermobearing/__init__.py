@@ -22,9 +22,9 @@ _HOME = {
     "CyclicTest": "thermobearing.cyclic.protocol",
     "EarthquakeCase": "thermobearing.earthquake.case",
     "EarthquakeResult": "thermobearing.earthquake.result",
-    "EndFace": "thermobearing.cyclic.case",
+    "EndFace": "thermobearing.model.options",
     "GroundMotion": "thermobearing.motions.record",
-    "Identification": "thermobearing.identify.run",
+    "Identification": "thermobearing.identify.result",
     "InputError": "thermobearing.border.errors",
     "OutputError": "thermobearing.border.errors",
     "Result": "thermobearing.cyclic.result",
@@ -139,7 +139,7 @@ if TYPE_CHECKING:
     from thermobearing.bearing.model import Bearing
     from thermobearing.border.errors import InputError, OutputError
     from thermobearing.border.tables import read_columns
-    from thermobearing.cyclic.case import Case, EndFace, load_case
+    from thermobearing.cyclic.case import Case, load_case
     from thermobearing.cyclic.files import load_result
     from thermobearing.cyclic.protocol import CyclicTest, cyclic_test
     from thermobearing.cyclic.result import Result
@@ -157,9 +157,11 @@ if TYPE_CHECKING:
     from thermobearing.earthquake.study import bridge, hybrid
     from thermobearing.identify.checks import check_test
     from thermobearing.identify.record import TestRecord, load_test, record_from_arrays
-    from thermobearing.identify.run import Identification, identify_bearing
+    from thermobearing.identify.result import Identification
+    from thermobearing.identify.run import identify_bearing
     from thermobearing.identify.synthetic import synthetic_record
     from thermobearing.model.element import BearingElement
+    from thermobearing.model.options import EndFace
     from thermobearing.motions.jra import standard_spectrum
     from thermobearing.motions.library import list_motions, load_motion
     from thermobearing.motions.measures import measure_motion

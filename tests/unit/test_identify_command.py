@@ -18,7 +18,8 @@ from thermobearing.identify.posterior import (
     predictive_band,
 )
 from thermobearing.identify.record import TestRecord
-from thermobearing.identify.run import Identification, identify_bearing
+from thermobearing.identify.result import Identification
+from thermobearing.identify.run import identify_bearing
 from thermobearing.identify.synthetic import synthetic_record
 
 HDR = tb.load_bearing("shen-hdr-specimen")

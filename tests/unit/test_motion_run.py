@@ -11,7 +11,7 @@ from thermobearing.border.errors import InputError
 from thermobearing.motions.library import load_motion
 from thermobearing.motions.record import GroundMotion
 from thermobearing.motions.result import MotionResult, Reference
-from thermobearing.results.writing import write_json
+from thermobearing.results.writing import write_summary
 
 TILTED = GroundMotion("tilted", 0.01, np.sin(np.arange(2000) * 0.05) + 0.01)
 
@@ -68,7 +68,7 @@ def test_a_motion_that_does_not_fit_has_an_outcome_that_tells_what_to_try(
 
 def test_a_name_that_is_no_text_is_written_as_json(tmp_path: Path) -> None:
     name = "地震\udc80"
-    write_json(tmp_path / "summary.json", {"motion": name, "misfit": float("nan")})
+    write_summary(tmp_path, {"motion": name, "misfit": float("nan")})
     text = (tmp_path / "summary.json").read_text(encoding="utf-8")
     assert "地震" in text
     assert json.loads(text) == {"motion": name, "misfit": None}

@@ -328,3 +328,46 @@ def test_early_end_is_marked(tmp_path: Path) -> None:
     assert told["runs"][0]["outcome_sentence"] in done.stderr
     assert np.isfinite(tb.load_result(out)["force"]).all()
     assert cyclic(path, "--dt", 1, "-o", tmp_path / "exact", "-q").exit_code == 0
+
+
+SMALL = {"name": "one mass", "bodies": [{"name": "deck", "moves": True}],
+         "masses": [{"body": "deck", "height": "0 mm", "mass": "0.1 kN s^2/mm"}],
+         "bearings": [{"name": "b", "body": "deck", "count": 1,
+                       "equivalent_stiffness": "2 kN/mm"}],
+         "report": {"deck": "deck", "pier": "deck", "pier_top": "0 mm"}}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("study", "options"),
+    [
+        (tb.bridge, {"bearing": ["shen-lhdr-bridge", "shen-bilinear-bridge"], "ambient": [0, 23]}),
+        (tb.bridge, {"bearing": "shen-hdr-bridge", "structure": SMALL}),  # a single period
+        (tb.hybrid, {"bearing": "shen-hdr-specimen"}),
+    ],
+    ids=["bridge", "one coordinate", "hybrid"],
+)
+def test_a_study_is_read_back(study: Any, options: dict[str, Any], tmp_path: Path) -> None:
+    saved = study(motion="jra-ii-i-1", duration=1, **{"ambient": -20, **options})
+    saved.save(tmp_path / "out", figures=False)
+    for path in (tmp_path / "out", tmp_path / "out" / "result.nc"):
+        found = tb.load_result(path)
+        assert isinstance(found, tb.EarthquakeResult)
+        assert found.outcome == saved.outcome
+        assert json.dumps(found.summary()) == json.dumps(saved.summary())
+        assert found.history(0).equals(saved.history(0))
+    again = found.save(tmp_path / "again", figures=False)
+    one, other = content(tmp_path / "out"), content(again)
+    same = [name for name in one if name != "result.nc"]  # its dates differ
+    assert [one[name] for name in same] == [other[name] for name in same]
+
+
+def test_what_has_no_histories_says_so(case: Path, tmp_path: Path) -> None:
+    """A fit is read as a bearing; a study gives no start for a test."""
+    (tmp_path / "fit").mkdir()
+    (tmp_path / "fit" / "bearing.toml").write_text("")
+    with pytest.raises(tb.InputError, match=r"no result\.nc there; .*load_bearing"):
+        tb.load_result(tmp_path / "fit")
+    study = tb.bridge("shen-hdr-bridge", "jra-ii-i-1", 0, duration=1)
+    study.save(tmp_path / "study", figures=False)
+    with pytest.raises(tb.InputError, match=r"initial_result: .*an earthquake study"):
+        tb.load_case(case, initial_result=str(tmp_path / "study"))

@@ -11,17 +11,19 @@ import xarray as xr
 
 from thermobearing.border.errors import InputError
 from thermobearing.cyclic.result import Result
+from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.results.directory import (
     COMPARISON,
     DATASET,
     FIGURES,
     HISTORY,
+    IDENTIFIED,
     RESOLVED,
-    SUMMARY,
     write_directory,
 )
-from thermobearing.results.writing import write_json
+from thermobearing.results.writing import write_summary
 
+STUDIES = ("bridge", "hybrid")  # commands whose result is one of earthquakes
 CSV_BLOCK = 50_000  # rows formatted at a time
 NETCDF_EXTRA = 500_000  # attributes, names and tables of the netCDF file beside its numbers [bytes]
 
@@ -62,7 +64,7 @@ def save_result(
 
 
 def _write_all(result: Result, folder: Path, *, figures: bool) -> None:
-    write_json(folder / SUMMARY, result.summary())
+    write_summary(folder, result.summary())
     (folder / RESOLVED).write_text(result.dataset.attrs["case"], encoding="utf-8")
     with (folder / HISTORY).open("w", encoding="utf-8") as file:
         file.writelines(history_blocks(result))
@@ -122,8 +124,16 @@ def history_blocks(result: Result) -> Iterator[str]:
             yield (line * len(block)) % tuple(block.ravel().tolist())
 
 
-def load_result(path: str | Path) -> Result:
-    """A saved result again, from its directory or its result.nc.
+def load_result(path: str | Path) -> Result | EarthquakeResult:
+    """A saved result again, of a cyclic test or of an earthquake study.
+
+    Parameters
+    ----------
+    path : its directory, or the result.nc in it.
+
+    Returns
+    -------
+    Result, or EarthquakeResult of `bridge` and `hybrid`.
 
     Raises
     ------
@@ -132,12 +142,15 @@ def load_result(path: str | Path) -> Result:
     path = Path(path)
     file = path / DATASET if path.is_dir() else path
     if not file.is_file():
-        raise InputError("no result.nc there", str(path))
+        fitted = "; read its bearing with load_bearing" if (path / IDENTIFIED).is_file() else ""
+        raise InputError(f"no result.nc there{fitted}", str(path))
     try:
         dataset = xr.load_dataset(file, engine="h5netcdf")
     except (OSError, ValueError) as error:
         raise InputError(f"is not a result file: {error}", str(file)) from None
-    missing = {"bearing", "case", "segments"} - set(dataset.attrs)
+    study = dataset.attrs.get("command") in STUDIES
+    needed = {"structure", "case"} if study else {"bearing", "case", "segments"}
+    missing = needed - set(dataset.attrs)
     if missing:
         raise InputError(f"is not a result of thermobearing: no {sorted(missing)}", str(file))
-    return Result(dataset)
+    return EarthquakeResult(dataset) if study else Result(dataset)

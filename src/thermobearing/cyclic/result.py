@@ -9,7 +9,13 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
-from thermobearing.results.metrics import CycleMeasures, find_cycles, measure_cycle
+from thermobearing.results.metrics import (
+    LEAST_WARMING,
+    CycleMeasures,
+    find_cycles,
+    measure_cycle,
+    relative_residual,
+)
 from thermobearing.results.writing import from_attribute
 
 if TYPE_CHECKING:
@@ -165,7 +171,9 @@ class Result:
         """Energy books at the end of each run [kN mm], one row per ambient temperature.
 
         `mechanical_residual` is (work in - heat released - recoverable) and
-        `thermal_residual` (heat released - stored - lost), both over the work done.
+        `thermal_residual` (heat released - stored - lost), both over the largest of work, heat
+        stored and heat lost; at least over 1e-6 kN mm (mechanical), and over what warms the
+        bearing by 1e-6 K (thermal), see `metrics.relative_residual`.
         """
         data = self.dataset
         capacity = np.asarray(from_attribute(data, "heat_capacity_kN_mm_per_K"))
@@ -185,7 +193,9 @@ class Result:
             warmer = data["final_temperature"].values[run] - data["initial_temperature"].values[run]
             stored = float(capacity @ warmer) + self._heat_in_lead(run, last)
             lost = book["heat_lost_ends"] + book["heat_lost_sides"]
-            scale = max(abs(book["work_in"]), abs(stored), abs(lost), 1e-12)
+            energies = [book["work_in"], stored, lost]
+            unbalanced = book["work_in"] - book["heat_released"] - book["recoverable"]
+            least_heat = LEAST_WARMING * (float(capacity.sum()) + self._lead_capacity)
             rows.append(
                 {
                     "ambient_degC": float(ambient),
@@ -195,11 +205,10 @@ class Result:
                     "heat_stored_kN_mm": stored,
                     "heat_lost_ends_kN_mm": book["heat_lost_ends"],
                     "heat_lost_sides_kN_mm": book["heat_lost_sides"],
-                    "mechanical_residual": (
-                        book["work_in"] - book["heat_released"] - book["recoverable"]
-                    )
-                    / scale,
-                    "thermal_residual": (book["heat_released"] - stored - lost) / scale,
+                    "mechanical_residual": relative_residual(unbalanced, energies),
+                    "thermal_residual": relative_residual(
+                        book["heat_released"] - stored - lost, energies, least_heat
+                    ),
                 }
             )
         return pd.DataFrame(rows)
@@ -210,12 +219,17 @@ class Result:
             return 0.0
         first = float(self.dataset["lead_temperature"].values[run, 0])
         final = float(self.dataset["lead_temperature"].values[run, last])
-        return float(self.dataset.attrs["lead_capacity_kN_mm_per_K"]) * (final - first)
+        return self._lead_capacity * (final - first)
+
+    @property
+    def _lead_capacity(self) -> float:
+        """Heat capacity of all lead cores [kN mm/K]."""
+        return float(self.dataset.attrs["lead_capacity_kN_mm_per_K"])
 
     @property
     def has_lead(self) -> bool:
         """Whether the bearing has lead cores."""
-        return float(self.dataset.attrs["lead_capacity_kN_mm_per_K"]) > 0.0
+        return self._lead_capacity > 0.0
 
     def summary(self) -> dict[str, Any]:
         """The content of summary.json, see the interface description in docs/files.md."""

@@ -1,12 +1,14 @@
 """Is a bounding analysis good enough: two bilinear bounds against the coupled model."""
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from thermobearing.bearing.bilinear import BilinearBearing
+from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.cyclic.equivalent import DESIGN_STRAIN, bilinear_parameters
 from thermobearing.earthquake.case import make_earthquake_case
@@ -35,8 +37,8 @@ def bound(bearing: Bearing, name: str, temperature: float, strain: float) -> Bil
 
 
 def bounds_study(
-    bearing: Bearing,
-    motions: Sequence[Any],
+    bearing: Bearing | str | Path,
+    motions: Any,
     temperatures: Sequence[float] = (23.0, 0.0, -20.0),
     *,
     strain: float = DESIGN_STRAIN,
@@ -50,8 +52,8 @@ def bounds_study(
 
     Parameters
     ----------
-    bearing : layered.
-    motions : names, files or tables as in an earthquake case.
+    bearing : a layered Bearing, a library name, or a TOML file.
+    motions : one or several names, files or tables as in an earthquake case.
     temperatures : at which the coupled model runs [degC]; at least two.
     strain : of the bilinear models.
     options : further keys of an earthquake case and its analysis.
@@ -64,15 +66,14 @@ def bounds_study(
 
     Examples
     --------
-    >>> import thermobearing as tb
-    >>> bearing = tb.load_bearing("shen-hdr-bridge")
-    >>> table = bounds_study(bearing, ["jra-ii-i-1"], [23.0, -20.0])
+    >>> table = bounds_study("shen-hdr-bridge", "jra-ii-i-1", [23.0, -20.0])
     >>> len(table), bool((table["envelope_over_coupled"] > 0.5).all())
     (4, True)
     """
+    bearing = as_bearing(bearing)
     cold, warm = min(temperatures), max(temperatures)
     bounds = [bound(bearing, "lower", warm, strain), bound(bearing, "upper", cold, strain)]
-    common: dict[str, Any] = {"motions": list(motions), **options}
+    common: dict[str, Any] = {"motions": motions, **options}
     simple = make_earthquake_case(
         {"command": "bridge"}, "bounds", bearings=bounds, ambient=[warm], **common
     )

@@ -2,7 +2,9 @@
 
 import math
 from dataclasses import dataclass
+from pathlib import Path
 
+from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
 from thermobearing.cyclic.equivalent import isothermal_cycle
@@ -45,7 +47,10 @@ def with_side(template: Bearing, side: float, layers: int) -> Bearing:
 
 
 def equal_bearing(
-    template: Bearing, stiffness: float, displacement: float, design_strain: float = 1.75
+    template: Bearing | str | Path,
+    stiffness: float,
+    displacement: float,
+    design_strain: float = 1.75,
 ) -> EqualBearing:
     """A bearing of the template's rubber, layers and lead with a given K_B.
 
@@ -54,7 +59,7 @@ def equal_bearing(
 
     Parameters
     ----------
-    template : a layered bearing with a square plan.
+    template : a layered bearing with a square plan: a Bearing, a library name, or a TOML file.
     stiffness : K_B [kN/mm], > 0.
     displacement : design displacement u_B [mm], > 0.
     design_strain : largest u_B over total rubber thickness.
@@ -65,11 +70,11 @@ def equal_bearing(
 
     Examples
     --------
-    >>> from thermobearing.bearing.library import load_bearing
-    >>> found = equal_bearing(load_bearing("shen-hdr-bridge"), 2.6153, 178.0)
+    >>> found = equal_bearing("shen-hdr-bridge", 2.6153, 178.0)
     >>> found.bearing.area**0.5, found.bearing.geometry.rubber_layers
     (480.0, 6)
     """
+    template = as_bearing(template, "template")
     if template.geometry.plan.shape != "square":
         raise InputError(f"{template.name}: only square plans are scaled")
     thickness = template.geometry.rubber_thickness

@@ -20,7 +20,7 @@ from thermobearing.design.bound_models import (
 )
 from thermobearing.design.factor_figures import draw_factors, draw_scale
 from thermobearing.design.factors import published_tables
-from thermobearing.design.files import DPI, write_json
+from thermobearing.design.files import DPI
 from thermobearing.design.scale import scale_study
 from thermobearing.results.directory import (
     BOUNDS,
@@ -29,9 +29,9 @@ from thermobearing.results.directory import (
     FACTORS,
     FIGURES,
     SCALE,
-    SUMMARY,
     write_directory,
 )
+from thermobearing.results.writing import write_summary
 
 
 @dataclass
@@ -76,7 +76,7 @@ def save_factors(
         bounds_table(report.bounds).to_csv(folder / BOUNDS, index=False, float_format="%.7g")
         (folder / BOUNDS_TCL).write_text(opensees_text(report.bounds, name, "tcl"))
         (folder / BOUNDS_PYTHON).write_text(opensees_text(report.bounds, name, "python"))
-        write_json(folder / SUMMARY, _summary(report))
+        write_summary(folder, _summary(report))
         if figures:
             (folder / FIGURES).mkdir()
             title = f"{name}: temperature factors, {report.motion}, strain {report.strain:.0%}"

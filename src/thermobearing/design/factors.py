@@ -2,12 +2,14 @@
 
 from collections.abc import Sequence
 from functools import cache
+from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
 import pandas as pd
 from pydantic import Field
 
+from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError, nearest
 from thermobearing.border.library import data_path
@@ -93,7 +95,7 @@ def chosen_cycles(cycles: str | Sequence[int]) -> tuple[int, ...]:
 
 
 def temperature_factors(
-    bearing: Bearing | Sequence[Bearing],
+    bearing: Bearing | str | Path | Sequence[Bearing | str | Path],
     *,
     reference_temperature: float,
     temperatures: Sequence[float] = TEMPERATURES,
@@ -111,8 +113,9 @@ def temperature_factors(
 
     Parameters
     ----------
-    bearing : one bearing; or several, such as samples of a posterior: the first gives the values,
-        all of them the band between the 5 and 95 % quantiles.
+    bearing : one bearing (a Bearing, a library name, or a TOML file); or several, such as samples
+        of a posterior: the first gives the values, all of them the band between the 5 and 95 %
+        quantiles.
     reference_temperature : [degC], in [-60, 60]; there is no default.
     temperatures : [degC], in [-60, 60].
     strains : shear strain amplitudes, in [0.1, 3].
@@ -131,18 +134,15 @@ def temperature_factors(
 
     Examples
     --------
-    >>> import thermobearing as tb
     >>> table = temperature_factors(
-    ...     tb.load_bearing("shen-hdr-bridge"),
-    ...     reference_temperature=23,
-    ...     temperatures=[-20],
-    ...     strains=[1.75],
+    ...     "shen-hdr-bridge", reference_temperature=23, temperatures=[-20], strains=[1.75]
     ... )
     >>> first = table.query("basis == 'first' and quantity == 'K_eq' and ambient_degC == -20")
     >>> bool(first["factor"].iloc[0] > 1.5)
     True
     """
-    bearings = [bearing] if isinstance(bearing, Bearing) else list(bearing)
+    several = bearing if isinstance(bearing, list | tuple) else [bearing]
+    bearings = [as_bearing(item) for item in several]
     numbers = chosen_cycles(cycles)
     _check(bearings, reference_temperature, temperatures, strains, period)
     air = list(dict.fromkeys([float(reference_temperature), *(float(t) for t in temperatures)]))
@@ -169,7 +169,7 @@ def temperature_factors(
 
 
 def _check(
-    bearings: Sequence[Any],
+    bearings: Sequence[Bearing],
     reference: float,
     temperatures: Sequence[float],
     strains: Sequence[float],
@@ -177,7 +177,7 @@ def _check(
 ) -> None:
     """All faults at once."""
     problems = []
-    if not bearings or not all(isinstance(item, Bearing) for item in bearings):
+    if not bearings:
         problems.append("bearing: give one or more layered bearings")
     for name, values, low, high, unit in (
         ("reference_temperature", [reference], COLDEST, HOTTEST, "degC"),

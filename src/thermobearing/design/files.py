@@ -1,6 +1,5 @@
 """Files of a design and of a bounds study."""
 
-import json
 from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
@@ -24,11 +23,10 @@ from thermobearing.results.directory import (
     FIGURES,
     RESOLVED,
     ROUNDS,
-    SUMMARY,
     TABLE,
     write_directory,
 )
-from thermobearing.results.writing import without_nan
+from thermobearing.results.writing import write_summary
 
 DPI = 150
 SOURCE = {"u_B_mm": 178.0, "side_mm": 600.0, "layers": 8, "K_B_kN_mm": 2.6153, "Q_d_kN": 125.4,
@@ -84,7 +82,7 @@ def save_design(
     """Write rounds, checks, bearings (TOML, ready for `bridge`), summary and figures."""
 
     def fill(folder: Path) -> None:
-        write_json(folder / SUMMARY, design_summary(design, equal))
+        write_summary(folder, design_summary(design, equal))
         (folder / RESOLVED).write_text(case.to_toml(), encoding="utf-8")
         rounds = pd.DataFrame([round_row(turn) for turn in design.rounds])
         rounds.to_csv(folder / ROUNDS, index=False, float_format="%.7g")
@@ -153,7 +151,7 @@ def save_bounds(
             "paragraphs": told,
             "rows": rows,
         }
-        write_json(folder / SUMMARY, summary)
+        write_summary(folder, summary)
         if figures:
             (folder / FIGURES).mkdir()
             for name, table in tables.items():
@@ -162,9 +160,3 @@ def save_bounds(
                 figure.savefig(folder / FIGURES / f"bounds-{name}.png", dpi=DPI)
 
     return write_directory(directory, fill, force=force)
-
-
-def write_json(path: Path, value: dict[str, Any]) -> None:
-    """Strict JSON, NaN as null."""
-    text = json.dumps(without_nan(value), indent=2, allow_nan=False)
-    path.write_text(text + "\n", encoding="utf-8")

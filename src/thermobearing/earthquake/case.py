@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, field_validator
 
 from thermobearing.bearing.ambient import Ambient
 from thermobearing.bearing.bilinear import BilinearBearing, list_bilinear, load_bilinear
@@ -13,9 +13,8 @@ from thermobearing.border.errors import InputError, nearest
 from thermobearing.border.schema import Strict, in_unit, validated
 from thermobearing.border.toml import read_toml, split_sources, to_toml
 from thermobearing.border.units import with_unit
-from thermobearing.cyclic.case import EndFace, Temperature
-from thermobearing.model.constants import HeatSource, Integrator, LeadEnds
-from thermobearing.model.stack import Scheme
+from thermobearing.cyclic.case import Temperature
+from thermobearing.model.options import ModelOptions
 from thermobearing.motions.library import list_motions, load_motion
 from thermobearing.motions.record import GroundMotion
 from thermobearing.structure.model import (
@@ -27,7 +26,6 @@ from thermobearing.structure.model import (
 from thermobearing.structure.run import Method
 
 Command = Literal["bridge", "hybrid"]
-DEFAULT_ETA = 2.0
 DEFAULTS: dict[str, dict[str, Any]] = {
     "bridge": {
         "structure": "pier-p1",
@@ -75,25 +73,18 @@ class Laboratory(Strict):
     seed: Annotated[int, Field(ge=0)] = 0
 
 
-class EarthquakeAnalysis(Strict):
-    """How to compute. `heat_source` None: dissipation for natural rubber (LRB), else work."""
+class Stepping(Strict):
+    """How the structure is led through time."""
 
     dt: Annotated[float, in_unit("s"), Field(gt=0, le=0.1)] = 0.005
     method: Method = "average-acceleration"
     mass: MassModel = "consistent"
-    scheme: Scheme = "conservative"
-    integrator: Integrator = "exact"
-    heat_source: HeatSource | None = None
-    lead_ends: LeadEnds = "half-space"
-    upper_face: EndFace = EndFace(eta=DEFAULT_ETA)
-    lower_face: EndFace = EndFace(eta=DEFAULT_ETA)
-    keep_every: Annotated[int, Field(ge=1)] = 2
 
-    @model_validator(mode="after")
-    def _ends_fit(self) -> "EarthquakeAnalysis":
-        if self.lead_ends != "half-space" and self.scheme == "published":
-            raise ValueError('scheme "published" goes with lead_ends "half-space" only')
-        return self
+
+class EarthquakeAnalysis(ModelOptions, Stepping):
+    """How to compute, and what to keep. Options of lead pass by a bearing that has none."""
+
+    keep_every: Annotated[int, Field(ge=1)] = 2
 
 
 Device = Annotated[Bearing | BilinearBearing, Field(discriminator="kind")]
@@ -147,10 +138,10 @@ class EarthquakeCase(Strict):
                     "laboratory: delay, force_noise and mode pd need analysis.method = "
                     '"predictor-corrector", which moves the specimen once per step'
                 )
-        if self.analysis.lead_ends == "finite-plate":
-            for bearing in self.bearings:
-                if isinstance(bearing, Bearing) and bearing.lead and not bearing.lead.confined:
-                    found.append(f'analysis.lead_ends: "{bearing.name}" has unconfined cores')
+        for bearing in self.bearings:
+            if isinstance(bearing, Bearing):
+                misfits = self.analysis.settled(bearing).misfits(bearing)
+                found += [f'analysis.{text}; "{bearing.name}" is none' for text in misfits]
         return found
 
 

@@ -8,11 +8,10 @@ from thermobearing.results.directory import (
     FIGURES,
     HISTORY,
     RESOLVED,
-    SUMMARY,
     TABLE,
     write_directory,
 )
-from thermobearing.results.writing import DIGITS, write_csv, write_json
+from thermobearing.results.writing import DIGITS, write_csv, write_summary
 
 
 def save_earthquake(
@@ -26,7 +25,7 @@ def save_earthquake(
     """
 
     def fill(folder: Path) -> None:
-        write_json(folder / SUMMARY, result.summary())
+        write_summary(folder, result.summary())
         (folder / RESOLVED).write_text(result.dataset.attrs["case"], encoding="utf-8")
         write_csv(folder / TABLE, result.table)
         _write_histories(result, folder / HISTORY)

@@ -20,14 +20,15 @@ from thermobearing.bearing.ambient import Ambient
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.core.types import Constants, Floats
+from thermobearing.cyclic.equivalent import bilinear_parameters
 from thermobearing.cyclic.history import run_segments
 from thermobearing.cyclic.protocol import CyclicTest, build_segments
 from thermobearing.earthquake.case import EarthquakeCase
 from thermobearing.earthquake.label import label_study
 from thermobearing.earthquake.result import EarthquakeResult
-from thermobearing.model.constants import build_constants
 from thermobearing.model.earlier import BilinearParameters, bilinear_constants
-from thermobearing.model.stack import Stack, build_stack
+from thermobearing.model.options import build_model
+from thermobearing.model.stack import Stack
 from thermobearing.motions.record import GroundMotion
 from thermobearing.structure.run import (
     Line,
@@ -78,22 +79,8 @@ def build_device(case: EarthquakeCase, bearing: Bearing | BilinearBearing) -> De
             bearing.strength, bearing.post_yield_stiffness, bearing.initial_stiffness
         )
         return Device(bearing, bilinear_constants(parameters), None)
-    analysis = case.analysis
-    half = analysis.upper_face == analysis.lower_face
-    stack = build_stack(bearing, half=half)
-    natural = bearing.kind == "LRB"
-    lead = bearing.lead is not None
-    constants = build_constants(
-        bearing,
-        stack,
-        upper=analysis.upper_face.face(),
-        lower=None if half else analysis.lower_face.face(),
-        scheme=analysis.scheme,
-        integrator=analysis.integrator,
-        heat_source=analysis.heat_source or ("dissipation" if natural else "work"),
-        lead_ends=analysis.lead_ends if lead else "half-space",
-    )
-    return Device(bearing, constants, stack)
+    model = build_model(bearing, case.analysis, backbone=bilinear_parameters)
+    return Device(bearing, model.constants, model.stack)
 
 
 def build_shaking(case: EarthquakeCase, number: int) -> Shaking:

@@ -19,14 +19,13 @@ from thermobearing.core.types import BOOKS, FORCE, LEAD_DEGC
 from thermobearing.cyclic.history import column_numbers, has_branches, run_segments
 from thermobearing.cyclic.protocol import Segment
 from thermobearing.identify.record import TestRecord
-from thermobearing.model.constants import build_constants, with_parameters
+from thermobearing.model.constants import with_parameters
+from thermobearing.model.options import build_model
 from thermobearing.model.outcomes import INTERRUPTED
-from thermobearing.model.stack import Face, build_stack
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-ETA = 2.0  # heat exchange of the end faces, as in `run`
 TURN = 0.005  # of the largest displacement: a smaller wiggle is noise, not a turn
 FIRST_STEP = 0.002  # of the largest displacement, after a turn
 GROWTH = 0.15  # of the way since the turn: step along a leg
@@ -173,8 +172,8 @@ class ForwardModel:
         ambient: float | None = None,
     ) -> None:
         self.record = record
-        self._stack = build_stack(bearing, half=True)
-        self._constants = build_constants(bearing, self._stack, upper=Face(eta=ETA), lower=None)
+        model = build_model(bearing)  # as `run` has it
+        self._stack, self._constants = model.stack, model.constants
         self._grid = _grid(record, fine)
         grid = self._grid
         no_turns = np.zeros(len(grid.x), dtype=bool)

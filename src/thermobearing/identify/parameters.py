@@ -4,11 +4,13 @@ import math
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError, nearest
 from thermobearing.border.schema import validated
@@ -241,7 +243,7 @@ def _chosen(bearing: Bearing, free: Sequence[str]) -> tuple[set[str], dict[str, 
 
 
 def parameter_set(
-    bearing: Bearing,
+    bearing: Bearing | str | Path,
     free: Sequence[str] | None,
     ambients: Iterable[float],
     bounds: dict[str, tuple[float, float]] | None = None,
@@ -250,7 +252,7 @@ def parameter_set(
 
     Parameters
     ----------
-    bearing : geometry, materials and starting values.
+    bearing : geometry, materials and starting values: a Bearing, a library name, or a TOML file.
     free : keys or symbols of what is free, ties as "n_T = 2.4 * m_T"; None for the usual.
     ambients : ambient temperatures of the tests [degC].
     bounds : other bounds than the usual, by key or symbol.
@@ -261,11 +263,11 @@ def parameter_set(
 
     Examples
     --------
-    >>> from thermobearing.bearing.library import load_bearing
-    >>> found = parameter_set(load_bearing("shen-hdr-specimen"), ["K_r", "d_y"], [23.0])
+    >>> found = parameter_set("shen-hdr-specimen", ["K_r", "d_y"], [23.0])
     >>> [p.kind.symbol for p in found.free]
     ['K_r', 'd_y']
     """
+    bearing = as_bearing(bearing)
     names = default_free(bearing, ambients) if free is None else list(free)
     keys, ties = _chosen(bearing, names)
     if not keys:

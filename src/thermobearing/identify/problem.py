@@ -29,6 +29,7 @@ class Problem:
     temperatures : count thermocouples too.
     loss : of the fit, for the weights that its outliers keep in the uncertainty.
     clipped : by record, samples that do not count (a saturated force).
+    coarse : the model with coarse steps by record, where it was made already.
     """
 
     def __init__(
@@ -39,10 +40,11 @@ class Problem:
         temperatures: bool = False,
         loss: str = "linear",
         clipped: Sequence[NDArray[np.bool_]] | None = None,
+        coarse: Sequence[ForwardModel] | None = None,
     ) -> None:
         self.records = list(records)
         self.pset = pset
-        self.coarse = [ForwardModel(record, pset.base) for record in self.records]
+        self.coarse = list(coarse or [ForwardModel(record, pset.base) for record in self.records])
         self.fine = [ForwardModel(record, pset.base, fine=True) for record in self.records]
         self.temperatures = temperatures
         self.loss = loss
@@ -79,7 +81,7 @@ class Problem:
             if self.temperatures:
                 for title, measured in record.temperatures.items():
                     off = predicted.temperatures[title] - measured
-                    rows.append(record.weight * KELVIN_AS / KELVIN * off)
+                    rows.append(np.sqrt(record.weight) * KELVIN_AS / KELVIN * off)
             found.append(np.concatenate(rows))
         return found
 

@@ -107,10 +107,10 @@ def loop_start(
     q, n_t = _with_temperature(
         rubber, ambients, reference, h.hysteretic_temperature_coefficient, N_T not in fixed
     )
+    layer = [layers * k for _, _, k in loops]
     elastic, m_t = _with_temperature(
-        [layers * k for _, _, k in loops], ambients, reference,
-        h.elastic_temperature_coefficient, M_T not in fixed,
-    )  # fmt: skip
+        layer, ambients, reference, h.elastic_temperature_coefficient, M_T not in fixed
+    )
     hardening = float(np.mean([b for _, b, _ in loops])) * max(strengths) / max(rubber)
     common = {HARDENING: min(hardening, 1.9), M_T: m_t, N_T: n_t}
     if base.rate is not None:

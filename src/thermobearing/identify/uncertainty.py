@@ -53,7 +53,7 @@ REMEDIES = (
     ({D_Y, SHAPE, K_R}, "denser samples after each turn and cycles of small strain would fix it"),
     (set(VIRGIN), "more cycles at more amplitudes, growing, on a virgin specimen would fix it"),
     ({ALPHA}, "cycles at two or more amplitudes would fix it"),
-)  # fmt: skip
+)
 
 
 @dataclass(frozen=True)

@@ -6,10 +6,16 @@ two states and calls the one coupled step; it adds no physics.
 """
 
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from thermobearing.bearing.ambient import check_temperature
+from thermobearing.bearing.library import as_bearing
+from thermobearing.bearing.model import Bearing
+from thermobearing.border.errors import InputError
 from thermobearing.core.march import copy_state
 from thermobearing.core.step import step
 from thermobearing.core.types import (
@@ -20,6 +26,7 @@ from thermobearing.core.types import (
     new_state,
     new_workspace,
 )
+from thermobearing.model.options import ModelOptions, build_model
 from thermobearing.model.outcomes import NAMES
 
 
@@ -32,16 +39,53 @@ class Trial:
     outcome: str
 
 
+def _of_cells(temperature: Any, cells: int) -> NDArray[np.float64]:
+    """Temperature of each cell [degC]."""
+    try:
+        given = np.asarray(temperature, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InputError(f"temperature = {temperature!r}: must be in degC, numbers") from None
+    if given.ndim and given.shape != (cells,):
+        raise InputError(f"temperature: has {given.size} numbers, but the stack has {cells} cells")
+    for value in (given.min(), given.max()):
+        check_temperature(float(value), "temperature")
+    return np.full(cells, given)
+
+
 class BearingElement:
     """One bearing for an outside solver.
 
     Parameters
     ----------
-    constants : from `model.constants.build_constants`.
-    temperature : cell temperatures at the start [degC].
+    bearing : a Bearing, a library name, or a TOML file; or the constants of a step.
+    temperature : at the start [degC], of the whole bearing or of each cell, in [-100, 100].
+    options : how to model the bearing; as `run` does by default.
+
+    Raises
+    ------
+    InputError : no such bearing, or temperatures that do not fit its cells.
+
+    Examples
+    --------
+    >>> element = BearingElement("shen-hdr-specimen", -20.0)
+    >>> trial = element.set_trial(3.0, dt=0.1, ambient=-20.0)
+    >>> element.commit()
+    >>> trial.outcome, trial.force > 10.0
+    ('completed', True)
     """
 
-    def __init__(self, constants: Constants, temperature: NDArray[np.float64]) -> None:
+    def __init__(
+        self,
+        bearing: Bearing | str | Path | Constants,
+        temperature: float | NDArray[np.float64],
+        options: ModelOptions | None = None,
+    ) -> None:
+        constants = (
+            bearing
+            if isinstance(bearing, Constants)
+            else build_model(as_bearing(bearing), options).constants
+        )
+        temperature = _of_cells(temperature, constants.cells.shape[1])
         self._constants = constants
         self._work = new_workspace(constants)
         self._start = new_state(constants, temperature)

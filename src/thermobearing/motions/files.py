@@ -6,8 +6,8 @@ import numpy as np
 
 from thermobearing.motions.record import MM_S2_PER_GAL
 from thermobearing.motions.result import MM_PER_CM, MotionResult
-from thermobearing.results.directory import FIGURES, MOTION, SPECTRUM, SUMMARY, write_directory
-from thermobearing.results.writing import write_json
+from thermobearing.results.directory import FIGURES, MOTION, SPECTRUM, write_directory
+from thermobearing.results.writing import write_summary
 
 
 def save_motion(
@@ -21,7 +21,7 @@ def save_motion(
     """
 
     def fill(folder: Path) -> None:
-        write_json(folder / SUMMARY, result.summary())
+        write_summary(folder, result.summary())
         _write_motion(result, folder / MOTION)
         _write_spectrum(result, folder / SPECTRUM)
         if figures:

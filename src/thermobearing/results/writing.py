@@ -5,6 +5,8 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from thermobearing.results.directory import SUMMARY
+
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
@@ -28,11 +30,11 @@ def json_line(value: Any) -> str:
     return json.dumps(without_nan(value), allow_nan=False)
 
 
-def write_json(path: Path, value: Any) -> None:
-    """Write a value as indented JSON; numbers that do not exist become null."""
-    text = json.dumps(without_nan(value), indent=2, allow_nan=False, ensure_ascii=False)
+def write_summary(folder: Path, content: dict[str, Any]) -> None:
+    """Write summary.json into a folder."""
+    text = json.dumps(without_nan(content), indent=2, allow_nan=False, ensure_ascii=False)
     # A file name that is no text keeps its bytes as lone surrogates; JSON has an escape for them.
-    path.write_text(text + "\n", encoding="utf-8", errors="backslashreplace")
+    (folder / SUMMARY).write_text(text + "\n", encoding="utf-8", errors="backslashreplace")
 
 
 def write_csv(path: Path, table: "pd.DataFrame") -> None:
