@@ -32,11 +32,11 @@ _HOME = {
     "baseline_corrected": "thermobearing.motions.process",
     "bound_models": "thermobearing.design.bound_models",
     "bounds_study": "thermobearing.design.bounds_study",
-    "bridge": "thermobearing.earthquake.run",
+    "bridge": "thermobearing.earthquake.study",
     "check_test": "thermobearing.identify.checks",
     "cyclic_test": "thermobearing.cyclic.protocol",
     "equal_bearing": "thermobearing.design.equal",
-    "hybrid": "thermobearing.earthquake.run",
+    "hybrid": "thermobearing.earthquake.study",
     "identify_bearing": "thermobearing.identify.run",
     "list_bearings": "thermobearing.bearing.library",
     "list_motions": "thermobearing.motions.library",
@@ -152,7 +152,8 @@ if TYPE_CHECKING:
     from thermobearing.design.scale import scale_study, scaled_bearing
     from thermobearing.earthquake.case import EarthquakeCase, load_earthquake_case
     from thermobearing.earthquake.result import EarthquakeResult
-    from thermobearing.earthquake.run import bridge, hybrid, run_earthquake
+    from thermobearing.earthquake.run import run_earthquake
+    from thermobearing.earthquake.study import bridge, hybrid
     from thermobearing.identify.checks import check_test
     from thermobearing.identify.record import TestRecord, load_test, record_from_arrays
     from thermobearing.identify.result import Identification

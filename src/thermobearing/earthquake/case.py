@@ -180,7 +180,9 @@ def make_earthquake_case(
         table.pop("weather", None)
     lab = given.pop("laboratory", None)
     if lab:
-        table["laboratory"] = {**table.get("laboratory", {}), **lab}
+        table["laboratory"] = (
+            {**table.get("laboratory", {}), **lab} if isinstance(lab, dict) else lab
+        )
     table |= given
     problems = _settle(table, command, folder)
     try:
