@@ -9,11 +9,11 @@ from typing import Any, Never, TypeAlias, TypeVar
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError, nearest
-from thermobearing.cyclic.case import EndFace
 from thermobearing.earthquake.case import Command, Laboratory, Motion, make_earthquake_case
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.earthquake.run import Progress, run_earthquake
 from thermobearing.model.constants import HeatSource, Integrator, LeadEnds
+from thermobearing.model.options import EndFace
 from thermobearing.model.stack import Scheme
 from thermobearing.structure.model import MassModel, Structure
 from thermobearing.structure.run import Method
