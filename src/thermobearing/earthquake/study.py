@@ -9,11 +9,12 @@ from typing import Any, Never, TypeAlias, TypeVar
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError, nearest
-from thermobearing.cyclic.case import EndFace
 from thermobearing.earthquake.case import Command, Laboratory, Motion, make_earthquake_case
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.earthquake.run import Progress, run_earthquake
 from thermobearing.model.constants import HeatSource, Integrator, LeadEnds
+from thermobearing.model.earlier import Model
+from thermobearing.model.options import EndFace, Stacked
 from thermobearing.model.stack import Scheme
 from thermobearing.structure.model import MassModel, Structure
 from thermobearing.structure.run import Method
@@ -39,6 +40,8 @@ def bridge(
     lead_ends: LeadEnds | None = None,
     upper_face: EndFace | None = None,
     lower_face: EndFace | None = None,
+    stack: Stacked | None = None,
+    model: Model | None = None,
     keep_every: int | None = None,
     laboratory: Laboratory | dict[str, Any] | None = None,
     executor: Executor | None = None,
@@ -67,6 +70,8 @@ def bridge(
         (LRB), which gives its elastic work back, and work for the others.
     lead_ends : "half-space" (default, Eq. 5.5) or "finite-plate", for confined lead cores.
     upper_face, lower_face : heat exchange of the end faces; eta_B = 2 by default.
+    stack : "auto" (default), "half" or "full" height.
+    model : "multi-layer" (default) or an earlier model to compare with (model/earlier.py).
     keep_every : keep every n-th step of the histories, >= 1; 2 by default.
     laboratory : of a specimen in the loop, see `hybrid`; none by default.
     executor : any `concurrent.futures` executor; threads by default.
@@ -108,6 +113,8 @@ def bridge(
         lead_ends=lead_ends,
         upper_face=upper_face,
         lower_face=lower_face,
+        stack=stack,
+        model=model,
         keep_every=keep_every,
         laboratory=laboratory,
     )
@@ -130,6 +137,8 @@ def hybrid(
     lead_ends: LeadEnds | None = None,
     upper_face: EndFace | None = None,
     lower_face: EndFace | None = None,
+    stack: Stacked | None = None,
+    model: Model | None = None,
     keep_every: int | None = None,
     laboratory: Laboratory | dict[str, Any] | None = None,
     executor: Executor | None = None,
@@ -150,7 +159,7 @@ def hybrid(
         of the actuator, `force_noise` (standard deviation of the measured force) and its
         `seed`; numbers as text with their unit.
     weather, duration, dt, mass, scheme, integrator : as of `bridge`.
-    heat_source, lead_ends, upper_face, lower_face : as of `bridge`.
+    heat_source, lead_ends, upper_face, lower_face, stack, model : as of `bridge`.
     keep_every, executor, progress, misspelt : as of `bridge`.
 
     Returns
@@ -188,6 +197,8 @@ def hybrid(
         lead_ends=lead_ends,
         upper_face=upper_face,
         lower_face=lower_face,
+        stack=stack,
+        model=model,
         keep_every=keep_every,
         laboratory=laboratory,
     )
