@@ -47,7 +47,7 @@ _HOME = {
     "load_design_case": "thermobearing.design.case",
     "load_earthquake_case": "thermobearing.earthquake.case",
     "load_motion": "thermobearing.motions.library",
-    "load_result": "thermobearing.cyclic.files",
+    "load_result": "thermobearing.loading",
     "load_structure": "thermobearing.structure.model",
     "load_test": "thermobearing.identify.record",
     "make_design_case": "thermobearing.design.case",
@@ -140,7 +140,6 @@ if TYPE_CHECKING:
     from thermobearing.border.errors import InputError, OutputError
     from thermobearing.border.tables import read_columns
     from thermobearing.cyclic.case import Case, load_case
-    from thermobearing.cyclic.files import load_result
     from thermobearing.cyclic.protocol import CyclicTest, cyclic_test
     from thermobearing.cyclic.result import Result
     from thermobearing.cyclic.run import run, run_case
@@ -160,6 +159,7 @@ if TYPE_CHECKING:
     from thermobearing.identify.result import Identification
     from thermobearing.identify.run import identify_bearing
     from thermobearing.identify.synthetic import synthetic_record
+    from thermobearing.loading import load_result
     from thermobearing.model.element import BearingElement
     from thermobearing.model.options import EndFace
     from thermobearing.motions.jra import standard_spectrum

@@ -18,7 +18,7 @@ from thermobearing.bearing.bilinear import load_bilinear
 from thermobearing.core.types import FORCE
 from thermobearing.cyclic.equivalent import backbone
 from thermobearing.design.bounds_study import DEMANDS, bounds_study, paragraph, verdict
-from thermobearing.design.case import make_design_case
+from thermobearing.design.case import bearing_weight, make_design_case
 from thermobearing.design.equal import equal_bearing
 from thermobearing.design.rubber import (
     bilinear_of,
@@ -28,7 +28,7 @@ from thermobearing.design.rubber import (
     load_curves,
     shear_modulus,
 )
-from thermobearing.design.run import bearing_weight, run_design
+from thermobearing.design.run import run_design
 from thermobearing.design.sizing import SizingRules, checks_of, size_bearing
 from thermobearing.model.earlier import bilinear_constants
 from thermobearing.model.element import BearingElement

@@ -218,7 +218,7 @@ BAD_WORDS: list[tuple[list[Any], list[str]]] = [
     (["shen-hdr-bridge", "--strain", 0.0], ["strains = 0.0", "0.1 to 3"]),
     (["shen-hdr-bridge", "--strain", 30], ["strains = 30.0", "0.1 to 3"]),
     (["shen-hdr-bridge", "--period", 0.01], ["period = 0.01", "0.2 to 1000"]),
-    (["shen-hdr-bridge", "--speed", -3], ["--speed = -3"]),
+    (["shen-hdr-bridge", "--speed", -3], ["speed = -3"]),
     (["shen-hdr-bridge", "--speed", 3, "--period", 2], ["--period or --speed"]),
     (["shen-hdr-bridge", "--cycles", "third"], ['cycles = "third"', "all-but-first"]),
     (["shen-hdr-bridge", "--cycles", "0,1"], ["cycles = [0, 1]", "1 to 100"]),

@@ -7,20 +7,17 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
-import xarray as xr
 
-from thermobearing.border.errors import InputError
 from thermobearing.cyclic.result import Result
-from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.results.directory import (
     COMPARISON,
     DATASET,
     FIGURES,
     HISTORY,
-    IDENTIFIED,
     RESOLVED,
     write_directory,
 )
+from thermobearing.results.reading import read_dataset
 from thermobearing.results.writing import write_summary
 
 STUDIES = ("bridge", "hybrid")  # commands whose result is one of earthquakes
@@ -124,33 +121,11 @@ def history_blocks(result: Result) -> Iterator[str]:
             yield (line * len(block)) % tuple(block.ravel().tolist())
 
 
-def load_result(path: str | Path) -> Result | EarthquakeResult:
-    """A saved result again, of a cyclic test or of an earthquake study.
-
-    Parameters
-    ----------
-    path : its directory, or the result.nc in it.
-
-    Returns
-    -------
-    Result, or EarthquakeResult of `bridge` and `hybrid`.
+def load_cyclic(path: str | Path) -> Result:
+    """A saved result of a cyclic test again; see `load_result`, which reads any.
 
     Raises
     ------
-    InputError : there is no readable result at that path.
+    InputError : there is no readable result of a cyclic test at that path.
     """
-    path = Path(path)
-    file = path / DATASET if path.is_dir() else path
-    if not file.is_file():
-        fitted = "; read its bearing with load_bearing" if (path / IDENTIFIED).is_file() else ""
-        raise InputError(f"no result.nc there{fitted}", str(path))
-    try:
-        dataset = xr.load_dataset(file, engine="h5netcdf")
-    except (OSError, ValueError) as error:
-        raise InputError(f"is not a result file: {error}", str(file)) from None
-    study = dataset.attrs.get("command") in STUDIES
-    needed = {"structure", "case"} if study else {"bearing", "case", "segments"}
-    missing = needed - set(dataset.attrs)
-    if missing:
-        raise InputError(f"is not a result of thermobearing: no {sorted(missing)}", str(file))
-    return EarthquakeResult(dataset) if study else Result(dataset)
+    return Result(read_dataset(path, ("bearing", "case", "segments")))

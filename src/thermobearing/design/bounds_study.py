@@ -13,6 +13,7 @@ from thermobearing.bearing.model import Bearing
 from thermobearing.cyclic.equivalent import DESIGN_STRAIN, bilinear_parameters
 from thermobearing.earthquake.case import make_earthquake_case
 from thermobearing.earthquake.run import run_earthquake
+from thermobearing.motions.library import list_motions
 
 DEMANDS = {  # column of the study's table: title of the panel
     "bearing_strain_max": "bearing strain",
@@ -20,11 +21,44 @@ DEMANDS = {  # column of the study's table: title of the panel
     "pier_displacement_max_mm": "pier displacement [mm]",
     "deck_acceleration_max_m_s2": "deck acceleration [m/s2]",
 }
+BEARINGS = ("shen-hdr-bridge", "shen-lhdr-bridge")
+AIR = (23.0, 0.0, -20.0)  # at which the coupled model runs [degC]
 UNSAFE, WASTEFUL = 0.95, 1.3  # envelope of the bounds over the coupled model; chosen
 
 
+def first_motions() -> list[str]:
+    """Names of the first built-in motion of each type and ground.
+
+    Examples
+    --------
+    >>> "jra-ii-i-1" in first_motions()
+    True
+    """
+    return [name for name in list_motions() if name.split("-")[2] == "i"]
+
+
 def bound(bearing: Bearing, name: str, temperature: float, strain: float) -> BilinearBearing:
-    """The bilinear model of a bearing soaked at a temperature, without heating."""
+    """The bilinear model of a bearing soaked at a temperature, without heating.
+
+    Parameters
+    ----------
+    bearing : layered.
+    name : of the bilinear bearing.
+    temperature : [degC], in [-100, 100].
+    strain : shear strain amplitude of its third cycle, > 0.
+
+    Returns
+    -------
+    BilinearBearing
+
+    Examples
+    --------
+    >>> import thermobearing as tb
+    >>> bearing = tb.load_bearing("shen-hdr-bridge")
+    >>> cold, warm = (bound(bearing, "x", t, 1.75).strength for t in (-20.0, 23.0))
+    >>> cold > 1.2 * warm
+    True
+    """
     model = bilinear_parameters(bearing, strain=strain, temperature=temperature)
     return BilinearBearing(
         name=name,
@@ -39,7 +73,7 @@ def bound(bearing: Bearing, name: str, temperature: float, strain: float) -> Bil
 def bounds_study(
     bearing: Bearing | str | Path,
     motions: Any,
-    temperatures: Sequence[float] = (23.0, 0.0, -20.0),
+    temperatures: Sequence[float] = AIR,
     *,
     strain: float = DESIGN_STRAIN,
     **options: Any,
@@ -106,14 +140,38 @@ def bounds_study(
 
 
 def verdict(ratio: float) -> str:
-    """What a ratio of the envelope to the coupled model means."""
+    """What a ratio of the envelope to the coupled model means.
+
+    Parameters
+    ----------
+    ratio : envelope of the bounds over the largest of the coupled model, > 0.
+
+    Returns
+    -------
+    str : "unsafe" below 0.95, "wasteful" above 1.3, else "good".
+
+    Examples
+    --------
+    >>> [verdict(ratio) for ratio in (0.9, 1.0, 1.4)]
+    ['unsafe', 'good', 'wasteful']
+    """
     if ratio < UNSAFE:
         return "unsafe"
     return "wasteful" if ratio > WASTEFUL else "good"
 
 
 def paragraph(table: pd.DataFrame, name: str) -> str:
-    """The result in words."""
+    """The result in words.
+
+    Parameters
+    ----------
+    table : of `bounds_study`.
+    name : of the bearing.
+
+    Returns
+    -------
+    str : one paragraph.
+    """
     sentences = []
     for column, title in DEMANDS.items():
         ratios = table[table["demand"] == column]["envelope_over_coupled"].to_numpy()

@@ -65,13 +65,27 @@ class _Published(Strict):
 
 @cache
 def published_tables() -> list[PublishedTable]:
-    """Factors of other sources, for comparison."""
+    """Factors of other sources, for comparison.
+
+    Examples
+    --------
+    >>> any(table.unverified for table in published_tables())
+    True
+    """
     path = data_path("factors", "published.toml")
     return validated(_Published, read_toml(path), str(path)).tables
 
 
 def chosen_cycles(cycles: str | Sequence[int]) -> tuple[int, ...]:
     """Numbers of the cycles of a preset or a list, from 1.
+
+    Parameters
+    ----------
+    cycles : a name of `PRESETS`, or numbers from 1 to 100.
+
+    Returns
+    -------
+    tuple of int : each once, growing.
 
     Raises
     ------
@@ -166,6 +180,46 @@ def temperature_factors(
     return found.reset_index().sort_values(
         ["strain", "quantity", "basis", "ambient_degC"], ignore_index=True
     )
+
+
+def factors_at_speed(
+    bearings: Sequence[Bearing], *, speed: float, strains: Sequence[float], **options: Any
+) -> pd.DataFrame:
+    """As `temperature_factors`, with the period of each strain from a mean speed, 4 a/speed.
+
+    Parameters
+    ----------
+    bearings : the first gives the values and the amplitudes a, several make bands.
+    speed : mean speed of the sine [mm/s], > 0.
+    strains : shear strain amplitudes, in [0.1, 3].
+    options : others of `temperature_factors`.
+
+    Returns
+    -------
+    DataFrame : that of `temperature_factors`.
+
+    Raises
+    ------
+    InputError : anything out of range; an analysis that did not complete.
+
+    Examples
+    --------
+    >>> import thermobearing as tb
+    >>> bearing = tb.load_bearing("shen-hdr-specimen")
+    >>> table = factors_at_speed(
+    ...     [bearing], speed=60.0, strains=[1.0], reference_temperature=23.0, temperatures=[0.0]
+    ... )
+    >>> sorted(set(table["ambient_degC"]))
+    [0.0, 23.0]
+    """
+    if not speed > 0.0:
+        raise InputError(f"speed = {speed:g}: must be greater than 0")
+    rubber = bearings[0].total_rubber_thickness
+    parts = [
+        temperature_factors(bearings, strains=[s], period=4.0 * s * rubber / speed, **options)
+        for s in strains
+    ]
+    return pd.concat(parts, ignore_index=True)
 
 
 def _check(

@@ -11,6 +11,7 @@ from thermobearing.results.directory import (
     TABLE,
     write_directory,
 )
+from thermobearing.results.reading import read_dataset
 from thermobearing.results.writing import DIGITS, write_csv, write_summary
 
 
@@ -47,3 +48,13 @@ def _write_histories(result: EarthquakeResult, path: Path) -> None:
         frame.to_csv(
             path, mode="a" if run else "w", header=run == 0, index=False, float_format=DIGITS
         )
+
+
+def load_study(path: str | Path) -> EarthquakeResult:
+    """A saved result of an earthquake study again; see `load_result`, which reads any.
+
+    Raises
+    ------
+    InputError : there is no readable result of a study at that path.
+    """
+    return EarthquakeResult(read_dataset(path, ("structure", "case")))

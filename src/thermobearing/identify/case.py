@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, get_args
 
-from thermobearing.bearing.library import load_bearing
+from thermobearing.bearing.library import as_bearing, load_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError, nearest
 from thermobearing.identify.record import TestRecord, load_test
@@ -84,7 +84,7 @@ def make_identify_case(
         raise InputError("give at least one test")
     case = IdentifyCase(
         records=[item if isinstance(item, TestRecord) else load_test(item) for item in several],
-        bearing=bearing if isinstance(bearing, Bearing) else load_bearing(bearing),
+        bearing=as_bearing(bearing),
         **options,
     )
     choices = (("method", case.method, get_args(Method)), ("loss", case.loss, get_args(Loss)))
