@@ -124,14 +124,23 @@ def test_yield_stress_comes_back_from_a_test_without_noise() -> None:
     assert found.values["lead.yield_stress"] == pytest.approx(10.0, rel=tol.NOISE_FREE_STRENGTH)
 
 
-def test_element_with_options_is_the_run() -> None:
-    given = {"scheme": "published", "integrator": "euler", "upper_face": EndFace(film=5.0)}
-    result = tb.run(HDR, SHORT, ambient=0.0, **given)
-    element = tb.BearingElement(HDR, 0.0, ModelOptions(**given))
+@pytest.mark.parametrize(
+    ("bearing", "given"),
+    [
+        (HDR, {"scheme": "published", "integrator": "euler", "upper_face": EndFace(film=5.0)}),
+        (HDR, {"stack": "full", "initial": 10.0, "heat_source": "dissipation"}),
+        ("shen-lhdr-specimen", {"model": "single-temperature", "lower_face": EndFace(eta=1.0)}),
+        ("shen-lhdr-specimen", {"initial_lead": 60.0, "lead_ends": "finite-plate"}),
+    ],
+    ids=["published", "full height", "one temperature", "lead"],
+)
+def test_element_with_options_is_the_run(bearing: str, given: dict[str, Any]) -> None:
+    result = tb.run(bearing, SHORT, ambient=0.0, **given)
+    element = tb.BearingElement(bearing, ambient=0.0, **given)
     x, clock = result["displacement"].values[0], result["time"].values
     forces = [0.0]
     for k in range(1, len(x)):
-        forces.append(element.set_trial(x[k], clock[k] - clock[k - 1], 0.0).force)
+        forces.append(element.set_trial(x[k], clock[k] - clock[k - 1]).force)
         element.commit()
     peak = np.abs(forces).max()
     np.testing.assert_allclose(
@@ -142,16 +151,31 @@ def test_element_with_options_is_the_run() -> None:
 @pytest.mark.parametrize(
     ("make", "pieces"),
     [
-        (lambda: tb.BearingElement(HDR, [1.0, 2.0]), ["temperature", "has 2 numbers", "cells"]),
-        (lambda: tb.BearingElement(HDR, 500.0), ["temperature", "-100 to 100 degC"]),
-        (lambda: tb.BearingElement(HDR, np.nan), ["temperature", "nan"]),
-        (lambda: tb.BearingElement(HDR, "cold"), ["temperature = 'cold'"]),
-        (
-            lambda: tb.BearingElement(HDR, 0.0, ModelOptions(model="bilinear")),
-            ['model "bilinear"', "bilinear constants"],
-        ),
+        (lambda: tb.BearingElement(HDR, 500.0), ["ambient", "-100 to 100 degC"]),
+        (lambda: tb.BearingElement(HDR, np.nan), ["ambient", "nan"]),
+        (lambda: tb.BearingElement(HDR, "cold"), ["ambient", "'cold'"]),
+        (lambda: tb.BearingElement(HDR, initial=[1.0, 2.0]), ["initial", "has 2 numbers", "cells"]),
+        (lambda: tb.BearingElement(HDR, initial=500.0), ["initial", "-100 to 100 degC"]),
+        (lambda: tb.BearingElement(HDR, initial="cold"), ["initial = 'cold'"]),
+        (lambda: tb.BearingElement(HDR, initial_lead=5.0), ["initial_lead", "with lead"]),
+        (lambda: tb.BearingElement(HDR, scheme="publishd"), ["scheme", '"published"?']),
+        (lambda: tb.BearingElement(HDR, model="lead-alone"), ["model", "with lead"]),
+        (lambda: tb.BearingElement(HDR, model="bilinear"), ['"bilinear"', "bilinear constants"]),
+        (lambda: tb.BearingElement("shen-hdr"), ["bearing", "did you mean"]),
     ],
-    ids=["two", "hot", "nan", "text", "bilinear"],
+    ids=[
+        "hot",
+        "nan",
+        "text",
+        "two cells",
+        "hot cells",
+        "text for cells",
+        "no lead",
+        "scheme",
+        "lead alone",
+        "bilinear",
+        "name",
+    ],
 )
 def test_bad_element(make: Callable[[], Any], pieces: list[str]) -> None:
     with pytest.raises(tb.InputError) as caught:

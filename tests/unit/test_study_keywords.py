@@ -10,8 +10,8 @@ import pytest
 
 import thermobearing.earthquake.study as study
 from thermobearing.border.errors import InputError
-from thermobearing.cyclic.case import EndFace
 from thermobearing.earthquake.case import EarthquakeAnalysis, EarthquakeCase
+from thermobearing.model.options import EndFace
 from thermobearing.structure.model import load_structure
 
 BOTH = [study.bridge, study.hybrid]
@@ -29,6 +29,8 @@ VALUES: dict[str, Any] = {
     "upper_face": EndFace(eta=1.5),
     "lower_face": EndFace(eta=2.5),
     "keep_every": 7,
+    "stack": "full",
+    "model": "single-temperature",
 }
 
 

@@ -113,7 +113,7 @@ def test_bounds_are_the_softest_and_the_stiffest_cycle(table: pd.DataFrame) -> N
     u = 1.75 * HDR.total_rubber_thickness
     for model, extreme in ((lower, "min"), (upper, "max")):
         rows = table.query("strain == 1.75 and quantity == 'K_eq' and basis != 'mean'")["value"]
-        element = BearingElement(bilinear_constants(model.parameters), np.zeros(1))
+        element = BearingElement.from_constants(bilinear_constants(model.parameters), 0.0)
         force = element.set_trial(u, 1.0, 0.0).force
         assert_allclose(force, getattr(rows, extreme)() * u, rtol=tol.LOOP * 100)
     frame = bounds_table(models)
@@ -136,7 +136,7 @@ def test_opensees_text_gives_the_same_loop(table: pd.DataFrame) -> None:
         p = model.parameters
         expected = [tag, model.yield_force, p.initial, p.post_yield / p.initial]
         assert_allclose([float(v) for v in numbers[tag - 1]], expected)
-        element = BearingElement(bilinear_constants(p), np.zeros(1))
+        element = BearingElement.from_constants(bilinear_constants(p), 0.0)
         ops.testUniaxialMaterial(tag)
         for x in path:
             ops.setStrain(float(x))

@@ -255,7 +255,7 @@ def _initial_periods(task: "Task") -> Floats:
 
     matrices, structure = task.prepared.matrices, task.case.structure
     small = 1e-6
-    element = BearingElement(task.device.constants, task.start[0])
+    element = BearingElement.from_constants(task.device.constants, initial=task.start[0])
     slope = element.set_trial(small, small, task.ambient).force / small
     each = np.array([slope * line.scale**-1 for line in structure.bearings])
     stiffness = matrices.springs + hinge_stiffness(structure, matrices)

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
 from inspect import signature
 from pathlib import Path
-from typing import Any, Literal, Never, TypeAlias, TypeVar
+from typing import Any, Never, TypeAlias, TypeVar
 
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.model import Bearing
@@ -13,8 +13,8 @@ from thermobearing.earthquake.case import Command, Laboratory, Motion, make_eart
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.earthquake.run import Progress, run_earthquake
 from thermobearing.model.constants import HeatSource, Integrator, LeadEnds
-from thermobearing.model.earlier import Model as ModelName
-from thermobearing.model.options import EndFace
+from thermobearing.model.earlier import Model
+from thermobearing.model.options import EndFace, Stacked
 from thermobearing.model.stack import Scheme
 from thermobearing.structure.model import MassModel, Structure
 from thermobearing.structure.run import Method
@@ -34,14 +34,14 @@ def bridge(
     dt: float | None = None,
     method: Method | None = None,
     mass: MassModel | None = None,
-    model: ModelName | None = None,
     scheme: Scheme | None = None,
     integrator: Integrator | None = None,
     heat_source: HeatSource | None = None,
     lead_ends: LeadEnds | None = None,
     upper_face: EndFace | None = None,
     lower_face: EndFace | None = None,
-    stack: Literal["auto", "half", "full"] | None = None,
+    stack: Stacked | None = None,
+    model: Model | None = None,
     keep_every: int | None = None,
     laboratory: Laboratory | dict[str, Any] | None = None,
     executor: Executor | None = None,
@@ -64,14 +64,14 @@ def bridge(
     dt : largest time step [s], in (0, 0.1]; 0.005 by default.
     method : "average-acceleration" (default), "linear-acceleration" or "predictor-corrector".
     mass : "consistent" (default) or "published".
-    model : "multi-layer" (default) or an earlier model, as of `run`.
     scheme : "conservative" (default) or "published" heat scheme.
     integrator : "exact" (default) or "euler" integration of Z.
     heat_source : "work" (Eq. 4.22) or "dissipation"; by default dissipation for natural rubber
         (LRB), which gives its elastic work back, and work for the others.
     lead_ends : "half-space" (default, Eq. 5.5) or "finite-plate", for confined lead cores.
     upper_face, lower_face : heat exchange of the end faces; eta_B = 2 by default.
-    stack : "auto" (default), "half" or "full" height, as of `run`.
+    stack : "auto" (default), "half" or "full" height.
+    model : "multi-layer" (default) or an earlier model to compare with (model/earlier.py).
     keep_every : keep every n-th step of the histories, >= 1; 2 by default.
     laboratory : of a specimen in the loop, see `hybrid`; none by default.
     executor : any `concurrent.futures` executor; threads by default.
@@ -107,7 +107,6 @@ def bridge(
         dt=dt,
         method=method,
         mass=mass,
-        model=model,
         scheme=scheme,
         integrator=integrator,
         heat_source=heat_source,
@@ -115,6 +114,7 @@ def bridge(
         upper_face=upper_face,
         lower_face=lower_face,
         stack=stack,
+        model=model,
         keep_every=keep_every,
         laboratory=laboratory,
     )
@@ -131,14 +131,14 @@ def hybrid(
     dt: float | None = None,
     method: Method | None = None,
     mass: MassModel | None = None,
-    model: ModelName | None = None,
     scheme: Scheme | None = None,
     integrator: Integrator | None = None,
     heat_source: HeatSource | None = None,
     lead_ends: LeadEnds | None = None,
     upper_face: EndFace | None = None,
     lower_face: EndFace | None = None,
-    stack: Literal["auto", "half", "full"] | None = None,
+    stack: Stacked | None = None,
+    model: Model | None = None,
     keep_every: int | None = None,
     laboratory: Laboratory | dict[str, Any] | None = None,
     executor: Executor | None = None,
@@ -158,8 +158,8 @@ def hybrid(
         at `speed`, "10 mm/s" by default, and the specimen lives on that slower clock), `delay`
         of the actuator, `force_noise` (standard deviation of the measured force) and its
         `seed`; numbers as text with their unit.
-    weather, duration, dt, mass, model, scheme, integrator : as of `bridge`.
-    heat_source, lead_ends, upper_face, lower_face, stack : as of `bridge`.
+    weather, duration, dt, mass, scheme, integrator : as of `bridge`.
+    heat_source, lead_ends, upper_face, lower_face, stack, model : as of `bridge`.
     keep_every, executor, progress, misspelt : as of `bridge`.
 
     Returns
@@ -191,7 +191,6 @@ def hybrid(
         dt=dt,
         method=method,
         mass=mass,
-        model=model,
         scheme=scheme,
         integrator=integrator,
         heat_source=heat_source,
@@ -199,6 +198,7 @@ def hybrid(
         upper_face=upper_face,
         lower_face=lower_face,
         stack=stack,
+        model=model,
         keep_every=keep_every,
         laboratory=laboratory,
     )

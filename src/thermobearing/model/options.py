@@ -23,6 +23,7 @@ from thermobearing.model.earlier import (
 from thermobearing.model.earlier import Model as ModelName
 from thermobearing.model.stack import Face, Scheme, Stack, build_stack
 
+Stacked = Literal["auto", "half", "full"]
 DEFAULT_ETA = 2.0  # the source uses a "middle" value between 1 and 3 (Eq. 4.15)
 
 
@@ -56,7 +57,7 @@ class ModelOptions(Strict):
     integrator: Integrator = "exact"
     heat_source: HeatSource | None = None
     lead_ends: LeadEnds = "half-space"
-    stack: Literal["auto", "half", "full"] = "auto"
+    stack: Stacked = "auto"
     upper_face: EndFace = EndFace(eta=DEFAULT_ETA)
     lower_face: EndFace = EndFace(eta=DEFAULT_ETA)
 
