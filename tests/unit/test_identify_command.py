@@ -58,8 +58,8 @@ def invoke(*words: object) -> tuple[int, str]:
 
 def test_fit_of_two_files(folder: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
-    status, text = invoke(folder / "at0.csv", folder / "at23.toml", "-o", out, "--predict", -20,
-                          "--json")  # fmt: skip
+    files = (folder / "at0.csv", folder / "at23.toml")
+    status, text = invoke(*files, "-o", out, "--predict", -20, "--json")
     assert status == 0, text
     summary = json.loads((out / "summary.json").read_text())
     assert summary["command"] == "identify"
