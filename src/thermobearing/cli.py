@@ -218,7 +218,6 @@ def measure(
 
     from thermobearing.bearing.library import load_bearing
     from thermobearing.border.tables import read_columns
-    from thermobearing.cyclic.files import without_nan
     from thermobearing.cyclic.screen import print_measures
     from thermobearing.results.metrics import measure_history
 
@@ -233,7 +232,7 @@ def measure(
         raise InputError(error.problems, str(file)) from None
     print_measures(cycles, rubber)
     if as_json:
-        echo_json(without_nan({"cycles": [dataclasses.asdict(cycle) for cycle in cycles]}))
+        echo_json({"cycles": [dataclasses.asdict(cycle) for cycle in cycles]})
     return 0
 
 

@@ -1,13 +1,12 @@
 """A bearing as design has it: bilinear, blind to temperature and rate."""
 
-from importlib import resources
 from pathlib import Path
 from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from thermobearing.bearing.library import split_sources
-from thermobearing.border.schema import Strict, in_unit, read_toml, validated
+from thermobearing.border.library import Library
+from thermobearing.border.schema import Strict, in_unit, validated
 
 Stiffness = Annotated[float, in_unit("kN/mm"), Field(gt=0)]
 
@@ -31,13 +30,12 @@ class BilinearBearing(Strict):
         return self
 
 
-def _library() -> Path:
-    return Path(str(resources.files("thermobearing") / "data" / "bilinear"))
+BILINEAR = Library("bilinear bearing", "bilinear")
 
 
 def list_bilinear() -> list[str]:
     """Names of the built-in bilinear bearings."""
-    return sorted(path.stem for path in _library().glob("*.toml"))
+    return BILINEAR.names()
 
 
 def load_bilinear(name_or_path: str | Path) -> BilinearBearing:
@@ -48,7 +46,5 @@ def load_bilinear(name_or_path: str | Path) -> BilinearBearing:
     >>> load_bilinear("shen-bilinear-bridge").strength
     125.4
     """
-    text = str(name_or_path)
-    path = _library() / f"{text}.toml" if text in list_bilinear() else Path(text)
-    table, _ = split_sources(read_toml(path))
-    return validated(BilinearBearing, table, str(path))
+    table, where = BILINEAR.read(name_or_path)
+    return validated(BilinearBearing, table, where)

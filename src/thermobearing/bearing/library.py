@@ -1,16 +1,14 @@
 """Bearings by name or by file: the TOML library shipped with the package, and the user's own."""
 
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
 from thermobearing.bearing.model import Bearing
-from thermobearing.border.errors import InputError, nearest
-from thermobearing.border.schema import SOURCED, read_toml, validated
+from thermobearing.border.library import Library
+from thermobearing.border.schema import validated
+from thermobearing.border.toml import read_toml, split_sources
 
-
-def _library() -> Path:
-    return Path(str(resources.files("thermobearing") / "data" / "bearings"))
+BEARINGS = Library("bearing", "bearings")
 
 
 def list_bearings() -> list[str]:
@@ -21,25 +19,7 @@ def list_bearings() -> list[str]:
     >>> "shen-hdr-specimen" in list_bearings()
     True
     """
-    return sorted(path.stem for path in _library().glob("*.toml"))
-
-
-def split_sources(table: Any, key: str = "") -> tuple[Any, dict[str, str]]:
-    """Plain values and their sources, from a table whose entries may be {value, source, note}."""
-    if isinstance(table, list):
-        pairs = [split_sources(item, f"{key}[{k}]") for k, item in enumerate(table)]
-        return [value for value, _ in pairs], {k: v for _, found in pairs for k, v in found.items()}
-    if not isinstance(table, dict):
-        return table, {}
-    if "value" in table and set(table) <= SOURCED:
-        parts = [str(table[name]) for name in ("source", "note") if name in table]
-        return table["value"], {key: "; ".join(parts)} if parts else {}
-    values: dict[str, Any] = {}
-    sources: dict[str, str] = {}
-    for name, entry in table.items():
-        values[name], found = split_sources(entry, f"{key}.{name}" if key else name)
-        sources |= found
-    return values, sources
+    return BEARINGS.names()
 
 
 def bearing_from_table(table: Any, where: str) -> Bearing:
@@ -64,11 +44,5 @@ def load_bearing(name_or_path: str | Path) -> Bearing:
     >>> load_bearing("shen-hdr-specimen").total_rubber_thickness
     30.0
     """
-    text = str(name_or_path)
-    if text in list_bearings():
-        path = _library() / f"{text}.toml"
-    elif isinstance(name_or_path, Path) or text.endswith(".toml") or "/" in text:
-        path = Path(text)
-    else:
-        raise InputError(f'no bearing is called "{text}"{nearest(text, list_bearings())}')
+    path = BEARINGS.path(name_or_path)
     return bearing_from_table(read_toml(path), str(path))

@@ -1,10 +1,8 @@
 """Strict data with units: how TOML tables become checked objects, and faults become sentences."""
 
 import math
-import tomllib
 from collections.abc import Iterable, Iterator
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar, cast, get_args
+from typing import Any, TypeVar, get_args
 
 from annotated_types import Ge, Gt, Le, Lt
 from pydantic import (
@@ -22,11 +20,6 @@ from pydantic_core import ErrorDetails, InitErrorDetails, PydanticCustomError
 from thermobearing.border.errors import InputError, closest, nearest, shortened
 from thermobearing.border.units import parse_quantity
 
-if TYPE_CHECKING:
-    from pydantic._internal._model_construction import ModelMetaclass
-else:  # the same class without its private address
-    ModelMetaclass = type(BaseModel)
-
 M = TypeVar("M", bound="Strict")
 
 # A size beyond this is a slip in a unit or an exponent, whatever it means, and so is a number
@@ -36,22 +29,21 @@ SOURCED = {"value", "source", "note"}  # keys of an entry {value = ..., source =
 OURS = {"unit", "conflict", "size"}  # types of the faults found here, not by pydantic
 
 
-class _InputErrors(ModelMetaclass):
-    """Faults of `EndFace(eta=5)`, built by hand, are told as InputError too."""
-
-    def __call__(self, *args: Any, **kwargs: Any) -> Any:
-        try:
-            return super().__call__(*args, **kwargs)
-        except ValidationError as error:
-            model = cast(type[BaseModel], self)
-            problems = [_sentence(model, item) for item in error.errors()]
-            raise InputError(problems, f"{self.__name__}()") from None
-
-
-class Strict(BaseModel, metaclass=_InputErrors):
+class Strict(BaseModel):
     """Immutable record that refuses unknown keys, numbers that are not finite or not numbers."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    def __init__(self, **data: Any) -> None:
+        try:
+            super().__init__(**data)
+        except ValidationError as error:  # `EndFace(eta=5)`, built by hand
+            problems = [_sentence(type(self), item) for item in error.errors()]
+            raise InputError(problems, f"{type(self).__name__}()") from None
+
+    # Tables inside tables are then built without a call of __init__, which would lose the
+    # context of the validation (whether the data are those of a file).
+    __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
 
     @classmethod
     def conflicts(cls, given: dict[str, Any]) -> list[str]:
@@ -180,24 +172,6 @@ def unit_of(model: type[BaseModel], name: str) -> str | None:
         if isinstance(item, BeforeValidator) and isinstance(item.func, InUnit):
             return item.func.unit
     return None
-
-
-def read_toml(path: Path) -> dict[str, Any]:
-    """Parse a TOML file; every fault becomes an InputError that names the file."""
-    try:
-        return tomllib.loads(path.read_bytes().decode("utf-8-sig"))
-    except FileNotFoundError:
-        raise InputError("no such file", str(path)) from None
-    except IsADirectoryError:
-        raise InputError("is a directory, not a TOML file", str(path)) from None
-    except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror or error}", str(path)) from None
-    except UnicodeDecodeError as error:
-        raise InputError(f"is not UTF-8 text (byte {error.start + 1})", str(path)) from None
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise InputError(f"is not valid TOML: {error}", str(path)) from None
-    except ValueError as error:  # a null byte in the path
-        raise InputError(f"cannot be read: {error}", repr(str(path))) from None
 
 
 def validated(model: type[M], data: Any, where: str, *, from_file: bool = True) -> M:

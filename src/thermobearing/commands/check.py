@@ -3,9 +3,9 @@
 from pathlib import Path
 
 from thermobearing.bearing.bilinear import BilinearBearing, load_bilinear
-from thermobearing.bearing.library import load_bearing, split_sources
+from thermobearing.bearing.library import load_bearing
 from thermobearing.bearing.model import Bearing
-from thermobearing.border.schema import read_toml
+from thermobearing.border.toml import read_toml, split_sources
 from thermobearing.cyclic.case import load_case
 from thermobearing.cyclic.protocol import build_segments
 from thermobearing.earthquake.case import EarthquakeCase, load_earthquake_case

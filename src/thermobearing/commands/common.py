@@ -1,7 +1,6 @@
 """What all commands share: options, how they end, the last line of JSON."""
 
 import functools
-import json
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -31,7 +30,9 @@ def _fail(message: str, status: int, outcome: str, as_json: bool) -> typer.Exit:
 
 def echo_json(last: dict[str, Any]) -> None:
     """The last line of a command with --json."""
-    typer.echo(json.dumps(last, allow_nan=False))
+    from thermobearing.results.writing import json_line
+
+    typer.echo(json_line(last))
 
 
 def reported(command: Callable[..., int]) -> Callable[..., None]:

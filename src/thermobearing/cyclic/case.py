@@ -10,10 +10,11 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, field_validator, model_validator
 
 from thermobearing.bearing.ambient import Ambient
-from thermobearing.bearing.library import load_bearing, split_sources
+from thermobearing.bearing.library import load_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
-from thermobearing.border.schema import Strict, in_unit, read_toml, unit_of, validated
+from thermobearing.border.schema import Strict, in_unit, validated
+from thermobearing.border.toml import read_toml, split_sources, to_table, to_toml
 from thermobearing.border.units import with_unit
 from thermobearing.cyclic.protocol import CyclicTest, cyclic_test, find_faults
 from thermobearing.model.constants import HeatSource, Integrator, LeadEnds
@@ -111,6 +112,10 @@ class Case(Strict):
             if ambient.count(value) > 1:
                 raise ValueError(f"{value:g} degC is given more than once")
         return ambient
+
+    def to_toml(self) -> str:
+        """The case with every default filled in, as TOML; reads back to the same bits."""
+        return to_toml(self, without="" if self.ambient_series is None else "ambient")
 
     def faults(self) -> list[str]:
         """What the parts do to each other: a test that cannot be done with this bearing, ..."""
@@ -282,35 +287,3 @@ def _said_with_unit(value: Any, unit: str | None) -> Any:
     if isinstance(value, int | float) and not isinstance(value, bool) and unit is not None:
         return with_unit(float(value), unit)
     return value
-
-
-def to_table(model: Strict) -> dict[str, Any]:
-    """A model as a TOML table: units on every number, unset choices left out."""
-    table: dict[str, Any] = {}
-    for name in type(model).model_fields:
-        value = getattr(model, name)
-        unit = unit_of(type(model), name)
-        if value is None or value == "":
-            continue
-        table[name] = _entry(value, unit)
-    return table
-
-
-def _entry(value: Any, unit: str | None) -> Any:
-    if isinstance(value, Strict):
-        return to_table(value)
-    if isinstance(value, list | tuple):
-        return [_entry(item, unit) for item in value]
-    if unit and isinstance(value, int | float):
-        return with_unit(float(value), unit)
-    return value
-
-
-def resolved_toml(case: Case) -> str:
-    """The case with every default filled in, as TOML text that reads back to the same bits."""
-    import tomli_w
-
-    table = to_table(case)
-    if case.ambient_series is not None:
-        del table["ambient"]
-    return tomli_w.dumps(table)

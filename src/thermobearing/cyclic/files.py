@@ -1,13 +1,10 @@
 """Files of a cyclic result, and reading them back."""
 
 import errno
-import json
-import math
 import os
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -23,6 +20,7 @@ from thermobearing.results.directory import (
     SUMMARY,
     write_directory,
 )
+from thermobearing.results.writing import write_json
 
 CSV_BLOCK = 50_000  # rows formatted at a time
 NETCDF_EXTRA = 500_000  # attributes, names and tables of the netCDF file beside its numbers [bytes]
@@ -64,8 +62,7 @@ def save_result(
 
 
 def _write_all(result: Result, folder: Path, *, figures: bool) -> None:
-    text = json.dumps(without_nan(result.summary()), indent=2, allow_nan=False)
-    (folder / SUMMARY).write_text(text + "\n", encoding="utf-8")
+    write_json(folder / SUMMARY, result.summary())
     (folder / RESOLVED).write_text(result.dataset.attrs["case"], encoding="utf-8")
     with (folder / HISTORY).open("w", encoding="utf-8") as file:
         file.writelines(history_blocks(result))
@@ -98,17 +95,6 @@ def _reserve(path: Path, size: int) -> None:
                 raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
     finally:
         path.unlink(missing_ok=True)
-
-
-def without_nan(value: Any) -> Any:
-    """JSON has no NaN: a number that does not exist becomes null."""
-    if isinstance(value, dict):
-        return {key: without_nan(item) for key, item in value.items()}
-    if isinstance(value, list):
-        return [without_nan(item) for item in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value
 
 
 def history_blocks(result: Result) -> Iterator[str]:

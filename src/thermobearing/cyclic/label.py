@@ -5,7 +5,7 @@ import numpy as np
 import thermobearing
 from thermobearing.bearing.ambient import Ambient
 from thermobearing.core.types import CAPACITY, LEAD_DEGC, Constants
-from thermobearing.cyclic.case import Case, resolved_toml
+from thermobearing.cyclic.case import Case
 from thermobearing.cyclic.dataset import RunRecord, StackLabels, build_dataset
 from thermobearing.cyclic.history import History, has_branches
 from thermobearing.cyclic.protocol import Segment, longest_layer_increment
@@ -81,7 +81,7 @@ def label(
         "heat_source": case.analysis.heat_source,
         "lead_capacity_kN_mm_per_K": lead_capacity if case.bearing.lead else 0.0,
         "version": thermobearing.__version__,
-        "case": resolved_toml(case),
+        "case": case.to_toml(),
         "citation": case.bearing.citation,
         "area_mm2": case.bearing.area,
         "total_rubber_thickness_mm": case.bearing.total_rubber_thickness,

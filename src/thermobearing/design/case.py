@@ -5,11 +5,10 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
-from thermobearing.bearing.library import split_sources
 from thermobearing.border.errors import InputError
-from thermobearing.border.schema import Strict, in_unit, read_toml, validated
+from thermobearing.border.schema import Strict, in_unit, validated
+from thermobearing.border.toml import read_toml, split_sources, to_toml
 from thermobearing.border.units import with_unit
-from thermobearing.cyclic.case import to_table
 from thermobearing.design.rubber import Kind, load_compound
 from thermobearing.design.sizing import SizingRules
 from thermobearing.earthquake.case import Motion, make_earthquake_case
@@ -42,6 +41,10 @@ class DesignCase(Strict):
     mass: MassModel = "consistent"
     sizing: SizingRules = SizingRules()
     equal: list[str] = ["shen-hdr-bridge", "shen-lhdr-bridge"]  # noqa: RUF012 (pydantic copies it)
+
+    def to_toml(self) -> str:
+        """The case with every default filled in, as TOML; reads back to the same bits."""
+        return to_toml(self)
 
 
 def make_design_case(
@@ -86,10 +89,3 @@ def load_design_case(path: str | Path, **overrides: Any) -> DesignCase:
     path = Path(path)
     table, _ = split_sources(read_toml(path))
     return make_design_case(table, str(path), path.parent, **overrides)
-
-
-def resolved_design_toml(case: DesignCase) -> str:
-    """The case with every default filled in."""
-    import tomli_w
-
-    return tomli_w.dumps(to_table(case))

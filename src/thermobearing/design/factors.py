@@ -2,8 +2,6 @@
 
 from collections.abc import Sequence
 from functools import cache
-from importlib import resources
-from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
@@ -12,7 +10,9 @@ from pydantic import Field
 
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError, nearest
-from thermobearing.border.schema import Strict, read_toml, validated
+from thermobearing.border.library import data_path
+from thermobearing.border.schema import Strict, validated
+from thermobearing.border.toml import read_toml
 from thermobearing.cyclic.protocol import CyclicTest
 from thermobearing.cyclic.run import run
 
@@ -64,7 +64,7 @@ class _Published(Strict):
 @cache
 def published_tables() -> list[PublishedTable]:
     """Factors of other sources, for comparison."""
-    path = Path(str(resources.files("thermobearing") / "data" / "factors" / "published.toml"))
+    path = data_path("factors", "published.toml")
     return validated(_Published, read_toml(path), str(path)).tables
 
 

@@ -8,15 +8,13 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-import tomli_w
 
 import thermobearing
-from thermobearing.cyclic.case import to_table
-from thermobearing.cyclic.files import without_nan
+from thermobearing.border.toml import to_toml
 from thermobearing.cyclic.protocol import cyclic_test
 from thermobearing.cyclic.run import run
 from thermobearing.design.bounds_study import DEMANDS, paragraph
-from thermobearing.design.case import DesignCase, resolved_design_toml
+from thermobearing.design.case import DesignCase
 from thermobearing.design.equal import EqualBearing
 from thermobearing.design.figures import draw_bounds, draw_equal, draw_rounds
 from thermobearing.design.run import Design, Round
@@ -30,6 +28,7 @@ from thermobearing.results.directory import (
     TABLE,
     write_directory,
 )
+from thermobearing.results.writing import without_nan
 
 DPI = 150
 SOURCE = {"u_B_mm": 178.0, "side_mm": 600.0, "layers": 8, "K_B_kN_mm": 2.6153, "Q_d_kN": 125.4,
@@ -86,7 +85,7 @@ def save_design(
 
     def fill(folder: Path) -> None:
         write_json(folder / SUMMARY, design_summary(design, equal))
-        (folder / RESOLVED).write_text(resolved_design_toml(case), encoding="utf-8")
+        (folder / RESOLVED).write_text(case.to_toml(), encoding="utf-8")
         rounds = pd.DataFrame([round_row(turn) for turn in design.rounds])
         rounds.to_csv(folder / ROUNDS, index=False, float_format="%.7g")
         sheet = [asdict(check) | {"verdict": check.verdict} for check in design.checks]
@@ -94,7 +93,7 @@ def save_design(
         (folder / BEARINGS).mkdir()
         for bearing in [design.bearing, *(item.bearing for item in equal)]:
             if bearing is not None:
-                text = tomli_w.dumps(to_table(bearing))
+                text = to_toml(bearing)
                 (folder / BEARINGS / f"{bearing.name}.toml").write_text(text, encoding="utf-8")
         if figures:
             (folder / FIGURES).mkdir()

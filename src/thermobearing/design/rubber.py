@@ -1,15 +1,15 @@
 """JRA equivalent linearisation of high damping rubber (Eq. 6.1-6.3)."""
 
 from functools import cache
-from importlib import resources
-from pathlib import Path
 from typing import Annotated, Literal
 
 import numpy as np
 from pydantic import Field
 
 from thermobearing.border.errors import InputError, nearest
-from thermobearing.border.schema import Strict, read_toml, validated
+from thermobearing.border.library import data_path
+from thermobearing.border.schema import Strict, validated
+from thermobearing.border.toml import read_toml
 from thermobearing.cyclic.equivalent import solve_backbone
 from thermobearing.model.earlier import BilinearParameters
 
@@ -39,7 +39,7 @@ class Curves(Strict):
 @cache
 def load_curves() -> Curves:
     """The design curves shipped with the package."""
-    path = Path(str(resources.files("thermobearing") / "data" / "rubber" / "jra-hdr.toml"))
+    path = data_path("rubber", "jra-hdr.toml")
     return validated(Curves, read_toml(path), str(path))
 
 

@@ -7,12 +7,13 @@ from pydantic import Field, field_validator, model_validator
 
 from thermobearing.bearing.ambient import Ambient
 from thermobearing.bearing.bilinear import BilinearBearing, list_bilinear, load_bilinear
-from thermobearing.bearing.library import list_bearings, load_bearing, split_sources
+from thermobearing.bearing.library import list_bearings, load_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError, nearest
-from thermobearing.border.schema import Strict, in_unit, read_toml, validated
+from thermobearing.border.schema import Strict, in_unit, validated
+from thermobearing.border.toml import read_toml, split_sources, to_toml
 from thermobearing.border.units import with_unit
-from thermobearing.cyclic.case import EndFace, Temperature, to_table
+from thermobearing.cyclic.case import EndFace, Temperature
 from thermobearing.model.constants import HeatSource, Integrator, LeadEnds
 from thermobearing.model.stack import Scheme
 from thermobearing.motions.library import list_motions, load_motion
@@ -119,6 +120,10 @@ class EarthquakeCase(Strict):
             if ambient.count(value) > 1:
                 raise ValueError(f"{value:g} degC is given more than once")
         return ambient
+
+    def to_toml(self) -> str:
+        """The case with every default filled in, as TOML; reads back to the same bits."""
+        return to_toml(self, without="" if self.weather is None else "ambient")
 
     def faults(self) -> list[str]:
         """What the parts do to each other."""
@@ -294,13 +299,3 @@ def _motion(problems: list[str], number: int, item: Any, folder: Path) -> Any:
     except InputError as error:
         problems.extend(error.lines(f"motions[{number}]"))
     return table
-
-
-def resolved_earthquake_toml(case: EarthquakeCase) -> str:
-    """The case with every default filled in; reads back to the same bits."""
-    import tomli_w
-
-    table = to_table(case)
-    if case.weather is not None:
-        del table["ambient"]
-    return tomli_w.dumps(table)

@@ -1,9 +1,7 @@
 """Files of an earthquake study."""
 
-import json
 from pathlib import Path
 
-from thermobearing.cyclic.files import without_nan
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.results.directory import (
     DATASET,
@@ -14,8 +12,7 @@ from thermobearing.results.directory import (
     TABLE,
     write_directory,
 )
-
-DIGITS = "%.7g"
+from thermobearing.results.writing import DIGITS, write_csv, write_json
 
 
 def save_earthquake(
@@ -29,10 +26,9 @@ def save_earthquake(
     """
 
     def fill(folder: Path) -> None:
-        text = json.dumps(without_nan(result.summary()), indent=2, allow_nan=False)
-        (folder / SUMMARY).write_text(text + "\n", encoding="utf-8")
+        write_json(folder / SUMMARY, result.summary())
         (folder / RESOLVED).write_text(result.dataset.attrs["case"], encoding="utf-8")
-        result.table.to_csv(folder / TABLE, index=False, float_format=DIGITS)
+        write_csv(folder / TABLE, result.table)
         _write_histories(result, folder / HISTORY)
         result.dataset.to_netcdf(folder / DATASET, engine="h5netcdf")
         if figures:

@@ -25,7 +25,7 @@ from thermobearing.core.types import (
     WORK_IN,
     Floats,
 )
-from thermobearing.earthquake.case import EarthquakeCase, resolved_earthquake_toml
+from thermobearing.earthquake.case import EarthquakeCase
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.model.outcomes import INTERRUPTED
 from thermobearing.model.outcomes import SENTENCES as RUN_SENTENCES
@@ -220,7 +220,7 @@ def _attributes(
         "scheme": case.analysis.scheme,
         "mode": case.laboratory.mode if case.laboratory else "",
         "version": thermobearing.__version__,
-        "case": resolved_earthquake_toml(case),
+        "case": case.to_toml(),
         "interrupted": int(_interrupted(case, histories)),
         "sentences": str(RUN_SENTENCES | SENTENCES),
     }

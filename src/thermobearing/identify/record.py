@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from thermobearing.bearing.library import split_sources
 from thermobearing.border.errors import InputError
-from thermobearing.border.schema import Strict, in_unit, read_toml, validated
+from thermobearing.border.schema import Strict, in_unit, validated
 from thermobearing.border.tables import Layout, read_columns
+from thermobearing.border.toml import read_toml, split_sources
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

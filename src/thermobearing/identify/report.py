@@ -266,7 +266,7 @@ def fit_table(found: "Identification") -> str:
 
 def write_json(path: Path, content: dict[str, Any]) -> None:
     """JSON without NaN."""
-    from thermobearing.cyclic.files import without_nan
+    from thermobearing.results.writing import without_nan
 
     text = json.dumps(without_nan(content), indent=2, allow_nan=False)
     path.write_text(text + "\n", encoding="utf-8")

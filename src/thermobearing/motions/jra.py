@@ -3,14 +3,13 @@
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
-from importlib import resources
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from thermobearing.border.errors import InputError
-from thermobearing.border.schema import read_toml
+from thermobearing.border.library import data_path
+from thermobearing.border.toml import read_toml
 from thermobearing.border.units import parse_quantity
 from thermobearing.core.types import Floats
 from thermobearing.motions.record import acceleration_unit
@@ -57,8 +56,7 @@ def _gal(text: str) -> float:
 
 @cache
 def _spectra() -> dict[tuple[str, str], StandardSpectrum]:
-    folder = resources.files("thermobearing") / "data" / "spectra"
-    table = read_toml(Path(str(folder / "jra-level-2.toml")))
+    table = read_toml(data_path("spectra", "jra-level-2.toml"))
     found = {}
     for kind in KINDS:
         about = table[kind]

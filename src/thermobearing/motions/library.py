@@ -2,13 +2,13 @@
 
 import json
 from functools import cache
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from thermobearing.border.errors import InputError, nearest
+from thermobearing.border.errors import InputError
+from thermobearing.border.library import data_path, unknown_name
 from thermobearing.motions.readers import read_motion
 from thermobearing.motions.record import GroundMotion
 
@@ -19,7 +19,7 @@ ABOUT = "about"  # entry of the file with names and descriptions, as JSON
 
 def stored_motions() -> Path:
     """The file of the built-in motions: one array [mm/s2] for each, by name."""
-    return Path(str(resources.files("thermobearing") / "data" / "motions" / FILE))
+    return data_path("motions", FILE)
 
 
 @cache
@@ -74,5 +74,5 @@ def load_motion(name_or_path: str | Path, **options: Any) -> GroundMotion:
         except (OSError, ValueError):
             known = False
         if not known:
-            raise InputError(f'no motion is called "{text}"{nearest(text, list_motions())}')
+            raise unknown_name("motion", text, list_motions())
     return read_motion(path, **options)

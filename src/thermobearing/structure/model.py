@@ -6,15 +6,14 @@ positive direction). Heights are measured from any common level. Springs, hinges
 lines connect two bodies, or a body and the ground.
 """
 
-from importlib import resources
 from pathlib import Path
 from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from thermobearing.bearing.library import split_sources
-from thermobearing.border.errors import InputError, nearest
-from thermobearing.border.schema import Strict, in_unit, read_toml, validated
+from thermobearing.border.errors import nearest
+from thermobearing.border.library import Library
+from thermobearing.border.schema import Strict, in_unit, validated
 
 GROUND = "ground"
 MassModel = Literal["consistent", "published"]
@@ -166,8 +165,7 @@ class Structure(Strict):
         return next(body for body in self.bodies if body.name == name)
 
 
-def _library() -> Path:
-    return Path(str(resources.files("thermobearing") / "data" / "structures"))
+STRUCTURES = Library("structure", "structures")
 
 
 def list_structures() -> list[str]:
@@ -178,7 +176,7 @@ def list_structures() -> list[str]:
     >>> list_structures()
     ['hybrid-pier', 'pier-p1']
     """
-    return sorted(path.stem for path in _library().glob("*.toml"))
+    return STRUCTURES.names()
 
 
 def load_structure(name_or_path: str | Path) -> Structure:
@@ -193,12 +191,5 @@ def load_structure(name_or_path: str | Path) -> Structure:
     >>> load_structure("pier-p1").bearings[0].count
     5
     """
-    text = str(name_or_path)
-    if text in list_structures():
-        path = _library() / f"{text}.toml"
-    elif isinstance(name_or_path, Path) or text.endswith(".toml") or "/" in text:
-        path = Path(text)
-    else:
-        raise InputError(f'no structure is called "{text}"{nearest(text, list_structures())}')
-    table, _ = split_sources(read_toml(path))
-    return validated(Structure, table, str(path))
+    table, where = STRUCTURES.read(name_or_path)
+    return validated(Structure, table, where)

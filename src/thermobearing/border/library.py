@@ -1,0 +1,58 @@
+"""Data shipped with the package: where it lies, and what a name or a path stands for."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from thermobearing.border.errors import InputError, nearest
+from thermobearing.border.toml import read_toml, split_sources
+
+
+def data_path(*parts: str) -> Path:
+    """A file or folder of the data shipped with the package."""
+    return Path(str(resources.files("thermobearing").joinpath("data", *parts)))
+
+
+def is_path(name_or_path: str | Path) -> bool:
+    """Whether something is meant as a file: a Path, text with a slash or ending in `.toml`."""
+    text = str(name_or_path)
+    return isinstance(name_or_path, Path) or text.endswith(".toml") or "/" in text
+
+
+def unknown_name(what: str, name: str, known: Iterable[str]) -> InputError:
+    """The error for a name that nothing has, with the nearest one."""
+    return InputError(f'no {what} is called "{name}"{nearest(name, known)}')
+
+
+@dataclass(frozen=True)
+class Library:
+    """The built-in things of one kind, a TOML file each, and the user's own files beside them."""
+
+    what: str  # what one of them is called in messages
+    folder: str  # below the package's data
+
+    def names(self) -> list[str]:
+        """Names of the built-in ones, sorted."""
+        return sorted(path.stem for path in data_path(self.folder).glob("*.toml"))
+
+    def path(self, name_or_path: str | Path) -> Path:
+        """The file that a name or a path stands for.
+
+        Raises
+        ------
+        InputError : nothing has that name.
+        """
+        text = str(name_or_path)
+        names = self.names()
+        if text in names:
+            return data_path(self.folder, f"{text}.toml")
+        if is_path(name_or_path):
+            return Path(text)
+        raise unknown_name(self.what, text, names)
+
+    def read(self, name_or_path: str | Path) -> tuple[dict[str, Any], str]:
+        """The plain values of a file, and its path for messages; see `path`."""
+        path = self.path(name_or_path)
+        return split_sources(read_toml(path))[0], str(path)

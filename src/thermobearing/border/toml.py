@@ -1,0 +1,82 @@
+"""TOML files: read with clear faults, entries with sources told apart, models written back."""
+
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import tomli_w
+
+from thermobearing.border.errors import InputError
+from thermobearing.border.schema import SOURCED, Strict, unit_of
+from thermobearing.border.units import with_unit
+
+
+def read_toml(path: Path) -> dict[str, Any]:
+    """Parse a TOML file; every fault becomes an InputError that names the file."""
+    try:
+        return tomllib.loads(path.read_bytes().decode("utf-8-sig"))
+    except FileNotFoundError:
+        raise InputError("no such file", str(path)) from None
+    except IsADirectoryError:
+        raise InputError("is a directory, not a TOML file", str(path)) from None
+    except OSError as error:
+        raise InputError(f"cannot be read: {error.strerror or error}", str(path)) from None
+    except UnicodeDecodeError as error:
+        raise InputError(f"is not UTF-8 text (byte {error.start + 1})", str(path)) from None
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        raise InputError(f"is not valid TOML: {error}", str(path)) from None
+    except ValueError as error:  # a null byte in the path
+        raise InputError(f"cannot be read: {error}", repr(str(path))) from None
+
+
+def split_sources(table: Any, key: str = "") -> tuple[Any, dict[str, str]]:
+    """Plain values and their sources, from a table whose entries may be {value, source, note}."""
+    if isinstance(table, list):
+        pairs = [split_sources(item, f"{key}[{k}]") for k, item in enumerate(table)]
+        return [value for value, _ in pairs], {k: v for _, found in pairs for k, v in found.items()}
+    if not isinstance(table, dict):
+        return table, {}
+    if "value" in table and set(table) <= SOURCED:
+        parts = [str(table[name]) for name in ("source", "note") if name in table]
+        return table["value"], {key: "; ".join(parts)} if parts else {}
+    values: dict[str, Any] = {}
+    sources: dict[str, str] = {}
+    for name, entry in table.items():
+        values[name], found = split_sources(entry, f"{key}.{name}" if key else name)
+        sources |= found
+    return values, sources
+
+
+def to_table(model: Strict) -> dict[str, Any]:
+    """A model as a TOML table: units on every number, unset choices left out."""
+    table: dict[str, Any] = {}
+    for name in type(model).model_fields:
+        value = getattr(model, name)
+        unit = unit_of(type(model), name)
+        if value is None or value == "":
+            continue
+        table[name] = _entry(value, unit)
+    return table
+
+
+def _entry(value: Any, unit: str | None) -> Any:
+    if isinstance(value, Strict):
+        return to_table(value)
+    if isinstance(value, list | tuple):
+        return [_entry(item, unit) for item in value]
+    if unit and isinstance(value, int | float):
+        return with_unit(float(value), unit)
+    return value
+
+
+def to_toml(model: Strict, *, without: str = "") -> str:
+    """A model with every default filled in, as TOML text that reads back to the same bits.
+
+    Parameters
+    ----------
+    model : what to write.
+    without : a key to leave out.
+    """
+    table = to_table(model)
+    table.pop(without, None)
+    return tomli_w.dumps(table)
