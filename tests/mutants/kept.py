@@ -1,8 +1,10 @@
 """The kept list: changes with a meaning, each an error that an engineer could make."""
 
 import tomllib
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
@@ -45,14 +47,19 @@ def original(file: str) -> str:
     return (ROOT / PACKAGE / file).read_text(encoding="utf-8")
 
 
+def _below_tests(names: Iterable[str]) -> list[str]:
+    return [f"tests/{name}" for name in names]
+
+
 def nearest_tests() -> dict[str, list[str]]:
     """Tests by file of the package, for changes that name none."""
-    return dict(tomllib.loads((HERE / "nearest.toml").read_text(encoding="utf-8")))
+    table = tomllib.loads((HERE / "nearest.toml").read_text(encoding="utf-8"))
+    return {file: _below_tests(names) for file, names in table.items()}
 
 
-def entries() -> list[dict[str, object]]:
+def entries() -> list[dict[str, Any]]:
     """The kept list as it is written."""
-    found: list[dict[str, object]] = []
+    found: list[dict[str, Any]] = []
     for path in sorted((HERE / "kept").glob("*.toml")):
         found += tomllib.loads(path.read_text(encoding="utf-8"))["mutant"]
     return found
@@ -78,7 +85,7 @@ def kept_mutants() -> tuple[list[Mutant], list[str]]:
         except ValueError as error:
             faults.append(f"cannot be applied: {error} ({entry['means']})")
             continue
-        tests = entry.get("tests") or nearest[file]
+        tests = _below_tests(entry["tests"]) if "tests" in entry else nearest[file]
         plain = bool(entry.get("plain"))
         found.append(Mutant(file, str(entry["means"]), text, tuple(tests), plain))
     return found, faults
