@@ -4,10 +4,10 @@ The copies lie in build/mutants (git ignores it) and stay there, with the compil
 unchanged kernels; the tree itself is never touched.
 """
 
+import multiprocessing
 import os
 import queue
 import shutil
-import subprocess
 import sys
 import time
 from collections.abc import Iterable, Iterator
@@ -22,7 +22,29 @@ COMPILED = ".numba"  # in a copy: code of the kernels
 NOT_COPIED = {"build", "dist", "demo", "__pycache__"}
 LONGEST = 1800.0  # [s]; who takes longer runs in circles, which counts as caught
 OPTIONS = ("-q", "-p", "no:cacheprovider", "--no-header", "--tb=line", "--hypothesis-seed=0")
+USED = "processor time [s]: "  # last line of a child
 CAUGHT, SURVIVED = "caught", "survived"
+# Children are forked from a process that has the libraries in memory already, ours not.
+SERVER = multiprocessing.get_context("forkserver")
+SERVER.set_forkserver_preload(
+    [
+        "h5netcdf",
+        "hypothesis",
+        "matplotlib.figure",
+        "numba",
+        "pandas",
+        "pint",
+        "pydantic",
+        "pytest",
+        "rich.console",
+        "scipy.linalg",
+        "scipy.optimize",
+        "scipy.signal",
+        "scipy.stats",
+        "typer.testing",
+        "xarray",
+    ]
+)
 
 
 @dataclass(frozen=True)
@@ -33,6 +55,32 @@ class Verdict:
     verdict: str
     by: str
     seconds: float
+
+
+def _pytest_here(folder: Path, environment: dict[str, str], words: list[str], said: Path) -> None:
+    """In a child of its own: the tests of a copy; ends the process with their status."""
+    with said.open("wb") as file:
+        os.dup2(file.fileno(), 1)
+        os.dup2(file.fileno(), 2)
+    os.chdir(folder)
+    os.environ.update(environment)
+    sys.path[:] = [environment["PYTHONPATH"], *(p for p in sys.path if p not in ("", str(ROOT)))]
+    for name in [name for name in sys.modules if name.split(".")[0] in ("tests", "__mp_main__")]:
+        del sys.modules[name]  # those of the tree, not of the copy
+    import numba
+    import pytest
+
+    numba.config.reload_config()
+    status = int(pytest.main(words))
+    import thermobearing
+
+    if not thermobearing.__file__.startswith(str(folder)):
+        print(f"not the copy was tested, but {thermobearing.__file__}")
+        status = 3
+    used = os.times()
+    print(f"{USED}{used.user + used.system + used.children_user + used.children_system:.2f}")
+    sys.stdout.flush()
+    os._exit(status)
 
 
 class Copy:
@@ -52,6 +100,7 @@ class Copy:
                 shutil.copytree(path, self.folder / path.name, ignore=ignore)
             else:
                 shutil.copy2(path, self.folder)
+        self.used = 0.0  # processor time of its tests [s]
         self.stamp = 1_000_000_000  # of changed files, never the same twice: see `_write`
 
     def _environment(self, plain: bool) -> dict[str, str]:
@@ -63,27 +112,22 @@ class Copy:
         }
         return beside | dict(os.environ) | given
 
-    def check(self) -> None:
-        """The copy is what its tests import, not the tree."""
-        code = "import thermobearing; print(thermobearing.__file__)"
-        found = subprocess.run(
-            [sys.executable, "-c", code],
-            cwd=self.folder, env=self._environment(False), capture_output=True, text=True, check=False,
-        )  # fmt: skip
-        if not found.stdout.startswith(str(self.folder)):
-            raise SystemExit(f"the copy is not what is imported: {found.stdout}{found.stderr}")
-
     def pytest(self, tests: Iterable[str], *options: str, plain: bool) -> tuple[int, str]:
         """Exit status and output of pytest; 124 if it ran out of time."""
-        command = [sys.executable, "-m", "pytest", *OPTIONS, *options, *tests]
-        try:
-            done = subprocess.run(
-                command, cwd=self.folder, env=self._environment(plain), timeout=LONGEST, check=False,
-                stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace",
-            )  # fmt: skip
-        except subprocess.TimeoutExpired:
+        words = [*OPTIONS, *options, *tests]
+        said = self.folder.with_suffix(".txt")
+        child = SERVER.Process(
+            target=_pytest_here, args=(self.folder, self._environment(plain), words, said)
+        )
+        child.start()
+        child.join(LONGEST)
+        if child.is_alive():
+            child.kill()
+            child.join()
             return 124, ""
-        return done.returncode, done.stdout
+        text = said.read_text(encoding="utf-8", errors="replace")
+        self.used += float(text.rpartition(USED)[2] if USED in text else 0.0)
+        return child.exitcode or 0, text.rpartition(USED)[0]
 
     def _write(self, path: Path, text: str) -> None:
         """Python trusts its byte code if time (whole seconds) and size are the same."""
@@ -96,11 +140,13 @@ class Copy:
         begin = time.perf_counter()
         path = self.folder / PACKAGE / mutant.file
         compiled = self._compiled()
+        kept = self.folder.with_suffix(".original")
+        shutil.copy2(path, kept)
         self._write(path, mutant.text)
         try:
             status, said = self.pytest(mutant.tests, "-x", plain=mutant.plain)
         finally:
-            shutil.copy2(ROOT / PACKAGE / mutant.file, path)
+            shutil.copy2(kept, path)
             for name in self._compiled() - compiled:  # nobody needs those kernels again
                 shutil.rmtree(self.folder / COMPILED / name, ignore_errors=True)
         verdict = CAUGHT if status else SURVIVED
