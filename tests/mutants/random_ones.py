@@ -5,8 +5,8 @@ errors (a limit of iterations, a hint), so not all of them can be caught.
 """
 
 import ast
+import itertools
 import random
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -172,21 +172,20 @@ class _Finder(ast.NodeVisitor):
         self._replace(node, "pass")
 
 
-def _mutants_of(file: str, tests: tuple[str, ...]) -> Iterator[Mutant]:
+def _mutant(file: str, edit: _Edit, tests: list[str]) -> Mutant | None:
+    """A file with an edit; None if it is the same program, or none at all."""
     source = original(file)
-    tree = ast.dump(ast.parse(source))
-    for edit in _Finder(source).found:
-        raw = source.encode()
-        old = raw[edit.start : edit.end].decode()
-        text = (raw[: edit.start] + edit.new.encode() + raw[edit.end :]).decode()
-        try:
-            if ast.dump(ast.parse(text)) == tree:
-                continue
-        except SyntaxError:
-            continue
-        told = " ".join(old.split()), " ".join(edit.new.split())
-        means = f"line {edit.line}: {told[0][:60]} -> {told[1][:60]}"
-        yield Mutant(file, means, text, tests)
+    raw = source.encode()
+    old = raw[edit.start : edit.end].decode()
+    text = (raw[: edit.start] + edit.new.encode() + raw[edit.end :]).decode()
+    try:
+        if ast.dump(ast.parse(text)) == ast.dump(ast.parse(source)):
+            return None
+    except SyntaxError:
+        return None
+    told = " ".join(old.split()), " ".join(edit.new.split())
+    means = f"line {edit.line}: {told[0][:60]} -> {told[1][:60]}"
+    return Mutant(file, means, text, tuple(tests))
 
 
 def files_of_the_package() -> list[str]:
@@ -199,5 +198,7 @@ def files_of_the_package() -> list[str]:
 def random_mutants(count: int, seed: int) -> list[Mutant]:
     """So many different changes, each place as likely as any other."""
     nearest = nearest_tests()
-    every = [m for file in files_of_the_package() for m in _mutants_of(file, tuple(nearest[file]))]
-    return random.Random(seed).sample(every, min(count, len(every)))
+    places = [(file, e) for file in files_of_the_package() for e in _Finder(original(file)).found]
+    random.Random(seed).shuffle(places)
+    made = (_mutant(file, edit, nearest[file]) for file, edit in places)
+    return list(itertools.islice((mutant for mutant in made if mutant is not None), count))
