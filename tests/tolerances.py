@@ -73,6 +73,7 @@ RECORDING = 1e-9  # of the amplitude: slopes of 1e5 mm/s times the rounding of t
 MEAN = 1e-12  # areas of some hundred trapezia
 SETTLED = 0.01  # K after 1e6 s; Crank-Nicolson rings in the steps of 600 s, 3e-3 measured
 LOOP = 1e-12  # sums of some thousand products
+FITTED_RANGE = 2e-3  # of the slope: 20 000 points, a few more or less at the ends of the range
 POLYGON = 1e-6  # 4000 points on an ellipse: (2 pi / n)^2 / 6 = 4e-7
 NOISY_CROSSING = 0.01  # of the period: 1 % of noise over the slope 2 pi, some four sigma
 CLOCK_FORCE = 1e-9  # of the peak: time steps taken from differences of the clock
