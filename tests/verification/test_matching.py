@@ -4,11 +4,11 @@ import numpy as np
 from numpy.testing import assert_allclose
 
 from tests import tolerances as tol
-from thermobearing.drive.motions.library import load_motion
-from thermobearing.drive.motions.matching import COARSE, _Amplitudes
-from thermobearing.drive.motions.process import padded, with_quiet_end
-from thermobearing.drive.motions.spectrum import DAMPING, response_spectrum
-from thermobearing.drive.motions.synthesis import ROOM
+from thermobearing.motions.library import load_motion
+from thermobearing.motions.matching import COARSE, _Amplitudes
+from thermobearing.motions.process import padded, with_quiet_end
+from thermobearing.motions.spectrum import DAMPING, response_spectrum
+from thermobearing.motions.synthesis import ROOM
 
 
 def shaken_amplitudes() -> _Amplitudes:
