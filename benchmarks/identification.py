@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 
 import thermobearing as tb
 from benchmarks.rows import Row, at_least, at_most, plain
-from thermobearing.identify.fit import Identification, identify_bearing
 from thermobearing.identify.krill import krill_herd
 from thermobearing.identify.record import TestRecord
 from thermobearing.identify.report import fits
+from thermobearing.identify.run import Identification, identify_bearing
 from thermobearing.identify.synthetic import forgotten, synthetic_record
 
 Floats = NDArray[np.float64]

@@ -12,8 +12,8 @@ import openseespy.opensees as ops
 from benchmarks.opensees_model import BEARING, LEAD, VERTICAL
 from benchmarks.structure import DT, LINE, STRUCTURE, ground
 from tests.reference.opensees_pier import build
-from thermobearing.drive.structure.model import load_structure
-from thermobearing.drive.structure.run import prepare_structure
+from thermobearing.structure.model import load_structure
+from thermobearing.structure.run import prepare_structure
 
 REPEATS = 3
 STRENGTH, SHEAR = 0.4 * LINE * 1e5, 0.35 * LINE * 0.6e6  # N, Pa: as strong as the line of LHDR

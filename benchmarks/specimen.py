@@ -6,12 +6,12 @@ from collections.abc import Callable
 import numpy as np
 
 import thermobearing as tb
+from thermobearing.bearing.ambient import Ambient
 from thermobearing.core.types import Constants
-from thermobearing.drive.ambient import Ambient
-from thermobearing.drive.assemble import LeadEnds, build_constants
-from thermobearing.drive.protocol import Segment, build_segments
-from thermobearing.drive.run import History, run_segments
-from thermobearing.stack import Face, build_stack
+from thermobearing.cyclic.history import History, run_segments
+from thermobearing.cyclic.protocol import Segment, build_segments
+from thermobearing.model.constants import LeadEnds, build_constants
+from thermobearing.model.stack import Face, build_stack
 
 NAME = "shen-hdr-specimen"
 AMBIENTS = (-20.0, 0.0, 23.0)  # [degC]

@@ -11,13 +11,13 @@ import thermobearing as tb
 from benchmarks.rows import Row, at_least, at_most, failed, plain
 from benchmarks.specimen import seconds
 from thermobearing.core.types import Floats
-from thermobearing.drive.assemble import build_constants
-from thermobearing.drive.motions.library import load_motion
-from thermobearing.drive.structure.model import load_structure
-from thermobearing.drive.structure.run import Line, prepare_structure, run_structure
-from thermobearing.earthquake import run_earthquake
-from thermobearing.earthquake_case import make_earthquake_case
-from thermobearing.stack import Face, build_stack
+from thermobearing.earthquake.case import make_earthquake_case
+from thermobearing.earthquake.run import run_earthquake
+from thermobearing.model.constants import build_constants
+from thermobearing.model.stack import Face, build_stack
+from thermobearing.motions.library import load_motion
+from thermobearing.structure.model import load_structure
+from thermobearing.structure.run import Line, prepare_structure, run_structure
 
 STRUCTURE, BEARING, MOTION, LINE = "pier-p1", "shen-lhdr-bridge", "jra-ii-i-1", 5
 DT, DURATION, AMBIENT = 0.005, 40.0, -20.0

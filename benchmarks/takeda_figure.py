@@ -5,9 +5,10 @@ import sys
 import numpy as np
 from matplotlib.figure import Figure
 
-from thermobearing.drive.structure.model import load_structure
-from thermobearing.drive.structure.takeda import NEVER_TURNED, takeda
-from thermobearing.drive.structure.types import (
+from thermobearing.results import drawing
+from thermobearing.structure.model import load_structure
+from thermobearing.structure.takeda import NEVER_TURNED, takeda
+from thermobearing.structure.types import (
     HIGHEST,
     HINGE_STATE,
     LOWEST,
@@ -15,7 +16,6 @@ from thermobearing.drive.structure.types import (
     TURNED_HIGH,
     TURNED_LOW,
 )
-from thermobearing.results import drawing
 
 PATH = [1.0, 4.0, 2.8, 4.0, 5.0, 0.0, -3.0, 0.5, 3.0, 1.5, 5.0]  # rotations over yield
 RULES = (  # text, leg of the path, place along it, offset of the text

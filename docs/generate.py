@@ -186,7 +186,7 @@ def draw() -> None:
     import thermobearing as tb
     from thermobearing.design.bounds_study import DEMANDS
     from thermobearing.design.factor_files import scale_figure
-    from thermobearing.results.design_figures import draw_bounds
+    from thermobearing.design.figures import draw_bounds
 
     result = tb.run("shen-hdr-specimen", tb.cyclic_test(), ambient=[-20.0, 0.0, 23.0])
     (DOCS / "figures").mkdir(exist_ok=True)

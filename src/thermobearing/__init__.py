@@ -14,60 +14,60 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0"
 
 _HOME = {
-    "Ambient": "thermobearing.drive.ambient",
+    "Ambient": "thermobearing.bearing.ambient",
     "Bearing": "thermobearing.bearing.model",
-    "BearingElement": "thermobearing.drive.element",
+    "BearingElement": "thermobearing.model.element",
     "BilinearBearing": "thermobearing.bearing.bilinear",
-    "Case": "thermobearing.case",
-    "CyclicTest": "thermobearing.drive.protocol",
-    "EarthquakeCase": "thermobearing.earthquake_case",
-    "EarthquakeResult": "thermobearing.results.earthquake_result",
-    "EndFace": "thermobearing.case",
-    "GroundMotion": "thermobearing.drive.motions.record",
-    "Identification": "thermobearing.identify.fit",
-    "InputError": "thermobearing.errors",
-    "OutputError": "thermobearing.errors",
-    "Result": "thermobearing.results.result",
+    "Case": "thermobearing.cyclic.case",
+    "CyclicTest": "thermobearing.cyclic.protocol",
+    "EarthquakeCase": "thermobearing.earthquake.case",
+    "EarthquakeResult": "thermobearing.earthquake.result",
+    "EndFace": "thermobearing.cyclic.case",
+    "GroundMotion": "thermobearing.motions.record",
+    "Identification": "thermobearing.identify.run",
+    "InputError": "thermobearing.border.errors",
+    "OutputError": "thermobearing.border.errors",
+    "Result": "thermobearing.cyclic.result",
     "TestRecord": "thermobearing.identify.record",
-    "baseline_corrected": "thermobearing.drive.motions.process",
+    "baseline_corrected": "thermobearing.motions.process",
     "bound_models": "thermobearing.design.bound_models",
     "bounds_study": "thermobearing.design.bounds_study",
-    "bridge": "thermobearing.earthquake",
+    "bridge": "thermobearing.earthquake.run",
     "check_test": "thermobearing.identify.checks",
-    "cyclic_test": "thermobearing.drive.protocol",
+    "cyclic_test": "thermobearing.cyclic.protocol",
     "equal_bearing": "thermobearing.design.equal",
-    "hybrid": "thermobearing.earthquake",
-    "identify_bearing": "thermobearing.identify.fit",
+    "hybrid": "thermobearing.earthquake.run",
+    "identify_bearing": "thermobearing.identify.run",
     "list_bearings": "thermobearing.bearing.library",
-    "list_motions": "thermobearing.drive.motions.library",
-    "list_structures": "thermobearing.drive.structure.model",
+    "list_motions": "thermobearing.motions.library",
+    "list_structures": "thermobearing.structure.model",
     "load_bearing": "thermobearing.bearing.library",
     "load_bilinear": "thermobearing.bearing.bilinear",
-    "load_case": "thermobearing.case",
+    "load_case": "thermobearing.cyclic.case",
     "load_design_case": "thermobearing.design.case",
-    "load_earthquake_case": "thermobearing.earthquake_case",
-    "load_motion": "thermobearing.drive.motions.library",
-    "load_result": "thermobearing.results.files",
-    "load_structure": "thermobearing.drive.structure.model",
+    "load_earthquake_case": "thermobearing.earthquake.case",
+    "load_motion": "thermobearing.motions.library",
+    "load_result": "thermobearing.cyclic.files",
+    "load_structure": "thermobearing.structure.model",
     "load_test": "thermobearing.identify.record",
     "make_design_case": "thermobearing.design.case",
-    "make_motion": "thermobearing.drive.motions.synthesis",
-    "match_spectrum": "thermobearing.drive.motions.synthesis",
+    "make_motion": "thermobearing.motions.synthesis",
+    "match_spectrum": "thermobearing.motions.synthesis",
     "measure_cycle": "thermobearing.results.metrics",
     "measure_history": "thermobearing.results.metrics",
-    "measure_motion": "thermobearing.drive.motions.measures",
-    "read_columns": "thermobearing.tables",
-    "read_motion": "thermobearing.drive.motions.readers",
+    "measure_motion": "thermobearing.motions.measures",
+    "read_columns": "thermobearing.border.tables",
+    "read_motion": "thermobearing.motions.readers",
     "record_from_arrays": "thermobearing.identify.record",
-    "resampled": "thermobearing.drive.motions.process",
-    "response_spectrum": "thermobearing.drive.motions.spectrum",
-    "run": "thermobearing.simulate",
-    "run_case": "thermobearing.simulate",
-    "run_design": "thermobearing.design.loop",
-    "run_earthquake": "thermobearing.earthquake",
+    "resampled": "thermobearing.motions.process",
+    "response_spectrum": "thermobearing.motions.spectrum",
+    "run": "thermobearing.cyclic.run",
+    "run_case": "thermobearing.cyclic.run",
+    "run_design": "thermobearing.design.run",
+    "run_earthquake": "thermobearing.earthquake.run",
     "scale_study": "thermobearing.design.scale",
     "scaled_bearing": "thermobearing.design.scale",
-    "standard_spectrum": "thermobearing.drive.motions.jra",
+    "standard_spectrum": "thermobearing.motions.jra",
     "synthetic_record": "thermobearing.identify.synthetic",
     "temperature_factors": "thermobearing.design.factors",
 }
@@ -133,42 +133,42 @@ __all__ = [
 ]
 
 if TYPE_CHECKING:
+    from thermobearing.bearing.ambient import Ambient
     from thermobearing.bearing.bilinear import BilinearBearing, load_bilinear
     from thermobearing.bearing.library import list_bearings, load_bearing
     from thermobearing.bearing.model import Bearing
-    from thermobearing.case import Case, EndFace, load_case
+    from thermobearing.border.errors import InputError, OutputError
+    from thermobearing.border.tables import read_columns
+    from thermobearing.cyclic.case import Case, EndFace, load_case
+    from thermobearing.cyclic.files import load_result
+    from thermobearing.cyclic.protocol import CyclicTest, cyclic_test
+    from thermobearing.cyclic.result import Result
+    from thermobearing.cyclic.run import run, run_case
     from thermobearing.design.bound_models import bound_models
     from thermobearing.design.bounds_study import bounds_study
     from thermobearing.design.case import load_design_case, make_design_case
     from thermobearing.design.equal import equal_bearing
     from thermobearing.design.factors import temperature_factors
-    from thermobearing.design.loop import run_design
+    from thermobearing.design.run import run_design
     from thermobearing.design.scale import scale_study, scaled_bearing
-    from thermobearing.drive.ambient import Ambient
-    from thermobearing.drive.element import BearingElement
-    from thermobearing.drive.motions.jra import standard_spectrum
-    from thermobearing.drive.motions.library import list_motions, load_motion
-    from thermobearing.drive.motions.measures import measure_motion
-    from thermobearing.drive.motions.process import baseline_corrected, resampled
-    from thermobearing.drive.motions.readers import read_motion
-    from thermobearing.drive.motions.record import GroundMotion
-    from thermobearing.drive.motions.spectrum import response_spectrum
-    from thermobearing.drive.motions.synthesis import make_motion, match_spectrum
-    from thermobearing.drive.protocol import CyclicTest, cyclic_test
-    from thermobearing.drive.structure.model import list_structures, load_structure
-    from thermobearing.earthquake import bridge, hybrid, run_earthquake
-    from thermobearing.earthquake_case import EarthquakeCase, load_earthquake_case
-    from thermobearing.errors import InputError, OutputError
+    from thermobearing.earthquake.case import EarthquakeCase, load_earthquake_case
+    from thermobearing.earthquake.result import EarthquakeResult
+    from thermobearing.earthquake.run import bridge, hybrid, run_earthquake
     from thermobearing.identify.checks import check_test
-    from thermobearing.identify.fit import Identification, identify_bearing
     from thermobearing.identify.record import TestRecord, load_test, record_from_arrays
+    from thermobearing.identify.run import Identification, identify_bearing
     from thermobearing.identify.synthetic import synthetic_record
-    from thermobearing.results.earthquake_result import EarthquakeResult
-    from thermobearing.results.files import load_result
+    from thermobearing.model.element import BearingElement
+    from thermobearing.motions.jra import standard_spectrum
+    from thermobearing.motions.library import list_motions, load_motion
+    from thermobearing.motions.measures import measure_motion
+    from thermobearing.motions.process import baseline_corrected, resampled
+    from thermobearing.motions.readers import read_motion
+    from thermobearing.motions.record import GroundMotion
+    from thermobearing.motions.spectrum import response_spectrum
+    from thermobearing.motions.synthesis import make_motion, match_spectrum
     from thermobearing.results.metrics import measure_cycle, measure_history
-    from thermobearing.results.result import Result
-    from thermobearing.simulate import run, run_case
-    from thermobearing.tables import read_columns
+    from thermobearing.structure.model import list_structures, load_structure
 
 
 def __getattr__(name: str) -> Any:

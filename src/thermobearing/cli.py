@@ -16,6 +16,7 @@ import typer
 import typer.core
 
 import thermobearing
+from thermobearing.border.errors import InputError
 from thermobearing.commands import design, earthquake, factors
 from thermobearing.commands.common import (
     BAD_INPUT,
@@ -31,11 +32,10 @@ from thermobearing.commands.common import (
 )
 from thermobearing.commands.identify import identify
 from thermobearing.commands.motions import app as motions
-from thermobearing.errors import InputError
 
 if TYPE_CHECKING:
-    from thermobearing.case import Case
-    from thermobearing.results.result import Result
+    from thermobearing.cyclic.case import Case
+    from thermobearing.cyclic.result import Result
 
 
 class _Commands(typer.core.TyperGroup):
@@ -114,11 +114,11 @@ def cyclic(
     quiet: Quiet = False,
 ) -> int:
     """Displacement-controlled cyclic test of a bearing, heat and hysteresis coupled."""
-    from thermobearing.case import load_case, make_case
+    from thermobearing.cyclic.case import load_case, make_case
+    from thermobearing.cyclic.files import save_result
+    from thermobearing.cyclic.run import run_case
+    from thermobearing.cyclic.screen import print_result
     from thermobearing.results.directory import check_target
-    from thermobearing.results.files import save_result
-    from thermobearing.results.screen import print_result
-    from thermobearing.simulate import run_case
 
     overrides = {
         "bearing": bearing,
@@ -149,7 +149,7 @@ def cyclic(
 
 def _others(case: "Case", result: "Result") -> "dict[str, Result]":
     """The result and those of the earlier models, by name; InputError without cycles."""
-    from thermobearing.compare import compare_models
+    from thermobearing.cyclic.compare import compare_models
 
     if len(result.cycles) == 0:
         raise InputError("--compare needs a test with cycles")
@@ -162,8 +162,8 @@ def list_(as_json: AsJson = False) -> int:
     """What is built in."""
     from thermobearing.bearing.bilinear import list_bilinear, load_bilinear
     from thermobearing.bearing.library import list_bearings, load_bearing
-    from thermobearing.drive.motions.library import list_motions
-    from thermobearing.drive.structure.model import list_structures, load_structure
+    from thermobearing.motions.library import list_motions
+    from thermobearing.structure.model import list_structures, load_structure
 
     bearings = [load_bearing(name) for name in list_bearings()]
     for bearing in bearings:
@@ -194,8 +194,8 @@ def check(
     as_json: AsJson = False,
 ) -> int:
     """Validate a file without running it, and say what was understood."""
-    from thermobearing.check import describe_file
-    from thermobearing.results.screen import print_facts
+    from thermobearing.commands.check import describe_file
+    from thermobearing.cyclic.screen import print_facts
 
     kind, facts = describe_file(file)
     print_facts(f"{file}: a valid {kind}", facts)
@@ -217,10 +217,10 @@ def measure(
     import dataclasses
 
     from thermobearing.bearing.library import load_bearing
-    from thermobearing.results.files import without_nan
+    from thermobearing.border.tables import read_columns
+    from thermobearing.cyclic.files import without_nan
+    from thermobearing.cyclic.screen import print_measures
     from thermobearing.results.metrics import measure_history
-    from thermobearing.results.screen import print_measures
-    from thermobearing.tables import read_columns
 
     data = read_columns(file, {"displacement": "mm", "force": "kN"})
     specimen = load_bearing(bearing)

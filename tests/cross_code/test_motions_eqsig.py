@@ -6,16 +6,16 @@ from numpy.testing import assert_allclose
 
 from tests import tolerances as tol
 from tests.conftest import Recorder
-from thermobearing.drive.motions.library import load_motion
-from thermobearing.drive.motions.measures import (
+from thermobearing.motions.library import load_motion
+from thermobearing.motions.measures import (
     BRACKET,
     arias_growth,
     bracketed_duration,
     measure_motion,
     significant_duration,
 )
-from thermobearing.drive.motions.record import STANDARD_GRAVITY
-from thermobearing.drive.motions.spectrum import response_spectrum
+from thermobearing.motions.record import STANDARD_GRAVITY
+from thermobearing.motions.spectrum import response_spectrum
 
 eqsig = pytest.importorskip("eqsig", reason="eqsig is not installed")
 MOTIONS = ["jra-i-ii-1", "jra-ii-i-2", "jra-ii-iii-3"]

@@ -71,7 +71,7 @@ def test_make_targets_exist() -> None:
 
 
 def test_case_in_the_docs_is_valid(tmp_path: Path) -> None:
-    from thermobearing.check import describe_file
+    from thermobearing.commands.check import describe_file
 
     found = {}
     for case in blocks((ROOT / "docs" / "files.md").read_text(), "toml"):
@@ -87,7 +87,7 @@ def test_case_in_the_docs_is_valid(tmp_path: Path) -> None:
 
 
 def test_library_files_are_described(tmp_path: Path) -> None:
-    from thermobearing.check import describe_file
+    from thermobearing.commands.check import describe_file
 
     for folder, kind in (
         ("bearings", "bearing"),

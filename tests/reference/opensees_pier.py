@@ -11,8 +11,8 @@ import numpy as np
 import openseespy.opensees as ops
 from numpy.typing import NDArray
 
-from thermobearing.drive.structure.model import Structure
-from thermobearing.drive.structure.run import Prepared
+from thermobearing.structure.model import Structure
+from thermobearing.structure.run import Prepared
 
 RIGID = 1e15  # E, G [N/m2] of bodies with a unit cross-section
 Floats = NDArray[np.float64]

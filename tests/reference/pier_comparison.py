@@ -17,9 +17,9 @@ from tests.verification.structures import (
 )
 from thermobearing.bearing.bilinear import load_bilinear
 from thermobearing.core.types import FORCE, Constants, Floats
-from thermobearing.drive.baselines import BilinearParameters, bilinear_constants
-from thermobearing.drive.structure.matrices import displacement_row, unit
-from thermobearing.drive.structure.model import Structure, load_structure
+from thermobearing.model.earlier import BilinearParameters, bilinear_constants
+from thermobearing.structure.matrices import displacement_row, unit
+from thermobearing.structure.model import Structure, load_structure
 
 DT, DURATION = 0.005, 20.0  # [s]
 MOTION = "jra-ii-i-1"

@@ -24,7 +24,7 @@ from tests.unit.inputs import (
     specimen_table,
     write_toml,
 )
-from thermobearing.drive.protocol import MAX_STEPS
+from thermobearing.cyclic.protocol import MAX_STEPS
 
 G, H, M = "geometry.", "hysteresis.", "materials."
 MM = '"1.5 mm"'

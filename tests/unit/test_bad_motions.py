@@ -8,14 +8,14 @@ import pytest
 
 import tests.unit.motion_files as files
 from tests.unit.inputs import assert_told, command
-from thermobearing.drive.motions import process
-from thermobearing.drive.motions.jra import standard_spectrum
-from thermobearing.drive.motions.library import load_motion
-from thermobearing.drive.motions.measures import significant_duration
-from thermobearing.drive.motions.record import GroundMotion, acceleration_unit
-from thermobearing.drive.motions.spectrum import response_spectrum
-from thermobearing.drive.motions.synthesis import make_motion, match_spectrum
-from thermobearing.errors import InputError
+from thermobearing.border.errors import InputError
+from thermobearing.motions import process
+from thermobearing.motions.jra import standard_spectrum
+from thermobearing.motions.library import load_motion
+from thermobearing.motions.measures import significant_duration
+from thermobearing.motions.record import GroundMotion, acceleration_unit
+from thermobearing.motions.spectrum import response_spectrum
+from thermobearing.motions.synthesis import make_motion, match_spectrum
 
 
 def changed(text: str, line: int, new: str) -> str:

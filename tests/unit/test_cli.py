@@ -9,7 +9,7 @@ import xarray as xr
 from typer.testing import Result
 
 import thermobearing as tb
-import thermobearing.drive.run
+import thermobearing.cyclic.history
 from tests.unit.inputs import (
     CYCLES,
     FILES,
@@ -292,7 +292,7 @@ def test_no_memory_is_told(case: Path, tmp_path: Path, monkeypatch: pytest.Monke
     def exhausted(*_: Any) -> None:
         raise MemoryError
 
-    monkeypatch.setattr(thermobearing.drive.run, "march", exhausted)
+    monkeypatch.setattr(thermobearing.cyclic.history, "march", exhausted)
     done = cyclic(case, "-o", tmp_path / "out", "--json")
     assert done.exit_code == 2
     assert "keep_every" in last_line(done)["message"]

@@ -23,9 +23,9 @@ from tests.unit.inputs import (
     last_line,
     write_toml,
 )
-from thermobearing.drive.ambient import Ambient
-from thermobearing.earthquake import build_device, run_earthquake, soaked
-from thermobearing.earthquake_case import EarthquakeCase, make_earthquake_case
+from thermobearing.bearing.ambient import Ambient
+from thermobearing.earthquake.case import EarthquakeCase, make_earthquake_case
+from thermobearing.earthquake.run import build_device, run_earthquake, soaked
 
 SMALL: dict[str, Any] = {
     "command": "bridge",
@@ -202,7 +202,7 @@ def test_weather_is_the_same_heat_model() -> None:
 
 
 def test_interrupted_study_keeps_what_it_has(monkeypatch: pytest.MonkeyPatch) -> None:
-    import thermobearing.earthquake as module
+    import thermobearing.earthquake.run as module
 
     calls = []
     real = module.run_task

@@ -9,9 +9,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import thermobearing as tb
+from thermobearing.cyclic.figures import NothingToDrawError
+from thermobearing.cyclic.time_axis import TimeAxis
 from thermobearing.results.drawing import ambient_colours, thin, thin_loops
-from thermobearing.results.figures import NothingToDrawError
-from thermobearing.results.time_axis import TimeAxis
 
 BEARING = "shen-hdr-specimen"
 NAMES = ["imposed_displacement", "loops", "measures", "layer_temperatures", "profiles"]

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import thermobearing as tb
-from thermobearing.errors import InputError
+from thermobearing.border.errors import InputError
 from thermobearing.identify.checks import CheckReport, check_test
-from thermobearing.identify.fit import identify_bearing
 from thermobearing.identify.record import TestRecord
+from thermobearing.identify.run import identify_bearing
 from thermobearing.identify.synthetic import synthetic_record
 
 BEARING = tb.load_bearing("shen-hdr-specimen")

@@ -9,9 +9,8 @@ import pytest
 from typer.testing import CliRunner
 
 import thermobearing as tb
+from thermobearing.border.errors import InputError
 from thermobearing.cli import app
-from thermobearing.errors import InputError
-from thermobearing.identify.fit import Identification, identify_bearing
 from thermobearing.identify.forward import ForwardModel
 from thermobearing.identify.posterior import (
     laplace_samples,
@@ -19,6 +18,7 @@ from thermobearing.identify.posterior import (
     predictive_band,
 )
 from thermobearing.identify.record import TestRecord
+from thermobearing.identify.run import Identification, identify_bearing
 from thermobearing.identify.synthetic import synthetic_record
 
 HDR = tb.load_bearing("shen-hdr-specimen")

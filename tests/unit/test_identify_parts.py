@@ -7,7 +7,7 @@ from numpy.testing import assert_allclose
 import thermobearing as tb
 from tests import tolerances as tol
 from tests.conftest import Recorder
-from thermobearing.errors import InputError
+from thermobearing.border.errors import InputError
 from thermobearing.identify.forward import ForwardModel, turning_points
 from thermobearing.identify.krill import krill_herd
 from thermobearing.identify.parameters import KINDS, full_key, parameter_set

@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from tests import tolerances as tol
-from thermobearing.errors import InputError
+from thermobearing.border.errors import InputError
 from thermobearing.identify.record import ASSUMED_AMBIENT, ASSUMED_SPEED, load_test
 
 TIME = np.arange(400) * 0.02

@@ -16,9 +16,9 @@ import thermobearing as tb
 from tests import tolerances as tol
 from tests.unit.inputs import SPECIMEN
 from thermobearing.bearing.model import Bearing
-from thermobearing.bearing.schema import validated
-from thermobearing.case import Analysis, Case
-from thermobearing.drive.protocol import Cycles, Ramp, Recorded, Rest
+from thermobearing.border.schema import validated
+from thermobearing.cyclic.case import Analysis, Case
+from thermobearing.cyclic.protocol import Cycles, Ramp, Recorded, Rest
 
 STEPS = [
     {"step": "cycles", "strain": 1.5, "speed": 60.0, "count": 2, "closing_strain": 0.1},

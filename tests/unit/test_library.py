@@ -12,8 +12,8 @@ import thermobearing as tb
 from tests import tolerances as tol
 from tests.unit.inputs import SPECIMEN, changed_table, specimen_table, write_toml
 from thermobearing.bearing.model import Bearing
-from thermobearing.bearing.schema import validated
-from thermobearing.case import to_table
+from thermobearing.border.schema import validated
+from thermobearing.cyclic.case import to_table
 
 TEXT_KEYS = {"name", "kind", "description", "citation"}
 

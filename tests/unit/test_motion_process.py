@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
 from tests import tolerances as tol
-from thermobearing.drive.motions.library import load_motion
-from thermobearing.drive.motions.measures import bracketed_duration, significant_duration
-from thermobearing.drive.motions.process import (
+from thermobearing.motions.library import load_motion
+from thermobearing.motions.measures import bracketed_duration, significant_duration
+from thermobearing.motions.process import (
     baseline_corrected,
     padded,
     resampled,
@@ -17,13 +17,13 @@ from thermobearing.drive.motions.process import (
     trimmed,
     with_quiet_end,
 )
-from thermobearing.drive.motions.record import (
+from thermobearing.motions.record import (
     GroundMotion,
     acceleration_unit,
     displacement_of,
     velocity_of,
 )
-from thermobearing.drive.motions.spectrum import response_spectrum
+from thermobearing.motions.spectrum import response_spectrum
 
 DT = 0.01
 TIME = np.arange(4001) * DT

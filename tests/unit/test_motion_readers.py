@@ -8,8 +8,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 import tests.unit.motion_files as files
-from thermobearing.drive.motions.library import load_motion
-from thermobearing.drive.motions.readers import read_motion
+from thermobearing.motions.library import load_motion
+from thermobearing.motions.readers import read_motion
 
 GOOD: list[tuple[str, str, dict[str, Any]]] = [
     ("csv", files.csv_text(), {}),

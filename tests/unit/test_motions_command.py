@@ -12,9 +12,9 @@ import tests.unit.motion_files as files
 import thermobearing.commands.motions as commands
 from tests import tolerances as tol
 from tests.unit.inputs import command, content, last_line, summary
-from thermobearing.drive.motions.jra import standard_spectrum
-from thermobearing.drive.motions.library import list_motions, load_motion
-from thermobearing.results.motion_figures import motion_figure, spectrum_figure
+from thermobearing.motions.figures import motion_figure, spectrum_figure
+from thermobearing.motions.jra import standard_spectrum
+from thermobearing.motions.library import list_motions, load_motion
 
 NAMES = {"motion.csv", "spectrum.csv", "summary.json"}
 FIGURES = {"figures/motion.png", "figures/spectrum.png"}

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 import thermobearing as tb
 from tests import tolerances as tol
 from thermobearing.bearing.model import Bearing
-from thermobearing.bearing.schema import validated
-from thermobearing.drive.outcomes import SENTENCES
+from thermobearing.border.schema import validated
+from thermobearing.model.outcomes import SENTENCES
 
 LONGEST = 250  # steps of one leg: the examples together must stay quick
 

@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 import thermobearing as tb
 from tests import tolerances as tol
 from tests.unit.inputs import SPECIMEN
-from thermobearing.drive.protocol import (
+from thermobearing.cyclic.protocol import (
     FEWEST_STEPS,
     MAX_STEPS,
     REST_GROWTH,
@@ -234,6 +234,6 @@ def test_python_and_toml_tests_are_the_same() -> None:
             {"step": "cycles", "strain": 1.0, "count": 3, "speed": "3 cm/s", "closing_strain": 0.1}
         ],
     }
-    from thermobearing.bearing.schema import validated
+    from thermobearing.border.schema import validated
 
     assert validated(tb.CyclicTest, given, "toml") == tb.cyclic_test(strain=1.0, cycles=3)

@@ -14,7 +14,7 @@ import pytest
 import xarray as xr
 
 import thermobearing as tb
-import thermobearing.drive.run
+import thermobearing.cyclic.history
 from tests import tolerances as tol
 from tests.unit.inputs import (
     CYCLES,
@@ -114,7 +114,7 @@ def test_unusable_target(
 def test_unusable_target_is_told_before_the_run(
     case: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(thermobearing.drive.run, "march", lambda *_: pytest.fail("it was run"))
+    monkeypatch.setattr(thermobearing.cyclic.history, "march", lambda *_: pytest.fail("it was run"))
     assert cyclic(case, "-o", case).exit_code == 2
 
 
@@ -196,7 +196,7 @@ def test_really_full_disk(case: Path, tmp_path: Path) -> None:
 def test_ctrl_c_during_a_run_keeps_what_was_computed(
     case: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    march, calls = thermobearing.drive.run.march, []
+    march, calls = thermobearing.cyclic.history.march, []
 
     def interrupted(*args: Any) -> Any:
         calls.append(args)
@@ -204,8 +204,8 @@ def test_ctrl_c_during_a_run_keeps_what_was_computed(
             raise KeyboardInterrupt
         return march(*args)
 
-    monkeypatch.setattr(thermobearing.drive.run, "CHUNK", 50)
-    monkeypatch.setattr(thermobearing.drive.run, "march", interrupted)
+    monkeypatch.setattr(thermobearing.cyclic.history, "CHUNK", 50)
+    monkeypatch.setattr(thermobearing.cyclic.history, "march", interrupted)
     out = tmp_path / "out"
     done = cyclic(case, "--ambient", 0, "--ambient", 23, "-o", out, "--json")
     assert done.exit_code == 130
@@ -225,7 +225,7 @@ def test_books_of_a_partial_result_close_whatever_is_kept(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The run stops between two kept rows; the final profile and the last row must agree."""
-    march, calls = thermobearing.drive.run.march, []
+    march, calls = thermobearing.cyclic.history.march, []
 
     def interrupted(*args: Any) -> Any:
         calls.append(args)
@@ -233,8 +233,8 @@ def test_books_of_a_partial_result_close_whatever_is_kept(
             raise KeyboardInterrupt
         return march(*args)
 
-    monkeypatch.setattr(thermobearing.drive.run, "CHUNK", 47)
-    monkeypatch.setattr(thermobearing.drive.run, "march", interrupted)
+    monkeypatch.setattr(thermobearing.cyclic.history, "CHUNK", 47)
+    monkeypatch.setattr(thermobearing.cyclic.history, "march", interrupted)
     result = tb.run("shen-hdr-specimen", tb.cyclic_test(strain=[1.0], dt=0.01), keep_every=20)
     assert result.outcome == "interrupted"
     assert int(result["steps"][0]) == 3 * 47
@@ -250,7 +250,7 @@ def test_ctrl_c_before_the_first_step(
     def interrupted(*_: Any) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(thermobearing.drive.run, "march", interrupted)
+    monkeypatch.setattr(thermobearing.cyclic.history, "march", interrupted)
     assert cyclic(case, "-o", tmp_path / "out").exit_code == 130
     assert summary(tmp_path / "out")["outcome"] == "interrupted"
     assert summary(tmp_path / "out")["runs"][0]["cycles"] == []
@@ -258,7 +258,7 @@ def test_ctrl_c_before_the_first_step(
 
 SPEAKING = """
 import sys
-import thermobearing.drive.run as drive
+import thermobearing.cyclic.history as drive
 march = drive.march
 def speaking(*args):
     print("stepping", file=sys.stderr, flush=True)

@@ -7,8 +7,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 from tests import tolerances as tol
-from thermobearing.errors import InputError
-from thermobearing.units import conversion, parse_quantity, with_unit
+from thermobearing.border.errors import InputError
+from thermobearing.border.units import conversion, parse_quantity, with_unit
 
 
 @pytest.mark.parametrize(

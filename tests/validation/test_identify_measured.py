@@ -10,9 +10,9 @@ from tests import tolerances as tol
 from tests.conftest import Recorder
 from tests.shared_data import shared_data
 from tests.unit.inputs import GALLARDO
-from thermobearing.identify.fit import Identification, identify_bearing
 from thermobearing.identify.record import load_test
 from thermobearing.identify.report import fits
+from thermobearing.identify.run import Identification, identify_bearing
 
 # Virgin rubber: every cycle counts relative to its own peak, first cycles four times.
 VIRGIN = "\n[scragging]\namplitude = 0.5\nstrain = 0.3\nmullins_amplitude = 0.3\n"

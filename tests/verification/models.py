@@ -24,8 +24,8 @@ from thermobearing.core.types import (
     new_state,
     new_workspace,
 )
-from thermobearing.drive.assemble import build_constants
-from thermobearing.stack import Face, build_stack
+from thermobearing.model.constants import build_constants
+from thermobearing.model.stack import Face, build_stack
 
 
 def specimen() -> Bearing:
@@ -144,7 +144,7 @@ def marched(
         np.arange(width),
         np.zeros(width),
         rows,
-        cells,  # in double precision here: single is a choice of drive/run.py
+        cells,  # in double precision here: single is a choice of cyclic/history.py
     )
     assert done == kept
     layer, d, z = (rows[:kept, BOOKS + k * layers : BOOKS + (k + 1) * layers] for k in range(3))

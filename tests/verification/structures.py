@@ -6,12 +6,13 @@ import numpy as np
 
 import thermobearing as tb
 from thermobearing.core.types import Constants, Floats
-from thermobearing.drive.assemble import build_constants
-from thermobearing.drive.baselines import BilinearParameters, bilinear_constants
-from thermobearing.drive.motions.library import load_motion
-from thermobearing.drive.structure.matrices import hinge_stiffness
-from thermobearing.drive.structure.model import Structure, load_structure
-from thermobearing.drive.structure.run import (
+from thermobearing.model.constants import build_constants
+from thermobearing.model.earlier import BilinearParameters, bilinear_constants
+from thermobearing.model.stack import Face, build_stack
+from thermobearing.motions.library import load_motion
+from thermobearing.structure.matrices import hinge_stiffness
+from thermobearing.structure.model import Structure, load_structure
+from thermobearing.structure.run import (
     Line,
     Method,
     Prepared,
@@ -19,7 +20,6 @@ from thermobearing.drive.structure.run import (
     prepare_structure,
     run_structure,
 )
-from thermobearing.stack import Face, build_stack
 
 AMBIENT = -20.0
 NEVER = 1e9  # kN: strength of a bearing that stays linear

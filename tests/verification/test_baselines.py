@@ -7,10 +7,10 @@ from numpy.testing import assert_allclose
 import thermobearing as tb
 from tests import tolerances as tol
 from tests.conftest import Recorder
-from thermobearing.case import make_case
-from thermobearing.compare import comparable_models, compare_models
-from thermobearing.equivalent import backbone, bilinear_parameters
-from thermobearing.results.comparison import comparison_figure, comparison_table
+from thermobearing.cyclic.case import make_case
+from thermobearing.cyclic.compare import comparable_models, compare_models
+from thermobearing.cyclic.comparison import comparison_figure, comparison_table
+from thermobearing.cyclic.equivalent import backbone, bilinear_parameters
 
 TEST = tb.cyclic_test(strain=[1.5], cycles=3, closing_strain=None)
 HDR, LHDR = "shen-hdr-specimen", "shen-lhdr-specimen"

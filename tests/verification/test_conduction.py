@@ -36,7 +36,7 @@ from tests.verification.models import (
 )
 from thermobearing.bearing.model import Bearing, Material
 from thermobearing.core.types import WORK_IN, Floats
-from thermobearing.stack import Face, build_stack
+from thermobearing.model.stack import Face, build_stack
 
 RUBBER = Material(conductivity=0.31, specific_heat=1732.0, density=1146.0)
 STEEL = Material(conductivity=38.76, specific_heat=432.0, density=7740.0)

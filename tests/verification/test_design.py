@@ -16,10 +16,10 @@ from tests.conftest import Recorder
 from tests.unit.inputs import Row, assert_told, by_name, command, last_line, write_toml
 from thermobearing.bearing.bilinear import load_bilinear
 from thermobearing.core.types import FORCE
+from thermobearing.cyclic.equivalent import backbone
 from thermobearing.design.bounds_study import DEMANDS, bounds_study, paragraph, verdict
 from thermobearing.design.case import make_design_case
 from thermobearing.design.equal import equal_bearing
-from thermobearing.design.loop import bearing_weight, run_design
 from thermobearing.design.rubber import (
     bilinear_of,
     damping_ratio,
@@ -28,10 +28,10 @@ from thermobearing.design.rubber import (
     load_curves,
     shear_modulus,
 )
+from thermobearing.design.run import bearing_weight, run_design
 from thermobearing.design.sizing import SizingRules, checks_of, size_bearing
-from thermobearing.drive.baselines import bilinear_constants
-from thermobearing.drive.element import BearingElement
-from thermobearing.equivalent import backbone
+from thermobearing.model.earlier import bilinear_constants
+from thermobearing.model.element import BearingElement
 
 STRAIN = 178.0 / 112.0
 

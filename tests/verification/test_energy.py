@@ -29,7 +29,7 @@ from thermobearing.core.types import (
     WORK_IN,
     Floats,
 )
-from thermobearing.stack import Face, build_stack
+from thermobearing.model.stack import Face, build_stack
 
 START, AMBIENT = -10.0, -20.0  # degC: the bearing also cools, through faces and sides
 FACES = {

@@ -20,8 +20,8 @@ from thermobearing.design.factors import (
     temperature_factors,
 )
 from thermobearing.design.scale import scale_study, scaled_bearing
-from thermobearing.drive.baselines import bilinear_constants
-from thermobearing.drive.element import BearingElement
+from thermobearing.model.earlier import bilinear_constants
+from thermobearing.model.element import BearingElement
 
 HDR = tb.load_bearing("shen-hdr-bridge")
 TEMPERATURES = [-40.0, -20.0, 0.0, 23.0, 40.0]

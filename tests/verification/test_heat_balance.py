@@ -7,7 +7,7 @@ from numpy.testing import assert_allclose
 from tests.tolerances import HEAT_BALANCE, NEW_EXTREME, RECIPROCITY
 from tests.verification.models import assembled, changed, heat_step, rate_matrix, specimen
 from thermobearing.core.types import CAPACITY, TO_NEXT, TO_PREVIOUS, Constants
-from thermobearing.stack import Face
+from thermobearing.model.stack import Face
 
 AMBIENT = -20.0
 FACES = {"eta": Face(eta=2.0), "fixed": Face(eta=3.0), "film": Face(film=25.0)}

@@ -11,9 +11,9 @@ import pytest
 import thermobearing as tb
 from tests import tolerances as tol
 from tests.conftest import Recorder
-from thermobearing.identify.fit import Identification, identify_bearing
 from thermobearing.identify.forward import ForwardModel
 from thermobearing.identify.report import fits
+from thermobearing.identify.run import Identification, identify_bearing
 from thermobearing.identify.synthetic import forgotten, synthetic_record
 
 HDR = tb.load_bearing("shen-hdr-specimen")

@@ -31,8 +31,8 @@ from thermobearing.core.types import (
     new_state,
     new_workspace,
 )
-from thermobearing.drive.assemble import build_constants
-from thermobearing.stack import Face, build_stack
+from thermobearing.model.constants import build_constants
+from thermobearing.model.stack import Face, build_stack
 
 SPECIMEN = "shen-lhdr-specimen"
 

@@ -21,8 +21,8 @@ from thermobearing.core.types import (
     new_state,
     new_workspace,
 )
-from thermobearing.drive.lead_ends import RADIAL, core_modes, end_modes, lumped, plate_modes
-from thermobearing.stack import Face
+from thermobearing.model.lead_ends import RADIAL, core_modes, end_modes, lumped, plate_modes
+from thermobearing.model.stack import Face
 
 CASES = {  # bearing, strain, cycles, speed [mm/s]
     "specimen, 250 %, 30 mm/s": ("shen-lhdr-specimen", 2.5, 5, 30.0),

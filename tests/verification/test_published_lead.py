@@ -14,8 +14,8 @@ from tests import tolerances as tol
 from thermobearing.core.lead import end_factor
 from thermobearing.core.step import step
 from thermobearing.core.types import LEAD_TEMPERATURE, new_state, new_workspace
-from thermobearing.drive.assemble import build_constants
-from thermobearing.stack import Face, build_stack
+from thermobearing.model.constants import build_constants
+from thermobearing.model.stack import Face, build_stack
 
 Floats = NDArray[np.float64]
 # Table 5.1 and section 5.2, in m, kg, s, J.

@@ -32,7 +32,7 @@ from thermobearing.core.types import (
     Constants,
     Floats,
 )
-from thermobearing.stack import Face
+from thermobearing.model.stack import Face
 
 # Table 4.1 and Fig. 4.2b in SI units, typed again: metres, watts, kilograms.
 K_S, K_R, FILM = 38.76, 0.31, 11.6

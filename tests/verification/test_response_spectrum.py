@@ -6,9 +6,9 @@ from numpy.testing import assert_allclose
 from scipy import signal
 
 from tests import tolerances as tol
-from thermobearing.drive.motions.library import load_motion
-from thermobearing.drive.motions.record import GroundMotion
-from thermobearing.drive.motions.spectrum import response_spectrum
+from thermobearing.motions.library import load_motion
+from thermobearing.motions.record import GroundMotion
+from thermobearing.motions.spectrum import response_spectrum
 
 
 def motion_of(values: object, dt: float = 0.01) -> GroundMotion:

@@ -25,7 +25,7 @@ from thermobearing.core.types import (
     new_state,
     new_workspace,
 )
-from thermobearing.drive.element import BearingElement
+from thermobearing.model.element import BearingElement
 
 LAW = Scragging(
     amplitude=1.5, strain=0.3, mullins_amplitude=0.25, mullins_decay=4.0, mullins_renewal=0.05

@@ -6,12 +6,12 @@ from numpy.testing import assert_allclose
 
 from tests import tolerances as tol
 from tests.conftest import Recorder
-from thermobearing.drive.motions.jra import standard_spectrum
-from thermobearing.drive.motions.library import list_motions, load_motion, stored_motions
-from thermobearing.drive.motions.matching import matched, misfit
-from thermobearing.drive.motions.measures import measure_motion
-from thermobearing.drive.motions.process import padded, resampled
-from thermobearing.drive.motions.synthesis import ROOM, make_motion, match_spectrum
+from thermobearing.motions.jra import standard_spectrum
+from thermobearing.motions.library import list_motions, load_motion, stored_motions
+from thermobearing.motions.matching import matched, misfit
+from thermobearing.motions.measures import measure_motion
+from thermobearing.motions.process import padded, resampled
+from thermobearing.motions.synthesis import ROOM, make_motion, match_spectrum
 
 # Type, ground: rise, first corner, plateau, second corner, fall [gal, s].
 TABLE = {

@@ -15,10 +15,10 @@ from tests.verification.structures import (
     shaken,
 )
 from thermobearing.core.types import DISPLACEMENT, FORCE, WORK_IN, Floats
-from thermobearing.drive.structure.matrices import build_matrices
-from thermobearing.drive.structure.model import load_structure
-from thermobearing.drive.structure.run import Method, StructureHistory, prepare_structure
-from thermobearing.drive.structure.types import (
+from thermobearing.structure.matrices import build_matrices
+from thermobearing.structure.model import load_structure
+from thermobearing.structure.run import Method, StructureHistory, prepare_structure
+from thermobearing.structure.types import (
     BEARINGS,
     CLOCK,
     DAMPING,
@@ -274,7 +274,7 @@ def test_failure_is_a_typed_outcome() -> None:
 
 def test_bearing_is_the_same_as_in_a_cyclic_test() -> None:
     """One step function: the stretch of a structure, imposed in a test, gives the same force."""
-    from thermobearing.drive.element import BearingElement
+    from thermobearing.model.element import BearingElement
 
     ground = ground_of("jra-ii-i-1", DT, 10.0)
     constants = real_bearing("shen-lhdr-bridge")

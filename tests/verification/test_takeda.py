@@ -8,8 +8,8 @@ from numpy.testing import assert_allclose
 
 from tests import tolerances as tol
 from thermobearing.core.types import Floats
-from thermobearing.drive.structure.takeda import NEVER_TURNED, takeda
-from thermobearing.drive.structure.types import (
+from thermobearing.structure.takeda import NEVER_TURNED, takeda
+from thermobearing.structure.types import (
     HIGHEST,
     HINGE_STATE,
     LOWEST,

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from thermobearing.bearing.library import split_sources
-from thermobearing.bearing.schema import Strict, in_unit, read_toml, validated
+from thermobearing.border.schema import Strict, in_unit, read_toml, validated
 
 Stiffness = Annotated[float, in_unit("kN/mm"), Field(gt=0)]
 

@@ -5,8 +5,8 @@ from pathlib import Path
 from typing import Any
 
 from thermobearing.bearing.model import Bearing
-from thermobearing.bearing.schema import SOURCED, read_toml, validated
-from thermobearing.errors import InputError, nearest
+from thermobearing.border.errors import InputError, nearest
+from thermobearing.border.schema import SOURCED, read_toml, validated
 
 
 def _library() -> Path:

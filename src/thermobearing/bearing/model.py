@@ -9,8 +9,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, PrivateAttr, model_validator
 
-from thermobearing.bearing.schema import Strict, in_unit
-from thermobearing.units import CUBIC_MM_PER_CUBIC_M, NEWTON_PER_KILONEWTON
+from thermobearing.border.schema import Strict, in_unit
+from thermobearing.border.units import CUBIC_MM_PER_CUBIC_M, NEWTON_PER_KILONEWTON
 
 Length = Annotated[float, in_unit("mm"), Field(gt=0)]
 

@@ -9,7 +9,7 @@ from typing import Annotated, Any, TypeVar
 
 import typer
 
-from thermobearing.errors import InputError, OutputError
+from thermobearing.border.errors import InputError, OutputError
 
 T = TypeVar("T")
 BAD_INPUT, ENDED_EARLY, INTERRUPTED = 2, 3, 130

@@ -45,7 +45,7 @@ def design(
     from thermobearing.design.case import load_design_case, make_design_case
     from thermobearing.design.equal import equal_bearing
     from thermobearing.design.files import save_design
-    from thermobearing.design.loop import Round, run_design
+    from thermobearing.design.run import Round, run_design
     from thermobearing.design.screen import print_design, print_head, print_round
     from thermobearing.results.directory import check_target
 
@@ -105,10 +105,10 @@ def bounds(
 ) -> int:
     """Is a bounding analysis good enough? Two bilinear bounds against the coupled model."""
     from thermobearing.bearing.library import load_bearing
+    from thermobearing.border.errors import InputError
     from thermobearing.design.bounds_study import bounds_study, paragraph
     from thermobearing.design.files import save_bounds
-    from thermobearing.drive.motions.library import list_motions
-    from thermobearing.errors import InputError
+    from thermobearing.motions.library import list_motions
     from thermobearing.results.directory import check_target
 
     temperatures = ambient or [23.0, 0.0, -20.0]

@@ -18,7 +18,7 @@ from thermobearing.commands.common import (
 )
 
 if TYPE_CHECKING:
-    from thermobearing.earthquake_case import EarthquakeCase
+    from thermobearing.earthquake.case import EarthquakeCase
 
 Case = Annotated[Path | None, typer.Argument(help="Case file; without one, the default study.")]
 Bearings = Annotated[
@@ -105,7 +105,7 @@ def hybrid(
     quiet: Quiet = False,
 ) -> int:
     """A hybrid test, simulated: a specimen in the loop with a calculated pier."""
-    from thermobearing.units import with_unit
+    from thermobearing.border.units import with_unit
 
     lab: dict[str, Any] = {"mode": mode, "seed": seed}
     lab["delay"] = None if delay is None else with_unit(delay, "s")
@@ -125,7 +125,7 @@ def hybrid(
 
 
 def _case(command: str, path: Path | None, overrides: dict[str, Any]) -> "EarthquakeCase":
-    from thermobearing.earthquake_case import load_earthquake_case, make_earthquake_case
+    from thermobearing.earthquake.case import load_earthquake_case, make_earthquake_case
 
     if path is None:
         return make_earthquake_case({"command": command}, "command line", **overrides)
@@ -141,9 +141,9 @@ def _carry_out(
     quiet: bool,
 ) -> int:
     """Check the target, run, write, tell."""
-    from thermobearing.earthquake import run_earthquake
+    from thermobearing.earthquake.run import run_earthquake
+    from thermobearing.earthquake.screen import print_study
     from thermobearing.results.directory import check_target
-    from thermobearing.results.screen_earthquake import print_study
 
     target = output or Path(f"{case.command}-{case.structure.name}")
     check_target(target, force=force)

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from thermobearing.border.errors import InputError
 from thermobearing.commands.common import (
     AsJson,
     Force,
@@ -14,7 +15,6 @@ from thermobearing.commands.common import (
     reported,
     written,
 )
-from thermobearing.errors import InputError
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from thermobearing.border.errors import InputError
 from thermobearing.commands.common import (
     BAD_INPUT,
     AsJson,
@@ -17,13 +18,12 @@ from thermobearing.commands.common import (
     reported,
     written,
 )
-from thermobearing.errors import InputError
 
 if TYPE_CHECKING:
     from thermobearing.bearing.model import Bearing
     from thermobearing.identify.checks import CheckReport
-    from thermobearing.identify.fit import Identification
     from thermobearing.identify.record import TestRecord
+    from thermobearing.identify.run import Identification
 
 SENTENCES = {"not_converged": "The search stopped before it converged. Give more --starts."}
 MARKS = {"refused": "REFUSED", "warning": "warning", "note": "note"}
@@ -70,7 +70,7 @@ def identify(
     quiet: Quiet = False,
 ) -> int:
     """Identify a bearing's parameters from cyclic tests, with their uncertainty."""
-    from thermobearing.identify.fit import identify_bearing as fit
+    from thermobearing.identify.run import identify_bearing as fit
     from thermobearing.results.directory import check_target
 
     records, bearing = _load(tests, start, needed=not check)

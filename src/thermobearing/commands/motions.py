@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from thermobearing.border.errors import InputError
 from thermobearing.commands.common import (
     AsJson,
     Force,
@@ -17,11 +18,10 @@ from thermobearing.commands.common import (
     reported,
     written,
 )
-from thermobearing.errors import InputError
 
 if TYPE_CHECKING:
-    from thermobearing.drive.motions.record import GroundMotion
-    from thermobearing.drive.motions.spectrum import ResponseSpectrum
+    from thermobearing.motions.record import GroundMotion
+    from thermobearing.motions.spectrum import ResponseSpectrum
 
 MM_PER_CM = 10.0
 LARGEST_MISFIT, POOR_FIT, COMPLETED = 0.03, "poor_fit", "completed"
@@ -46,7 +46,7 @@ Ground = Annotated[str | None, typer.Option(help="Standard spectrum: I, II or II
 @reported
 def list_(as_json: AsJson = False) -> int:
     """The built-in motions: stand-ins that fit the standard spectra of Level 2."""
-    from thermobearing.drive.motions.library import list_motions, load_motion
+    from thermobearing.motions.library import list_motions, load_motion
 
     motions = [load_motion(name) for name in list_motions()]
     for motion in motions:
@@ -134,9 +134,9 @@ def make(
     quiet: Quiet = False,
 ) -> int:
     """A motion that fits a standard spectrum: from a seed, or from the phases of a record."""
-    from thermobearing.drive.motions.jra import kind_and_ground
-    from thermobearing.drive.motions.process import resampled
-    from thermobearing.drive.motions.synthesis import make_motion, match_spectrum
+    from thermobearing.motions.jra import kind_and_ground
+    from thermobearing.motions.process import resampled
+    from thermobearing.motions.synthesis import make_motion, match_spectrum
     from thermobearing.results.directory import check_target
 
     kind, ground = kind_and_ground(kind, ground)
@@ -169,14 +169,14 @@ def make(
 def _load(
     file: str, unit: str | None, dt: float | None, component: str | None, trust_unit: bool
 ) -> "GroundMotion":
-    from thermobearing.drive.motions.library import load_motion
+    from thermobearing.motions.library import load_motion
 
     return load_motion(file, unit=unit, dt=dt, component=component, trust_unit=trust_unit)
 
 
 def _corrected(motion: "GroundMotion", baseline: bool, high_pass: float | None) -> "GroundMotion":
     """With its base line corrected, if that was asked for."""
-    from thermobearing.drive.motions.process import baseline_corrected
+    from thermobearing.motions.process import baseline_corrected
 
     if not baseline and high_pass is None:
         return motion
@@ -187,7 +187,7 @@ def _reference(
     motion: "GroundMotion", kind: str | None, ground: str | None
 ) -> tuple[str, str, float] | None:
     """Type, ground and zone factor to compare with: what was asked, or what it was made for."""
-    from thermobearing.drive.motions.jra import kind_and_ground
+    from thermobearing.motions.jra import kind_and_ground
 
     named = re.fullmatch(r"jra-(i|ii)-(i|ii|iii)-\d+", motion.name)
     if kind or ground:
@@ -198,7 +198,7 @@ def _reference(
 def _spectrum(motion: "GroundMotion", damping: float) -> "ResponseSpectrum":
     import numpy as np
 
-    from thermobearing.drive.motions.spectrum import response_spectrum
+    from thermobearing.motions.spectrum import response_spectrum
 
     return response_spectrum(motion, np.geomspace(FIRST, LAST, COUNT), damping)
 
@@ -211,10 +211,10 @@ def _summary(
 ) -> dict[str, Any]:
     """What summary.json tells."""
     import thermobearing
-    from thermobearing.drive.motions.jra import standard_spectrum
-    from thermobearing.drive.motions.matching import misfit
-    from thermobearing.drive.motions.measures import measure_motion
-    from thermobearing.drive.motions.spectrum import check_damping
+    from thermobearing.motions.jra import standard_spectrum
+    from thermobearing.motions.matching import misfit
+    from thermobearing.motions.measures import measure_motion
+    from thermobearing.motions.spectrum import check_damping
 
     check_damping(damping)
     measures = measure_motion(motion)
@@ -248,7 +248,7 @@ def _summary(
 
 
 def _print_summary(summary: dict[str, Any]) -> None:
-    from thermobearing.results.screen import print_facts
+    from thermobearing.cyclic.screen import print_facts
 
     facts = {
         "samples": f"{summary['samples']} every {summary['dt_s']:g} s",
@@ -274,8 +274,8 @@ def _print_summary(summary: dict[str, Any]) -> None:
 def _print_spectrum(
     motion: "GroundMotion", reference: tuple[str, str, float] | None, damping: float
 ) -> None:
-    from thermobearing.drive.motions.jra import standard_spectrum
-    from thermobearing.drive.motions.spectrum import response_spectrum
+    from thermobearing.motions.jra import standard_spectrum
+    from thermobearing.motions.spectrum import response_spectrum
 
     found = response_spectrum(motion, TOLD, damping)
     standard = reference and standard_spectrum(reference[0], reference[1], TOLD)
@@ -346,7 +346,7 @@ def _write(motion: "GroundMotion", summary: dict[str, Any], folder: Path, *, fig
 
 def _references(summary: dict[str, Any], periods: Any) -> dict[str, Any]:
     """Standard spectra to draw [gal]: the one compared with, or both types on ground I."""
-    from thermobearing.drive.motions.jra import standard_spectrum
+    from thermobearing.motions.jra import standard_spectrum
 
     about = summary["standard_spectrum"]
     wanted = [("I", "I", 1.0), ("II", "I", 1.0)]
@@ -364,8 +364,8 @@ def _references(summary: dict[str, Any], periods: Any) -> dict[str, Any]:
 def _draw(
     motion: "GroundMotion", found: "ResponseSpectrum", references: dict[str, Any], folder: Path
 ) -> None:
-    from thermobearing.drive.motions.measures import significant_interval
-    from thermobearing.results.motion_figures import DPI, motion_figure, spectrum_figure
+    from thermobearing.motions.figures import DPI, motion_figure, spectrum_figure
+    from thermobearing.motions.measures import significant_interval
 
     drawn = {
         "motion": motion_figure(

@@ -1,7 +1,7 @@
 """Confined lead cores on end plates of finite thickness, without p and without a clock.
 
 The bulk of a core is warmer than the end plate under it (mean over the plan) by everything
-that passed between them, remembered in K exponentials (drive/lead_ends.py has their numbers):
+that passed between them, remembered in K exponentials (model/lead_ends.py has their numbers):
 
     T_l - T_plate = sum of y,      dy/dt = (a q - y)/tau
 

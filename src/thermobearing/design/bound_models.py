@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import pandas as pd
 
-from thermobearing.drive.baselines import BilinearParameters
-from thermobearing.equivalent import backbone
-from thermobearing.errors import InputError
+from thermobearing.border.errors import InputError
+from thermobearing.cyclic.equivalent import backbone
+from thermobearing.model.earlier import BilinearParameters
 
 UNITS = "kN, mm, s"
 

@@ -8,9 +8,9 @@ import pandas as pd
 
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.model import Bearing
-from thermobearing.earthquake import run_earthquake
-from thermobearing.earthquake_case import make_earthquake_case
-from thermobearing.equivalent import DESIGN_STRAIN, bilinear_parameters
+from thermobearing.cyclic.equivalent import DESIGN_STRAIN, bilinear_parameters
+from thermobearing.earthquake.case import make_earthquake_case
+from thermobearing.earthquake.run import run_earthquake
 
 DEMANDS = {  # column of the study's table: title of the panel
     "bearing_strain_max": "bearing strain",

@@ -6,14 +6,14 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from thermobearing.bearing.library import split_sources
-from thermobearing.bearing.schema import Strict, in_unit, read_toml, validated
-from thermobearing.case import to_table
+from thermobearing.border.errors import InputError
+from thermobearing.border.schema import Strict, in_unit, read_toml, validated
+from thermobearing.border.units import with_unit
+from thermobearing.cyclic.case import to_table
 from thermobearing.design.rubber import Kind, load_compound
 from thermobearing.design.sizing import SizingRules
-from thermobearing.drive.structure.model import MassModel, Structure
-from thermobearing.earthquake_case import Motion, make_earthquake_case
-from thermobearing.errors import InputError
-from thermobearing.units import with_unit
+from thermobearing.earthquake.case import Motion, make_earthquake_case
+from thermobearing.structure.model import MassModel, Structure
 
 STIFFNESS_RATIO = 0.19  # alpha of Table 6.3
 UNITS = {"start": "mm", "weight": "kN", "dt": "s"}

@@ -4,8 +4,8 @@ import math
 from dataclasses import dataclass
 
 from thermobearing.bearing.model import Bearing
-from thermobearing.equivalent import isothermal_cycle
-from thermobearing.errors import InputError
+from thermobearing.border.errors import InputError
+from thermobearing.cyclic.equivalent import isothermal_cycle
 
 ROUNDING = 5.0  # mm: plans are made in such steps
 TRIES = 60

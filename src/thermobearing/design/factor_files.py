@@ -11,12 +11,14 @@ from matplotlib.figure import Figure
 
 import thermobearing
 from thermobearing.bearing.model import Bearing
+from thermobearing.cyclic.result import Result
 from thermobearing.design.bound_models import (
     BoundModel,
     bound_models,
     bounds_table,
     opensees_text,
 )
+from thermobearing.design.factor_figures import draw_factors, draw_scale
 from thermobearing.design.factors import published_tables
 from thermobearing.design.files import DPI, write_json
 from thermobearing.design.scale import scale_study
@@ -30,8 +32,6 @@ from thermobearing.results.directory import (
     SUMMARY,
     write_directory,
 )
-from thermobearing.results.factor_figures import draw_factors, draw_scale
-from thermobearing.results.result import Result
 
 
 @dataclass

@@ -11,10 +11,10 @@ import pandas as pd
 from pydantic import Field
 
 from thermobearing.bearing.model import Bearing
-from thermobearing.bearing.schema import Strict, read_toml, validated
-from thermobearing.drive.protocol import CyclicTest
-from thermobearing.errors import InputError, nearest
-from thermobearing.simulate import run
+from thermobearing.border.errors import InputError, nearest
+from thermobearing.border.schema import Strict, read_toml, validated
+from thermobearing.cyclic.protocol import CyclicTest
+from thermobearing.cyclic.run import run
 
 TEMPERATURES = tuple(float(t) for t in range(-40, 41, 10))
 STRAINS = (1.0, 1.75)

@@ -11,13 +11,15 @@ import pandas as pd
 import tomli_w
 
 import thermobearing
-from thermobearing.case import to_table
+from thermobearing.cyclic.case import to_table
+from thermobearing.cyclic.files import without_nan
+from thermobearing.cyclic.protocol import cyclic_test
+from thermobearing.cyclic.run import run
 from thermobearing.design.bounds_study import DEMANDS, paragraph
 from thermobearing.design.case import DesignCase, resolved_design_toml
 from thermobearing.design.equal import EqualBearing
-from thermobearing.design.loop import Design, Round
-from thermobearing.drive.protocol import cyclic_test
-from thermobearing.results.design_figures import draw_bounds, draw_equal, draw_rounds
+from thermobearing.design.figures import draw_bounds, draw_equal, draw_rounds
+from thermobearing.design.run import Design, Round
 from thermobearing.results.directory import (
     BEARINGS,
     CHECKS,
@@ -28,8 +30,6 @@ from thermobearing.results.directory import (
     TABLE,
     write_directory,
 )
-from thermobearing.results.files import without_nan
-from thermobearing.simulate import run
 
 DPI = 150
 SOURCE = {"u_B_mm": 178.0, "side_mm": 600.0, "layers": 8, "K_B_kN_mm": 2.6153, "Q_d_kN": 125.4,

@@ -8,10 +8,10 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
-from thermobearing.bearing.schema import Strict, read_toml, validated
-from thermobearing.drive.baselines import BilinearParameters
-from thermobearing.equivalent import solve_backbone
-from thermobearing.errors import InputError, nearest
+from thermobearing.border.errors import InputError, nearest
+from thermobearing.border.schema import Strict, read_toml, validated
+from thermobearing.cyclic.equivalent import solve_backbone
+from thermobearing.model.earlier import BilinearParameters
 
 NEWTON_PER_KILONEWTON = 1e3
 Kind = Literal["HDR", "HDR-S"]

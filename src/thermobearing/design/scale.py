@@ -6,10 +6,10 @@ from typing import Any
 import pandas as pd
 
 from thermobearing.bearing.model import Bearing
-from thermobearing.drive.protocol import CyclicTest
-from thermobearing.errors import InputError
-from thermobearing.results.result import Result
-from thermobearing.simulate import run
+from thermobearing.border.errors import InputError
+from thermobearing.cyclic.protocol import CyclicTest
+from thermobearing.cyclic.result import Result
+from thermobearing.cyclic.run import run
 
 SPECIMEN = 1.0 / 6.0
 STRAIN, PERIOD, COUNT, REST = 1.75, 2.0, 5, 3600.0  # of the study; s

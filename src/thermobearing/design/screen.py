@@ -5,7 +5,7 @@ from rich.table import Table
 
 from thermobearing.design.case import DesignCase
 from thermobearing.design.equal import EqualBearing
-from thermobearing.design.loop import Design, Round, bearing_weight
+from thermobearing.design.run import Design, Round, bearing_weight
 
 HEADS = ("round", "u_B mm", "bearing", "K_B kN/mm", "h_B", "Q_d kN", "found mm", "differ",
          "ductility")  # fmt: skip

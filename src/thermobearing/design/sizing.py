@@ -6,14 +6,14 @@ from typing import Annotated
 
 from pydantic import Field
 
-from thermobearing.bearing.schema import Strict, in_unit
+from thermobearing.border.errors import InputError
+from thermobearing.border.schema import Strict, in_unit
 from thermobearing.design.rubber import (
     NEWTON_PER_KILONEWTON,
     Compound,
     damping_ratio,
     equivalent_stiffness,
 )
-from thermobearing.errors import InputError
 
 Length = Annotated[float, in_unit("mm"), Field(gt=0)]
 MOST_LAYERS = 60

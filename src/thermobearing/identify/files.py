@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from thermobearing.identify import figures
 from thermobearing.identify.checks import CheckReport
-from thermobearing.identify.fit import Identification
 from thermobearing.identify.posterior import Band, Samples
 from thermobearing.identify.report import bearing_text, fit_table, fits, summary, write_json
-from thermobearing.results import identify_figures as figures
+from thermobearing.identify.run import Identification
 from thermobearing.results.directory import (
     FIGURES,
     FIT_TABLE,

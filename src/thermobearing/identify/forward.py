@@ -12,16 +12,16 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from thermobearing.bearing.ambient import Ambient
 from thermobearing.bearing.model import Bearing
+from thermobearing.border.errors import InputError
 from thermobearing.core.types import BOOKS, FORCE, LEAD_DEGC
-from thermobearing.drive.ambient import Ambient
-from thermobearing.drive.assemble import build_constants, with_parameters
-from thermobearing.drive.outcomes import INTERRUPTED
-from thermobearing.drive.protocol import Segment
-from thermobearing.drive.run import column_numbers, has_branches, run_segments
-from thermobearing.errors import InputError
+from thermobearing.cyclic.history import column_numbers, has_branches, run_segments
+from thermobearing.cyclic.protocol import Segment
 from thermobearing.identify.record import TestRecord
-from thermobearing.stack import Face, build_stack
+from thermobearing.model.constants import build_constants, with_parameters
+from thermobearing.model.outcomes import INTERRUPTED
+from thermobearing.model.stack import Face, build_stack
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from thermobearing.bearing.model import Bearing
-from thermobearing.bearing.schema import validated
-from thermobearing.errors import InputError, nearest
+from thermobearing.border.errors import InputError, nearest
+from thermobearing.border.schema import validated
 
 Floats = NDArray[np.float64]
 Transform = Literal["linear", "log", "log1p"]

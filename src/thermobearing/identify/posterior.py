@@ -11,10 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from thermobearing.errors import InputError
-from thermobearing.identify.fit import Identification
+from thermobearing.border.errors import InputError
 from thermobearing.identify.forward import ForwardModel
 from thermobearing.identify.record import TestRecord
+from thermobearing.identify.run import Identification
 
 Floats = NDArray[np.float64]
 

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from thermobearing.bearing.library import split_sources
-from thermobearing.bearing.schema import Strict, in_unit, read_toml, validated
-from thermobearing.errors import InputError
-from thermobearing.tables import Layout, read_columns
+from thermobearing.border.errors import InputError
+from thermobearing.border.schema import Strict, in_unit, read_toml, validated
+from thermobearing.border.tables import Layout, read_columns
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

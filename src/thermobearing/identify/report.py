@@ -10,15 +10,15 @@ import tomli_w
 from numpy.typing import NDArray
 
 from thermobearing.bearing.model import Bearing
-from thermobearing.bearing.schema import unit_of
+from thermobearing.border.schema import unit_of
+from thermobearing.border.units import with_unit
 from thermobearing.identify.cycles import cycles_of
 from thermobearing.identify.forward import Prediction
 from thermobearing.identify.record import TestRecord
 from thermobearing.results.metrics import loop_energy
-from thermobearing.units import with_unit
 
 if TYPE_CHECKING:
-    from thermobearing.identify.fit import Identification
+    from thermobearing.identify.run import Identification
 
 Floats = NDArray[np.float64]
 
@@ -266,7 +266,7 @@ def fit_table(found: "Identification") -> str:
 
 def write_json(path: Path, content: dict[str, Any]) -> None:
     """JSON without NaN."""
-    from thermobearing.results.files import without_nan
+    from thermobearing.cyclic.files import without_nan
 
     text = json.dumps(without_nan(content), indent=2, allow_nan=False)
     path.write_text(text + "\n", encoding="utf-8")

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from thermobearing.bearing.model import Bearing
+from thermobearing.border.units import NEWTON_PER_KILONEWTON
 from thermobearing.identify.forward import TURN, ForwardModel, turning_points
 from thermobearing.identify.parameters import (
     ALPHA,
@@ -30,7 +31,6 @@ from thermobearing.identify.parameters import (
     with_values,
 )
 from thermobearing.identify.record import TestRecord
-from thermobearing.units import NEWTON_PER_KILONEWTON
 
 Floats = NDArray[np.float64]
 

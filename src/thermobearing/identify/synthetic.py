@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from thermobearing.bearing.model import Bearing
-from thermobearing.drive.protocol import CyclicTest, cyclic_test
-from thermobearing.errors import InputError
+from thermobearing.border.errors import InputError
+from thermobearing.cyclic.protocol import CyclicTest, cyclic_test
 from thermobearing.identify.cycles import cycles_of
 from thermobearing.identify.parameters import available, with_values
 from thermobearing.identify.record import TestRecord, record_from_arrays
@@ -57,7 +57,7 @@ def synthetic_record(
     >>> synthetic_record(load_bearing("shen-hdr-specimen"), 23.0, short).name
     'synthetic at 23 degC'
     """
-    from thermobearing.simulate import run
+    from thermobearing.cyclic.run import run
 
     if not 0.0 <= memory < 1.0:
         raise InputError(f"memory = {memory}: must be at least 0 and less than 1")

@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from thermobearing.errors import InputError
+from thermobearing.border.errors import InputError
 
 Floats = NDArray[np.float64]
 

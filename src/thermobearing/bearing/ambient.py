@@ -1,0 +1,80 @@
+"""Air around the bearing: one temperature, or a series in time."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from thermobearing.border.errors import InputError
+from thermobearing.border.tables import read_columns
+
+Floats = NDArray[np.float64]
+COLDEST, HOTTEST = -100.0, 100.0  # plausible range of an ambient temperature [degC]
+
+
+@dataclass(frozen=True)
+class Ambient:
+    """Ambient temperature, piecewise linear in time and constant beyond its ends.
+
+    Attributes
+    ----------
+    time : increasing times [s]; one entry for a constant temperature.
+    temperature : at those times [degC].
+    """
+
+    time: Floats
+    temperature: Floats
+
+    @classmethod
+    def constant(cls, temperature: float) -> "Ambient":
+        """One temperature [degC] for all times."""
+        return cls(np.zeros(1), np.array([check_temperature(temperature, "ambient")]))
+
+    @classmethod
+    def series(cls, time: Floats, temperature: Floats, where: str = "ambient series") -> "Ambient":
+        """A series; InputError unless times increase and temperatures are plausible."""
+        try:
+            time, temperature = np.asarray(time, float), np.asarray(temperature, float)
+        except (TypeError, ValueError):
+            raise InputError("needs two lists of numbers", where) from None
+        if time.ndim != 1 or time.shape != temperature.shape or len(time) < 2:
+            raise InputError("needs two equally long lists of at least 2 numbers", where)
+        if not np.isfinite(time).all():
+            raise InputError("time is not finite", where)
+        if not (np.diff(time) > 0).all():
+            k = int(np.argmin(np.diff(time) > 0))
+            raise InputError(f"time does not increase from {time[k]:g} to {time[k + 1]:g} s", where)
+        for value in (temperature.min(), temperature.max()):
+            check_temperature(float(value), where)
+        return cls(time, temperature)
+
+    @classmethod
+    def from_csv(cls, path: str) -> "Ambient":
+        """A series from a CSV file with columns time and temperature."""
+        data = read_columns(path, {"time": "s", "temperature": "degC"})
+        return cls.series(data["time"], data["temperature"], path)
+
+    def at(self, time: float) -> float:
+        """Temperature at a time [degC]."""
+        return float(np.interp(time, self.time, self.temperature))
+
+    def means(self, start: float, dt: Floats) -> Floats:
+        """Mean temperature over each of the steps dt that follow `start` [degC]."""
+        if len(self.time) == 1:
+            return np.full(len(dt), self.temperature[0])
+        edges = start + np.concatenate([[0.0], np.cumsum(dt)])
+        nodes = np.unique(np.concatenate([self.time, edges]))
+        values = np.interp(nodes, self.time, self.temperature)
+        areas = np.concatenate(
+            [[0.0], np.cumsum(0.5 * (values[1:] + values[:-1]) * np.diff(nodes))]
+        )
+        return np.asarray(np.diff(np.interp(edges, nodes, areas)) / np.diff(edges))
+
+
+def check_temperature(value: float, where: str) -> float:
+    """The value, if it is a plausible temperature in degC."""
+    if isinstance(value, bool | str) or np.ndim(value) or value is None:
+        raise InputError(f"expected a temperature in degC, got {value!r}", where)
+    if not COLDEST <= value <= HOTTEST:
+        raise InputError(f"{value:g} degC is outside {COLDEST:g} to {HOTTEST:g} degC", where)
+    return value

@@ -1,0 +1,1 @@
+"""The border: text with units becomes plain numbers; clear faults."""

@@ -1,0 +1,323 @@
+"""Strict data with units: how TOML tables become checked objects, and faults become sentences."""
+
+import math
+import tomllib
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar, cast, get_args
+
+from annotated_types import Ge, Gt, Le, Lt
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    ModelWrapValidatorHandler,
+    ValidationError,
+    ValidationInfo,
+    model_validator,
+)
+from pydantic.fields import FieldInfo
+from pydantic_core import ErrorDetails, InitErrorDetails, PydanticCustomError
+
+from thermobearing.border.errors import InputError, closest, nearest, shortened
+from thermobearing.border.units import parse_quantity
+
+if TYPE_CHECKING:
+    from pydantic._internal._model_construction import ModelMetaclass
+else:  # the same class without its private address
+    ModelMetaclass = type(BaseModel)
+
+M = TypeVar("M", bound="Strict")
+
+# A size beyond this is a slip in a unit or an exponent, whatever it means, and so is a number
+# that must be positive and is less than its inverse; between, the formulas do not overflow.
+HUGEST = 1e12
+SOURCED = {"value", "source", "note"}  # keys of an entry {value = ..., source = ...}
+OURS = {"unit", "conflict", "size"}  # types of the faults found here, not by pydantic
+
+
+class _InputErrors(ModelMetaclass):
+    """Faults of `EndFace(eta=5)`, built by hand, are told as InputError too."""
+
+    def __call__(self, *args: Any, **kwargs: Any) -> Any:
+        try:
+            return super().__call__(*args, **kwargs)
+        except ValidationError as error:
+            model = cast(type[BaseModel], self)
+            problems = [_sentence(model, item) for item in error.errors()]
+            raise InputError(problems, f"{self.__name__}()") from None
+
+
+class Strict(BaseModel, metaclass=_InputErrors):
+    """Immutable record that refuses unknown keys, numbers that are not finite or not numbers."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    @classmethod
+    def conflicts(cls, given: dict[str, Any]) -> list[str]:
+        """What is wrong with the combination of the keys that were given."""
+        return []
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _all_at_once(cls, data: Any, handler: ModelWrapValidatorHandler[Any]) -> Any:
+        """Faults of single keys and of their combination in one error."""
+        if not isinstance(data, dict):
+            return handler(data)
+        given = {name: value for name, value in data.items() if value is not None}
+        faults = [_fault("conflict", (), text, data) for text in cls.conflicts(given)]
+        try:
+            made = handler({name: _plain(cls, name, value) for name, value in data.items()})
+        except ValidationError as error:
+            found = [*_line_errors(error), *faults]
+            raise ValidationError.from_exception_data(cls.__name__, found) from None
+        faults += [
+            _fault("size", (name,), "", value)
+            for name in cls.model_fields
+            if isinstance(value := getattr(made, name), float) and _is_absurd(cls, name, value)
+        ]
+        if faults:
+            raise ValidationError.from_exception_data(cls.__name__, faults)
+        return made
+
+
+class _Converted:
+    """A value of another type than the field's, which pydantic would convert without a word."""
+
+    def __init__(self, value: Any) -> None:
+        self.value = value
+
+    def __repr__(self) -> str:
+        return repr(self.value)
+
+
+def _is_absurd(model: type[BaseModel], name: str, value: float) -> bool:
+    """Whether a number is so large, or so close to a zero it may not be, that it must be a slip."""
+    positive = any(
+        isinstance(part, Gt) and part.gt == 0 for part in _parts(model.model_fields[name])
+    )
+    return abs(value) > HUGEST or (positive and value < 1.0 / HUGEST)
+
+
+def _plain(model: type[BaseModel], name: str, value: Any) -> Any:
+    """The value, marked where text or true stands for a plain number, or 1 for true."""
+    field = model.model_fields.get(name)
+    if field is None or not isinstance(value, bool | str | int | float):
+        return value
+    types = {item for item in _parts(field) if isinstance(item, type)}
+    plain = types & {int, float} and not types & {bool, str} and unit_of(model, name) is None
+    truth = types == {bool}
+    wrong = (plain and isinstance(value, bool | str)) or (truth and not isinstance(value, bool))
+    return _Converted(value) if wrong else value
+
+
+def _fault(kind: str, location: tuple[int | str, ...], text: str, value: Any) -> InitErrorDetails:
+    error = PydanticCustomError(kind, "{text}", {"text": text})
+    return InitErrorDetails(type=error, loc=location, input=value)
+
+
+def _line_errors(error: ValidationError) -> Iterator[InitErrorDetails]:
+    """The faults of an error, to be raised again together with others."""
+    for item in error.errors(include_url=False):
+        if item["type"] in OURS:
+            yield _fault(item["type"], item["loc"], item["msg"], item["input"])
+        else:
+            again = InitErrorDetails(type=item["type"], loc=item["loc"], input=item["input"])
+            if "ctx" in item:
+                again["ctx"] = item["ctx"]
+            yield again
+
+
+class InUnit:
+    """Parses text with a unit into a float in `unit`.
+
+    Plain numbers are taken to be in `unit` already; in a file they are refused, because a
+    file must say its units.
+    """
+
+    def __init__(self, unit: str) -> None:
+        self.unit = unit
+
+    def __call__(self, value: Any, info: ValidationInfo) -> Any:
+        """Float from text with a unit; other numbers as they are, unless they are in a file."""
+        if isinstance(value, str):
+            try:
+                return parse_quantity(value, self.unit)
+            except InputError as error:
+                raise PydanticCustomError("unit", "{text}", {"text": str(error)}) from None
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise PydanticCustomError(
+                "unit", "expected text such as {text}", {"text": f'"1.5 {self.unit}"'}
+            )
+        if info.context and info.context.get("from_file") and math.isfinite(value):
+            raise PydanticCustomError(
+                "unit",
+                "has no unit; write {text} if that is meant",
+                {"text": f'"{value} {self.unit}"'},
+            )
+        return value
+
+
+def in_unit(unit: str) -> BeforeValidator:
+    """Annotation for a float field that files give as text with a unit."""
+    return BeforeValidator(InUnit(unit))
+
+
+def _parts(item: Any) -> Iterator[Any]:
+    """Types, validators and limits in a field or annotation, at any depth."""
+    if isinstance(item, FieldInfo):
+        inner: Iterable[Any] = [*item.metadata, item.annotation]
+    else:
+        yield item
+        inner = get_args(item)
+    for part in inner:
+        yield from _parts(part)
+
+
+def unit_of(model: type[BaseModel], name: str) -> str | None:
+    """Unit of a field declared with `in_unit`, None for a pure number or a nested table."""
+    for item in _parts(model.model_fields[name]):
+        if isinstance(item, BeforeValidator) and isinstance(item.func, InUnit):
+            return item.func.unit
+    return None
+
+
+def read_toml(path: Path) -> dict[str, Any]:
+    """Parse a TOML file; every fault becomes an InputError that names the file."""
+    try:
+        return tomllib.loads(path.read_bytes().decode("utf-8-sig"))
+    except FileNotFoundError:
+        raise InputError("no such file", str(path)) from None
+    except IsADirectoryError:
+        raise InputError("is a directory, not a TOML file", str(path)) from None
+    except OSError as error:
+        raise InputError(f"cannot be read: {error.strerror or error}", str(path)) from None
+    except UnicodeDecodeError as error:
+        raise InputError(f"is not UTF-8 text (byte {error.start + 1})", str(path)) from None
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        raise InputError(f"is not valid TOML: {error}", str(path)) from None
+    except ValueError as error:  # a null byte in the path
+        raise InputError(f"cannot be read: {error}", repr(str(path))) from None
+
+
+def validated(model: type[M], data: Any, where: str, *, from_file: bool = True) -> M:
+    """Data checked against a model, all faults told at once.
+
+    Raises
+    ------
+    InputError : unknown and missing keys, wrong units, values out of range, in one message.
+    """
+    if not isinstance(data, dict):
+        raise InputError(f"expected a table, got {type(data).__name__}", where)
+    try:
+        return model.model_validate(data, context={"from_file": from_file})
+    except ValidationError as error:
+        raise InputError([_sentence(model, item) for item in error.errors()], where) from None
+
+
+def _resolve(
+    model: type[BaseModel], location: tuple[int | str, ...]
+) -> tuple[str, type[BaseModel], str]:
+    """Dotted key, owning model and field name of an error location, without union tags."""
+    models, owner, name = [model], model, ""
+    keys: list[str] = []
+    for part in location:
+        if isinstance(part, int):
+            keys[-1:] = [f"{keys[-1]}[{part}]" if keys else f"[{part}]"]
+            continue
+        tagged = [m for m in models if part in _tags(m)] if len(models) > 1 else []
+        if tagged:
+            models, owner = tagged, tagged[0]
+            continue
+        keys.append(part)
+        owner = next((m for m in models if part in m.model_fields), models[0] if models else owner)
+        name = part
+        if part in owner.model_fields:
+            found = _parts(owner.model_fields[part])
+            models = [m for m in found if isinstance(m, type) and issubclass(m, BaseModel)]
+    return ".".join(keys), owner, name
+
+
+def _tags(model: type[BaseModel]) -> list[str]:
+    return [
+        str(tag)
+        for name in ("shape", "step", "kind")
+        if name in model.model_fields
+        for tag in get_args(model.model_fields[name].annotation)
+    ]
+
+
+def _sentence(model: type[BaseModel], item: ErrorDetails) -> str:
+    """One fault: key, value, what is allowed with its unit, nearest name."""
+    key, owner, name = _resolve(model, item["loc"])
+    kind, value = item["type"], item["input"]
+    if kind == "extra_forbidden":
+        return f'unknown key "{key}"{nearest(name, owner.model_fields)}'
+    if kind in ("union_tag_invalid", "union_tag_not_found"):
+        return _tag_sentence(key, item)
+    if kind == "missing":
+        unit = unit_of(owner, name)
+        return f'missing key "{key}"' + (f' = "... {unit}"' if unit else "")
+    if kind == "conflict":
+        return f"{key}: {item['msg']}" if key else item["msg"]
+    message = item["msg"].removeprefix("Value error, ")
+    if isinstance(value, dict) and kind != "value_error" and set(value) & SOURCED:
+        strange = sorted(set(value) - SOURCED)
+        message = f'an entry with a source needs a "value"; got {", ".join(sorted(value))}'
+        if strange and "value" in value:
+            message = f'unknown key "{strange[0]}" beside "value"{nearest(strange[0], SOURCED)}'
+    elif kind == "literal_error":
+        message = f"must be {item['ctx']['expected']}"
+        message += _closest_of(value, item["ctx"]["expected"])
+    elif kind in ("model_type", "model_attributes_type", "dict_type"):
+        message = "must be a table"
+    elif kind in ("list_type", "tuple_type"):
+        message = "must be a list"
+    elif kind == "too_short":
+        message = f"must have at least {item['ctx']['min_length']} entry"
+    elif kind == "string_type":
+        message = "must be text"
+    elif kind in ("bool_type", "bool_parsing"):
+        message = "must be true or false"
+    elif kind == "string_too_short":
+        message = "must not be empty"
+    elif kind == "size":
+        large = abs(value) > 1.0
+        message = (
+            f"must be {'at most' if large else 'at least'} {HUGEST if large else 1 / HUGEST:g}"
+        )
+        message += f" {unit_of(owner, name) or ''} in size; is it a slip?".replace("  ", " ")
+    elif kind not in ("unit", "value_error"):
+        message = f"must be {_allowed(owner, name)}"
+    shown = "" if kind == "value_error" else f" = {shortened(repr(value))}"
+    return f"{key}{shown}: {message}" if key else message
+
+
+def _tag_sentence(key: str, item: ErrorDetails) -> str:
+    """A table that says by one of its keys what it is: the key is missing or unknown."""
+    tag = item["ctx"]["discriminator"].strip("'")
+    given = item["input"].get(tag)
+    if given is None:
+        return f'missing key "{key}.{tag}"'
+    expected = item["ctx"]["expected_tags"]
+    return f"{key}.{tag} = {given!r}: must be one of {expected}" + _closest_of(given, expected)
+
+
+def _closest_of(value: Any, quoted: str) -> str:
+    """A hint at the name nearest to the value in a text such as "'a', 'b' or 'c'"."""
+    return closest(value, quoted.split("'")[1::2]) if isinstance(value, str) else ""
+
+
+def _allowed(model: type[BaseModel], name: str) -> str:
+    """The numbers a field takes, such as "a number greater than 0 and at most 5 mm"."""
+    parts = list(_parts(model.model_fields[name]))
+    what = "a whole number" if int in parts and float not in parts else "a number"
+    words = {Gt: "greater than", Ge: "at least", Lt: "less than", Le: "at most"}
+    limits = [
+        f"{words[type(part)]} {getattr(part, type(part).__name__.lower()):g}"
+        for part in parts
+        if type(part) in words
+    ]
+    if not limits:
+        what = what.replace("a number", "a finite number")
+    return " ".join(word for word in (what, " and ".join(limits), unit_of(model, name)) if word)

@@ -1,0 +1,102 @@
+"""Units, parsed once at the border: "5 mm", "30.738 kN/mm", "-20 degC" -> plain numbers.
+
+Inside the package every number is in kN, mm, s, degC and J = kN mm. pint does the
+conversions; it is imported only when a quantity is actually parsed.
+"""
+
+import math
+import re
+import tokenize
+from functools import cache
+from typing import Any
+
+from thermobearing.border.errors import InputError, shortened
+
+_NUMBER_AND_UNIT = re.compile(
+    r"^\s*(?P<number>[-+]?(?:(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|(?i:nan|inf(?:inity)?)\b))"
+    r"\s*(?P<unit>\S.*?)?\s*$"
+)
+# Names, products, quotients, brackets and powers of one digit. pint evaluates what it is given
+# as arithmetic, so a tower such as mm**9**9**9 must not reach it.
+_UNIT = re.compile(r"^(?:[^\W\d]|[°℃%²³⁻¹·*/() ]|\^?-?\d(?!\s*(?:\d|\^|\*\*)))+$")
+_POWER = re.compile(r"(?<=[A-Za-z])(?=[234](?!\d))")  # m2 means m^2
+CUBIC_MM_PER_CUBIC_M = 1e9
+NEWTON_PER_KILONEWTON = 1e3
+
+# What a person may write for a unit that pint spells otherwise.
+_SPELLINGS = {"°C": "degC", "C": "degC", "℃": "degC", "%": "percent"}
+
+
+@cache
+def _registry() -> Any:
+    import pint
+
+    registry: Any = pint.UnitRegistry(autoconvert_offset_to_baseunit=True, cache_folder=None)
+    registry.define("tonf = metric_ton_force")
+    return registry
+
+
+@cache
+def conversion(unit: str, target: str) -> tuple[float, float]:
+    """Scale and offset from `unit` to `target`; InputError if that makes no sense."""
+    import pint
+
+    registry = _registry()
+    spelled = _POWER.sub("^", _SPELLINGS.get(unit, unit))
+    unknown = InputError(f'unknown unit "{shortened(unit)}"; expected {target} or a unit like it')
+    if not _UNIT.match(spelled):
+        raise unknown
+    try:
+        given = registry.Quantity(1.0, spelled)
+        one = given.to(target).magnitude
+        zero = registry.Quantity(0.0, spelled).to(target).magnitude
+        # pint counts radians as 1, which would make 1 rad/s into 1 Hz.
+        angular = "radian" in str(given.to_root_units().units)
+    except pint.DimensionalityError:
+        raise InputError(f'unit "{unit}" cannot be converted to {target}') from None
+    except (pint.PintError, ArithmeticError, AssertionError, AttributeError):
+        raise unknown from None
+    except (RecursionError, SyntaxError, TypeError, ValueError, tokenize.TokenError):
+        raise unknown from None
+    if angular and target == "Hz":
+        raise InputError(f'unit "{unit}" counts angles; give cycles per second, in {target}')
+    if zero != 0.0 and target != "degC":
+        raise InputError(f'"{unit}" is a temperature; a difference is given in {target}')
+    scale = 1.0 if spelled == target else one - zero
+    return scale, zero
+
+
+def parse_quantity(text: str, unit: str) -> float:
+    """Number with unit, as text, converted to `unit`.
+
+    Parameters
+    ----------
+    text : such as "5 mm", "0.31 W/(m K)", "-20 degC".
+    unit : unit of the returned number.
+
+    Raises
+    ------
+    InputError : no number, no unit, a unit of another kind, or a number that is not finite.
+
+    Examples
+    --------
+    >>> parse_quantity("3.2 cm", "mm")
+    32.0
+    """
+    match = _NUMBER_AND_UNIT.match(text)
+    if match is None:
+        raise InputError(f'"{shortened(text)}" is not a number with a unit, such as "1.5 {unit}"')
+    if not match["unit"]:
+        raise InputError(f'"{text}" has no unit; write "{text.strip()} {unit}" if that is meant')
+    if match["unit"].startswith(","):
+        raise InputError(f'"{shortened(text)}": decimals take a point, as in "1.5 {unit}"')
+    scale, offset = conversion(match["unit"], unit)
+    value = float(match["number"]) * scale + offset
+    if not math.isfinite(value):
+        raise InputError(f'"{text}" is not a finite number')
+    return value
+
+
+def with_unit(value: float, unit: str) -> str:
+    """The text that `parse_quantity` reads back to the same bits."""
+    return f"{value!r} {unit}"

@@ -1,0 +1,1 @@
+"""Displacement-controlled tests: case, run, result, views."""

@@ -1,0 +1,121 @@
+"""The bilinear model that is equivalent to a bearing: what design would use instead of it."""
+
+import math
+
+import numpy as np
+
+from thermobearing.bearing.ambient import Ambient
+from thermobearing.bearing.model import Bearing
+from thermobearing.border.errors import InputError
+from thermobearing.cyclic.history import run_segments
+from thermobearing.cyclic.protocol import build_segments, cyclic_test
+from thermobearing.model.constants import build_constants
+from thermobearing.model.earlier import (
+    STIFFNESS_RATIO,
+    BilinearParameters,
+    isothermal,
+)
+from thermobearing.model.stack import Face, build_stack
+from thermobearing.results.metrics import CycleMeasures, measure_cycle
+
+DESIGN_STRAIN = 1.75  # usual in Japanese qualification tests
+FATTEST = 0.6  # damping ratio; 2/pi = 0.64 is that of a rectangle
+CYCLE = 3  # the cycle that standards measure
+
+
+def bilinear_parameters(
+    bearing: Bearing,
+    *,
+    strain: float = DESIGN_STRAIN,
+    speed: float = 30.0,
+    temperature: float | None = None,
+) -> BilinearParameters:
+    """Bilinear model with the equivalent stiffness and the loop area of a bearing.
+
+    The third cycle of a test without heating: Q_d, K_2 and K_1 = 6.5 K_2 such that peak force
+    and energy are those of the bearing.
+
+    Parameters
+    ----------
+    bearing : any.
+    strain : shear strain amplitude, > 0.
+    speed : mean loading rate [mm/s]; matters with rate dependence only.
+    temperature : of the whole bearing [degC]; the reference temperature of the rubber by default.
+
+    Returns
+    -------
+    BilinearParameters
+
+    Examples
+    --------
+    >>> from thermobearing.bearing.library import load_bearing
+    >>> cold, warm = (
+    ...     bilinear_parameters(load_bearing("shen-hdr-bridge"), temperature=t) for t in (-20, 23)
+    ... )
+    >>> bool(cold.strength > warm.strength)
+    True
+    """
+    measured = isothermal_cycle(bearing, strain, speed, temperature)
+    amplitude = strain * bearing.total_rubber_thickness
+    return backbone(measured.stiffness_kN_mm, measured.energy_kN_mm, amplitude)
+
+
+def isothermal_cycle(
+    bearing: Bearing, strain: float, speed: float = 30.0, temperature: float | None = None
+) -> CycleMeasures:
+    """Measures of the third cycle of a bearing that does not warm; arguments as above."""
+    stack = build_stack(bearing, half=True)
+    adiabatic = Face(eta=1.0)
+    constants = isothermal(build_constants(bearing, stack, upper=adiabatic, lower=None))
+    rubber = bearing.total_rubber_thickness
+    test = cyclic_test(strain=[strain], cycles=CYCLE, speed=speed, closing_strain=None)
+    at = bearing.hysteresis.reference_temperature if temperature is None else temperature
+    history = run_segments(
+        constants,
+        build_segments(test, rubber),
+        Ambient.constant(at),
+        np.full(len(stack.part), at),
+        groups=(),
+    )
+    third = np.flatnonzero(history.cycle == CYCLE)
+    rows = slice(third[0] - 1, third[-1] + 1)
+    x, force = history.rows[rows, 1], history.rows[rows, 2]
+    return measure_cycle(x, force, area=bearing.area, total_rubber_thickness=rubber)
+
+
+def backbone(stiffness: float, energy: float, amplitude: float) -> BilinearParameters:
+    """Q_d, K_2, K_1 from equivalent stiffness [kN/mm], loop area [kN mm] and amplitude [mm].
+
+    K_1 = 6.5 K_2, or as much more (in steps of a quarter) as a fat loop needs: with
+    K_1 = 6.5 K_2 no bilinear loop has more than 28 % of damping.
+    """
+    damping = energy / (2.0 * math.pi * stiffness * amplitude**2)
+    ratio = STIFFNESS_RATIO
+    if not damping < FATTEST:
+        raise InputError(f"no bilinear loop has a damping ratio of {damping:.2f}")
+    while (found := solve_backbone(stiffness, damping, amplitude, 1.0 / ratio)) is None:
+        ratio *= 1.25
+    return found
+
+
+def solve_backbone(
+    stiffness: float, damping: float, amplitude: float, stiffness_ratio: float
+) -> BilinearParameters | None:
+    """Bilinear model with an equivalent stiffness and damping ratio; None if no loop is that fat.
+
+    With q = Q_d/(K_B u), alpha = K_2/K_1: peak force K_B u = Q_d + K_2 u, loop area
+    2 pi h K_B u^2 = 4 Q_d (u - u_y), u_y = Q_d/(K_1 - K_2), so that
+    pi h/2 = q - q^2 alpha/((1 - alpha)(1 - q)), of which the smaller root is taken.
+    """
+    target = 0.5 * math.pi * damping
+    ratio = stiffness_ratio / (1.0 - stiffness_ratio)
+    discriminant = (1.0 + target) ** 2 - 4.0 * (1.0 + ratio) * target
+    if discriminant < 0.0:
+        return None
+    share = (1.0 + target - math.sqrt(discriminant)) / (2.0 * (1.0 + ratio))
+    post_yield = stiffness * (1.0 - share)
+    return BilinearParameters(
+        strength=share * stiffness * amplitude,
+        post_yield=post_yield,
+        initial=post_yield / stiffness_ratio,
+    )

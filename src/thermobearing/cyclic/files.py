@@ -1,0 +1,157 @@
+"""Files of a cyclic result, and reading them back."""
+
+import errno
+import json
+import math
+import os
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from thermobearing.border.errors import InputError
+from thermobearing.cyclic.result import Result
+from thermobearing.results.directory import (
+    COMPARISON,
+    DATASET,
+    FIGURES,
+    HISTORY,
+    RESOLVED,
+    SUMMARY,
+    write_directory,
+)
+
+CSV_BLOCK = 50_000  # rows formatted at a time
+NETCDF_EXTRA = 500_000  # attributes, names and tables of the netCDF file beside its numbers [bytes]
+
+
+def save_result(
+    result: Result,
+    directory: Path,
+    *,
+    force: bool = False,
+    figures: bool = True,
+    compared: dict[str, Result] | None = None,
+) -> Path:
+    """Write summary.json, result.nc, history.csv, case.resolved.toml and figures.
+
+    Parameters
+    ----------
+    result : what to write.
+    directory : made if needed, with its parents.
+    force : replace an earlier result directory.
+    figures : draw the figures too.
+    compared : results of the same test by model, this one first: adds a table and a figure.
+
+    Returns
+    -------
+    Path : the directory.
+
+    Raises
+    ------
+    OutputError : see `check_target`; or the disk is full or not writable. Nothing is left.
+    """
+
+    def fill(folder: Path) -> None:
+        _write_all(result, folder, figures=figures)
+        if compared:
+            _write_comparison(compared, folder, figures=figures)
+
+    return write_directory(directory, fill, force=force)
+
+
+def _write_all(result: Result, folder: Path, *, figures: bool) -> None:
+    text = json.dumps(without_nan(result.summary()), indent=2, allow_nan=False)
+    (folder / SUMMARY).write_text(text + "\n", encoding="utf-8")
+    (folder / RESOLVED).write_text(result.dataset.attrs["case"], encoding="utf-8")
+    with (folder / HISTORY).open("w", encoding="utf-8") as file:
+        file.writelines(history_blocks(result))
+    _reserve(folder / DATASET, result.dataset.nbytes + NETCDF_EXTRA)
+    result.dataset.to_netcdf(folder / DATASET, engine="h5netcdf")
+    if figures:
+        (folder / FIGURES).mkdir()
+        result.plot.save_all(folder / FIGURES)
+
+
+def _write_comparison(results: dict[str, Result], folder: Path, *, figures: bool) -> None:
+    from thermobearing.cyclic.comparison import comparison_figure, comparison_table
+
+    reference = next(iter(results))
+    comparison_table(results, reference).to_csv(folder / COMPARISON, index=False)
+    if figures:
+        comparison_figure(results, reference).savefig(folder / FIGURES / "comparison.png", dpi=150)
+
+
+def _reserve(path: Path, size: int) -> None:
+    """OSError if the disk has no room for a file of this size [bytes]; leaves no file.
+
+    HDF5 cannot close a file that it could not write: it crashes the process instead.
+    """
+    try:
+        with path.open("wb") as file:
+            if hasattr(os, "posix_fallocate"):
+                os.posix_fallocate(file.fileno(), 0, size)
+            elif shutil.disk_usage(path.parent).free < size:
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+    finally:
+        path.unlink(missing_ok=True)
+
+
+def without_nan(value: Any) -> Any:
+    """JSON has no NaN: a number that does not exist becomes null."""
+    if isinstance(value, dict):
+        return {key: without_nan(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [without_nan(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
+
+
+def history_blocks(result: Result) -> Iterator[str]:
+    """Text of history.csv, block by block: one row per kept step and ambient temperature."""
+    data = result.dataset
+    layers = data.sizes["layer"] if "rubber_temperature" in data else 0
+    rubber = [f"rubber{j}_degC" for j in range(1, layers + 1)]
+    names = ["displacement_mm", "force_kN", "stress_MPa", "strain", *rubber, "lead_degC"]
+    yield ",".join(["ambient_degC", "time_s", *names]) + "\n"
+    for run, ambient in enumerate(data["ambient"].values):
+        count = int((data["segment"].values[run] >= 0).sum())
+        columns = [result.time(run)[:count]]
+        columns += [
+            data[name].values[run, :count] for name in ("displacement", "force", "stress", "strain")
+        ]
+        if layers:
+            columns += list(data["rubber_temperature"].values[run, :count].T)
+        last = ",\n"  # lead_degC stays empty where the bearing has no lead
+        if result.has_lead:
+            columns.append(data["lead_temperature"].values[run, :count])
+            last = "\n"
+        line = f"{ambient:.9g}," + ",".join(["%.9g"] * len(columns)) + last
+        for first in range(0, count, CSV_BLOCK):
+            block = np.column_stack([column[first : first + CSV_BLOCK] for column in columns])
+            yield (line * len(block)) % tuple(block.ravel().tolist())
+
+
+def load_result(path: str | Path) -> Result:
+    """A saved result again, from its directory or its result.nc.
+
+    Raises
+    ------
+    InputError : there is no readable result at that path.
+    """
+    path = Path(path)
+    file = path / DATASET if path.is_dir() else path
+    if not file.is_file():
+        raise InputError("no result.nc there", str(path))
+    try:
+        dataset = xr.load_dataset(file, engine="h5netcdf")
+    except (OSError, ValueError) as error:
+        raise InputError(f"is not a result file: {error}", str(file)) from None
+    missing = {"bearing", "case", "segments"} - set(dataset.attrs)
+    if missing:
+        raise InputError(f"is not a result of thermobearing: no {sorted(missing)}", str(file))
+    return Result(dataset)

@@ -1,0 +1,194 @@
+"""Drive one bearing through the segments of a test at one ambient temperature."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from thermobearing.bearing.ambient import Ambient
+from thermobearing.core.march import march, write_row
+from thermobearing.core.types import (
+    BOOKS,
+    COMPLETED,
+    RUBBER_FORCE,
+    SOFTENED,
+    TIME,
+    Constants,
+    State,
+    new_state,
+    new_workspace,
+)
+from thermobearing.cyclic.protocol import Segment
+from thermobearing.model.outcomes import INTERRUPTED, NAMES
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+CHUNK = 20_000  # steps between two looks at the progress bar and at Ctrl-C
+
+Progress = Callable[[int], None]
+
+
+@dataclass
+class History:
+    """What one run left behind: kept rows and how it ended.
+
+    `rows` has one row per kept step and one column per entry of `columns`, which counts
+    through books, layer temperatures, layer displacements and Z. `cells` holds the cell
+    temperatures of the same steps in single precision (a micro-kelvin is plenty, and the
+    cells are most of a long history); it has no columns if they were not asked for.
+    """
+
+    columns: Ints
+    rows: Floats
+    cells: NDArray[np.float32]
+    segment: NDArray[np.int32]
+    cycle: NDArray[np.int32]
+    initial: Floats  # cell temperatures at the start [degC]
+    state: State  # where the run ended
+    outcome: str = "completed"
+    softened_steps: int = 0
+    mismatch: float = 0.0  # largest of the run [kN]
+    steps: int = 0
+    kept: int = 0
+
+    def cut(self) -> None:
+        """Drop the room for rows that the run did not come to."""
+        self.rows, self.cells = self.rows[: self.kept], self.cells[: self.kept]
+        self.segment, self.cycle = self.segment[: self.kept], self.cycle[: self.kept]
+
+
+def column_numbers(layers: int, groups: tuple[str, ...], *, branches: bool) -> Ints:
+    """Columns of a kept row for the chosen groups; the books are always kept.
+
+    Those of lead and rate dependence (`branches`) only where there are such.
+    """
+    ends = np.cumsum([0, BOOKS, layers, layers, layers])
+    names = ("books", "rubber", "layer_displacement", "hysteretic")
+    chosen = {"books", *groups}
+    parts = zip(names, ends[:-1], ends[1:], strict=True)
+    columns = [np.arange(a, b) for name, a, b in parts if name in chosen]
+    columns[0] = columns[0] if branches else np.arange(RUBBER_FORCE)
+    return np.concatenate(columns)
+
+
+def has_branches(constants: Constants) -> bool:
+    """Whether lead or a rate-dependent branch acts beside the rubber."""
+    return constants.lead.cores > 0.0 or constants.viscous.stiffness > 0.0
+
+
+def kept_steps(segment: Segment, keep_every: int) -> NDArray[np.bool_]:
+    """Which steps of a segment are kept: every n-th, and the ends of legs."""
+    keep = segment.turning.copy()
+    keep[keep_every - 1 :: keep_every] = True
+    return keep
+
+
+def run_segments(
+    constants: Constants,
+    segments: list[Segment],
+    ambient: Ambient,
+    initial: Floats,
+    *,
+    initial_lead: float | None = None,
+    keep_every: int = 1,
+    groups: tuple[str, ...] = ("rubber", "cells"),
+    progress: Progress | None = None,
+) -> History:
+    """Run a test; always returns what was computed, with a typed outcome.
+
+    Parameters
+    ----------
+    constants : the bearing (model/constants.py).
+    segments : the test (cyclic/protocol.py).
+    ambient : temperature of the air.
+    initial : cell temperatures at the start [degC].
+    initial_lead : lead temperature at the start [degC]; the mean of the cells beside it by default.
+    keep_every : keep every n-th step; ends of legs are kept besides.
+    groups : of "rubber", "layer_displacement", "hysteretic", "cells": what to keep.
+    progress : called with the number of steps done since the last call.
+    """
+    # One row more per segment: a rest that settles early keeps the step at which it does.
+    room = 1 + sum(int(kept_steps(part, keep_every).sum()) + 1 for part in segments)
+    columns = column_numbers(len(constants.multiplicity), groups, branches=has_branches(constants))
+    initial = np.array(initial, dtype=np.float64)
+    run = History(
+        columns=columns,
+        rows=np.empty((room, len(columns))),
+        cells=np.empty((room, len(initial) if "cells" in groups else 0), dtype=np.float32),
+        segment=np.zeros(room, dtype=np.int32),
+        cycle=np.zeros(room, dtype=np.int32),
+        initial=initial,
+        state=new_state(constants, initial, initial_lead),
+    )
+    _keep_start(constants, run)
+    try:
+        for number, segment in enumerate(segments):
+            if not _run_segment(constants, run, number, segment, ambient, keep_every, progress):
+                break
+    except KeyboardInterrupt:
+        run.outcome = INTERRUPTED
+    _keep_end(constants, run)
+    run.cut()
+    return run
+
+
+def _keep_start(constants: Constants, run: History) -> None:
+    """First row: the virgin bearing at its initial temperatures."""
+    row = np.empty(BOOKS + 3 * len(constants.multiplicity))
+    write_row(constants.layer_cells, run.state, row)
+    run.rows[0] = row[run.columns]
+    run.cells[0] = run.initial[: run.cells.shape[1]]
+    run.kept = 1
+
+
+def _keep_end(constants: Constants, run: History) -> None:
+    """Last row: where a run that was cut off stands, so that its books and profiles agree."""
+    last = run.kept - 1
+    if run.rows[last, TIME] == run.state.books[TIME]:
+        return
+    row = np.empty(BOOKS + 3 * len(constants.multiplicity))
+    write_row(constants.layer_cells, run.state, row)
+    run.rows[run.kept] = row[run.columns]
+    run.cells[run.kept] = run.state.temperature[: run.cells.shape[1]]
+    run.segment[run.kept], run.cycle[run.kept] = run.segment[last], run.cycle[last]
+    run.kept += 1
+
+
+def _run_segment(
+    constants: Constants,
+    run: History,
+    number: int,
+    segment: Segment,
+    ambient: Ambient,
+    keep_every: int,
+    progress: Progress | None,
+) -> bool:
+    """One segment in chunks; False when the run cannot go on."""
+    work, spare = new_workspace(constants), new_state(constants, run.initial)
+    keep = kept_steps(segment, keep_every)
+    row = np.empty(BOOKS + 3 * len(constants.multiplicity))
+    for first in range(0, len(segment.x), CHUNK):
+        part = slice(first, first + CHUNK)
+        dt = np.ascontiguousarray(segment.dt[part])
+        done, kept, outcome, softened, mismatch = march(
+            constants, work, run.state, spare,
+            segment.x[part], dt, ambient.means(float(run.state.books[TIME]), dt), keep[part],
+            segment.settle, run.columns, row, run.rows[run.kept :], run.cells[run.kept :],
+        )  # fmt: skip
+        run.steps += done
+        run.softened_steps += softened
+        run.mismatch = max(run.mismatch, mismatch)
+        end = run.kept + kept
+        run.segment[run.kept : end] = number
+        cycle = segment.cycle[part][:done][keep[part][:done]]
+        run.cycle[run.kept : run.kept + len(cycle)] = cycle
+        run.kept = end
+        if progress:
+            progress(done)
+        if outcome not in (COMPLETED, SOFTENED):
+            run.outcome = NAMES[outcome]
+            return False
+        if done < len(dt):  # the rest settled
+            break
+    return True

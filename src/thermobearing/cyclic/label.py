@@ -1,0 +1,106 @@
+"""Names, units and provenance for what the runs of a case left behind."""
+
+import numpy as np
+
+import thermobearing
+from thermobearing.bearing.ambient import Ambient
+from thermobearing.core.types import CAPACITY, LEAD_DEGC, Constants
+from thermobearing.cyclic.case import Case, resolved_toml
+from thermobearing.cyclic.dataset import RunRecord, StackLabels, build_dataset
+from thermobearing.cyclic.history import History, has_branches
+from thermobearing.cyclic.protocol import Segment, longest_layer_increment
+from thermobearing.cyclic.result import Result
+from thermobearing.model.outcomes import SENTENCES, SHARING_SENTENCES
+from thermobearing.model.stack import Stack
+
+
+def warnings_of(case: Case, segments: list[Segment], climates: list[Ambient]) -> list[str]:
+    """What a user should know about a result, in sentences."""
+    found = []
+    if case.ambient_series is None and any(len(climate.time) > 1 for climate in climates):
+        found.append(
+            "the ambient series was given in Python: case.resolved.toml has its first value only; "
+            "give it as a CSV file (ambient_series) to be able to run the case again"
+        )
+    increment = longest_layer_increment(segments, case.bearing.geometry.rubber_layers)
+    yielding = case.bearing.hysteresis.yield_displacement
+    if increment > yielding:
+        found.append(
+            f"a step moves each rubber layer by up to {increment:.3g} mm, more than its yield "
+            f"displacement of {yielding:g} mm: work and heat of such steps are coarse; use a "
+            "smaller dt"
+        )
+    return found
+
+
+def stack_labels(stack: Stack, constants: Constants) -> StackLabels:
+    """What the layers and cells of a run are; a single cell stands for the whole bearing."""
+    layers, branches = len(constants.multiplicity), has_branches(constants)
+    if constants.cells.shape[1] == len(stack.part):
+        return StackLabels(stack.depth, stack.thickness, stack.part, layers, branches)
+    height = stack.thickness.sum()
+    return StackLabels(
+        np.array([0.5 * height]), np.array([height]), ("whole bearing",), layers, branches
+    )
+
+
+def label(
+    case: Case,
+    stack: Stack,
+    constants: Constants,
+    segments: list[Segment],
+    climates: list[Ambient],
+    histories: list[History],
+) -> Result:
+    """Names, units and provenance for what the runs left behind."""
+    records = [
+        RunRecord(
+            ambient=climate.at(0.0),
+            rows=history.rows,
+            cells=history.cells,
+            segment=history.segment,
+            cycle=history.cycle,
+            initial=history.initial,
+            final=history.state.temperature,
+            final_lead=float(history.state.books[LEAD_DEGC]) if case.bearing.lead else np.nan,
+            outcome=history.outcome,
+            softened_steps=history.softened_steps,
+            mismatch=history.mismatch,
+            steps=history.steps,
+        )
+        for climate, history in zip(climates, histories, strict=False)
+    ]
+    lead_capacity = constants.lead.cores * constants.lead.capacity
+    attributes = {
+        "title": f"{case.bearing.name}, {case.test.name}",
+        "command": "cyclic",
+        "bearing": case.bearing.name,
+        "model": case.analysis.model,
+        "scheme": case.analysis.scheme,
+        "integrator": case.analysis.integrator,
+        "heat_source": case.analysis.heat_source,
+        "lead_capacity_kN_mm_per_K": lead_capacity if case.bearing.lead else 0.0,
+        "version": thermobearing.__version__,
+        "case": resolved_toml(case),
+        "citation": case.bearing.citation,
+        "area_mm2": case.bearing.area,
+        "total_rubber_thickness_mm": case.bearing.total_rubber_thickness,
+        "heat_capacity_kN_mm_per_K": constants.cells[CAPACITY].tolist(),
+        "half_stack": int(stack.fold == 2),
+        "segments": [
+            {"kind": s.kind, "label": s.label, "amplitude_strain": s.amplitude_strain}
+            for s in segments
+        ],
+        "warnings": warnings_of(case, segments, climates),
+        "sentences": SENTENCES | SHARING_SENTENCES,
+    }
+    return Result(
+        build_dataset(
+            records,
+            stack_labels(stack, constants),
+            case.analysis.keep,
+            area=case.bearing.area,
+            total_rubber_thickness=case.bearing.total_rubber_thickness,
+            attributes=attributes,
+        )
+    )

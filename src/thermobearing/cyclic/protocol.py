@@ -1,0 +1,387 @@
+"""Displacement-controlled tests as a list of typed steps: cycles, ramps, rests, recordings.
+
+Steps are data (they come from TOML or Python and go back to it); `build_segments` turns them
+into displacements and time steps for one bearing. Amplitudes are given as shear strain of
+the total rubber thickness or in mm.
+"""
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from thermobearing.border.errors import InputError
+from thermobearing.border.schema import Strict, in_unit
+from thermobearing.cyclic.recording import read_recording
+
+Floats = NDArray[np.float64]
+Seconds = Annotated[float, in_unit("s"), Field(gt=0)]
+Strain = Annotated[float, Field(gt=0, le=5)]
+Millimetres = Annotated[float, in_unit("mm"), Field(gt=0)]
+
+REST_GROWTH = 1.05  # each step of a rest against the one before
+REST_STEPS = 100  # no step of a rest is longer than this part of it
+SETTLE_LIMIT = 14 * 24 * 3600.0  # "until within" gives up after two weeks [s]
+LONGEST_REST = 1e8  # three years [s]
+MAX_STEPS = 50_000_000  # of one test: more is surely a slip in dt or a period
+LARGEST_STRAIN = 5.0  # more is surely a slip in a unit
+FEWEST_STEPS = 2  # in a quarter of a cycle: fewer make no loop
+TINY = 1e-9
+
+
+def _exactly_one(given: dict[str, Any], *names: str) -> list[str]:
+    chosen = [name for name in names if name in given]
+    if len(chosen) == 1:
+        return []
+    return [f"give exactly one of {', '.join(names)}; got {' and '.join(chosen) or 'none'}"]
+
+
+class Cycles(Strict):
+    """Fully reversed cycles about zero.
+
+    `speed` gives every cycle the period 4a/speed, for the triangle its constant speed, for
+    the sine the same mean speed (Table 3.4).
+    """
+
+    step: Literal["cycles"] = "cycles"
+    strain: Strain | None = None
+    amplitude: Millimetres | None = None
+    wave: Literal["triangular", "sine"] = "triangular"
+    speed: Annotated[float, in_unit("mm/s"), Field(gt=0)] | None = None
+    period: Seconds | None = None
+    frequency: Annotated[float, in_unit("Hz"), Field(gt=0)] | None = None
+    count: Annotated[int, Field(ge=1, le=100_000)] = 5
+    closing_strain: Strain | None = None
+
+    @classmethod
+    def conflicts(cls, given: dict[str, Any]) -> list[str]:
+        """One amplitude and one timing."""
+        amplitude = _exactly_one(given, "strain", "amplitude")
+        return amplitude + _exactly_one(given, "speed", "period", "frequency")
+
+    def size(self, total_rubber_thickness: float) -> float:
+        """Amplitude [mm]."""
+        by_strain = (self.strain or 0.0) * total_rubber_thickness
+        return self.amplitude if self.amplitude is not None else by_strain
+
+    def quarters(self, total_rubber_thickness: float) -> list[float]:
+        """Duration of a quarter of the cycles, and of the closing cycle if there is one [s]."""
+        size = self.size(total_rubber_thickness)
+        period = self.period or (1.0 / self.frequency if self.frequency else None)
+        speed = (self.speed or 1.0) if period is None else 4.0 * size / period
+        closing = self.closing_strain
+        sizes = [size] if closing is None else [size, closing * total_rubber_thickness]
+        return [size / speed for size in sizes]
+
+
+class Ramp(Strict):
+    """One straight move to a strain or displacement, at a speed or over a time."""
+
+    step: Literal["ramp"] = "ramp"
+    to_strain: Annotated[float, Field(ge=-5, le=5)] | None = None
+    to: Annotated[float, in_unit("mm")] | None = None
+    speed: Annotated[float, in_unit("mm/s"), Field(gt=0)] | None = None
+    duration: Seconds | None = None
+
+    @classmethod
+    def conflicts(cls, given: dict[str, Any]) -> list[str]:
+        """One target and one timing."""
+        return _exactly_one(given, "to_strain", "to") + _exactly_one(given, "speed", "duration")
+
+    def target(self, total_rubber_thickness: float) -> float:
+        """Displacement at the end [mm]."""
+        by_strain = (self.to_strain or 0.0) * total_rubber_thickness
+        return self.to if self.to is not None else by_strain
+
+    def seconds(self, distance: float) -> float:
+        """Time that the move takes [s]."""
+        return self.duration or distance / (self.speed or 1.0)
+
+
+class Rest(Strict):
+    """No motion, for a time or until every cell is `within` some kelvin of the ambient."""
+
+    step: Literal["rest"] = "rest"
+    duration: Annotated[float, in_unit("s"), Field(gt=0, le=LONGEST_REST)] | None = None
+    within: Annotated[float, in_unit("K"), Field(gt=0)] | None = None
+
+    @classmethod
+    def conflicts(cls, given: dict[str, Any]) -> list[str]:
+        """One way to end."""
+        return _exactly_one(given, "duration", "within")
+
+
+class Recorded(Strict):
+    """A displacement history from a CSV file with columns time and displacement."""
+
+    step: Literal["recorded"] = "recorded"
+    file: Annotated[str, Field(min_length=1)]
+
+
+Step = Annotated[Cycles | Ramp | Rest | Recorded, Field(discriminator="step")]
+
+
+class CyclicTest(Strict):
+    """A named list of steps. `dt` is the largest time step while the bearing moves."""
+
+    name: str = "test"
+    dt: Annotated[float, in_unit("s"), Field(gt=0, le=10)] = 0.005
+    steps: Annotated[list[Step], Field(min_length=1)]
+
+
+@dataclass(frozen=True)
+class Segment:
+    """One step of a test, sampled: where the bearing is at the end of each time step."""
+
+    kind: str
+    label: str
+    x: Floats  # [mm]
+    dt: Floats  # [s]
+    cycle: NDArray[np.int32]  # number of the cycle within the segment, 0 outside cycles
+    turning: NDArray[np.bool_]  # a leg ends here: always kept in a result
+    amplitude_strain: float = 0.0
+    settle: float = 0.0  # stop once within this of the ambient [K]
+
+
+def _legs(duration: float, dt: float) -> int:
+    """Number of equal steps, none longer than dt, that fill a leg."""
+    return max(1, math.ceil(duration / dt - TINY))
+
+
+def _quarter_steps(duration: float, dt: float) -> int:
+    return max(FEWEST_STEPS, _legs(duration, dt))
+
+
+def _cycle_shape(wave: str, steps: int) -> Floats:
+    """One cycle 0, 1, 0, -1, 0 of unit amplitude; `steps` per quarter, peaks hit exactly."""
+    rising = np.arange(1, steps + 1) / steps
+    if wave == "sine":
+        rising = np.sin(0.5 * np.pi * rising)
+    falling = np.concatenate([rising[-2::-1], [0.0]])
+    return np.concatenate([rising, falling, -rising, -falling])
+
+
+def _cycles(step: Cycles, rubber: float, dt: float, label: str) -> list[Segment]:
+    parts = [(step.size(rubber), step.count, "cycles", label)]
+    if step.closing_strain is not None:
+        parts.append((step.closing_strain * rubber, 1, "closing cycle", f"{label}, closing cycle"))
+    segments = []
+    for (size, count, kind, name), quarter in zip(parts, step.quarters(rubber), strict=True):
+        steps = _quarter_steps(quarter, dt)
+        shape = _cycle_shape(step.wave, steps)
+        turning = np.zeros(4 * steps, dtype=bool)
+        turning[steps - 1 :: steps] = True
+        numbers = np.repeat(np.arange(1, count + 1, dtype=np.int32), 4 * steps)
+        segments.append(
+            Segment(
+                kind=kind,
+                label=name,
+                x=np.tile(size * shape, count),
+                dt=np.broadcast_to(quarter / steps, 4 * steps * count),
+                cycle=numbers if kind == "cycles" else np.zeros_like(numbers),
+                turning=np.tile(turning, count),
+                amplitude_strain=size / rubber,
+            )
+        )
+    return segments
+
+
+def _ramp(step: Ramp, rubber: float, dt: float, start: float) -> Segment:
+    target = step.target(rubber)
+    duration = step.seconds(abs(target - start))
+    steps = _legs(duration, dt)
+    x = start + (target - start) * np.arange(1, steps + 1) / steps
+    x[-1] = target
+    span = max(duration, TINY)
+    return _plain("ramp", f"ramp to {target:g} mm", x, np.full(steps, span / steps))
+
+
+def _rest(step: Rest, dt: float, start: float) -> Segment:
+    duration = step.duration or SETTLE_LIMIT
+    longest = max(dt, min(duration / REST_STEPS, 600.0))
+    steps = [min(dt, duration)]
+    left = duration - steps[0]
+    while left > 0.0:
+        size = min(steps[-1] * REST_GROWTH, longest)
+        if left < 1.5 * size:
+            size = left
+        steps.append(size)
+        left -= size
+    label = f"rest {duration:g} s" if step.duration else f"rest until within {step.within:g} K"
+    return _plain("rest", label, np.full(len(steps), start), np.array(steps), step.within or 0.0)
+
+
+def _plain(kind: str, label: str, x: Floats, dt: Floats, settle: float = 0.0) -> Segment:
+    turning = np.zeros(len(x), dtype=bool)
+    turning[-1] = True
+    return Segment(kind, label, x, dt, np.zeros(len(x), dtype=np.int32), turning, settle=settle)
+
+
+def _recorded(step: Recorded, rubber: float, dt: float, start: float) -> Segment:
+    """A recorded history, each of its intervals cut into equal steps no longer than dt."""
+    gaps, displacement = read_recording(step.file, start)
+    counts = np.maximum(1, np.ceil(gaps / dt - TINY).astype(np.int64))
+    steps = np.repeat(gaps / counts, counts)
+    ends = np.cumsum(counts) - 1
+    x = np.interp(np.arange(counts.sum()) + 1, np.concatenate([[0], ends + 1]), displacement)
+    turns = np.zeros(len(x), dtype=bool)
+    turns[ends] = True
+    cycle = np.zeros(len(x), dtype=np.int32)
+    name = Path(step.file).name
+    peak = float(np.abs(displacement).max()) / rubber
+    return Segment("recorded", name, x, steps, cycle, turns, amplitude_strain=peak)
+
+
+def _step_faults(
+    step: Cycles | Ramp | Rest | Recorded, dt: float, rubber: float, at: float | None
+) -> tuple[float, float | None, list[str]]:
+    """Number of time steps, displacement at the end and faults of one step that starts at `at`."""
+    faults, steps, end, peak, where = [], 0.0, at, 0.0, ""
+    if isinstance(step, Cycles):
+        steps = sum(
+            4.0 * count * max(1.0, quarter / dt)
+            for count, quarter in zip((step.count, 1), step.quarters(rubber), strict=False)
+        )
+        end, peak = 0.0, step.size(rubber)
+        if at is not None and abs(at) > TINY:
+            faults.append(
+                f"cycles start from zero, but the bearing is at {at:g} mm; "
+                "put a ramp to 0 mm before them"
+            )
+    elif isinstance(step, Ramp):
+        end = step.target(rubber)
+        steps, peak = step.seconds(abs(end - (at or 0.0))) / dt, abs(end)
+    elif isinstance(step, Recorded):
+        where = f"{step.file}: "
+        try:
+            gaps, x = read_recording(step.file, at)
+        except InputError as error:
+            return 0.0, None, error.lines()
+        end, peak = float(x[-1]), float(np.abs(x).max())
+        steps = float(np.maximum(1.0, gaps / dt).sum())
+    if peak > LARGEST_STRAIN * rubber * (1.0 + TINY):
+        faults.append(
+            f"{where}reaches {peak:g} mm, more than {LARGEST_STRAIN:.0%} of the total rubber "
+            f"thickness of {rubber:g} mm; is the unit right?"
+        )
+    return steps, end, faults
+
+
+def find_faults(test: CyclicTest, total_rubber_thickness: float) -> list[str]:
+    """What keeps a test from being done with a bearing, step by step; reads its recordings."""
+    faults: list[str] = []
+    at: float | None = 0.0
+    total = 0.0
+    for number, step in enumerate(test.steps):
+        steps, at, found = _step_faults(step, test.dt, total_rubber_thickness, at)
+        total += steps
+        faults += [f"steps[{number}]: {fault}" for fault in found]
+    if total > MAX_STEPS:
+        faults.append(
+            f"dt = {test.dt:g} s makes {total:.3g} steps; at most {MAX_STEPS} can be done: "
+            "take a larger dt, or look for a slip in a speed, period or count"
+        )
+    return faults
+
+
+def build_segments(test: CyclicTest, total_rubber_thickness: float) -> list[Segment]:
+    """Sample a test for a bearing.
+
+    Parameters
+    ----------
+    test : what to do.
+    total_rubber_thickness : what strains refer to [mm].
+
+    Raises
+    ------
+    InputError : a step that cannot follow the one before, or an unusable recording.
+    """
+    faults = find_faults(test, total_rubber_thickness)
+    if faults:
+        raise InputError(faults, test.name)
+    segments: list[Segment] = []
+    at = 0.0
+    for step in test.steps:
+        if isinstance(step, Cycles):
+            label = f"{step.strain:.0%}" if step.strain else f"{step.amplitude:g} mm"
+            segments += _cycles(step, total_rubber_thickness, test.dt, label)
+        elif isinstance(step, Ramp):
+            segments.append(_ramp(step, total_rubber_thickness, test.dt, at))
+        elif isinstance(step, Rest):
+            segments.append(_rest(step, test.dt, at))
+        else:
+            segments.append(_recorded(step, total_rubber_thickness, test.dt, at))
+        at = float(segments[-1].x[-1])
+    return segments
+
+
+def longest_layer_increment(segments: list[Segment], layers: int) -> float:
+    """Largest displacement of one rubber layer in one step of a test [mm]."""
+    x = np.concatenate([[0.0], *(segment.x for segment in segments)])
+    return float(np.abs(np.diff(x)).max()) / layers
+
+
+def cyclic_test(
+    strain: list[float] | tuple[float, ...] = (0.5, 1.0, 1.5, 2.0, 2.5),
+    *,
+    cycles: int = 5,
+    wave: Literal["triangular", "sine"] = "triangular",
+    speed: float = 30.0,
+    rest: float | None = 4500.0,
+    closing_strain: float | None = 0.1,
+    dt: float = 0.005,
+) -> CyclicTest:
+    """Cycles at several amplitudes with rests between; without arguments, Table 3.4.
+
+    Parameters
+    ----------
+    strain : shear strain amplitudes, each > 0.
+    cycles : fully reversed cycles at each amplitude.
+    wave : "triangular" (constant speed) or "sine"; both have the period 4a/speed.
+    speed : mean loading rate [mm/s].
+    rest : pause between amplitudes [s], 1.25 h by default (the source says 1 to 1.5 h);
+        None for no pause.
+    closing_strain : amplitude of the one small cycle that stops the loading smoothly after
+        each amplitude (section 3.3.1; its size is not printed, 0.1 is our choice); None for
+        none.
+    dt : largest time step while the bearing moves [s].
+
+    Returns
+    -------
+    CyclicTest
+
+    Raises
+    ------
+    InputError : a value out of range.
+
+    Examples
+    --------
+    >>> [step.step for step in cyclic_test(strain=[0.5, 1.0]).steps]
+    ['cycles', 'rest', 'cycles']
+    """
+    from thermobearing.border.schema import validated
+
+    levels = np.atleast_1d(np.asarray(strain, dtype=object)).ravel().tolist()
+    if not levels:
+        raise InputError("strain: give at least one amplitude", "cyclic_test()")
+    steps: list[dict[str, object]] = []
+    for level in levels:
+        if steps and rest is not None:
+            steps.append({"step": "rest", "duration": rest})
+        steps.append(
+            {
+                "step": "cycles",
+                "strain": level,
+                "count": cycles,
+                "wave": wave,
+                "speed": speed,
+                "closing_strain": closing_strain,
+            }
+        )
+    printed = (levels, cycles, speed) == ([0.5, 1.0, 1.5, 2.0, 2.5], 5, 30.0) and rest
+    data = {"name": "Table 3.4" if printed else "cyclic test", "dt": dt, "steps": steps}
+    return validated(CyclicTest, data, "cyclic_test()", from_file=False)

@@ -1,0 +1,283 @@
+"""What `run` returns: the labelled dataset, with the numbers and pictures engineers ask for."""
+
+import json
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from numpy.typing import NDArray
+
+from thermobearing.results.metrics import CycleMeasures, find_cycles, measure_cycle
+
+if TYPE_CHECKING:
+    from thermobearing.cyclic.figures import Figures
+
+Floats = NDArray[np.float64]
+
+
+class Result:
+    """Outcome of an analysis at one or several ambient temperatures.
+
+    Attributes
+    ----------
+    dataset : xarray.Dataset with named dimensions and a unit on every variable;
+        `result["force"]` is `result.dataset["force"]`.
+
+    Examples
+    --------
+    >>> import thermobearing as tb
+    >>> test = tb.cyclic_test(strain=[0.5], cycles=1)
+    >>> result = tb.run(tb.load_bearing("shen-hdr-specimen"), test, ambient=23)
+    >>> result["force"].attrs["units"]
+    'kN'
+    """
+
+    def __init__(self, dataset: xr.Dataset) -> None:
+        self.dataset = dataset
+
+    def __getitem__(self, name: str) -> xr.DataArray:
+        return self.dataset[name]
+
+    def __repr__(self) -> str:
+        ambient = ", ".join(f"{t:g}" for t in self.dataset["ambient"].values)
+        steps = int(self.dataset["steps"].sum())
+        return (
+            f"<Result of {self.bearing_name} at {ambient} degC: {steps} steps, "
+            f"{len(self.cycles)} cycles, {self.outcome}>"
+        )
+
+    @property
+    def bearing_name(self) -> str:
+        """Name of the bearing."""
+        return str(self.dataset.attrs["bearing"])
+
+    @cached_property
+    def segments(self) -> list[dict[str, Any]]:
+        """Kind, label and amplitude of each step of the test."""
+        return list(json.loads(self.dataset.attrs["segments"]))
+
+    @property
+    def outcome(self) -> str:
+        """Name of what ended the first run that did not complete, else completed."""
+        names = [str(name) for name in self.dataset["outcome"].values]
+        return next((name for name in names if name != "completed"), "completed")
+
+    @property
+    def warnings(self) -> list[str]:
+        """Sentences about accuracy that a user should read; empty when there is nothing."""
+        return list(json.loads(self.dataset.attrs["warnings"]))
+
+    def time(self, run: int) -> Floats:
+        """Times of the kept steps of a run [s]."""
+        if "clock" in self.dataset:
+            return np.asarray(self.dataset["clock"].values[run])
+        return np.asarray(self.dataset["time"].values)
+
+    def _cycle_rows(self, run: int) -> list[tuple[int, int, slice]]:
+        """(segment, cycle, rows with the closing point of the cycle before) of a run."""
+        segment = self.dataset["segment"].values[run]
+        cycle = self.dataset["cycle"].values[run]
+        found: list[tuple[int, int, slice]] = []
+        for number, about in enumerate(self.segments):
+            inside = np.flatnonzero(segment == number)
+            if len(inside) == 0:
+                continue
+            if about["kind"] == "recorded":
+                first = max(int(inside[0]) - 1, 0)
+                x = self.dataset["displacement"].values[run, first : inside[-1] + 1]
+                found += [
+                    (number, k, slice(first + a, first + b + 1))
+                    for k, (a, b) in enumerate(find_cycles(x), 1)
+                ]
+            elif about["kind"] == "cycles":
+                x = self.dataset["displacement"].values[run]
+                for k in range(1, int(cycle[inside].max()) + 1):
+                    rows = inside[cycle[inside] == k]
+                    if x[rows[-1]] == 0.0 and x[rows].min() < 0.0:  # else cut off on its way
+                        found.append((number, k, slice(int(rows[0]) - 1, int(rows[-1]) + 1)))
+        return found
+
+    @cached_property
+    def cycles(self) -> pd.DataFrame:
+        """One row per closed cycle: amplitude, G_eq, h_eq, energy, strength, temperatures.
+
+        Temperatures are those at the end of the cycle; `rubber1_degC` is the outer layer.
+        """
+        attrs = self.dataset.attrs
+        x, f, work = (self.dataset[name].values for name in ("displacement", "force", "work_in"))
+        rows: list[dict[str, Any]] = []
+        for run, ambient in enumerate(self.dataset["ambient"].values):
+            for number, k, where in self._cycle_rows(run):
+                measures = measure_cycle(
+                    x[run, where],
+                    f[run, where],
+                    area=attrs["area_mm2"],
+                    total_rubber_thickness=attrs["total_rubber_thickness_mm"],
+                    # from the books, which know every step and not only the kept ones
+                    work=float(work[run, where.stop - 1] - work[run, where.start]),
+                )
+                rows.append(
+                    self._row(float(ambient), self.segments[number], k, measures)
+                    | self._temperatures(run, where.stop - 1)
+                )
+        return pd.DataFrame(rows)
+
+    def _row(
+        self, ambient: float, segment: dict[str, Any], cycle: int, m: CycleMeasures
+    ) -> dict[str, Any]:
+        stress = 1e3 / self.dataset.attrs["area_mm2"]
+        rubber = self.dataset.attrs["total_rubber_thickness_mm"]
+        return {
+            "ambient_degC": ambient,
+            "amplitude_strain": segment["amplitude_strain"]
+            if segment["kind"] == "cycles"
+            else m.amplitude_mm / rubber,
+            "cycle": cycle,
+            "G_eq_MPa": m.G_eq_MPa,
+            "h_eq": m.h_eq,
+            "stress_max_MPa": m.force_max_kN * stress,
+            "stress_min_MPa": m.force_min_kN * stress,
+            "energy_kN_mm": m.energy_kN_mm,
+            "characteristic_strength_kN": m.characteristic_strength_kN,
+            "post_yield_stiffness_kN_mm": m.post_yield_stiffness_kN_mm,
+        }
+
+    def _temperatures(self, run: int, row: int) -> dict[str, float]:
+        """Of layers (if they were kept) and lead at a kept step."""
+        if "rubber_temperature" not in self.dataset:
+            return {}
+        values = self.dataset["rubber_temperature"].values[run, row]
+        found = {f"rubber{j}_degC": float(value) for j, value in enumerate(values, 1)}
+        if self.has_lead:
+            found["lead_degC"] = float(self.dataset["lead_temperature"].values[run, row])
+        return found
+
+    @cached_property
+    def energy(self) -> pd.DataFrame:
+        """Energy books at the end of each run [kN mm], one row per ambient temperature.
+
+        `mechanical_residual` is (work in - heat released - recoverable) and
+        `thermal_residual` (heat released - stored - lost), both over the work done.
+        """
+        data = self.dataset
+        capacity = np.asarray(json.loads(data.attrs["heat_capacity_kN_mm_per_K"]))
+        rows = []
+        for run, ambient in enumerate(data["ambient"].values):
+            last = int(np.flatnonzero(data["segment"].values[run] >= 0)[-1])
+            book = {
+                name: float(data[name].values[run, last])
+                for name in (
+                    "work_in",
+                    "heat_released",
+                    "recoverable",
+                    "heat_lost_ends",
+                    "heat_lost_sides",
+                )
+            }
+            warmer = data["final_temperature"].values[run] - data["initial_temperature"].values[run]
+            stored = float(capacity @ warmer) + self._heat_in_lead(run, last)
+            lost = book["heat_lost_ends"] + book["heat_lost_sides"]
+            scale = max(abs(book["work_in"]), abs(stored), abs(lost), 1e-12)
+            rows.append(
+                {
+                    "ambient_degC": float(ambient),
+                    "work_in_kN_mm": book["work_in"],
+                    "heat_released_kN_mm": book["heat_released"],
+                    "recoverable_kN_mm": book["recoverable"],
+                    "heat_stored_kN_mm": stored,
+                    "heat_lost_ends_kN_mm": book["heat_lost_ends"],
+                    "heat_lost_sides_kN_mm": book["heat_lost_sides"],
+                    "mechanical_residual": (
+                        book["work_in"] - book["heat_released"] - book["recoverable"]
+                    )
+                    / scale,
+                    "thermal_residual": (book["heat_released"] - stored - lost) / scale,
+                }
+            )
+        return pd.DataFrame(rows)
+
+    def _heat_in_lead(self, run: int, last: int) -> float:
+        """Heat stored in the lead since the start [kN mm], from its temperatures."""
+        if "lead_temperature" not in self.dataset or not self.has_lead:
+            return 0.0
+        first = float(self.dataset["lead_temperature"].values[run, 0])
+        final = float(self.dataset["lead_temperature"].values[run, last])
+        return float(self.dataset.attrs["lead_capacity_kN_mm_per_K"]) * (final - first)
+
+    @property
+    def has_lead(self) -> bool:
+        """Whether the bearing has lead cores."""
+        return float(self.dataset.attrs["lead_capacity_kN_mm_per_K"]) > 0.0
+
+    def summary(self) -> dict[str, Any]:
+        """The content of summary.json, see the interface description in docs/files.md."""
+        attrs = self.dataset.attrs
+        return {
+            "command": attrs["command"],
+            "bearing": attrs["bearing"],
+            "scheme": attrs["scheme"],
+            "version": attrs["version"],
+            "outcome": self.outcome,
+            "warnings": self.warnings,
+            "runs": [self._run_summary(run) for run in range(self.dataset.sizes["ambient"])],
+        }
+
+    def _run_summary(self, run: int) -> dict[str, Any]:
+        data = self.dataset
+        ambient = float(data["ambient"].values[run])
+        outcome = str(data["outcome"].values[run])
+        softened = int(data["softened_steps"].values[run])
+        sharing = "softened_layers" if softened else "equal_layer_forces"
+        sentences = json.loads(data.attrs["sentences"])
+        cycles = self.cycles
+        mine = cycles[cycles["ambient_degC"] == ambient] if len(cycles) else cycles
+        return {
+            "ambient_degC": ambient,
+            "outcome": outcome,
+            "outcome_sentence": sentences[outcome],
+            "layer_force_mismatch_max_kN": float(data["layer_force_mismatch_max"].values[run]),
+            "series_sharing": {
+                "outcome": sharing,
+                "sentence": sentences[sharing],
+                "softened_steps": softened,
+                "steps": int(data["steps"].values[run]),
+            },
+            "cycles": [_cycle_summary(dict(row)) for row in mine.to_dict("records")],
+            "energy": {
+                key: float(value)
+                for key, value in self.energy.iloc[run].items()
+                if key != "ambient_degC"
+            },
+        }
+
+    @cached_property
+    def plot(self) -> "Figures":
+        """Figures: `result.plot.loops()`, `.displacement()`, `.measures()`, ... ."""
+        from thermobearing.cyclic.figures import Figures
+
+        return Figures(self)
+
+    def save(self, directory: str | Path, *, force: bool = False, figures: bool = True) -> Path:
+        """Write the result directory (summary, netCDF, CSV, resolved case, figures).
+
+        Raises
+        ------
+        OutputError : the directory exists and `force` is False, or it cannot be written.
+        """
+        from thermobearing.cyclic.files import save_result
+
+        return save_result(self, Path(directory), force=force, figures=figures)
+
+
+def _cycle_summary(row: dict[Any, Any]) -> dict[str, Any]:
+    """One cycle of summary.json from a row of `Result.cycles`."""
+    rubber = [float(value) for key, value in row.items() if str(key).startswith("rubber")]
+    plain = {
+        str(key): value
+        for key, value in row.items()
+        if key != "ambient_degC" and not str(key).startswith("rubber")
+    }
+    return {"lead_degC": None} | plain | {"rubber_degC": rubber}

@@ -1,0 +1,174 @@
+"""The whole story in one file: a bearing, a test, an ambient temperature -> a result.
+
+    bearing -> stack of cells -> constants -> one coupled step, many times -> labelled dataset
+
+Read from top to bottom: `run` gathers what the user gave into a Case, `run_case` carries it
+out. The physics is in core/step.py, the test in cyclic/protocol.py, the numbers and pictures
+in results/.
+"""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from thermobearing.bearing.ambient import Ambient
+from thermobearing.bearing.model import Bearing
+from thermobearing.core.types import Constants
+from thermobearing.cyclic.case import Case, EndFace, make_case
+from thermobearing.cyclic.equivalent import bilinear_parameters
+from thermobearing.cyclic.history import History, run_segments
+from thermobearing.cyclic.label import label
+from thermobearing.cyclic.protocol import CyclicTest, build_segments
+from thermobearing.cyclic.result import Result
+from thermobearing.cyclic.start import final_lead, final_profile, initial_temperatures
+from thermobearing.model.constants import build_constants
+from thermobearing.model.earlier import apply_model, needs_full_stack
+from thermobearing.model.outcomes import INTERRUPTED
+from thermobearing.model.stack import Stack, build_stack
+
+Progress = Callable[[int, int], None]
+
+
+def run(
+    bearing: Bearing | str | Path,
+    test: CyclicTest | None = None,
+    ambient: float | Sequence[float] | Ambient = 23.0,
+    *,
+    dt: float | None = None,
+    scheme: str | None = None,
+    integrator: str | None = None,
+    heat_source: str | None = None,
+    lead_ends: str | None = None,
+    upper_face: EndFace | None = None,
+    lower_face: EndFace | None = None,
+    initial: float | Sequence[float] | Result | None = None,
+    initial_lead: float | None = None,
+    keep: Sequence[str] | None = None,
+    keep_every: int | None = None,
+    stack: str | None = None,
+    model: str | None = None,
+    progress: Progress | None = None,
+) -> Result:
+    """Put a bearing through a displacement-controlled test.
+
+    Parameters
+    ----------
+    bearing : a Bearing, a library name, or a TOML file.
+    test : what to do; Table 3.4 if not given.
+    ambient : temperature of the air [degC], in [-100, 100]; several temperatures make several
+        runs in one result; an `Ambient` is a series in time.
+    dt : largest time step while the bearing moves [s], in (0, 10].
+    scheme : "conservative" (default) or "published" heat scheme.
+    integrator : "exact" (default) or "euler" integration of Z.
+    heat_source : "work" (default, Eq. 4.22) or "dissipation".
+    lead_ends : "half-space" (default, Eq. 5.5) or "finite-plate", for confined lead cores.
+    upper_face, lower_face : heat exchange of the end faces; eta_B = 2 by default.
+    initial : temperature at the start [degC]: uniform, one per cell (upper face first), or
+        the final profile of an earlier result; the ambient temperature by default.
+    initial_lead : lead temperature at the start [degC]; that of the cells beside it by default.
+    keep : of "rubber", "layer_displacement", "hysteretic", "cells": histories to keep
+        besides displacement, force and energy; the first and last by default.
+    keep_every : keep every n-th step (turning points are kept besides).
+    stack : "auto" (default), "half" or "full" height.
+    model : "multi-layer" (default) or an earlier model to compare with (model/earlier.py).
+    progress : called with (steps done, all steps).
+
+    Returns
+    -------
+    Result
+
+    Raises
+    ------
+    InputError : anything that cannot be used, named with what is allowed.
+
+    Examples
+    --------
+    >>> import thermobearing as tb
+    >>> result = tb.run("shen-hdr-specimen", tb.cyclic_test(strain=[1.0], cycles=1), ambient=-20)
+    >>> bool(result.cycles["G_eq_MPa"][0] > 1.0)
+    True
+    """
+    series = ambient if isinstance(ambient, Ambient) else None
+    profile = final_profile(initial, ambient) if isinstance(initial, Result) else initial
+    if isinstance(initial, Result) and initial_lead is None:
+        initial_lead = final_lead(initial, ambient)
+    uniform = profile is None or np.ndim(profile) == 0
+    options: dict[str, Any] = {
+        "bearing": bearing,
+        "test": test,
+        "ambient": [series.at(0.0)] if series else ambient,
+        "dt": dt,
+        "scheme": scheme,
+        "integrator": integrator,
+        "heat_source": heat_source,
+        "lead_ends": lead_ends,
+        "stack": stack,
+        "model": model,
+        "upper_face": upper_face,
+        "lower_face": lower_face,
+        "keep": keep,
+        "keep_every": keep_every,
+        "initial": profile if uniform else None,
+        "initial_profile": None if uniform else profile,
+        "initial_lead": initial_lead,
+    }
+    return run_case(make_case({}, "run()", **options), series=series, progress=progress)
+
+
+def prepare(case: Case) -> tuple[Stack, Constants]:
+    """The stack of a case and the constants of its step."""
+    bearing, analysis = case.bearing, case.analysis
+    half = analysis.half and not needs_full_stack(analysis.model)
+    stack = build_stack(bearing, half=half)
+    constants = build_constants(
+        bearing,
+        stack,
+        upper=analysis.upper_face.face(),
+        lower=None if half else analysis.lower_face.face(),
+        scheme=analysis.scheme,
+        integrator=analysis.integrator,
+        heat_source=analysis.heat_source,
+        lead_ends=analysis.lead_ends,
+    )
+    constants = apply_model(
+        analysis.model, constants, bearing, stack, lambda: bilinear_parameters(bearing)
+    )
+    return stack, constants
+
+
+def run_case(
+    case: Case, *, series: Ambient | None = None, progress: Progress | None = None
+) -> Result:
+    """Carry out a complete case; never raises for a failed analysis (see `Result.outcome`)."""
+    stack, constants = prepare(case)
+    segments = build_segments(case.test, case.bearing.total_rubber_thickness)
+    if case.ambient_series is not None:
+        series = Ambient.from_csv(case.ambient_series)
+    climates = [series] if series else [Ambient.constant(value) for value in case.ambient]
+    total = len(climates) * sum(len(segment.x) for segment in segments)
+    done = 0
+
+    def report(steps: int) -> None:
+        nonlocal done
+        done += steps
+        if progress:
+            progress(done, total)
+
+    histories: list[History] = []
+    for climate in climates:
+        history = run_segments(
+            constants,
+            segments,
+            climate,
+            initial_temperatures(case, constants.cells.shape[1], climate.at(0.0)),
+            initial_lead=case.initial_lead,
+            keep_every=case.analysis.keep_every,
+            groups=case.analysis.keep,
+            progress=report,
+        )
+        histories.append(history)
+        if history.outcome == INTERRUPTED:
+            break
+    return label(case, stack, constants, segments, climates, histories)

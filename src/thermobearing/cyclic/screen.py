@@ -1,0 +1,127 @@
+"""Tables on the terminal."""
+
+from typing import Any
+
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+from thermobearing.cyclic.result import Result
+from thermobearing.results.metrics import CycleMeasures
+
+
+def _table(title: str, columns: list[str]) -> Table:
+    table = Table(title=title, title_justify="left", box=None, pad_edge=False, header_style="bold")
+    for name in columns:
+        table.add_column(name, justify="right")
+    return table
+
+
+def print_result(result: Result, compared: dict[str, Result] | None = None) -> None:
+    """Per-cycle table of each run, its energy books, and earlier models beside it."""
+    console = Console()
+    console.print(
+        f"[bold]{escape(result.dataset.attrs['title'])}[/bold] ({result.dataset.attrs['scheme']})"
+    )
+    for warning in result.warnings:
+        console.print(f"[yellow]warning: {escape(warning)}[/yellow]")
+    cycles = result.cycles
+    layers = [name for name in cycles.columns if str(name).startswith("rubber")]
+    for run, ambient in enumerate(result["ambient"].values):
+        mine = cycles[cycles["ambient_degC"] == ambient] if len(cycles) else cycles
+        heads = ["strain", "cycle", "G_e MPa", "h_eq", "energy kN mm", "Q_d kN", "K_d kN/mm"]
+        table = _table(f"\n{ambient:g} degC", [*heads, *(_layer_title(str(n)) for n in layers)])
+        for row in mine.to_dict("records"):
+            table.add_row(*_cycle_cells(row), *(f"{row[name]:.2f}" for name in layers))
+        if len(mine):
+            console.print(table)
+        _print_books(console, result, run)
+    if compared:
+        print_comparison(compared)
+
+
+def print_comparison(results: dict[str, Result]) -> None:
+    """Errors of the earlier models, one row per ambient temperature and model."""
+    from thermobearing.cyclic.comparison import comparison_table
+
+    rows = comparison_table(results, next(iter(results)))
+    shown = {
+        "ambient_degC": "degC",
+        "model": "model",
+        "inner layer largest K": "inner K",
+        "lead largest K": "lead K",
+        "peak force %": "peak f %",
+        "last G_e %": "G_e %",
+        "last h_eq %": "h_eq %",
+        "last energy %": "energy %",
+    }
+    names = [name for name in shown if name in rows]
+    title = (
+        "\nearlier models: largest temperature error, error of the peak force and the last cycle"
+    )
+    table = _table(title, [shown[name] for name in names])
+    for row in rows[names].itertuples(index=False):
+        table.add_row(*(v if isinstance(v, str) else f"{v:.3g}" for v in row))
+    Console().print(table)
+
+
+def _layer_title(name: str) -> str:
+    return f"layer {name.removeprefix('rubber').removesuffix('_degC')} degC"
+
+
+def _cycle_cells(row: dict[Any, Any]) -> list[str]:
+    return [
+        f"{row['amplitude_strain']:.0%}",
+        f"{row['cycle']:d}",
+        f"{row['G_eq_MPa']:.3f}",
+        f"{row['h_eq']:.4f}",
+        f"{row['energy_kN_mm']:.0f}",
+        f"{row['characteristic_strength_kN']:.2f}",
+        f"{row['post_yield_stiffness_kN_mm']:.3f}",
+    ]
+
+
+def _print_books(console: Console, result: Result, run: int) -> None:
+    books = result.energy.iloc[run]
+    steps = int(result["steps"].values[run])
+    softened = int(result["softened_steps"].values[run])
+    mismatch = float(result["layer_force_mismatch_max"].values[run])
+    lost = books["heat_lost_ends_kN_mm"] + books["heat_lost_sides_kN_mm"]
+    console.print(
+        f"{books['ambient_degC']:g} degC: work in {books['work_in_kN_mm']:.0f} kN mm = heat "
+        f"{books['heat_released_kN_mm']:.0f} + recoverable {books['recoverable_kN_mm']:.0f}; "
+        f"heat = stored {books['heat_stored_kN_mm']:.0f} + lost {lost:.0f}; residuals "
+        f"{books['mechanical_residual']:.1e} (mechanical), "
+        f"{books['thermal_residual']:.1e} (thermal)"
+    )
+    if softened:
+        console.print(
+            f"  softened layers in {softened} of {steps} steps, layer law at most "
+            f"{mismatch:.3g} kN from the force"
+        )
+
+
+def print_measures(cycles: list[CycleMeasures], total_rubber_thickness: float) -> None:
+    """Measures of each cycle of a measured history."""
+    heads = ["cycle", "strain", "G_e MPa", "h_eq", "energy kN mm", "Q_d kN", "K_d kN/mm"]
+    table = _table("", heads)
+    for number, m in enumerate(cycles, 1):
+        table.add_row(
+            str(number),
+            f"{m.amplitude_mm / total_rubber_thickness:.1%}",
+            f"{m.G_eq_MPa:.3f}",
+            f"{m.h_eq:.4f}",
+            f"{m.energy_kN_mm:.0f}",
+            f"{m.characteristic_strength_kN:.2f}",
+            f"{m.post_yield_stiffness_kN_mm:.3f}",
+        )
+    Console().print(table)
+
+
+def print_facts(title: str, facts: dict[str, str]) -> None:
+    """A titled list of names and values."""
+    console = Console(highlight=False)
+    console.print(f"[bold]{escape(title)}[/bold]")
+    width = max(len(name) for name in facts)
+    for name, value in facts.items():
+        console.print(f"  {name:{width}}  {value}", markup=False)

@@ -1,1 +1,0 @@
-"""Who moves the bearing: protocols, ambient temperature, trial steps for outside solvers."""

@@ -1,0 +1,1 @@
+"""Structures on bearings in earthquakes: case, run, result, views."""

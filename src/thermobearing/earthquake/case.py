@@ -1,0 +1,306 @@
+"""An earthquake study as data: structure, bearings, motions, weather, and how to compute."""
+
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, field_validator, model_validator
+
+from thermobearing.bearing.ambient import Ambient
+from thermobearing.bearing.bilinear import BilinearBearing, list_bilinear, load_bilinear
+from thermobearing.bearing.library import list_bearings, load_bearing, split_sources
+from thermobearing.bearing.model import Bearing
+from thermobearing.border.errors import InputError, nearest
+from thermobearing.border.schema import Strict, in_unit, read_toml, validated
+from thermobearing.border.units import with_unit
+from thermobearing.cyclic.case import EndFace, Temperature, to_table
+from thermobearing.model.constants import HeatSource, Integrator, LeadEnds
+from thermobearing.model.stack import Scheme
+from thermobearing.motions.library import list_motions, load_motion
+from thermobearing.motions.record import GroundMotion
+from thermobearing.structure.model import (
+    MassModel,
+    Structure,
+    list_structures,
+    load_structure,
+)
+from thermobearing.structure.run import Method
+
+Command = Literal["bridge", "hybrid"]
+DEFAULT_ETA = 2.0
+DEFAULTS: dict[str, dict[str, Any]] = {
+    "bridge": {
+        "structure": "pier-p1",
+        "bearings": ["shen-bilinear-bridge", "shen-hdr-bridge", "shen-lhdr-bridge"],
+        "motions": ["jra-i-i-1", "jra-i-i-2", "jra-ii-i-1", "jra-ii-i-2"],
+        "ambient": [23.0, 0.0, -20.0],
+    },
+    "hybrid": {
+        "structure": "hybrid-pier",
+        "bearings": ["shen-hdr-specimen", "shen-lhdr-specimen"],
+        "motions": ["jra-ii-ii-1"],
+        "ambient": [23.0, 0.0, -20.0],
+        "duration": 20.0,
+    },
+}
+PSEUDO_DYNAMIC_SPEED = 10.0  # of the source's test [mm/s]
+
+
+class Motion(Strict):
+    """A built-in motion or a file; what a file does not say itself."""
+
+    name: Annotated[str, Field(min_length=1)]
+    unit: str | None = None
+    dt: Annotated[float, in_unit("s"), Field(gt=0, le=1)] | None = None
+    component: str | None = None
+    factor: Annotated[float, Field(gt=0, le=100)] = 1.0
+
+    def load(self) -> GroundMotion:
+        """The ground motion itself, not yet scaled."""
+        return load_motion(self.name, unit=self.unit, dt=self.dt, component=self.component)
+
+
+class Laboratory(Strict):
+    """A specimen in the loop.
+
+    `mode` "rt" runs in real time; in "pd" the actuator moves at `speed`, and the specimen lives
+    on that slower clock. `delay` of the actuator and `force_noise` (standard deviation of the
+    measured force of the specimen, with `seed`) are what a laboratory rehearses.
+    """
+
+    mode: Literal["rt", "pd"] = "rt"
+    speed: Annotated[float, in_unit("mm/s"), Field(gt=0)] = PSEUDO_DYNAMIC_SPEED
+    delay: Annotated[float, in_unit("s"), Field(ge=0, le=1)] = 0.0
+    force_noise: Annotated[float, in_unit("kN"), Field(ge=0)] = 0.0
+    seed: Annotated[int, Field(ge=0)] = 0
+
+
+class EarthquakeAnalysis(Strict):
+    """How to compute. `heat_source` None: dissipation for natural rubber (LRB), else work."""
+
+    dt: Annotated[float, in_unit("s"), Field(gt=0, le=0.1)] = 0.005
+    method: Method = "average-acceleration"
+    mass: MassModel = "consistent"
+    scheme: Scheme = "conservative"
+    integrator: Integrator = "exact"
+    heat_source: HeatSource | None = None
+    lead_ends: LeadEnds = "half-space"
+    upper_face: EndFace = EndFace(eta=DEFAULT_ETA)
+    lower_face: EndFace = EndFace(eta=DEFAULT_ETA)
+    keep_every: Annotated[int, Field(ge=1)] = 2
+
+    @model_validator(mode="after")
+    def _ends_fit(self) -> "EarthquakeAnalysis":
+        if self.lead_ends != "half-space" and self.scheme == "published":
+            raise ValueError('scheme "published" goes with lead_ends "half-space" only')
+        return self
+
+
+Device = Annotated[Bearing | BilinearBearing, Field(discriminator="kind")]
+
+
+class EarthquakeCase(Strict):
+    """Every combination of bearing, motion and ambient temperature is one run."""
+
+    command: Command
+    structure: Structure
+    bearings: Annotated[list[Device], Field(min_length=1, max_length=100)]
+    motions: Annotated[list[Motion], Field(min_length=1, max_length=1000)]
+    ambient: Annotated[list[Temperature], Field(min_length=1, max_length=1000)]
+    # CSV with time and temperature that ends when the earthquake begins, instead of `ambient`
+    weather: Annotated[str, Field(min_length=1)] | None = None
+    duration: Annotated[float, in_unit("s"), Field(gt=0)] | None = None  # cut motions to this
+    analysis: EarthquakeAnalysis = EarthquakeAnalysis()
+    laboratory: Laboratory | None = None  # for a specimen in the loop
+
+    @field_validator("ambient")
+    @classmethod
+    def _each_once(cls, ambient: list[float]) -> list[float]:
+        for value in ambient:
+            if ambient.count(value) > 1:
+                raise ValueError(f"{value:g} degC is given more than once")
+        return ambient
+
+    def faults(self) -> list[str]:
+        """What the parts do to each other."""
+        found = []
+        names = [bearing.name for bearing in self.bearings]
+        motions = [motion.name for motion in self.motions]
+        for kind, given in (("bearings", names), ("motions", motions)):
+            found += [
+                f'{kind}: "{n}" is given more than once' for n in set(given) if given.count(n) > 1
+            ]
+        if self.weather is not None:
+            try:
+                Ambient.from_csv(self.weather)
+            except InputError as error:
+                found += error.lines("weather")
+        explicit = self.analysis.method == "predictor-corrector"
+        if self.laboratory is not None and not explicit:
+            lab = self.laboratory
+            if lab.delay > 0.0 or lab.force_noise > 0.0 or lab.mode == "pd":
+                found.append(
+                    "laboratory: delay, force_noise and mode pd need analysis.method = "
+                    '"predictor-corrector", which moves the specimen once per step'
+                )
+        if self.analysis.lead_ends == "finite-plate":
+            for bearing in self.bearings:
+                if isinstance(bearing, Bearing) and bearing.lead and not bearing.lead.confined:
+                    found.append(f'analysis.lead_ends: "{bearing.name}" has unconfined cores')
+        return found
+
+
+def make_earthquake_case(
+    table: dict[str, Any], where: str, folder: Path = Path(), **overrides: Any
+) -> EarthquakeCase:
+    """A checked case from a table of a file and overrides, defaults filled in.
+
+    Parameters
+    ----------
+    table : with the key `command`, "bridge" or "hybrid".
+    where : names the file in messages.
+    folder : paths in the table are relative to it.
+    overrides : values that replace those of the table: structure, bearings, motions, ambient,
+        weather, duration, laboratory, and every key of `analysis`; None leaves the table's.
+
+    Raises
+    ------
+    InputError : all faults in one message.
+    """
+    table = dict(table)
+    command = table.setdefault("command", "bridge")
+    if command not in DEFAULTS:
+        raise InputError(f'command = {command!r}: must be "bridge" or "hybrid"', where)
+    given = {key: value for key, value in overrides.items() if value is not None}
+    chosen = {key: given.pop(key) for key in list(given) if key in EarthquakeAnalysis.model_fields}
+    if chosen:
+        chosen = {
+            k: with_unit(v, "s") if k == "dt" and not isinstance(v, str) else v
+            for k, v in chosen.items()
+        }
+        table["analysis"] = {**table.get("analysis", {}), **chosen}
+    if "weather" in given:
+        table.pop("ambient", None)
+    if "ambient" in given:
+        table.pop("weather", None)
+    lab = given.pop("laboratory", None)
+    if lab:
+        table["laboratory"] = {**table.get("laboratory", {}), **lab}
+    table |= given
+    problems = _settle(table, command, folder)
+    try:
+        case = validated(EarthquakeCase, table, where)
+    except InputError as error:
+        raise InputError([*problems, *error.problems], where) from None
+    problems += case.faults() if not problems else []
+    if problems:
+        raise InputError(problems, where)
+    return case
+
+
+def load_earthquake_case(path: str | Path, **overrides: Any) -> EarthquakeCase:
+    """A case from TOML; names of bearings, motions and structures, files beside it, or tables."""
+    path = Path(path)
+    table, _ = split_sources(read_toml(path))
+    return make_earthquake_case(table, str(path), path.parent, **overrides)
+
+
+def _settle(table: dict[str, Any], command: str, folder: Path) -> list[str]:
+    """Defaults, and names replaced by what they name; returns what is wrong with them."""
+    problems: list[str] = []
+    if "ambient" in table and table.get("weather") is not None:
+        problems.append("give ambient or weather, not both")
+    if table.get("weather") is not None and isinstance(table["weather"], str):
+        table["weather"] = str((folder / table["weather"]).absolute())
+        table.setdefault("ambient", [with_unit(0.0, "degC")])  # not used
+    for key, value in DEFAULTS[command].items():
+        table.setdefault(key, value)
+    if command == "hybrid":
+        table.setdefault("laboratory", {})
+        analysis = table.get("analysis", {})
+        if isinstance(analysis, dict):
+            table["analysis"] = {"method": "predictor-corrector", **analysis}
+    for key in ("bearings", "motions", "ambient"):
+        if not isinstance(table[key], list | tuple):
+            table[key] = [table[key]]
+    table["ambient"] = [_degrees(value) for value in table["ambient"]]
+    if isinstance(table.get("duration"), int | float):
+        table["duration"] = with_unit(float(table["duration"]), "s")
+    structure = table["structure"]
+    if isinstance(structure, str | Path):
+        table["structure"] = _named(
+            problems, "structure", load_structure, structure, folder, list_structures()
+        )
+    table["bearings"] = [
+        _named(problems, f"bearings[{k}]", _load_device, item, folder, [])
+        if isinstance(item, str | Path)
+        else item
+        for k, item in enumerate(table["bearings"])
+    ]
+    table["motions"] = [
+        _motion(problems, k, item, folder) for k, item in enumerate(table["motions"])
+    ]
+    return problems
+
+
+def _degrees(value: Any) -> Any:
+    plain = isinstance(value, int | float) and not isinstance(value, bool)
+    return with_unit(float(value), "degC") if plain else value
+
+
+def _named(
+    problems: list[str], key: str, load: Any, item: str | Path, folder: Path, known: list[str]
+) -> Any:
+    """What a name or path stands for; a fault leaves the default in place to go on checking."""
+    text = str(item)
+    if text.endswith(".toml") and text not in known:
+        item = folder / text
+    try:
+        return load(item)
+    except InputError as error:
+        problems.extend(error.lines(key))
+        return (
+            load_structure("pier-p1")
+            if key == "structure"
+            else load_bilinear("shen-bilinear-bridge")
+        )
+
+
+def _load_device(name_or_path: str | Path) -> Device:
+    """A bearing, or a bilinear one, by name or file."""
+    text = str(name_or_path)
+    if text in list_bilinear():
+        return load_bilinear(text)
+    if text.endswith(".toml") and Path(text).is_file():
+        table = read_toml(Path(text))
+        if split_sources(table)[0].get("kind") == "bilinear":
+            return load_bilinear(text)
+        return load_bearing(text)
+    if text in list_bearings() or "/" in text or text.endswith(".toml"):
+        return load_bearing(text)
+    known = [*list_bearings(), *list_bilinear()]
+    raise InputError(f'no bearing is called "{text}"{nearest(text, known)}')
+
+
+def _motion(problems: list[str], number: int, item: Any, folder: Path) -> Any:
+    """A motion as a table, its file absolute, and readable."""
+    table = {"name": str(item)} if isinstance(item, str | Path) else item
+    if not isinstance(table, dict) or not isinstance(table.get("name"), str):
+        return table
+    table = dict(table)
+    if table["name"] not in list_motions() and (folder / table["name"]).exists():
+        table["name"] = str((folder / table["name"]).absolute())
+    try:
+        validated(Motion, table, f"motions[{number}]").load()
+    except InputError as error:
+        problems.extend(error.lines(f"motions[{number}]"))
+    return table
+
+
+def resolved_earthquake_toml(case: EarthquakeCase) -> str:
+    """The case with every default filled in; reads back to the same bits."""
+    import tomli_w
+
+    table = to_table(case)
+    if case.weather is not None:
+        del table["ambient"]
+    return tomli_w.dumps(table)

@@ -1,0 +1,260 @@
+"""From histories of an earthquake study to one labelled dataset with its provenance."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+
+import thermobearing
+from thermobearing.bearing.bilinear import BilinearBearing
+from thermobearing.core.types import (
+    DISPLACEMENT,
+    FORCE,
+    HEAT_LOST_ENDS,
+    HEAT_LOST_SIDES,
+    HEAT_RELEASED,
+    HEAT_STORED,
+    LEAD_DEGC,
+    LEAD_FORCE,
+    MISMATCH,
+    RECOVERABLE,
+    RUBBER_FORCE,
+    TIME,
+    VISCOUS_FORCE,
+    WORK_IN,
+    Floats,
+)
+from thermobearing.earthquake.case import EarthquakeCase, resolved_earthquake_toml
+from thermobearing.earthquake.result import EarthquakeResult
+from thermobearing.model.outcomes import INTERRUPTED
+from thermobearing.model.outcomes import SENTENCES as RUN_SENTENCES
+from thermobearing.structure.matrices import (
+    displacement_row,
+    find_modes,
+    hinge_stiffness,
+    line_stiffness,
+    unit,
+)
+from thermobearing.structure.run import SENTENCES, StructureHistory
+from thermobearing.structure.types import (
+    BEARINGS,
+    CLOCK,
+    DAMPING,
+    HINGES,
+    INPUT,
+    KINETIC,
+    SPRINGS,
+)
+
+if TYPE_CHECKING:
+    from thermobearing.earthquake.run import Task
+
+MM_PER_M, KN_MM_PER_KN_M = 1e3, 1e3
+HISTORIES = (  # name, unit, long name
+    ("ground_acceleration", "m/s2", "acceleration of the ground"),
+    ("bearing_displacement", "mm", "displacement of the bearing"),
+    ("bearing_strain", "1", "shear strain of the bearing"),
+    ("bearing_force", "kN", "force of one bearing"),
+    ("rubber_force", "kN", "share of the rubber in the force of one bearing"),
+    ("lead_force", "kN", "share of the lead cores"),
+    ("viscous_force", "kN", "share of the rate-dependent branch"),
+    ("bearing_speed", "mm/s", "loading speed of the bearing, on its own clock"),
+    ("bearing_energy", "kN mm", "work done on one bearing"),
+    ("pier_displacement", "mm", "displacement of the pier top relative to its base"),
+    ("pier_top_displacement", "mm", "displacement of the pier top relative to the ground"),
+    ("deck_displacement", "mm", "displacement of the deck relative to the ground"),
+    ("deck_acceleration", "m/s2", "absolute acceleration of the deck"),
+    ("pier_rotation", "rad", "rotation of the first hinge"),
+    ("pier_moment", "kN m", "moment of the first hinge"),
+    ("lead_temperature", "degC", "temperature of the lead cores"),
+)
+ENERGIES = {"input": INPUT, "kinetic": KINETIC, "damping": DAMPING, "springs": SPRINGS,
+            "hinges": HINGES, "bearings": BEARINGS}  # fmt: skip
+BEARING_ENERGIES = {
+    "work_in": WORK_IN, "heat_released": HEAT_RELEASED, "recoverable": RECOVERABLE,
+    "heat_stored": HEAT_STORED, "heat_lost_ends": HEAT_LOST_ENDS,
+    "heat_lost_sides": HEAT_LOST_SIDES,
+}  # fmt: skip
+
+
+def label_study(
+    case: EarthquakeCase, tasks: Sequence["Task"], histories: Sequence[StructureHistory]
+) -> EarthquakeResult:
+    """The dataset of a study: peaks from every step, histories every `keep_every`-th."""
+    tasks = tasks[: len(histories)]
+    traces = [_traces(task, history) for task, history in zip(tasks, histories, strict=True)]
+    every = case.analysis.keep_every
+    length = max((len(trace["time"][::every]) for trace in traces), default=0)
+    layers = max((trace["rubber_temperature"].shape[1] for trace in traces), default=0)
+    data: dict[str, Any] = {}
+    for name, unit_name, long_name in (("time", "s", "time"), *HISTORIES):
+        rows = np.full((len(traces), length), np.nan, dtype=np.float32)
+        for run, trace in enumerate(traces):
+            part = trace[name][::every]
+            rows[run, : len(part)] = part
+        data[name] = (("run", "step"), rows, {"units": unit_name, "long_name": long_name})
+    rubber = np.full((len(traces), length, layers), np.nan, dtype=np.float32)
+    for run, trace in enumerate(traces):
+        part = trace["rubber_temperature"][::every]
+        rubber[run, : len(part), : part.shape[1]] = part
+    data["rubber_temperature"] = (
+        ("run", "step", "layer"),
+        rubber,
+        {"units": "degC", "long_name": "mid-thickness temperature of the rubber layers"},
+    )
+    for name, values, unit_name in _scalars(tasks, histories, traces):
+        data[name] = (("run",), values, {"units": unit_name})
+    dataset = xr.Dataset(
+        data,
+        coords={
+            "bearing": ("run", np.array([task.device.bearing.name for task in tasks], dtype=str)),
+            "motion": ("run", np.array([task.shaking.motion.name for task in tasks], dtype=str)),
+            "ambient": ("run", np.array([task.ambient for task in tasks]), {"units": "degC"}),
+            "layer": np.arange(1, layers + 1),
+        },
+        attrs=_attributes(case, tasks, histories),
+    )
+    return EarthquakeResult(dataset)
+
+
+def _traces(task: "Task", history: StructureHistory) -> dict[str, Floats]:
+    """Histories of one run, in the units of the dataset."""
+    structure, report = task.case.structure, task.case.structure.report
+    books, bearing = history.get("books"), history.get("bearing0")
+    q, a = history.get("q"), history.get("a")
+    top = displacement_row(structure, report.pier, report.pier_top)
+    base = displacement_row(structure, report.pier_base, report.pier_top)
+    deck = unit(structure, f"{report.deck} x")
+    hinge = history.get("hinge0") if structure.hinges else np.full((len(q), 2), np.nan)
+    ground = task.shaking.ground[: len(q)] / MM_PER_M
+    thickness = task.device.bearing.total_rubber_thickness
+    heat = task.device.stack is not None
+    lead = heat and task.device.constants.lead.cores > 0.0
+    return {
+        "time": books[:, CLOCK],
+        "ground_acceleration": ground,
+        "bearing_displacement": bearing[:, DISPLACEMENT],
+        "bearing_strain": bearing[:, DISPLACEMENT] / thickness,
+        "bearing_force": bearing[:, FORCE],
+        "rubber_force": bearing[:, RUBBER_FORCE],
+        "lead_force": bearing[:, LEAD_FORCE],
+        "viscous_force": bearing[:, VISCOUS_FORCE],
+        "bearing_speed": _speed(bearing),
+        "bearing_energy": bearing[:, WORK_IN],
+        "pier_displacement": q @ (top - base),
+        "pier_top_displacement": q @ top,
+        "deck_displacement": q @ deck,
+        "deck_acceleration": a @ deck / MM_PER_M + ground,
+        "pier_rotation": hinge[:, 0],
+        "pier_moment": hinge[:, 1] / KN_MM_PER_KN_M,
+        "lead_temperature": bearing[:, LEAD_DEGC] if lead else np.full(len(q), np.nan),
+        "rubber_temperature": history.get("layers0") if heat else np.empty((len(q), 0)),
+    }
+
+
+def _speed(bearing: Floats) -> Floats:
+    """Loading speed at the end of each step, on the clock of the modelled bearing [mm/s]."""
+    steps = np.maximum(np.diff(bearing[:, TIME]), np.finfo(float).tiny)
+    return np.concatenate([[0.0], np.diff(bearing[:, DISPLACEMENT]) / steps])
+
+
+def _scalars(
+    tasks: Sequence["Task"], histories: Sequence[StructureHistory], traces: list[dict[str, Floats]]
+) -> list[tuple[str, Any, str]]:
+    """One number per run: outcome, peaks over every step, energy books at the end."""
+
+    def peak(name: str) -> Floats:
+        return np.array([np.abs(trace[name]).max() for trace in traces])
+
+    def last(history: StructureHistory, which: int) -> float:
+        return float(history.get("books")[-1, which])
+
+    outcomes = np.array([history.outcome for history in histories], dtype=str)
+    found: list[tuple[str, Any, str]] = [
+        ("outcome", outcomes, ""),
+        ("bearing_strain_max", peak("bearing_strain"), "1"),
+        ("bearing_displacement_max", peak("bearing_displacement"), "mm"),
+        ("bearing_force_max", peak("bearing_force"), "kN"),
+        ("bearing_energy_end", np.array([t["bearing_energy"][-1] for t in traces]), "kN mm"),
+        ("pier_displacement_max", peak("pier_displacement"), "mm"),
+        ("pier_top_displacement_max", peak("pier_top_displacement"), "mm"),
+        (
+            "pier_displacement_residual",
+            np.array([t["pier_displacement"][-1] for t in traces]),
+            "mm",
+        ),
+        ("pier_rotation_max", peak("pier_rotation"), "rad"),
+        ("pier_moment_max", peak("pier_moment"), "kN m"),
+        ("deck_acceleration_max", peak("deck_acceleration"), "m/s2"),
+        ("steps", np.array([history.steps for history in histories]), "1"),
+        ("iterations", np.array([history.iterations for history in histories]), "1"),
+        ("substeps", np.array([history.substeps for history in histories]), "1"),
+    ]
+    hinges = [task.case.structure.hinges for task in tasks]
+    yields = np.array([h[0].yield_rotation if h else np.nan for h in hinges])
+    found.append(("pier_ductility", peak("pier_rotation") / yields, "1"))
+    for name, which in ENERGIES.items():
+        values = np.array([last(history, which) for history in histories])
+        found.append((f"energy_{name}", values, "kN mm"))
+    for name, which in BEARING_ENERGIES.items():
+        values = np.array([history.get("bearing0")[-1, which] for history in histories])
+        start = np.array([history.get("bearing0")[0, which] for history in histories])
+        found.append((f"heat_{name}", values - start, "kN mm"))
+    mismatch = np.array([h.get("bearing0")[:, MISMATCH].max() for h in histories])
+    found.append(("layer_force_mismatch_max", mismatch, "kN"))
+    return found
+
+
+def _attributes(
+    case: EarthquakeCase, tasks: Sequence["Task"], histories: Sequence[StructureHistory]
+) -> dict[str, Any]:
+    """What the files need beside the numbers."""
+    prepared = tasks[0].prepared if tasks else None
+    attrs: dict[str, Any] = {
+        "command": case.command,
+        "structure": case.structure.name,
+        "title": case.structure.description or case.structure.name,
+        "mass": case.analysis.mass,
+        "method": case.analysis.method,
+        "scheme": case.analysis.scheme,
+        "mode": case.laboratory.mode if case.laboratory else "",
+        "version": thermobearing.__version__,
+        "case": resolved_earthquake_toml(case),
+        "interrupted": int(_interrupted(case, histories)),
+        "sentences": str(RUN_SENTENCES | SENTENCES),
+    }
+    if prepared is None:
+        return attrs
+    matrices = prepared.matrices
+    attrs["periods_s"] = list(prepared.modes.periods)
+    attrs["damping_ratios"] = list(prepared.ratios)
+    attrs["coordinates"] = list(matrices.coordinates)
+    seen: dict[str, Any] = {}
+    for task in tasks:
+        seen.setdefault(task.device.bearing.name, task)
+    for name, task in seen.items():
+        attrs[f"initial_periods_s:{name}"] = list(_initial_periods(task))
+        attrs[f"bilinear:{name}"] = int(isinstance(task.device.bearing, BilinearBearing))
+    return attrs
+
+
+def _initial_periods(task: "Task") -> Floats:
+    """Periods with the initial stiffness of the bearings at the temperature of the start."""
+    from thermobearing.model.element import BearingElement
+
+    matrices, structure = task.prepared.matrices, task.case.structure
+    small = 1e-6
+    element = BearingElement(task.device.constants, task.start[0])
+    slope = element.set_trial(small, small, task.ambient).force / small
+    each = np.array([slope * line.scale**-1 for line in structure.bearings])
+    stiffness = matrices.springs + hinge_stiffness(structure, matrices)
+    stiffness = stiffness + line_stiffness(structure, matrices, each)
+    return find_modes(matrices.mass, stiffness).periods
+
+
+def _interrupted(case: EarthquakeCase, histories: Sequence[StructureHistory]) -> bool:
+    """Whether runs are missing."""
+    climates = 1 if case.weather is not None else len(case.ambient)
+    whole = len(case.bearings) * len(case.motions) * climates
+    return len(histories) < whole or any(h.outcome == INTERRUPTED for h in histories)

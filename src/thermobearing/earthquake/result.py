@@ -1,0 +1,184 @@
+"""A study of a structure in earthquakes: histories, peaks, energy books, tables."""
+
+import ast
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+if TYPE_CHECKING:
+    from thermobearing.earthquake.figures import EarthquakeFigures
+
+BEARING = ("work_in", "heat_released", "recoverable", "heat_stored", "heat_lost_ends",
+           "heat_lost_sides")  # fmt: skip
+STRUCTURE = ("input", "kinetic", "damping", "springs", "hinges", "bearings")
+COLUMNS = {  # of the table: name in the dataset, factor
+    "bearing_strain_max": ("bearing_strain_max", 1.0),
+    "bearing_force_max_kN": ("bearing_force_max", 1.0),
+    "bearing_energy_kN_mm": ("bearing_energy_end", 1.0),
+    "pier_displacement_max_mm": ("pier_displacement_max", 1.0),
+    "pier_ductility": ("pier_ductility", 1.0),
+    "pier_moment_max_kN_m": ("pier_moment_max", 1.0),
+    "deck_acceleration_max_m_s2": ("deck_acceleration_max", 1.0),
+    "pier_top_displacement_max_mm": ("pier_top_displacement_max", 1.0),
+    "pier_displacement_residual_mm": ("pier_displacement_residual", 1.0),
+}
+
+
+class EarthquakeResult:
+    """Runs of one study.
+
+    Attributes
+    ----------
+    dataset : xarray Dataset; dimension `run` with the coordinates bearing, motion and ambient,
+        `step` (padded with NaN), `layer`; every variable says its unit.
+    """
+
+    def __init__(self, dataset: xr.Dataset) -> None:
+        self.dataset = dataset
+
+    def __getitem__(self, name: str) -> xr.DataArray:
+        return self.dataset[name]
+
+    @property
+    def runs(self) -> int:
+        """Number of runs."""
+        return int(self.dataset.sizes["run"])
+
+    @property
+    def outcome(self) -> str:
+        """Completed, or what ended a run early."""
+        if self.dataset.attrs["interrupted"]:
+            return "interrupted"
+        ended = [str(v) for v in self.dataset["outcome"].values if v != "completed"]
+        return ended[0] if ended else "completed"
+
+    @property
+    def sentence(self) -> str:
+        """What the outcome means and what to try."""
+        return str(ast.literal_eval(self.dataset.attrs["sentences"]).get(self.outcome, ""))
+
+    @property
+    def table(self) -> pd.DataFrame:
+        """One row per run: bearing, motion, ambient temperature, peaks, outcome.
+
+        `energy_of_warmest` is the bearing's energy over that at the warmest temperature of the
+        same bearing and motion.
+        """
+        frame = pd.DataFrame(
+            {
+                "bearing": self.dataset["bearing"].values,
+                "motion": self.dataset["motion"].values,
+                "ambient_degC": self.dataset["ambient"].values,
+                "outcome": self.dataset["outcome"].values,
+            }
+        )
+        for name, (variable, factor) in COLUMNS.items():
+            frame[name] = factor * self.dataset[variable].values
+        warmest = (
+            frame.sort_values("ambient_degC")
+            .groupby(["bearing", "motion"], sort=False)["bearing_energy_kN_mm"]
+            .last()
+        )
+        keys = pd.MultiIndex.from_frame(frame[["bearing", "motion"]])
+        frame["energy_of_warmest"] = frame["bearing_energy_kN_mm"] / warmest.loc[keys].to_numpy()
+        return frame
+
+    @property
+    def energy(self) -> pd.DataFrame:
+        """Energy books of the structure and of one bearing at the end of each run [kN mm].
+
+        `structure_residual`: (input - kinetic - damping - springs - hinges - bearings) / input.
+        `mechanical_residual`, `thermal_residual`: of the bearing, over its work.
+        """
+        data = self.dataset
+        frame = pd.DataFrame({f"{n}_kN_mm": data[f"energy_{n}"].values for n in STRUCTURE})
+        spent = frame.iloc[:, 1:].sum(axis=1)
+        frame["structure_residual"] = (frame["input_kN_mm"] - spent) / frame["input_kN_mm"]
+        for name in BEARING:
+            frame[f"bearing_{name}_kN_mm"] = data[f"heat_{name}"].values
+        work = frame["bearing_work_in_kN_mm"]
+        released = frame["bearing_heat_released_kN_mm"]
+        lost = frame["bearing_heat_lost_ends_kN_mm"] + frame["bearing_heat_lost_sides_kN_mm"]
+        stored = frame["bearing_heat_stored_kN_mm"]
+        scale = work.abs().clip(lower=np.finfo(float).tiny)
+        recoverable = frame["bearing_recoverable_kN_mm"]
+        frame["mechanical_residual"] = (work - released - recoverable) / scale
+        frame["thermal_residual"] = (released - stored - lost) / scale
+        return frame
+
+    def history(self, run: int) -> pd.DataFrame:
+        """Main histories of one run, one row a kept step."""
+        data = self.dataset.isel(run=run)
+        count = int(np.isfinite(data["time"].values).sum())
+        names = {
+            "time_s": "time",
+            "ground_m_s2": "ground_acceleration",
+            "displacement_mm": "bearing_displacement",
+            "strain": "bearing_strain",
+            "force_kN": "bearing_force",
+            "energy_kN_mm": "bearing_energy",
+            "pier_displacement_mm": "pier_displacement",
+            "pier_rotation_rad": "pier_rotation",
+            "pier_moment_kN_m": "pier_moment",
+            "deck_acceleration_m_s2": "deck_acceleration",
+            "lead_degC": "lead_temperature",
+        }
+        frame = pd.DataFrame({name: data[key].values[:count] for name, key in names.items()})
+        for k in range(data.sizes["layer"]):
+            frame[f"rubber{k + 1}_degC"] = data["rubber_temperature"].values[:count, k]
+        return frame
+
+    def summary(self) -> dict[str, Any]:
+        """What summary.json says; energies of one bearing and of the whole structure."""
+        attrs, table, energy = self.dataset.attrs, self.table, self.energy
+        runs = []
+        for run in range(self.runs):
+            rubber = self.dataset["rubber_temperature"].values[run]
+            lead = self.dataset["lead_temperature"].values[run]
+            layers = [float(np.nanmax(column)) for column in rubber.T if np.isfinite(column).any()]
+            row = {str(k): _plain(v) for k, v in table.iloc[run].items()}
+            row["rubber_degC_max"] = layers
+            row["lead_degC_max"] = float(np.nanmax(lead)) if np.isfinite(lead).any() else None
+            row["layer_force_mismatch_max_kN"] = _plain(
+                self.dataset["layer_force_mismatch_max"].values[run]
+            )
+            row["energy"] = {str(k): _plain(v) for k, v in energy.iloc[run].items()}
+            runs.append(row)
+        names = list(dict.fromkeys(str(name) for name in self.dataset["bearing"].values))
+        return {
+            "command": attrs["command"],
+            "bearing": names[0] if len(names) == 1 else names,
+            "structure": attrs["structure"],
+            "mass": attrs["mass"],
+            "method": attrs["method"],
+            "scheme": attrs["scheme"],
+            "version": attrs["version"],
+            "outcome": self.outcome,
+            "periods_s": [float(v) for v in attrs.get("periods_s", [])],
+            "damping_ratios": [float(v) for v in attrs.get("damping_ratios", [])],
+            "initial_periods_s": {
+                name: [float(v) for v in attrs[f"initial_periods_s:{name}"]] for name in names
+            },
+            "runs": runs,
+        }
+
+    @property
+    def plot(self) -> "EarthquakeFigures":
+        """Figures of the study."""
+        from thermobearing.earthquake.figures import EarthquakeFigures
+
+        return EarthquakeFigures(self)
+
+    def save(self, directory: str | Path, *, force: bool = False, figures: bool = True) -> Path:
+        """Write a result directory; see docs/files.md."""
+        from thermobearing.earthquake.files import save_earthquake
+
+        return save_earthquake(self, Path(directory), force=force, figures=figures)
+
+
+def _plain(value: Any) -> Any:
+    """A Python number or text."""
+    return value.item() if hasattr(value, "item") else value

@@ -1,0 +1,267 @@
+"""The story of an earthquake study: structure, bearings, motions, weather -> a result.
+
+    structure -> matrices, modes, damping;   bearing -> constants of the one coupled step
+    every bearing x motion x temperature -> time integration -> histories -> one dataset
+
+Read `run_earthquake` first. The integration is in structure/, the step of the bearing is
+the same as in every other analysis (core/step.py).
+"""
+
+import os
+from collections.abc import Callable
+from concurrent.futures import Executor, ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from thermobearing.bearing.ambient import Ambient
+from thermobearing.bearing.bilinear import BilinearBearing
+from thermobearing.bearing.model import Bearing
+from thermobearing.core.types import Constants, Floats
+from thermobearing.cyclic.history import run_segments
+from thermobearing.cyclic.protocol import CyclicTest, build_segments
+from thermobearing.earthquake.case import EarthquakeCase, make_earthquake_case
+from thermobearing.earthquake.label import label_study
+from thermobearing.earthquake.result import EarthquakeResult
+from thermobearing.model.constants import build_constants
+from thermobearing.model.earlier import BilinearParameters, bilinear_constants
+from thermobearing.model.stack import Stack, build_stack
+from thermobearing.motions.record import GroundMotion
+from thermobearing.structure.run import (
+    Line,
+    Prepared,
+    StructureHistory,
+    prepare_structure,
+    run_structure,
+)
+
+Progress = Callable[[int, int], None]
+WORKERS = 2  # at least
+
+
+@dataclass(frozen=True)
+class Device:
+    """A bearing ready to be shaken; `stack` is None for a bilinear one, which has no heat."""
+
+    bearing: Bearing | BilinearBearing
+    constants: Constants
+    stack: Stack | None
+
+
+@dataclass(frozen=True)
+class Shaking:
+    """A ground motion at the ends of the steps: `ground` [mm/s2], `dt` [s]."""
+
+    motion: GroundMotion
+    dt: float
+    ground: Floats
+
+
+@dataclass(frozen=True)
+class Task:
+    """One run of a study; a plain record, so that any executor can carry it away."""
+
+    prepared: Prepared
+    device: Device
+    shaking: Shaking
+    ambient: float
+    start: tuple[Floats, float | None]
+    case: EarthquakeCase
+
+
+def build_device(case: EarthquakeCase, bearing: Bearing | BilinearBearing) -> Device:
+    """Constants of the coupled step for a bearing of the case."""
+    if isinstance(bearing, BilinearBearing):
+        parameters = BilinearParameters(
+            bearing.strength, bearing.post_yield_stiffness, bearing.initial_stiffness
+        )
+        return Device(bearing, bilinear_constants(parameters), None)
+    analysis = case.analysis
+    half = analysis.upper_face == analysis.lower_face
+    stack = build_stack(bearing, half=half)
+    natural = bearing.kind == "LRB"
+    lead = bearing.lead is not None
+    constants = build_constants(
+        bearing,
+        stack,
+        upper=analysis.upper_face.face(),
+        lower=None if half else analysis.lower_face.face(),
+        scheme=analysis.scheme,
+        integrator=analysis.integrator,
+        heat_source=analysis.heat_source or ("dissipation" if natural else "work"),
+        lead_ends=analysis.lead_ends if lead else "half-space",
+    )
+    return Device(bearing, constants, stack)
+
+
+def build_shaking(case: EarthquakeCase, number: int) -> Shaking:
+    """A motion of the case, cut, scaled, and linear between its samples.
+
+    The step divides the sampling interval, so that every sample is met.
+    """
+    chosen = case.motions[number]
+    motion = chosen.load()
+    parts = max(1, int(np.ceil(motion.dt / case.analysis.dt - 1e-9)))
+    dt = motion.dt / parts
+    duration = motion.duration if case.duration is None else min(case.duration, motion.duration)
+    times = dt * np.arange(round(duration / dt) + 1)
+    ground = chosen.factor * np.interp(times, motion.time, motion.acceleration)
+    return Shaking(motion, dt, ground)
+
+
+def soaked(device: Device, weather: Ambient) -> tuple[Floats, float | None]:
+    """Temperatures of cells and lead after a time of weather, at its end.
+
+    The bearing is at rest, at first uniform at the first ambient temperature. The same heat
+    model as in motion, in growing steps.
+    """
+    cells = device.constants.cells.shape[1]
+    if device.stack is None:
+        return np.full(cells, weather.temperature[-1]), None
+    start = float(weather.time[0])
+    shifted = Ambient.series(weather.time - start, weather.temperature)
+    rest = {"step": "rest", "duration": float(shifted.time[-1])}
+    segments = build_segments(CyclicTest(dt=10.0, steps=[rest]), 1.0)
+    initial = np.full(cells, weather.temperature[0])
+    history = run_segments(device.constants, segments, shifted, initial, groups=())
+    lead = float(history.state.lead[0]) if device.constants.lead.cores > 0.0 else None
+    return history.state.temperature, lead
+
+
+def run_task(task: Task) -> StructureHistory:
+    """One run; never raises for a failed analysis."""
+    case, shaking = task.case, task.shaking
+    lab, steps = case.laboratory, len(shaking.ground) - 1
+    speed = lab.speed if lab is not None and lab.mode == "pd" else 0.0
+    noise = None
+    if lab is not None and lab.force_noise > 0.0:
+        noise = lab.force_noise * np.random.default_rng(lab.seed).standard_normal(steps)
+    temperature, lead = task.start
+    line = Line(task.device.constants, temperature, lead, speed)
+    return run_structure(
+        task.prepared,
+        [line] * len(case.structure.bearings),
+        shaking.ground,
+        shaking.dt,
+        np.full(steps, task.ambient),
+        method=case.analysis.method,
+        noise=noise,
+        delay=0.0 if lab is None else lab.delay,
+    )
+
+
+def build_tasks(case: EarthquakeCase) -> list[Task]:
+    """All runs of a case: bearings, then motions, then ambient temperatures."""
+    prepared = prepare_structure(case.structure, case.analysis.mass)
+    devices = [build_device(case, bearing) for bearing in case.bearings]
+    shakings = [build_shaking(case, number) for number in range(len(case.motions))]
+    weather = None if case.weather is None else Ambient.from_csv(case.weather)
+    tasks = []
+    for device in devices:
+        if weather is not None:
+            starts = [(float(weather.temperature[-1]), soaked(device, weather))]
+        else:
+            cells = device.constants.cells.shape[1]
+            starts = [(value, (np.full(cells, value), None)) for value in case.ambient]
+        for shaking in shakings:
+            tasks += [Task(prepared, device, shaking, air, start, case) for air, start in starts]
+    return tasks
+
+
+def bridge(
+    bearing: Any = None,
+    motion: Any = None,
+    ambient: Any = None,
+    **options: Any,
+) -> EarthquakeResult:
+    """A bridge pier on isolation bearings in earthquakes: every combination is one run.
+
+    Parameters
+    ----------
+    bearing : one or several of: library name, TOML file, Bearing, BilinearBearing.
+    motion : one or several built-in names or files (or tables with name, unit, dt, component,
+        factor).
+    ambient : one or several temperatures [degC].
+    options : further keys of a case (structure, weather, duration [s]) and of its analysis
+        (dt [s], method, mass, scheme, integrator, heat_source, lead_ends, ...).
+
+    Raises
+    ------
+    InputError : anything that cannot be used, named with what is allowed.
+
+    Examples
+    --------
+    >>> study = bridge("shen-hdr-bridge", "jra-ii-i-1", [23, -20], duration=5)
+    >>> warm, cold = study.table["bearing_strain_max"]
+    >>> bool(cold < warm)
+    True
+    """
+    table = {"command": "bridge"}
+    given = {"bearings": bearing, "motions": motion, "ambient": ambient, **options}
+    return run_earthquake(make_earthquake_case(table, "bridge()", **given))
+
+
+def hybrid(
+    bearing: Any = None,
+    motion: Any = None,
+    ambient: Any = None,
+    **options: Any,
+) -> EarthquakeResult:
+    """A hybrid test, simulated: a specimen in the loop with a calculated pier.
+
+    Parameters
+    ----------
+    bearing, motion, ambient, options : as of `bridge`; `laboratory` is a table with mode ("rt"
+        or "pd"), speed, delay, force_noise and seed, numbers as text with their unit.
+
+    Examples
+    --------
+    >>> lab = {"mode": "pd", "delay": "10 ms"}
+    >>> test = hybrid("shen-hdr-specimen", ambient=-20, duration=2, laboratory=lab)
+    >>> test.outcome
+    'completed'
+    """
+    table = {"command": "hybrid"}
+    given = {"bearings": bearing, "motions": motion, "ambient": ambient, **options}
+    return run_earthquake(make_earthquake_case(table, "hybrid()", **given))
+
+
+def run_earthquake(
+    case: EarthquakeCase,
+    *,
+    executor: Executor | None = None,
+    progress: Progress | None = None,
+) -> EarthquakeResult:
+    """Carry out a study; never raises for a failed analysis (see `EarthquakeResult.outcome`).
+
+    Parameters
+    ----------
+    case : from `load_earthquake_case` or `make_earthquake_case`.
+    executor : any `concurrent.futures` executor; threads by default, since the compiled
+        integration lets go of the interpreter.
+    progress : called with (runs done, all runs).
+
+    Examples
+    --------
+    >>> table = {"command": "bridge", "bearings": ["shen-bilinear-bridge"], "duration": "2 s"}
+    >>> run_earthquake(make_earthquake_case(table, "example")).runs
+    12
+    """
+    tasks = build_tasks(case)
+    histories: list[StructureHistory] = []
+    own = None if executor else ThreadPoolExecutor(max(WORKERS, os.cpu_count() or 1))
+    pool: Any = executor or own
+    try:
+        futures = [pool.submit(run_task, task) for task in tasks]
+        for future in futures:
+            histories.append(future.result())
+            if progress:
+                progress(len(histories), len(tasks))
+    except KeyboardInterrupt:
+        for future in futures:
+            future.cancel()
+    finally:
+        if own:
+            own.shutdown(cancel_futures=True)
+    return label_study(case, tasks, histories)

@@ -1,0 +1,49 @@
+"""Tables of an earthquake study on the terminal."""
+
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+from thermobearing.earthquake.result import EarthquakeResult
+
+# Motion; air; bearing strain, force, energy, that of the warmest run; pier; deck acceleration.
+HEADS = ("motion", "degC", "strain", "kN", "kJ", "of warm", "pier mm", "ductility", "m/s2")
+
+
+def print_study(result: EarthquakeResult) -> None:
+    """Periods and damping, one table per bearing, the worst energy residual."""
+    console = Console()
+    attrs = result.dataset.attrs
+    console.print(
+        f"[bold]{escape(str(attrs['title']))}[/bold] ({attrs['mass']} mass, {attrs['method']})"
+    )
+    periods = ", ".join(f"{float(value):.3f}" for value in attrs.get("periods_s", []))
+    ratios = ", ".join(f"{float(value):.1%}" for value in attrs.get("damping_ratios", []))
+    console.print(f"periods {periods} s with equivalent stiffness; damping ratios {ratios}")
+    table = result.table
+    for name in dict.fromkeys(table["bearing"]):
+        console.print(_table(name, table[table["bearing"] == name]))
+    if result.runs:
+        worst = float(result.energy["structure_residual"].abs().max())
+        console.print(f"energy books: largest residual {worst:.1e} of the input")
+
+
+def _table(name: str, rows: "object") -> Table:
+    table = Table(title=f"\n{name}", title_justify="left", box=None, pad_edge=False)
+    for head in HEADS:
+        table.add_column(head, justify="left" if head == "motion" else "right", no_wrap=True)
+    for row in rows.to_dict("records"):  # type: ignore[attr-defined]
+        hinged = row["pier_ductility"] == row["pier_ductility"]
+        table.add_row(
+            row["motion"],
+            f"{row['ambient_degC']:g}",
+            f"{row['bearing_strain_max']:.0%}",
+            f"{row['bearing_force_max_kN']:.0f}",
+            f"{1e-3 * row['bearing_energy_kN_mm']:.1f}",
+            f"{row['energy_of_warmest']:.0%}",
+            f"{row['pier_displacement_max_mm']:.1f}",
+            f"{row['pier_ductility']:.2f}" if hinged else "",
+            f"{row['deck_acceleration_max_m_s2']:.2f}",
+            style=None if row["outcome"] == "completed" else "red",
+        )
+    return table

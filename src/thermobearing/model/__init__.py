@@ -1,0 +1,1 @@
+"""A bearing becomes cells, layers and constants of the one coupled step."""

@@ -1,0 +1,168 @@
+"""From a bearing to the constants of the coupled step: where data meets physics."""
+
+from typing import Literal
+
+import numpy as np
+
+from thermobearing.bearing.model import Bearing
+from thermobearing.core.types import (
+    EULER,
+    EXACT,
+    HEAT_FROM_DISSIPATION,
+    HEAT_FROM_WORK,
+    Constants,
+    Floats,
+    Lead,
+    Rubber,
+    Viscous,
+)
+from thermobearing.model.lead_ends import NO_MODES, end_modes
+from thermobearing.model.stack import (
+    MM_PER_M,
+    Face,
+    Scheme,
+    Stack,
+    conservative_rates,
+    published_rates,
+)
+
+Integrator = Literal["exact", "euler"]
+HeatSource = Literal["work", "dissipation"]
+LeadEnds = Literal["half-space", "finite-plate"]
+
+KELVIN_COEFFICIENT_SCALE = 100.0  # Eq. 4.34 divides T - 23 by 100
+SIDE_FLUX = 0.785  # of the flux from a core into the plates around it, Eq. 5.4
+SHARING_MARGIN = 0.2  # see docs/theory.md, "When a layer softens"
+
+
+def build_constants(
+    bearing: Bearing,
+    stack: Stack,
+    *,
+    upper: Face,
+    lower: Face | None,
+    scheme: Scheme = "conservative",
+    integrator: Integrator = "exact",
+    heat_source: HeatSource = "work",
+    lead_ends: LeadEnds = "half-space",
+) -> Constants:
+    """The numbers one coupled step needs, from a bearing and its stack.
+
+    `lower` is None for a half stack: its last cell lies at the symmetry plane. `lead_ends`
+    "finite-plate" needs confined cores and the conservative scheme.
+    """
+    make = conservative_rates if scheme == "conservative" else published_rates
+    rates = make(stack, upper, lower)
+    lead, end, side = _lead(bearing, stack, published=scheme == "published")
+    modes = NO_MODES
+    if lead_ends == "finite-plate":
+        modes = end_modes(bearing, 0.5 * float(stack.beside_lead.sum()))
+    return Constants(
+        rubber=_rubber(bearing, integrator),
+        lead=lead,
+        viscous=_viscous(bearing, heats=scheme != "published"),
+        multiplicity=stack.multiplicity,
+        layer_cells=np.column_stack([stack.first_cell, stack.last_cell, *stack.middles()]),
+        cells=np.array(
+            [
+                rates.to_previous,
+                rates.to_next,
+                rates.end_loss,
+                rates.side_loss,
+                stack.heat_capacity,
+                end,
+                side,
+                stack.beside_lead,
+            ]
+        ),
+        lead_cells=np.flatnonzero(end + side),
+        lead_modes=modes,
+        source_rise=1.0
+        / (
+            bearing.materials.rubber.volumetric_heat
+            * (bearing.area - bearing.lead_area)
+            * bearing.geometry.rubber_thickness
+        ),
+        side_implicit=rates.side_implicit,
+        heat_source=HEAT_FROM_DISSIPATION if heat_source == "dissipation" else HEAT_FROM_WORK,
+    )
+
+
+def with_parameters(constants: Constants, bearing: Bearing, stack: Stack) -> Constants:
+    """The same stack and heat cells with the rubber, lead and rate numbers of another bearing.
+
+    For identification, where only those change from one evaluation to the next. The bearing
+    must have the geometry and materials that `constants` and `stack` were built from.
+    """
+    integrator: Integrator = "euler" if constants.rubber.integrator == EULER else "exact"
+    lead, _, _ = _lead(bearing, stack, published=constants.lead.published)
+    return constants._replace(
+        rubber=_rubber(bearing, integrator),
+        lead=lead,
+        viscous=_viscous(bearing, heats=constants.viscous.heats),
+    )
+
+
+def _lead(bearing: Bearing, stack: Stack, *, published: bool) -> tuple[Lead, Floats, Floats]:
+    """Numbers of the lead cores, and their conductances to each cell: ends, sides (5.1-5.7)."""
+    nothing = np.zeros(len(stack.part))
+    given, material = bearing.lead, bearing.materials.lead
+    if given is None or material is None:
+        none = Lead(0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, float(stack.fold), published)
+        return none, nothing, nothing
+    steel = bearing.materials.steel
+    conductivity = steel.conductivity / MM_PER_M
+    medium = steel if given.clock == "steel" else material
+    diffusivity = medium.conductivity / MM_PER_M / medium.volumetric_heat
+    height = float(stack.beside_lead.sum())
+    one_end = given.core_area * given.surface_ratio * conductivity / given.radius
+    end = np.where(stack.touches_lead_end, stack.fold * given.cores * one_end, 0.0)
+    wall = 2.0 * np.pi * given.surface_ratio * conductivity / SIDE_FLUX
+    steel_beside = np.array([name != "rubber" for name in stack.part]) * stack.beside_lead
+    side = nothing if given.confined else given.cores * wall * steel_beside
+    lead = Lead(
+        cores=float(given.cores),
+        stiffness=given.stiffness,
+        strength=given.core_strength,
+        softening=given.softening,
+        reference_temperature=given.reference_temperature,
+        capacity=material.volumetric_heat * given.core_area * height,
+        clock_rate=diffusivity / given.radius**2,
+        end_conductance=one_end,
+        side_conductance=float(side.sum()),
+        fold=float(stack.fold),
+        published=published,
+    )
+    return lead, end, side
+
+
+def _viscous(bearing: Bearing, *, heats: bool) -> Viscous:
+    """The rate-dependent branch; the source leaves its work out of the heat."""
+    if bearing.rate is None:
+        return Viscous(0.0, 1.0, heats)
+    return Viscous(bearing.rate.stiffness, bearing.rate.damping / bearing.rate.stiffness, heats)
+
+
+def _rubber(bearing: Bearing, integrator: Integrator) -> Rubber:
+    """Numbers of one rubber layer (Eq. 4.34-4.37)."""
+    h, virgin = bearing.hysteresis, bearing.scragging
+    return Rubber(
+        layer_count=float(bearing.geometry.rubber_layers),
+        elastic_stiffness=h.post_yield_ratio * h.layer_stiffness,
+        hysteretic_stiffness=(1.0 - h.post_yield_ratio) * h.layer_stiffness,
+        elastic_exponent=h.elastic_temperature_coefficient / KELVIN_COEFFICIENT_SCALE,
+        hysteretic_exponent=h.hysteretic_temperature_coefficient / KELVIN_COEFFICIENT_SCALE,
+        reference_temperature=h.reference_temperature,
+        hardening=h.hardening / bearing.geometry.rubber_thickness**2,
+        yield_displacement=h.yield_displacement,
+        unloading_curvature=(1.0 - h.shape) / ((1.0 + h.shape) * h.yield_displacement**2),
+        integrator=EULER if integrator == "euler" else EXACT,
+        virgin=virgin is not None,
+        scragging_amplitude=virgin.amplitude if virgin else 0.0,
+        scragging_displacement=(virgin.strain if virgin else 1.0)
+        * bearing.geometry.rubber_thickness,
+        mullins_amplitude=virgin.mullins_amplitude if virgin else 0.0,
+        mullins_decay=virgin.mullins_decay if virgin else 1.0,
+        mullins_renewal=virgin.mullins_renewal if virgin else 1.0,
+        sharing_margin=SHARING_MARGIN,
+    )

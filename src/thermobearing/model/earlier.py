@@ -1,0 +1,244 @@
+"""Earlier models, each as a change of the constants of the one coupled step.
+
+They are here for comparison (`thermobearing cyclic --compare`, or `model` in a case). None has
+a step of its own: a model that ignores conduction has rates of zero, one with a single
+temperature has a single cell, and so on. What the sources do not print is said beside it.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from thermobearing.bearing.model import Bearing
+from thermobearing.core.types import (
+    BESIDE_LEAD,
+    CAPACITY,
+    END_LOSS,
+    EXACT,
+    HEAT_FROM_WORK,
+    LEAD_END,
+    LEAD_SIDE,
+    SIDE_LOSS,
+    TO_NEXT,
+    TO_PREVIOUS,
+    Constants,
+    Lead,
+    Rubber,
+    Viscous,
+)
+from thermobearing.model.lead_ends import NO_MODES
+from thermobearing.model.stack import MM_PER_M, Stack
+
+Model = Literal[
+    "multi-layer",
+    "adiabatic",
+    "per-cycle",
+    "single-temperature",
+    "lead-alone",
+    "temperature-blind",
+    "bilinear",
+]
+EXCHANGES = [TO_PREVIOUS, TO_NEXT, END_LOSS, SIDE_LOSS, LEAD_END, LEAD_SIDE]
+UNCHANGING = 1e12  # factor on heat capacities that keeps a temperature where it is
+TIGHT = 1e6  # lead exchanges heat this fast with the single temperature [kN mm/(s K)]
+STIFFNESS_RATIO = 6.5  # K1/K2 of the bilinear model, usual in Japanese design of bridges
+
+
+@dataclass(frozen=True)
+class BilinearParameters:
+    """Backbone of the whole bearing."""
+
+    strength: float  # Q_d [kN]
+    post_yield: float  # K_2 [kN/mm]
+    initial: float  # K_1 [kN/mm]
+
+
+def adiabatic(constants: Constants) -> Constants:
+    """Adiabatic rise of the rubber, T = (1/(rho c V)) int F du.
+
+    Constantinou et al. (2007), Eq. 2.4-2.6 of the source: no conduction to steel, ends or air.
+    """
+    cells = constants.cells.copy()
+    cells[EXCHANGES] = 0.0
+    lead = constants.lead._replace(end_conductance=0.0, side_conductance=0.0)
+    return without_modes(constants)._replace(
+        cells=cells, lead=lead, lead_cells=np.empty(0, dtype=np.int64)
+    )
+
+
+def lumped(constants: Constants, stack: Stack) -> Constants:
+    """One cell for all rubber layers, shims and lead, losing no heat.
+
+    Okui et al. (2019), Eq. 2.11: dT = delta V_r / (m_r c_r + m_s c_s); the rise per cycle of
+    the source is what this one shows at the end of each cycle. `stack` must be a full one.
+    """
+    inside = np.array([name in ("rubber", "shim") for name in stack.part])
+    capacity = float(stack.heat_capacity[inside].sum())
+    layers = len(constants.multiplicity)
+    cells = np.zeros((len(constants.cells), 1))
+    cells[CAPACITY] = capacity
+    cells[-1] = constants.cells[-1].sum()
+    touching = np.zeros(0 if constants.lead.cores == 0.0 else 1, dtype=np.int64)
+    cells[LEAD_END] = TIGHT * len(touching)
+    return without_modes(constants)._replace(
+        cells=cells,
+        layer_cells=np.tile(np.array([0, 1, 0, 0], dtype=np.int64), (layers, 1)),
+        lead_cells=touching,
+        source_rise=1.0 / capacity,
+        side_implicit=True,
+    )
+
+
+def lumped_with_losses(constants: Constants, bearing: Bearing, stack: Stack) -> Constants:
+    """One temperature for the whole bearing, with losses: dT/dt = (dE/dt - dQ/dt) lambda.
+
+    Tan et al. (2023a), Eq. 2.12. Its layer law and its losses are not printed: the layer law
+    here is ours (Eq. 4.34 at the one temperature), heat leaves through half an outer rubber
+    layer and the plates beyond it to a face at ambient temperature, and through the sides.
+    """
+    one = lumped(constants, stack)
+    g, m = bearing.geometry, bearing.materials
+    plates = (g.end_plate_thickness + g.sealing_plate_thickness) / m.steel.conductivity
+    resistance = MM_PER_M * (0.5 * g.rubber_thickness / m.rubber.conductivity + plates)
+    height = g.total_rubber_thickness + (g.rubber_layers - 1) * g.shim_thickness
+    capacity = one.cells[CAPACITY, 0]
+    one.cells[END_LOSS] = 2.0 * bearing.area / resistance / capacity
+    one.cells[SIDE_LOSS] = stack.side_film * stack.perimeter * height / capacity
+    return one
+
+
+def lead_alone(constants: Constants) -> Constants:
+    """Only the lead warms up, against steel and rubber at ambient temperature.
+
+    Kalpakidis & Constantinou (2009), Eq. 2.7-2.9.
+    """
+    return isothermal(without_modes(constants))
+
+
+def temperature_blind(constants: Constants) -> Constants:
+    """Bouc-Wen with the stiffness of the reference temperature, whatever the weather.
+
+    Eq. 4.34 with m_T = n_T = 0, lead of constant strength. Temperatures are still computed.
+    """
+    rubber = constants.rubber._replace(elastic_exponent=0.0, hysteretic_exponent=0.0)
+    return constants._replace(rubber=rubber, lead=constants.lead._replace(softening=0.0))
+
+
+def bilinear(constants: Constants, parameters: BilinearParameters) -> Constants:
+    """The bilinear model of design (Fig. 6.3), blind to temperature.
+
+    A linear spring K_2 and, in parallel, an elastic and perfectly plastic one of strength Q_d
+    and stiffness K_1 - K_2, which are the branches of the lead here.
+    """
+    cells = constants.cells.copy()
+    cells[-1] = constants.cells[CAPACITY]  # the spring starts at the mean temperature
+    plain = without_modes(constants)._replace(
+        rubber=_backbone_rubber(constants.rubber.layer_count, parameters),
+        lead=_backbone_spring(parameters, constants.lead.fold),
+        viscous=constants.viscous._replace(stiffness=0.0),
+        cells=cells,
+        lead_cells=np.empty(0, dtype=np.int64),
+    )
+    return isothermal(plain)
+
+
+def bilinear_constants(parameters: BilinearParameters) -> Constants:
+    """A bilinear bearing that is nothing else: one layer, one cell that never warms."""
+    cells = np.zeros((BESIDE_LEAD + 1, 1))
+    cells[[CAPACITY, BESIDE_LEAD]] = UNCHANGING
+    return Constants(
+        rubber=_backbone_rubber(1.0, parameters),
+        lead=_backbone_spring(parameters, 1.0),
+        viscous=Viscous(0.0, 1.0, heats=False),
+        multiplicity=np.ones(1),
+        layer_cells=np.array([[0, 1, 0, 0]], dtype=np.int64),
+        cells=cells,
+        lead_cells=np.empty(0, dtype=np.int64),
+        lead_modes=NO_MODES,
+        source_rise=1.0 / UNCHANGING,
+        side_implicit=True,
+        heat_source=HEAT_FROM_WORK,
+    )
+
+
+def _backbone_rubber(count: float, parameters: BilinearParameters) -> Rubber:
+    """A chain of `count` linear layers whose stiffness is K_2 [kN/mm]."""
+    return Rubber(
+        layer_count=count,
+        elastic_stiffness=count * parameters.post_yield,
+        hysteretic_stiffness=0.0,
+        elastic_exponent=0.0,
+        hysteretic_exponent=0.0,
+        reference_temperature=0.0,
+        hardening=0.0,
+        yield_displacement=1.0,
+        unloading_curvature=0.0,
+        integrator=EXACT,
+        virgin=False,
+        scragging_amplitude=0.0,
+        scragging_displacement=1.0,
+        mullins_amplitude=0.0,
+        mullins_decay=1.0,
+        mullins_renewal=1.0,
+        sharing_margin=0.0,
+    )
+
+
+def _backbone_spring(parameters: BilinearParameters, fold: float) -> Lead:
+    """Elastic and perfectly plastic: strength Q_d, stiffness K_1 - K_2."""
+    return Lead(
+        cores=1.0,
+        stiffness=parameters.initial - parameters.post_yield,
+        strength=parameters.strength,
+        softening=0.0,
+        reference_temperature=0.0,
+        capacity=UNCHANGING,
+        clock_rate=1.0,
+        end_conductance=0.0,
+        side_conductance=0.0,
+        fold=fold,
+        published=False,
+    )
+
+
+def without_modes(constants: Constants) -> Constants:
+    """Lead on a half-space, as the earlier models have it, whatever `lead_ends` says."""
+    return constants._replace(lead_modes=NO_MODES)
+
+
+def isothermal(constants: Constants) -> Constants:
+    """Steel and rubber keep their temperature: the same with endless heat capacity."""
+    cells = constants.cells.copy()
+    cells[[TO_PREVIOUS, TO_NEXT, END_LOSS, SIDE_LOSS]] = 0.0
+    cells[CAPACITY] *= UNCHANGING
+    return constants._replace(cells=cells, source_rise=constants.source_rise / UNCHANGING)
+
+
+def needs_full_stack(model: Model) -> bool:
+    """Whether a model counts every layer once (one cell for all of them)."""
+    return model in ("per-cycle", "single-temperature")
+
+
+def apply_model(
+    model: Model,
+    constants: Constants,
+    bearing: Bearing,
+    stack: Stack,
+    parameters: Callable[[], BilinearParameters],
+) -> Constants:
+    """Constants of an earlier model from those of the multi-layer one."""
+    if model == "adiabatic":
+        return adiabatic(constants)
+    if model == "per-cycle":
+        return lumped(constants, stack)
+    if model == "single-temperature":
+        return lumped_with_losses(constants, bearing, stack)
+    if model == "lead-alone":
+        return lead_alone(constants)
+    if model == "temperature-blind":
+        return temperature_blind(constants)
+    if model == "bilinear":
+        return bilinear(constants, parameters())
+    return constants

@@ -1,0 +1,235 @@
+"""From a bearing to a stack of heat cells and a series of rubber layers.
+
+Upper (outer) face first. When both faces are treated alike only the upper half is modelled,
+down to the symmetry plane; a middle layer or shim is then cut in two. When they differ (a
+girder above, a concrete pier below) the whole height is modelled.
+
+Two schemes give the rates at which cells exchange heat (specification, section 3):
+`conservative`, a finite-volume balance, and `published`, the printed Eq. 4.23-4.31.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from thermobearing.bearing.model import Bearing, Material
+from thermobearing.border.errors import InputError
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Scheme = Literal["conservative", "published"]
+
+MM_PER_M = 1e3
+
+
+@dataclass(frozen=True)
+class Face:
+    """Heat exchange of one end face with the ambient: eta_B (Eq. 4.15) or a film coefficient.
+
+    `eta` lies in [1, 3]: 1 adiabatic, 3 face at ambient temperature. It is tied to the cell
+    size (its conductance is (eta - 1) k / dx); a film coefficient [W/(m2 K)] is not.
+    """
+
+    eta: float | None = None
+    film: float | None = None
+
+    def __post_init__(self) -> None:
+        if (self.eta is None) == (self.film is None):
+            raise InputError("an end face takes either eta (1 to 3) or a film coefficient")
+        if self.eta is not None and not 1.0 <= self.eta <= 3.0:
+            raise InputError(f"eta = {self.eta}: must be between 1 (adiabatic) and 3 (ambient)")
+        if self.film is not None and not 0.0 <= self.film < np.inf:
+            raise InputError(f"film = {self.film} W/(m2 K): must be zero or more, and finite")
+
+
+@dataclass(frozen=True)
+class Stack:
+    """Cells through the height, and which of them belong to which rubber layer.
+
+    Arrays run over cells from the upper face down. `fold` is 2 for a half stack (everything
+    counts twice in the whole bearing), 1 for a full one.
+    """
+
+    part: tuple[str, ...]  # "end_plate", "sealing_plate", "rubber", "shim" of each cell
+    thickness: Floats  # [mm]
+    conductivity: Floats  # [kN/(s K)] = [kN mm/(s mm K)]
+    volumetric_heat: Floats  # [kN mm/(mm3 K)]
+    area: Floats  # [mm2]
+    interface: np.ndarray  # bool: a material interface lies below the cell
+    lone_shim: np.ndarray  # bool: a shim (or half shim) modelled by a single cell
+    first_cell: Ints  # per modelled layer
+    last_cell: Ints
+    multiplicity: Floats  # layers of the bearing each modelled layer stands for
+    halved: bool  # the last modelled layer is cut by the symmetry plane
+    fold: int
+    perimeter: float
+    side_film: float  # [kN/(s mm K)]
+
+    @property
+    def depth(self) -> Floats:
+        """Distance of the cell centres from the upper face [mm]."""
+        return np.asarray(np.cumsum(self.thickness) - 0.5 * self.thickness)
+
+    @property
+    def heat_capacity(self) -> Floats:
+        """Of each cell, counted for the whole bearing [kN mm/K]."""
+        return self.fold * self.volumetric_heat * self.area * self.thickness
+
+    @property
+    def beside_lead(self) -> Floats:
+        """Height of lead beside each cell, counted for the whole bearing [mm]."""
+        beside = np.array([name != "end_plate" for name in self.part])
+        return np.asarray(self.fold * self.thickness * beside)
+
+    @property
+    def touches_lead_end(self) -> NDArray[np.bool_]:
+        """Whether a cell is that of an end plate next to the rubber or sealing plate."""
+        ends = np.array([name == "end_plate" for name in self.part])
+        touches = np.zeros(len(ends), dtype=bool)
+        touches[:-1] |= ends[:-1] & ~ends[1:]
+        touches[1:] |= ends[1:] & ~ends[:-1]
+        return touches
+
+    def middles(self) -> tuple[Ints, Ints]:
+        """The two cells beside each layer's mid-thickness (the same one, if it lies there)."""
+        count = self.last_cell - self.first_cell
+        upper = self.first_cell + (count - 1) // 2
+        lower = self.first_cell + count // 2
+        if self.halved:  # mid-thickness is the symmetry plane, mirrored cells on either side
+            upper[-1] = lower[-1] = self.last_cell[-1] - 1
+        return upper, lower
+
+
+def _parts(bearing: Bearing, half: bool) -> list[tuple[str, float, int]]:
+    """(part, thickness, cells) from the upper face down, to the symmetry plane if `half`."""
+    g, cells = bearing.geometry, bearing.cells
+    end = ("end_plate", g.end_plate_thickness, cells.end_plate)
+    rubber = ("rubber", g.rubber_thickness, cells.rubber)
+    shim = ("shim", g.shim_thickness, cells.shim)
+    sealing = [("sealing_plate", g.sealing_plate_thickness, cells.sealing_plate)]
+    sealing = sealing if g.sealing_plate_thickness > 0.0 else []
+    middle = [part for _ in range(g.rubber_layers - 1) for part in (rubber, shim)] + [rubber]
+    if not half:
+        return [end, *sealing, *middle, *sealing, end]
+    kept, (name, thickness, count) = middle[: len(middle) // 2], middle[len(middle) // 2]
+    return [end, *sealing, *kept, (name, 0.5 * thickness, (count + 1) // 2)]
+
+
+def build_stack(bearing: Bearing, *, half: bool) -> Stack:
+    """Cells and layers of a bearing.
+
+    Parameters
+    ----------
+    bearing : what to model.
+    half : model the upper half only; right when both end faces are alike.
+    """
+    parts = _parts(bearing, half)
+    materials: dict[str, Material] = {
+        "end_plate": bearing.materials.steel,
+        "sealing_plate": bearing.materials.steel,
+        "shim": bearing.materials.steel,
+        "rubber": bearing.materials.rubber,
+    }
+    net = bearing.area - bearing.lead_area
+    names = tuple(name for name, _, count in parts for _ in range(count))
+    thickness = np.array([t / count for _, t, count in parts for _ in range(count)])
+    ends = np.cumsum([count for _, _, count in parts])
+    interface = np.zeros(len(names), dtype=bool)
+    interface[ends[:-1] - 1] = True
+    lone = np.array(
+        [name == "shim" and count == 1 for name, _, count in parts for _ in range(count)]
+    )
+    layers = [i for i, (name, _, _) in enumerate(parts) if name == "rubber"]
+    halved = half and parts[-1][0] == "rubber"
+    multiplicity = np.full(len(layers), 2.0 if half else 1.0)
+    if halved:
+        multiplicity[-1] = 1.0
+    return Stack(
+        part=names,
+        thickness=thickness,
+        conductivity=np.array([materials[n].conductivity / MM_PER_M for n in names]),
+        volumetric_heat=np.array([materials[n].volumetric_heat for n in names]),
+        area=np.array([bearing.area if n == "end_plate" else net for n in names]),
+        interface=interface,
+        lone_shim=lone,
+        first_cell=np.array([ends[i - 1] for i in layers], dtype=np.int64),
+        last_cell=np.array([ends[i] for i in layers], dtype=np.int64),
+        multiplicity=multiplicity,
+        halved=halved,
+        fold=2 if half else 1,
+        perimeter=bearing.geometry.plan.perimeter,
+        side_film=bearing.materials.side_film / MM_PER_M**2,
+    )
+
+
+@dataclass(frozen=True)
+class Rates:
+    """Heat exchange rates of the cells [1/s]; see core/heat.py."""
+
+    to_previous: Floats
+    to_next: Floats
+    end_loss: Floats
+    side_loss: Floats
+    side_implicit: bool
+
+
+def _end_conductance(face: Face, conductivity: float, thickness: float) -> float:
+    """Conductance per area from the outermost cell centre to the ambient [kN/(s mm K)]."""
+    if face.eta is not None:
+        return (face.eta - 1.0) * conductivity / thickness
+    film = (face.film or 0.0) / MM_PER_M**2
+    return film / (1.0 + 0.5 * film * thickness / conductivity)
+
+
+def _end_losses(stack: Stack, upper: Face, lower: Face | None, capacity: Floats) -> Floats:
+    """Rates of loss through the end faces; none through the symmetry plane (lower None)."""
+    loss = np.zeros(len(capacity))
+    for i, face in ((0, upper), (-1, lower)):
+        if face is not None:
+            per_area = _end_conductance(face, stack.conductivity[i], stack.thickness[i])
+            loss[i] += per_area * stack.area[i] / capacity[i]
+    return loss
+
+
+def conservative_rates(stack: Stack, upper: Face, lower: Face | None) -> Rates:
+    """Finite-volume balance: what leaves one cell enters the next."""
+    resistance = 0.5 * stack.thickness / stack.conductivity
+    face_area = np.minimum(stack.area[:-1], stack.area[1:])
+    conductance = face_area / (resistance[:-1] + resistance[1:])
+    capacity = stack.heat_capacity / stack.fold
+    side = stack.side_film * stack.perimeter * stack.thickness / capacity
+    return Rates(
+        to_previous=np.concatenate([[0.0], conductance / capacity[1:]]),
+        to_next=np.concatenate([conductance / capacity[:-1], [0.0]]),
+        end_loss=_end_losses(stack, upper, lower, capacity),
+        side_loss=side,
+        side_implicit=True,
+    )
+
+
+def published_rates(stack: Stack, upper: Face, lower: Face | None) -> Rates:
+    """The printed coefficients, Eq. 4.23-4.31, with their departures P1 and P2.
+
+    2 beta/dt of the source is `diffusion` here. A shim of one cell receives twice the flux
+    its neighbours lose (Eq. 4.28, 4.31), and theta uses the rubber's c rho everywhere.
+    """
+    dx, k = stack.thickness, stack.conductivity
+    diffusion = k / stack.volumetric_heat / dx**2
+    gamma_below = k[1:] * dx[:-1] / (k[:-1] * dx[1:] + k[1:] * dx[:-1])  # weight of the cell below
+    inside = ~stack.interface[:-1]
+    to_next = np.where(inside, 1.0, 2.0 * gamma_below) * diffusion[:-1]
+    to_previous = np.where(inside, 1.0, 2.0 * (1.0 - gamma_below)) * diffusion[1:]
+    to_next *= np.where(stack.lone_shim[:-1], 2.0, 1.0)
+    to_previous *= np.where(stack.lone_shim[1:], 2.0, 1.0)
+    rubber = stack.volumetric_heat[stack.first_cell[0]]
+    side = stack.side_film * stack.perimeter / stack.area / rubber
+    capacity = stack.heat_capacity / stack.fold
+    return Rates(
+        to_previous=np.concatenate([[0.0], to_previous]),
+        to_next=np.concatenate([to_next, [0.0]]),
+        end_loss=_end_losses(stack, upper, lower, capacity),
+        side_loss=side,
+        side_implicit=False,
+    )

@@ -1,0 +1,180 @@
+"""Accelerograms in columns of numbers, with or without a line that names them."""
+
+import re
+from dataclasses import dataclass
+
+import numpy as np
+
+from thermobearing.border.errors import InputError, nearest, shortened
+from thermobearing.motions.record import acceleration_unit
+from thermobearing.motions.sniffing import (
+    NUMBER,
+    Options,
+    Raw,
+    even_step,
+    is_not_finite,
+    number,
+)
+
+_TITLE = re.compile(
+    r"^(?P<name>[A-Za-z][A-Za-z .-]*?)\s*(?:_|\[|\()\s*(?P<unit>[^\])]+?)\s*[\])]?$"
+)
+_STEP = re.compile(
+    rf"\b(?:dt|time\s*step|delta\s*t|time\s*interval)\s*[=:]?\s*({NUMBER.pattern})\s*(ms|s)?",
+    re.IGNORECASE,
+)
+_UNIT = re.compile(
+    r"(?<![\w/])(mm/s(?:ec)?(?:\^?2|/s(?:ec)?)|cm/s(?:ec)?(?:\^?2|/s(?:ec)?)"
+    r"|m/s(?:ec)?(?:\^?2|/s(?:ec)?)|gal)(?![\w/])|[\[(]\s*(g)\s*[\])]|\b(?:in|of)\s+(g)\b",
+    re.IGNORECASE,
+)
+_DIRECTION = re.compile(r"\b(N-?S|E-?W|U-?D)\b", re.IGNORECASE)
+_COMMENT = ("#", "%", "!", "//", "*")
+SECONDS = {"s": 1.0, "sec": 1.0, "second": 1.0, "seconds": 1.0, "ms": 1e-3}
+TIME_NAMES = ("t", "time")
+
+
+@dataclass(frozen=True)
+class _Column:
+    """One column: its number, its name, and its unit if the file tells."""
+
+    number: int
+    name: str
+    unit: str | None
+
+
+def _cells(line: str) -> list[str]:
+    """Cells between commas, semicolons, tabs or blanks."""
+    text = line.strip()
+    for mark in (";", ","):
+        if mark in text:
+            return [cell.strip() for cell in text.split(mark)]
+    return text.split()
+
+
+def _is_row(line: str) -> bool:
+    """Whether a line holds numbers (or what should be numbers) and nothing else."""
+    cells = _cells(line)
+    numbers = [bool(NUMBER.fullmatch(cell)) for cell in cells]
+    fits = [
+        good or not cell or is_not_finite(cell) for good, cell in zip(numbers, cells, strict=True)
+    ]
+    return bool(cells) and all(fits) and any(cell for cell in cells)
+
+
+def read_columns_of_text(lines: list[str], options: Options) -> Raw:
+    """Columns of numbers below a free header.
+
+    Raises
+    ------
+    InputError : no numbers, rows of different length, cells that are not finite numbers, uneven
+        times, several components and none chosen.
+    """
+    start = next((at for at, line in enumerate(lines) if line.strip() and _is_row(line)), None)
+    if start is None:
+        commas = any(re.search(r"\d,\d+\s*;", line) for line in lines)
+        hint = "decimals take a point" if commas else "is it an accelerogram?"
+        raise InputError(f"holds no numbers; {hint}")
+    header, rows = [line for line in lines[:start] if line.strip()], []
+    width = len(_cells(lines[start]))
+    for at, line in enumerate(lines[start:], start + 1):
+        if not line.strip() or line.lstrip().startswith(_COMMENT):
+            continue
+        cells = _cells(line)
+        try:
+            if len(cells) != width:
+                raise InputError(
+                    f'"{shortened(line.strip())}" has {len(cells)} columns instead of {width} '
+                    "(a gap in the record?)"
+                )
+            rows.append((at, [number(cell) for cell in cells]))
+        except InputError as error:
+            raise InputError(error.lines(f"line {at}")) from None
+    table = np.array([row for _, row in rows])
+    numbered = [at for at, _ in rows]
+    time, others = _sorted_columns(header, table, width)
+    dt = None
+    if time is not None:
+        scale = SECONDS.get((time.unit or "s").lower())
+        if scale is None:
+            raise InputError(f'unit of time "{time.unit}" is not one of {", ".join(SECONDS)}')
+        if len(table) > 1:
+            dt = even_step(table[:, time.number] * scale, numbered)
+    else:
+        dt = _told_step(header)
+    column = _chosen(others, options)
+    unit = column.unit or _told_unit(header)
+    about = " ".join(line.strip().lstrip("#%!/* ") for line in header if len(line.split()) > 3)
+    return Raw(table[:, column.number], dt, unit, description=about[:200])
+
+
+def _told_step(header: list[str]) -> float | None:
+    """A time step in the free header, such as "dt=0.005 sec" [s]."""
+    match = _STEP.search(" ".join(header))
+    if not match:
+        return None
+    return number(match[1]) * (1e-3 if (match[2] or "").lower() == "ms" else 1.0)
+
+
+def _told_unit(header: list[str]) -> str | None:
+    """A unit of acceleration in the free header, such as "Acc. in cm/sec^2"."""
+    found = {next(part for part in match if part) for match in _UNIT.findall(" ".join(header))}
+    sizes = {acceleration_unit(text) for text in found}
+    if len(sizes) > 1:
+        raise InputError(f"the header names several units: {', '.join(sorted(found))}; give unit")
+    return min(found) if found else None
+
+
+def _titles(header: list[str], width: int) -> list[str] | None:
+    """Names of the columns, if the last line of the header has as many as there are columns."""
+    if not header:
+        return None
+    line = header[-1].strip().lstrip("#%!/* ").strip()
+    for cells in (re.split(r"[;,\t]", line), re.split(r"\s{2,}", line), line.split()):
+        titles = [cell.strip() for cell in cells if cell.strip()]
+        if len(titles) == width and all(re.match("[A-Za-z]", title) for title in titles):
+            return titles
+    return None
+
+
+def _sorted_columns(
+    header: list[str], table: "np.ndarray[tuple[int, int], np.dtype[np.float64]]", width: int
+) -> tuple[_Column | None, list[_Column]]:
+    """The column of time, if there is one, and those of acceleration."""
+    titles = _titles(header, width)
+    columns = []
+    for at in range(width):
+        match = _TITLE.match(titles[at]) if titles else None
+        name = match["name"].strip() if match else (titles[at] if titles else "")
+        columns.append(_Column(at, name, match["unit"] if match else None))
+    if titles and columns[0].name.lower() in TIME_NAMES:
+        return columns[0], columns[1:]
+    if not titles and width > 1 and len(table) > 2 and (np.diff(table[:, 0]) > 0.0).all():
+        return columns[0], columns[1:]
+    if titles:
+        return None, columns
+    # Two columns under a comment that tells their directions in this order.
+    ways = [way.upper().replace("-", "") for way in _DIRECTION.findall(" ".join(header))]
+    if len(ways) == width and len(set(ways)) == width:
+        columns = [_Column(at, way, None) for at, way in enumerate(ways)]
+    return None, columns
+
+
+def _chosen(columns: list[_Column], options: Options) -> _Column:
+    """The wanted component; InputError if there are several and none was chosen."""
+    if not columns:
+        raise InputError("holds a column of time and no acceleration")
+    names = [column.name or str(place) for place, column in enumerate(columns, 1)]
+    if options.component is None:
+        if len(columns) > 1:
+            raise InputError(
+                f"holds {len(columns)} components ({', '.join(names)}); give component"
+            )
+        return columns[0]
+    wanted = str(options.component).strip()
+    if wanted.isdigit() and 1 <= int(wanted) <= len(columns):
+        return columns[int(wanted) - 1]
+    for name, column in zip(names, columns, strict=True):
+        if name.lower() == wanted.lower().replace("-", ""):
+            return column
+    raise InputError(f'no component "{wanted}"{nearest(wanted, names)}')

@@ -1,0 +1,135 @@
+"""Standard spectra of Level 2 earthquakes for highway bridges in Japan."""
+
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cache
+from importlib import resources
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from thermobearing.border.errors import InputError
+from thermobearing.border.schema import read_toml
+from thermobearing.border.units import parse_quantity
+from thermobearing.core.types import Floats
+from thermobearing.motions.record import acceleration_unit
+
+KINDS, GROUNDS = ("I", "II"), ("I", "II", "III")
+LARGEST_ZONE_FACTOR = 2.0  # the specifications know 0.7 to 1.2
+
+
+@dataclass(frozen=True)
+class StandardSpectrum:
+    """S(T) of one type of earthquake and one ground: a rise, a plateau and a fall.
+
+    Attributes
+    ----------
+    rise, fall : the branches at T = 1 s [mm/s2].
+    rise_power, fall_power : of the period.
+    plateau : between the corners [mm/s2].
+    corners : periods where the plateau begins and ends [s].
+    """
+
+    rise: float
+    rise_power: float
+    plateau: float
+    fall: float
+    fall_power: float
+    corners: tuple[float, float]
+
+    def at(self, periods: Floats) -> Floats:
+        """The branches at periods > 0 [mm/s2]."""
+        rise = self.rise * periods**self.rise_power
+        fall = self.fall * periods**self.fall_power
+        first, second = self.corners
+        return np.where(
+            periods < first,
+            rise,
+            np.where(periods > second, fall, np.full_like(fall, self.plateau)),
+        )
+
+
+def _gal(text: str) -> float:
+    number, unit = text.split()
+    return float(number) * acceleration_unit(unit)
+
+
+@cache
+def _spectra() -> dict[tuple[str, str], StandardSpectrum]:
+    folder = resources.files("thermobearing") / "data" / "spectra"
+    table = read_toml(Path(str(folder / "jra-level-2.toml")))
+    found = {}
+    for kind in KINDS:
+        about = table[kind]
+        for ground in GROUNDS:
+            row = about["grounds"][ground]
+            first, second = (parse_quantity(text, "s") for text in row["corners"])
+            found[kind, ground] = StandardSpectrum(
+                rise=_gal(row["rise"]),
+                rise_power=float(Fraction(about["rise_power"])),
+                plateau=_gal(row["plateau"]),
+                fall=_gal(row["fall"]),
+                fall_power=float(Fraction(about["fall_power"])),
+                corners=(first, second),
+            )
+    return found
+
+
+def kind_and_ground(kind: str | int, ground: str | int) -> tuple[str, str]:
+    """Both as Roman numbers; InputError for others.
+
+    Examples
+    --------
+    >>> kind_and_ground("ii", 3)
+    ('II', 'III')
+    """
+    numbers = {"1": "I", "2": "II", "3": "III"}
+    given = [numbers.get(str(text).strip(), str(text).strip().upper()) for text in (kind, ground)]
+    problems = []
+    if given[0] not in KINDS:
+        problems.append(f'type of earthquake: "{kind}" is not one of {", ".join(KINDS)}')
+    if given[1] not in GROUNDS:
+        problems.append(f'ground: "{ground}" is not one of {", ".join(GROUNDS)}')
+    if problems:
+        raise InputError(problems)
+    return given[0], given[1]
+
+
+def standard_spectrum(
+    kind: str | int, ground: str | int, periods: ArrayLike, *, zone_factor: float = 1.0
+) -> Floats:
+    """Standard acceleration response spectrum of a Level 2 earthquake, 5 % damping.
+
+    Japan Road Association, Specifications for Highway Bridges, Part V (2012).
+
+    Parameters
+    ----------
+    kind : "I" (plate boundary) or "II" (inland).
+    ground : "I" (hard), "II" or "III" (soft).
+    periods : natural periods [s], > 0.
+    zone_factor : c_z of the region, in (0, 2].
+
+    Returns
+    -------
+    array : acceleration [mm/s2] at each period.
+
+    Raises
+    ------
+    InputError : an unknown type or ground, a period or factor out of range.
+
+    Examples
+    --------
+    >>> standard_spectrum("II", "I", [0.5]).tolist()  # 2000 gal
+    [20000.0]
+    """
+    key = kind_and_ground(kind, ground)
+    values = np.atleast_1d(np.asarray(periods, dtype=np.float64))
+    if not (np.isfinite(values) & (values > 0.0)).all():
+        raise InputError("periods [s]: must be finite and > 0", "standard_spectrum")
+    if not 0.0 < zone_factor <= LARGEST_ZONE_FACTOR:
+        raise InputError(
+            f"zone_factor: {zone_factor:g} is outside (0, {LARGEST_ZONE_FACTOR:g}]",
+            "standard_spectrum",
+        )
+    return zone_factor * _spectra()[key].at(values)

@@ -1,0 +1,244 @@
+"""Fourier amplitudes adjusted until a motion's response spectrum is the wanted one.
+
+The phases are kept: every Fourier coefficient is multiplied by a positive number, a smooth
+function of frequency. What counts is the final history, tapered and with its velocity and
+displacement brought to zero at the end; its spectrum is what is compared in every round.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.fft import next_fast_len
+
+from thermobearing.core.types import Floats
+from thermobearing.motions.process import high_pass_gain, with_quiet_end
+from thermobearing.motions.record import GroundMotion
+from thermobearing.motions.spectrum import DAMPING, response_spectrum
+
+FIRST, LAST = 0.1, 3.0  # periods over which the misfit counts [s]
+SHORTEST, LONGEST = 0.09, 3.6  # periods that are adjusted: some more, so that the ends fit too
+GOAL = 0.015  # misfit at which the rounds end
+ENOUGH = 0.022  # misfit above which shaken multipliers are tried
+LARGEST_MISFIT = 0.03  # what is promised
+SHAKES, SHAKE = 3, 0.15  # how often, and by how much (of the logarithm)
+RATIO_ROUNDS, NEWTON_ROUNDS = 8, 40
+HIGH_PASS = 0.2  # [Hz]: three times longer than the longest period, so that the ground returns
+WIDENING = 0.3  # [Hz]
+TAPER = 4.0  # [s] at both ends
+NEARLY = 0.05  # a peak of the other sign this close (logarithm) to the target is held
+LARGEST_STEP = 0.3  # of the logarithm of a multiplier, in one round
+DAMPING_START, DAMPING_END = 0.05, 1e2  # weight of size and bending of a change, adapted
+
+Complexes = NDArray[np.complex128]
+Target = Callable[[Floats], Floats]
+
+
+@dataclass(frozen=True)
+class _Fineness:
+    """How finely amplitudes are multiplied.
+
+    Attributes
+    ----------
+    bands : of frequency, each with its multiplier.
+    periods : compared in every round.
+    roughness : weight of the bending of the multipliers over the bands.
+    """
+
+    bands: int
+    periods: int
+    roughness: float
+
+
+# Smooth multipliers ring less; finer ones can fill a hole where waves cancel, at the price of
+# a longer motion.
+COARSE = _Fineness(bands=100, periods=120, roughness=0.01)
+FINE = _Fineness(bands=200, periods=160, roughness=0.002)
+
+
+@dataclass(frozen=True)
+class Matched:
+    """An adjusted acceleration and how well it fits.
+
+    Attributes
+    ----------
+    acceleration : [mm/s2].
+    misfit : root mean square of spectrum / target - 1 over 0.1 to 3 s.
+    """
+
+    acceleration: Floats
+    misfit: float
+
+
+def misfit(motion: GroundMotion, target: Target, count: int = 300) -> float:
+    """Root mean square of spectrum / target - 1, at periods spaced evenly in log T, 0.1 to 3 s.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> still = GroundMotion("still", 0.01, np.zeros(100))
+    >>> misfit(still, lambda periods: np.ones_like(periods))
+    1.0
+    """
+    periods = np.geomspace(FIRST, LAST, count)
+    ratio = response_spectrum(motion, periods, DAMPING).acceleration / target(periods)
+    return float(np.sqrt(np.mean((ratio - 1.0) ** 2)))
+
+
+class _Amplitudes:
+    """The Fourier coefficients of a motion, multiplied band by band."""
+
+    def __init__(self, acceleration: Floats, dt: float, fineness: _Fineness) -> None:
+        self.fineness, bands = fineness, fineness.bands
+        self.dt, self.length = dt, len(acceleration)
+        size = next_fast_len(self.length, real=True)
+        self.size = size
+        self.frequency = np.asarray(np.fft.rfftfreq(size, dt), dtype=np.float64)
+        gain = high_pass_gain(self.frequency, HIGH_PASS)
+        self.coefficients = np.fft.rfft(acceleration, size) * gain
+        # Triangles over log(f + WIDENING), the outermost ones going on at one: narrow bands at
+        # low frequencies would ring for longer than the motion lasts.
+        low, high = (float(np.log(1.0 / end + WIDENING)) for end in (LONGEST, SHORTEST))
+        nodes = np.linspace(low, high, bands)
+        place = np.interp(
+            np.log(self.frequency + WIDENING), nodes, np.arange(bands, dtype=np.float64)
+        )
+        self.bands = np.maximum(0.0, 1.0 - np.abs(place[:, np.newaxis] - np.arange(bands)))
+        self.nodes = 1.0 / (np.exp(nodes) - WIDENING)  # as periods
+        self.logarithm = np.zeros(bands)
+        edge = max(2, round(TAPER / dt))
+        ramp = np.sin(0.5 * np.pi * np.arange(edge) / edge) ** 2
+        self.taper = np.concatenate([ramp, np.ones(self.length - 2 * edge), ramp[::-1]])
+
+    def multiplied(self) -> Complexes:
+        """The coefficients with the present multipliers."""
+        return np.asarray(self.coefficients * np.exp(self.bands @ self.logarithm))
+
+    def finished(self, spectrum: Complexes) -> Floats:
+        """The histories of these coefficients (last axis) with their ends in order."""
+        values = np.fft.irfft(spectrum, self.size)[..., : self.length]
+        return with_quiet_end(values * self.taper, self.dt)
+
+    def motion(self) -> GroundMotion:
+        """The history with the present multipliers."""
+        return GroundMotion("matched", self.dt, self.finished(self.multiplied()))
+
+    def sensitivity(self, periods: Floats, times: Floats) -> Floats:
+        """[period, band] acceleration at the given times by the part of each band [mm/s2].
+
+        The sum over the bands is the response itself, since they add up to one.
+        """
+        w = 2.0 * np.pi * self.frequency
+        wn = 2.0 * np.pi / periods[:, np.newaxis]
+        spring = wn**2 + 2.0j * DAMPING * wn * w
+        weights = np.full(len(w), 2.0 / self.size)
+        weights[0] = 1.0 / self.size
+        waves = weights * spring / (spring - w**2) * np.exp(1j * w * times[:, np.newaxis])
+        parts = np.fft.rfft(self.finished(self.bands.T * self.multiplied()), self.size)
+        return np.asarray(np.real(waves @ parts.T))
+
+
+def matched(acceleration: Floats, dt: float, target: Target, *, finer: bool = False) -> Matched:
+    """Adjust the Fourier amplitudes of a motion until its spectrum is the target.
+
+    First each amplitude is multiplied by target / spectrum at its own period, a few times over.
+    Then Newton's method: the response of each oscillator at the time of its peak is linear in
+    the amplitudes of the bands, so that the changes of all of them follow from damped least
+    squares (smooth over frequency), with new peaks looked up in every round. The best round
+    is returned; what it fits is checked on the final history.
+
+    Parameters
+    ----------
+    acceleration : the motion [mm/s2], with room at both ends for ringing.
+    dt : time step [s].
+    target : absolute acceleration spectrum [mm/s2] as a function of periods [s].
+    finer : if the misfit stays above 3 %, try finer bands, which fit better and ring longer.
+    """
+    fits = []
+    for fineness in (COARSE, FINE) if finer else (COARSE,):
+        best = _matched(acceleration, dt, target, fineness)
+        fits.append(Matched(best.motion.acceleration, misfit(best.motion, target)))
+        if fits[-1].misfit <= LARGEST_MISFIT:
+            break
+    return min(fits, key=lambda fit: fit.misfit)
+
+
+def _matched(acceleration: Floats, dt: float, target: Target, fineness: _Fineness) -> "_Round":
+    """The best round with bands so fine."""
+    amplitudes = _Amplitudes(acceleration, dt, fineness)
+    periods = np.geomspace(SHORTEST, LONGEST, fineness.periods)
+    wanted = target(periods)
+    best = _compare(amplitudes, periods, wanted)
+    for _ in range(RATIO_ROUNDS):
+        change = np.interp(amplitudes.nodes[::-1], periods, best.gaps[0])[::-1]
+        amplitudes.logarithm = best.logarithm + np.clip(change, -LARGEST_STEP, LARGEST_STEP)
+        best = _compare(amplitudes, periods, wanted)
+    best = _improved(amplitudes, periods, wanted, best)
+    # Where peaks at two times hold each other, shaken multipliers find a way out.
+    stream = np.random.default_rng(0)
+    for _ in range(SHAKES):
+        if best.error <= ENOUGH:
+            break
+        amplitudes.logarithm = best.logarithm + SHAKE * stream.standard_normal(fineness.bands)
+        start = _compare(amplitudes, periods, wanted)
+        best = min(best, _improved(amplitudes, periods, wanted, start), key=lambda at: at.error)
+    return best
+
+
+@dataclass(frozen=True)
+class _Round:
+    """Multipliers, the history they make, and how far its spectrum is from the target."""
+
+    logarithm: Floats
+    motion: GroundMotion
+    peak_times: Floats  # [2, period] of the larger peak, and of that of the other sign
+    gaps: Floats  # [2, period] logarithm of target / peak
+    error: float
+
+
+def _compare(amplitudes: _Amplitudes, periods: Floats, wanted: Floats) -> _Round:
+    motion = amplitudes.motion()
+    spectrum = response_spectrum(motion, periods, DAMPING)
+    error = float(np.sqrt(np.mean((spectrum.acceleration / wanted - 1.0) ** 2)))
+    order = np.argsort(-spectrum.peaks, axis=0)
+    peaks = np.take_along_axis(spectrum.peaks, order, axis=0)
+    times = np.take_along_axis(spectrum.peak_times, order, axis=0)
+    return _Round(amplitudes.logarithm.copy(), motion, times, np.log(wanted / peaks), error)
+
+
+def _improved(amplitudes: _Amplitudes, periods: Floats, wanted: Floats, start: _Round) -> _Round:
+    """Newton's rounds from a start, with damping that follows their success."""
+    best, damping = start, DAMPING_START
+    for _ in range(NEWTON_ROUNDS):
+        if best.error <= GOAL or damping > DAMPING_END:
+            break
+        amplitudes.logarithm = best.logarithm
+        change = _newton(amplitudes, periods, best, damping)
+        amplitudes.logarithm = best.logarithm + np.clip(change, -LARGEST_STEP, LARGEST_STEP)
+        trial = _compare(amplitudes, periods, wanted)
+        if trial.error < best.error:
+            best, damping = trial, damping / 2.0
+        else:
+            damping *= 4.0
+    return best
+
+
+def _newton(amplitudes: _Amplitudes, periods: Floats, at: _Round, damping: float) -> Floats:
+    """Changes of the multipliers' logarithms that close the gaps, by damped least squares."""
+    # The peak of the other sign must not grow where it is nearly as large.
+    rivals = np.flatnonzero(at.gaps[1] < NEARLY)
+    gaps = np.concatenate([at.gaps[0], np.minimum(at.gaps[1, rivals], 0.0)])
+    parts = amplitudes.sensitivity(
+        np.concatenate([periods, periods[rivals]]),
+        np.concatenate([at.peak_times[0], at.peak_times[1, rivals]]),
+    )
+    slopes = parts / parts.sum(axis=1, keepdims=True)
+    bands, roughness = amplitudes.fineness.bands, amplitudes.fineness.roughness
+    bending = np.diff(np.eye(bands), 2, axis=0)
+    weight = np.sqrt(damping)
+    size = weight * np.eye(bands)
+    system = np.vstack([slopes, size, weight * bending, roughness * bending])
+    straight = -roughness * (bending @ at.logarithm)
+    right = np.concatenate([gaps, np.zeros(2 * bands - 2), straight])
+    return np.asarray(np.linalg.lstsq(system, right, rcond=None)[0])

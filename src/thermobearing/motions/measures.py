@@ -1,0 +1,129 @@
+"""How strong a ground motion is and how long it lasts, in the usual numbers."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from thermobearing.border.errors import InputError
+from thermobearing.core.types import Floats
+from thermobearing.motions.record import MM_S2_PER_GAL, STANDARD_GRAVITY, GroundMotion
+
+BRACKET = 50.0 * MM_S2_PER_GAL  # 50 gal, about 0.05 g [mm/s2]
+
+
+@dataclass(frozen=True)
+class MotionMeasures:
+    """Usual measures of a ground motion.
+
+    Attributes
+    ----------
+    pga : largest acceleration [mm/s2].
+    pgv : largest velocity [mm/s].
+    pgd : largest displacement [mm].
+    end_velocity, end_displacement : at the last sample [mm/s], [mm].
+    arias_intensity : pi / (2 g) times the integral of the squared acceleration [mm/s].
+    significant_duration : from 5 to 95 % of the Arias intensity [s].
+    bracketed_duration : from the first to the last time that 50 gal are exceeded [s].
+    cumulative_absolute_velocity : integral of the absolute acceleration [mm/s].
+    """
+
+    pga: float
+    pgv: float
+    pgd: float
+    end_velocity: float
+    end_displacement: float
+    arias_intensity: float
+    significant_duration: float
+    bracketed_duration: float
+    cumulative_absolute_velocity: float
+
+
+def arias_growth(motion: GroundMotion) -> Floats:
+    """Arias intensity up to each sample [mm/s], by the trapezoidal rule (Arias, 1970)."""
+    squares = motion.acceleration**2
+    steps = 0.5 * motion.dt * (squares[1:] + squares[:-1])
+    return np.concatenate([[0.0], np.cumsum(steps)]) * np.pi / (2.0 * STANDARD_GRAVITY)
+
+
+def significant_duration(motion: GroundMotion, start: float = 0.05, end: float = 0.95) -> float:
+    """Time in which the Arias intensity grows from one share to another [s].
+
+    Trifunac and Brady, Bulletin of the Seismological Society of America 65, 1975; between
+    samples the growth is taken as linear.
+
+    Parameters
+    ----------
+    motion : the ground motion.
+    start, end : shares of the whole, 0 <= start < end <= 1.
+
+    Raises
+    ------
+    InputError : shares out of range, or a motion that is zero throughout.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> even = GroundMotion("even", 0.01, np.ones(1001))
+    >>> round(significant_duration(even), 6)
+    9.0
+    """
+    first, last = significant_interval(motion, start, end)
+    return last - first
+
+
+def significant_interval(
+    motion: GroundMotion, start: float = 0.05, end: float = 0.95
+) -> tuple[float, float]:
+    """Beginning and end of the significant duration [s]; see `significant_duration`."""
+    if not 0.0 <= start < end <= 1.0:
+        raise InputError(f"shares {start:g} and {end:g}: need 0 <= start < end <= 1")
+    growth = arias_growth(motion)
+    if growth[-1] <= 0.0:
+        raise InputError("is zero throughout and has no duration", motion.name)
+    after = (
+        int(np.searchsorted(growth, start * growth[-1], side="right")),
+        int(np.searchsorted(growth, end * growth[-1], side="left")),
+    )
+    times = [
+        (k - 1 + (share * growth[-1] - growth[k - 1]) / (growth[k] - growth[k - 1])) * motion.dt
+        for k, share in zip(after, (start, end), strict=True)
+    ]
+    return float(times[0]), float(times[1])
+
+
+def bracketed_duration(motion: GroundMotion, threshold: float = BRACKET) -> float:
+    """Time from the first to the last sample beyond a threshold [mm/s2]; 0 if there is none.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> bracketed_duration(GroundMotion("two", 1.0, np.array([0.0, 600.0, 0.0, -600.0])))
+    2.0
+    """
+    beyond = np.flatnonzero(np.abs(motion.acceleration) > threshold)
+    return float((beyond[-1] - beyond[0]) * motion.dt) if len(beyond) else 0.0
+
+
+def measure_motion(motion: GroundMotion) -> MotionMeasures:
+    """All measures of a ground motion.
+
+    Examples
+    --------
+    >>> from thermobearing.motions.library import load_motion
+    >>> measures = measure_motion(load_motion("jra-i-i-1"))
+    >>> measures.significant_duration > 30.0
+    True
+    """
+    velocity, displacement = motion.velocity, motion.displacement
+    absolute = np.abs(motion.acceleration)
+    return MotionMeasures(
+        pga=motion.pga,
+        pgv=float(np.abs(velocity).max()),
+        pgd=float(np.abs(displacement).max()),
+        end_velocity=float(velocity[-1]),
+        end_displacement=float(displacement[-1]),
+        arias_intensity=float(arias_growth(motion)[-1]),
+        significant_duration=significant_duration(motion),
+        bracketed_duration=bracketed_duration(motion),
+        cumulative_absolute_velocity=float(0.5 * motion.dt * (absolute[1:] + absolute[:-1]).sum()),
+    )

@@ -1,0 +1,225 @@
+"""Ground motions prepared for an analysis: base line, time step, size, length."""
+
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+from scipy import signal
+
+from thermobearing.border.errors import InputError
+from thermobearing.core.types import Floats
+from thermobearing.motions.record import GroundMotion, displacement_of
+
+POLYNOMIAL = 6  # degree of the drift that is taken out of the displacement
+BUTTERWORTH = 4  # order of the high-pass filter
+SAME_STEP = 1e-9  # relative difference of time steps that are the same
+LARGEST_RATIO = 1000  # numerator and denominator of a ratio of time steps
+
+
+def with_quiet_end(acceleration: Floats, dt: float) -> Floats:
+    """The acceleration, changed as little as can be so that the ground ends at rest where it was.
+
+    The last axis counts the samples. A smooth hump and its moment, each zero at both ends, are
+    subtracted in the sizes that make velocity and displacement zero at the last sample.
+    """
+    place = np.linspace(0.0, 1.0, acceleration.shape[-1])
+    hump = np.sin(np.pi * place) ** 2
+    shapes = np.array([hump, hump * (place - 0.5)])
+    to_ends = _weights_of_ends(acceleration.shape[-1], dt)
+    sizes = np.linalg.solve(to_ends @ shapes.T, to_ends @ np.moveaxis(acceleration, -1, 0))
+    return np.asarray(acceleration - sizes.T @ shapes)
+
+
+def _weights_of_ends(count: int, dt: float) -> Floats:
+    """[2, count] what each sample adds to the last velocity and the last displacement."""
+    velocity = np.full(count, dt)
+    velocity[[0, -1]] = 0.5 * dt
+    displacement = dt * dt * np.arange(count - 1, -1, -1, dtype=np.float64)
+    displacement[0] = dt * dt * (3.0 * count - 4.0) / 6.0
+    displacement[-1] = dt * dt / 6.0
+    return np.array([velocity, displacement])
+
+
+def _without_drift(acceleration: Floats, dt: float) -> Floats:
+    """Without the second derivative of a polynomial fitted to the displacement."""
+    place = np.linspace(0.0, 1.0, len(acceleration))
+    powers = np.arange(2, POLYNOMIAL + 1)  # at rest at the start
+    shapes = place[:, np.newaxis] ** powers
+    sizes, *_ = np.linalg.lstsq(shapes, displacement_of(acceleration, dt), rcond=None)
+    length = dt * (len(acceleration) - 1)
+    curvature = powers * (powers - 1) * place[:, np.newaxis] ** (powers - 2)
+    return np.asarray(acceleration - curvature @ sizes / length**2)
+
+
+def high_pass_gain(frequency: Floats, corner: float) -> Floats:
+    """Gain of a Butterworth filter run forwards and backwards, which keeps phases."""
+    ratio = (frequency / corner) ** (2 * BUTTERWORTH)
+    return np.asarray(ratio / (1.0 + ratio))
+
+
+def baseline_corrected(motion: GroundMotion, *, high_pass: float | None = None) -> GroundMotion:
+    """A motion whose velocity and displacement end at zero and do not drift.
+
+    A polynomial of degree six, fitted to the displacement, is taken out (as the PEER Ground
+    Motion Database does), then what is left of velocity and displacement at the end.
+
+    Parameters
+    ----------
+    motion : the ground motion.
+    high_pass : corner of a zero-phase Butterworth filter applied first [Hz]; none by default.
+        For records whose long periods are noise: 0.05 to 0.1 Hz.
+
+    Raises
+    ------
+    InputError : the corner is not in (0, half the sampling rate); fewer than 16 samples.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> tilted = GroundMotion("tilted", 0.01, np.sin(np.arange(2000) * 0.05) + 0.01)
+    >>> bool(abs(baseline_corrected(tilted).velocity[-1]) < 1e-9)
+    True
+    """
+    values = np.asarray(motion.acceleration, dtype=np.float64)
+    if len(values) < 16:
+        raise InputError(f"has {len(values)} samples; at least 16 make a base line", motion.name)
+    if high_pass is not None:
+        nyquist = 0.5 / motion.dt
+        if not 0.0 < high_pass < nyquist:
+            raise InputError(f"high_pass: {high_pass:g} Hz is outside (0, {nyquist:g}) Hz")
+        room = len(values) + int(2.0 / (high_pass * motion.dt))
+        frequency = np.asarray(np.fft.rfftfreq(room, motion.dt), dtype=np.float64)
+        spectrum = np.fft.rfft(values, room) * high_pass_gain(frequency, high_pass)
+        values = np.fft.irfft(spectrum, room)[: len(values)]
+    values = with_quiet_end(_without_drift(values, motion.dt), motion.dt)
+    return replace(motion, acceleration=values)
+
+
+def resampled(motion: GroundMotion, dt: float) -> GroundMotion:
+    """The motion with another time step, without aliasing.
+
+    A step that divides the old one draws the same straight lines between the old samples, so
+    that nothing changes but the number of points. Any other step goes through a zero-phase
+    low-pass filter (polyphase FIR) that takes out what the new step cannot carry.
+
+    Parameters
+    ----------
+    motion : the ground motion.
+    dt : new time step [s], > 0; the ratio to the old one must be a fraction of whole numbers
+        up to 1000.
+
+    Raises
+    ------
+    InputError : dt out of range, or longer than the motion.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> resampled(GroundMotion("ramp", 0.01, np.array([0.0, 10.0])), 0.005).acceleration.tolist()
+    [0.0, 5.0, 10.0]
+    """
+    if not (np.isfinite(dt) and 0.0 < dt <= motion.duration):
+        raise InputError(
+            f"dt: {dt:g} s is outside (0, {motion.duration:g}] s, the length of the motion",
+            motion.name,
+        )
+    ratio = motion.dt / dt
+    if abs(ratio - 1.0) < SAME_STEP:
+        return motion
+    if ratio > 1.0 and abs(ratio - round(ratio)) < SAME_STEP * ratio:
+        parts = round(ratio)
+        count = parts * (len(motion.acceleration) - 1) + 1
+        old = np.arange(len(motion.acceleration), dtype=np.float64)
+        values = np.interp(np.arange(count) / parts, old, motion.acceleration)
+        return replace(motion, dt=motion.dt / parts, acceleration=values)
+    whole = Fraction(ratio).limit_denominator(LARGEST_RATIO)
+    if whole.numerator > LARGEST_RATIO or abs(whole - ratio) > SAME_STEP * ratio:
+        raise InputError(
+            f"dt: {dt:g} s is no simple fraction of {motion.dt:g} s; choose a step whose ratio to "
+            f"it is one of whole numbers up to {LARGEST_RATIO}",
+            motion.name,
+        )
+    values = signal.resample_poly(motion.acceleration, whole.numerator, whole.denominator)
+    return replace(motion, dt=motion.dt / float(whole), acceleration=np.asarray(values))
+
+
+def scaled(
+    motion: GroundMotion, factor: float | None = None, *, pga: float | None = None
+) -> GroundMotion:
+    """The motion times a factor, or scaled to a largest acceleration.
+
+    Parameters
+    ----------
+    motion : the ground motion.
+    factor : any finite number but 0.
+    pga : largest absolute acceleration wanted [mm/s2], > 0; instead of `factor`.
+
+    Raises
+    ------
+    InputError : not exactly one of the two, or out of range.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> scaled(GroundMotion("pulse", 0.01, np.array([0.0, 2.0])), pga=3.0).acceleration.tolist()
+    [0.0, 3.0]
+    """
+    if (factor is None) == (pga is None):
+        raise InputError("scaled: give either factor or pga")
+    if pga is not None:
+        if not (np.isfinite(pga) and pga > 0.0):
+            raise InputError(f"pga: {pga:g} mm/s2 must be > 0")
+        if motion.pga == 0.0:
+            raise InputError("is zero throughout and cannot be scaled", motion.name)
+        factor = pga / motion.pga
+    assert factor is not None
+    if not np.isfinite(factor) or factor == 0.0:
+        raise InputError(f"factor: {factor:g} must be finite and not 0")
+    return replace(motion, acceleration=motion.acceleration * factor)
+
+
+def trimmed(motion: GroundMotion, start: float = 0.0, end: float | None = None) -> GroundMotion:
+    """The samples from `start` to `end` [s], both kept; the first is at time zero again.
+
+    Raises
+    ------
+    InputError : fewer than two samples would be left.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> trimmed(GroundMotion("ramp", 1.0, np.arange(5.0)), 1.0, 3.0).acceleration.tolist()
+    [1.0, 2.0, 3.0]
+    """
+    end = motion.duration if end is None else end
+    if not (np.isfinite(start) and np.isfinite(end) and 0.0 <= start < end):
+        raise InputError(f"trimmed: from {start:g} s to {end:g} s is no part of a motion")
+    # A time that is a sample up to rounding is that sample.
+    first = int(np.ceil(start / motion.dt - 1e-6))
+    last = int(np.floor(end / motion.dt + 1e-6))
+    values = motion.acceleration[first : last + 1]
+    if len(values) < 2:
+        raise InputError(
+            f"trimmed: from {start:g} s to {end:g} s fewer than two samples are left", motion.name
+        )
+    return replace(motion, acceleration=values.copy())
+
+
+def padded(motion: GroundMotion, before: float = 0.0, after: float = 0.0) -> GroundMotion:
+    """The motion with the ground at rest for some time before and after it [s].
+
+    Raises
+    ------
+    InputError : a time that is negative or not finite.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> padded(GroundMotion("one", 1.0, np.ones(2)), 1.0, 2.0).acceleration.tolist()
+    [0.0, 1.0, 1.0, 0.0, 0.0]
+    """
+    for name, value in (("before", before), ("after", after)):
+        if not (np.isfinite(value) and 0.0 <= value <= 1e5):
+            raise InputError(f"padded: {name} = {value:g} s is outside 0 to 100000 s")
+    counts = round(before / motion.dt), round(after / motion.dt)
+    return replace(motion, acceleration=np.pad(motion.acceleration, counts))

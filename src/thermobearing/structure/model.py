@@ -1,0 +1,204 @@
+"""A structure as data: rigid bodies, masses on them, and what connects them.
+
+A body that stands alone moves sideways with its own coordinate; one that stands `on` another
+is carried by it. Either may rotate (absolute rotation, positive when its top moves in the
+positive direction). Heights are measured from any common level. Springs, hinges and bearing
+lines connect two bodies, or a body and the ground.
+"""
+
+from importlib import resources
+from pathlib import Path
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from thermobearing.bearing.library import split_sources
+from thermobearing.border.errors import InputError, nearest
+from thermobearing.border.schema import Strict, in_unit, read_toml, validated
+
+GROUND = "ground"
+MassModel = Literal["consistent", "published"]
+Name = Annotated[str, Field(min_length=1, max_length=60)]
+Height = Annotated[float, in_unit("mm")]
+Ratio = Annotated[float, Field(ge=0, lt=1)]
+
+
+class Body(Strict):
+    """A rigid body; `base_height` is where it stands, `moves` and `rotates` its coordinates."""
+
+    name: Name
+    base_height: Height = 0.0
+    on: Name | None = None
+    moves: bool = False
+    rotates: bool = False
+
+
+class Mass(Strict):
+    """A mass on a body, with its own rotary inertia if that is known."""
+
+    body: Name
+    height: Height
+    mass: Annotated[float, in_unit("kN s^2/mm"), Field(gt=0)]
+    rotary_inertia: Annotated[float, in_unit("kN mm s^2"), Field(ge=0)] = 0.0
+
+
+class Spring(Strict):
+    """A linear spring between `body` and `base`: sideways at a height, or against rotation."""
+
+    name: Name
+    body: Name
+    base: Name = GROUND
+    height: Height = 0.0
+    stiffness: Annotated[float, in_unit("kN/mm"), Field(gt=0)] | None = None
+    rotational_stiffness: Annotated[float, in_unit("kN mm/rad"), Field(gt=0)] | None = None
+    damping_ratio: Ratio = 0.0
+
+    @classmethod
+    def conflicts(cls, given: dict[str, object]) -> list[str]:
+        """One of the two stiffnesses."""
+        if ("stiffness" in given) == ("rotational_stiffness" in given):
+            return ["give either stiffness or rotational_stiffness"]
+        return []
+
+
+class Hinge(Strict):
+    """A degrading rotational hinge (Takeda) between `body` and `base`."""
+
+    name: Name
+    body: Name
+    base: Name = GROUND
+    yield_moment: Annotated[float, in_unit("kN mm"), Field(gt=0)]
+    yield_rotation: Annotated[float, in_unit("rad"), Field(gt=0, lt=1)]
+    hardening_ratio: Annotated[float, Field(ge=0, lt=1)] = 0.0
+    unloading_exponent: Annotated[float, Field(ge=0, le=1)] = 0.5
+    damping_ratio: Ratio = 0.0
+
+    @property
+    def stiffness(self) -> float:
+        """Initial stiffness [kN mm/rad]."""
+        return self.yield_moment / self.yield_rotation
+
+
+class BearingLine(Strict):
+    """Equal bearings side by side between `body` (above) and `base`.
+
+    `equivalent_stiffness` is that of one bearing at its design displacement, for eigenvalues.
+    `scale` is the length of the modelled specimen over that of the bearing in the structure.
+    """
+
+    name: Name
+    body: Name
+    base: Name = GROUND
+    height: Height = 0.0
+    count: Annotated[int, Field(ge=1, le=10_000)]
+    equivalent_stiffness: Annotated[float, in_unit("kN/mm"), Field(gt=0)]
+    damping_ratio: Ratio = 0.0
+    scale: Annotated[float, Field(gt=0, le=1)] = 1.0
+
+
+class Damping(Strict):
+    """Rayleigh damping that fits two modes.
+
+    Their damping ratios are those of the parts weighed with strain energy, unless `ratios`
+    gives them. The part proportional to stiffness leaves the bearings out unless
+    `on_bearings` is true.
+    """
+
+    ratios: tuple[Ratio, Ratio] | None = None
+    on_bearings: bool = False
+
+
+class Reported(Strict):
+    """What the tables call deck and pier: bodies, and the height of the pier top."""
+
+    deck: Name
+    pier: Name
+    pier_base: Name = GROUND
+    pier_top: Height
+
+
+class Structure(Strict):
+    """A whole structure; see docs/files.md."""
+
+    name: Name
+    description: str = ""
+    citation: str = ""
+    bodies: Annotated[list[Body], Field(min_length=1, max_length=100)]
+    masses: Annotated[list[Mass], Field(min_length=1)]
+    springs: tuple[Spring, ...] = ()
+    hinges: tuple[Hinge, ...] = ()
+    bearings: Annotated[list[BearingLine], Field(min_length=1, max_length=8)]
+    damping: Damping = Damping()
+    report: Reported
+
+    @model_validator(mode="after")
+    def _names_exist(self) -> "Structure":
+        known: list[str] = []
+        faults = []
+        for body in self.bodies:
+            if body.name in (*known, GROUND):
+                faults.append(f'two bodies are called "{body.name}"')
+            if body.on is not None and body.on not in known:
+                faults.append(f'body "{body.name}" stands on "{body.on}", which is not above it')
+            if body.on is not None and body.moves:
+                faults.append(f'body "{body.name}" is carried by "{body.on}" and cannot move too')
+            if body.on is None and not body.moves:
+                faults.append(f'body "{body.name}" needs moves = true, or a body that carries it')
+            known.append(body.name)
+        used = [mass.body for mass in self.masses]
+        connections: list[Spring | Hinge | BearingLine] = [
+            *self.springs,
+            *self.hinges,
+            *self.bearings,
+        ]
+        for part in connections:
+            used += [part.body, part.base]
+        used += [self.report.deck, self.report.pier, self.report.pier_base]
+        for name in dict.fromkeys(used):
+            if name not in (*known, GROUND):
+                faults.append(f'no body is called "{name}"{nearest(name, [*known, GROUND])}')
+        if faults:
+            raise ValueError("; ".join(faults))
+        return self
+
+    def body(self, name: str) -> Body:
+        """The body of that name."""
+        return next(body for body in self.bodies if body.name == name)
+
+
+def _library() -> Path:
+    return Path(str(resources.files("thermobearing") / "data" / "structures"))
+
+
+def list_structures() -> list[str]:
+    """Names of the built-in structures.
+
+    Examples
+    --------
+    >>> list_structures()
+    ['hybrid-pier', 'pier-p1']
+    """
+    return sorted(path.stem for path in _library().glob("*.toml"))
+
+
+def load_structure(name_or_path: str | Path) -> Structure:
+    """A structure of the library by name, or one of your own from a TOML file.
+
+    Raises
+    ------
+    InputError : no such structure, or faults in the file.
+
+    Examples
+    --------
+    >>> load_structure("pier-p1").bearings[0].count
+    5
+    """
+    text = str(name_or_path)
+    if text in list_structures():
+        path = _library() / f"{text}.toml"
+    elif isinstance(name_or_path, Path) or text.endswith(".toml") or "/" in text:
+        path = Path(text)
+    else:
+        raise InputError(f'no structure is called "{text}"{nearest(text, list_structures())}')
+    table, _ = split_sources(read_toml(path))
+    return validated(Structure, table, str(path))
