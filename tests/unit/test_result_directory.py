@@ -258,12 +258,12 @@ def test_ctrl_c_before_the_first_step(
 
 SPEAKING = """
 import sys
-import thermobearing.cyclic.history as drive
-march = drive.march
+from thermobearing.cyclic import history
+march = history.march
 def speaking(*args):
     print("stepping", file=sys.stderr, flush=True)
     return march(*args)
-drive.march = speaking
+history.march = speaking
 from thermobearing.cli import main
 main()
 """

@@ -23,7 +23,7 @@ def cache_directory() -> Path | None:
     """Folder for the compiled code of exactly these sources, or None if none can be written."""
     digest = hashlib.sha256(f"{numba.__version__}".encode())
     package = Path(__file__).parents[1]
-    for part in ("core", "drive"):
+    for part in ("core", "motions", "structure"):
         for source in sorted((package / part).rglob("*.py")):
             digest.update(source.read_bytes())
     base = os.environ.get("NUMBA_CACHE_DIR") or os.path.join(

@@ -37,7 +37,7 @@ class BearingElement:
 
     Parameters
     ----------
-    constants : from `drive.assemble.build_constants`.
+    constants : from `model.constants.build_constants`.
     temperature : cell temperatures at the start [degC].
     """
 
