@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
 from thermobearing.cyclic.result import Result
-from thermobearing.design.bounds_study import DEMANDS
+from thermobearing.design.bounds import DEMANDS
 from thermobearing.design.factors import published_tables
 from thermobearing.design.result import BoundsReport, Design, FactorReport
 from thermobearing.results import drawing

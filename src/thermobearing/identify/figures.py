@@ -239,7 +239,7 @@ def check_figure(report: CheckReport) -> Figure:
     --------
     >>> import thermobearing as tb
     >>> t = np.linspace(0.0, 10.0, 500)
-    >>> report = tb.check_test(tb.record_from_arrays(t, 0.0 * t, np.sin(t), 23.0))
+    >>> report = tb.identify.check_test(tb.identify.record_from_arrays(t, 0.0 * t, np.sin(t), 23.0))
     >>> len(check_figure(report).axes)
     4
     """

@@ -47,7 +47,7 @@ def save_checks(
     >>> import tempfile
     >>> import thermobearing as tb
     >>> t = np.linspace(0.0, 10.0, 500)
-    >>> report = tb.check_test(tb.record_from_arrays(t, 0.0 * t, np.sin(t), 23.0))
+    >>> report = tb.identify.check_test(tb.identify.record_from_arrays(t, 0.0 * t, np.sin(t), 23.0))
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     written = save_checks([report], Path(folder) / "check", figures=False)
     ...     print([path.name for path in written.iterdir()])

@@ -25,7 +25,8 @@ def print_checks(reports: list[CheckReport]) -> None:
     >>> import numpy as np
     >>> import thermobearing as tb
     >>> t = np.linspace(0.0, 10.0, 500)
-    >>> print_checks([tb.check_test(tb.record_from_arrays(t, 0.0 * t, np.sin(t), 23.0))])
+    >>> record = tb.identify.record_from_arrays(t, 0.0 * t, np.sin(t), 23.0)
+    >>> print_checks([tb.identify.check_test(record)])
     test: refused
       REFUSED  displacement: displacement is constant at 0 mm
     """
