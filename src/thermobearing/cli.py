@@ -31,6 +31,7 @@ from thermobearing.commands.common import (
 )
 from thermobearing.commands.identify import identify
 from thermobearing.commands.motions import app as motions
+from thermobearing.commands.streams import patient_streams
 from thermobearing.commands.threads import one_blas_thread
 
 if TYPE_CHECKING:
@@ -241,7 +242,12 @@ app.command()(identify)
 def main() -> None:
     """Entry point of the console script."""
     one_blas_thread()
-    app()
+    patient_streams()
+    try:
+        app()
+    finally:
+        for stream in (sys.stdout, sys.stderr):
+            stream.flush()
 
 
 if __name__ == "__main__":

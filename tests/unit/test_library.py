@@ -11,7 +11,7 @@ import pytest
 import thermobearing as tb
 from tests import tolerances as tol
 from tests.unit.inputs import SPECIMEN, changed_table, specimen_table, write_toml
-from thermobearing.bearing.model import Bearing
+from thermobearing.bearing.model import Bearing, Material
 from thermobearing.border.schema import validated
 from thermobearing.border.toml import to_table
 
@@ -102,3 +102,28 @@ def test_plans(
     assert geometry.plan.area == pytest.approx(area, rel=tol.ROUNDING)
     assert geometry.plan.perimeter == pytest.approx(perimeter, rel=tol.ROUNDING)
     assert geometry.second_shape_factor == breadth / 30.0
+    assert geometry.first_shape_factor == pytest.approx(area / perimeter / 5.0, rel=tol.ROUNDING)
+
+
+def test_numbers_of_lead_and_steel() -> None:
+    """By hand from Tables 3.1 and 5.2: four cores of 34.5 mm, 12 MPa."""
+    bearing = tb.load_bearing("shen-lhdr-specimen")
+    assert bearing.lead is not None
+    assert bearing.lead.radius == 17.25
+    assert bearing.lead.core_area == pytest.approx(934.82, rel=1e-5)
+    assert bearing.lead.core_strength == pytest.approx(11.2178, rel=1e-5)
+    assert bearing.lead_area == pytest.approx(4 * 934.82, rel=1e-5)
+    steel = Material(conductivity=43.0, specific_heat=461.0, density=7850.0)
+    assert steel.volumetric_heat == pytest.approx(3.61885e-3, rel=tol.ROUNDING)  # J/(mm3 K)
+
+
+@pytest.mark.parametrize("name", ["here.toml", "./here", "sub/here"])
+def test_what_is_taken_for_a_path(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A file of the present folder by its name, and any path with a slash."""
+    (tmp_path / "sub").mkdir()
+    write_toml(tmp_path / name, specimen_table())
+    monkeypatch.chdir(tmp_path)
+    assert tb.load_bearing(name) == tb.load_bearing(tmp_path / name)
+    assert tb.load_bearing(Path(name)).name == SPECIMEN

@@ -62,6 +62,64 @@ def test_bilinear_loop(wanted: tuple[float, float, float, float]) -> None:
     assert (m.force_max_kN, m.force_min_kN) == (q + k2 * a, -q - k2 * a)
 
 
+def test_post_yield_stiffness_is_fitted_from_50_to_90_percent_of_each_loading_branch() -> None:
+    """Two different cubics going out, something else coming back; the fit of d^3 by integrals."""
+    rising = np.linspace(0.0, 1.0, 20001)
+    out = [2.0 * rising**3, 5.0 * rising**3]
+    back = [9.0 * np.sqrt(rising[::-1]), 9.0 * np.sqrt(rising[::-1])]
+    d = np.concatenate([rising, rising[-2::-1], -rising[1:], -rising[-2::-1]])
+    f = np.concatenate([out[0], back[0][1:], -out[1][1:], -back[1][1:]])
+    low, high = 0.5, 0.9
+    middle, width = 0.5 * (low + high), high - low
+    fourth = (high**5 - low**5) / 5.0 - middle * (high**4 - low**4) / 4.0
+    slope = 12.0 / width**3 * fourth  # least squares over an even distribution
+    wanted = 0.5 * (2.0 + 5.0) * slope
+    assert_allclose(measured(d, f).post_yield_stiffness_kN_mm, wanted, rtol=tol.FITTED_RANGE)
+
+
+def test_forces_of_a_lopsided_loop() -> None:
+    """Displacement and force reach further to one side."""
+    t = 2.0 * np.pi * np.arange(4001) / 4000
+    d = np.where(t < np.pi, 50.0, 30.0) * np.sin(t)
+    f = np.where(t < np.pi, 100.0, 90.0) * np.sin(t)
+    m = measured(d, f)
+    assert_allclose([m.force_max_kN, m.force_min_kN], [100.0, -90.0], rtol=tol.LOOP)
+    assert_allclose(m.stiffness_kN_mm, 190.0 / 80.0, rtol=tol.LOOP)
+    assert_allclose(m.amplitude_mm, 40.0, rtol=tol.LOOP)
+    loop = tb.measure_cycle(d, f, area=AREA, total_rubber_thickness=RUBBER, work=1000.0)
+    assert_allclose(loop.h_eq, 1000.0 / (2.0 * np.pi * 190.0 / 80.0 * 40.0**2), rtol=tol.LOOP)
+
+
+def test_strength_is_half_the_difference_of_both_crossings() -> None:
+    """A bilinear loop that sits 3 kN too high, whose points miss zero displacement."""
+    d, f = bilinear(60.0, 30.0, 12.0, 2.0, points=7)
+    coarse = measured(d[1:-1], f[1:-1] + 3.0)
+    assert_allclose(coarse.characteristic_strength_kN, 30.0, rtol=tol.LOOP)
+
+
+def test_cycles_are_cut_where_they_cross_zero() -> None:
+    """A polygon sampled at its corners only: energy and strength are exact if the cut is."""
+    a, q, k1, k2 = 60.0, 30.0, 12.0, 2.0
+    knee = 2.0 * q / (k1 - k2)
+    d = np.array([a, a - knee, -17.0, -40.0, -a, -a + knee, -20.0, 25.0])
+    f = np.where([True, False, False, False, False, True, True, True], q, -q) + k2 * d
+    d = np.concatenate([[0.0, 10.0], np.tile(d, 3), [a]])
+    f = np.concatenate([[0.0, q + 10.0 * k2], np.tile(f, 3), [q + k2 * a]])
+    cycles = tb.measure_history(d, f, area=AREA, total_rubber_thickness=RUBBER)
+    assert len(cycles) == 3
+    energy = [cycle.energy_kN_mm for cycle in cycles[1:]]
+    assert_allclose(energy, 4.0 * q * (a - q / (k1 - k2)), rtol=tol.LOOP)
+    strength = [cycle.characteristic_strength_kN for cycle in cycles[1:]]
+    assert_allclose(strength, q, rtol=tol.LOOP)
+
+
+def test_noise_within_the_threshold_makes_no_cycles() -> None:
+    """A drift of 0.5 % to both sides at rest between two cycles."""
+    wave = 50.0 * np.sin(2.0 * np.pi * np.linspace(0.0, 1.0, 201))
+    still = 0.25 * np.sin(2.0 * np.pi * np.linspace(0.0, 3.0, 61))
+    assert len(find_cycles(np.concatenate([wave, still, wave]))) == 2
+
+
 def test_spring_dissipates_nothing() -> None:
     d, _ = bilinear(30.0, 5.0, 20.0, 0.5)
     m = measured(d, 3.0 * d)

@@ -8,9 +8,15 @@ from numpy.testing import assert_allclose
 
 from tests import tolerances as tol
 from thermobearing.motions.library import load_motion
-from thermobearing.motions.measures import bracketed_duration, significant_duration
+from thermobearing.motions.measures import (
+    bracketed_duration,
+    measure_motion,
+    significant_duration,
+    significant_interval,
+)
 from thermobearing.motions.process import (
     baseline_corrected,
+    high_pass_gain,
     padded,
     resampled,
     scaled,
@@ -94,6 +100,22 @@ def test_coarser_step_does_not_fold_back(dt: float) -> None:
     assert kept.dt == pytest.approx(dt)
 
 
+def test_drift_is_the_second_derivative_of_a_polynomial() -> None:
+    """Displacement t^2 to t^6 of a whole record is drift and nothing else; a sine stays."""
+    x = TIME / TIME[-1]
+    powers = np.arange(2, 7)
+    drift = (powers * (powers - 1) * x[:, np.newaxis] ** (powers - 2)).sum(axis=1)
+    wave = np.sin(2.0 * np.pi * 2.0 * TIME) * np.sin(np.pi * x) ** 2
+    mended = baseline_corrected(GroundMotion("drift", DT, 10.0 * drift + wave))
+    assert_allclose(mended.acceleration, wave, atol=0.02)
+
+
+def test_high_pass_gain_is_that_of_a_filter_run_twice() -> None:
+    """Fourth order, both ways: a half at the corner, (f/f_c)^8 far below."""
+    gain = high_pass_gain(np.array([0.5, 1.0, 2.0]), 1.0)
+    assert_allclose(gain, [1.0 / 257.0, 0.5, 256.0 / 257.0], rtol=tol.LOOP)
+
+
 def test_step_that_does_not_divide() -> None:
     motion = sine(2.0)
     other = resampled(motion, 0.006)
@@ -128,6 +150,39 @@ def test_durations_by_hand() -> None:
     assert bracketed_duration(motion, 700.0) == 0.0
     assert significant_duration(motion) == pytest.approx(9.0, abs=0.02)
     assert significant_duration(motion, 0.0, 1.0) == pytest.approx(10.02, abs=0.02)
+
+
+def test_significant_interval_lies_where_the_shaking_is() -> None:
+    """Even shaking from 10 to 20 s: 5 % of it after half a second, 95 % half a second early."""
+    values = np.zeros(3001)
+    values[1000:2001] = 600.0
+    first, last = significant_interval(GroundMotion("even", DT, values))
+    assert_allclose([first, last], [10.5, 19.5], atol=0.5 * DT)
+    steps = GroundMotion("steps", 1.0, np.array([0.0, 1.0, 1.0, 1.0, 0.0]))
+    # growth 0, 1/2, 3/2, 5/2, 3: linear between the samples
+    assert_allclose(significant_interval(steps), [0.3, 3.7], rtol=tol.LOOP)
+    assert_allclose(significant_interval(steps, 0.5, 1.0), [2.0, 4.0], rtol=tol.LOOP)
+
+
+def test_measures_by_hand() -> None:
+    """A downward block of 1 m/s2 for 2 s, one upwards of 0.5 m/s2 for 2 s, samples every second."""
+    motion = GroundMotion("blocks", 1.0, np.array([0.0, -1000.0, -1000.0, 500.0, 500.0, 0.0]))
+    m = measure_motion(motion)
+    velocity = np.array([0.0, -500.0, -1500.0, -1750.0, -1250.0, -1000.0])
+    assert_allclose(motion.velocity, velocity, rtol=tol.LOOP)
+    # Straight lines of acceleration: v dt + (2 a0 + a1) dt^2 / 6
+    steps = velocity[:-1] + np.array([-1000.0, -3000.0, -1500.0, 1500.0, 1000.0]) / 6.0
+    assert_allclose(motion.displacement, np.concatenate([[0.0], np.cumsum(steps)]), rtol=tol.LOOP)
+    assert m.pga == 1000.0
+    assert m.pgv == 1750.0
+    assert m.end_velocity == -1000.0
+    assert m.end_displacement == pytest.approx(steps.sum(), rel=tol.LOOP)
+    assert m.pgd == pytest.approx(-steps.sum(), rel=tol.LOOP)
+    squares = 1e6 * (0.5 + 1.0 + 0.625 + 0.25 + 0.125)
+    assert m.arias_intensity == pytest.approx(np.pi / 2.0 / 9806.65 * squares, rel=tol.LOOP)
+    assert m.cumulative_absolute_velocity == pytest.approx(500 + 1000 + 750 + 500 + 250)
+    assert m.bracketed_duration == 1.0  # beyond 50 gal (500 mm/s2) at 1 and 2 s only
+    assert motion.duration == 5.0
 
 
 @pytest.mark.parametrize(

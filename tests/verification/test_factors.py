@@ -20,6 +20,7 @@ from thermobearing.design.factors import (
     published_tables,
     temperature_factors,
 )
+from thermobearing.design.run import run_factors
 from thermobearing.design.scale import scale_study, scaled_bearing
 from thermobearing.model.earlier import bilinear_constants
 from thermobearing.model.element import BearingElement
@@ -200,8 +201,8 @@ def test_command(tmp_path: Path) -> None:
     assert "reference 23 degC" in done.output
     assert "cycles 1-3" in done.output
     names = {str(p.relative_to(tmp_path / "out")) for p in (tmp_path / "out").rglob("*.*")}
-    tables = {"summary.json", "factors.csv", "bounds.csv", "bounds.tcl", "bounds.py", "scale.csv"}
-    assert names == tables | {"figures/factors.png", "figures/scale.png"}
+    tables = {"factors.csv", "bounds.csv", "bounds.tcl", "bounds.py", "scale.csv"}
+    assert names == tables | {"summary.json", "figures/factors.png", "figures/scale.png"}
     told = json.loads((tmp_path / "out" / "summary.json").read_text())
     assert told["reference_degC"] == 23.0
     assert len(told["factors"]) == 3 * 3 * 5
@@ -218,7 +219,9 @@ BAD_WORDS: list[tuple[list[Any], list[str]]] = [
     (["shen-hdr-bridge", "--strain", 0.0], ["strains = 0.0", "0.1 to 3"]),
     (["shen-hdr-bridge", "--strain", 30], ["strains = 30.0", "0.1 to 3"]),
     (["shen-hdr-bridge", "--period", 0.01], ["period = 0.01", "0.2 to 1000"]),
+    (["shen-hdr-bridge", "--period", 0], ["period = 0.0", "0.2 to 1000"]),
     (["shen-hdr-bridge", "--speed", -3], ["speed = -3"]),
+    (["shen-hdr-bridge", "--speed", 0], ["speed = 0", "greater than 0"]),
     (["shen-hdr-bridge", "--speed", 3, "--period", 2], ["--period or --speed"]),
     (["shen-hdr-bridge", "--cycles", "third"], ['cycles = "third"', "all-but-first"]),
     (["shen-hdr-bridge", "--cycles", "0,1"], ["cycles = [0, 1]", "1 to 100"]),
@@ -256,6 +259,18 @@ def test_bad_arguments(call: Any, pieces: list[str]) -> None:
     with pytest.raises(tb.InputError) as caught:
         call()
     assert_told(str(caught.value), pieces)
+
+
+def test_report_from_python_is_that_of_the_command(tmp_path: Path) -> None:
+    report = run_factors(["shen-hdr-specimen"], temperatures=[-20.0], strains=[1.0], cycles=[2, 3])
+    report.save(tmp_path / "python", figures=False)
+    words = ["--temperature", -20, "--strain", 1, "--cycles", "2,3", "--no-figures", "-q"]
+    done = command("lambda", "shen-hdr-specimen", *words, "-o", tmp_path / "command")
+    assert done.exit_code == 0, done.output
+    for path in (tmp_path / "command").iterdir():
+        assert (tmp_path / "python" / path.name).read_bytes() == path.read_bytes()
+    with pytest.raises(tb.InputError, match="size effect was not studied"):
+        report.plot.sizes()
 
 
 def test_the_reference_has_no_default() -> None:

@@ -13,6 +13,7 @@ from thermobearing.bearing.ambient import Ambient
 from thermobearing.bearing.library import load_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
+from thermobearing.border.overrides import overridden, said_with_unit, updated
 from thermobearing.border.schema import Strict, in_unit, validated
 from thermobearing.border.toml import read_toml, split_sources, to_table, to_toml
 from thermobearing.border.units import with_unit
@@ -25,13 +26,6 @@ Group = Literal["rubber", "layer_displacement", "hysteretic", "cells"]
 Temperature = Annotated[float, in_unit("degC"), Field(ge=-100, le=100)]
 DEFAULT_BEARING = "shen-hdr-specimen"
 DEFAULT_AMBIENT = (-20.0, 0.0, 23.0)  # the three chamber temperatures of Table 3.4
-OVERRIDE_UNITS = {
-    "ambient": "degC",
-    "initial": "degC",
-    "initial_profile": "degC",
-    "initial_lead": "degC",
-    "dt": "s",
-}
 
 
 class Analysis(ModelOptions):
@@ -134,7 +128,7 @@ def _final_temperatures(result: Path) -> dict[str, Any]:
             f"initial_result has {len(final)} runs; use a result at a single ambient temperature",
             str(result),
         )
-    found: dict[str, Any] = {"initial_profile": _said_with_unit(final[0], "degC")}
+    found: dict[str, Any] = {"initial_profile": said_with_unit(final[0], "degC")}
     if lead[0] == lead[0]:  # NaN without lead
         found["initial_lead"] = with_unit(float(lead[0]), "degC")
     return found
@@ -163,19 +157,10 @@ def make_case(table: dict[str, Any], where: str, **overrides: Any) -> Case:
     Plain numbers among the overrides are in degC (`ambient`, `initial`, `initial_profile`)
     and s (`dt`); the table follows the rules of a file: every number says its unit.
     """
-    given = {
-        key: _said_with_unit(value, OVERRIDE_UNITS.get(key))
-        for key, value in overrides.items()
-        if value is not None
-    }
-    table = dict(table)
-    chosen = {key: given.pop(key) for key in list(given) if key in Analysis.model_fields}
-    if chosen:
-        table["analysis"] = _updated(table.get("analysis", {}), chosen)
-    dt = given.pop("dt", None)
-    if "ambient" in given:
+    dt = overrides.pop("dt", None)
+    table = overridden(table, overrides, Case, {"analysis": Analysis})
+    if overrides.get("ambient") is not None:
         table.pop("ambient_series", None)
-    table |= given
     _make_absolute(table, Path())
     problems = _settle_start(table)
     if "ambient" in table and table.get("ambient_series") is not None:
@@ -190,8 +175,7 @@ def make_case(table: dict[str, Any], where: str, **overrides: Any) -> Case:
     elif isinstance(bearing, dict):
         table["bearing"], _ = split_sources(bearing)
     _fill_defaults(table)
-    if dt is not None:
-        table["test"] = _updated(table["test"], {"dt": dt})
+    table["test"] = updated(table["test"], overridden({}, {"dt": dt}, CyclicTest))
     try:
         case = validated(Case, table, where)
     except InputError as error:
@@ -208,22 +192,6 @@ def _fill_defaults(table: dict[str, Any]) -> None:
     kind = bearing.get("kind") if isinstance(bearing, dict) else getattr(bearing, "kind", "HDR")
     test = table.get("test", cyclic_test(wave="sine" if kind in ("LHDR", "LRB") else "triangular"))
     table["test"] = to_table(test) if isinstance(test, CyclicTest) else test
-    table.setdefault("ambient", _said_with_unit(DEFAULT_AMBIENT, "degC"))
+    table.setdefault("ambient", said_with_unit(DEFAULT_AMBIENT, "degC"))
     if not isinstance(table["ambient"], list):
         table["ambient"] = [table["ambient"]]
-
-
-def _updated(table: Any, changes: dict[str, Any]) -> Any:
-    """The table with changes; what is no table stays as it is, for the checks to find."""
-    return {**table, **changes} if isinstance(table, dict) else table
-
-
-def _said_with_unit(value: Any, unit: str | None) -> Any:
-    """Plain numbers, alone or in a sequence, as text with their unit."""
-    if hasattr(value, "tolist"):  # numpy arrays and scalars
-        value = value.tolist()
-    if isinstance(value, list | tuple) and unit is not None:
-        return [_said_with_unit(item, unit) for item in value]
-    if isinstance(value, int | float) and not isinstance(value, bool) and unit is not None:
-        return with_unit(float(value), unit)
-    return value

@@ -29,6 +29,10 @@ UNSAFE, WASTEFUL = 0.95, 1.3  # envelope of the bounds over the coupled model; c
 def first_motions() -> list[str]:
     """Names of the first built-in motion of each type and ground.
 
+    Returns
+    -------
+    list of str
+
     Examples
     --------
     >>> "jra-ii-i-1" in first_motions()
@@ -171,6 +175,12 @@ def paragraph(table: pd.DataFrame, name: str) -> str:
     Returns
     -------
     str : one paragraph.
+
+    Examples
+    --------
+    >>> row = {"motion": "x", "envelope_over_coupled": 0.9}
+    >>> paragraph(pd.DataFrame([row | {"demand": name} for name in DEMANDS]), "y")[:40]
+    'y: the envelope of the two bilinear boun'
     """
     sentences = []
     for column, title in DEMANDS.items():

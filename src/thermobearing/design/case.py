@@ -6,9 +6,9 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from thermobearing.border.errors import InputError
+from thermobearing.border.overrides import overridden
 from thermobearing.border.schema import Strict, in_unit, validated
 from thermobearing.border.toml import read_toml, split_sources, to_toml
-from thermobearing.border.units import with_unit
 from thermobearing.design.rubber import Kind, load_compound
 from thermobearing.design.sizing import SizingRules
 from thermobearing.earthquake.case import Motion, make_earthquake_case
@@ -16,7 +16,6 @@ from thermobearing.motions.record import STANDARD_GRAVITY
 from thermobearing.structure.model import MassModel, Structure
 
 STIFFNESS_RATIO = 0.19  # alpha of Table 6.3
-UNITS = {"start": "mm", "weight": "kN", "dt": "s"}
 
 
 class DesignCase(Strict):
@@ -73,13 +72,7 @@ def make_design_case(
     >>> make_design_case({"compound": "G10"}, "example", start=150).start
     150.0
     """
-    given = {key: value for key, value in overrides.items() if value is not None}
-    table = dict(table) | {
-        key: with_unit(float(value), UNITS[key])
-        if key in UNITS and isinstance(value, int | float)
-        else value
-        for key, value in given.items()
-    }
+    table = overridden(table, overrides, DesignCase)
     study: dict[str, Any] = {"command": "bridge", "bearings": ["shen-bilinear-bridge"]}
     study |= {key: table[key] for key in ("structure", "motions") if key in table}
     settled = make_earthquake_case(study, where, folder)

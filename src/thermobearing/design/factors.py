@@ -67,6 +67,10 @@ class _Published(Strict):
 def published_tables() -> list[PublishedTable]:
     """Factors of other sources, for comparison.
 
+    Returns
+    -------
+    list of PublishedTable
+
     Examples
     --------
     >>> any(table.unverified for table in published_tables())

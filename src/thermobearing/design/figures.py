@@ -1,6 +1,5 @@
 """What a designer looks at: rounds of the loop, bounds, temperature factors, the size effect."""
 
-from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -23,7 +22,6 @@ from thermobearing.results import drawing
 
 Floats = NDArray[np.float64]
 
-DPI = 150
 BAND = "#c8ccd2"
 LOOPS = ("#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7")
 LOOKS = {
@@ -41,6 +39,15 @@ class DesignFigures:
     Parameters
     ----------
     design : from `run_design`.
+
+    Examples
+    --------
+    >>> from thermobearing.design.case import make_design_case
+    >>> from thermobearing.design.run import run_design
+    >>> case = make_design_case({"tolerance": 0.1}, "example", motions=["jra-ii-i-1"])
+    >>> design = run_design(case)
+    >>> len(DesignFigures(design).rounds().axes)
+    1
     """
 
     def __init__(self, design: Design) -> None:
@@ -74,8 +81,17 @@ class DesignFigures:
         return figure
 
     def save_all(self, folder: Path) -> list[Path]:
-        """Every figure, as PNG; the files written."""
-        return _saved({"rounds": self.rounds, "equal": self.equal}, folder)
+        """Every figure, as PNG.
+
+        Parameters
+        ----------
+        folder : where to; made if it does not exist.
+
+        Returns
+        -------
+        list of the files written.
+        """
+        return drawing.save_figures({"rounds": self.rounds, "equal": self.equal}, folder)
 
 
 class BoundsFigures:
@@ -84,20 +100,45 @@ class BoundsFigures:
     Parameters
     ----------
     report : from `run_bounds`.
+
+    Examples
+    --------
+    >>> from thermobearing.design.run import run_bounds
+    >>> report = run_bounds(["shen-hdr-bridge"], ["jra-ii-i-1"], [23.0, -20.0])
+    >>> len(BoundsFigures(report).demands("shen-hdr-bridge").axes)
+    4
     """
 
     def __init__(self, report: BoundsReport) -> None:
         self._report = report
 
     def demands(self, name: str) -> Figure:
-        """Bars between the bounds of a bearing, dots of the coupled model."""
+        """Bars between the bounds of a bearing, dots of the coupled model.
+
+        Parameters
+        ----------
+        name : of one of the bearings.
+
+        Returns
+        -------
+        Figure
+        """
         title = f"{name}: bilinear bounds (bars) and coupled model (dots)"
         return draw_bounds(self._report.tables[name], title)
 
     def save_all(self, folder: Path) -> list[Path]:
-        """A figure for each bearing, as PNG; the files written."""
+        """A figure for each bearing, as PNG.
+
+        Parameters
+        ----------
+        folder : where to; made if it does not exist.
+
+        Returns
+        -------
+        list of the files written.
+        """
         figures = {f"bounds-{n}": partial(self.demands, n) for n in self._report.tables}
-        return _saved(figures, folder)
+        return drawing.save_figures(figures, folder)
 
 
 class FactorFigures:
@@ -106,6 +147,13 @@ class FactorFigures:
     Parameters
     ----------
     report : from `run_factors`.
+
+    Examples
+    --------
+    >>> from thermobearing.design.run import run_factors
+    >>> report = run_factors(["shen-hdr-bridge"], temperatures=[-20.0], strains=[1.0])
+    >>> len(FactorFigures(report).factors().axes)
+    5
     """
 
     def __init__(self, report: FactorReport) -> None:
@@ -142,20 +190,20 @@ class FactorFigures:
         return draw_scale(self._report.bearings[0], self._report.sizes[1])
 
     def save_all(self, folder: Path) -> list[Path]:
-        """Every figure that the report holds data for, as PNG; the files written."""
+        """Every figure that the report holds data for, as PNG.
+
+        Parameters
+        ----------
+        folder : where to; made if it does not exist.
+
+        Returns
+        -------
+        list of the files written.
+        """
         figures = {"factors": self.factors}
         if self._report.sizes is not None:
             figures["scale"] = self.sizes
-        return _saved(figures, folder)
-
-
-def _saved(figures: Mapping[str, Callable[[], Figure]], folder: Path) -> list[Path]:
-    folder.mkdir(parents=True, exist_ok=True)
-    written = []
-    for name, draw in figures.items():
-        written.append(folder / f"{name}.png")
-        draw().savefig(written[-1], dpi=DPI)
-    return written
+        return drawing.save_figures(figures, folder)
 
 
 def draw_bounds(table: pd.DataFrame, title: str) -> Figure:
@@ -169,6 +217,14 @@ def draw_bounds(table: pd.DataFrame, title: str) -> Figure:
     Returns
     -------
     Figure : a panel for each demand.
+
+    Examples
+    --------
+    >>> import thermobearing as tb
+    >>> bearing = tb.load_bearing("shen-hdr-bridge")
+    >>> table = tb.bounds_study(bearing, ["jra-ii-i-1"], [23.0, -20.0])
+    >>> len(draw_bounds(table, "bounds").axes)
+    4
     """
     names = [str(name) for name in table.columns]
     temperatures = [
@@ -238,6 +294,14 @@ def draw_scale(bearing: Bearing, results: dict[float, Result]) -> Figure:
     Returns
     -------
     Figure
+
+    Examples
+    --------
+    >>> import thermobearing as tb
+    >>> bearing = tb.load_bearing("shen-hdr-bridge")
+    >>> _, results = tb.scale_study(bearing, [0.5])
+    >>> len(draw_scale(bearing, results).axes)
+    2
     """
     title = f"{bearing.name}: five cycles of 175 % in 10 s, then rest, at two sizes"
     figure, (left, right) = drawing.panels(1, 2, (10.0, 4.2), title)

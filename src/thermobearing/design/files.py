@@ -43,6 +43,18 @@ def save_design(
     Raises
     ------
     OutputError : see `write_directory`; nothing is left.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from thermobearing.design.case import make_design_case
+    >>> from thermobearing.design.run import run_design
+    >>> case = make_design_case({"tolerance": 0.1}, "example", motions=["jra-ii-i-1"])
+    >>> design = run_design(case)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     written = save_design(design, Path(folder) / "out", figures=False)
+    ...     print(*sorted(path.name for path in written.iterdir()))
+    bearings case.resolved.toml checks.csv rounds.csv summary.json
     """
 
     def fill(folder: Path) -> None:
@@ -82,6 +94,16 @@ def save_bounds(
     Raises
     ------
     OutputError : see `write_directory`; nothing is left.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from thermobearing.design.run import run_bounds
+    >>> report = run_bounds(["shen-hdr-bridge"], ["jra-ii-i-1"], [23.0, -20.0])
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     written = save_bounds(report, Path(folder) / "out", figures=False)
+    ...     print(*sorted(path.name for path in written.iterdir()))
+    summary.json table.csv
     """
 
     def fill(folder: Path) -> None:
@@ -110,6 +132,16 @@ def save_factors(
     Raises
     ------
     OutputError : see `write_directory`; nothing is left.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from thermobearing.design.run import run_factors
+    >>> report = run_factors(["shen-hdr-bridge"], temperatures=[-20.0], strains=[1.0])
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     written = save_factors(report, Path(folder) / "out", figures=False)
+    ...     print(*sorted(path.name for path in written.iterdir()))
+    bounds.csv bounds.py bounds.tcl factors.csv summary.json
     """
 
     def fill(folder: Path) -> None:

@@ -35,6 +35,10 @@ ENOUGH = 0.10  # of the displacement: "no more than 10 %" (6.2.2)
 def source_design() -> dict[str, Any]:
     """The design of the source: citation, its bearing, and more about it.
 
+    Returns
+    -------
+    dict : lengths [mm], forces [kN] and stiffnesses [kN/mm], as the names say.
+
     Examples
     --------
     >>> source_design()["bearing"]["u_B_mm"]
@@ -179,7 +183,20 @@ class Design:
         return DesignFigures(self)
 
     def save(self, directory: str | Path, *, force: bool = False, figures: bool = True) -> Path:
-        """Write a result directory; see `save_design`."""
+        """Write a result directory; see `save_design`.
+
+        Parameters
+        ----------
+        directory, force, figures : as in `save_design`.
+
+        Returns
+        -------
+        Path : the directory.
+
+        Raises
+        ------
+        OutputError : the directory exists and `force` is False, or it cannot be written.
+        """
         from thermobearing.design.files import save_design
 
         return save_design(self, Path(directory), force=force, figures=figures)
@@ -224,7 +241,20 @@ class BoundsReport:
         return BoundsFigures(self)
 
     def save(self, directory: str | Path, *, force: bool = False, figures: bool = True) -> Path:
-        """Write a result directory; see `save_bounds`."""
+        """Write a result directory; see `save_bounds`.
+
+        Parameters
+        ----------
+        directory, force, figures : as in `save_bounds`.
+
+        Returns
+        -------
+        Path : the directory.
+
+        Raises
+        ------
+        OutputError : the directory exists and `force` is False, or it cannot be written.
+        """
         from thermobearing.design.files import save_bounds
 
         return save_bounds(self, Path(directory), force=force, figures=figures)
@@ -289,7 +319,20 @@ class FactorReport:
         return FactorFigures(self)
 
     def save(self, directory: str | Path, *, force: bool = False, figures: bool = True) -> Path:
-        """Write a result directory; see `save_factors`."""
+        """Write a result directory; see `save_factors`.
+
+        Parameters
+        ----------
+        directory, force, figures : as in `save_factors`.
+
+        Returns
+        -------
+        Path : the directory.
+
+        Raises
+        ------
+        OutputError : the directory exists and `force` is False, or it cannot be written.
+        """
         from thermobearing.design.files import save_factors
 
         return save_factors(self, Path(directory), force=force, figures=figures)

@@ -50,6 +50,14 @@ def earthquake_of(case: DesignCase, bearing: BilinearBearing, stiffness: float) 
     Returns
     -------
     EarthquakeCase
+
+    Examples
+    --------
+    >>> from thermobearing.bearing.bilinear import load_bilinear
+    >>> from thermobearing.design.case import make_design_case
+    >>> bearing = load_bilinear("shen-bilinear-bridge")
+    >>> earthquake_of(make_design_case({}, "example"), bearing, 2.6).ambient
+    [23.0]
     """
     line = case.structure.bearings[0].model_copy(update={"equivalent_stiffness": stiffness})
     structure = case.structure.model_copy(update={"bearings": [line]})

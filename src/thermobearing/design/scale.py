@@ -27,7 +27,11 @@ def scaled_bearing(bearing: Bearing | str | Path, factor: float) -> Bearing:
     Parameters
     ----------
     bearing : a Bearing, a library name, or a TOML file.
-    factor : > 0; 1/6 makes the source's specimen of its prototype.
+    factor : in [0.001, 1000]; 1/6 makes the source's specimen of its prototype.
+
+    Returns
+    -------
+    Bearing
 
     Raises
     ------
@@ -91,8 +95,8 @@ def scale_study(
     Parameters
     ----------
     bearing : at full size: a Bearing, a library name, or a TOML file.
-    factors : lengths over those of the full size.
-    ambient : temperature [degC].
+    factors : lengths over those of the full size, each in [0.001, 1000].
+    ambient : temperature [degC], in [-100, 100].
     options : of `run`.
 
     Returns

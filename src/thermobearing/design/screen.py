@@ -26,6 +26,13 @@ def print_head(case: DesignCase) -> None:
     Parameters
     ----------
     case : from `make_design_case`.
+
+    Examples
+    --------
+    >>> from thermobearing.design.case import make_design_case
+    >>> print_head(make_design_case({}, "example", motions=["jra-ii-i-1"]))
+    pier-p1, HDR G8, 785 kN a bearing, motions jra-ii-i-1
+    round u_B mm    bearing K_B kN/mm    h_B Q_d kN found mm differ ductility
     """
     console = Console(highlight=False)
     names = ", ".join(motion.name for motion in case.motions)
@@ -42,6 +49,12 @@ def print_round(turn: Round) -> None:
     Parameters
     ----------
     turn : a round of the loop.
+
+    Examples
+    --------
+    >>> from thermobearing.design.sizing import Size
+    >>> print_round(Round(1, 178.0, Size(600.0, 8, 14.0), 2.6, 0.15, 125.4, 1.8, 9.5, 180.0, 1.2))
+        1    178  600, 8x14     2.600  0.150  125.4      180  +1.1%      1.20
     """
     size = turn.size
     cells = (
@@ -69,6 +82,18 @@ def print_design(design: Design) -> None:
     Parameters
     ----------
     design : from `run_design`.
+
+    Examples
+    --------
+    >>> import contextlib, io
+    >>> from thermobearing.design.case import make_design_case
+    >>> from thermobearing.design.run import run_design
+    >>> case = make_design_case({"tolerance": 0.1}, "example", motions=["jra-ii-i-1"])
+    >>> design = run_design(case)
+    >>> with contextlib.redirect_stdout(io.StringIO()) as shown:
+    ...     print_design(design)
+    >>> "checks" in shown.getvalue()
+    True
     """
     console = Console(highlight=False)
     console.print(design.sentence)
@@ -117,6 +142,16 @@ def print_bounds(report: BoundsReport) -> None:
     Parameters
     ----------
     report : from `run_bounds`.
+
+    Examples
+    --------
+    >>> import contextlib, io
+    >>> from thermobearing.design.run import run_bounds
+    >>> report = run_bounds(["shen-hdr-bridge"], ["jra-ii-i-1"], [23.0, -20.0])
+    >>> with contextlib.redirect_stdout(io.StringIO()) as shown:
+    ...     print_bounds(report)
+    >>> "least safe" in shown.getvalue()
+    True
     """
     for text in report.paragraphs.values():
         print(text + "\n")
@@ -128,6 +163,16 @@ def print_factors(report: FactorReport) -> None:
     Parameters
     ----------
     report : from `run_factors`.
+
+    Examples
+    --------
+    >>> import contextlib, io
+    >>> from thermobearing.design.run import run_factors
+    >>> report = run_factors(["shen-hdr-bridge"], temperatures=[-20.0], strains=[1.0])
+    >>> with contextlib.redirect_stdout(io.StringIO()) as shown:
+    ...     print_factors(report)
+    >>> "upper bound" in shown.getvalue()
+    True
     """
     console = Console(highlight=False)
     console.print(

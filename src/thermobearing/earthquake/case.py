@@ -10,9 +10,9 @@ from thermobearing.bearing.bilinear import BilinearBearing, list_bilinear, load_
 from thermobearing.bearing.library import list_bearings, load_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError, nearest
+from thermobearing.border.overrides import overridden
 from thermobearing.border.schema import Strict, in_unit, validated
 from thermobearing.border.toml import read_toml, split_sources, to_toml
-from thermobearing.border.units import with_unit
 from thermobearing.cyclic.case import Temperature
 from thermobearing.model.options import ModelOptions
 from thermobearing.motions.library import list_motions, load_motion
@@ -31,14 +31,14 @@ DEFAULTS: dict[str, dict[str, Any]] = {
         "structure": "pier-p1",
         "bearings": ["shen-bilinear-bridge", "shen-hdr-bridge", "shen-lhdr-bridge"],
         "motions": ["jra-i-i-1", "jra-i-i-2", "jra-ii-i-1", "jra-ii-i-2"],
-        "ambient": [23.0, 0.0, -20.0],
+        "ambient": ["23 degC", "0 degC", "-20 degC"],
     },
     "hybrid": {
         "structure": "hybrid-pier",
         "bearings": ["shen-hdr-specimen", "shen-lhdr-specimen"],
         "motions": ["jra-ii-ii-1"],
-        "ambient": [23.0, 0.0, -20.0],
-        "duration": 20.0,
+        "ambient": ["23 degC", "0 degC", "-20 degC"],
+        "duration": "20 s",
     },
 }
 PSEUDO_DYNAMIC_SPEED = 10.0  # of the source's test [mm/s]
@@ -166,24 +166,13 @@ def make_earthquake_case(
     command = table.setdefault("command", "bridge")
     if command not in DEFAULTS:
         raise InputError(f'command = {command!r}: must be "bridge" or "hybrid"', where)
-    given = {key: value for key, value in overrides.items() if value is not None}
-    chosen = {key: given.pop(key) for key in list(given) if key in EarthquakeAnalysis.model_fields}
-    if chosen:
-        chosen = {
-            k: with_unit(v, "s") if k == "dt" and not isinstance(v, str) else v
-            for k, v in chosen.items()
-        }
-        table["analysis"] = {**table.get("analysis", {}), **chosen}
-    if "weather" in given:
-        table.pop("ambient", None)
-    if "ambient" in given:
-        table.pop("weather", None)
-    lab = given.pop("laboratory", None)
-    if lab:
-        table["laboratory"] = (
-            {**table.get("laboratory", {}), **lab} if isinstance(lab, dict) else lab
-        )
-    table |= given
+    for key, other in (("weather", "ambient"), ("ambient", "weather")):
+        if overrides.get(key) is not None and overrides.get(other) is None:
+            table.pop(other, None)
+    lab = overrides.get("laboratory")
+    if isinstance(lab, dict) and isinstance(table.get("laboratory", {}), dict):
+        overrides["laboratory"] = overridden(table.get("laboratory", {}), lab, Laboratory)
+    table = overridden(table, overrides, EarthquakeCase, {"analysis": EarthquakeAnalysis})
     problems = _settle(table, command, folder)
     try:
         case = validated(EarthquakeCase, table, where)
@@ -209,7 +198,7 @@ def _settle(table: dict[str, Any], command: str, folder: Path) -> list[str]:
         problems.append("give ambient or weather, not both")
     if table.get("weather") is not None and isinstance(table["weather"], str):
         table["weather"] = str((folder / table["weather"]).absolute())
-        table.setdefault("ambient", [with_unit(0.0, "degC")])  # not used
+        table.setdefault("ambient", ["0 degC"])  # not used
     for key, value in DEFAULTS[command].items():
         table.setdefault(key, value)
     if command == "hybrid":
@@ -220,9 +209,6 @@ def _settle(table: dict[str, Any], command: str, folder: Path) -> list[str]:
     for key in ("bearings", "motions", "ambient"):
         if not isinstance(table[key], list | tuple):
             table[key] = [table[key]]
-    table["ambient"] = [_degrees(value) for value in table["ambient"]]
-    if isinstance(table.get("duration"), int | float):
-        table["duration"] = with_unit(float(table["duration"]), "s")
     structure = table["structure"]
     if isinstance(structure, str | Path):
         table["structure"] = _named(
@@ -238,11 +224,6 @@ def _settle(table: dict[str, Any], command: str, folder: Path) -> list[str]:
         _motion(problems, k, item, folder) for k, item in enumerate(table["motions"])
     ]
     return problems
-
-
-def _degrees(value: Any) -> Any:
-    plain = isinstance(value, int | float) and not isinstance(value, bool)
-    return with_unit(float(value), "degC") if plain else value
 
 
 def _named(

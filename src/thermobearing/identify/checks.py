@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
+from thermobearing.border.errors import InputError
 from thermobearing.identify.cycles import Cycle, cycles_of, measures_of
 from thermobearing.identify.forward import PAUSE
 from thermobearing.identify.record import TestRecord, load_test
@@ -343,7 +344,10 @@ def _plausible(report: CheckReport, bearing: Bearing) -> None:
             "strain",
             f"displacement reaches {strain:.1%} of the total rubber thickness only: wrong unit?",
         )
-    measured = measures_of(record, record.force, bearing.area, rubber)
+    try:
+        measured = measures_of(record, record.force, bearing.area, rubber)
+    except InputError:  # a cycle with too few samples, which `_sampling` has refused
+        return
     largest = max(measured, key=lambda m: m.amplitude_mm)
     modulus = largest.G_eq_MPa
     stated = f"the equivalent shear modulus at the largest amplitude is {modulus:.3g} MPa"

@@ -22,7 +22,6 @@ from thermobearing.results import drawing
 
 Floats = NDArray[np.float64]
 
-DPI = 150
 TEST, MODEL = "#8a8f98", "#CC3311"
 BINS = 3000
 LABELLED = 14  # parameters whose correlation is printed into the squares
@@ -66,6 +65,15 @@ class IdentificationFigures:
     Parameters
     ----------
     found : from `identify_bearing`.
+
+    Examples
+    --------
+    >>> import thermobearing as tb
+    >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
+    >>> record = tb.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
+    >>> found = tb.identify_bearing(record, "shen-hdr-specimen", free=["K_r"], starts=1)
+    >>> len(IdentificationFigures(found).cycles().axes)
+    4
     """
 
     def __init__(self, found: Identification) -> None:
@@ -181,7 +189,16 @@ class IdentificationFigures:
         return figure
 
     def band(self, band: Band) -> Figure:
-        """Loops at a temperature with their 95 % band over samples, and the peak force."""
+        """Loops at a temperature with their 95 % band over samples, and the peak force.
+
+        Parameters
+        ----------
+        band : from `predictive_band`.
+
+        Returns
+        -------
+        Figure
+        """
         title = self._title(f"predicted at {drawing.degrees(band.ambient)}")
         figure, (loops, width) = drawing.panels(1, 2, (10.0, 4.2), title)
         loops.plot(band.displacement, band.best, color=drawing.INK, linewidth=0.6)
@@ -207,7 +224,6 @@ class IdentificationFigures:
         -------
         list of the files written.
         """
-        folder.mkdir(parents=True, exist_ok=True)
         figures: dict[str, Callable[[], Figure]] = {
             "loops": self.loops,
             "residuals": self.residuals,
@@ -215,13 +231,8 @@ class IdentificationFigures:
             "correlation": self.correlation,
             "cycles": self.cycles,
         }
-        for band in bands:
-            figures[f"band_{band.ambient:g}"] = partial(self.band, band)
-        written = []
-        for name, draw in figures.items():
-            written.append(folder / f"{name}.png")
-            draw().savefig(written[-1], dpi=DPI)
-        return written
+        figures |= {f"band_{band.ambient:g}": partial(self.band, band) for band in bands}
+        return drawing.save_figures(figures, folder)
 
 
 def check_figure(report: CheckReport) -> Figure:

@@ -1,6 +1,7 @@
 """Result directories of checks and fits."""
 
 import re
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -63,12 +64,14 @@ def save_checks(
 
 
 def _draw_checks(reports: list[CheckReport], folder: Path) -> None:
-    from thermobearing.identify.figures import DPI, check_figure
+    from thermobearing.identify.figures import check_figure
+    from thermobearing.results.drawing import save_figures
 
-    folder.mkdir()
+    figures = {}
     for number, report in enumerate(reports, start=1):
         name = re.sub(r"[^\w.+-]+", "-", report.record.name)
-        check_figure(report).savefig(folder / f"check_{number}_{name}.png", dpi=DPI)
+        figures[f"check_{number}_{name}"] = partial(check_figure, report)
+    save_figures(figures, folder)
 
 
 def save_identification(
@@ -96,6 +99,18 @@ def save_identification(
     Raises
     ------
     OutputError : see `write_directory`; nothing is left.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import thermobearing as tb
+    >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
+    >>> record = tb.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
+    >>> found = tb.identify_bearing(record, "shen-hdr-specimen", free=["K_r"], starts=1)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     written = save_identification(found, Path(folder) / "fit", figures=False)
+    ...     print(sorted(path.name for path in written.iterdir()))
+    ['bearing.toml', 'fit.csv', 'summary.json']
     """
 
     def fill(folder: Path) -> None:
@@ -125,6 +140,15 @@ def bearing_table(found: Identification) -> dict[str, Any]:
     -------
     dict : nested tables, numbers as text with their units; as TOML it is ready for
         `load_bearing`.
+
+    Examples
+    --------
+    >>> import thermobearing as tb
+    >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
+    >>> record = tb.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
+    >>> found = tb.identify_bearing(record, "shen-hdr-specimen", free=["K_r"], starts=1)
+    >>> bearing_table(found)["hysteresis"]["layer_stiffness"]["source"].split(";")[0]
+    'identified from synthetic at 23 degC'
     """
     sources = _sources(found)
     fitted = "; ".join(f"{fit.record.name}: R2 = {fit.R2:.4f}" for fit in found.fits)
@@ -170,6 +194,15 @@ def fit_text(found: Identification) -> str:
     Returns
     -------
     str : one row per sample: record, time [s], displacement [mm], force and model force [kN].
+
+    Examples
+    --------
+    >>> import thermobearing as tb
+    >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
+    >>> record = tb.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
+    >>> found = tb.identify_bearing(record, "shen-hdr-specimen", free=["K_r"], starts=1)
+    >>> fit_text(found).splitlines()[0]
+    'record,time_s,displacement_mm,force_kN,model_force_kN'
     """
     lines = ["record,time_s,displacement_mm,force_kN,model_force_kN\n"]
     for number, (record, prediction) in enumerate(

@@ -138,6 +138,15 @@ def laplace_samples(found: Identification, count: int = 200, *, seed: int = 0) -
     Returns
     -------
     Samples
+
+    Examples
+    --------
+    >>> import thermobearing as tb
+    >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
+    >>> record = tb.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
+    >>> found = tb.identify_bearing(record, "shen-hdr-specimen", free=["K_r"], starts=1)
+    >>> laplace_samples(found, 50).cube.shape
+    (50, 1)
     """
     rng = np.random.default_rng(seed)
     values, vectors = np.linalg.eigh(found.uncertainty.covariance)
@@ -220,6 +229,16 @@ def predictive_band(
     Raises
     ------
     InputError : the temperature is out of range, or no draw gets through.
+
+    Examples
+    --------
+    >>> import thermobearing as tb
+    >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
+    >>> record = tb.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
+    >>> found = tb.identify_bearing(record, "shen-hdr-specimen", free=["K_r"], starts=1)
+    >>> band = predictive_band(found, laplace_samples(found), -20.0, count=5)
+    >>> band.peak_lower < band.peak_upper
+    True
     """
     if not -100.0 <= ambient <= 100.0:
         raise InputError(f"ambient = {ambient} degC: must be between -100 and 100 degC")

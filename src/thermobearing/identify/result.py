@@ -41,6 +41,17 @@ class Identification:
     history : evaluations and best mean squared residual so far, for the convergence figure.
     outcome : "completed", or why not.
     problem : the residuals, for the posterior.
+
+    Examples
+    --------
+    >>> import thermobearing as tb
+    >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
+    >>> record = tb.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
+    >>> found = tb.identify_bearing(record, "shen-hdr-specimen", free=["K_r"], starts=1)
+    >>> found.outcome, [fit.R2 > 0.99 for fit in found.fits]
+    ('completed', [True])
+    >>> len(found.plot.loops().axes)
+    1
     """
 
     bearing: Bearing
@@ -87,7 +98,12 @@ class Identification:
         return said
 
     def summary(self) -> dict[str, Any]:
-        """The content of summary.json."""
+        """The content of summary.json.
+
+        Returns
+        -------
+        dict : parameters with their uncertainty, measures of each record, warnings.
+        """
         estimates = self.uncertainty.estimates
         return {
             "command": "identify",
@@ -129,7 +145,20 @@ class Identification:
         figures: bool = True,
         forecast: "Forecast | None" = None,
     ) -> Path:
-        """Write a result directory; see `save_identification`."""
+        """Write a result directory; see `save_identification`.
+
+        Parameters
+        ----------
+        directory, force, figures, forecast : as in `save_identification`.
+
+        Returns
+        -------
+        Path : the directory.
+
+        Raises
+        ------
+        OutputError : the directory exists and `force` is False, or it cannot be written.
+        """
         from thermobearing.identify.files import save_identification
 
         return save_identification(

@@ -42,6 +42,18 @@ def print_identification(found: Identification) -> None:
     Parameters
     ----------
     found : from `identify_bearing`.
+
+    Examples
+    --------
+    >>> import thermobearing as tb
+    >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
+    >>> record = tb.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
+    >>> found = tb.identify_bearing(record, "shen-hdr-specimen", free=["K_r"], starts=1)
+    >>> import contextlib, io
+    >>> with contextlib.redirect_stdout(io.StringIO()) as shown:
+    ...     print_identification(found)
+    >>> "K_r" in shown.getvalue()
+    True
     """
     console = Console()
     console.print(_parameters(found))

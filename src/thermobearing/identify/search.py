@@ -28,6 +28,19 @@ def search(problem: Problem, case: IdentifyCase) -> Floats:
     Returns
     -------
     ndarray : place of each free parameter between its bounds, in [0, 1].
+
+    Examples
+    --------
+    >>> import thermobearing as tb
+    >>> from thermobearing.identify.case import make_identify_case
+    >>> from thermobearing.identify.parameters import parameter_set
+    >>> bearing = tb.load_bearing("shen-hdr-specimen")
+    >>> test = tb.cyclic_test(strain=[1.0], cycles=1, rest=None)
+    >>> record = tb.synthetic_record(bearing, 23.0, test, noise=0.0)
+    >>> problem = Problem([record], parameter_set(bearing, ["K_r"], [23.0]))
+    >>> cube = search(problem, make_identify_case(record, bearing, starts=1))
+    >>> problem.cost(polish(problem, cube)[0]) < 1e-4
+    True
     """
     first = np.clip(problem.pset.start, INSIDE, 1.0 - INSIDE)
     if case.method == "krill-herd":
@@ -55,7 +68,7 @@ def polish(problem: Problem, cube: Floats) -> tuple[Floats, bool]:
 
     Returns
     -------
-    the best point, and whether the search converged.
+    the best point, and whether the search converged; see `search` for an example.
     """
     return _least_squares(problem, cube, POLISH_STEPS, fine=True)
 

@@ -56,6 +56,10 @@ def synthetic_record(
         law put in on purpose, like scragging.
     seed : of the noise.
 
+    Returns
+    -------
+    TestRecord
+
     Raises
     ------
     InputError : `memory` out of range, or the simulation ended early.
@@ -107,6 +111,14 @@ def _logged(time: Floats, x: Floats, sampling: float) -> NDArray[np.bool_]:
 
 def forgotten(bearing: Bearing | str | Path) -> Bearing:
     """The same geometry and materials with nobody's parameters, to start a fit blind.
+
+    Parameters
+    ----------
+    bearing : any.
+
+    Returns
+    -------
+    Bearing
 
     Examples
     --------

@@ -6,7 +6,8 @@ matplotlib settings and none of the user's settings are touched.
 
 import math
 import textwrap
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Look = dict[str, Any]  # how an artist is drawn
 
+DPI = 150  # of figures in result directories
 LARGE, NORMAL, SMALL = 10.5, 9.0, 7.5  # font sizes [pt]
 LETTER, BOLD_LETTER = 0.56, 0.66  # mean width of a letter, of the font size
 HANDLE = 4.5  # width of a legend's line and gaps, of the font size
@@ -105,6 +107,26 @@ def name_axes(ax: Axes, x: str = "", y: str = "", title: str = "", pad: float = 
         ax.set_ylabel(y, fontsize=NORMAL)
     if title:
         ax.set_title(title, fontsize=NORMAL, loc="left", pad=pad)
+
+
+def save_figures(figures: Mapping[str, Callable[[], Figure]], folder: Path) -> list[Path]:
+    """Draw and write figures as PNG.
+
+    Parameters
+    ----------
+    figures : what draws each of them, by name of its file without `.png`.
+    folder : where to; made if it does not exist.
+
+    Returns
+    -------
+    list of the files written.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    written = []
+    for name, draw in figures.items():
+        written.append(folder / f"{name}.png")
+        draw().savefig(written[-1], dpi=DPI)
+    return written
 
 
 def scaling(factor: float) -> tuple[Callable[[Any], Any], Callable[[Any], Any]]:

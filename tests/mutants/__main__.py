@@ -1,0 +1,84 @@
+"""`python -m tests.mutants`: which of the small errors do the tests notice?
+
+Status 0: at least 90 % of the kept list are caught and all of it applies. Changes by chance
+(--random) are for finding holes: some of them change nothing, so they set no status.
+"""
+
+import argparse
+import os
+import sys
+from collections import Counter
+
+from tests.mutants.kept import Mutant, kept_mutants
+from tests.mutants.random_ones import random_mutants
+from tests.mutants.sampler import CAUGHT, SURVIVED, Copy, Verdict, unchanged_failures, verdicts
+
+ENOUGH = 0.9  # of the kept list
+
+
+def _arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="python -m tests.mutants", description=__doc__)
+    parser.add_argument("--random", type=int, default=0, help="so many by chance instead")
+    parser.add_argument("--seed", type=int, default=1, help="of the chance")
+    parser.add_argument("--only", default="", help="those with this text in file or meaning")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="copies at work")
+    parser.add_argument("--list", action="store_true", help="say what they are, run nothing")
+    parser.add_argument("--trust", action="store_true", help="skip the tests of unchanged code")
+    return parser.parse_args()
+
+
+def _line(verdict: Verdict) -> str:
+    m = verdict.mutant
+    by = f"  [{verdict.by}]" if verdict.by else ""
+    return f"{verdict.verdict:8} {verdict.seconds:6.1f} s  {m.file}: {m.means}{by}"
+
+
+def _report(found: list[Verdict], faults: list[str], used: float) -> None:
+    """Survivors, counts of each room, processor time."""
+    survivors = [item for item in found if item.verdict == SURVIVED]
+    print("\nsurvived:" if survivors else "\nnone survived")
+    for item in sorted(survivors, key=lambda item: item.mutant.file):
+        print(f"  {item.mutant.file}: {item.mutant.means}")
+    for fault in faults:
+        print(f"  {fault}")
+    whole = Counter(item.mutant.room for item in found)
+    caught = Counter(item.mutant.room for item in found if item.verdict == CAUGHT)
+    print("\nroom          caught  of")
+    for room in sorted(whole):
+        print(f"{room:12} {caught[room]:7} {whole[room]:3}")
+    total = caught.total()
+    print(f"{'all':12} {total:7} {len(found):3}  {100.0 * total / max(len(found), 1):.1f} %")
+    print(f"{used:.0f} s of processor time")
+
+
+def main() -> int:
+    """The exit status."""
+    asked = _arguments()
+    mutants: list[Mutant]
+    faults: list[str]
+    mutants, faults = (
+        (random_mutants(asked.random, asked.seed), []) if asked.random else kept_mutants()
+    )
+    mutants = [m for m in mutants if asked.only in f"{m.file}: {m.means}"]
+    if asked.list:
+        for m in mutants:
+            print(f"{m.file}: {m.means}")
+        print(f"{len(mutants)} mutants")
+        return 0
+    copies = [Copy(number) for number in range(max(1, min(asked.jobs, len(mutants))))]
+    if not asked.trust:
+        said = unchanged_failures(copies, mutants)
+        if said:
+            print(f"{said}\nthese tests fail without any mutant")
+            return 2
+    found = []
+    for item in verdicts(copies, mutants):
+        found.append(item)
+        print(_line(item), flush=True)
+    _report(found, faults, sum(copy.used for copy in copies))
+    share = sum(item.verdict == CAUGHT for item in found) / max(len(found), 1)
+    return 0 if asked.random or (share >= ENOUGH and not faults) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

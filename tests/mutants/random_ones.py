@@ -1,0 +1,204 @@
+"""Changes by chance: operators, numbers, names of keys, order of arguments, lost statements.
+
+Figures and tables on the terminal are left out: their looks are for eyes. Some changes are no
+errors (a limit of iterations, a hint), so not all of them can be caught.
+"""
+
+import ast
+import itertools
+import random
+from dataclasses import dataclass
+from pathlib import Path
+
+from tests.mutants.kept import PACKAGE, ROOT, Mutant, nearest_tests, original
+
+LEFT_OUT = ("figure", "drawing", "time_axis", "screen", "regenerate", "__init__", "compile")
+OPERATORS: dict[type[ast.AST], tuple[str, str]] = {
+    ast.Add: ("+", "-"),
+    ast.Sub: ("-", "+"),
+    ast.Mult: ("*", "/"),
+    ast.Div: ("/", "*"),
+    ast.Lt: ("<", "<="),
+    ast.LtE: ("<=", "<"),
+    ast.Gt: (">", "<"),
+    ast.GtE: (">=", ">"),
+    ast.Eq: ("==", "!="),
+    ast.NotEq: ("!=", "=="),
+    ast.And: ("and", "or"),
+    ast.Or: ("or", "and"),
+}
+NAMES = {"min": "max", "max": "min", "argmin": "argmax", "argmax": "argmin", "sin": "cos",
+         "cos": "sin", "any": "all", "all": "any", "ceil": "floor", "floor": "ceil",
+         "mean": "max", "sum": "max", "sqrt": "abs", "abs": "float"}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class _Edit:
+    """Bytes `start` to `end` of a file replaced by `new`."""
+
+    start: int
+    end: int
+    new: str
+    line: int
+
+
+class _Finder(ast.NodeVisitor):
+    """All edits of one file."""
+
+    def __init__(self, source: str) -> None:
+        self.source = source.encode()
+        self.lines = [0]
+        for line in self.source.splitlines(keepends=True):
+            self.lines.append(self.lines[-1] + len(line))
+        tree = ast.parse(source)
+        keys = (n.slice for n in ast.walk(tree) if isinstance(n, ast.Subscript))
+        self.keys = sorted(
+            {k.value for k in keys if isinstance(k, ast.Constant) and isinstance(k.value, str)}
+        )
+        self.found: list[_Edit] = []
+        self.visit(tree)
+
+    def _at(self, node: ast.AST) -> tuple[int, int]:
+        """First byte of a node, and the one past its last."""
+        return (
+            self.lines[node.lineno - 1] + node.col_offset,  # type: ignore[attr-defined]
+            self.lines[node.end_lineno - 1] + node.end_col_offset,  # type: ignore[attr-defined]
+        )
+
+    def _text(self, node: ast.AST) -> str:
+        start, end = self._at(node)
+        return self.source[start:end].decode()
+
+    def _edit(self, start: int, end: int, new: str) -> None:
+        line = self.source.count(b"\n", 0, start) + 1
+        self.found.append(_Edit(start, end, new, line))
+
+    def _replace(self, node: ast.AST, new: str) -> None:
+        self._edit(*self._at(node), new)
+
+    def _operator(self, left: ast.AST, kind: ast.AST, right: ast.AST) -> None:
+        if type(kind) not in OPERATORS:
+            return
+        old, new = OPERATORS[type(kind)]
+        start, end = self._at(left)[1], self._at(right)[0]
+        place = self.source.find(old.encode(), start, end)
+        if place >= 0:
+            self._edit(place, place + len(old), new)
+
+    def visit(self, node: ast.AST) -> None:
+        """Everything but texts for people, types and imports."""
+        skipped = (ast.JoinedStr, ast.Raise, ast.Import, ast.ImportFrom, ast.Assert)
+        if isinstance(node, skipped):
+            return
+        method = getattr(self, f"visit_{type(node).__name__}", None)
+        if method:
+            method(node)
+        for name, value in ast.iter_fields(node):
+            if name in ("annotation", "returns", "decorator_list", "type_params"):
+                continue
+            for item in value if isinstance(value, list) else [value]:
+                if isinstance(item, ast.AST):
+                    self.visit(item)
+
+    def visit_BinOp(self, node: ast.BinOp) -> None:
+        """+ for -, * for /."""
+        self._operator(node.left, node.op, node.right)
+
+    def visit_Compare(self, node: ast.Compare) -> None:
+        """A limit that belongs to the other side, or the wrong way round."""
+        self._operator(node.left, node.ops[0], node.comparators[0])
+
+    def visit_BoolOp(self, node: ast.BoolOp) -> None:
+        """And for or."""
+        self._operator(node.values[0], node.op, node.values[1])
+
+    def visit_UnaryOp(self, node: ast.UnaryOp) -> None:
+        """A lost sign or a lost not."""
+        self._replace(node, f"({self._text(node.operand)})")
+
+    def visit_Constant(self, node: ast.Constant) -> None:
+        """Another number."""
+        value = node.value
+        if isinstance(value, bool):
+            self._replace(node, str(not value))
+        elif isinstance(value, int):
+            self._replace(node, str(value + 1))
+        elif isinstance(value, float):
+            self._replace(node, repr(1.1 * value) if value else "1.0")
+
+    def visit_If(self, node: ast.If) -> None:
+        """The opposite condition."""
+        if self._text(node.test) != "TYPE_CHECKING":
+            self._replace(node.test, f"not ({self._text(node.test)})")
+
+    def visit_IfExp(self, node: ast.IfExp) -> None:
+        """The opposite condition."""
+        self._replace(node.test, f"(not ({self._text(node.test)}))")
+
+    def visit_Call(self, node: ast.Call) -> None:
+        """First two arguments swapped; min for max and the like."""
+        plain = [arg for arg in node.args if not isinstance(arg, ast.Starred)]
+        if len(plain) == len(node.args) >= 2:
+            first, second = self._text(node.args[0]), self._text(node.args[1])
+            start, end = self._at(node.args[0])[0], self._at(node.args[1])[1]
+            between = self.source[self._at(node.args[0])[1] : self._at(node.args[1])[0]].decode()
+            if first != second:
+                self._edit(start, end, f"{second}{between}{first}")
+        name = node.func.attr if isinstance(node.func, ast.Attribute) else self._text(node.func)
+        if name in NAMES:
+            end = self._at(node.func)[1]
+            self._edit(end - len(name), end, NAMES[name])
+
+    def visit_Slice(self, node: ast.Slice) -> None:
+        """One too many or one too few."""
+        for bound in (node.lower, node.upper):
+            if bound is not None:
+                self._replace(bound, f"{self._text(bound)} + 1")
+
+    def visit_Subscript(self, node: ast.Subscript) -> None:
+        """The next key of the file instead of the right one."""
+        key = node.slice
+        if isinstance(key, ast.Constant) and key.value in self.keys and len(self.keys) > 1:
+            other = self.keys[(self.keys.index(key.value) + 1) % len(self.keys)]
+            self._replace(key, f'"{other}"')
+
+    def visit_Expr(self, node: ast.Expr) -> None:
+        """A call that is not made."""
+        if isinstance(node.value, ast.Call):
+            self._replace(node, "pass")
+
+    def visit_AugAssign(self, node: ast.AugAssign) -> None:
+        """A sum that is not added to."""
+        self._replace(node, "pass")
+
+
+def _mutant(file: str, edit: _Edit, tests: list[str]) -> Mutant | None:
+    """A file with an edit; None if it is the same program, or none at all."""
+    source = original(file)
+    raw = source.encode()
+    old = raw[edit.start : edit.end].decode()
+    text = (raw[: edit.start] + edit.new.encode() + raw[edit.end :]).decode()
+    try:
+        if ast.dump(ast.parse(text)) == ast.dump(ast.parse(source)):
+            return None
+    except SyntaxError:
+        return None
+    told = " ".join(old.split()), " ".join(edit.new.split())
+    means = f"line {edit.line}: {told[0][:60]} -> {told[1][:60]}"
+    return Mutant(file, means, text, tuple(tests))
+
+
+def files_of_the_package() -> list[str]:
+    """Files that changes by chance are made in."""
+    folder = ROOT / PACKAGE
+    paths = (path.relative_to(folder).as_posix() for path in folder.rglob("*.py"))
+    return sorted(path for path in paths if not any(word in Path(path).name for word in LEFT_OUT))
+
+
+def random_mutants(count: int, seed: int) -> list[Mutant]:
+    """So many different changes, each place as likely as any other."""
+    nearest = nearest_tests()
+    places = [(file, e) for file in files_of_the_package() for e in _Finder(original(file)).found]
+    random.Random(seed).shuffle(places)
+    made = (_mutant(file, edit, nearest[file]) for file, edit in places)
+    return list(itertools.islice((mutant for mutant in made if mutant is not None), count))

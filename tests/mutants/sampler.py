@@ -1,0 +1,199 @@
+"""Runs mutants: one at a time in each scratch copy of the tree, side by side over the cores.
+
+The copies lie in build/mutants (git ignores it) and stay there, with the compiled code of the
+unchanged kernels; the tree itself is never touched.
+"""
+
+import multiprocessing
+import os
+import queue
+import shutil
+import sys
+import time
+from collections.abc import Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from dataclasses import dataclass
+from pathlib import Path
+
+from tests.mutants.kept import PACKAGE, ROOT, Mutant
+
+SCRATCH = ROOT / "build" / "mutants"
+COMPILED = ".numba"  # in a copy: code of the kernels
+NOT_COPIED = {"build", "dist", "demo", "__pycache__"}
+LONGEST = 1800.0  # [s]; who takes longer runs in circles, which counts as caught
+OPTIONS = ("-q", "-p", "no:cacheprovider", "--no-header", "--tb=line", "--hypothesis-seed=0")
+USED = "processor time [s]: "  # last line of a child
+CAUGHT, SURVIVED = "caught", "survived"
+# Children are forked from a process that has the libraries in memory already, ours not.
+SERVER = multiprocessing.get_context("forkserver")
+SERVER.set_forkserver_preload(
+    [
+        "h5netcdf",
+        "hypothesis",
+        "matplotlib.figure",
+        "numba",
+        "pandas",
+        "pint",
+        "pydantic",
+        "pytest",
+        "rich.console",
+        "scipy.linalg",
+        "scipy.optimize",
+        "scipy.signal",
+        "scipy.stats",
+        "typer.testing",
+        "xarray",
+    ]
+)
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """Whether the tests noticed a mutant, the first that did, and how long it took [s]."""
+
+    mutant: Mutant
+    verdict: str
+    by: str
+    seconds: float
+
+
+def _pytest_here(folder: Path, environment: dict[str, str], words: list[str], said: Path) -> None:
+    """In a child of its own: the tests of a copy; ends the process with their status."""
+    with said.open("wb") as file:
+        os.dup2(file.fileno(), 1)
+        os.dup2(file.fileno(), 2)
+    os.chdir(folder)
+    os.environ.update(environment)
+    sys.path[:] = [environment["PYTHONPATH"], *(p for p in sys.path if p not in ("", str(ROOT)))]
+    for name in [name for name in sys.modules if name.split(".")[0] in ("tests", "__mp_main__")]:
+        del sys.modules[name]  # those of the tree, not of the copy
+    import numba
+    import pytest
+
+    numba.config.reload_config()
+    status = int(pytest.main(words))
+    import thermobearing
+
+    if not thermobearing.__file__.startswith(str(folder)):
+        print(f"not the copy was tested, but {thermobearing.__file__}")
+        status = 3
+    used = os.times()
+    print(f"{USED}{used.user + used.system + used.children_user + used.children_system:.2f}")
+    sys.stdout.flush()
+    os._exit(status)
+
+
+class Copy:
+    """One scratch copy of the tree, in which one mutant at a time lives."""
+
+    def __init__(self, number: int) -> None:
+        self.folder = SCRATCH / str(number)
+        self.folder.mkdir(parents=True, exist_ok=True)
+        for path in self.folder.iterdir():
+            if path.name != COMPILED:
+                shutil.rmtree(path) if path.is_dir() else path.unlink()
+        for path in ROOT.iterdir():
+            if path.name.startswith(".") or path.name in NOT_COPIED:
+                continue
+            if path.is_dir():
+                ignore = shutil.ignore_patterns("__pycache__", "*.egg-info")
+                shutil.copytree(path, self.folder / path.name, ignore=ignore)
+            else:
+                shutil.copy2(path, self.folder)
+        self.used = 0.0  # processor time of its tests [s]
+        self.stamp = 1_000_000_000  # of changed files, never the same twice: see `_write`
+
+    def _environment(self, plain: bool) -> dict[str, str]:
+        beside = {"THERMOBEARING_SHARED": str(ROOT.parent / "shared")}
+        given = {
+            "PYTHONPATH": str(self.folder / "src"),
+            "NUMBA_CACHE_DIR": str(self.folder / COMPILED),
+            "NUMBA_DISABLE_JIT": "1" if plain else "0",
+        }
+        return beside | dict(os.environ) | given
+
+    def pytest(self, tests: Iterable[str], *options: str, plain: bool) -> tuple[int, str]:
+        """Exit status and output of pytest; 124 if it ran out of time."""
+        words = [*OPTIONS, *options, *tests]
+        said = self.folder.with_suffix(".txt")
+        child = SERVER.Process(
+            target=_pytest_here, args=(self.folder, self._environment(plain), words, said)
+        )
+        child.start()
+        child.join(LONGEST)
+        if child.is_alive():
+            child.kill()
+            child.join()
+            return 124, ""
+        text = said.read_text(encoding="utf-8", errors="replace")
+        self.used += float(text.rpartition(USED)[2] if USED in text else 0.0)
+        return child.exitcode or 0, text.rpartition(USED)[0]
+
+    def _write(self, path: Path, text: str) -> None:
+        """Python trusts its byte code if time (whole seconds) and size are the same."""
+        path.write_text(text, encoding="utf-8")
+        self.stamp += 1
+        os.utime(path, (self.stamp, self.stamp))
+
+    def run(self, mutant: Mutant) -> Verdict:
+        """The nearest tests with the mutant in place, until the first that fails."""
+        begin = time.perf_counter()
+        path = self.folder / PACKAGE / mutant.file
+        compiled = self._compiled()
+        kept = self.folder.with_suffix(".original")
+        shutil.copy2(path, kept)
+        self._write(path, mutant.text)
+        try:
+            status, said = self.pytest(mutant.tests, "-x", plain=mutant.plain)
+        finally:
+            shutil.copy2(kept, path)
+            for name in self._compiled() - compiled:  # nobody needs those kernels again
+                shutil.rmtree(self.folder / COMPILED / name, ignore_errors=True)
+        verdict = CAUGHT if status else SURVIVED
+        by = "no end" if status == 124 else _first_failure(said)
+        return Verdict(mutant, verdict, by if status else "", time.perf_counter() - begin)
+
+    def _compiled(self) -> set[str]:
+        folder = self.folder / COMPILED
+        return {path.name for path in folder.iterdir()} if folder.exists() else set()
+
+
+def _first_failure(said: str) -> str:
+    for line in said.splitlines():
+        if line.startswith(("FAILED ", "ERROR ")):
+            return line.split(" ")[1].split("/")[-1]
+    return "an error before the tests"
+
+
+def unchanged_failures(copies: list[Copy], mutants: list[Mutant]) -> str:
+    """What the tests say of the code as it is: it must be nothing."""
+    said = ""
+    for plain in (False, True):
+        tests = sorted({test for m in mutants if m.plain is plain for test in m.tests})
+        parts = [tests[k :: len(copies)] for k in range(len(copies))]
+        with ThreadPoolExecutor(len(copies)) as pool:
+            jobs = [
+                pool.submit(copy.pytest, part, plain=plain)
+                for copy, part in zip(copies, parts, strict=True)
+                if part
+            ]
+            said += "".join(text for status, text in (job.result() for job in jobs) if status)
+    return said
+
+
+def verdicts(copies: list[Copy], mutants: list[Mutant]) -> Iterator[Verdict]:
+    """Verdicts as they come."""
+    free: queue.SimpleQueue[Copy] = queue.SimpleQueue()
+    for copy in copies:
+        free.put(copy)
+
+    def look(mutant: Mutant) -> Verdict:
+        copy = free.get()
+        try:
+            return copy.run(mutant)
+        finally:
+            free.put(copy)
+
+    with ThreadPoolExecutor(len(copies)) as pool:
+        for job in as_completed([pool.submit(look, mutant) for mutant in mutants]):
+            yield job.result()

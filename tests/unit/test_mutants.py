@@ -1,0 +1,43 @@
+"""The kept list of mutants does not rot: each change applies in one place and has its tests."""
+
+import ast
+from collections import Counter
+
+from tests.mutants.kept import PACKAGE, ROOT, entries, kept_mutants, nearest_tests, original
+from tests.mutants.random_ones import files_of_the_package, random_mutants
+
+FEWEST = 150  # of the kept list
+
+
+def test_every_kept_mutant_applies_and_is_another_program() -> None:
+    mutants, faults = kept_mutants()
+    assert not faults, "\n".join(faults)
+    for mutant in mutants:
+        before = ast.dump(ast.parse(original(mutant.file)))
+        assert ast.dump(ast.parse(mutant.text)) != before, mutant.means
+
+
+def test_the_list_is_long_and_reaches_every_room() -> None:
+    rooms = {path.name for path in (ROOT / PACKAGE).iterdir() if (path / "__init__.py").exists()}
+    mutants, _ = kept_mutants()
+    counts = Counter(mutant.room for mutant in mutants)
+    assert counts.total() >= FEWEST
+    assert rooms | {"cli"} == set(counts)
+    texts = [(entry["file"], entry["old"], entry["new"]) for entry in entries()]
+    assert len(set(texts)) == len(texts)
+
+
+def test_every_file_has_nearest_tests_that_exist() -> None:
+    nearest = nearest_tests()
+    assert not set(files_of_the_package()) - set(nearest)
+    named = [test for mutant in kept_mutants()[0] for test in mutant.tests]
+    for test in {*named, *(test for tests in nearest.values() for test in tests)}:
+        file, _, function = test.partition("::")
+        text = (ROOT / file).read_text(encoding="utf-8")
+        assert f"def {function.split('[')[0]}(" in text or not function, test
+
+
+def test_chance_repeats_itself() -> None:
+    first = random_mutants(20, seed=5)
+    assert [m.text for m in random_mutants(20, seed=5)] == [m.text for m in first]
+    assert [m.means for m in random_mutants(20, seed=6)] != [m.means for m in first]
