@@ -86,7 +86,7 @@ def test_forces_of_a_lopsided_loop() -> None:
     assert_allclose([m.force_max_kN, m.force_min_kN], [100.0, -90.0], rtol=tol.LOOP)
     assert_allclose(m.stiffness_kN_mm, 190.0 / 80.0, rtol=tol.LOOP)
     assert_allclose(m.amplitude_mm, 40.0, rtol=tol.LOOP)
-    loop = tb.measure_cycle(d, f, area=AREA, total_rubber_thickness=RUBBER, work=1000.0)
+    loop = tb.results.measure_cycle(d, f, area=AREA, total_rubber_thickness=RUBBER, work=1000.0)
     assert_allclose(loop.h_eq, 1000.0 / (2.0 * np.pi * 190.0 / 80.0 * 40.0**2), rtol=tol.LOOP)
 
 
@@ -105,7 +105,7 @@ def test_cycles_are_cut_where_they_cross_zero() -> None:
     f = np.where([True, False, False, False, False, True, True, True], q, -q) + k2 * d
     d = np.concatenate([[0.0, 10.0], np.tile(d, 3), [a]])
     f = np.concatenate([[0.0, q + 10.0 * k2], np.tile(f, 3), [q + k2 * a]])
-    cycles = tb.measure_history(d, f, area=AREA, total_rubber_thickness=RUBBER)
+    cycles = tb.results.measure_history(d, f, area=AREA, total_rubber_thickness=RUBBER)
     assert len(cycles) == 3
     energy = [cycle.energy_kN_mm for cycle in cycles[1:]]
     assert_allclose(energy, 4.0 * q * (a - q / (k1 - k2)), rtol=tol.LOOP)

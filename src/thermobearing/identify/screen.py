@@ -47,7 +47,7 @@ def print_identification(found: Identification) -> None:
     --------
     >>> import thermobearing as tb
     >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
-    >>> record = tb.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
+    >>> record = tb.identify.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
     >>> found = tb.identify_bearing(record, "shen-hdr-specimen", free=["K_r"], starts=1)
     >>> import contextlib, io
     >>> with contextlib.redirect_stdout(io.StringIO()) as shown:
