@@ -1,10 +1,12 @@
 """The public interface: a dozen names at the top, rooms behind them, old places with a warning."""
 
+import inspect
 import re
 import subprocess
 import sys
 from importlib import import_module
 from types import ModuleType
+from typing import Any
 
 import pytest
 
@@ -13,7 +15,22 @@ from thermobearing.border.moved import ROOMS as MOVED
 
 ROOMS = sorted(name for name in tb.__all__ if isinstance(getattr(tb, name), ModuleType))
 TOP = sorted(set(tb.__all__) - set(ROOMS))
+PUBLIC = sorted(
+    {getattr(getattr(tb, room), name) for room in ROOMS for name in getattr(tb, room).__all__}
+    | {getattr(tb, name) for name in TOP},
+    key=lambda item: (item.__module__, item.__name__),
+)
 HEAVY = {"numpy", "scipy", "numba", "pandas", "xarray", "pydantic", "pint", "matplotlib", "rich"}
+SECTION = r"\n\s*{}\n\s*-+\n(.*?)(?=\n\s*\w+\n\s*---|\Z)"
+# What a description of a number has: its unit in brackets, or a word for one that has none.
+UNIT = re.compile(
+    r"\[.+?\]|\b(ratios?|shares?|relative|strains?|factors?|c_z|weights?|correlation|unit|as of)\b"
+)
+NAMED_UNIT = re.compile(r"^h_eq$|_(mm|MPa|kN)$")  # or its name says it
+
+
+def ident(item: Any) -> str:
+    return f"{item.__module__.removeprefix('thermobearing.')}.{item.__name__}"
 
 
 def test_a_dozen_names_at_the_top() -> None:
@@ -57,6 +74,49 @@ def test_importing_the_package_imports_nothing_heavy() -> None:
     loaded = set(done.stdout.split())
     assert "thermobearing" in loaded
     assert not loaded & HEAVY
+
+
+def section(text: str, title: str) -> str:
+    found = re.search(SECTION.format(title), text, re.DOTALL)
+    return found[1] if found else ""
+
+
+def arguments(item: Any) -> dict[str, inspect.Parameter]:
+    return {k: v for k, v in inspect.signature(item).parameters.items() if k != "self"}
+
+
+def entry(text: str, name: str) -> str:
+    """What a section says about an argument; several may be described together."""
+    lines = text.split("\n")
+    indent = min((len(line) - len(line.lstrip()) for line in lines if line.strip()), default=0)
+    told, inside = [], False
+    for line in lines:
+        head = re.match(rf"\s{{{indent}}}([\w, *]+) :", line)
+        if head:
+            inside = name in re.split(r",\s*", head[1].replace("*", "").strip())
+        if inside:
+            told.append(line)
+    return "\n".join(told)
+
+
+@pytest.mark.parametrize("item", [pytest.param(i, id=ident(i)) for i in PUBLIC])
+def test_a_public_name_is_documented(item: Any) -> None:
+    """What it takes or holds, with units, and an example that runs (the doctests do).
+
+    A record, whose docstring says what it holds, needs no example: functions make it.
+    """
+    text = inspect.getdoc(item) or ""
+    assert text, "no docstring"
+    if inspect.isclass(item) and issubclass(item, Exception):
+        return
+    record = section(text, "Attributes")
+    assert record or ">>>" in section(text, "Examples"), "no example"
+    told = record or section(text, "Parameters")
+    for name, parameter in arguments(item).items():
+        said = entry(told, name)
+        assert said, f"{name} is not described"
+        if "float" in str(parameter.annotation):
+            assert UNIT.search(said) or NAMED_UNIT.search(name), f"{name} has no unit"
 
 
 def test_every_stub_is_beside_its_room() -> None:

@@ -36,7 +36,7 @@ class Identification:
     pset, cube : parameters, and where the optimum lies in their unit cube.
     records, checks, predictions : tests, what was said of them, the model at their samples.
     uncertainty : standard errors, intervals, correlation, warnings in words.
-    start : values the fit started from.
+    start : values the fit started from, each in the unit of its parameter.
     method, evaluations, seconds : how, and what it took (one evaluation runs all records).
     history : evaluations and best mean squared residual so far, for the convergence figure.
     outcome : "completed", or why not.
