@@ -12,7 +12,16 @@ Stiffness = Annotated[float, in_unit("kN/mm"), Field(ge=1e-6, le=1e7)]  # 0.1 to
 
 
 class BilinearBearing(Strict):
-    """Backbone of one bearing (Fig. 6.3): Q_d, K_1, K_2; the rubber thickness makes strains."""
+    """Backbone of one bearing (Fig. 6.3), blind to temperature and rate.
+
+    Attributes
+    ----------
+    name, kind, description, citation : what it is and where its numbers come from; `kind` is
+        "bilinear".
+    total_rubber_thickness : makes strains of displacements [mm], > 0.
+    strength : Q_d, force at zero displacement [kN], > 0.
+    initial_stiffness, post_yield_stiffness : K_1 > K_2 > 0 [kN/mm].
+    """
 
     name: Annotated[str, Field(min_length=1)]
     kind: Literal["bilinear"] = "bilinear"
@@ -34,12 +43,26 @@ BILINEAR = Library("bilinear bearing", "bilinear")
 
 
 def list_bilinear() -> list[str]:
-    """Names of the built-in bilinear bearings."""
+    """Names of the built-in bilinear bearings.
+
+    Examples
+    --------
+    >>> list_bilinear()
+    ['shen-bilinear-bridge']
+    """
     return BILINEAR.names()
 
 
 def load_bilinear(name_or_path: str | Path) -> BilinearBearing:
     """A bilinear bearing of the library, or from a TOML file.
+
+    Parameters
+    ----------
+    name_or_path : a name of `list_bilinear()`, or a path to your own file.
+
+    Raises
+    ------
+    InputError : no such bearing, or faults in the file.
 
     Examples
     --------

@@ -128,7 +128,20 @@ Step = Annotated[Cycles | Ramp | Rest | Recorded, Field(discriminator="step")]
 
 
 class CyclicTest(Strict):
-    """A named list of steps. `dt` is the largest time step while the bearing moves."""
+    """What is done to a bearing, step by step; `cyclic_test` makes the usual ones.
+
+    Attributes
+    ----------
+    name : for titles.
+    dt : largest time step while the bearing moves [s], in (0, 10].
+    steps : of Cycles, Ramp, Rest and Recorded (tables with a key `step`), one after the other.
+
+    Examples
+    --------
+    >>> steps = [{"step": "ramp", "to_strain": 1.0, "speed": 30.0}, {"step": "rest", "within": 1.0}]
+    >>> [step.step for step in CyclicTest(dt=0.01, steps=steps).steps]
+    ['ramp', 'rest']
+    """
 
     name: str = "test"
     dt: Annotated[float, in_unit("s"), Field(ge=1e-6, le=10)] = 0.005
@@ -347,7 +360,7 @@ def cyclic_test(
     speed : mean loading rate [mm/s].
     rest : pause between amplitudes [s], 1.25 h by default (the source says 1 to 1.5 h);
         None for no pause.
-    closing_strain : amplitude of the one small cycle that stops the loading smoothly after
+    closing_strain : strain of the one small cycle that stops the loading smoothly after
         each amplitude (section 3.3.1; its size is not printed, 0.1 is our choice); None for
         none.
     dt : largest time step while the bearing moves [s].

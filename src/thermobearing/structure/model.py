@@ -120,7 +120,17 @@ class Reported(Strict):
 
 
 class Structure(Strict):
-    """A whole structure; see docs/files.md."""
+    """A whole structure; see docs/files.md.
+
+    Attributes
+    ----------
+    name, description, citation : what it is and where its numbers come from.
+    bodies : rigid bodies, each after the one that carries it.
+    masses : on bodies.
+    springs, hinges, bearings : connections of two bodies, or of a body and the ground.
+    damping : Rayleigh damping of two modes.
+    report : which body is the deck, which the pier, and where its ends are.
+    """
 
     name: Name
     description: str = ""
@@ -184,6 +194,10 @@ def list_structures() -> list[str]:
 
 def load_structure(name_or_path: str | Path) -> Structure:
     """A structure of the library by name, or one of your own from a TOML file.
+
+    Parameters
+    ----------
+    name_or_path : a name of `list_structures()`, or a path to your own file.
 
     Raises
     ------
