@@ -153,7 +153,8 @@ def backward(transform: Transform, scaled: float) -> float:
 class Parameter:
     """One number of a bearing in a fit: free between its bounds, fixed, or tied to another.
 
-    `tie` is (key, factor): the value is factor times that of the other parameter.
+    `tie` is (key, factor): the value is factor times that of the other parameter. `bounded` says
+    that the user chose the bounds: another starting value does not move them.
 
     Examples
     --------
@@ -168,6 +169,7 @@ class Parameter:
     upper: float
     free: bool = True
     tie: tuple[str, float] | None = None
+    bounded: bool = False
 
     def at(self, unit: float) -> float:
         """Value at a place in [0, 1] between the bounds.
@@ -279,7 +281,7 @@ class ParameterSet:
         return with_values(self.base, self.values(cube))
 
     def with_start(self, values: dict[str, float]) -> "ParameterSet":
-        """The same with other starting values; relative bounds move along.
+        """The same with other starting values; relative bounds move along, unless they were chosen.
 
         Parameters
         ----------
@@ -293,7 +295,7 @@ class ParameterSet:
         for p in self.parameters:
             value = values.get(p.kind.key, p.value)
             lower, upper = p.lower, p.upper
-            if p.kind.relative and p.free:
+            if p.kind.relative and p.free and not p.bounded:
                 lower, upper = p.kind.lower * value, p.kind.upper * value
             moved.append(replace(p, value=value, lower=lower, upper=upper))
         return replace(self, parameters=tuple(moved))
@@ -460,5 +462,15 @@ def parameter_set(
         lower, upper = given.get(kind.key, (kind.lower * scale, kind.upper * scale))
         if not lower < upper:
             raise InputError(f"{kind.symbol}: bounds {lower:g} to {upper:g} {kind.unit} are empty")
-        made.append(Parameter(kind, value, lower, upper, kind.key in keys, ties.get(kind.key)))
+        made.append(
+            Parameter(
+                kind,
+                value,
+                lower,
+                upper,
+                free=kind.key in keys,
+                tie=ties.get(kind.key),
+                bounded=kind.key in given,
+            )
+        )
     return ParameterSet(bearing, tuple(made))
