@@ -59,7 +59,6 @@ SINGLE_PRECISION = 4e-6  # K: cell histories are kept as float32, 2e-6 at 40 deg
 # --- Validation and regression, HDR ------------------------------------------------------
 ROUNDING = 1e-14  # sums of a few dozen numbers
 TABLE_6_1_STIFFNESS = 0.015  # Table 6.4 prints K_r with two digits
-REGRESSION = 1e-7  # another compiler may round a fused multiply-add otherwise
 
 # --- The border: units and tables --------------------------------------------------------
 CONVERSION = 1e-12  # a few roundings on the way through SI
@@ -176,6 +175,8 @@ PGD_BOUND = (
 REMADE = 1e-3  # of the peak: 40 rounds carry rounding and another FFT along; 6e-8 measured here
 EQSIG_MEASURE = 1e-12  # the same trapezia
 EQSIG_DURATION = 1.0  # time steps at each end: they take samples, we go between them
+ADJOINT = 1e-11  # of the largest: the same sums in another order; 3e-14 measured
+STRAIGHT_LINES = 0.01  # straight lines for waves between samples, T > 0.5 s; 6.5e-3 measured
 POOR_PHASES = 0.031  # rms, a pulse of ground I made to fit ground III; 0.029 measured
 PASSBAND = 5e-3  # of a sine well below the new limit, away from the ends; 2e-3 measured
 STOPBAND = 2e-3  # of a sine well above the new limit; 1e-3 measured
@@ -194,3 +195,9 @@ LEAST_RESIDUAL = 1e-6  # 5e-8 measured: rounding of temperatures over a least wa
 
 # --- One model in every analysis ------------------------------------------------------------
 NOISE_FREE_STRENGTH = 1e-4  # 2e-5 with coarse steps of the fit; 1.3e-3 with another heat source
+
+# --- Golden files --------------------------------------------------------------------------
+# Against code compiled without fused multiply-add and wide vectors: 2e-11, after a search 7e-10.
+GOLDEN = 1e-9  # relative, and one unit of the last printed digit
+GOLDEN_FITTED = 1e-6  # relative, of what a search found: it stops at 1e-7
+GOLDEN_FLOOR = 1e-9  # in kN, mm, s, K, MPa and their products: residuals and zeros are roundings

@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 from thermobearing.border.library import Library
 from thermobearing.border.schema import Strict, in_unit, validated
 
-Stiffness = Annotated[float, in_unit("kN/mm"), Field(gt=0)]
+Stiffness = Annotated[float, in_unit("kN/mm"), Field(ge=1e-6, le=1e7)]  # 0.1 to 1000 kN/mm
 
 
 class BilinearBearing(Strict):
@@ -18,8 +18,8 @@ class BilinearBearing(Strict):
     kind: Literal["bilinear"] = "bilinear"
     description: str = ""
     citation: str = ""
-    total_rubber_thickness: Annotated[float, in_unit("mm"), Field(gt=0)]
-    strength: Annotated[float, in_unit("kN"), Field(gt=0)]  # Q_d
+    total_rubber_thickness: Annotated[float, in_unit("mm"), Field(ge=0.01, le=1e5)]
+    strength: Annotated[float, in_unit("kN"), Field(ge=1e-6, le=1e7)]  # Q_d
     initial_stiffness: Stiffness  # K_1
     post_yield_stiffness: Stiffness  # K_2
 

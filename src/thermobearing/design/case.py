@@ -31,13 +31,13 @@ class DesignCase(Strict):
     motions: Annotated[list[Motion], Field(min_length=1, max_length=1000)]
     compound: str = "G8"
     compound_kind: Kind = "HDR"
-    start: Annotated[float, in_unit("mm"), Field(gt=0, le=2000)] = 200.0
-    weight: Annotated[float, in_unit("kN"), Field(gt=0)] | None = None
-    stiffness_ratio: Annotated[float, Field(gt=0, lt=1)] = STIFFNESS_RATIO
-    effective_displacement_factor: Annotated[float, Field(gt=0, le=1)] = 1.0
-    tolerance: Annotated[float, Field(gt=0, le=0.1)] = 0.01
+    start: Annotated[float, in_unit("mm"), Field(ge=1, le=2000)] = 200.0
+    weight: Annotated[float, in_unit("kN"), Field(ge=0.1, le=1e6)] | None = None
+    stiffness_ratio: Annotated[float, Field(ge=1e-3, le=0.99)] = STIFFNESS_RATIO
+    effective_displacement_factor: Annotated[float, Field(ge=0.01, le=1)] = 1.0
+    tolerance: Annotated[float, Field(ge=1e-6, le=0.1)] = 0.01
     most_rounds: Annotated[int, Field(ge=1, le=200)] = 40
-    dt: Annotated[float, in_unit("s"), Field(gt=0, le=0.1)] = 0.005
+    dt: Annotated[float, in_unit("s"), Field(ge=1e-6, le=0.1)] = 0.005
     mass: MassModel = "consistent"
     sizing: SizingRules = SizingRules()
     equal: list[str] = ["shen-hdr-bridge", "shen-lhdr-bridge"]  # noqa: RUF012 (pydantic copies it)

@@ -31,7 +31,7 @@ class EndFace(Strict):
     """One end face: `eta` in [1, 3] (Eq. 4.15; 1 adiabatic, 3 at ambient) or a film coefficient."""
 
     eta: Annotated[float, Field(ge=1, le=3)] | None = None
-    film: Annotated[float, in_unit("W/(m^2 K)"), Field(ge=0)] | None = None
+    film: Annotated[float, in_unit("W/(m^2 K)"), Field(ge=0, le=1e5)] | None = None
 
     @classmethod
     def conflicts(cls, given: dict[str, Any]) -> list[str]:
