@@ -10,8 +10,8 @@ import thermobearing as tb
 from benchmarks.rows import Row, at_least, at_most, plain
 from thermobearing.identify.krill import krill_herd
 from thermobearing.identify.record import TestRecord
-from thermobearing.identify.report import fits
-from thermobearing.identify.run import Identification, identify_bearing
+from thermobearing.identify.result import Identification
+from thermobearing.identify.run import identify_bearing
 from thermobearing.identify.synthetic import forgotten, synthetic_record
 
 Floats = NDArray[np.float64]
@@ -48,7 +48,7 @@ def recovery(kind: str) -> list[Row]:
         begin = time.perf_counter()
         found = identify_bearing(records, forgotten(truth), seed=seed)
         seconds.append(time.perf_counter() - begin)
-        r2 += [fit.R2 for fit in fits(found)]
+        r2 += [fit.R2 for fit in found.fits]
         for key, item in found.uncertainty.estimates.items():
             off = abs(item.value - true_value(truth, key))
             if item.well_determined:
@@ -89,7 +89,7 @@ def model_error() -> list[Row]:
     rows = []
     for factor in (1.0, 1.1, 1.3, 1.5):
         found = identify_bearing(tests_of(truth, 0, first_cycle=factor), forgotten(truth))
-        lowest = min(fit.R2 for fit in fits(found))
+        lowest = min(fit.R2 for fit in found.fits)
         worth = found.uncertainty.effective_samples / found.uncertainty.samples
         note = f"{len(found.warnings)} warnings; a sample is worth {worth:.2f} of one"
         rows.append(plain(f"R2 with first cycles x {factor:g}", lowest, note=note))

@@ -5,7 +5,7 @@ import tempfile
 import time
 from pathlib import Path
 
-import openseespy.opensees as ops
+from tests.opensees import ops
 
 STEPS, DT, REPEATS = 4000, 0.005, 7
 # N, m, kg: 20 layers of 10 mm, 0.8 m wide, a lead core of 0.15 m.

@@ -7,10 +7,10 @@ import json
 import time
 
 import numpy as np
-import openseespy.opensees as ops
 
 from benchmarks.opensees_model import BEARING, LEAD, VERTICAL
 from benchmarks.structure import DT, LINE, STRUCTURE, ground
+from tests.opensees import ops
 from tests.reference.opensees_pier import build
 from thermobearing.structure.model import load_structure
 from thermobearing.structure.run import prepare_structure

@@ -57,10 +57,9 @@ def draw() -> Figure:
         ax.plot(*leg.T, color=colour, linewidth=1.6)
     for text, number, place, offset in RULES:
         at = legs[number][int(place * (COUNT - 1))]
-        ax.annotate(
-            text, at, offset, textcoords="offset points", fontsize=drawing.SMALL,
-            arrowprops={"arrowstyle": "-", "color": drawing.GREY, "linewidth": 0.6},
-        )  # fmt: skip
+        arrow: drawing.Look = {"arrowstyle": "-", "color": drawing.GREY, "linewidth": 0.6}
+        look: drawing.Look = {"fontsize": drawing.SMALL, "arrowprops": arrow}
+        ax.annotate(text, at, offset, textcoords="offset points", **look)
     drawing.name_axes(ax, "rotation / yield rotation", "moment / yield moment")
     return figure
 

@@ -184,9 +184,7 @@ def between(text: str, name: str, content: str) -> str:
 def draw() -> None:
     """The loops of the README."""
     import thermobearing as tb
-    from thermobearing.design.bounds_study import DEMANDS
-    from thermobearing.design.factor_files import scale_figure
-    from thermobearing.design.figures import draw_bounds
+    from thermobearing.design.figures import draw_bounds, draw_scale
 
     result = tb.run("shen-hdr-specimen", tb.cyclic_test(), ambient=[-20.0, 0.0, 23.0])
     (DOCS / "figures").mkdir(exist_ok=True)
@@ -195,12 +193,13 @@ def draw() -> None:
     study = tb.bridge(bearings, ["jra-i-i-1", "jra-ii-i-1"], [23.0, 0.0, -20.0])
     bearing = tb.load_bearing("shen-hdr-bridge")
     motions = [name for name in tb.list_motions() if name.split("-")[2] == "i"]
-    draw_bounds(
-        tb.bounds_study(bearing, motions), DEMANDS, "shen-hdr-bridge: bounds (bars), coupled (dots)"
-    ).savefig(DOCS / "figures" / "bounds.png", dpi=80)
+    title = "shen-hdr-bridge: bounds (bars), coupled (dots)"
+    draw_bounds(tb.bounds_study(bearing, motions), title).savefig(
+        DOCS / "figures" / "bounds.png", dpi=80
+    )
     lead = tb.load_bearing("shen-lhdr-bridge")
     _, results = tb.scale_study(lead)
-    scale_figure(lead, results).savefig(DOCS / "figures" / "scale.png", dpi=80)
+    draw_scale(lead, results).savefig(DOCS / "figures" / "scale.png", dpi=80)
     study.plot.loops().savefig(DOCS / "figures" / "bridge.png", dpi=110)
 
 

@@ -1,42 +1,27 @@
-"""Shared by all tests: CI fails when a test is skipped that is not expected to be.
+"""Shared by all tests: what they measured, and what they skipped.
 
 A test that needs the given data or an optional program skips elsewhere, with a reason; in
-CI everything is there, so every skip must stand in tests/expected_skips.txt.
+CI everything is there, so every skip must stand in tests/expected_skips.txt: CI fails when a
+test is skipped that is not expected to be, and the other way round.
+
+Tests may run in several processes (pytest-xdist). Each reports what it measured and skipped to
+the one that was called, which writes it down.
 """
 
 import json
 import os
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 EXPECTED = Path(__file__).with_name("expected_skips.txt")
-
-
-def _expected() -> set[str]:
-    lines = (line.split("#")[0].strip() for line in EXPECTED.read_text().splitlines())
-    return {line for line in lines if line}
-
-
-@pytest.hookimpl(trylast=True)
-def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
-    """Print the skipped tests, and in CI compare them with the expected list."""
-    skipped = {report.nodeid for report in terminalreporter.stats.get("skipped", [])}
-    if not os.environ.get("CI"):
-        return
-    terminalreporter.section("skipped tests")
-    for name in sorted(skipped) or ["none"]:
-        terminalreporter.write_line(name)
-    unexpected = skipped ^ _expected()
-    if unexpected:
-        terminalreporter.write_line(f"not as in {EXPECTED.name}: {sorted(unexpected)}")
-        terminalreporter._session.exitstatus = pytest.ExitCode.TESTS_FAILED  # type: ignore[attr-defined]
-
-
 Value = str | float
 Recorder = Callable[[str, Value, str], None]
-MEASURED: dict[str, tuple[Value, str, str]] = {}
+KEY = "measured"  # of the properties of a test's report that hold its numbers
+SKIPPED: set[str] = set()  # tests, and files that skip as a whole
+PROPERTIES: list[tuple[str, Any]] = []  # of all tests, in the order in which they ended
 
 
 @pytest.fixture
@@ -45,28 +30,82 @@ def measured(request: pytest.FixtureRequest) -> Recorder:
 
     Text is kept as it is; of numbers under one name the largest is kept.
     """
+    place = request.session.items.index(request.node)
+    test = request.node.nodeid.split("[")[0]
 
     def record(what: str, value: Value, limit: str) -> None:
-        before = MEASURED.get(what, (value, "", ""))[0]
-        if not isinstance(value, str) and not isinstance(before, str):
-            value = max(float(value), before)
-        MEASURED[what] = (value, limit, request.node.nodeid.split("[")[0])
+        number = value if isinstance(value, str) else float(value)
+        row = {"place": place, "what": what, "value": number, "limit": limit, "test": test}
+        request.node.user_properties.append((KEY, row))
 
     return record
 
 
-def pytest_sessionfinish() -> None:
-    """Write what the tests measured where THERMOBEARING_MEASURED says (used by `make docs`)."""
-    target = os.environ.get("THERMOBEARING_MEASURED")
-    if not target:
+def pytest_collectreport(report: pytest.CollectReport) -> None:
+    """Note a file that skips as a whole."""
+    if report.skipped:
+        SKIPPED.add(report.nodeid)
+
+
+def pytest_runtest_logreport(report: pytest.TestReport) -> None:
+    """Note what a test measured, and whether it skipped; in each process, and where all end."""
+    if report.skipped and not hasattr(report, "wasxfail"):
+        SKIPPED.add(report.nodeid)
+    if report.when == "teardown":  # the last report of a test has all its properties
+        PROPERTIES.extend(report.user_properties)
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_testnodedown(node: Any, error: object) -> None:
+    """Files that skipped in another process: pytest-xdist itself reports tests only."""
+    SKIPPED.update(getattr(node, "workeroutput", {}).get("skipped", ()))
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """Print the skipped tests, and in CI compare them with the expected list."""
+    if not os.environ.get("CI"):
         return
-    rows = [
+    terminalreporter.section("skipped tests")
+    for name in sorted(SKIPPED) or ["none"]:
+        terminalreporter.write_line(name)
+    unexpected = SKIPPED ^ _expected()
+    if unexpected:
+        terminalreporter.write_line(f"not as in {EXPECTED.name}: {sorted(unexpected)}")
+        terminalreporter._session.exitstatus = pytest.ExitCode.TESTS_FAILED  # type: ignore[attr-defined]
+
+
+def _expected() -> set[str]:
+    lines = (line.split("#")[0].strip() for line in EXPECTED.read_text().splitlines())
+    return {line for line in lines if line}
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    """Write what the tests measured where THERMOBEARING_MEASURED says (used by `make docs`)."""
+    if hasattr(session.config, "workerinput"):
+        session.config.workeroutput["skipped"] = sorted(SKIPPED)  # type: ignore[attr-defined]
+        return
+    target = os.environ.get("THERMOBEARING_MEASURED")
+    if target:
+        rows = measured_rows([row for key, row in PROPERTIES if key == KEY])
+        Path(target).write_text(json.dumps(rows, indent=1, ensure_ascii=False) + "\n")
+
+
+def measured_rows(found: list[dict[str, Any]]) -> list[dict[str, str]]:
+    """One row for each name in the order of the tests; of several numbers the largest."""
+    rows: dict[str, dict[str, Any]] = {}
+    for row in sorted(found, key=lambda row: row["place"]):  # in whichever order they ended
+        before = rows.get(row["what"], row)
+        if not isinstance(row["value"], str) and not isinstance(before["value"], str):
+            row = row | {"value": max(row["value"], before["value"])}
+        rows[row["what"]] = row
+    return [
         {
-            "what": what,
-            "value": value if isinstance(value, str) else f"{value:.1e}",
-            "limit": limit,
-            "test": test,
+            "what": row["what"],
+            "value": row["value"] if isinstance(row["value"], str) else f"{row['value']:.1e}",
+            "limit": row["limit"],
+            "test": row["test"],
         }
-        for what, (value, limit, test) in MEASURED.items()
+        for row in rows.values()
     ]
-    Path(target).write_text(json.dumps(rows, indent=1, ensure_ascii=False) + "\n")

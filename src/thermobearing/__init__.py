@@ -22,9 +22,9 @@ _HOME = {
     "CyclicTest": "thermobearing.cyclic.protocol",
     "EarthquakeCase": "thermobearing.earthquake.case",
     "EarthquakeResult": "thermobearing.earthquake.result",
-    "EndFace": "thermobearing.cyclic.case",
+    "EndFace": "thermobearing.model.options",
     "GroundMotion": "thermobearing.motions.record",
-    "Identification": "thermobearing.identify.run",
+    "Identification": "thermobearing.identify.result",
     "InputError": "thermobearing.border.errors",
     "OutputError": "thermobearing.border.errors",
     "Result": "thermobearing.cyclic.result",
@@ -32,11 +32,11 @@ _HOME = {
     "baseline_corrected": "thermobearing.motions.process",
     "bound_models": "thermobearing.design.bound_models",
     "bounds_study": "thermobearing.design.bounds_study",
-    "bridge": "thermobearing.earthquake.run",
+    "bridge": "thermobearing.earthquake.study",
     "check_test": "thermobearing.identify.checks",
     "cyclic_test": "thermobearing.cyclic.protocol",
     "equal_bearing": "thermobearing.design.equal",
-    "hybrid": "thermobearing.earthquake.run",
+    "hybrid": "thermobearing.earthquake.study",
     "identify_bearing": "thermobearing.identify.run",
     "list_bearings": "thermobearing.bearing.library",
     "list_motions": "thermobearing.motions.library",
@@ -47,7 +47,7 @@ _HOME = {
     "load_design_case": "thermobearing.design.case",
     "load_earthquake_case": "thermobearing.earthquake.case",
     "load_motion": "thermobearing.motions.library",
-    "load_result": "thermobearing.cyclic.files",
+    "load_result": "thermobearing.loading",
     "load_structure": "thermobearing.structure.model",
     "load_test": "thermobearing.identify.record",
     "make_design_case": "thermobearing.design.case",
@@ -139,8 +139,7 @@ if TYPE_CHECKING:
     from thermobearing.bearing.model import Bearing
     from thermobearing.border.errors import InputError, OutputError
     from thermobearing.border.tables import read_columns
-    from thermobearing.cyclic.case import Case, EndFace, load_case
-    from thermobearing.cyclic.files import load_result
+    from thermobearing.cyclic.case import Case, load_case
     from thermobearing.cyclic.protocol import CyclicTest, cyclic_test
     from thermobearing.cyclic.result import Result
     from thermobearing.cyclic.run import run, run_case
@@ -153,12 +152,16 @@ if TYPE_CHECKING:
     from thermobearing.design.scale import scale_study, scaled_bearing
     from thermobearing.earthquake.case import EarthquakeCase, load_earthquake_case
     from thermobearing.earthquake.result import EarthquakeResult
-    from thermobearing.earthquake.run import bridge, hybrid, run_earthquake
+    from thermobearing.earthquake.run import run_earthquake
+    from thermobearing.earthquake.study import bridge, hybrid
     from thermobearing.identify.checks import check_test
     from thermobearing.identify.record import TestRecord, load_test, record_from_arrays
-    from thermobearing.identify.run import Identification, identify_bearing
+    from thermobearing.identify.result import Identification
+    from thermobearing.identify.run import identify_bearing
     from thermobearing.identify.synthetic import synthetic_record
+    from thermobearing.loading import load_result
     from thermobearing.model.element import BearingElement
+    from thermobearing.model.options import EndFace
     from thermobearing.motions.jra import standard_spectrum
     from thermobearing.motions.library import list_motions, load_motion
     from thermobearing.motions.measures import measure_motion

@@ -6,7 +6,6 @@ results kept). Heavy imports wait until a command needs them, so that --help is 
 """
 
 import contextlib
-import json
 import re
 import sys
 from pathlib import Path
@@ -32,6 +31,8 @@ from thermobearing.commands.common import (
 )
 from thermobearing.commands.identify import identify
 from thermobearing.commands.motions import app as motions
+from thermobearing.commands.streams import patient_streams
+from thermobearing.commands.threads import one_blas_thread
 
 if TYPE_CHECKING:
     from thermobearing.cyclic.case import Case
@@ -143,8 +144,7 @@ def cyclic(
     if not quiet:
         with contextlib.suppress(KeyboardInterrupt):  # the result is safe by now
             print_result(result, others)
-    sentence = json.loads(result.dataset.attrs["sentences"]).get(result.outcome, "")
-    return written(result.outcome, sentence, target, as_json=as_json, quiet=quiet)
+    return written(result.outcome, result.sentence, target, as_json=as_json, quiet=quiet)
 
 
 def _others(case: "Case", result: "Result") -> "dict[str, Result]":
@@ -195,7 +195,7 @@ def check(
 ) -> int:
     """Validate a file without running it, and say what was understood."""
     from thermobearing.commands.check import describe_file
-    from thermobearing.cyclic.screen import print_facts
+    from thermobearing.results.screen import print_facts
 
     kind, facts = describe_file(file)
     print_facts(f"{file}: a valid {kind}", facts)
@@ -241,7 +241,13 @@ app.command()(identify)
 
 def main() -> None:
     """Entry point of the console script."""
-    app()
+    one_blas_thread()
+    patient_streams()
+    try:
+        app()
+    finally:
+        for stream in (sys.stdout, sys.stderr):
+            stream.flush()
 
 
 if __name__ == "__main__":

@@ -47,10 +47,9 @@ def test_measures_are_those_of_eqsig(name: str) -> None:
     other = eqsig.AccSignal(motion.acceleration, motion.dt)
     ours = measure_motion(motion)
     gravity = 9.81 / STANDARD_GRAVITY  # theirs is in m and has g = 9.81 m/s2
-    assert_allclose(
-        arias_growth(motion), eqsig.im.calc_arias_intensity(other) * gravity,
-        rtol=tol.EQSIG_MEASURE, atol=tol.EQSIG_MEASURE * ours.arias_intensity,
-    )  # fmt: skip
+    theirs = eqsig.im.calc_arias_intensity(other) * gravity
+    near = {"rtol": tol.EQSIG_MEASURE, "atol": tol.EQSIG_MEASURE * ours.arias_intensity}
+    assert_allclose(arias_growth(motion), theirs, **near)
     cav = eqsig.im.calc_cav(other)[-1]
     assert ours.cumulative_absolute_velocity == pytest.approx(cav, rel=tol.EQSIG_MEASURE)
     steps = 2.0 * tol.EQSIG_DURATION * motion.dt

@@ -7,14 +7,15 @@ the heating is compared, from time zero.
 """
 
 import numpy as np
-import pytest
 from numpy.typing import NDArray
 
 import thermobearing as tb
 from tests import tolerances as tol
 from tests.conftest import Recorder
+from tests.opensees import needs_opensees
+from tests.reference.opensees_lead import lead_rubber_x, stiff_example
 
-pytest.importorskip("openseespy.opensees", reason="OpenSees is not installed")
+pytestmark = needs_opensees
 
 AMPLITUDE, PERIOD, CYCLES, DT = 160.0, 4.0, 3, 0.005  # mm, s
 AMBIENT = 20.0  # degC, where the strength is that of the file
@@ -45,8 +46,6 @@ def test_lead_temperature_and_strength_while_heating(measured: Recorder) -> None
             }
         ],
     )
-    from tests.reference.opensees_lead import lead_rubber_x, stiff_example
-
     bearing = stiff_example()
     ours = tb.run(bearing, test, ambient=AMBIENT, model="lead-alone")
     rise = ours["lead_temperature"].values[0, 1:] - AMBIENT

@@ -3,14 +3,16 @@
 import numpy as np
 import pytest
 
+from benchmarks.opensees_pier_figure import draw
 from tests import tolerances as tol
 from tests.conftest import Recorder
+from tests.opensees import needs_opensees, ops
+from tests.reference.opensees_pier import build, spring_bearing
+from tests.reference.pier_comparison import compare
 from tests.verification.structures import linear_bearing, shaken
 from thermobearing.core.types import Floats
 
-pytest.importorskip(
-    "openseespy.opensees", reason="openseespy is not installed or lacks libblas3, liblapack3"
-)
+pytestmark = needs_opensees
 
 DT = 0.005
 
@@ -18,8 +20,6 @@ DT = 0.005
 @pytest.mark.parametrize("name", ["pier-p1", "hybrid-pier"])
 @pytest.mark.parametrize("kind", ["linear", "bilinear"])
 def test_structure_against_opensees(name: str, kind: str, measured: Recorder) -> None:
-    from tests.reference.pier_comparison import compare
-
     ours, theirs = compare(name, kind)
     for quantity, values in ours.items():
         reference = theirs[quantity]
@@ -36,10 +36,6 @@ def test_structure_against_opensees(name: str, kind: str, measured: Recorder) ->
 
 
 def test_periods_of_pier_p1_against_opensees(measured: Recorder) -> None:
-    import openseespy.opensees as ops
-
-    from tests.reference.opensees_pier import build, spring_bearing
-
     ground: Floats = np.zeros(3)
     prepared, _ = shaken("pier-p1", linear_bearing(2.6153), ground, DT)
     build(prepared, spring_bearing(2.6153, 5), ground, DT, (0.0, 0.0))
@@ -54,6 +50,4 @@ def test_periods_of_pier_p1_against_opensees(measured: Recorder) -> None:
 
 def test_figure_of_both() -> None:
     """The figure of docs/verification.md is drawn from the same runs."""
-    from benchmarks.opensees_pier_figure import draw
-
     assert len(draw("hybrid-pier", "bilinear").axes) == 4

@@ -24,8 +24,8 @@ def blocks(text: str, language: str) -> list[str]:
 
 def commands(program: str) -> list[str]:
     """Lines of all bash blocks that start with the program, without their comments."""
-    lines = [line for path in TEXTS for block in blocks(path.read_text(), "bash")
-             for line in block.splitlines()]  # fmt: skip
+    found = [block for path in TEXTS for block in blocks(path.read_text(), "bash")]
+    lines = [line for block in found for line in block.splitlines()]
     return [line.split("#")[0].strip() for line in lines if line.startswith(program)]
 
 

@@ -246,8 +246,8 @@ def bearing_problem(bearing: Bearing, eta: float = 2.0, fineness: float = 1.0) -
         elements = 2 * round(0.5 * count * fineness + 0.2)  # even: a line at mid-thickness
         ratio = {"end plate": 0.03, "sealing plate": 30.0}.get(name, 1.0) if lead else 1.0
         lines.append(graded(depth, depth + thickness, elements, ratio))
-        blocks.append(Block(name, (core if name != "end plate" else 0.0, radius),
-                            (depth, depth + thickness), material))  # fmt: skip
+        across = (core if name != "end plate" else 0.0, radius)
+        blocks.append(Block(name, across, (depth, depth + thickness), material))
         if name.startswith("rubber"):
             planes.append((f"middle of {name}", depth + 0.5 * thickness, core))
         depth += thickness

@@ -5,10 +5,10 @@ an imposed displacement alone leaves the nodal velocity, and so the heat, at zer
 """
 
 import numpy as np
-import openseespy.opensees as ops
 from numpy.typing import NDArray
 
 import thermobearing as tb
+from tests.opensees import ops
 
 Floats = NDArray[np.float64]
 STIFF = 165.0  # kN/mm: so stiff that yielding is sharp in both (Bouc-Wen there, bilinear here)
@@ -28,12 +28,15 @@ def _element(b: tb.Bearing) -> None:
     area = b.area - b.lead_area
     shear = b.hysteresis.layer_stiffness * g.rubber_thickness / area * 1e9  # kN/mm2 -> Pa
     elastic = b.hysteresis.layer_stiffness / g.rubber_layers
-    ops.element(
-        "LeadRubberX", 1, 1, 2, lead.core_strength * 1e3, elastic / (STIFF + elastic), shear, 2e9,
-        lead.diameter / 1e3, g.plan.diameter / 1e3, g.shim_thickness / 1e3,
-        g.rubber_thickness / 1e3, g.rubber_layers, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0,
-        10.0, 0.5, 1.0, 0.5, 0.0, 0.0, 0.0, 11200.0, 130.0, 50.0, 1.41e-5, 0, 0, 0, 0, 1,
-    )  # fmt: skip
+    strength = [lead.core_strength * 1e3, elastic / (STIFF + elastic), shear, 2e9]
+    size = [lead.diameter, g.plan.diameter, g.shim_thickness, g.rubber_thickness]
+    axes = [0.0, 0.0, 1.0, 1.0, 0.0, 0.0]
+    vertical = [10.0, 0.5, 1.0, 0.5, 0.0, 0.0, 0.0]  # cavitation, shear distance, mass, damping
+    heat = [11200.0, 130.0, 50.0, 1.41e-5]  # of lead and steel
+    switches = [0, 0, 0, 0, 1]  # the last: lead heats
+    metres = [value / 1e3 for value in size]
+    numbers = [*strength, *metres, g.rubber_layers, *axes, *vertical, *heat, *switches]
+    ops.element("LeadRubberX", 1, 1, 2, *numbers)
 
 
 def lead_rubber_x(

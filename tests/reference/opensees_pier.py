@@ -8,9 +8,9 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-import openseespy.opensees as ops
 from numpy.typing import NDArray
 
+from tests.opensees import ops
 from thermobearing.structure.model import Structure
 from thermobearing.structure.run import Prepared
 

@@ -1,54 +1,61 @@
-"""Rewrite the regression baselines: `python -m tests.regression.regenerate "reason"`.
+"""Rewrite the golden files: `python -m tests.regression.regenerate "reason" [CASE ...]`.
 
-Run it only when a change of the numbers is meant; the reason is kept in the baseline.
+Run it only when a change of the numbers is meant. It prints what changed, and keeps the reason
+beside the files, in golden/reasons.md. Without a reason it only prints.
 """
 
-import json
 import sys
+import tempfile
 from datetime import date
 from pathlib import Path
-from typing import Any
 
 import thermobearing as tb
+from tests.regression.cases import CASES, results_of, tolerance_of
+from tests.regression.comparison import GOLDEN, differences, stored
 
-BASELINE = Path(__file__).with_name("baselines") / "cyclic.json"
-CASES: dict[str, dict[str, Any]] = {
-    "specimen, conservative, exact": {},
-    "specimen, published, euler": {"scheme": "published", "integrator": "euler"},
-    "specimen, dissipated heat, full stack": {"heat_source": "dissipation", "stack": "full"},
-    "bridge": {"bearing": "shen-hdr-bridge"},
-    "lead specimen": {"bearing": "shen-lhdr-specimen"},
-    "lead specimen, published": {"bearing": "shen-lhdr-specimen", "scheme": "published"},
-    "lead rubber bearing": {"bearing": "lrb-example"},
-    "single temperature": {"bearing": "shen-lhdr-specimen", "model": "single-temperature"},
-}
+REASONS = GOLDEN / "reasons.md"
+SHOWN = 8  # differences of a case
 
 
-def compute() -> dict[str, list[list[float]]]:
-    """G_eq, h_eq, energy and outer and inner temperature of each cycle of a short test."""
-    test = tb.cyclic_test(strain=[1.0, 2.5], cycles=2, rest=600.0)
-    columns = ["G_eq_MPa", "h_eq", "energy_kN_mm", "rubber1_degC", "rubber3_degC"]
-    return {
-        name: tb.run(**{"bearing": "shen-hdr-specimen", "test": test, "ambient": -20.0} | options)
-        .cycles[columns]
-        .to_numpy()
-        .tolist()
-        for name, options in CASES.items()
-    }
+def compute(case: str) -> dict[str, str]:
+    """What a case gives now."""
+    with tempfile.TemporaryDirectory() as folder:
+        return results_of(case, Path(folder).resolve())
+
+
+def write(case: str, texts: dict[str, str]) -> None:
+    """Replace the golden files of a case."""
+    for name in stored(case):
+        (GOLDEN / case / name).unlink()
+    for name, text in texts.items():
+        path = GOLDEN / case / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
 
 
 def main() -> None:
-    """Write the baseline with its date, version and reason."""
-    if len(sys.argv) != 2:
-        sys.exit('usage: python -m tests.regression.regenerate "reason for the new numbers"')
-    BASELINE.parent.mkdir(exist_ok=True)
-    content = {
-        "reason": sys.argv[1],
-        "date": date.today().isoformat(),
-        "version": tb.__version__,
-        "values": compute(),
-    }
-    BASELINE.write_text(json.dumps(content, indent=1) + "\n")
+    """Print what changed; with a reason, write it too."""
+    reason, *chosen = sys.argv[1:] or [""]
+    unknown = sorted(set(chosen) - set(CASES))
+    if unknown:
+        sys.exit(f"no case is called {unknown[0]}; there are {', '.join(CASES)}")
+    changed = []
+    for case in chosen or CASES:
+        texts = compute(case)
+        found = differences(stored(case), texts, tolerance_of(case))
+        if not found:
+            continue
+        changed.append(f"{case} ({len(found)} lines)")
+        print(f"{case}: {len(found)} lines differ")
+        print("".join(f"  {line}\n" for line in found[:SHOWN]), end="")
+        if reason:
+            write(case, texts)
+    if reason and changed:
+        entry = f"- {date.today().isoformat()}, {tb.__version__}: {reason}\n"
+        with REASONS.open("a") as file:
+            file.write(f"{entry}  Changed: {', '.join(changed)}.\n")
+    elif changed:
+        sys.exit('nothing written; give a reason: python -m tests.regression.regenerate "..."')
 
 
 if __name__ == "__main__":

@@ -46,30 +46,47 @@ def at2_text(
 
 
 def knet_text(
-    frequency: str = "100Hz", scale: str = "2000(gal)/1000000", duration: str = "4",
-    largest: float = 300.0, memo: str = "Memo.", offset: int = 5000, direction: str = "N-S",
-) -> str:  # fmt: skip
+    frequency: str = "100Hz",
+    scale: str = "2000(gal)/1000000",
+    duration: str = "4",
+    largest: float = 300.0,
+    memo: str = "Memo.",
+    offset: int = 5000,
+    direction: str = "N-S",
+) -> str:
     values = shaking(300.0)
     counts = np.round((values - values.mean()) * 500.0).astype(int) + offset
     counts[-1] -= counts.sum() - offset * len(counts)  # so that the mean is the offset
     cells = [f"{count:9d}" for count in counts]
-    entries = [
-        ("Origin Time", "2011/03/11 14:46:00"), ("Lat.", "38.103"), ("Long.", "142.860"),
-        ("Depth. (km)", "24"), ("Mag.", "9.0"), ("Station Code", "ABC001"),
-        ("Station Lat.", "35.0"), ("Station Long.", "139.0"), ("Station Height(m)", "10"),
-        ("Record Time", "2011/03/11 14:47:28"), ("Sampling Freq(Hz)", frequency),
-        ("Duration Time(s)", duration), ("Dir.", direction), ("Scale Factor", scale),
-        ("Max. Acc. (gal)", f"{largest:.3f}"), ("Last Correction", "2011/03/11 14:47:13"),
-    ]  # fmt: skip
-    head = [f"{key:18}{value}" for key, value in entries]
+    entries = {
+        "Origin Time": "2011/03/11 14:46:00",
+        "Lat.": "38.103",
+        "Long.": "142.860",
+        "Depth. (km)": "24",
+        "Mag.": "9.0",
+        "Station Code": "ABC001",
+        "Station Lat.": "35.0",
+        "Station Long.": "139.0",
+        "Station Height(m)": "10",
+        "Record Time": "2011/03/11 14:47:28",
+        "Sampling Freq(Hz)": frequency,
+        "Duration Time(s)": duration,
+        "Dir.": direction,
+        "Scale Factor": scale,
+        "Max. Acc. (gal)": f"{largest:.3f}",
+        "Last Correction": "2011/03/11 14:47:13",
+    }
+    head = [f"{key:18}{value}" for key, value in entries.items()]
     rows = ["".join(cells[i : i + 8]) for i in range(0, COUNT, 8)]
     return "\n".join([*head, memo, *rows]) + "\n"
 
 
 def jma_text(
-    rate: str = " SAMPLING RATE= 100Hz", unit: str = " UNIT  = gal(cm/s/s)",
-    titles: str = " NS,EW,UD", pga: float = 300.0,
-) -> str:  # fmt: skip
+    rate: str = " SAMPLING RATE= 100Hz",
+    unit: str = " UNIT  = gal(cm/s/s)",
+    titles: str = " NS,EW,UD",
+    pga: float = 300.0,
+) -> str:
     head = ["SITE CODE= 9CF宇城市松橋町 ,32.7,130.8", " LAT.=   32.6", " LON.=  130.7", rate, unit]
     rows = [f"{v:.4f},{-0.5 * v:.4f},{0.1 * v:.4f}" for v in shaking(pga)]
     return "\n".join([*head, "INITIAL TIME = 2016 04 14 21 26 20", titles, *rows]) + "\n"

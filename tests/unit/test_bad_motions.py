@@ -97,7 +97,7 @@ BAD: list[tuple[str, str, dict[str, Any], list[str]]] = [
     ("jma gap", changed(JMA, 20, "0.1,0.2"), NS, ["line 20", "2 numbers instead of 3"]),
     ("jma NaN", changed(JMA, 20, "0.1,nan,0.1"), NS, ["line 20", "not a finite number"]),
     ("jma in g", files.jma_text(pga=0.3), NS, ["0.3 gal", "10 to 5000 gal"]),
-]  # fmt: skip
+]
 
 
 @pytest.mark.parametrize(
@@ -176,7 +176,7 @@ CALLS: list[tuple[str, Any, list[str]]] = [
     ("corner", lambda: process.baseline_corrected(MOTION, high_pass=60.0), ["60 Hz", "50"]),
     ("tiny", lambda: process.baseline_corrected(TINY), ["3 samples"]),
     ("unit", lambda: acceleration_unit("kn"), ['unknown unit of acceleration "kn"']),
-]  # fmt: skip
+]
 
 
 @pytest.mark.parametrize(("call", "pieces"), [pytest.param(*row[1:], id=row[0]) for row in CALLS])

@@ -17,7 +17,7 @@ PATH = smooth_history(np.random.default_rng(12), 90.0, 400)  # 300 % in the cold
 
 def fresh() -> tb.BearingElement:
     constants = assembled(specimen())
-    return tb.BearingElement(constants, np.full(constants.cells.shape[1], START))
+    return tb.BearingElement.from_constants(constants, START)
 
 
 def assert_same_state(one: State, other: State) -> None:
@@ -100,7 +100,7 @@ def test_failed_trial_changes_nothing() -> None:
     """After a trial that ran away, even a commit leaves the element where it was."""
     table = changed_table(specimen_table(), {"hysteresis.yield_displacement": "0.1 mm"})
     constants = assembled(bearing_from_table(table, "table"), integrator="euler")
-    element = tb.BearingElement(constants, np.full(constants.cells.shape[1], START))
+    element = tb.BearingElement.from_constants(constants, START)
     follow(element, np.array([0.01, 0.02]))
     before = element.save()
     trial = element.set_trial(60.0, DT, AIR)
@@ -115,7 +115,7 @@ def test_run_of_the_package_is_the_same_march(integrator: str) -> None:
     result = tb.run(SPECIMEN, test, ambient=AIR, integrator=integrator)
     x, clock = result["displacement"].values[0], result["time"].values
     constants = assembled(specimen(), integrator=integrator)
-    element = tb.BearingElement(constants, np.full(constants.cells.shape[1], AIR))
+    element = tb.BearingElement.from_constants(constants, AIR)
     forces = [0.0]
     for k in range(1, len(x)):
         forces.append(element.set_trial(x[k], clock[k] - clock[k - 1], AIR).force)

@@ -25,10 +25,14 @@ def said(report: CheckReport, level: str) -> str:
     return "\n".join(f.sentence for f in report.findings if f.level == level)
 
 
+def rows(record: TestRecord, kept: slice | np.ndarray) -> TestRecord:
+    """Some samples of a record."""
+    names = ("time", "displacement", "force", "block")
+    return replace(record, **{name: getattr(record, name)[kept] for name in names})
+
+
 def cut(record: TestRecord, stop: int) -> TestRecord:
-    columns = {name: getattr(record, name)[:stop]
-               for name in ("time", "displacement", "force", "block")}  # fmt: skip
-    return replace(record, **columns)
+    return rows(record, slice(stop))
 
 
 def test_a_good_record_is_good(good: TestRecord) -> None:
@@ -106,9 +110,7 @@ def test_drift_and_offset(good: TestRecord) -> None:
 def test_missing_samples(good: TestRecord) -> None:
     kept = np.ones(len(good.time), dtype=bool)
     kept[-300:-285] = False
-    columns = {name: getattr(good, name)[kept]
-               for name in ("time", "displacement", "force", "block")}  # fmt: skip
-    assert "no samples from" in said(check_test(replace(good, **columns), BEARING), "warning")
+    assert "no samples from" in said(check_test(rows(good, kept), BEARING), "warning")
 
 
 def test_time_that_goes_back(good: TestRecord) -> None:
@@ -118,10 +120,15 @@ def test_time_that_goes_back(good: TestRecord) -> None:
 
 
 def test_few_samples(good: TestRecord) -> None:
-    every = {name: getattr(good, name)[::12]
-             for name in ("time", "displacement", "force", "block")}  # fmt: skip
-    report = check_test(replace(good, **every), BEARING)
+    report = check_test(rows(good, slice(None, None, 12)), BEARING)
     assert "only" in said(report, "refused") + said(report, "warning")
+
+
+def test_far_too_few_samples(good: TestRecord) -> None:
+    """Refused in words, although no cycle of so few samples can be measured."""
+    every = round(len(good.time) / (6 * 6))
+    report = check_test(rows(good, slice(None, None, every)), BEARING)
+    assert "a cycle has only" in said(report, "refused")
 
 
 def test_broken_thermocouple(good: TestRecord) -> None:

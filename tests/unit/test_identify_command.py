@@ -2,6 +2,7 @@
 
 import json
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,12 +14,15 @@ from thermobearing.border.errors import InputError
 from thermobearing.cli import app
 from thermobearing.identify.forward import ForwardModel
 from thermobearing.identify.posterior import (
+    forecast,
     laplace_samples,
     posterior_samples,
     predictive_band,
 )
 from thermobearing.identify.record import TestRecord
-from thermobearing.identify.run import Identification, identify_bearing
+from thermobearing.identify.result import Identification
+from thermobearing.identify.run import identify_bearing
+from thermobearing.identify.screen import print_identification
 from thermobearing.identify.synthetic import synthetic_record
 
 HDR = tb.load_bearing("shen-hdr-specimen")
@@ -57,8 +61,8 @@ def invoke(*words: object) -> tuple[int, str]:
 
 def test_fit_of_two_files(folder: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
-    status, text = invoke(folder / "at0.csv", folder / "at23.toml", "-o", out, "--predict", -20,
-                          "--json")  # fmt: skip
+    files = (folder / "at0.csv", folder / "at23.toml")
+    status, text = invoke(*files, "-o", out, "--predict", -20, "--json")
     assert status == 0, text
     summary = json.loads((out / "summary.json").read_text())
     assert summary["command"] == "identify"
@@ -137,6 +141,27 @@ def test_which_bearing(tmp_path: Path) -> None:
     status, text = invoke(path, "-o", tmp_path / "out")
     assert status == 2
     assert "which bearing?" in text
+
+
+def test_saved_from_python(found: Identification, tmp_path: Path) -> None:
+    ahead = forecast(found, [-20.0, 10.0])
+    out = found.save(tmp_path / "out", forecast=ahead)
+    told = json.loads((out / "summary.json").read_text())
+    assert told["posterior"]["source"] == "laplace"
+    assert [band["ambient_degC"] for band in told["posterior"]["peak_force"]] == [-20.0, 10.0]
+    assert told["posterior"]["peak_force"][0]["best_kN"] == ahead.bands[0].peak
+    drawn = {path.stem for path in (out / "figures").iterdir()}
+    assert {"band_-20", "band_10"} < drawn
+    rows = (out / "posterior.csv").read_text().splitlines()
+    assert len(rows) == 1 + len(ahead.samples.cube)
+    assert tb.load_bearing(out / "bearing.toml").hysteresis == found.bearing.hysteresis
+
+
+def test_names_are_not_markup(found: Identification, capsys: pytest.CaptureFixture[str]) -> None:
+    """Brackets in the name of a test are text on the terminal."""
+    records = [replace(record, name="[/x]") for record in found.records]
+    print_identification(replace(found, records=records))
+    assert "[/x]" in capsys.readouterr().out
 
 
 def test_laplace_samples_have_the_covariance(found: Identification) -> None:

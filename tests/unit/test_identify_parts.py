@@ -1,5 +1,7 @@
 """Parts of identification: parameters, krill herd, effective samples, quick forward model."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -88,6 +90,20 @@ def test_forward_model_is_the_simulation() -> None:
     predicted = model.run(LHDR)
     assert predicted is not None
     assert_allclose(predicted.force[1:], record.force[1:], atol=tol.SAME_FORCE * record.peak_force)
+
+
+def test_a_weight_counts_force_and_temperature_alike() -> None:
+    """Weight w makes the squared residuals of a record w times as large, row by row."""
+    test = tb.cyclic_test(strain=[1.0], cycles=1, rest=None)
+    bare = replace(synthetic_record(HDR, 23.0, test, noise=0.05), places={"T": "rubber 1"})
+    record = replace(bare, temperatures={"T": np.full(len(bare.time), 30.0)})
+    pset = parameter_set(HDR, ["K_r"], [23.0])
+    one, four = (
+        Problem([replace(record, weight=weight)], pset, temperatures=True).parts(pset.start)[0]
+        for weight in (1.0, 4.0)
+    )
+    assert np.abs(one[-len(record.time) :]).min() > 0.0  # the rows of the temperature are there
+    assert_allclose(four, 2.0 * one, rtol=tol.ROUNDING)
 
 
 def test_start_from_the_loops_knows_the_order_of_things() -> None:

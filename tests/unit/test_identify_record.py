@@ -15,8 +15,13 @@ X = 30.0 * np.sin(2.0 * np.pi * 0.5 * TIME)
 FORCE = 2.0 * X + 10.0 * np.cos(2.0 * np.pi * 0.5 * TIME)
 
 
-def write(path: Path, columns: dict[str, np.ndarray], before: str = "", after: str = "",
-          encoding: str = "utf-8") -> Path:  # fmt: skip
+def write(
+    path: Path,
+    columns: dict[str, np.ndarray],
+    before: str = "",
+    after: str = "",
+    encoding: str = "utf-8",
+) -> Path:
     rows = np.column_stack(list(columns.values()))
     lines = [",".join(f"{v!r}" for v in row.tolist()) for row in rows]
     text = before + ",".join(columns) + "\n" + after + "\n".join(lines) + "\n"
@@ -38,10 +43,9 @@ def test_plain_csv(tmp_path: Path) -> None:
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "cp932"])
 def test_japanese_laboratory_file(tmp_path: Path, encoding: str) -> None:
     """Three lines before the header, a line of channels after it, cm and tonf."""
-    write(
-        tmp_path / "t.csv", {"時間(s)": TIME, "変位": X / 10.0, "荷重(tonf)": FORCE / 9.80665},
-        before="試験体,HDR\n日付,2020/1/1\n担当,\n", after="ch1,ch2,ch3\n", encoding=encoding,
-    )  # fmt: skip
+    columns = {"時間(s)": TIME, "変位": X / 10.0, "荷重(tonf)": FORCE / 9.80665}
+    before, after = "試験体,HDR\n日付,2020/1/1\n担当,\n", "ch1,ch2,ch3\n"
+    write(tmp_path / "t.csv", columns, before, after, encoding)
     (tmp_path / "t.toml").write_text(
         'ambient = "-20 degC"\nlines_before = 3\nlines_after = 1\n'
         '[columns]\ntime = "時間(s)"\ndisplacement = "変位"\nforce = "荷重(tonf)"\n'

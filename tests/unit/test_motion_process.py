@@ -187,8 +187,15 @@ def test_measures_by_hand() -> None:
 
 @pytest.mark.parametrize(
     ("text", "size"),
-    [("g", 9806.65), ("Gal", 10.0), ("cm/sec^2", 10.0), ("CM/S/S", 10.0), ("m/s²", 1000.0),
-     ("m / s ** 2", 1000.0), ("mm/s2", 1.0)],
-)  # fmt: skip
+    [
+        ("g", 9806.65),
+        ("Gal", 10.0),
+        ("cm/sec^2", 10.0),
+        ("CM/S/S", 10.0),
+        ("m/s²", 1000.0),
+        ("m / s ** 2", 1000.0),
+        ("mm/s2", 1.0),
+    ],
+)
 def test_spellings_of_units(text: str, size: float) -> None:
     assert acceleration_unit(text) == size

@@ -9,7 +9,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import tests.unit.motion_files as files
-import thermobearing.commands.motions as commands
+import thermobearing.motions.run as story
 from tests import tolerances as tol
 from tests.unit.inputs import command, content, last_line, summary
 from thermobearing.motions.figures import motion_figure, spectrum_figure
@@ -84,10 +84,8 @@ def test_existing_result_is_not_replaced_without_force(made: Path) -> None:
 
 def test_make_keeps_the_phases_of_a_record(tmp_path: Path) -> None:
     out = tmp_path / "out"
-    done = command(
-        "motions", "make", "--from", "jra-ii-i-3", "--type", 2, "--ground", 2, "--dt", 0.02,
-        "-o", out, "--no-figures", "--json",
-    )  # fmt: skip
+    words = ["--from", "jra-ii-i-3", "--type", 2, "--ground", 2, "--dt", 0.02]
+    done = command("motions", "make", *words, "-o", out, "--no-figures", "--json")
     assert done.exit_code == 0
     assert last_line(done)["files"] == sorted(NAMES)
     told = summary(out)
@@ -96,7 +94,7 @@ def test_make_keeps_the_phases_of_a_record(tmp_path: Path) -> None:
 
 
 def test_poor_fit_is_an_outcome_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(commands, "LARGEST_MISFIT", 0.001)
+    monkeypatch.setattr(story, "LARGEST_MISFIT", 0.001)
     out = tmp_path / "out"
     done = command("motions", "make", "-o", out, "--no-figures", "-q")
     assert done.exit_code == 3

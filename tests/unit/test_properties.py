@@ -150,10 +150,8 @@ def test_any_run_ends_well_or_says_why(
 ) -> None:
     upper, lower = faces
     keep = ["rubber", "layer_displacement", "hysteretic", "cells"]
-    result = tb.run(
-        bearing, test, upper_face=upper, lower_face=lower, keep=keep,
-        stack="full" if full else "auto", **options,
-    )  # fmt: skip
+    options = options | {"keep": keep, "stack": "full" if full else "auto"}
+    result = tb.run(bearing, test, upper_face=upper, lower_face=lower, **options)
     data = result.dataset
     assert ("half_stack", int(upper == lower and not full)) in data.attrs.items()
     # Rows are kept up to the last good step, so they are finite however the run ended.

@@ -15,6 +15,7 @@ import xarray as xr
 
 import thermobearing as tb
 import thermobearing.cyclic.history
+import thermobearing.results.swap
 from tests import tolerances as tol
 from tests.unit.inputs import (
     CYCLES,
@@ -142,9 +143,13 @@ def stop_while_writing(monkeypatch: pytest.MonkeyPatch, how: BaseException) -> N
     ids=["full disk", "full disk, as h5py tells it", "Ctrl-C"],
 )
 def test_writing_stopped_halfway_leaves_nothing(
-    case: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
-    how: BaseException, status: int, words: str,
-) -> None:  # fmt: skip
+    case: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    how: BaseException,
+    status: int,
+    words: str,
+) -> None:
     cyclic(case, "-o", tmp_path / "old", "-q")
     before = content(tmp_path)
     stop_while_writing(monkeypatch, how)
@@ -163,6 +168,7 @@ def test_interrupted_swap_brings_the_earlier_result_back(
 ) -> None:
     cyclic(case, "-o", tmp_path / "out", "-q")
     before = content(tmp_path)
+    monkeypatch.setattr(thermobearing.results.swap, "_exchange", lambda *_: False)
     rename, calls = Path.rename, []
 
     def interrupted(path: Path, target: Path) -> Path:
@@ -186,8 +192,11 @@ def test_really_full_disk(case: Path, tmp_path: Path) -> None:
     words = ["cyclic", str(case), "-o", str(tmp_path / "out"), "--no-figures", "--json"]
     done = subprocess.run(
         [sys.executable, "-m", "thermobearing.cli", *words],
-        preexec_fn=limit, capture_output=True, text=True, check=False,
-    )  # fmt: skip
+        preexec_fn=limit,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     assert done.returncode == 2, done.stderr
     assert json.loads(done.stdout.splitlines()[-1])["outcome"] == "not_written"
     assert [path.name for path in tmp_path.iterdir()] == ["case.toml"]
@@ -280,8 +289,10 @@ def test_real_interrupt_signal(tmp_path: Path) -> None:
     words = ["cyclic", str(path), "-o", str(out), "--no-figures", "--json"]
     with subprocess.Popen(
         [sys.executable, "-c", SPEAKING, *words],
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-    ) as process:  # fmt: skip
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as process:
         assert process.stderr is not None
         for _ in range(3):  # the compiled code is loaded, and two chunks of steps are done
             assert process.stderr.readline() == "stepping\n"
@@ -307,10 +318,56 @@ def test_early_end_is_marked(tmp_path: Path) -> None:
     assert "euler_unstable" in done.stderr
     assert "smaller dt" in done.stderr
     assert last_line(done) == {
-        "outcome": "euler_unstable", "exit_status": 3, "output": str(out), "files": FILES,
-    }  # fmt: skip
+        "outcome": "euler_unstable",
+        "exit_status": 3,
+        "output": str(out),
+        "files": FILES,
+    }
     told = summary(out)
     assert told["outcome"] == told["runs"][0]["outcome"] == "euler_unstable"
     assert told["runs"][0]["outcome_sentence"] in done.stderr
     assert np.isfinite(tb.load_result(out)["force"]).all()
     assert cyclic(path, "--dt", 1, "-o", tmp_path / "exact", "-q").exit_code == 0
+
+
+SMALL = {"name": "one mass", "bodies": [{"name": "deck", "moves": True}],
+         "masses": [{"body": "deck", "height": "0 mm", "mass": "0.1 kN s^2/mm"}],
+         "bearings": [{"name": "b", "body": "deck", "count": 1,
+                       "equivalent_stiffness": "2 kN/mm"}],
+         "report": {"deck": "deck", "pier": "deck", "pier_top": "0 mm"}}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("study", "options"),
+    [
+        (tb.bridge, {"bearing": ["shen-lhdr-bridge", "shen-bilinear-bridge"], "ambient": [0, 23]}),
+        (tb.bridge, {"bearing": "shen-hdr-bridge", "structure": SMALL}),  # a single period
+        (tb.hybrid, {"bearing": "shen-hdr-specimen"}),
+    ],
+    ids=["bridge", "one coordinate", "hybrid"],
+)
+def test_a_study_is_read_back(study: Any, options: dict[str, Any], tmp_path: Path) -> None:
+    saved = study(motion="jra-ii-i-1", duration=1, **{"ambient": -20, **options})
+    saved.save(tmp_path / "out", figures=False)
+    for path in (tmp_path / "out", tmp_path / "out" / "result.nc"):
+        found = tb.load_result(path)
+        assert isinstance(found, tb.EarthquakeResult)
+        assert found.outcome == saved.outcome
+        assert json.dumps(found.summary()) == json.dumps(saved.summary())
+        assert found.history(0).equals(saved.history(0))
+    again = found.save(tmp_path / "again", figures=False)
+    one, other = content(tmp_path / "out"), content(again)
+    same = [name for name in one if name != "result.nc"]  # its dates differ
+    assert [one[name] for name in same] == [other[name] for name in same]
+
+
+def test_what_has_no_histories_says_so(case: Path, tmp_path: Path) -> None:
+    """A fit is read as a bearing; a study gives no start for a test."""
+    (tmp_path / "fit").mkdir()
+    (tmp_path / "fit" / "bearing.toml").write_text("")
+    with pytest.raises(tb.InputError, match=r"no result\.nc there; .*load_bearing"):
+        tb.load_result(tmp_path / "fit")
+    study = tb.bridge("shen-hdr-bridge", "jra-ii-i-1", 0, duration=1)
+    study.save(tmp_path / "study", figures=False)
+    with pytest.raises(tb.InputError, match=r"initial_result: .*an earthquake study"):
+        tb.load_case(case, initial_result=str(tmp_path / "study"))

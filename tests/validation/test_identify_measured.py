@@ -11,8 +11,8 @@ from tests.conftest import Recorder
 from tests.shared_data import shared_data
 from tests.unit.inputs import GALLARDO
 from thermobearing.identify.record import load_test
-from thermobearing.identify.report import fits
-from thermobearing.identify.run import Identification, identify_bearing
+from thermobearing.identify.result import Identification
+from thermobearing.identify.run import identify_bearing
 
 # Virgin rubber: every cycle counts relative to its own peak, first cycles four times.
 VIRGIN = "\n[scragging]\namplitude = 0.5\nstrain = 0.3\nmullins_amplitude = 0.3\n"
@@ -32,7 +32,7 @@ def identified(folder: Path, bearing: str, sidecar: str) -> Identification:
 def test_real_hdr_test(tmp_path: Path, measured: Recorder) -> None:
     """No clock, no temperature, no plan size are given; only the rubber height of 156 mm is."""
     found = identified(tmp_path, GALLARDO, "")
-    (fit,) = fits(found)
+    (fit,) = found.fits
     measured("NRMSE of a real HDR test, no scragging", fit.NRMSE, f"<= {tol.MEASURED_NRMSE:g}")
     assert fit.NRMSE <= tol.MEASURED_NRMSE
     assert len(fit.cycles) == 27  # the 28th is cut off by the end of the file
@@ -48,7 +48,7 @@ def test_real_hdr_test(tmp_path: Path, measured: Recorder) -> None:
 def test_real_hdr_test_as_virgin_rubber(tmp_path: Path, measured: Recorder) -> None:
     """What scragging buys: the first cycles, the fall over the later ones, and the energies."""
     found = identified(tmp_path, GALLARDO + VIRGIN, BALANCED)
-    (fit,) = fits(found)
+    (fit,) = found.fits
     energy = np.array([c.energy_error for c in fit.cycles])
     firsts = np.array([c.force_max_error for c in fit.cycles if c.number == 1])
     measured("NRMSE of the real HDR test, with scragging", fit.NRMSE, f"<= {tol.VIRGIN_NRMSE:g}")

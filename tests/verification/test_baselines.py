@@ -75,8 +75,8 @@ def test_single_temperature_is_low_inside_the_hdr_bearing(measured: Recorder) ->
     """
     found = {}
     for name in (HDR, LHDR):
-        results = [tb.run(name, ambient=[-20.0, 0.0, 23.0], model=m)
-                   for m in ("multi-layer", "single-temperature")]  # fmt: skip
+        models = ("multi-layer", "single-temperature")
+        results = [tb.run(name, ambient=[-20.0, 0.0, 23.0], model=model) for model in models]
         last = [
             r.cycles[(r.cycles["cycle"] == 5) & (r.cycles["amplitude_strain"] == 2.5)]
             for r in results

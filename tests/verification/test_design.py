@@ -18,7 +18,7 @@ from thermobearing.bearing.bilinear import load_bilinear
 from thermobearing.core.types import FORCE
 from thermobearing.cyclic.equivalent import backbone
 from thermobearing.design.bounds_study import DEMANDS, bounds_study, paragraph, verdict
-from thermobearing.design.case import make_design_case
+from thermobearing.design.case import bearing_weight, make_design_case
 from thermobearing.design.equal import equal_bearing
 from thermobearing.design.rubber import (
     bilinear_of,
@@ -28,7 +28,7 @@ from thermobearing.design.rubber import (
     load_curves,
     shear_modulus,
 )
-from thermobearing.design.run import bearing_weight, run_design
+from thermobearing.design.run import run_design
 from thermobearing.design.sizing import SizingRules, checks_of, size_bearing
 from thermobearing.model.earlier import bilinear_constants
 from thermobearing.model.element import BearingElement
@@ -78,7 +78,7 @@ def test_curves_are_sensible_over_their_range(kind: Any) -> None:
 
 def loop_of(parameters: Any, u: float) -> tuple[float, float]:
     """Peak force and loop area of the bilinear bearing, by the coupled step."""
-    element = BearingElement(bilinear_constants(parameters), np.zeros(1))
+    element = BearingElement.from_constants(bilinear_constants(parameters), 0.0)
     path = u * np.concatenate(
         [np.linspace(0, 1, 50), np.linspace(1, -1, 4001)[1:], np.linspace(-1, 1, 4001)[1:]]
     )
@@ -232,6 +232,34 @@ def test_design_command(tmp_path: Path) -> None:
     assert (tmp_path / "b" / name).read_bytes() == (tmp_path / "out" / name).read_bytes()
 
 
+def test_design_from_python_is_that_of_the_command(tmp_path: Path) -> None:
+    overrides = {"motions": ["jra-ii-i-1"], "tolerance": 0.1}
+    case = make_design_case({}, "test", **overrides)
+    design = run_design(case, templates=[tb.load_bearing(name) for name in case.equal])
+    design.save(tmp_path / "python", figures=False)
+    words = ["--motion", "jra-ii-i-1", "--tolerance", 0.1, "--no-figures", "-q"]
+    done = command("design", *words, "-o", tmp_path / "command")
+    assert done.exit_code == 0, done.output
+    files = [path for path in (tmp_path / "command").rglob("*") if path.is_file()]
+    assert len(files) == 7
+    for path in files:
+        same = tmp_path / "python" / path.relative_to(tmp_path / "command")
+        assert same.read_bytes() == path.read_bytes(), path
+
+
+def test_loops_of_equal_bearings_go_through_the_design_point() -> None:
+    case = make_design_case({"tolerance": 0.1}, "test", motions=["jra-ii-i-1"])
+    design = run_design(case, templates=[tb.load_bearing("shen-hdr-bridge")])
+    turn, (bilinear, layered) = design.last, design.loops.values()
+    peak = turn.stiffness * turn.assumed
+    for x, _ in (bilinear, layered):
+        assert_allclose([x.min(), x.max()], [-turn.assumed, turn.assumed], rtol=tol.LOOP)
+    slopes = np.diff(bilinear[1]) / np.diff(bilinear[0])
+    assert_allclose(np.sort(slopes), np.sort([turn.initial, turn.post_yield] * 2), rtol=tol.LOOP)
+    assert_allclose(bilinear[1].max(), peak, rtol=tol.LOOP)
+    assert (1.0 - tol.HEATED_PEAK) * peak < layered[1].max() < peak
+
+
 def test_design_that_does_not_converge_ends_with_status_3(tmp_path: Path) -> None:
     path = write_toml(tmp_path / "case.toml", {"most_rounds": 1, "start": "50 mm"})
     done = command("design", path, "--motion", "jra-ii-i-1", "-o", tmp_path / "out", "--no-figures")
@@ -255,9 +283,10 @@ def test_bounds_command(tmp_path: Path) -> None:
     assert done.exit_code == 0, done.output
     assert "least safe" in done.output
     assert (tmp_path / "out" / "figures" / "bounds-shen-hdr-bridge.png").stat().st_size > 10_000
-    for bad in (["--ambient", 23], ["--strain", 9]):
+    for bad, said in ((["--ambient", 23], "two different"), (["--strain", 9], "strain = 9")):
         refused = command("bounds", *bad, "-o", tmp_path / "no")
         assert refused.exit_code == 2
+        assert said in refused.output
         assert not (tmp_path / "no").exists()
 
 

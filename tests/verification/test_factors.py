@@ -12,6 +12,7 @@ from numpy.testing import assert_allclose
 import thermobearing as tb
 from tests import tolerances as tol
 from tests.conftest import Recorder
+from tests.opensees import needs_opensees, ops
 from tests.unit.inputs import assert_told, command
 from thermobearing.design.bound_models import bound_models, bounds_table, opensees_text
 from thermobearing.design.factors import (
@@ -19,6 +20,7 @@ from thermobearing.design.factors import (
     published_tables,
     temperature_factors,
 )
+from thermobearing.design.run import run_factors
 from thermobearing.design.scale import scale_study, scaled_bearing
 from thermobearing.model.earlier import bilinear_constants
 from thermobearing.model.element import BearingElement
@@ -112,7 +114,7 @@ def test_bounds_are_the_softest_and_the_stiffest_cycle(table: pd.DataFrame) -> N
     u = 1.75 * HDR.total_rubber_thickness
     for model, extreme in ((lower, "min"), (upper, "max")):
         rows = table.query("strain == 1.75 and quantity == 'K_eq' and basis != 'mean'")["value"]
-        element = BearingElement(bilinear_constants(model.parameters), np.zeros(1))
+        element = BearingElement.from_constants(bilinear_constants(model.parameters), 0.0)
         force = element.set_trial(u, 1.0, 0.0).force
         assert_allclose(force, getattr(rows, extreme)() * u, rtol=tol.LOOP * 100)
     frame = bounds_table(models)
@@ -121,11 +123,9 @@ def test_bounds_are_the_softest_and_the_stiffest_cycle(table: pd.DataFrame) -> N
         bound_models(table, 2.0, 102.0)
 
 
+@needs_opensees
 def test_opensees_text_gives_the_same_loop(table: pd.DataFrame) -> None:
     """Both languages, executed; the loop of the material against our bilinear bearing."""
-    ops = pytest.importorskip(
-        "openseespy.opensees", reason="openseespy is not installed or lacks libblas3, liblapack3"
-    )
     models = bound_models(table, 1.75, HDR.total_rubber_thickness)
     python, tcl = (opensees_text(models, "x", language) for language in ("python", "tcl"))
     numbers = [line.split()[2:] for line in tcl.splitlines() if line.startswith("uniaxial")]
@@ -137,7 +137,7 @@ def test_opensees_text_gives_the_same_loop(table: pd.DataFrame) -> None:
         p = model.parameters
         expected = [tag, model.yield_force, p.initial, p.post_yield / p.initial]
         assert_allclose([float(v) for v in numbers[tag - 1]], expected)
-        element = BearingElement(bilinear_constants(p), np.zeros(1))
+        element = BearingElement.from_constants(bilinear_constants(p), 0.0)
         ops.testUniaxialMaterial(tag)
         for x in path:
             ops.setStrain(float(x))
@@ -201,15 +201,13 @@ def test_command(tmp_path: Path) -> None:
     assert "reference 23 degC" in done.output
     assert "cycles 1-3" in done.output
     names = {str(p.relative_to(tmp_path / "out")) for p in (tmp_path / "out").rglob("*.*")}
-    assert names == {
-        "summary.json", "factors.csv", "bounds.csv", "bounds.tcl", "bounds.py", "scale.csv",
-        "figures/factors.png", "figures/scale.png",
-    }  # fmt: skip
+    tables = {"factors.csv", "bounds.csv", "bounds.tcl", "bounds.py", "scale.csv"}
+    assert names == tables | {"summary.json", "figures/factors.png", "figures/scale.png"}
     told = json.loads((tmp_path / "out" / "summary.json").read_text())
     assert told["reference_degC"] == 23.0
     assert len(told["factors"]) == 3 * 3 * 5
-    fast = command("lambda", "shen-lhdr-specimen", *words[:6], "--speed", 200, "--cycles", "2,3",
-                   "--reference", 20, "-o", tmp_path / "fast", "--no-figures")  # fmt: skip
+    words = [*words[:6], "--speed", 200, "--cycles", "2,3", "--reference", 20, "--no-figures"]
+    fast = command("lambda", "shen-lhdr-specimen", *words, "-o", tmp_path / "fast")
     assert fast.exit_code == 0, fast.output
     assert "mean speed of 200 mm/s" in fast.output
 
@@ -221,7 +219,9 @@ BAD_WORDS: list[tuple[list[Any], list[str]]] = [
     (["shen-hdr-bridge", "--strain", 0.0], ["strains = 0.0", "0.1 to 3"]),
     (["shen-hdr-bridge", "--strain", 30], ["strains = 30.0", "0.1 to 3"]),
     (["shen-hdr-bridge", "--period", 0.01], ["period = 0.01", "0.2 to 1000"]),
-    (["shen-hdr-bridge", "--speed", -3], ["--speed = -3"]),
+    (["shen-hdr-bridge", "--period", 0], ["period = 0.0", "0.2 to 1000"]),
+    (["shen-hdr-bridge", "--speed", -3], ["speed = -3"]),
+    (["shen-hdr-bridge", "--speed", 0], ["speed = 0", "greater than 0"]),
     (["shen-hdr-bridge", "--speed", 3, "--period", 2], ["--period or --speed"]),
     (["shen-hdr-bridge", "--cycles", "third"], ['cycles = "third"', "all-but-first"]),
     (["shen-hdr-bridge", "--cycles", "0,1"], ["cycles = [0, 1]", "1 to 100"]),
@@ -259,6 +259,18 @@ def test_bad_arguments(call: Any, pieces: list[str]) -> None:
     with pytest.raises(tb.InputError) as caught:
         call()
     assert_told(str(caught.value), pieces)
+
+
+def test_report_from_python_is_that_of_the_command(tmp_path: Path) -> None:
+    report = run_factors(["shen-hdr-specimen"], temperatures=[-20.0], strains=[1.0], cycles=[2, 3])
+    report.save(tmp_path / "python", figures=False)
+    words = ["--temperature", -20, "--strain", 1, "--cycles", "2,3", "--no-figures", "-q"]
+    done = command("lambda", "shen-hdr-specimen", *words, "-o", tmp_path / "command")
+    assert done.exit_code == 0, done.output
+    for path in (tmp_path / "command").iterdir():
+        assert (tmp_path / "python" / path.name).read_bytes() == path.read_bytes()
+    with pytest.raises(tb.InputError, match="size effect was not studied"):
+        report.plot.sizes()
 
 
 def test_the_reference_has_no_default() -> None:

@@ -12,8 +12,8 @@ import thermobearing as tb
 from tests import tolerances as tol
 from tests.conftest import Recorder
 from thermobearing.identify.forward import ForwardModel
-from thermobearing.identify.report import fits
-from thermobearing.identify.run import Identification, identify_bearing
+from thermobearing.identify.result import Identification
+from thermobearing.identify.run import identify_bearing
 from thermobearing.identify.synthetic import forgotten, synthetic_record
 
 HDR = tb.load_bearing("shen-hdr-specimen")
@@ -36,7 +36,7 @@ def assert_recovered(found: Identification, truth: tb.Bearing) -> float:
         if item.well_determined:
             largest = max(largest, off / abs(true_value(truth, key)))
     assert largest <= tol.RECOVERED
-    assert all(fit.R2 >= tol.DETERMINATION for fit in fits(found))
+    assert all(fit.R2 >= tol.DETERMINATION for fit in found.fits)
     return largest
 
 
@@ -90,8 +90,8 @@ def test_another_law_is_noticed() -> None:
         identify_bearing(records, HDR, blind=False, starts=1) for records in (clean, spoilt)
     )
     assert not good.warnings
-    assert max(f.R2 for f in fits(bad)) < min(f.R2 for f in fits(good))
-    assert max(f.R2 for f in fits(bad)) < tol.MODEL_ERROR_R2
+    assert max(f.R2 for f in bad.fits) < min(f.R2 for f in good.fits)
+    assert max(f.R2 for f in bad.fits) < tol.MODEL_ERROR_R2
     said = "\n".join(bad.warnings)
     assert "not noise" in said
     assert "first cycles" in said
@@ -155,7 +155,7 @@ def test_thermocouples_are_fitted_and_judged() -> None:
     assert truth.temperatures["T3_degC"].max() > truth.temperatures["T1_degC"].max()
     record = replace(bare, temperatures=truth.temperatures)
     found = identify_bearing(record, HDR, temperatures=True, starts=1)
-    (fit,) = fits(found)
+    (fit,) = found.fits
     assert set(fit.temperature_error) == set(places)
     assert max(fit.temperature_error.values()) < tol.TEMPERATURE_RISE
     with pytest.raises(tb.InputError, match="6 rubber layers"):

@@ -57,7 +57,7 @@ def test_first_stiffness() -> None:
     h, count = HDR.hysteresis, HDR.geometry.rubber_layers
     small = 1e-6
     forces = [
-        BearingElement(assembled(bearing), np.full(19, 23.0)).set_trial(small, 1.0, 23.0).force
+        BearingElement.from_constants(assembled(bearing), 23.0).set_trial(small, 1.0, 23.0).force
         for bearing in (HDR, virgin())
     ]
     elastic, hysteretic = h.post_yield_ratio, 1.0 - h.post_yield_ratio
@@ -139,7 +139,7 @@ def test_lost_stiffness_is_heat() -> None:
 
 def test_tangent_is_the_slope_of_the_force() -> None:
     rng = np.random.default_rng(5)
-    element = BearingElement(assembled(virgin()), np.full(19, -20.0))
+    element = BearingElement.from_constants(assembled(virgin()), -20.0)
     x = 0.0
     for _ in range(150):
         x += float(rng.uniform(-6.0, 6.0)) - 0.05 * x
@@ -153,7 +153,7 @@ def test_tangent_is_the_slope_of_the_force() -> None:
 
 
 def test_a_trial_that_is_not_committed_wears_nothing() -> None:
-    element = BearingElement(assembled(virgin()), np.full(19, 23.0))
+    element = BearingElement.from_constants(assembled(virgin()), 23.0)
     element.set_trial(60.0, 0.01, 23.0)
     element.set_trial(10.0, 0.01, 23.0)
     element.commit()
@@ -200,7 +200,9 @@ def test_no_step_fails_in_hostile_histories(ambient: float, dt: float) -> None:
 
 def test_each_layer_has_its_own_memory() -> None:
     """A bearing that is colder outside strains its layers differently, and remembers that."""
-    element = BearingElement(assembled(virgin()), np.linspace(-30.0, 20.0, 19))
+    element = BearingElement.from_constants(
+        assembled(virgin()), initial=np.linspace(-30.0, 20.0, 19)
+    )
     for x in np.linspace(0.0, 45.0, 100):
         element.set_trial(float(x), 0.01, -30.0)
         element.commit()

@@ -280,7 +280,7 @@ def test_bearing_is_the_same_as_in_a_cyclic_test() -> None:
     constants = real_bearing("shen-lhdr-bridge")
     _, history = shaken("pier-p1", constants, ground, DT)
     bearing = history.get("bearing0")
-    element = BearingElement(constants, np.full(constants.cells.shape[1], AMBIENT))
+    element = BearingElement.from_constants(constants, AMBIENT)
     for x, force in zip(bearing[1:, DISPLACEMENT], bearing[1:, FORCE], strict=True):
         assert element.set_trial(float(x), DT, AMBIENT).force == force
         element.commit()

@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from thermobearing.bearing.model import Bearing
+from thermobearing.border.errors import InputError, shortened
 from thermobearing.border.library import Library
 from thermobearing.border.schema import validated
 from thermobearing.border.toml import read_toml, split_sources
@@ -46,3 +47,33 @@ def load_bearing(name_or_path: str | Path) -> Bearing:
     """
     path = BEARINGS.path(name_or_path)
     return bearing_from_table(read_toml(path), str(path))
+
+
+def as_bearing(given: Any, key: str = "bearing") -> Bearing:
+    """A bearing from whatever stands for one: itself, a library name, a TOML file, or a table.
+
+    Parameters
+    ----------
+    given : a Bearing, what `load_bearing` takes, or a table as in a file.
+    key : what the argument is called, for the message.
+
+    Raises
+    ------
+    InputError : it stands for no layered bearing.
+
+    Examples
+    --------
+    >>> as_bearing("shen-hdr-specimen") == as_bearing(load_bearing("shen-hdr-specimen"))
+    True
+    """
+    if isinstance(given, Bearing):
+        return given
+    if isinstance(given, dict):
+        return bearing_from_table(given, key)
+    if not isinstance(given, str | Path):
+        said = shortened(repr(given))
+        raise InputError(f"{key} = {said}: must be a Bearing, a library name, or a TOML file")
+    try:
+        return load_bearing(given)
+    except InputError as error:
+        raise InputError(error.lines(key)) from None

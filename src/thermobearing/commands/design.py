@@ -43,9 +43,7 @@ def design(
     """Size isolation bearings: assume a displacement, size, analyse, compare, repeat."""
     from thermobearing.bearing.library import load_bearing
     from thermobearing.design.case import load_design_case, make_design_case
-    from thermobearing.design.equal import equal_bearing
-    from thermobearing.design.files import save_design
-    from thermobearing.design.run import Round, run_design
+    from thermobearing.design.run import run_design
     from thermobearing.design.screen import print_design, print_head, print_round
     from thermobearing.results.directory import check_target
 
@@ -64,23 +62,12 @@ def design(
     templates = [load_bearing(name) for name in complete.equal]
     target = output or Path("design")
     check_target(target, force=force)
-
-    def tell(turn: Round) -> None:
-        if not quiet:
-            print_round(turn)
-
     if not quiet:
         print_head(complete)
-    found = run_design(complete, tell)
-    strain = complete.sizing.design_strain
-    equal = [
-        equal_bearing(item, found.last.stiffness, found.last.assumed, strain)
-        for item in templates
-        if found.outcome == "converged"
-    ]
-    save_design(complete, found, equal, target, force=force, figures=not no_figures)
+    found = run_design(complete, None if quiet else print_round, templates=templates)
+    found.save(target, force=force, figures=not no_figures)
     if not quiet:
-        print_design(found, equal)
+        print_design(found)
     outcome = "completed" if found.outcome == "converged" else found.outcome
     return written(outcome, found.sentence, target, as_json=as_json, quiet=quiet)
 
@@ -104,28 +91,15 @@ def bounds(
     quiet: Quiet = False,
 ) -> int:
     """Is a bounding analysis good enough? Two bilinear bounds against the coupled model."""
-    from thermobearing.bearing.library import load_bearing
-    from thermobearing.border.errors import InputError
-    from thermobearing.design.bounds_study import bounds_study, paragraph
-    from thermobearing.design.files import save_bounds
-    from thermobearing.motions.library import list_motions
+    from thermobearing.design.bounds_study import AIR, BEARINGS
+    from thermobearing.design.run import run_bounds
+    from thermobearing.design.screen import print_bounds
     from thermobearing.results.directory import check_target
 
-    temperatures = ambient or [23.0, 0.0, -20.0]
-    if len(set(temperatures)) < 2:
-        raise InputError("--ambient: give at least two different temperatures")
-    if not 0.1 <= strain <= 3.0:
-        raise InputError(f"--strain = {strain:g}: must be between 0.1 and 3")
-    names = bearing or ["shen-hdr-bridge", "shen-lhdr-bridge"]
-    bearings = [load_bearing(name) for name in names]
-    motions = motion or [name for name in list_motions() if name.split("-")[2] == "i"]
     target = output or Path("bounds")
     check_target(target, force=force)
-    tables = {
-        item.name: bounds_study(item, motions, temperatures, strain=strain) for item in bearings
-    }
-    save_bounds(tables, target, force=force, figures=not no_figures)
+    report = run_bounds(bearing or BEARINGS, motion, ambient or AIR, strain=strain)
+    report.save(target, force=force, figures=not no_figures)
     if not quiet:
-        for name, table in tables.items():
-            typer.echo(paragraph(table, name) + "\n")
+        print_bounds(report)
     return written("completed", "", target, as_json=as_json, quiet=quiet)

@@ -7,89 +7,32 @@ case.resolved.toml beside every result; running that file again gives the same b
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, field_validator
 
 from thermobearing.bearing.ambient import Ambient
 from thermobearing.bearing.library import load_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
+from thermobearing.border.overrides import overridden, said_with_unit, updated
 from thermobearing.border.schema import Strict, in_unit, validated
 from thermobearing.border.toml import read_toml, split_sources, to_table, to_toml
 from thermobearing.border.units import with_unit
 from thermobearing.cyclic.protocol import CyclicTest, cyclic_test, find_faults
-from thermobearing.model.constants import HeatSource, Integrator, LeadEnds
-from thermobearing.model.earlier import Model, needs_full_stack
-from thermobearing.model.stack import Face, Scheme, build_stack
+from thermobearing.model.earlier import needs_full_stack
+from thermobearing.model.options import ModelOptions
+from thermobearing.model.stack import build_stack
 
 Group = Literal["rubber", "layer_displacement", "hysteretic", "cells"]
 Temperature = Annotated[float, in_unit("degC"), Field(ge=-100, le=100)]
 DEFAULT_BEARING = "shen-hdr-specimen"
 DEFAULT_AMBIENT = (-20.0, 0.0, 23.0)  # the three chamber temperatures of Table 3.4
-OVERRIDE_UNITS = {
-    "ambient": "degC",
-    "initial": "degC",
-    "initial_profile": "degC",
-    "initial_lead": "degC",
-    "dt": "s",
-}
-DEFAULT_ETA = 2.0  # the source uses a "middle" value between 1 and 3 (Eq. 4.15)
 
 
-class EndFace(Strict):
-    """One end face: `eta` in [1, 3] (Eq. 4.15; 1 adiabatic, 3 at ambient) or a film coefficient."""
+class Analysis(ModelOptions):
+    """How to compute, and what to keep."""
 
-    eta: Annotated[float, Field(ge=1, le=3)] | None = None
-    film: Annotated[float, in_unit("W/(m^2 K)"), Field(ge=0)] | None = None
-
-    @classmethod
-    def conflicts(cls, given: dict[str, Any]) -> list[str]:
-        """One of the two."""
-        if ("eta" in given) == ("film" in given):
-            return ["give either eta (1 adiabatic to 3 at ambient) or film"]
-        return []
-
-    def face(self) -> Face:
-        """The same, for the stack."""
-        return Face(eta=self.eta, film=self.film)
-
-
-class Analysis(Strict):
-    """How to compute, and what to keep.
-
-    `stack` "auto" models the upper half when both faces are alike, else the whole height.
-    """
-
-    model: Model = "multi-layer"
-    scheme: Scheme = "conservative"
-    integrator: Integrator = "exact"
-    heat_source: HeatSource = "work"
-    lead_ends: LeadEnds = "half-space"
-    stack: Literal["auto", "half", "full"] = "auto"
-    upper_face: EndFace = EndFace(eta=DEFAULT_ETA)
-    lower_face: EndFace = EndFace(eta=DEFAULT_ETA)
     keep_every: Annotated[int, Field(ge=1)] = 1
     keep: tuple[Group, ...] = ("rubber", "cells")
-
-    @model_validator(mode="after")
-    def _stack_fits_faces(self) -> "Analysis":
-        if self.stack == "half" and self.upper_face != self.lower_face:
-            raise ValueError('stack "half" needs both faces alike; use "auto" or "full"')
-        return self
-
-    @model_validator(mode="after")
-    def _model_fits(self) -> "Analysis":
-        if self.model != "multi-layer" and self.scheme == "published":
-            raise ValueError('an earlier model goes with scheme "conservative" only')
-        if needs_full_stack(self.model) and self.stack == "half":
-            raise ValueError(f'model "{self.model}" has one cell for all layers; use stack "auto"')
-        if self.lead_ends != "half-space" and self.scheme == "published":
-            raise ValueError('scheme "published" goes with lead_ends "half-space" only')
-        return self
-
-    @property
-    def half(self) -> bool:
-        """Whether only the upper half is modelled."""
-        return self.stack == "half" or (self.stack == "auto" and self.upper_face == self.lower_face)
 
 
 class Case(Strict):
@@ -126,15 +69,7 @@ class Case(Strict):
                 Ambient.from_csv(self.ambient_series)
             except InputError as error:
                 found += error.lines("ambient_series")
-        if self.analysis.model == "lead-alone" and self.bearing.lead is None:
-            found.append('analysis.model = "lead-alone": needs a bearing with lead')
-        if self.analysis.lead_ends == "finite-plate":
-            lead = self.bearing.lead
-            if lead is None or not lead.confined:
-                found.append(
-                    'analysis.lead_ends = "finite-plate": needs a bearing with confined lead '
-                    "cores (lead.confined = true), whose heat leaves through the ends only"
-                )
+        found += [f"analysis.{text}" for text in self.analysis.misfits(self.bearing)]
         if self.initial_lead is not None and self.bearing.lead is None:
             found.append("initial_lead: needs a bearing with lead")
         cells = len(build_stack(self.bearing, half=self.analysis.half).part)
@@ -181,16 +116,19 @@ def _make_absolute(table: dict[str, Any], folder: Path) -> None:
 
 def _final_temperatures(result: Path) -> dict[str, Any]:
     """Final temperatures of an earlier result with a single run, as text with units."""
-    from thermobearing.cyclic.files import load_result
+    from thermobearing.cyclic.files import load_cyclic
+    from thermobearing.cyclic.result import Result
 
-    earlier = load_result(result)
+    earlier = load_cyclic(result)
+    if not isinstance(earlier, Result):
+        raise InputError("is the result of an earthquake study, not of a test", str(result))
     final, lead = (earlier[f"final_{name}temperature"].values for name in ("", "lead_"))
     if len(final) != 1:
         raise InputError(
             f"initial_result has {len(final)} runs; use a result at a single ambient temperature",
             str(result),
         )
-    found: dict[str, Any] = {"initial_profile": _said_with_unit(final[0], "degC")}
+    found: dict[str, Any] = {"initial_profile": said_with_unit(final[0], "degC")}
     if lead[0] == lead[0]:  # NaN without lead
         found["initial_lead"] = with_unit(float(lead[0]), "degC")
     return found
@@ -219,19 +157,10 @@ def make_case(table: dict[str, Any], where: str, **overrides: Any) -> Case:
     Plain numbers among the overrides are in degC (`ambient`, `initial`, `initial_profile`)
     and s (`dt`); the table follows the rules of a file: every number says its unit.
     """
-    given = {
-        key: _said_with_unit(value, OVERRIDE_UNITS.get(key))
-        for key, value in overrides.items()
-        if value is not None
-    }
-    table = dict(table)
-    chosen = {key: given.pop(key) for key in list(given) if key in Analysis.model_fields}
-    if chosen:
-        table["analysis"] = _updated(table.get("analysis", {}), chosen)
-    dt = given.pop("dt", None)
-    if "ambient" in given:
+    dt = overrides.pop("dt", None)
+    table = overridden(table, overrides, Case, {"analysis": Analysis})
+    if overrides.get("ambient") is not None:
         table.pop("ambient_series", None)
-    table |= given
     _make_absolute(table, Path())
     problems = _settle_start(table)
     if "ambient" in table and table.get("ambient_series") is not None:
@@ -246,8 +175,7 @@ def make_case(table: dict[str, Any], where: str, **overrides: Any) -> Case:
     elif isinstance(bearing, dict):
         table["bearing"], _ = split_sources(bearing)
     _fill_defaults(table)
-    if dt is not None:
-        table["test"] = _updated(table["test"], {"dt": dt})
+    table["test"] = updated(table["test"], overridden({}, {"dt": dt}, CyclicTest))
     try:
         case = validated(Case, table, where)
     except InputError as error:
@@ -255,35 +183,15 @@ def make_case(table: dict[str, Any], where: str, **overrides: Any) -> Case:
     problems += case.faults() if not problems else []
     if problems:
         raise InputError(problems, where)
-    return case
+    return case.model_copy(update={"analysis": case.analysis.settled(case.bearing)})
 
 
 def _fill_defaults(table: dict[str, Any]) -> None:
-    """Defaults; the wave of Table 3.4 and the heat of natural rubber depend on the bearing."""
+    """Defaults; the wave of Table 3.4 depends on the bearing."""
     bearing = table["bearing"]
     kind = bearing.get("kind") if isinstance(bearing, dict) else getattr(bearing, "kind", "HDR")
     test = table.get("test", cyclic_test(wave="sine" if kind in ("LHDR", "LRB") else "triangular"))
     table["test"] = to_table(test) if isinstance(test, CyclicTest) else test
-    if kind == "LRB":  # natural rubber gives its elastic work back
-        analysis = table.get("analysis", {})
-        if isinstance(analysis, dict):
-            table["analysis"] = {"heat_source": "dissipation", **analysis}
-    table.setdefault("ambient", _said_with_unit(DEFAULT_AMBIENT, "degC"))
+    table.setdefault("ambient", said_with_unit(DEFAULT_AMBIENT, "degC"))
     if not isinstance(table["ambient"], list):
         table["ambient"] = [table["ambient"]]
-
-
-def _updated(table: Any, changes: dict[str, Any]) -> Any:
-    """The table with changes; what is no table stays as it is, for the checks to find."""
-    return {**table, **changes} if isinstance(table, dict) else table
-
-
-def _said_with_unit(value: Any, unit: str | None) -> Any:
-    """Plain numbers, alone or in a sequence, as text with their unit."""
-    if hasattr(value, "tolist"):  # numpy arrays and scalars
-        value = value.tolist()
-    if isinstance(value, list | tuple) and unit is not None:
-        return [_said_with_unit(item, unit) for item in value]
-    if isinstance(value, int | float) and not isinstance(value, bool) and unit is not None:
-        return with_unit(float(value), unit)
-    return value

@@ -6,13 +6,14 @@ different clocks: `clock(ambient, time)` then replaces the coordinate `time`. Sh
 are padded with NaN.
 """
 
-import json
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
+
+from thermobearing.results.writing import as_attribute
 
 Floats = NDArray[np.float64]
 
@@ -116,7 +117,11 @@ def build_dataset(
     coordinates = _coordinates(runs, labels)
     if same:
         coordinates["time"] = ("time", clock[0], {"units": "s", "long_name": BOOKS[0][2]})
-    return xr.Dataset(data, coords=coordinates, attrs=_flat(attributes))
+    return xr.Dataset(
+        data,
+        coords=coordinates,
+        attrs={key: as_attribute(value) for key, value in attributes.items()},
+    )
 
 
 def _stacked(arrays: list[NDArray[Any]], length: int, padding: float = np.nan) -> NDArray[Any]:
@@ -178,12 +183,4 @@ def _coordinates(runs: list[RunRecord], labels: StackLabels) -> dict[str, Any]:
         "depth": ("cell", labels.depth, depth),
         "cell_thickness": ("cell", labels.thickness, {"units": "mm"}),
         "part": ("cell", np.array(labels.part, dtype=object), {"long_name": "what the cell is"}),
-    }
-
-
-def _flat(attributes: dict[str, Any]) -> dict[str, Any]:
-    """NetCDF attributes hold text and numbers: everything else becomes JSON text."""
-    return {
-        key: value if isinstance(value, str | int | float) else json.dumps(value)
-        for key, value in attributes.items()
     }

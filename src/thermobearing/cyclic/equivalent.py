@@ -1,21 +1,22 @@
 """The bilinear model that is equivalent to a bearing: what design would use instead of it."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 
 from thermobearing.bearing.ambient import Ambient
+from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
 from thermobearing.cyclic.history import run_segments
 from thermobearing.cyclic.protocol import build_segments, cyclic_test
-from thermobearing.model.constants import build_constants
 from thermobearing.model.earlier import (
     STIFFNESS_RATIO,
     BilinearParameters,
     isothermal,
 )
-from thermobearing.model.stack import Face, build_stack
+from thermobearing.model.options import EndFace, ModelOptions, build_model
 from thermobearing.results.metrics import CycleMeasures, measure_cycle
 
 DESIGN_STRAIN = 1.75  # usual in Japanese qualification tests
@@ -24,7 +25,7 @@ CYCLE = 3  # the cycle that standards measure
 
 
 def bilinear_parameters(
-    bearing: Bearing,
+    bearing: Bearing | str | Path,
     *,
     strain: float = DESIGN_STRAIN,
     speed: float = 30.0,
@@ -37,7 +38,7 @@ def bilinear_parameters(
 
     Parameters
     ----------
-    bearing : any.
+    bearing : a Bearing, a library name, or a TOML file.
     strain : shear strain amplitude, > 0.
     speed : mean loading rate [mm/s]; matters with rate dependence only.
     temperature : of the whole bearing [degC]; the reference temperature of the rubber by default.
@@ -48,33 +49,34 @@ def bilinear_parameters(
 
     Examples
     --------
-    >>> from thermobearing.bearing.library import load_bearing
-    >>> cold, warm = (
-    ...     bilinear_parameters(load_bearing("shen-hdr-bridge"), temperature=t) for t in (-20, 23)
-    ... )
+    >>> cold, warm = (bilinear_parameters("shen-hdr-bridge", temperature=t) for t in (-20, 23))
     >>> bool(cold.strength > warm.strength)
     True
     """
+    bearing = as_bearing(bearing)
     measured = isothermal_cycle(bearing, strain, speed, temperature)
     amplitude = strain * bearing.total_rubber_thickness
     return backbone(measured.stiffness_kN_mm, measured.energy_kN_mm, amplitude)
 
 
 def isothermal_cycle(
-    bearing: Bearing, strain: float, speed: float = 30.0, temperature: float | None = None
+    bearing: Bearing | str | Path,
+    strain: float,
+    speed: float = 30.0,
+    temperature: float | None = None,
 ) -> CycleMeasures:
     """Measures of the third cycle of a bearing that does not warm; arguments as above."""
-    stack = build_stack(bearing, half=True)
-    adiabatic = Face(eta=1.0)
-    constants = isothermal(build_constants(bearing, stack, upper=adiabatic, lower=None))
+    bearing = as_bearing(bearing)
+    adiabatic = EndFace(eta=1.0)
+    model = build_model(bearing, ModelOptions(upper_face=adiabatic, lower_face=adiabatic))
     rubber = bearing.total_rubber_thickness
     test = cyclic_test(strain=[strain], cycles=CYCLE, speed=speed, closing_strain=None)
     at = bearing.hysteresis.reference_temperature if temperature is None else temperature
     history = run_segments(
-        constants,
+        isothermal(model.constants),
         build_segments(test, rubber),
         Ambient.constant(at),
-        np.full(len(stack.part), at),
+        np.full(len(model.stack.part), at),
         groups=(),
     )
     third = np.flatnonzero(history.cycle == CYCLE)

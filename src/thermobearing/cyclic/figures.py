@@ -129,10 +129,9 @@ class Figures:
         count = len(self._ambient)
         columns = count if count <= 3 else (count + 1) // 2
         rows = -(-count // columns)
-        figure, axes = drawing.panels(
-            rows, columns, (max(5.5, 1.2 + 3.0 * columns), max(4.5, 0.7 + 3.1 * rows)),
-            self._title("shear stress-strain loops"), share=True,
-        )  # fmt: skip
+        size = (max(5.5, 1.2 + 3.0 * columns), max(4.5, 0.7 + 3.1 * rows))
+        title = self._title("shear stress-strain loops")
+        figure, axes = drawing.panels(rows, columns, size, title, share=True)
         strain, stress = 100.0 * self._data["strain"].values, self._data["stress"].values
         spans = [max(float(np.nanmax(v) - np.nanmin(v)), 1e-9) for v in (strain, stress)]
         for run, (ax, colour) in enumerate(zip(axes, self._colours, strict=False)):
@@ -340,10 +339,8 @@ class Figures:
         for run, ax in enumerate(axes):
             for name, label, colour, line, width in drawing.ENERGIES:
                 values = KJ * self._data[name].values[run]
-                ax.plot(
-                    *time.trace(run, values), color=colour, linestyle=line, linewidth=width,
-                    label=label,
-                )  # fmt: skip
+                look: drawing.Look = {"color": colour, "linestyle": line, "linewidth": width}
+                ax.plot(*time.trace(run, values), label=label, **look)
             drawing.name_axes(ax, y="energy [kJ = kN m]")
         drawing.legend_below(figure, axes[0].get_lines()[: len(drawing.ENERGIES)])
         return figure

@@ -7,9 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
-import xarray as xr
 
-from thermobearing.border.errors import InputError
 from thermobearing.cyclic.result import Result
 from thermobearing.results.directory import (
     COMPARISON,
@@ -17,11 +15,12 @@ from thermobearing.results.directory import (
     FIGURES,
     HISTORY,
     RESOLVED,
-    SUMMARY,
     write_directory,
 )
-from thermobearing.results.writing import write_json
+from thermobearing.results.reading import read_dataset
+from thermobearing.results.writing import write_summary
 
+STUDIES = ("bridge", "hybrid")  # commands whose result is one of earthquakes
 CSV_BLOCK = 50_000  # rows formatted at a time
 NETCDF_EXTRA = 500_000  # attributes, names and tables of the netCDF file beside its numbers [bytes]
 
@@ -62,7 +61,7 @@ def save_result(
 
 
 def _write_all(result: Result, folder: Path, *, figures: bool) -> None:
-    write_json(folder / SUMMARY, result.summary())
+    write_summary(folder, result.summary())
     (folder / RESOLVED).write_text(result.dataset.attrs["case"], encoding="utf-8")
     with (folder / HISTORY).open("w", encoding="utf-8") as file:
         file.writelines(history_blocks(result))
@@ -122,22 +121,11 @@ def history_blocks(result: Result) -> Iterator[str]:
             yield (line * len(block)) % tuple(block.ravel().tolist())
 
 
-def load_result(path: str | Path) -> Result:
-    """A saved result again, from its directory or its result.nc.
+def load_cyclic(path: str | Path) -> Result:
+    """A saved result of a cyclic test again; see `load_result`, which reads any.
 
     Raises
     ------
-    InputError : there is no readable result at that path.
+    InputError : there is no readable result of a cyclic test at that path.
     """
-    path = Path(path)
-    file = path / DATASET if path.is_dir() else path
-    if not file.is_file():
-        raise InputError("no result.nc there", str(path))
-    try:
-        dataset = xr.load_dataset(file, engine="h5netcdf")
-    except (OSError, ValueError) as error:
-        raise InputError(f"is not a result file: {error}", str(file)) from None
-    missing = {"bearing", "case", "segments"} - set(dataset.attrs)
-    if missing:
-        raise InputError(f"is not a result of thermobearing: no {sorted(missing)}", str(file))
-    return Result(dataset)
+    return Result(read_dataset(path, ("bearing", "case", "segments")))

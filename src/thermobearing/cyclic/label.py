@@ -4,14 +4,14 @@ import numpy as np
 
 import thermobearing
 from thermobearing.bearing.ambient import Ambient
-from thermobearing.core.types import CAPACITY, LEAD_DEGC, Constants
+from thermobearing.core.types import CAPACITY, LEAD_DEGC
 from thermobearing.cyclic.case import Case
 from thermobearing.cyclic.dataset import RunRecord, StackLabels, build_dataset
 from thermobearing.cyclic.history import History, has_branches
 from thermobearing.cyclic.protocol import Segment, longest_layer_increment
 from thermobearing.cyclic.result import Result
+from thermobearing.model.options import BearingModel
 from thermobearing.model.outcomes import SENTENCES, SHARING_SENTENCES
-from thermobearing.model.stack import Stack
 
 
 def warnings_of(case: Case, segments: list[Segment], climates: list[Ambient]) -> list[str]:
@@ -33,8 +33,9 @@ def warnings_of(case: Case, segments: list[Segment], climates: list[Ambient]) ->
     return found
 
 
-def stack_labels(stack: Stack, constants: Constants) -> StackLabels:
+def stack_labels(model: BearingModel) -> StackLabels:
     """What the layers and cells of a run are; a single cell stands for the whole bearing."""
+    stack, constants = model.stack, model.constants
     layers, branches = len(constants.multiplicity), has_branches(constants)
     if constants.cells.shape[1] == len(stack.part):
         return StackLabels(stack.depth, stack.thickness, stack.part, layers, branches)
@@ -46,8 +47,7 @@ def stack_labels(stack: Stack, constants: Constants) -> StackLabels:
 
 def label(
     case: Case,
-    stack: Stack,
-    constants: Constants,
+    model: BearingModel,
     segments: list[Segment],
     climates: list[Ambient],
     histories: list[History],
@@ -70,15 +70,16 @@ def label(
         )
         for climate, history in zip(climates, histories, strict=False)
     ]
+    constants, options = model.constants, model.options
     lead_capacity = constants.lead.cores * constants.lead.capacity
     attributes = {
         "title": f"{case.bearing.name}, {case.test.name}",
         "command": "cyclic",
         "bearing": case.bearing.name,
-        "model": case.analysis.model,
-        "scheme": case.analysis.scheme,
-        "integrator": case.analysis.integrator,
-        "heat_source": case.analysis.heat_source,
+        "model": options.model,
+        "scheme": options.scheme,
+        "integrator": options.integrator,
+        "heat_source": options.heat_source,
         "lead_capacity_kN_mm_per_K": lead_capacity if case.bearing.lead else 0.0,
         "version": thermobearing.__version__,
         "case": case.to_toml(),
@@ -86,7 +87,7 @@ def label(
         "area_mm2": case.bearing.area,
         "total_rubber_thickness_mm": case.bearing.total_rubber_thickness,
         "heat_capacity_kN_mm_per_K": constants.cells[CAPACITY].tolist(),
-        "half_stack": int(stack.fold == 2),
+        "half_stack": int(model.stack.fold == 2),
         "segments": [
             {"kind": s.kind, "label": s.label, "amplitude_strain": s.amplitude_strain}
             for s in segments
@@ -97,7 +98,7 @@ def label(
     return Result(
         build_dataset(
             records,
-            stack_labels(stack, constants),
+            stack_labels(model),
             case.analysis.keep,
             area=case.bearing.area,
             total_rubber_thickness=case.bearing.total_rubber_thickness,

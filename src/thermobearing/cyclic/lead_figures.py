@@ -86,8 +86,7 @@ def _draw_cycle(ax: Axes, result: Result, run: int, rows: np.ndarray) -> None:
         values = result[name].values[run, rows]
         ax.plot(time - time[0], values, color=colour, linewidth=1.3)
         shares.append(f"{values[peak] / force[peak]:.0%}")
-    ax.text(
-        0.98, 0.95, "at the peak: " + " + ".join(shares), fontsize=drawing.SMALL - 0.5,
-        color=drawing.GREY, ha="right", va="top", transform=ax.transAxes,
-    )  # fmt: skip
+    told = "at the peak: " + " + ".join(shares)
+    look: drawing.Look = {"fontsize": drawing.SMALL - 0.5, "color": drawing.GREY}
+    ax.text(0.98, 0.95, told, ha="right", va="top", transform=ax.transAxes, **look)
     ax.axhline(0.0, color=drawing.GREY, linewidth=0.6)

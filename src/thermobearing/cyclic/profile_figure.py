@@ -29,10 +29,8 @@ def draw_profiles(result: Result, title: str, titles: list[str]) -> Figure:
             if row is None:
                 continue
             profile = data["temperature"].values[run, row]
-            ax.plot(
-                profile, data["depth"].values, color=colour, label=name, marker=marker,
-                markersize=3.2, linewidth=1.1,
-            )  # fmt: skip
+            look: drawing.Look = {"color": colour, "marker": marker, "label": name}
+            ax.plot(profile, data["depth"].values, markersize=3.2, linewidth=1.1, **look)
             seen += [float(profile.min()), float(profile.max())]
             if result.has_lead:
                 seen.append(_draw_core(ax, result, run, row, colour))

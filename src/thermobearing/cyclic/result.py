@@ -1,6 +1,5 @@
 """What `run` returns: the labelled dataset, with the numbers and pictures engineers ask for."""
 
-import json
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -10,7 +9,14 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
-from thermobearing.results.metrics import CycleMeasures, find_cycles, measure_cycle
+from thermobearing.results.metrics import (
+    LEAST_WARMING,
+    CycleMeasures,
+    find_cycles,
+    measure_cycle,
+    relative_residual,
+)
+from thermobearing.results.writing import from_attribute
 
 if TYPE_CHECKING:
     from thermobearing.cyclic.figures import Figures
@@ -57,7 +63,7 @@ class Result:
     @cached_property
     def segments(self) -> list[dict[str, Any]]:
         """Kind, label and amplitude of each step of the test."""
-        return list(json.loads(self.dataset.attrs["segments"]))
+        return list(from_attribute(self.dataset, "segments"))
 
     @property
     def outcome(self) -> str:
@@ -66,9 +72,14 @@ class Result:
         return next((name for name in names if name != "completed"), "completed")
 
     @property
+    def sentence(self) -> str:
+        """What the outcome means and what to try."""
+        return str(from_attribute(self.dataset, "sentences").get(self.outcome, ""))
+
+    @property
     def warnings(self) -> list[str]:
         """Sentences about accuracy that a user should read; empty when there is nothing."""
-        return list(json.loads(self.dataset.attrs["warnings"]))
+        return list(from_attribute(self.dataset, "warnings"))
 
     def time(self, run: int) -> Floats:
         """Times of the kept steps of a run [s]."""
@@ -160,10 +171,12 @@ class Result:
         """Energy books at the end of each run [kN mm], one row per ambient temperature.
 
         `mechanical_residual` is (work in - heat released - recoverable) and
-        `thermal_residual` (heat released - stored - lost), both over the work done.
+        `thermal_residual` (heat released - stored - lost), both over the largest of work, heat
+        stored and heat lost; at least over 1e-6 kN mm (mechanical), and over what warms the
+        bearing by 1e-6 K (thermal), see `metrics.relative_residual`.
         """
         data = self.dataset
-        capacity = np.asarray(json.loads(data.attrs["heat_capacity_kN_mm_per_K"]))
+        capacity = np.asarray(from_attribute(data, "heat_capacity_kN_mm_per_K"))
         rows = []
         for run, ambient in enumerate(data["ambient"].values):
             last = int(np.flatnonzero(data["segment"].values[run] >= 0)[-1])
@@ -180,7 +193,9 @@ class Result:
             warmer = data["final_temperature"].values[run] - data["initial_temperature"].values[run]
             stored = float(capacity @ warmer) + self._heat_in_lead(run, last)
             lost = book["heat_lost_ends"] + book["heat_lost_sides"]
-            scale = max(abs(book["work_in"]), abs(stored), abs(lost), 1e-12)
+            energies = [book["work_in"], stored, lost]
+            unbalanced = book["work_in"] - book["heat_released"] - book["recoverable"]
+            least_heat = LEAST_WARMING * (float(capacity.sum()) + self._lead_capacity)
             rows.append(
                 {
                     "ambient_degC": float(ambient),
@@ -190,11 +205,10 @@ class Result:
                     "heat_stored_kN_mm": stored,
                     "heat_lost_ends_kN_mm": book["heat_lost_ends"],
                     "heat_lost_sides_kN_mm": book["heat_lost_sides"],
-                    "mechanical_residual": (
-                        book["work_in"] - book["heat_released"] - book["recoverable"]
-                    )
-                    / scale,
-                    "thermal_residual": (book["heat_released"] - stored - lost) / scale,
+                    "mechanical_residual": relative_residual(unbalanced, energies),
+                    "thermal_residual": relative_residual(
+                        book["heat_released"] - stored - lost, energies, least_heat
+                    ),
                 }
             )
         return pd.DataFrame(rows)
@@ -205,12 +219,17 @@ class Result:
             return 0.0
         first = float(self.dataset["lead_temperature"].values[run, 0])
         final = float(self.dataset["lead_temperature"].values[run, last])
-        return float(self.dataset.attrs["lead_capacity_kN_mm_per_K"]) * (final - first)
+        return self._lead_capacity * (final - first)
+
+    @property
+    def _lead_capacity(self) -> float:
+        """Heat capacity of all lead cores [kN mm/K]."""
+        return float(self.dataset.attrs["lead_capacity_kN_mm_per_K"])
 
     @property
     def has_lead(self) -> bool:
         """Whether the bearing has lead cores."""
-        return float(self.dataset.attrs["lead_capacity_kN_mm_per_K"]) > 0.0
+        return self._lead_capacity > 0.0
 
     def summary(self) -> dict[str, Any]:
         """The content of summary.json, see the interface description in docs/files.md."""
@@ -231,7 +250,7 @@ class Result:
         outcome = str(data["outcome"].values[run])
         softened = int(data["softened_steps"].values[run])
         sharing = "softened_layers" if softened else "equal_layer_forces"
-        sentences = json.loads(data.attrs["sentences"])
+        sentences = from_attribute(data, "sentences")
         cycles = self.cycles
         mine = cycles[cycles["ambient_degC"] == ambient] if len(cycles) else cycles
         return {

@@ -15,18 +15,15 @@ import numpy as np
 
 from thermobearing.bearing.ambient import Ambient
 from thermobearing.bearing.model import Bearing
-from thermobearing.core.types import Constants
-from thermobearing.cyclic.case import Case, EndFace, make_case
+from thermobearing.cyclic.case import Case, make_case
 from thermobearing.cyclic.equivalent import bilinear_parameters
 from thermobearing.cyclic.history import History, run_segments
 from thermobearing.cyclic.label import label
 from thermobearing.cyclic.protocol import CyclicTest, build_segments
 from thermobearing.cyclic.result import Result
 from thermobearing.cyclic.start import final_lead, final_profile, initial_temperatures
-from thermobearing.model.constants import build_constants
-from thermobearing.model.earlier import apply_model, needs_full_stack
+from thermobearing.model.options import EndFace, build_model
 from thermobearing.model.outcomes import INTERRUPTED
-from thermobearing.model.stack import Stack, build_stack
 
 Progress = Callable[[int, int], None]
 
@@ -62,7 +59,8 @@ def run(
     dt : largest time step while the bearing moves [s], in (0, 10].
     scheme : "conservative" (default) or "published" heat scheme.
     integrator : "exact" (default) or "euler" integration of Z.
-    heat_source : "work" (default, Eq. 4.22) or "dissipation".
+    heat_source : "work" (Eq. 4.22) or "dissipation"; by default that of the bearing, dissipation
+        for natural rubber (LRB), else work.
     lead_ends : "half-space" (default, Eq. 5.5) or "finite-plate", for confined lead cores.
     upper_face, lower_face : heat exchange of the end faces; eta_B = 2 by default.
     initial : temperature at the start [degC]: uniform, one per cell (upper face first), or
@@ -117,32 +115,11 @@ def run(
     return run_case(make_case({}, "run()", **options), series=series, progress=progress)
 
 
-def prepare(case: Case) -> tuple[Stack, Constants]:
-    """The stack of a case and the constants of its step."""
-    bearing, analysis = case.bearing, case.analysis
-    half = analysis.half and not needs_full_stack(analysis.model)
-    stack = build_stack(bearing, half=half)
-    constants = build_constants(
-        bearing,
-        stack,
-        upper=analysis.upper_face.face(),
-        lower=None if half else analysis.lower_face.face(),
-        scheme=analysis.scheme,
-        integrator=analysis.integrator,
-        heat_source=analysis.heat_source,
-        lead_ends=analysis.lead_ends,
-    )
-    constants = apply_model(
-        analysis.model, constants, bearing, stack, lambda: bilinear_parameters(bearing)
-    )
-    return stack, constants
-
-
 def run_case(
     case: Case, *, series: Ambient | None = None, progress: Progress | None = None
 ) -> Result:
     """Carry out a complete case; never raises for a failed analysis (see `Result.outcome`)."""
-    stack, constants = prepare(case)
+    model = build_model(case.bearing, case.analysis, backbone=bilinear_parameters)
     segments = build_segments(case.test, case.bearing.total_rubber_thickness)
     if case.ambient_series is not None:
         series = Ambient.from_csv(case.ambient_series)
@@ -159,10 +136,10 @@ def run_case(
     histories: list[History] = []
     for climate in climates:
         history = run_segments(
-            constants,
+            model.constants,
             segments,
             climate,
-            initial_temperatures(case, constants.cells.shape[1], climate.at(0.0)),
+            initial_temperatures(case, model.constants.cells.shape[1], climate.at(0.0)),
             initial_lead=case.initial_lead,
             keep_every=case.analysis.keep_every,
             groups=case.analysis.keep,
@@ -171,4 +148,4 @@ def run_case(
         histories.append(history)
         if history.outcome == INTERRUPTED:
             break
-    return label(case, stack, constants, segments, climates, histories)
+    return label(case, model, segments, climates, histories)

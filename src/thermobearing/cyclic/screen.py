@@ -116,12 +116,3 @@ def print_measures(cycles: list[CycleMeasures], total_rubber_thickness: float) -
             f"{m.post_yield_stiffness_kN_mm:.3f}",
         )
     Console().print(table)
-
-
-def print_facts(title: str, facts: dict[str, str]) -> None:
-    """A titled list of names and values."""
-    console = Console(highlight=False)
-    console.print(f"[bold]{escape(title)}[/bold]")
-    width = max(len(name) for name in facts)
-    for name, value in facts.items():
-        console.print(f"  {name:{width}}  {value}", markup=False)

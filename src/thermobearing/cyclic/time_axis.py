@@ -16,7 +16,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from thermobearing.cyclic.result import Result
-from thermobearing.results.drawing import GREY, INK, PALE, SMALL, name_axes, panels, thin
+from thermobearing.results.drawing import GREY, INK, PALE, SMALL, Look, name_axes, panels, thin
 
 Floats = NDArray[np.float64]
 
@@ -26,9 +26,18 @@ REST_SHARE = 0.13  # ... and that one of them has at most
 CUT_SHARE = 0.5  # of that room for a rest that is cut out
 LETTER, BOLD_LETTER = 0.0061, 0.0078  # mean width of a letter of a label, of the axis
 REST_TICKS = (
-    (10.0, "10 s"), (60.0, "1 min"), (600.0, "10 min"), (3600.0, "1 h"),
-    (36e3, "10 h"), (360e3, "100 h"),
-)  # fmt: skip
+    (10.0, "10 s"),
+    (60.0, "1 min"),
+    (600.0, "10 min"),
+    (3600.0, "1 h"),
+    (36e3, "10 h"),
+    (360e3, "100 h"),
+)
+# A rest that is cut out: the gap, the strokes at its ends, how long it is.
+GAP: Look = {"color": "white", "linewidth": 0, "zorder": 3, "clip_on": False}
+STROKE: Look = {"marker": [(-0.5, -1.0), (0.5, 1.0)], "markersize": 8, "linestyle": "none"}
+STROKE |= {"color": GREY, "zorder": 4, "clip_on": False}
+LENGTH: Look = {"color": GREY, "fontsize": SMALL, "rotation": 90, "ha": "center", "va": "center"}
 TO_SCALE = math.inf
 
 
@@ -285,25 +294,15 @@ class TimeAxis:
 
     def cut_out_rests(self, ax: Axes) -> None:
         """A gap in the panel and its frame for each long rest, with strokes at its ends."""
-        transform = ax.get_xaxis_transform()
+        place = ax.get_xaxis_transform()
         for s in self.shortened:
-            ax.fill_between(
-                [s.left, s.right], -0.01, 1.01, transform=transform, clip_on=False,
-                color="white", linewidth=0, zorder=3,
-            )  # fmt: skip
-            ax.plot(
-                [s.left, s.left, s.right, s.right], [0.0, 1.0, 0.0, 1.0], transform=transform,
-                clip_on=False, linestyle="none", marker=[(-0.5, -1.0), (0.5, 1.0)], markersize=8,
-                color=GREY, zorder=4,
-            )  # fmt: skip
-            ax.text(
-                s.middle, 0.5, s.label(), rotation=90, ha="center", va="center", fontsize=SMALL,
-                color=GREY, transform=transform, zorder=4,
-            )  # fmt: skip
+            ax.fill_between([s.left, s.right], -0.01, 1.01, transform=place, **GAP)
+            corners = ([s.left, s.left, s.right, s.right], [0.0, 1.0, 0.0, 1.0])
+            ax.plot(*corners, transform=place, **STROKE)
+            ax.text(s.middle, 0.5, s.label(), transform=place, zorder=4, **LENGTH)
 
 
 def _write_above(ax: Axes, x: float, text: str, colour: str, weight: str) -> None:
-    ax.text(
-        x, 1.02, text, ha="center", va="bottom", fontsize=SMALL, fontweight=weight, color=colour,
-        transform=ax.get_xaxis_transform(),
-    )  # fmt: skip
+    place = ax.get_xaxis_transform()
+    look: Look = {"fontsize": SMALL, "fontweight": weight, "color": colour}
+    ax.text(x, 1.02, text, ha="center", va="bottom", transform=place, **look)

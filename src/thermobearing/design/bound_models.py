@@ -45,11 +45,28 @@ def bound_models(table: pd.DataFrame, strain: float, rubber_thickness: float) ->
     ----------
     table : of `temperature_factors`.
     strain : one of its strains.
-    rubber_thickness : total, of the bearing [mm].
+    rubber_thickness : total, of the bearing [mm], > 0.
+
+    Returns
+    -------
+    list of BoundModel : the lower one, the upper one.
 
     Raises
     ------
     InputError : the table has no such strain.
+
+    Examples
+    --------
+    >>> rows = [("first", -20.0, 3.0, 9e4), ("first", 23.0, 2.0, 6e4)]
+    >>> table = pd.DataFrame(
+    ...     [
+    ...         {"strain": 1.0, "basis": b, "ambient_degC": t, "quantity": name, "value": value}
+    ...         for b, t, k, e in rows
+    ...         for name, value in (("K_eq", k), ("energy", e))
+    ...     ]
+    ... )
+    >>> [(model.name, model.temperature) for model in bound_models(table, 1.0, 100.0)]
+    [('lower', 23.0), ('upper', -20.0)]
     """
     rows = table[(table["strain"] == strain) & table["basis"].isin(["first", "heated"])]
     if rows.empty:
@@ -66,7 +83,24 @@ def bound_models(table: pd.DataFrame, strain: float, rubber_thickness: float) ->
 
 
 def bounds_table(models: list[BoundModel]) -> pd.DataFrame:
-    """Numbers of the bounds, one row each."""
+    """Numbers of the bounds, one row each.
+
+    Parameters
+    ----------
+    models : from `bound_models`.
+
+    Returns
+    -------
+    DataFrame : bound, strain, basis, temperature [degC], Q_d and Q_y [kN], K_1 and K_2 [kN/mm].
+
+    Examples
+    --------
+    >>> from thermobearing.model.earlier import BilinearParameters
+    >>> bilinear = BilinearParameters(strength=100.0, initial=10.0, post_yield=2.0)
+    >>> model = BoundModel("lower", 1.75, "first", 23.0, bilinear)
+    >>> float(bounds_table([model])["Q_y_kN"].iloc[0])
+    125.0
+    """
     return pd.DataFrame(
         [
             {
@@ -92,6 +126,18 @@ def opensees_text(models: list[BoundModel], name: str, language: str) -> str:
     models : from `bound_models`.
     name : of the bearing, for the comment.
     language : "tcl" or "python".
+
+    Returns
+    -------
+    str : lines of the script.
+
+    Examples
+    --------
+    >>> from thermobearing.model.earlier import BilinearParameters
+    >>> bilinear = BilinearParameters(strength=100.0, initial=10.0, post_yield=2.0)
+    >>> model = BoundModel("lower", 1.75, "first", 23.0, bilinear)
+    >>> opensees_text([model], "example", "tcl").splitlines()[-1]
+    'uniaxialMaterial Steel01 1 125.0 10.0 0.2'
     """
     lines = [
         f"# {name}: bilinear bounds of ONE bearing, units {UNITS}.",

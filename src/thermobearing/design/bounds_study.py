@@ -1,16 +1,19 @@
 """Is a bounding analysis good enough: two bilinear bounds against the coupled model."""
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from thermobearing.bearing.bilinear import BilinearBearing
+from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.cyclic.equivalent import DESIGN_STRAIN, bilinear_parameters
 from thermobearing.earthquake.case import make_earthquake_case
 from thermobearing.earthquake.run import run_earthquake
+from thermobearing.motions.library import list_motions
 
 DEMANDS = {  # column of the study's table: title of the panel
     "bearing_strain_max": "bearing strain",
@@ -18,11 +21,48 @@ DEMANDS = {  # column of the study's table: title of the panel
     "pier_displacement_max_mm": "pier displacement [mm]",
     "deck_acceleration_max_m_s2": "deck acceleration [m/s2]",
 }
+BEARINGS = ("shen-hdr-bridge", "shen-lhdr-bridge")
+AIR = (23.0, 0.0, -20.0)  # at which the coupled model runs [degC]
 UNSAFE, WASTEFUL = 0.95, 1.3  # envelope of the bounds over the coupled model; chosen
 
 
+def first_motions() -> list[str]:
+    """Names of the first built-in motion of each type and ground.
+
+    Returns
+    -------
+    list of str
+
+    Examples
+    --------
+    >>> "jra-ii-i-1" in first_motions()
+    True
+    """
+    return [name for name in list_motions() if name.split("-")[2] == "i"]
+
+
 def bound(bearing: Bearing, name: str, temperature: float, strain: float) -> BilinearBearing:
-    """The bilinear model of a bearing soaked at a temperature, without heating."""
+    """The bilinear model of a bearing soaked at a temperature, without heating.
+
+    Parameters
+    ----------
+    bearing : layered.
+    name : of the bilinear bearing.
+    temperature : [degC], in [-100, 100].
+    strain : shear strain amplitude of its third cycle, > 0.
+
+    Returns
+    -------
+    BilinearBearing
+
+    Examples
+    --------
+    >>> import thermobearing as tb
+    >>> bearing = tb.load_bearing("shen-hdr-bridge")
+    >>> cold, warm = (bound(bearing, "x", t, 1.75).strength for t in (-20.0, 23.0))
+    >>> cold > 1.2 * warm
+    True
+    """
     model = bilinear_parameters(bearing, strain=strain, temperature=temperature)
     return BilinearBearing(
         name=name,
@@ -35,9 +75,9 @@ def bound(bearing: Bearing, name: str, temperature: float, strain: float) -> Bil
 
 
 def bounds_study(
-    bearing: Bearing,
-    motions: Sequence[Any],
-    temperatures: Sequence[float] = (23.0, 0.0, -20.0),
+    bearing: Bearing | str | Path,
+    motions: Any,
+    temperatures: Sequence[float] = AIR,
     *,
     strain: float = DESIGN_STRAIN,
     **options: Any,
@@ -50,8 +90,8 @@ def bounds_study(
 
     Parameters
     ----------
-    bearing : layered.
-    motions : names, files or tables as in an earthquake case.
+    bearing : a layered Bearing, a library name, or a TOML file.
+    motions : one or several names, files or tables as in an earthquake case.
     temperatures : at which the coupled model runs [degC]; at least two.
     strain : of the bilinear models.
     options : further keys of an earthquake case and its analysis.
@@ -64,15 +104,14 @@ def bounds_study(
 
     Examples
     --------
-    >>> import thermobearing as tb
-    >>> bearing = tb.load_bearing("shen-hdr-bridge")
-    >>> table = bounds_study(bearing, ["jra-ii-i-1"], [23.0, -20.0])
+    >>> table = bounds_study("shen-hdr-bridge", "jra-ii-i-1", [23.0, -20.0])
     >>> len(table), bool((table["envelope_over_coupled"] > 0.5).all())
     (4, True)
     """
+    bearing = as_bearing(bearing)
     cold, warm = min(temperatures), max(temperatures)
     bounds = [bound(bearing, "lower", warm, strain), bound(bearing, "upper", cold, strain)]
-    common: dict[str, Any] = {"motions": list(motions), **options}
+    common: dict[str, Any] = {"motions": motions, **options}
     simple = make_earthquake_case(
         {"command": "bridge"}, "bounds", bearings=bounds, ambient=[warm], **common
     )
@@ -105,14 +144,44 @@ def bounds_study(
 
 
 def verdict(ratio: float) -> str:
-    """What a ratio of the envelope to the coupled model means."""
+    """What a ratio of the envelope to the coupled model means.
+
+    Parameters
+    ----------
+    ratio : envelope of the bounds over the largest of the coupled model, > 0.
+
+    Returns
+    -------
+    str : "unsafe" below 0.95, "wasteful" above 1.3, else "good".
+
+    Examples
+    --------
+    >>> [verdict(ratio) for ratio in (0.9, 1.0, 1.4)]
+    ['unsafe', 'good', 'wasteful']
+    """
     if ratio < UNSAFE:
         return "unsafe"
     return "wasteful" if ratio > WASTEFUL else "good"
 
 
 def paragraph(table: pd.DataFrame, name: str) -> str:
-    """The result in words."""
+    """The result in words.
+
+    Parameters
+    ----------
+    table : of `bounds_study`.
+    name : of the bearing.
+
+    Returns
+    -------
+    str : one paragraph.
+
+    Examples
+    --------
+    >>> row = {"motion": "x", "envelope_over_coupled": 0.9}
+    >>> paragraph(pd.DataFrame([row | {"demand": name} for name in DEMANDS]), "y")[:40]
+    'y: the envelope of the two bilinear boun'
+    """
     sentences = []
     for column, title in DEMANDS.items():
         ratios = table[table["demand"] == column]["envelope_over_coupled"].to_numpy()

@@ -6,16 +6,16 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from thermobearing.border.errors import InputError
+from thermobearing.border.overrides import overridden
 from thermobearing.border.schema import Strict, in_unit, validated
 from thermobearing.border.toml import read_toml, split_sources, to_toml
-from thermobearing.border.units import with_unit
 from thermobearing.design.rubber import Kind, load_compound
 from thermobearing.design.sizing import SizingRules
 from thermobearing.earthquake.case import Motion, make_earthquake_case
+from thermobearing.motions.record import STANDARD_GRAVITY
 from thermobearing.structure.model import MassModel, Structure
 
 STIFFNESS_RATIO = 0.19  # alpha of Table 6.3
-UNITS = {"start": "mm", "weight": "kN", "dt": "s"}
 
 
 class DesignCase(Strict):
@@ -59,17 +59,20 @@ def make_design_case(
     folder : paths in the table are relative to it.
     overrides : values that replace those of the table; plain numbers in mm, kN and s.
 
+    Returns
+    -------
+    DesignCase
+
     Raises
     ------
     InputError : all faults in one message.
+
+    Examples
+    --------
+    >>> make_design_case({"compound": "G10"}, "example", start=150).start
+    150.0
     """
-    given = {key: value for key, value in overrides.items() if value is not None}
-    table = dict(table) | {
-        key: with_unit(float(value), UNITS[key])
-        if key in UNITS and isinstance(value, int | float)
-        else value
-        for key, value in given.items()
-    }
+    table = overridden(table, overrides, DesignCase)
     study: dict[str, Any] = {"command": "bridge", "bearings": ["shen-bilinear-bridge"]}
     study |= {key: table[key] for key in ("structure", "motions") if key in table}
     settled = make_earthquake_case(study, where, folder)
@@ -85,7 +88,53 @@ def make_design_case(
 
 
 def load_design_case(path: str | Path, **overrides: Any) -> DesignCase:
-    """A design case from TOML."""
+    """A design case from TOML.
+
+    Parameters
+    ----------
+    path : the file; see `DesignCase` for its keys.
+    overrides : values that replace those of the file; plain numbers in mm, kN and s.
+
+    Returns
+    -------
+    DesignCase
+
+    Raises
+    ------
+    InputError : the file cannot be read, or all its faults in one message.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = Path(folder) / "case.toml"
+    ...     _ = file.write_text('compound = "G10"')
+    ...     load_design_case(file, start=150.0).compound
+    'G10'
+    """
     path = Path(path)
     table, _ = split_sources(read_toml(path))
     return make_design_case(table, str(path), path.parent, **overrides)
+
+
+def bearing_weight(case: DesignCase) -> float:
+    """Vertical load of one bearing [kN]: given, or the deck's weight over the count.
+
+    Parameters
+    ----------
+    case : what is designed.
+
+    Returns
+    -------
+    float : [kN], > 0.
+
+    Examples
+    --------
+    >>> round(bearing_weight(make_design_case({}, "example")), 1)
+    784.5
+    """
+    if case.weight is not None:
+        return case.weight
+    structure = case.structure
+    mass = sum(item.mass for item in structure.masses if item.body == structure.report.deck)
+    return mass * STANDARD_GRAVITY / structure.bearings[0].count

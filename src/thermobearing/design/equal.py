@@ -2,10 +2,19 @@
 
 import math
 from dataclasses import dataclass
+from pathlib import Path
 
+import numpy as np
+from numpy.typing import NDArray
+
+from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
 from thermobearing.cyclic.equivalent import isothermal_cycle
+from thermobearing.cyclic.protocol import cyclic_test
+from thermobearing.cyclic.run import run
+
+Floats = NDArray[np.float64]
 
 ROUNDING = 5.0  # mm: plans are made in such steps
 TRIES = 60
@@ -28,7 +37,24 @@ class EqualBearing:
 
 
 def with_side(template: Bearing, side: float, layers: int) -> Bearing:
-    """The template with another square plan and number of layers; K_r follows the area."""
+    """The template with another square plan and number of layers; K_r follows the area.
+
+    Parameters
+    ----------
+    template : a layered bearing with a square plan.
+    side : of the plan [mm], its square larger than the lead.
+    layers : number of rubber layers, >= 1.
+
+    Returns
+    -------
+    Bearing, not checked again: quick, for a search.
+
+    Examples
+    --------
+    >>> from thermobearing.bearing.library import load_bearing
+    >>> with_side(load_bearing("shen-hdr-bridge"), 400.0, 5).name
+    'hdr-400-5x17'
+    """
     plan = template.geometry.plan.model_copy(update={"side": side})
     geometry = template.geometry.model_copy(update={"plan": plan, "rubber_layers": layers})
     ratio = (side**2 - template.lead_area) / (template.area - template.lead_area)
@@ -45,7 +71,10 @@ def with_side(template: Bearing, side: float, layers: int) -> Bearing:
 
 
 def equal_bearing(
-    template: Bearing, stiffness: float, displacement: float, design_strain: float = 1.75
+    template: Bearing | str | Path,
+    stiffness: float,
+    displacement: float,
+    design_strain: float = 1.75,
 ) -> EqualBearing:
     """A bearing of the template's rubber, layers and lead with a given K_B.
 
@@ -54,10 +83,14 @@ def equal_bearing(
 
     Parameters
     ----------
-    template : a layered bearing with a square plan.
+    template : a layered bearing with a square plan: a Bearing, a library name, or a TOML file.
     stiffness : K_B [kN/mm], > 0.
     displacement : design displacement u_B [mm], > 0.
-    design_strain : largest u_B over total rubber thickness.
+    design_strain : largest u_B over total rubber thickness, > 0.
+
+    Returns
+    -------
+    EqualBearing
 
     Raises
     ------
@@ -65,22 +98,19 @@ def equal_bearing(
 
     Examples
     --------
-    >>> from thermobearing.bearing.library import load_bearing
-    >>> found = equal_bearing(load_bearing("shen-hdr-bridge"), 2.6153, 178.0)
+    >>> found = equal_bearing("shen-hdr-bridge", 2.6153, 178.0)
     >>> found.bearing.area**0.5, found.bearing.geometry.rubber_layers
     (480.0, 6)
     """
+    template = as_bearing(template, "template")
     if template.geometry.plan.shape != "square":
         raise InputError(f"{template.name}: only square plans are scaled")
     thickness = template.geometry.rubber_thickness
     layers = max(1, math.ceil(displacement / (design_strain * thickness) - 1e-9))
     strain = displacement / (layers * thickness)
     low, high = math.sqrt(1.02 * template.lead_area) + ROUNDING, 5000.0
-    if (
-        not _stiffness(template, low, layers, strain)
-        <= stiffness
-        <= _stiffness(template, high, layers, strain)
-    ):
+    softest, stiffest = (_stiffness(template, side, layers, strain) for side in (low, high))
+    if not softest <= stiffness <= stiffest:
         raise InputError(
             f"{template.name}: no plan of {low:.0f} to {high:.0f} mm gives {stiffness:g} kN/mm"
         )
@@ -100,3 +130,30 @@ def equal_bearing(
 
 def _stiffness(template: Bearing, side: float, layers: int, strain: float) -> float:
     return isothermal_cycle(with_side(template, side, layers), strain).stiffness_kN_mm
+
+
+def third_cycle(bearing: Bearing, displacement: float) -> tuple[Floats, Floats]:
+    """Displacement [mm] and force [kN] of a bearing's third cycle, from soaked, with heating.
+
+    Parameters
+    ----------
+    bearing : layered.
+    displacement : amplitude of the cycles [mm], > 0; the test begins at the reference
+        temperature of the rubber.
+
+    Returns
+    -------
+    displacement [mm] and force [kN] of the steps of the cycle.
+
+    Examples
+    --------
+    >>> from thermobearing.bearing.library import load_bearing
+    >>> x, force = third_cycle(load_bearing("shen-hdr-bridge"), 178.0)
+    >>> round(float(x.max())), bool(force.max() > 0.0)
+    (178, True)
+    """
+    strain = displacement / bearing.total_rubber_thickness
+    test = cyclic_test(strain=[strain], cycles=3, closing_strain=None)
+    result = run(bearing, test, bearing.hysteresis.reference_temperature)
+    last = np.flatnonzero(result["cycle"].values[0] == 3)
+    return result["displacement"].values[0, last], result["force"].values[0, last]

@@ -2,12 +2,14 @@
 
 from collections.abc import Sequence
 from functools import cache
+from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
 import pandas as pd
 from pydantic import Field
 
+from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError, nearest
 from thermobearing.border.library import data_path
@@ -63,13 +65,31 @@ class _Published(Strict):
 
 @cache
 def published_tables() -> list[PublishedTable]:
-    """Factors of other sources, for comparison."""
+    """Factors of other sources, for comparison.
+
+    Returns
+    -------
+    list of PublishedTable
+
+    Examples
+    --------
+    >>> any(table.unverified for table in published_tables())
+    True
+    """
     path = data_path("factors", "published.toml")
     return validated(_Published, read_toml(path), str(path)).tables
 
 
 def chosen_cycles(cycles: str | Sequence[int]) -> tuple[int, ...]:
     """Numbers of the cycles of a preset or a list, from 1.
+
+    Parameters
+    ----------
+    cycles : a name of `PRESETS`, or numbers from 1 to 100.
+
+    Returns
+    -------
+    tuple of int : each once, growing.
 
     Raises
     ------
@@ -93,7 +113,7 @@ def chosen_cycles(cycles: str | Sequence[int]) -> tuple[int, ...]:
 
 
 def temperature_factors(
-    bearing: Bearing | Sequence[Bearing],
+    bearing: Bearing | str | Path | Sequence[Bearing | str | Path],
     *,
     reference_temperature: float,
     temperatures: Sequence[float] = TEMPERATURES,
@@ -111,8 +131,9 @@ def temperature_factors(
 
     Parameters
     ----------
-    bearing : one bearing; or several, such as samples of a posterior: the first gives the values,
-        all of them the band between the 5 and 95 % quantiles.
+    bearing : one bearing (a Bearing, a library name, or a TOML file); or several, such as samples
+        of a posterior: the first gives the values, all of them the band between the 5 and 95 %
+        quantiles.
     reference_temperature : [degC], in [-60, 60]; there is no default.
     temperatures : [degC], in [-60, 60].
     strains : shear strain amplitudes, in [0.1, 3].
@@ -131,18 +152,15 @@ def temperature_factors(
 
     Examples
     --------
-    >>> import thermobearing as tb
     >>> table = temperature_factors(
-    ...     tb.load_bearing("shen-hdr-bridge"),
-    ...     reference_temperature=23,
-    ...     temperatures=[-20],
-    ...     strains=[1.75],
+    ...     "shen-hdr-bridge", reference_temperature=23, temperatures=[-20], strains=[1.75]
     ... )
     >>> first = table.query("basis == 'first' and quantity == 'K_eq' and ambient_degC == -20")
     >>> bool(first["factor"].iloc[0] > 1.5)
     True
     """
-    bearings = [bearing] if isinstance(bearing, Bearing) else list(bearing)
+    several = bearing if isinstance(bearing, list | tuple) else [bearing]
+    bearings = [as_bearing(item) for item in several]
     numbers = chosen_cycles(cycles)
     _check(bearings, reference_temperature, temperatures, strains, period)
     air = list(dict.fromkeys([float(reference_temperature), *(float(t) for t in temperatures)]))
@@ -168,8 +186,48 @@ def temperature_factors(
     )
 
 
+def factors_at_speed(
+    bearings: Sequence[Bearing], *, speed: float, strains: Sequence[float], **options: Any
+) -> pd.DataFrame:
+    """As `temperature_factors`, with the period of each strain from a mean speed, 4 a/speed.
+
+    Parameters
+    ----------
+    bearings : the first gives the values and the amplitudes a, several make bands.
+    speed : mean speed of the sine [mm/s], > 0.
+    strains : shear strain amplitudes, in [0.1, 3].
+    options : others of `temperature_factors`.
+
+    Returns
+    -------
+    DataFrame : that of `temperature_factors`.
+
+    Raises
+    ------
+    InputError : anything out of range; an analysis that did not complete.
+
+    Examples
+    --------
+    >>> import thermobearing as tb
+    >>> bearing = tb.load_bearing("shen-hdr-specimen")
+    >>> table = factors_at_speed(
+    ...     [bearing], speed=60.0, strains=[1.0], reference_temperature=23.0, temperatures=[0.0]
+    ... )
+    >>> sorted(set(table["ambient_degC"]))
+    [0.0, 23.0]
+    """
+    if not speed > 0.0:
+        raise InputError(f"speed = {speed:g}: must be greater than 0")
+    rubber = bearings[0].total_rubber_thickness
+    parts = [
+        temperature_factors(bearings, strains=[s], period=4.0 * s * rubber / speed, **options)
+        for s in strains
+    ]
+    return pd.concat(parts, ignore_index=True)
+
+
 def _check(
-    bearings: Sequence[Any],
+    bearings: Sequence[Bearing],
     reference: float,
     temperatures: Sequence[float],
     strains: Sequence[float],
@@ -177,7 +235,7 @@ def _check(
 ) -> None:
     """All faults at once."""
     problems = []
-    if not bearings or not all(isinstance(item, Bearing) for item in bearings):
+    if not bearings:
         problems.append("bearing: give one or more layered bearings")
     for name, values, low, high, unit in (
         ("reference_temperature", [reference], COLDEST, HOTTEST, "degC"),

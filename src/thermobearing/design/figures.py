@@ -1,45 +1,231 @@
-"""Figures of a design: rounds of the loop, loops of equal bearings, bounds against the model."""
+"""What a designer looks at: rounds of the loop, bounds, temperature factors, the size effect."""
 
-from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
+from thermobearing.bearing.model import Bearing
+from thermobearing.border.errors import InputError
+from thermobearing.cyclic.result import Result
+from thermobearing.design.bounds_study import DEMANDS
+from thermobearing.design.factors import published_tables
+from thermobearing.design.result import BoundsReport, Design, FactorReport
 from thermobearing.results import drawing
 
 Floats = NDArray[np.float64]
+
 BAND = "#c8ccd2"
+LOOPS = ("#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7")
+LOOKS = {
+    "first": ("#0072B2", "first cycle"),
+    "heated": ("#D55E00", "with self-heating"),
+    "mean": ("#009E73", "mean of the cycles"),
+}
+OTHERS = ("#666666", "#999999", "#bbbbbb")
+PARTS: dict[str, Any] = {"inner layer": "-", "outer layer": "--", "lead": ":"}
 
 
-def draw_rounds(assumed: Sequence[float], found: Sequence[float], title: str) -> Figure:
-    """Assumed and found displacement, round by round."""
-    figure, (ax,) = drawing.panels(1, 1, (6.5, 3.6), title)
-    numbers = np.arange(1, len(assumed) + 1)
-    ax.plot(numbers, assumed, color="#0072B2", marker="o", linewidth=1.2, label="assumed")
-    ax.plot(numbers, found, color="#D55E00", marker="s", linewidth=1.2, label="found")
-    ax.set_xticks(numbers)
-    drawing.name_axes(ax, "round", "displacement of the bearing [mm]")
-    ax.legend(fontsize=drawing.SMALL, frameon=False)
-    return figure
+class DesignFigures:
+    """Figures of a design: `design.plot.rounds()`, `.equal()`.
+
+    Parameters
+    ----------
+    design : from `run_design`.
+
+    Examples
+    --------
+    >>> from thermobearing.design.case import make_design_case
+    >>> from thermobearing.design.run import run_design
+    >>> case = make_design_case({"tolerance": 0.1}, "example", motions=["jra-ii-i-1"])
+    >>> design = run_design(case)
+    >>> len(DesignFigures(design).rounds().axes)
+    1
+    """
+
+    def __init__(self, design: Design) -> None:
+        self._design = design
+
+    def rounds(self) -> Figure:
+        """Assumed and found displacement, round by round."""
+        figure, (ax,) = drawing.panels(1, 1, (6.5, 3.6), "Design loop")
+        table = self._design.table
+        numbers = table["round"].to_numpy()
+        for column, name, colour, marker in (
+            ("u_B_assumed_mm", "assumed", "#0072B2", "o"),
+            ("u_found_mm", "found", "#D55E00", "s"),
+        ):
+            values = table[column].to_numpy()
+            ax.plot(numbers, values, color=colour, marker=marker, linewidth=1.2, label=name)
+        ax.set_xticks(numbers)
+        drawing.name_axes(ax, "round", "displacement of the bearing [mm]")
+        ax.legend(fontsize=drawing.SMALL, frameon=False)
+        return figure
+
+    def equal(self) -> Figure:
+        """Loops of the bilinear bearing and the layered ones of its stiffness, as Fig. 6.6."""
+        title = "Bearings of equal stiffness, 23 degC"
+        figure, (ax,) = drawing.panels(1, 1, (6.0, 4.4), title)
+        loops = self._design.loops
+        for (name, (x, force)), colour in zip(loops.items(), LOOPS, strict=False):
+            ax.plot(x, force, color=colour, linewidth=1.3, label=name)
+        drawing.name_axes(ax, "displacement [mm]", "force [kN]")
+        ax.legend(fontsize=drawing.SMALL, frameon=False)
+        return figure
+
+    def save_all(self, folder: Path) -> list[Path]:
+        """Every figure, as PNG.
+
+        Parameters
+        ----------
+        folder : where to; made if it does not exist.
+
+        Returns
+        -------
+        list of the files written.
+        """
+        return drawing.save_figures({"rounds": self.rounds, "equal": self.equal}, folder)
 
 
-def draw_equal(loops: dict[str, tuple[Floats, Floats]], title: str) -> Figure:
-    """Loops [mm, kN] by name, as Fig. 6.6."""
-    figure, (ax,) = drawing.panels(1, 1, (6.0, 4.4), title)
-    colours = ("#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7")
-    for (name, (x, force)), colour in zip(loops.items(), colours, strict=False):
-        ax.plot(x, force, color=colour, linewidth=1.3, label=name)
-    drawing.name_axes(ax, "displacement [mm]", "force [kN]")
-    ax.legend(fontsize=drawing.SMALL, frameon=False)
-    return figure
+class BoundsFigures:
+    """Figures of bounding analyses: `report.plot.demands(name)`.
+
+    Parameters
+    ----------
+    report : from `run_bounds`.
+
+    Examples
+    --------
+    >>> from thermobearing.design.run import run_bounds
+    >>> report = run_bounds(["shen-hdr-bridge"], ["jra-ii-i-1"], [23.0, -20.0])
+    >>> len(BoundsFigures(report).demands("shen-hdr-bridge").axes)
+    4
+    """
+
+    def __init__(self, report: BoundsReport) -> None:
+        self._report = report
+
+    def demands(self, name: str) -> Figure:
+        """Bars between the bounds of a bearing, dots of the coupled model.
+
+        Parameters
+        ----------
+        name : of one of the bearings.
+
+        Returns
+        -------
+        Figure
+        """
+        title = f"{name}: bilinear bounds (bars) and coupled model (dots)"
+        return draw_bounds(self._report.tables[name], title)
+
+    def save_all(self, folder: Path) -> list[Path]:
+        """A figure for each bearing, as PNG.
+
+        Parameters
+        ----------
+        folder : where to; made if it does not exist.
+
+        Returns
+        -------
+        list of the files written.
+        """
+        figures = {f"bounds-{n}": partial(self.demands, n) for n in self._report.tables}
+        return drawing.save_figures(figures, folder)
 
 
-def draw_bounds(table: pd.DataFrame, demands: dict[str, str], title: str) -> Figure:
-    """Bars between the bounds, dots of the coupled model: a dot above its bar is unsafe."""
+class FactorFigures:
+    """Figures of temperature factors: `report.plot.factors()`, `.sizes()`.
+
+    Parameters
+    ----------
+    report : from `run_factors`.
+
+    Examples
+    --------
+    >>> from thermobearing.design.run import run_factors
+    >>> report = run_factors(["shen-hdr-bridge"], temperatures=[-20.0], strains=[1.0])
+    >>> len(FactorFigures(report).factors().axes)
+    5
+    """
+
+    def __init__(self, report: FactorReport) -> None:
+        self._report = report
+
+    def factors(self) -> Figure:
+        """One panel per quantity at the largest strain.
+
+        Bands where the table has them; published factors dotted, at their own reference
+        temperature; unverified ones say so.
+        """
+        report = self._report
+        what = f"temperature factors, {report.motion}, strain {report.strain:.0%}"
+        rows = report.table[report.table["strain"] == report.strain]
+        quantities = list(dict.fromkeys(report.table["quantity"]))
+        size = (3.0 * len(quantities), 3.8)
+        figure, axes = drawing.panels(1, len(quantities), size, f"{report.name}: {what}")
+        for ax, quantity in zip(axes, quantities, strict=True):
+            _draw_factors(ax, rows[rows["quantity"] == quantity])
+            _draw_published(ax, quantity)
+            ax.axvline(report.reference, color=drawing.GREY, linewidth=0.7)
+            ax.axhline(1.0, color=drawing.GREY, linewidth=0.7)
+            title = f"{quantity} / {quantity} at reference"
+            drawing.name_axes(ax, "ambient temperature [°C]", "", title)
+            ax.title.set_fontsize(drawing.SMALL)
+        handles = [Line2D([], [], color=colour, label=label) for colour, label in LOOKS.values()]
+        drawing.legend_below(figure, handles)
+        return figure
+
+    def sizes(self) -> Figure:
+        """Temperature rises and loops at two sizes, where the study has them."""
+        if self._report.sizes is None:
+            raise InputError("the size effect was not studied: run it with scale = true")
+        return draw_scale(self._report.bearings[0], self._report.sizes[1])
+
+    def save_all(self, folder: Path) -> list[Path]:
+        """Every figure that the report holds data for, as PNG.
+
+        Parameters
+        ----------
+        folder : where to; made if it does not exist.
+
+        Returns
+        -------
+        list of the files written.
+        """
+        figures = {"factors": self.factors}
+        if self._report.sizes is not None:
+            figures["scale"] = self.sizes
+        return drawing.save_figures(figures, folder)
+
+
+def draw_bounds(table: pd.DataFrame, title: str) -> Figure:
+    """Bars between the bounds, dots of the coupled model: a dot above its bar is unsafe.
+
+    Parameters
+    ----------
+    table : of `bounds_study`.
+    title : of the figure.
+
+    Returns
+    -------
+    Figure : a panel for each demand.
+
+    Examples
+    --------
+    >>> import thermobearing as tb
+    >>> bearing = tb.load_bearing("shen-hdr-bridge")
+    >>> table = tb.bounds_study(bearing, ["jra-ii-i-1"], [23.0, -20.0])
+    >>> len(draw_bounds(table, "bounds").axes)
+    4
+    """
     names = [str(name) for name in table.columns]
     temperatures = [
         float(name.split("_")[1])
@@ -49,8 +235,8 @@ def draw_bounds(table: pd.DataFrame, demands: dict[str, str], title: str) -> Fig
     colours = drawing.ambient_colours(np.array(temperatures))
     motions = list(dict.fromkeys(table["motion"]))
     wide = max(2.6, 0.42 * len(motions) + 1.2)
-    figure, axes = drawing.panels(1, len(demands), (wide * len(demands), 4.0), title)
-    for ax, (column, label) in zip(axes, demands.items(), strict=True):
+    figure, axes = drawing.panels(1, len(DEMANDS), (wide * len(DEMANDS), 4.0), title)
+    for ax, (column, label) in zip(axes, DEMANDS.items(), strict=True):
         rows = table[table["demand"] == column].set_index("motion").loc[motions]
         low = rows[["lower_bound", "upper_bound"]].min(axis=1).to_numpy()
         high = rows[["lower_bound", "upper_bound"]].max(axis=1).to_numpy()
@@ -74,3 +260,79 @@ def draw_bounds(table: pd.DataFrame, demands: dict[str, str], title: str) -> Fig
         frameon=False,
     )
     return figure
+
+
+def _draw_factors(ax: Axes, rows: pd.DataFrame) -> None:
+    """Factors of one quantity over temperature, a line and a band for each basis."""
+    for basis, (colour, _) in LOOKS.items():
+        one = rows[rows["basis"] == basis].sort_values("ambient_degC")
+        x = one["ambient_degC"].to_numpy()
+        if np.isfinite(one["factor_low"]).all():
+            low, high = one["factor_low"].to_numpy(), one["factor_high"].to_numpy()
+            ax.fill_between(x, low, high, color=colour, alpha=0.2, linewidth=0)
+        ax.plot(x, one["factor"].to_numpy(), color=colour, linewidth=1.3)
+
+
+def _draw_published(ax: Axes, quantity: str) -> None:
+    """Factors of other sources."""
+    others = [item for item in published_tables() if item.quantity == quantity]
+    look: dict[str, Any] = {"linestyle": ":", "marker": "x", "markersize": 3.5, "linewidth": 1.0}
+    for item, colour in zip(others, OTHERS, strict=False):
+        ax.plot(item.temperatures, item.factors, color=colour, label=item.label, **look)
+    if others:
+        ax.legend(fontsize=drawing.SMALL - 1.5, frameon=False)
+
+
+def draw_scale(bearing: Bearing, results: dict[float, Result]) -> Figure:
+    """Temperature rises in time and loops of a bearing at some sizes.
+
+    Parameters
+    ----------
+    bearing : at full size.
+    results : of `scale_study`, by factor on all lengths.
+
+    Returns
+    -------
+    Figure
+
+    Examples
+    --------
+    >>> import thermobearing as tb
+    >>> bearing = tb.load_bearing("shen-hdr-bridge")
+    >>> _, results = tb.scale_study(bearing, [0.5])
+    >>> len(draw_scale(bearing, results).axes)
+    2
+    """
+    title = f"{bearing.name}: five cycles of 175 % in 10 s, then rest, at two sizes"
+    figure, (left, right) = drawing.panels(1, 2, (10.0, 4.2), title)
+    colours = drawing.ordered_colours(len(results), "viridis")
+    handles = []
+    for (factor, result), colour in zip(results.items(), colours, strict=True):
+        for part, rise in _rises(result).items():
+            left.plot(result.time(0), rise, color=colour, linestyle=PARTS[part], linewidth=1.2)
+        strain, stress = (result[name].values[0] for name in ("strain", "stress"))
+        kept = drawing.thin_loops(strain, stress, float(np.ptp(strain)), float(np.ptp(stress)))
+        right.plot(100.0 * strain[kept], stress[kept], color=colour, linewidth=0.9)
+        handles.append(Line2D([], [], color=colour, label=f"scale {factor:.3g}"))
+    left.set_xscale("symlog", linthresh=20.0)
+    left.set_xticks([0, 10, 20, 60, 600, 3600], ["0", "10", "20", "60", "600", "3600"])
+    drawing.name_axes(left, "time [s]", "rise over the ambient [K]", "temperature")
+    drawing.name_axes(right, "shear strain [%]", "stress [MPa]", "loops, cycles 1 to 5")
+    parts = {part for result in results.values() for part in _rises(result)}
+    handles += [
+        Line2D([], [], color=drawing.INK, linestyle=style, label=part)
+        for part, style in PARTS.items()
+        if part in parts
+    ]
+    drawing.legend_below(figure, handles)
+    return figure
+
+
+def _rises(result: Result) -> dict[str, Floats]:
+    """Temperatures above the ambient [K] by part of the bearing."""
+    ambient = float(result["ambient"].values[0])
+    layers = result["rubber_temperature"].values[0] - ambient
+    rises = {"inner layer": layers[:, -1], "outer layer": layers[:, 0]}
+    if result.has_lead:
+        rises["lead"] = result["lead_temperature"].values[0] - ambient
+    return rises

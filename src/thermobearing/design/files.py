@@ -1,170 +1,159 @@
-"""Files of a design and of a bounds study."""
+"""Result directories of a design, of a bounds study and of temperature factors."""
 
-import json
-from collections.abc import Callable
-from dataclasses import asdict
 from pathlib import Path
-from typing import Any
 
-import numpy as np
 import pandas as pd
 
-import thermobearing
 from thermobearing.border.toml import to_toml
-from thermobearing.cyclic.protocol import cyclic_test
-from thermobearing.cyclic.run import run
-from thermobearing.design.bounds_study import DEMANDS, paragraph
-from thermobearing.design.case import DesignCase
-from thermobearing.design.equal import EqualBearing
-from thermobearing.design.figures import draw_bounds, draw_equal, draw_rounds
-from thermobearing.design.run import Design, Round
+from thermobearing.design.bound_models import bounds_table, opensees_text
+from thermobearing.design.result import BoundsReport, Design, FactorReport
 from thermobearing.results.directory import (
     BEARINGS,
+    BOUNDS,
+    BOUNDS_PYTHON,
+    BOUNDS_TCL,
     CHECKS,
+    FACTORS,
     FIGURES,
     RESOLVED,
     ROUNDS,
-    SUMMARY,
+    SCALE,
     TABLE,
     write_directory,
 )
-from thermobearing.results.writing import without_nan
-
-DPI = 150
-SOURCE = {"u_B_mm": 178.0, "side_mm": 600.0, "layers": 8, "K_B_kN_mm": 2.6153, "Q_d_kN": 125.4,
-          "K_1_kN_mm": 9.51, "K_2_kN_mm": 1.81}  # fmt: skip
-
-
-def round_row(turn: Round) -> dict[str, Any]:
-    """One round as people read it."""
-    return {
-        "round": turn.number,
-        "u_B_assumed_mm": turn.assumed,
-        "side_mm": turn.size.side,
-        "layers": turn.size.layers,
-        "layer_thickness_mm": turn.size.layer_thickness,
-        "K_B_kN_mm": turn.stiffness,
-        "h_B": turn.damping,
-        "Q_d_kN": turn.strength,
-        "K_1_kN_mm": turn.initial,
-        "K_2_kN_mm": turn.post_yield,
-        "u_found_mm": turn.found,
-        "difference": turn.difference,
-        "pier_ductility": turn.ductility,
-    }
-
-
-def design_summary(design: Design, equal: list[EqualBearing]) -> dict[str, Any]:
-    """What summary.json says."""
-    return {
-        "command": "design",
-        "version": thermobearing.__version__,
-        "outcome": design.outcome,
-        "sentence": design.sentence,
-        "first_within_10_percent": design.first_within,
-        "rounds": [round_row(turn) for turn in design.rounds],
-        "checks": [asdict(check) | {"verdict": check.verdict} for check in design.checks],
-        "equal": [
-            {"name": item.bearing.name, "K_eq_kN_mm": item.stiffness, "h_eq": item.damping}
-            for item in equal
-        ],
-        "source": {"citation": "Tables 6.1 and 6.3", **SOURCE},
-    }
+from thermobearing.results.writing import write_csv, write_summary
 
 
 def save_design(
-    case: DesignCase,
-    design: Design,
-    equal: list[EqualBearing],
-    directory: Path,
-    *,
-    force: bool = False,
-    figures: bool = True,
+    design: Design, directory: Path, *, force: bool = False, figures: bool = True
 ) -> Path:
-    """Write rounds, checks, bearings (TOML, ready for `bridge`), summary and figures."""
+    """Write rounds, checks, bearings (TOML, ready for `bridge`), summary and figures.
+
+    Parameters
+    ----------
+    design : from `run_design`.
+    directory : made if needed, with its parents.
+    force : replace an earlier result directory.
+    figures : draw the figures too.
+
+    Returns
+    -------
+    Path : the directory.
+
+    Raises
+    ------
+    OutputError : see `write_directory`; nothing is left.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from thermobearing.design.case import make_design_case
+    >>> from thermobearing.design.run import run_design
+    >>> case = make_design_case({"tolerance": 0.1}, "example", motions=["jra-ii-i-1"])
+    >>> design = run_design(case)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     written = save_design(design, Path(folder) / "out", figures=False)
+    ...     print(*sorted(path.name for path in written.iterdir()))
+    bearings case.resolved.toml checks.csv rounds.csv summary.json
+    """
 
     def fill(folder: Path) -> None:
-        write_json(folder / SUMMARY, design_summary(design, equal))
-        (folder / RESOLVED).write_text(case.to_toml(), encoding="utf-8")
-        rounds = pd.DataFrame([round_row(turn) for turn in design.rounds])
-        rounds.to_csv(folder / ROUNDS, index=False, float_format="%.7g")
-        sheet = [asdict(check) | {"verdict": check.verdict} for check in design.checks]
-        pd.DataFrame(sheet).to_csv(folder / CHECKS, index=False, float_format="%.7g")
+        write_summary(folder, design.summary())
+        (folder / RESOLVED).write_text(design.case.to_toml(), encoding="utf-8")
+        write_csv(folder / ROUNDS, design.table)
+        write_csv(folder / CHECKS, pd.DataFrame(design.sheet))
         (folder / BEARINGS).mkdir()
-        for bearing in [design.bearing, *(item.bearing for item in equal)]:
-            if bearing is not None:
-                text = to_toml(bearing)
-                (folder / BEARINGS / f"{bearing.name}.toml").write_text(text, encoding="utf-8")
+        for name, text in _bearings(design).items():
+            (folder / BEARINGS / f"{name}.toml").write_text(text, encoding="utf-8")
         if figures:
-            (folder / FIGURES).mkdir()
-            for name, make in design_figures(design, equal).items():
-                make().savefig(folder / FIGURES / f"{name}.png", dpi=DPI)
+            design.plot.save_all(folder / FIGURES)
 
     return write_directory(directory, fill, force=force)
 
 
-def design_figures(design: Design, equal: list[EqualBearing]) -> dict[str, Callable[[], Any]]:
-    """Figures by name."""
-    rounds = design.rounds
-    return {
-        "rounds": lambda: draw_rounds(
-            [r.assumed for r in rounds], [r.found for r in rounds], "Design loop"
-        ),
-        "equal": lambda: draw_equal(_loops(design, equal), "Bearings of equal stiffness, 23 degC"),
-    }
-
-
-def _loops(design: Design, equal: list[EqualBearing]) -> dict[str, tuple[Any, Any]]:
-    """A closed loop at the design displacement of each bearing."""
-    turn = design.last
-    u, q, k1, k2 = turn.assumed, turn.strength, turn.initial, turn.post_yield
-    knee = u - 2.0 * q / (k1 - k2)
-    corners = [(u, q + k2 * u), (knee, k2 * knee - q), (-u, -q - k2 * u), (-knee, q - k2 * knee)]
-    loop = np.array([*corners, corners[0]])
-    loops = {
-        f"{design.bearing.name if design.bearing else ''} (bilinear)": (loop[:, 0], loop[:, 1])
-    }
-    for item in equal:
-        bearing = item.bearing
-        test = cyclic_test(
-            strain=[u / bearing.total_rubber_thickness], cycles=3, closing_strain=None
-        )
-        result = run(bearing, test, bearing.hysteresis.reference_temperature)
-        last = np.flatnonzero(result["cycle"].values[0] == 3)
-        x, force = (result[name].values[0, last] for name in ("displacement", "force"))
-        loops[bearing.name] = (x, force)
-    return loops
+def _bearings(design: Design) -> dict[str, str]:
+    """TOML of the bilinear bearing and of the layered ones, by name."""
+    layered = {item.bearing.name: to_toml(item.bearing) for item in design.equal}
+    return {design.bearing.name: to_toml(design.bearing)} | layered
 
 
 def save_bounds(
-    tables: dict[str, pd.DataFrame], directory: Path, *, force: bool = False, figures: bool = True
+    report: BoundsReport, directory: Path, *, force: bool = False, figures: bool = True
 ) -> Path:
-    """Write table.csv, summary.json with a paragraph for each bearing, and a figure for each."""
+    """Write table.csv, summary.json with a paragraph for each bearing, and a figure for each.
+
+    Parameters
+    ----------
+    report : from `run_bounds`.
+    directory, force, figures : as in `save_design`.
+
+    Returns
+    -------
+    Path : the directory.
+
+    Raises
+    ------
+    OutputError : see `write_directory`; nothing is left.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from thermobearing.design.run import run_bounds
+    >>> report = run_bounds(["shen-hdr-bridge"], ["jra-ii-i-1"], [23.0, -20.0])
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     written = save_bounds(report, Path(folder) / "out", figures=False)
+    ...     print(*sorted(path.name for path in written.iterdir()))
+    summary.json table.csv
+    """
 
     def fill(folder: Path) -> None:
-        parts = [table.assign(bearing=name) for name, table in tables.items()]
-        pd.concat(parts).to_csv(folder / TABLE, index=False, float_format="%.7g")
-        told = {name: paragraph(table, name) for name, table in tables.items()}
-        rows = {name: table.to_dict("records") for name, table in tables.items()}
-        summary = {
-            "command": "bounds",
-            "version": thermobearing.__version__,
-            "outcome": "completed",
-            "paragraphs": told,
-            "rows": rows,
-        }
-        write_json(folder / SUMMARY, summary)
+        write_csv(folder / TABLE, report.table)
+        write_summary(folder, report.summary())
         if figures:
-            (folder / FIGURES).mkdir()
-            for name, table in tables.items():
-                title = f"{name}: bilinear bounds (bars) and coupled model (dots)"
-                figure = draw_bounds(table, DEMANDS, title)
-                figure.savefig(folder / FIGURES / f"bounds-{name}.png", dpi=DPI)
+            report.plot.save_all(folder / FIGURES)
 
     return write_directory(directory, fill, force=force)
 
 
-def write_json(path: Path, value: dict[str, Any]) -> None:
-    """Strict JSON, NaN as null."""
-    text = json.dumps(without_nan(value), indent=2, allow_nan=False)
-    path.write_text(text + "\n", encoding="utf-8")
+def save_factors(
+    report: FactorReport, directory: Path, *, force: bool = False, figures: bool = True
+) -> Path:
+    """Write factors.csv, bounds.csv, bounds.tcl, bounds.py, summary.json, figures, scale.csv.
+
+    Parameters
+    ----------
+    report : from `run_factors`.
+    directory, force, figures : as in `save_design`.
+
+    Returns
+    -------
+    Path : the directory.
+
+    Raises
+    ------
+    OutputError : see `write_directory`; nothing is left.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from thermobearing.design.run import run_factors
+    >>> report = run_factors(["shen-hdr-bridge"], temperatures=[-20.0], strains=[1.0])
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     written = save_factors(report, Path(folder) / "out", figures=False)
+    ...     print(*sorted(path.name for path in written.iterdir()))
+    bounds.csv bounds.py bounds.tcl factors.csv summary.json
+    """
+
+    def fill(folder: Path) -> None:
+        write_csv(folder / FACTORS, report.table)
+        write_csv(folder / BOUNDS, bounds_table(report.bounds))
+        for file, language in ((BOUNDS_TCL, "tcl"), (BOUNDS_PYTHON, "python")):
+            text = opensees_text(report.bounds, report.name, language)
+            (folder / file).write_text(text, encoding="utf-8")
+        write_summary(folder, report.summary())
+        if report.sizes is not None:
+            write_csv(folder / SCALE, report.sizes[0])
+        if figures:
+            report.plot.save_all(folder / FIGURES)
+
+    return write_directory(directory, fill, force=force)

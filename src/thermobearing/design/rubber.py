@@ -38,13 +38,32 @@ class Curves(Strict):
 
 @cache
 def load_curves() -> Curves:
-    """The design curves shipped with the package."""
+    """The design curves shipped with the package.
+
+    Returns
+    -------
+    Curves
+
+    Examples
+    --------
+    >>> load_curves().largest_strain
+    2.5
+    """
     path = data_path("rubber", "jra-hdr.toml")
     return validated(Curves, read_toml(path), str(path))
 
 
 def load_compound(name: str, kind: Kind = "HDR") -> Compound:
-    """A compound by name ("G8", "G10", "G12") and kind ("HDR" or "HDR-S").
+    """A compound by name and kind.
+
+    Parameters
+    ----------
+    name : "G8", "G10" or "G12".
+    kind : "HDR" or "HDR-S".
+
+    Returns
+    -------
+    Compound
 
     Raises
     ------
@@ -65,7 +84,25 @@ def load_compound(name: str, kind: Kind = "HDR") -> Compound:
 
 
 def checked_strain(strain: float) -> float:
-    """The strain, if the curves may be used for it."""
+    """The strain, if the curves may be used for it.
+
+    Parameters
+    ----------
+    strain : design shear strain.
+
+    Returns
+    -------
+    float : the same.
+
+    Raises
+    ------
+    InputError : it is outside the range of the curves, 0.2 to 2.5.
+
+    Examples
+    --------
+    >>> checked_strain(1.75)
+    1.75
+    """
     curves = load_curves()
     if not curves.smallest_strain <= strain <= curves.largest_strain:
         raise InputError(
@@ -77,6 +114,15 @@ def checked_strain(strain: float) -> float:
 
 def shear_modulus(compound: Compound, strain: float) -> float:
     """Design equivalent shear modulus G_e [MPa] at a design shear strain (Eq. 6.2).
+
+    Parameters
+    ----------
+    compound : from `load_compound`.
+    strain : design shear strain, in [0.2, 2.5].
+
+    Returns
+    -------
+    float : G_e [MPa].
 
     Raises
     ------
@@ -93,6 +139,19 @@ def shear_modulus(compound: Compound, strain: float) -> float:
 
 def damping_ratio(compound: Compound, strain: float) -> float:
     """Design equivalent damping ratio h_B at a design shear strain (Eq. 6.3).
+
+    Parameters
+    ----------
+    compound : from `load_compound`.
+    strain : design shear strain, in [0.2, 2.5].
+
+    Returns
+    -------
+    float : h_B.
+
+    Raises
+    ------
+    InputError : the strain is outside the range of the curves.
 
     Examples
     --------
@@ -114,6 +173,14 @@ def equivalent_stiffness(
     area : effective plan area A_e, without side cover [mm2], > 0.
     total_rubber_thickness : [mm], > 0.
     displacement : design displacement [mm], within the strains of the curves.
+
+    Returns
+    -------
+    float : K_B [kN/mm].
+
+    Raises
+    ------
+    InputError : the strain is outside the range of the curves.
 
     Examples
     --------
@@ -138,6 +205,10 @@ def bilinear_of(
     displacement : u at which both hold [mm], > 0; for an effective displacement factor c_B give
         c_B u_B here and in the stiffness.
     stiffness_ratio : alpha = K_2/K_1, in (0, 1).
+
+    Returns
+    -------
+    BilinearParameters : Q_d [kN], K_1 and K_2 [kN/mm].
 
     Raises
     ------

@@ -1,96 +1,64 @@
-"""The design loop of Fig. 6.4: assume a displacement, size, analyse, compare, repeat."""
+"""The stories of the room: the design loop of Fig. 6.4, bounding analyses, temperature factors.
 
-from collections.abc import Callable
-from dataclasses import dataclass, field
+    assume a displacement -> size -> analyse -> compare with what was found -> again
+
+Read `run_design` from the bottom of the loop upwards: one turn is `_turn`, and `_ended` says
+when to stop. `run_bounds` and `run_factors` gather what their parts (bounds_study.py,
+factors.py, scale.py) find into one report.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
 
 from thermobearing.bearing.bilinear import BilinearBearing
-from thermobearing.design.case import DesignCase
+from thermobearing.bearing.library import load_bearing
+from thermobearing.bearing.model import Bearing
+from thermobearing.border.errors import InputError
+from thermobearing.cyclic.equivalent import DESIGN_STRAIN
+from thermobearing.design.bounds_study import AIR, BEARINGS, bounds_study, first_motions
+from thermobearing.design.case import DesignCase, bearing_weight
+from thermobearing.design.equal import equal_bearing
+from thermobearing.design.factors import (
+    PERIOD,
+    STRAINS,
+    TEMPERATURES,
+    factors_at_speed,
+    temperature_factors,
+)
+from thermobearing.design.result import BoundsReport, Design, FactorReport, Round
 from thermobearing.design.rubber import bilinear_of, load_compound, load_curves
-from thermobearing.design.sizing import Check, Size, checks_of, design_values, size_bearing
+from thermobearing.design.scale import scale_study
+from thermobearing.design.sizing import Check, checks_of, design_values, size_bearing
 from thermobearing.earthquake.case import EarthquakeCase, make_earthquake_case
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.earthquake.run import run_earthquake
 
-ENOUGH = 0.10  # of the displacement: "no more than 10 %" (6.2.2)
 BLIND = 23.0  # degC: the bilinear bearing does not care
 
 
-@dataclass(frozen=True)
-class Round:
-    """One turn of the loop.
-
-    Attributes
-    ----------
-    number : from 1.
-    assumed : design displacement u_B that the bearing was sized for [mm].
-    size : the bearing.
-    stiffness, damping : K_B [kN/mm] and h_B at u_B.
-    strength, post_yield, initial : Q_d [kN], K_2, K_1 [kN/mm] of the bilinear model.
-    found : largest displacement over the motions [mm].
-    ductility : largest of the pier over the motions.
-    """
-
-    number: int
-    assumed: float
-    size: Size
-    stiffness: float
-    damping: float
-    strength: float
-    post_yield: float
-    initial: float
-    found: float
-    ductility: float
-
-    @property
-    def difference(self) -> float:
-        """Found over assumed displacement, less one."""
-        return self.found / self.assumed - 1.0
-
-
-@dataclass
-class Design:
-    """What the loop came to.
-
-    Attributes
-    ----------
-    rounds : all turns.
-    outcome : "converged", or why not.
-    sentence : the same for people.
-    checks : the calculation sheet of the last round.
-    bearing : bilinear bearing of the last round.
-    study : the last dynamic analyses.
-    """
-
-    rounds: list[Round] = field(default_factory=list)
-    outcome: str = "not_converged"
-    sentence: str = ""
-    checks: list[Check] = field(default_factory=list)
-    bearing: BilinearBearing | None = None
-    study: EarthquakeResult | None = None
-
-    @property
-    def last(self) -> Round:
-        """The final turn."""
-        return self.rounds[-1]
-
-    @property
-    def first_within(self) -> int | None:
-        """Number of the first round within the source's 10 %."""
-        return next((r.number for r in self.rounds if abs(r.difference) <= ENOUGH), None)
-
-
-def bearing_weight(case: DesignCase) -> float:
-    """Vertical load of one bearing [kN]: given, or the deck's weight over the count."""
-    if case.weight is not None:
-        return case.weight
-    structure = case.structure
-    gravity = 9.80665e3  # mm/s2, ISO 80000-3
-    mass = sum(item.mass for item in structure.masses if item.body == structure.report.deck)
-    return mass * gravity / structure.bearings[0].count
-
-
 def earthquake_of(case: DesignCase, bearing: BilinearBearing, stiffness: float) -> EarthquakeCase:
-    """The dynamic analysis of one round; eigenvalues and damping follow the bearing's K_B."""
+    """The dynamic analysis of one round; eigenvalues and damping follow the bearing's K_B.
+
+    Parameters
+    ----------
+    case : what is designed.
+    bearing : of the round.
+    stiffness : its K_B [kN/mm], > 0.
+
+    Returns
+    -------
+    EarthquakeCase
+
+    Examples
+    --------
+    >>> from thermobearing.bearing.bilinear import load_bilinear
+    >>> from thermobearing.design.case import make_design_case
+    >>> bearing = load_bilinear("shen-bilinear-bridge")
+    >>> earthquake_of(make_design_case({}, "example"), bearing, 2.6).ambient
+    [23.0]
+    """
     line = case.structure.bearings[0].model_copy(update={"equivalent_stiffness": stiffness})
     structure = case.structure.model_copy(update={"bearings": [line]})
     return make_earthquake_case(
@@ -105,7 +73,17 @@ def earthquake_of(case: DesignCase, bearing: BilinearBearing, stiffness: float) 
     )
 
 
-def one_round(case: DesignCase, number: int, assumed: float) -> tuple[Round, Design]:
+@dataclass(frozen=True)
+class _Turn:
+    """One turn of the loop with all that it made."""
+
+    round: Round
+    checks: list[Check]
+    bearing: BilinearBearing
+    study: EarthquakeResult
+
+
+def _turn(case: DesignCase, number: int, assumed: float) -> _Turn:
     """Size for a displacement and analyse."""
     compound = load_compound(case.compound, case.compound_kind)
     size = size_bearing(assumed, bearing_weight(case), case.sizing)
@@ -128,14 +106,47 @@ def one_round(case: DesignCase, number: int, assumed: float) -> tuple[Round, Des
     found = float(study["bearing_displacement_max"].max())
     ductility = float(study["pier_ductility"].max())
     turn = Round(
-        number, assumed, size, stiffness, damping, model.strength, model.post_yield,
-        model.initial, found, ductility,
-    )  # fmt: skip
+        number=number,
+        assumed=assumed,
+        size=size,
+        stiffness=stiffness,
+        damping=damping,
+        strength=model.strength,
+        post_yield=model.post_yield,
+        initial=model.initial,
+        found=found,
+        ductility=ductility,
+    )
     checks = checks_of(size, bearing_weight(case), found / thickness, ductility, case.sizing)
-    return turn, Design(checks=checks, bearing=bearing, study=study)
+    return _Turn(turn, checks, bearing, study)
 
 
-def run_design(case: DesignCase, tell: Callable[[Round], None] | None = None) -> Design:
+def _ended(case: DesignCase, rounds: list[Round], study: EarthquakeResult) -> tuple[str, str]:
+    """Outcome and sentence, when the loop ends with these rounds; empty when it goes on."""
+    last = rounds[-1]
+    if study.outcome != "completed":
+        return study.outcome, study.sentence
+    if abs(last.difference) <= case.tolerance:
+        return "converged", (
+            f"The displacement of {last.found:.0f} mm is within {case.tolerance:.0%} of the "
+            f"assumed {last.assumed:.0f} mm after {last.number} rounds."
+        )
+    if last.number == case.most_rounds:
+        return "not_converged", (
+            f"After {case.most_rounds} rounds the displacement still changes by "
+            f"{last.difference:+.0%}: assumed {last.assumed:.0f}, found {last.found:.0f} mm. "
+            "Try thinner layers (the size jumps by whole layers), more rounds, or a larger "
+            "tolerance."
+        )
+    return "", ""
+
+
+def run_design(
+    case: DesignCase,
+    tell: Callable[[Round], None] | None = None,
+    *,
+    templates: Sequence[Bearing] = (),
+) -> Design:
     """Carry out the loop; says why if it does not converge, never raises for that.
 
     The found displacement replaces the assumed one (6.2.2) until they agree within the
@@ -146,10 +157,15 @@ def run_design(case: DesignCase, tell: Callable[[Round], None] | None = None) ->
     ----------
     case : from `load_design_case` or `make_design_case`.
     tell : called after each round.
+    templates : layered bearings to scale to the stiffness of the design, once it converged.
 
     Returns
     -------
     Design
+
+    Raises
+    ------
+    InputError : a bearing that cannot be sized, or a template that cannot be scaled.
 
     Examples
     --------
@@ -158,32 +174,128 @@ def run_design(case: DesignCase, tell: Callable[[Round], None] | None = None) ->
     >>> design.outcome, design.last.size.side >= 400.0
     ('converged', True)
     """
-    design = Design()
-    assumed, gain = case.start, 1.0
-    for number in range(1, case.most_rounds + 1):
-        turn, state = one_round(case, number, assumed)
-        design.rounds.append(turn)
-        design.checks, design.bearing, design.study = state.checks, state.bearing, state.study
+    rounds: list[Round] = []
+    assumed, gain, outcome = case.start, 1.0, ""
+    while not outcome:
+        turn = _turn(case, len(rounds) + 1, assumed)
+        rounds.append(turn.round)
         if tell:
-            tell(turn)
-        if state.study is not None and state.study.outcome != "completed":
-            design.outcome = state.study.outcome
-            design.sentence = state.study.sentence
-            return design
-        if abs(turn.difference) <= case.tolerance:
-            design.outcome = "converged"
-            design.sentence = (
-                f"The displacement of {turn.found:.0f} mm is within {case.tolerance:.0%} of the "
-                f"assumed {turn.assumed:.0f} mm after {number} rounds."
-            )
-            return design
-        if number > 1 and turn.difference * design.rounds[-2].difference < 0.0:
+            tell(turn.round)
+        outcome, sentence = _ended(case, rounds, turn.study)
+        difference = turn.round.difference
+        if len(rounds) > 1 and difference * rounds[-2].difference < 0.0:
             gain *= 0.5
-        assumed += gain * (turn.found - assumed)
-    design.sentence = (
-        f"After {case.most_rounds} rounds the displacement still changes by "
-        f"{design.last.difference:+.0%}: assumed {design.last.assumed:.0f}, found "
-        f"{design.last.found:.0f} mm. Try thinner layers (the size jumps by whole layers), more "
-        "rounds, or a larger tolerance."
+        assumed += gain * (turn.round.found - assumed)
+    last, strain = rounds[-1], case.sizing.design_strain
+    return Design(
+        case=case,
+        rounds=rounds,
+        outcome=outcome,
+        sentence=sentence,
+        checks=turn.checks,
+        bearing=turn.bearing,
+        study=turn.study,
+        equal=[
+            equal_bearing(template, last.stiffness, last.assumed, strain)
+            for template in templates
+            if outcome == "converged"
+        ],
     )
-    return design
+
+
+def run_bounds(
+    bearings: Sequence[Bearing | str | Path] = BEARINGS,
+    motions: Sequence[Any] | None = None,
+    temperatures: Sequence[float] = AIR,
+    *,
+    strain: float = DESIGN_STRAIN,
+) -> BoundsReport:
+    """Is a bounding analysis good enough: `bounds_study` of some bearings.
+
+    Parameters
+    ----------
+    bearings : layered ones, library names or TOML files; the two of the bridge by default.
+    motions : names, files or tables as in an earthquake case; the first motion of each type
+        and ground by default.
+    temperatures : at which the coupled model runs [degC]; at least two different ones.
+    strain : of the bilinear models, in [0.1, 3].
+
+    Returns
+    -------
+    BoundsReport
+
+    Raises
+    ------
+    InputError : anything out of range, unknown names.
+
+    Examples
+    --------
+    >>> report = run_bounds(["shen-hdr-bridge"], ["jra-ii-i-1"], [23.0, -20.0])
+    >>> report.paragraphs["shen-hdr-bridge"].split(":")[0]
+    'shen-hdr-bridge'
+    """
+    if len(set(temperatures)) < 2:
+        raise InputError("ambient: give at least two different temperatures")
+    if not 0.1 <= strain <= 3.0:
+        raise InputError(f"strain = {strain:g}: must be between 0.1 and 3")
+    chosen = [item if isinstance(item, Bearing) else load_bearing(item) for item in bearings]
+    shaken = first_motions() if motions is None else motions
+    return BoundsReport(
+        {item.name: bounds_study(item, shaken, temperatures, strain=strain) for item in chosen}
+    )
+
+
+def run_factors(
+    bearings: Sequence[Bearing | str | Path],
+    *,
+    reference: float | None = None,
+    temperatures: Sequence[float] = TEMPERATURES,
+    strains: Sequence[float] = STRAINS,
+    period: float | None = None,
+    speed: float | None = None,
+    cycles: str | Sequence[int] = "1-3",
+    scale: bool = False,
+) -> FactorReport:
+    """Temperature factors of a bearing, its bounds, and the size effect if wanted.
+
+    Parameters
+    ----------
+    bearings : layered ones, library names or TOML files; the first gives the values, several
+        (samples of a posterior) make bands.
+    reference : temperature [degC], in [-60, 60]; that of the first bearing's rubber by default.
+    temperatures : [degC], in [-60, 60].
+    strains : shear strain amplitudes, in [0.1, 3].
+    period : of the sine [s], in [0.2, 1000]; 2 by default.
+    speed : mean speed [mm/s] instead of the period, > 0.
+    cycles : "3", "1-3", "2-11", "all-but-first" (of five), or numbers from 1 to 100.
+    scale : study the first bearing at 1/6 of its size too.
+
+    Returns
+    -------
+    FactorReport
+
+    Raises
+    ------
+    InputError : anything out of range; an analysis that did not complete.
+
+    Examples
+    --------
+    >>> report = run_factors(["shen-hdr-bridge"], temperatures=[-20.0], strains=[1.0])
+    >>> [bound.name for bound in report.bounds]
+    ['lower', 'upper']
+    """
+    chosen = [item if isinstance(item, Bearing) else load_bearing(item) for item in bearings]
+    first = chosen[0]
+    at = first.hysteresis.reference_temperature if reference is None else reference
+    common: dict[str, Any] = {"reference_temperature": at, "temperatures": temperatures}
+    common |= {"strains": strains, "cycles": cycles}
+    if speed is None:
+        period = PERIOD if period is None else period
+        table = temperature_factors(chosen, period=period, **common)
+        motion = f"sine of {period:g} s"
+    else:
+        table = factors_at_speed(chosen, speed=speed, **common)
+        motion = f"sine at a mean speed of {speed:g} mm/s"
+    told = cycles if isinstance(cycles, str) else ",".join(str(number) for number in cycles)
+    sizes = scale_study(first) if scale else None
+    return FactorReport(chosen, table, at, motion, told, sizes)

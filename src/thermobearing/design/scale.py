@@ -1,10 +1,12 @@
 """The same bearing at another size: what heating does, and why specimens do not tell (7.2)."""
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
+from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
 from thermobearing.cyclic.protocol import CyclicTest
@@ -15,7 +17,7 @@ SPECIMEN = 1.0 / 6.0
 STRAIN, PERIOD, COUNT, REST = 1.75, 2.0, 5, 3600.0  # of the study; s
 
 
-def scaled_bearing(bearing: Bearing, factor: float) -> Bearing:
+def scaled_bearing(bearing: Bearing | str | Path, factor: float) -> Bearing:
     """A bearing with all lengths times a factor, of the same materials.
 
     Under the same strain history in the same time, forces go with the factor squared and
@@ -24,8 +26,12 @@ def scaled_bearing(bearing: Bearing, factor: float) -> Bearing:
 
     Parameters
     ----------
-    bearing : any.
-    factor : > 0; 1/6 makes the source's specimen of its prototype.
+    bearing : a Bearing, a library name, or a TOML file.
+    factor : in [0.001, 1000]; 1/6 makes the source's specimen of its prototype.
+
+    Returns
+    -------
+    Bearing
 
     Raises
     ------
@@ -33,13 +39,13 @@ def scaled_bearing(bearing: Bearing, factor: float) -> Bearing:
 
     Examples
     --------
-    >>> import thermobearing as tb
-    >>> small = scaled_bearing(tb.load_bearing("shen-hdr-bridge"), 0.5)
+    >>> small = scaled_bearing("shen-hdr-bridge", 0.5)
     >>> small.total_rubber_thickness, small.area
     (51.0, 57600.0)
     """
     if isinstance(factor, bool | str) or not 1e-3 <= factor <= 1e3:
         raise InputError(f"factor = {factor!r}: must be a number from 0.001 to 1000")
+    bearing = as_bearing(bearing)
     g, h = bearing.geometry, bearing.hysteresis
     lengths = ("length", "width", "side", "diameter")
     plan = g.plan.model_copy(
@@ -79,7 +85,7 @@ def scaled_bearing(bearing: Bearing, factor: float) -> Bearing:
 
 
 def scale_study(
-    bearing: Bearing,
+    bearing: Bearing | str | Path,
     factors: Sequence[float] = (SPECIMEN, 1.0),
     ambient: float = -20.0,
     **options: Any,
@@ -88,9 +94,9 @@ def scale_study(
 
     Parameters
     ----------
-    bearing : at full size.
-    factors : lengths over those of the full size.
-    ambient : temperature [degC].
+    bearing : at full size: a Bearing, a library name, or a TOML file.
+    factors : lengths over those of the full size, each in [0.001, 1000].
+    ambient : temperature [degC], in [-100, 100].
     options : of `run`.
 
     Returns
@@ -101,12 +107,12 @@ def scale_study(
 
     Examples
     --------
-    >>> import thermobearing as tb
-    >>> table, _ = scale_study(tb.load_bearing("shen-hdr-bridge"))
+    >>> table, _ = scale_study("shen-hdr-bridge")
     >>> small, full = table["inner_after_10_min_K"]
     >>> bool(small < 0.3 * full)
     True
     """
+    bearing = as_bearing(bearing)
     cycles = {"step": "cycles", "strain": STRAIN, "wave": "sine", "period": PERIOD, "count": COUNT}
     test = CyclicTest(dt=0.005, steps=[cycles, {"step": "rest", "duration": REST}])
     results = {

@@ -1,28 +1,61 @@
-"""A design on the terminal: each round as it comes, then the calculation sheet."""
+"""The room's results on the terminal: rounds as they come, sheets, paragraphs, factors."""
 
 from rich.console import Console
 from rich.table import Table
 
-from thermobearing.design.case import DesignCase
-from thermobearing.design.equal import EqualBearing
-from thermobearing.design.run import Design, Round, bearing_weight
+from thermobearing.design.bound_models import bounds_table
+from thermobearing.design.case import DesignCase, bearing_weight
+from thermobearing.design.result import BoundsReport, Design, FactorReport, Round, source_design
 
-HEADS = ("round", "u_B mm", "bearing", "K_B kN/mm", "h_B", "Q_d kN", "found mm", "differ",
-         "ductility")  # fmt: skip
-WIDTHS = (5, 6, 10, 9, 6, 6, 8, 6, 9)
+COLUMNS = {  # of the rounds: head, width
+    "round": 5,
+    "u_B mm": 6,
+    "bearing": 10,
+    "K_B kN/mm": 9,
+    "h_B": 6,
+    "Q_d kN": 6,
+    "found mm": 8,
+    "differ": 6,
+    "ductility": 9,
+}
 
 
 def print_head(case: DesignCase) -> None:
-    """What is designed."""
+    """What is designed, and the heads of the rounds.
+
+    Parameters
+    ----------
+    case : from `make_design_case`.
+
+    Examples
+    --------
+    >>> from thermobearing.design.case import make_design_case
+    >>> print_head(make_design_case({}, "example", motions=["jra-ii-i-1"]))
+    pier-p1, HDR G8, 785 kN a bearing, motions jra-ii-i-1
+    round u_B mm    bearing K_B kN/mm    h_B Q_d kN found mm differ ductility
+    """
     console = Console(highlight=False)
     names = ", ".join(motion.name for motion in case.motions)
-    console.print(f"[bold]{case.structure.name}[/bold], {case.compound_kind} {case.compound}, "
-                  f"{bearing_weight(case):.0f} kN a bearing, motions {names}")  # fmt: skip
-    console.print(_line(HEADS), style="bold")
+    console.print(
+        f"[bold]{case.structure.name}[/bold], {case.compound_kind} {case.compound}, "
+        f"{bearing_weight(case):.0f} kN a bearing, motions {names}"
+    )
+    console.print(_line(tuple(COLUMNS)), style="bold")
 
 
 def print_round(turn: Round) -> None:
-    """One line."""
+    """One line.
+
+    Parameters
+    ----------
+    turn : a round of the loop.
+
+    Examples
+    --------
+    >>> from thermobearing.design.sizing import Size
+    >>> print_round(Round(1, 178.0, Size(600.0, 8, 14.0), 2.6, 0.15, 125.4, 1.8, 9.5, 180.0, 1.2))
+        1    178  600, 8x14     2.600  0.150  125.4      180  +1.1%      1.20
+    """
     size = turn.size
     cells = (
         f"{turn.number}",
@@ -39,34 +72,129 @@ def print_round(turn: Round) -> None:
 
 
 def _line(cells: tuple[str, ...]) -> str:
-    return " ".join(cell.rjust(width) for cell, width in zip(cells, WIDTHS, strict=True))
+    widths = COLUMNS.values()
+    return " ".join(cell.rjust(width) for cell, width in zip(cells, widths, strict=True))
 
 
-def print_design(design: Design, equal: list[EqualBearing]) -> None:
-    """Verdict, checks, layered bearings of equal stiffness."""
+def print_design(design: Design) -> None:
+    """Verdict, checks, the source's design, layered bearings of equal stiffness.
+
+    Parameters
+    ----------
+    design : from `run_design`.
+
+    Examples
+    --------
+    >>> import contextlib, io
+    >>> from thermobearing.design.case import make_design_case
+    >>> from thermobearing.design.run import run_design
+    >>> case = make_design_case({"tolerance": 0.1}, "example", motions=["jra-ii-i-1"])
+    >>> design = run_design(case)
+    >>> with contextlib.redirect_stdout(io.StringIO()) as shown:
+    ...     print_design(design)
+    >>> "checks" in shown.getvalue()
+    True
+    """
     console = Console(highlight=False)
     console.print(design.sentence)
     if design.first_within is not None:
         console.print(f"The source's 10 % was met in round {design.first_within}.")
-    table = Table(box=None, pad_edge=False, title="\nchecks", title_justify="left")
-    for head in ("", "value", "limit", "", "source of the limit"):
-        table.add_column(head, justify="right" if head in ("value", "limit") else "left")
-    for check in design.checks:
-        sign = ">=" if check.least else "<="
-        unit = "" if check.unit == "1" else f" {check.unit}"
-        style = None if check.passed else "bold red"
-        limit = f"{sign} {check.limit:g}{unit}"
-        table.add_row(
-            check.what, f"{check.value:.3g}{unit}", limit, check.verdict, check.source, style=style
-        )
-    console.print(table)
-    console.print(
-        "\nsource (Tables 6.1, 6.3): u_B 178 mm, 600 mm, 8x14, K_B 2.615 kN/mm, Q_d 125.4 kN; "
-        "equal HDR and LHDR bearings 480 mm, 6x17, K_B 2.633 and 2.543 kN/mm. Its motions are not "
-        "free to ship, so the displacement differs."
-    )
-    for item in equal:
+    console.print(_checks(design))
+    console.print(f"\n{_source()}")
+    for item in design.equal:
         console.print(
             f"equal K_B: {item.bearing.name}, K_eq {item.stiffness:.3f} kN/mm, "
             f"h_eq {item.damping:.3f} at 23 degC without heating"
         )
+
+
+def _checks(design: Design) -> Table:
+    """The calculation sheet."""
+    table = Table(box=None, pad_edge=False, title="\nchecks", title_justify="left")
+    for head in ("", "value", "limit", "", "source of the limit"):
+        table.add_column(head, justify="right" if head in ("value", "limit") else "left")
+    for check in design.checks:
+        unit = "" if check.unit == "1" else f" {check.unit}"
+        value = f"{check.value:.3g}{unit}"
+        limit = f"{'>=' if check.least else '<='} {check.limit:g}{unit}"
+        style = None if check.passed else "bold red"
+        table.add_row(check.what, value, limit, check.verdict, check.source, style=style)
+    return table
+
+
+def _source() -> str:
+    """What the source came to."""
+    bearing, more = (source_design()[name] for name in ("bearing", "more"))
+    hdr, lhdr = more["equal_K_B_kN_mm"]
+    return (
+        f"source (Tables 6.1, 6.3): u_B {bearing['u_B_mm']:g} mm, {bearing['side_mm']:g} mm, "
+        f"{bearing['layers']}x{more['layer_thickness_mm']:g}, "
+        f"K_B {bearing['K_B_kN_mm']:.3f} kN/mm, "
+        f"Q_d {bearing['Q_d_kN']:g} kN; equal HDR and LHDR bearings {more['equal_side_mm']:g} mm, "
+        f"{more['equal_layers']}x{more['equal_layer_thickness_mm']:g}, K_B {hdr:g} and {lhdr:g} "
+        "kN/mm. Its motions are not free to ship, so the displacement differs."
+    )
+
+
+def print_bounds(report: BoundsReport) -> None:
+    """A paragraph for each bearing.
+
+    Parameters
+    ----------
+    report : from `run_bounds`.
+
+    Examples
+    --------
+    >>> import contextlib, io
+    >>> from thermobearing.design.run import run_bounds
+    >>> report = run_bounds(["shen-hdr-bridge"], ["jra-ii-i-1"], [23.0, -20.0])
+    >>> with contextlib.redirect_stdout(io.StringIO()) as shown:
+    ...     print_bounds(report)
+    >>> "least safe" in shown.getvalue()
+    True
+    """
+    for text in report.paragraphs.values():
+        print(text + "\n")
+
+
+def print_factors(report: FactorReport) -> None:
+    """Factors of the largest strain, and the bounds.
+
+    Parameters
+    ----------
+    report : from `run_factors`.
+
+    Examples
+    --------
+    >>> import contextlib, io
+    >>> from thermobearing.design.run import run_factors
+    >>> report = run_factors(["shen-hdr-bridge"], temperatures=[-20.0], strains=[1.0])
+    >>> with contextlib.redirect_stdout(io.StringIO()) as shown:
+    ...     print_factors(report)
+    >>> "upper bound" in shown.getvalue()
+    True
+    """
+    console = Console(highlight=False)
+    console.print(
+        f"[bold]{report.name}[/bold]: {report.motion}, cycles {report.cycles}, "
+        f"reference {report.reference:g} degC, strain {report.strain:.0%}"
+    )
+    console.print(_factors(report))
+    for row in bounds_table(report.bounds).to_dict("records"):
+        console.print(
+            f"{row['bound']} bound ({row['basis']} cycle, {row['ambient_degC']:g} degC): Q_d "
+            f"{row['Q_d_kN']:.1f} kN, K_1 {row['K_1_kN_mm']:.2f}, K_2 {row['K_2_kN_mm']:.3f} kN/mm"
+        )
+
+
+def _factors(report: FactorReport) -> Table:
+    """Factors at the largest strain, a column for each temperature."""
+    rows = report.table[report.table["strain"] == report.strain]
+    wide = rows.pivot_table(index=["quantity", "basis"], columns="ambient_degC", values="factor")
+    table = Table(box=None, pad_edge=False)
+    for head in ("", "", *(f"{value:g}" for value in wide.columns)):
+        table.add_column(head, justify="right" if head else "left")
+    for key, values in wide.iterrows():
+        quantity, basis = key if isinstance(key, tuple) else (key, "")
+        table.add_row(str(quantity), str(basis), *(f"{value:.2f}" for value in values))
+    return table

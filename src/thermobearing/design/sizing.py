@@ -100,6 +100,10 @@ def size_bearing(displacement: float, weight: float, rules: SizingRules) -> Size
     weight : vertical load of one bearing [kN], > 0.
     rules : of sizing.
 
+    Returns
+    -------
+    Size
+
     Raises
     ------
     InputError : it would take more than 60 layers.
@@ -127,22 +131,64 @@ def size_bearing(displacement: float, weight: float, rules: SizingRules) -> Size
 def checks_of(
     size: Size, weight: float, strain: float, ductility: float, rules: SizingRules
 ) -> list[Check]:
-    """The calculation sheet: strain, stress, shape factors, ductility."""
+    """The calculation sheet: strain, stress, shape factors, ductility.
+
+    Parameters
+    ----------
+    size : of the bearing.
+    weight : vertical load of one bearing [kN], > 0.
+    strain : largest shear strain found.
+    ductility : largest of the pier.
+    rules : of sizing.
+
+    Returns
+    -------
+    list of Check
+
+    Examples
+    --------
+    >>> sheet = checks_of(Size(600.0, 8, 14.0), 784.5, 1.6, 1.2, SizingRules())
+    >>> {check.verdict for check in sheet}
+    {'OK'}
+    """
     stress = weight * NEWTON_PER_KILONEWTON / size.area
+    first, second = size.first_shape_factor, size.second_shape_factor
+    chosen = "chosen; unverified: no limit is printed in the source"
+    usual = "usual in Japan; unverified: no limit is printed in the source"
+    large = "a large value for a pier in an isolated bridge, section 6.3.3"
     return [
         Check("shear strain", strain, 2.5, "1", "largest strain tested, Table 3.4"),
         Check("compressive stress", stress, rules.stress, "MPa", "of the tests, section 3.3"),
-        Check("first shape factor", size.first_shape_factor, 5.0, "1",
-              "chosen; unverified: no limit is printed in the source", least=True),
-        Check("second shape factor", size.second_shape_factor, 4.0, "1",
-              "usual in Japan; unverified: no limit is printed in the source", least=True),
-        Check("pier ductility", ductility, 3.0, "1",
-              "a large value for a pier in an isolated bridge, section 6.3.3"),
-    ]  # fmt: skip
+        Check("first shape factor", first, 5.0, "1", chosen, least=True),
+        Check("second shape factor", second, 4.0, "1", usual, least=True),
+        Check("pier ductility", ductility, 3.0, "1", large),
+    ]
 
 
 def design_values(compound: Compound, size: Size, displacement: float) -> tuple[float, float]:
-    """K_B [kN/mm] and h_B of a size at a displacement."""
+    """K_B [kN/mm] and h_B of a size at a displacement.
+
+    Parameters
+    ----------
+    compound : from `load_compound`.
+    size : of the bearing.
+    displacement : [mm], within the strains of the curves.
+
+    Returns
+    -------
+    K_B [kN/mm] and h_B.
+
+    Raises
+    ------
+    InputError : the strain is outside the range of the curves.
+
+    Examples
+    --------
+    >>> from thermobearing.design.rubber import load_compound
+    >>> stiffness, damping = design_values(load_compound("G8"), Size(600.0, 8, 14.0), 178.0)
+    >>> round(stiffness, 3), round(damping, 4)
+    (2.614, 0.1513)
+    """
     thickness = size.total_rubber_thickness
     stiffness = equivalent_stiffness(compound, size.area, thickness, displacement)
     return stiffness, damping_ratio(compound, displacement / thickness)

@@ -3,19 +3,18 @@
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, field_validator
 
 from thermobearing.bearing.ambient import Ambient
 from thermobearing.bearing.bilinear import BilinearBearing, list_bilinear, load_bilinear
 from thermobearing.bearing.library import list_bearings, load_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError, nearest
+from thermobearing.border.overrides import overridden
 from thermobearing.border.schema import Strict, in_unit, validated
 from thermobearing.border.toml import read_toml, split_sources, to_toml
-from thermobearing.border.units import with_unit
-from thermobearing.cyclic.case import EndFace, Temperature
-from thermobearing.model.constants import HeatSource, Integrator, LeadEnds
-from thermobearing.model.stack import Scheme
+from thermobearing.cyclic.case import Temperature
+from thermobearing.model.options import ModelOptions
 from thermobearing.motions.library import list_motions, load_motion
 from thermobearing.motions.record import GroundMotion
 from thermobearing.structure.model import (
@@ -27,20 +26,19 @@ from thermobearing.structure.model import (
 from thermobearing.structure.run import Method
 
 Command = Literal["bridge", "hybrid"]
-DEFAULT_ETA = 2.0
 DEFAULTS: dict[str, dict[str, Any]] = {
     "bridge": {
         "structure": "pier-p1",
         "bearings": ["shen-bilinear-bridge", "shen-hdr-bridge", "shen-lhdr-bridge"],
         "motions": ["jra-i-i-1", "jra-i-i-2", "jra-ii-i-1", "jra-ii-i-2"],
-        "ambient": [23.0, 0.0, -20.0],
+        "ambient": ["23 degC", "0 degC", "-20 degC"],
     },
     "hybrid": {
         "structure": "hybrid-pier",
         "bearings": ["shen-hdr-specimen", "shen-lhdr-specimen"],
         "motions": ["jra-ii-ii-1"],
-        "ambient": [23.0, 0.0, -20.0],
-        "duration": 20.0,
+        "ambient": ["23 degC", "0 degC", "-20 degC"],
+        "duration": "20 s",
     },
 }
 PSEUDO_DYNAMIC_SPEED = 10.0  # of the source's test [mm/s]
@@ -75,25 +73,18 @@ class Laboratory(Strict):
     seed: Annotated[int, Field(ge=0)] = 0
 
 
-class EarthquakeAnalysis(Strict):
-    """How to compute. `heat_source` None: dissipation for natural rubber (LRB), else work."""
+class Stepping(Strict):
+    """How the structure is led through time."""
 
     dt: Annotated[float, in_unit("s"), Field(gt=0, le=0.1)] = 0.005
     method: Method = "average-acceleration"
     mass: MassModel = "consistent"
-    scheme: Scheme = "conservative"
-    integrator: Integrator = "exact"
-    heat_source: HeatSource | None = None
-    lead_ends: LeadEnds = "half-space"
-    upper_face: EndFace = EndFace(eta=DEFAULT_ETA)
-    lower_face: EndFace = EndFace(eta=DEFAULT_ETA)
-    keep_every: Annotated[int, Field(ge=1)] = 2
 
-    @model_validator(mode="after")
-    def _ends_fit(self) -> "EarthquakeAnalysis":
-        if self.lead_ends != "half-space" and self.scheme == "published":
-            raise ValueError('scheme "published" goes with lead_ends "half-space" only')
-        return self
+
+class EarthquakeAnalysis(ModelOptions, Stepping):
+    """How to compute, and what to keep. Options of lead pass by a bearing that has none."""
+
+    keep_every: Annotated[int, Field(ge=1)] = 2
 
 
 Device = Annotated[Bearing | BilinearBearing, Field(discriminator="kind")]
@@ -147,10 +138,10 @@ class EarthquakeCase(Strict):
                     "laboratory: delay, force_noise and mode pd need analysis.method = "
                     '"predictor-corrector", which moves the specimen once per step'
                 )
-        if self.analysis.lead_ends == "finite-plate":
-            for bearing in self.bearings:
-                if isinstance(bearing, Bearing) and bearing.lead and not bearing.lead.confined:
-                    found.append(f'analysis.lead_ends: "{bearing.name}" has unconfined cores')
+        for bearing in self.bearings:
+            if isinstance(bearing, Bearing):
+                misfits = self.analysis.settled(bearing).misfits(bearing)
+                found += [f'analysis.{text}; "{bearing.name}" is none' for text in misfits]
         return found
 
 
@@ -175,22 +166,13 @@ def make_earthquake_case(
     command = table.setdefault("command", "bridge")
     if command not in DEFAULTS:
         raise InputError(f'command = {command!r}: must be "bridge" or "hybrid"', where)
-    given = {key: value for key, value in overrides.items() if value is not None}
-    chosen = {key: given.pop(key) for key in list(given) if key in EarthquakeAnalysis.model_fields}
-    if chosen:
-        chosen = {
-            k: with_unit(v, "s") if k == "dt" and not isinstance(v, str) else v
-            for k, v in chosen.items()
-        }
-        table["analysis"] = {**table.get("analysis", {}), **chosen}
-    if "weather" in given:
-        table.pop("ambient", None)
-    if "ambient" in given:
-        table.pop("weather", None)
-    lab = given.pop("laboratory", None)
-    if lab:
-        table["laboratory"] = {**table.get("laboratory", {}), **lab}
-    table |= given
+    for key, other in (("weather", "ambient"), ("ambient", "weather")):
+        if overrides.get(key) is not None and overrides.get(other) is None:
+            table.pop(other, None)
+    lab = overrides.get("laboratory")
+    if isinstance(lab, dict) and isinstance(table.get("laboratory", {}), dict):
+        overrides["laboratory"] = overridden(table.get("laboratory", {}), lab, Laboratory)
+    table = overridden(table, overrides, EarthquakeCase, {"analysis": EarthquakeAnalysis})
     problems = _settle(table, command, folder)
     try:
         case = validated(EarthquakeCase, table, where)
@@ -216,7 +198,7 @@ def _settle(table: dict[str, Any], command: str, folder: Path) -> list[str]:
         problems.append("give ambient or weather, not both")
     if table.get("weather") is not None and isinstance(table["weather"], str):
         table["weather"] = str((folder / table["weather"]).absolute())
-        table.setdefault("ambient", [with_unit(0.0, "degC")])  # not used
+        table.setdefault("ambient", ["0 degC"])  # not used
     for key, value in DEFAULTS[command].items():
         table.setdefault(key, value)
     if command == "hybrid":
@@ -227,9 +209,6 @@ def _settle(table: dict[str, Any], command: str, folder: Path) -> list[str]:
     for key in ("bearings", "motions", "ambient"):
         if not isinstance(table[key], list | tuple):
             table[key] = [table[key]]
-    table["ambient"] = [_degrees(value) for value in table["ambient"]]
-    if isinstance(table.get("duration"), int | float):
-        table["duration"] = with_unit(float(table["duration"]), "s")
     structure = table["structure"]
     if isinstance(structure, str | Path):
         table["structure"] = _named(
@@ -245,11 +224,6 @@ def _settle(table: dict[str, Any], command: str, folder: Path) -> list[str]:
         _motion(problems, k, item, folder) for k, item in enumerate(table["motions"])
     ]
     return problems
-
-
-def _degrees(value: Any) -> Any:
-    plain = isinstance(value, int | float) and not isinstance(value, bool)
-    return with_unit(float(value), "degC") if plain else value
 
 
 def _named(

@@ -8,11 +8,11 @@ from thermobearing.results.directory import (
     FIGURES,
     HISTORY,
     RESOLVED,
-    SUMMARY,
     TABLE,
     write_directory,
 )
-from thermobearing.results.writing import DIGITS, write_csv, write_json
+from thermobearing.results.reading import read_dataset
+from thermobearing.results.writing import DIGITS, write_csv, write_summary
 
 
 def save_earthquake(
@@ -26,7 +26,7 @@ def save_earthquake(
     """
 
     def fill(folder: Path) -> None:
-        write_json(folder / SUMMARY, result.summary())
+        write_summary(folder, result.summary())
         (folder / RESOLVED).write_text(result.dataset.attrs["case"], encoding="utf-8")
         write_csv(folder / TABLE, result.table)
         _write_histories(result, folder / HISTORY)
@@ -48,3 +48,13 @@ def _write_histories(result: EarthquakeResult, path: Path) -> None:
         frame.to_csv(
             path, mode="a" if run else "w", header=run == 0, index=False, float_format=DIGITS
         )
+
+
+def load_study(path: str | Path) -> EarthquakeResult:
+    """A saved result of an earthquake study again; see `load_result`, which reads any.
+
+    Raises
+    ------
+    InputError : there is no readable result of a study at that path.
+    """
+    return EarthquakeResult(read_dataset(path, ("structure", "case")))

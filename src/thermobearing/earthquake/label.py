@@ -29,6 +29,7 @@ from thermobearing.earthquake.case import EarthquakeCase
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.model.outcomes import INTERRUPTED
 from thermobearing.model.outcomes import SENTENCES as RUN_SENTENCES
+from thermobearing.results.writing import as_attribute
 from thermobearing.structure.matrices import (
     displacement_row,
     find_modes,
@@ -69,13 +70,22 @@ HISTORIES = (  # name, unit, long name
     ("pier_moment", "kN m", "moment of the first hinge"),
     ("lead_temperature", "degC", "temperature of the lead cores"),
 )
-ENERGIES = {"input": INPUT, "kinetic": KINETIC, "damping": DAMPING, "springs": SPRINGS,
-            "hinges": HINGES, "bearings": BEARINGS}  # fmt: skip
+ENERGIES = {
+    "input": INPUT,
+    "kinetic": KINETIC,
+    "damping": DAMPING,
+    "springs": SPRINGS,
+    "hinges": HINGES,
+    "bearings": BEARINGS,
+}
 BEARING_ENERGIES = {
-    "work_in": WORK_IN, "heat_released": HEAT_RELEASED, "recoverable": RECOVERABLE,
-    "heat_stored": HEAT_STORED, "heat_lost_ends": HEAT_LOST_ENDS,
+    "work_in": WORK_IN,
+    "heat_released": HEAT_RELEASED,
+    "recoverable": RECOVERABLE,
+    "heat_stored": HEAT_STORED,
+    "heat_lost_ends": HEAT_LOST_ENDS,
     "heat_lost_sides": HEAT_LOST_SIDES,
-}  # fmt: skip
+}
 
 
 def label_study(
@@ -222,7 +232,7 @@ def _attributes(
         "version": thermobearing.__version__,
         "case": case.to_toml(),
         "interrupted": int(_interrupted(case, histories)),
-        "sentences": str(RUN_SENTENCES | SENTENCES),
+        "sentences": as_attribute(RUN_SENTENCES | SENTENCES),
     }
     if prepared is None:
         return attrs
@@ -245,7 +255,7 @@ def _initial_periods(task: "Task") -> Floats:
 
     matrices, structure = task.prepared.matrices, task.case.structure
     small = 1e-6
-    element = BearingElement(task.device.constants, task.start[0])
+    element = BearingElement.from_constants(task.device.constants, initial=task.start[0])
     slope = element.set_trial(small, small, task.ambient).force / small
     each = np.array([slope * line.scale**-1 for line in structure.bearings])
     stiffness = matrices.springs + hinge_stiffness(structure, matrices)

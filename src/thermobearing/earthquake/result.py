@@ -1,6 +1,5 @@
 """A study of a structure in earthquakes: histories, peaks, energy books, tables."""
 
-import ast
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -8,11 +7,20 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from thermobearing.results.metrics import LEAST_ENERGY
+from thermobearing.results.writing import from_attribute
+
 if TYPE_CHECKING:
     from thermobearing.earthquake.figures import EarthquakeFigures
 
-BEARING = ("work_in", "heat_released", "recoverable", "heat_stored", "heat_lost_ends",
-           "heat_lost_sides")  # fmt: skip
+BEARING = (
+    "work_in",
+    "heat_released",
+    "recoverable",
+    "heat_stored",
+    "heat_lost_ends",
+    "heat_lost_sides",
+)
 STRUCTURE = ("input", "kinetic", "damping", "springs", "hinges", "bearings")
 COLUMNS = {  # of the table: name in the dataset, factor
     "bearing_strain_max": ("bearing_strain_max", 1.0),
@@ -58,7 +66,7 @@ class EarthquakeResult:
     @property
     def sentence(self) -> str:
         """What the outcome means and what to try."""
-        return str(ast.literal_eval(self.dataset.attrs["sentences"]).get(self.outcome, ""))
+        return str(from_attribute(self.dataset, "sentences").get(self.outcome, ""))
 
     @property
     def table(self) -> pd.DataFrame:
@@ -91,22 +99,26 @@ class EarthquakeResult:
         """Energy books of the structure and of one bearing at the end of each run [kN mm].
 
         `structure_residual`: (input - kinetic - damping - springs - hinges - bearings) / input.
-        `mechanical_residual`, `thermal_residual`: of the bearing, over its work.
+        `mechanical_residual`, `thermal_residual`: of the bearing, over its work (the thermal one
+        over its heat stored or lost where that is more). All are relative to at least 1e-6 kN mm.
         """
         data = self.dataset
         frame = pd.DataFrame({f"{n}_kN_mm": data[f"energy_{n}"].values for n in STRUCTURE})
         spent = frame.iloc[:, 1:].sum(axis=1)
-        frame["structure_residual"] = (frame["input_kN_mm"] - spent) / frame["input_kN_mm"]
+        given = frame["input_kN_mm"]
+        frame["structure_residual"] = (given - spent) / given.abs().clip(lower=LEAST_ENERGY)
         for name in BEARING:
             frame[f"bearing_{name}_kN_mm"] = data[f"heat_{name}"].values
         work = frame["bearing_work_in_kN_mm"]
         released = frame["bearing_heat_released_kN_mm"]
         lost = frame["bearing_heat_lost_ends_kN_mm"] + frame["bearing_heat_lost_sides_kN_mm"]
         stored = frame["bearing_heat_stored_kN_mm"]
-        scale = work.abs().clip(lower=np.finfo(float).tiny)
         recoverable = frame["bearing_recoverable_kN_mm"]
-        frame["mechanical_residual"] = (work - released - recoverable) / scale
-        frame["thermal_residual"] = (released - stored - lost) / scale
+        unbalanced, unheated = work - released - recoverable, released - stored - lost
+        moved = work.abs().clip(lower=LEAST_ENERGY)
+        frame["mechanical_residual"] = unbalanced / moved
+        heat = np.maximum(stored.abs(), lost.abs())
+        frame["thermal_residual"] = unheated / np.maximum(moved, heat)
         return frame
 
     def history(self, run: int) -> pd.DataFrame:
@@ -157,10 +169,10 @@ class EarthquakeResult:
             "scheme": attrs["scheme"],
             "version": attrs["version"],
             "outcome": self.outcome,
-            "periods_s": [float(v) for v in attrs.get("periods_s", [])],
-            "damping_ratios": [float(v) for v in attrs.get("damping_ratios", [])],
+            "periods_s": _numbers(attrs.get("periods_s", [])),
+            "damping_ratios": _numbers(attrs.get("damping_ratios", [])),
             "initial_periods_s": {
-                name: [float(v) for v in attrs[f"initial_periods_s:{name}"]] for name in names
+                name: _numbers(attrs[f"initial_periods_s:{name}"]) for name in names
             },
             "runs": runs,
         }
@@ -177,6 +189,11 @@ class EarthquakeResult:
         from thermobearing.earthquake.files import save_earthquake
 
         return save_earthquake(self, Path(directory), force=force, figures=figures)
+
+
+def _numbers(attribute: Any) -> list[float]:
+    """An attribute that is a list; netCDF gives a list of one back as a number."""
+    return [float(value) for value in np.atleast_1d(attribute)]
 
 
 def _plain(value: Any) -> Any:

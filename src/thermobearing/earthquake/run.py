@@ -3,7 +3,8 @@
     structure -> matrices, modes, damping;   bearing -> constants of the one coupled step
     every bearing x motion x temperature -> time integration -> histories -> one dataset
 
-Read `run_earthquake` first. The integration is in structure/, the step of the bearing is
+Read `run_earthquake` first; `bridge` and `hybrid` (study.py) gather what the user gave into the
+case that it carries out. The integration is in structure/, the step of the bearing is
 the same as in every other analysis (core/step.py).
 """
 
@@ -19,14 +20,15 @@ from thermobearing.bearing.ambient import Ambient
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.core.types import Constants, Floats
+from thermobearing.cyclic.equivalent import bilinear_parameters
 from thermobearing.cyclic.history import run_segments
 from thermobearing.cyclic.protocol import CyclicTest, build_segments
-from thermobearing.earthquake.case import EarthquakeCase, make_earthquake_case
+from thermobearing.earthquake.case import EarthquakeCase
 from thermobearing.earthquake.label import label_study
 from thermobearing.earthquake.result import EarthquakeResult
-from thermobearing.model.constants import build_constants
 from thermobearing.model.earlier import BilinearParameters, bilinear_constants
-from thermobearing.model.stack import Stack, build_stack
+from thermobearing.model.options import build_model
+from thermobearing.model.stack import Stack
 from thermobearing.motions.record import GroundMotion
 from thermobearing.structure.run import (
     Line,
@@ -77,22 +79,8 @@ def build_device(case: EarthquakeCase, bearing: Bearing | BilinearBearing) -> De
             bearing.strength, bearing.post_yield_stiffness, bearing.initial_stiffness
         )
         return Device(bearing, bilinear_constants(parameters), None)
-    analysis = case.analysis
-    half = analysis.upper_face == analysis.lower_face
-    stack = build_stack(bearing, half=half)
-    natural = bearing.kind == "LRB"
-    lead = bearing.lead is not None
-    constants = build_constants(
-        bearing,
-        stack,
-        upper=analysis.upper_face.face(),
-        lower=None if half else analysis.lower_face.face(),
-        scheme=analysis.scheme,
-        integrator=analysis.integrator,
-        heat_source=analysis.heat_source or ("dissipation" if natural else "work"),
-        lead_ends=analysis.lead_ends if lead else "half-space",
-    )
-    return Device(bearing, constants, stack)
+    model = build_model(bearing, case.analysis, backbone=bilinear_parameters)
+    return Device(bearing, model.constants, model.stack)
 
 
 def build_shaking(case: EarthquakeCase, number: int) -> Shaking:
@@ -169,64 +157,6 @@ def build_tasks(case: EarthquakeCase) -> list[Task]:
     return tasks
 
 
-def bridge(
-    bearing: Any = None,
-    motion: Any = None,
-    ambient: Any = None,
-    **options: Any,
-) -> EarthquakeResult:
-    """A bridge pier on isolation bearings in earthquakes: every combination is one run.
-
-    Parameters
-    ----------
-    bearing : one or several of: library name, TOML file, Bearing, BilinearBearing.
-    motion : one or several built-in names or files (or tables with name, unit, dt, component,
-        factor).
-    ambient : one or several temperatures [degC].
-    options : further keys of a case (structure, weather, duration [s]) and of its analysis
-        (dt [s], method, mass, scheme, integrator, heat_source, lead_ends, ...).
-
-    Raises
-    ------
-    InputError : anything that cannot be used, named with what is allowed.
-
-    Examples
-    --------
-    >>> study = bridge("shen-hdr-bridge", "jra-ii-i-1", [23, -20], duration=5)
-    >>> warm, cold = study.table["bearing_strain_max"]
-    >>> bool(cold < warm)
-    True
-    """
-    table = {"command": "bridge"}
-    given = {"bearings": bearing, "motions": motion, "ambient": ambient, **options}
-    return run_earthquake(make_earthquake_case(table, "bridge()", **given))
-
-
-def hybrid(
-    bearing: Any = None,
-    motion: Any = None,
-    ambient: Any = None,
-    **options: Any,
-) -> EarthquakeResult:
-    """A hybrid test, simulated: a specimen in the loop with a calculated pier.
-
-    Parameters
-    ----------
-    bearing, motion, ambient, options : as of `bridge`; `laboratory` is a table with mode ("rt"
-        or "pd"), speed, delay, force_noise and seed, numbers as text with their unit.
-
-    Examples
-    --------
-    >>> lab = {"mode": "pd", "delay": "10 ms"}
-    >>> test = hybrid("shen-hdr-specimen", ambient=-20, duration=2, laboratory=lab)
-    >>> test.outcome
-    'completed'
-    """
-    table = {"command": "hybrid"}
-    given = {"bearings": bearing, "motions": motion, "ambient": ambient, **options}
-    return run_earthquake(make_earthquake_case(table, "hybrid()", **given))
-
-
 def run_earthquake(
     case: EarthquakeCase,
     *,
@@ -244,6 +174,7 @@ def run_earthquake(
 
     Examples
     --------
+    >>> from thermobearing.earthquake.case import make_earthquake_case
     >>> table = {"command": "bridge", "bearings": ["shen-bilinear-bridge"], "duration": "2 s"}
     >>> run_earthquake(make_earthquake_case(table, "example")).runs
     12

@@ -1,15 +1,18 @@
 """Is a test record what it says it is? Findings in words, before anything is fitted."""
 
 from dataclasses import dataclass, field
-from typing import Literal
+from pathlib import Path
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
+from thermobearing.border.errors import InputError
 from thermobearing.identify.cycles import Cycle, cycles_of, measures_of
 from thermobearing.identify.forward import PAUSE
-from thermobearing.identify.record import TestRecord
+from thermobearing.identify.record import TestRecord, load_test
 from thermobearing.results.metrics import loop_energy
 
 Floats = NDArray[np.float64]
@@ -56,9 +59,17 @@ class CheckReport:
     findings: list[Finding] = field(default_factory=list)
     clipped: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, dtype=bool))
 
-    def add(self, level: Level, check: str, sentence: str) -> None:
-        """Note something."""
-        self.findings.append(Finding(level, check, sentence))
+    def refuse(self, check: str, sentence: str) -> None:
+        """Say why the record cannot be fitted."""
+        self.findings.append(Finding("refused", check, sentence))
+
+    def warn(self, check: str, sentence: str) -> None:
+        """Say what makes the record doubtful."""
+        self.findings.append(Finding("warning", check, sentence))
+
+    def note(self, check: str, sentence: str) -> None:
+        """Say what is worth knowing."""
+        self.findings.append(Finding("note", check, sentence))
 
     @property
     def refusals(self) -> list[str]:
@@ -73,17 +84,61 @@ class CheckReport:
         return next((level for level in ("refused", "warning") if level in levels), "good")
 
 
-def check_test(record: TestRecord, bearing: Bearing | None = None) -> CheckReport:
+def checks_summary(reports: list[CheckReport]) -> dict[str, Any]:
+    """The content of summary.json for a look at tests: the findings of all records.
+
+    Parameters
+    ----------
+    reports : from `check_test`, one per record.
+
+    Returns
+    -------
+    dict : the gravest outcome of all, and the findings of each record.
+
+    Examples
+    --------
+    >>> from thermobearing.identify.record import record_from_arrays
+    >>> t = np.linspace(0.0, 10.0, 500)
+    >>> checks_summary([check_test(record_from_arrays(t, 0.0 * t, np.sin(t), 23.0))])["outcome"]
+    'refused'
+    """
+    outcomes = [report.outcome for report in reports]
+    worst = next((o for o in ("refused", "warning") if o in outcomes), "good")
+    return {
+        "command": "identify",
+        "outcome": worst,
+        "records": [
+            {
+                "name": report.record.name,
+                "file": report.record.file,
+                "ambient_degC": report.record.ambient,
+                "outcome": report.outcome,
+                "cycles": len(report.cycles),
+                "findings": [vars(finding) for finding in report.findings],
+            }
+            for report in reports
+        ],
+    }
+
+
+def check_test(
+    record: TestRecord | str | Path, bearing: Bearing | str | Path | None = None
+) -> CheckReport:
     """Look a record over.
 
     Parameters
     ----------
-    record : from `load_test`.
-    bearing : plan area and rubber thickness, for the plausibility of strains and stresses.
+    record : a test, or its file as in `load_test`.
+    bearing : plan area and rubber thickness, for the plausibility of strains and stresses: a
+        Bearing, a library name, or a TOML file.
 
     Returns
     -------
     CheckReport : never raises for what is in the record; see `refusals`.
+
+    Raises
+    ------
+    InputError : a file that cannot be read; no such bearing.
 
     Examples
     --------
@@ -93,10 +148,12 @@ def check_test(record: TestRecord, bearing: Bearing | None = None) -> CheckRepor
     >>> check_test(still).outcome
     'refused'
     """
+    record = record if isinstance(record, TestRecord) else load_test(record)
+    bearing = None if bearing is None else as_bearing(bearing)
     report = CheckReport(record, [])
     report.clipped = np.zeros(len(record.time), dtype=bool)
     for text in record.assumptions:
-        report.add("warning", "assumed", text)
+        report.warn("assumed", text)
     if not _is_a_test(report):
         return report
     report.cycles = cycles_of(record)
@@ -117,18 +174,18 @@ def _is_a_test(report: CheckReport) -> bool:
     record = report.record
     if not (np.diff(record.time) > 0.0).all():
         k = int(np.argmin(np.diff(record.time) > 0.0))
-        report.add(
-            "refused", "time",
+        report.refuse(
+            "time",
             f"time does not increase from {record.time[k]:g} to {record.time[k + 1]:g} s "
             f"(rows {k + 1} and {k + 2}): files joined, or columns swapped?",
-        )  # fmt: skip
+        )
         return False
     for name, values, unit in (
         ("displacement", record.displacement, "mm"),
         ("force", record.force, "kN"),
     ):
         if np.ptp(values) <= 1e-9 * max(1.0, float(np.abs(values).max())):
-            report.add("refused", name, f"{name} is constant at {values[0]:g} {unit}")
+            report.refuse(name, f"{name} is constant at {values[0]:g} {unit}")
             return False
     return True
 
@@ -138,24 +195,24 @@ def _sign(report: CheckReport) -> bool:
     record = report.record
     d, f = record.displacement, record.force
     if report.cycles:
-        energy = sum(loop_energy(d[c.first : c.last + 1], f[c.first : c.last + 1])
-                     for c in report.cycles)  # fmt: skip
+        loops = [slice(c.first, c.last + 1) for c in report.cycles]
+        energy = sum(loop_energy(d[rows], f[rows]) for rows in loops)
     else:
         energy = loop_energy(d, f)
     along = float(np.corrcoef(d, f)[0, 1])
     if energy >= 0.0 and along > 0.0:
         return True
     if energy < 0.0 and along > 0.0:
-        report.add(
-            "refused", "columns",
+        report.refuse(
+            "columns",
             f"the loops give back work ({energy:.4g} kN mm) although force goes with displacement: "
             "the columns of displacement and force look swapped",
-        )  # fmt: skip
+        )
     else:
-        report.add(
-            "refused", "sign",
+        report.refuse(
+            "sign",
             "force has the opposite sign of displacement: set flip_force = true in the sidecar",
-        )  # fmt: skip
+        )
     return False
 
 
@@ -168,27 +225,27 @@ def _sampling(report: CheckReport) -> None:
     same_block = np.diff(record.block) == 0
     lost = (gaps > GAP_FACTOR * usual) & (ways > GAP_WAY * record.peak_displacement) & same_block
     for k in np.flatnonzero(lost)[:3]:
-        report.add(
-            "warning", "sampling",
+        report.warn(
+            "sampling",
             f"no samples from {record.time[k]:.4g} to {record.time[k + 1]:.4g} s, while the "
             f"bearing moved {ways[k]:.3g} mm",
-        )  # fmt: skip
+        )
     speed = float(np.sum(ways[moving]) / max(float(np.sum(gaps[moving])), 1e-12))
     if not SLOWEST <= speed <= FASTEST:
-        report.add(
-            "warning", "speed",
+        report.warn(
+            "speed",
             f"mean speed is {speed:.3g} mm/s: is the unit of time or displacement right?",
-        )  # fmt: skip
-    report.add(
-        "note", "sampling",
+        )
+    report.note(
+        "sampling",
         f"{len(record.time)} samples, usually {1e3 * usual:.3g} ms apart, mean speed "
         f"{speed:.3g} mm/s, {int(((gaps > PAUSE) & ~moving).sum())} gaps longer than {PAUSE:g} s "
         "at rest",
-    )  # fmt: skip
+    )
     counts = [c.last - c.first for c in report.cycles if not c.closing]
     if counts and min(counts) < FEW_SAMPLES:
-        level: Level = "refused" if min(counts) < FEWEST_SAMPLES else "warning"
-        report.add(level, "sampling", f"a cycle has only {min(counts)} samples")
+        say = report.refuse if min(counts) < FEWEST_SAMPLES else report.warn
+        say("sampling", f"a cycle has only {min(counts)} samples")
 
 
 def _cycles(report: CheckReport) -> None:
@@ -196,31 +253,31 @@ def _cycles(report: CheckReport) -> None:
     record = report.record
     full = [c for c in report.cycles if not c.closing]
     if not full:
-        report.add(
-            "refused", "cycles",
+        report.refuse(
+            "cycles",
             "no full cycle (zero, one side, other side, zero) was found: a fit needs reversals",
-        )  # fmt: skip
+        )
         return
     if len(full) == 1:
-        report.add(
-            "warning", "cycles",
+        report.warn(
+            "cycles",
             "one cycle only: nothing tells the virgin loop from the later ones, amplitude "
             "dependence (b) from stiffness, or heating from the rest",
-        )  # fmt: skip
+        )
     levels = sum(c.number == 1 for c in full)
-    report.add("note", "cycles", f"{len(full)} full cycles at {levels} amplitudes in a row")
+    report.note("cycles", f"{len(full)} full cycles at {levels} amplitudes in a row")
     if abs(record.displacement[-1]) > ENDS_AWAY * record.peak_displacement:
-        report.add(
-            "warning", "end",
+        report.warn(
+            "end",
             f"the record ends at {record.displacement[-1]:.4g} mm, in the middle of a cycle: "
             "truncated?",
-        )  # fmt: skip
+        )
     if abs(record.displacement[0]) > ENDS_AWAY * record.peak_displacement:
-        report.add(
-            "warning", "begin",
+        report.warn(
+            "begin",
             f"the record begins at {record.displacement[0]:.4g} mm: the model has to get there "
             "first, from rest",
-        )  # fmt: skip
+        )
 
 
 def _centred(report: CheckReport) -> None:
@@ -231,27 +288,25 @@ def _centred(report: CheckReport) -> None:
         ("force", record.force, record.peak_force, "kN"),
         ("displacement", record.displacement, record.peak_displacement, "mm"),
     ):
-        middles = np.array(
-            [0.5 * (values[c.first : c.last + 1].max() + values[c.first : c.last + 1].min())
-             for c in full]
-        )  # fmt: skip
+        loops = [values[c.first : c.last + 1] for c in full]
+        middles = np.array([0.5 * (loop.max() + loop.min()) for loop in loops])
         if len(middles) == 0:
             continue
         if len(middles) > 2:
             slope = float(np.polyfit(np.arange(len(middles)), middles, 1)[0])
             drift = slope * (len(middles) - 1)
             if abs(drift) > DRIFT * peak:
-                report.add(
-                    "warning", "drift",
+                report.warn(
+                    "drift",
                     f"the middle of the {name} loops drifts by {drift:.3g} {unit} over the record",
-                )  # fmt: skip
+                )
         offset = float(np.median(middles))
         if abs(offset) > OFFSET * peak:
-            report.add(
-                "warning", "offset",
+            report.warn(
+                "offset",
                 f"the middle of the {name} loops is at {offset:.3g} {unit}, not at zero; "
                 f'{name}_offset = "{offset:.3g} {unit}" in the sidecar takes it away',
-            )  # fmt: skip
+            )
 
 
 def _clipping(report: CheckReport) -> None:
@@ -267,11 +322,11 @@ def _clipping(report: CheckReport) -> None:
     count = int(report.clipped.sum())
     if count:
         largest = float(np.abs(record.force[report.clipped]).max())
-        report.add(
-            "warning", "saturation",
+        report.warn(
+            "saturation",
             f"force is clipped at {largest:.4g} kN in {count} samples: the load cell or amplifier "
             "was saturated; a fit leaves them out, and peak forces of the test are too small",
-        )  # fmt: skip
+        )
 
 
 def _plausible(report: CheckReport, bearing: Bearing) -> None:
@@ -279,17 +334,20 @@ def _plausible(report: CheckReport, bearing: Bearing) -> None:
     record, rubber = report.record, bearing.total_rubber_thickness
     strain = record.peak_displacement / rubber
     if strain > LARGEST_STRAIN:
-        report.add(
-            "refused", "strain",
+        report.refuse(
+            "strain",
             f"displacement reaches {record.peak_displacement:.4g} mm, {strain:.0%} of the total "
             f"rubber thickness of {rubber:g} mm: wrong unit, or the wrong bearing?",
-        )  # fmt: skip
+        )
     elif strain < SMALLEST_STRAIN:
-        report.add(
-            "warning", "strain",
+        report.warn(
+            "strain",
             f"displacement reaches {strain:.1%} of the total rubber thickness only: wrong unit?",
-        )  # fmt: skip
-    measured = measures_of(record, record.force, bearing.area, rubber)
+        )
+    try:
+        measured = measures_of(record, record.force, bearing.area, rubber)
+    except InputError:  # a cycle with too few samples, which `_sampling` has refused
+        return
     largest = max(measured, key=lambda m: m.amplitude_mm)
     modulus = largest.G_eq_MPa
     stated = f"the equivalent shear modulus at the largest amplitude is {modulus:.3g} MPa"
@@ -297,12 +355,12 @@ def _plausible(report: CheckReport, bearing: Bearing) -> None:
         hint = ""
         if SOFTEST < TONF * modulus < STIFFEST:
             hint = f"; in tonf it would be {TONF * modulus:.3g} MPa: is force in tonf labelled kN?"
-        report.add("refused", "force unit", f"{stated}, less than any rubber has{hint}")
+        report.refuse("force unit", f"{stated}, less than any rubber has{hint}")
     elif modulus > STIFFEST:
         hint = f"; {modulus / TONF:.3g} MPa if force is in kN labelled tonf?"
-        report.add("refused", "force unit", f"{stated}, more than any bearing has{hint}")
+        report.refuse("force unit", f"{stated}, more than any bearing has{hint}")
     else:
-        report.add("note", "force unit", stated)
+        report.note("force unit", stated)
 
 
 def _temperatures(report: CheckReport) -> None:
@@ -310,12 +368,12 @@ def _temperatures(report: CheckReport) -> None:
     record = report.record
     for title, values in record.temperatures.items():
         if values.min() < COLDEST or values.max() > HOTTEST:
-            report.add(
-                "warning", "thermocouple",
+            report.warn(
+                "thermocouple",
                 f"{title} runs from {values.min():.3g} to {values.max():.3g} degC: broken?",
-            )  # fmt: skip
+            )
         elif abs(values[0] - record.ambient) > 5.0:
-            report.add(
-                "warning", "thermocouple",
+            report.warn(
+                "thermocouple",
                 f"{title} starts at {values[0]:.3g} degC, the ambient is {record.ambient:g} degC",
-            )  # fmt: skip
+            )

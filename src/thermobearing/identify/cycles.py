@@ -31,13 +31,43 @@ def first_side(displacement: Floats) -> float:
 
     Cycles are cut where the motion comes back to that side: cut at the other crossings, a
     cycle would mix two amplitudes wherever the amplitude changes.
+
+    Parameters
+    ----------
+    displacement : in any unit.
+
+    Returns
+    -------
+    float : 1.0 where it moves to the positive side first, or not at all.
+
+    Examples
+    --------
+    >>> first_side(np.array([0.0, 0.001, -1.0, 1.0]))
+    -1.0
     """
     away = np.flatnonzero(np.abs(displacement) > AWAY * np.abs(displacement).max())
     return 1.0 if len(away) == 0 or displacement[away[0]] > 0.0 else -1.0
 
 
 def cycles_of(record: TestRecord) -> list[Cycle]:
-    """Full cycles of a record, zero to zero, each beginning to the side of the first move."""
+    """Full cycles of a record, zero to zero, each beginning to the side of the first move.
+
+    Parameters
+    ----------
+    record : a test.
+
+    Returns
+    -------
+    list of Cycle : in the order of time.
+
+    Examples
+    --------
+    >>> from thermobearing.identify.record import record_from_arrays
+    >>> t = np.linspace(0.0, 2.0, 201)
+    >>> x = np.sin(2.0 * np.pi * t)
+    >>> [cycle.number for cycle in cycles_of(record_from_arrays(t, x, 2.0 * x, 23.0))]
+    [1, 2]
+    """
     found: list[Cycle] = []
     before, number = 0.0, 0
     side = first_side(record.displacement)
@@ -55,7 +85,31 @@ def cycles_of(record: TestRecord) -> list[Cycle]:
 def measures_of(
     record: TestRecord, force: Floats, area: float, rubber: float
 ) -> list[CycleMeasures]:
-    """Measures of every cycle of a record, with its own force or the model's."""
+    """Measures of every cycle of a record, with its own force or the model's.
+
+    Parameters
+    ----------
+    record : a test.
+    force : at its samples [kN].
+    area : plan area [mm2], > 0.
+    rubber : total rubber thickness [mm], > 0.
+
+    Returns
+    -------
+    list of CycleMeasures : in the order of `cycles_of`.
+
+    Raises
+    ------
+    InputError : a cycle with too few samples to be measured.
+
+    Examples
+    --------
+    >>> from thermobearing.identify.record import record_from_arrays
+    >>> t = np.linspace(0.0, 1.0, 201)
+    >>> record = record_from_arrays(t, np.sin(2.0 * np.pi * t), np.sin(2.0 * np.pi * t), 23.0)
+    >>> round(measures_of(record, record.force, 1000.0, 1.0)[0].G_eq_MPa, 3)
+    1.0
+    """
     side = first_side(record.displacement)
     return measure_history(
         side * record.displacement, side * force, area=area, total_rubber_thickness=rubber

@@ -1,14 +1,23 @@
-"""Figures of test records and fits: arrays in, figures out, no physics."""
+"""What an engineer looks at after a fit, and before one: records, loops, residuals, bands."""
 
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
+from thermobearing.identify.agreement import RecordFit
+from thermobearing.identify.checks import CheckReport
+from thermobearing.identify.forward import Prediction
+from thermobearing.identify.posterior import Band
+from thermobearing.identify.record import TestRecord
+from thermobearing.identify.result import Identification
 from thermobearing.results import drawing
 
 Floats = NDArray[np.float64]
@@ -16,176 +25,281 @@ Floats = NDArray[np.float64]
 TEST, MODEL = "#8a8f98", "#CC3311"
 BINS = 3000
 LABELLED = 14  # parameters whose correlation is printed into the squares
+ERRORS = {
+    "G_eq_error": "equivalent shear modulus G_e",
+    "h_eq_error": "equivalent damping ratio h_eq",
+    "energy_error": "energy",
+    "force_max_error": "peak force",
+}
 
 
 @dataclass(frozen=True)
 class Panel:
-    """One record for the figures: histories, and errors of its cycles."""
+    """One record for the figures: the test, the model's force, and errors of its cycles."""
 
     title: str
-    time: Floats
-    displacement: Floats
-    force: Floats
+    record: TestRecord
     model: Floats
     cycle: Floats
     errors: dict[str, Floats]
 
 
-def check_figure(
-    title: str,
-    time: Floats,
-    displacement: Floats,
-    force: Floats,
-    *,
-    cycles: Sequence[tuple[int, int]],
-    starts: Sequence[int],
-    clipped: NDArray[np.bool_],
-    sentences: Sequence[str],
-) -> Figure:
-    """A record at a glance: histories over samples, loops, middles of the loops, findings."""
+def _panel(fit: RecordFit, prediction: Prediction) -> Panel:
+    record = fit.record
+    errors = {
+        title: np.array([getattr(cycle, name) for cycle in fit.cycles])
+        for name, title in ERRORS.items()
+    }
+    return Panel(
+        title=f"{record.name}, {drawing.degrees(record.ambient)}, R² = {fit.R2:.4f}",
+        record=record,
+        model=prediction.force,
+        cycle=np.array([cycle.cycle for cycle in fit.cycles], dtype=float),
+        errors=errors,
+    )
+
+
+class IdentificationFigures:
+    """Figures of a fit: `found.plot.loops()` and so on, each a matplotlib Figure.
+
+    Parameters
+    ----------
+    found : from `identify_bearing`.
+
+    Examples
+    --------
+    >>> import thermobearing as tb
+    >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
+    >>> record = tb.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
+    >>> found = tb.identify_bearing(record, "shen-hdr-specimen", free=["K_r"], starts=1)
+    >>> len(IdentificationFigures(found).cycles().axes)
+    4
+    """
+
+    def __init__(self, found: Identification) -> None:
+        self._found = found
+        self._panels = [
+            _panel(fit, prediction)
+            for fit, prediction in zip(found.fits, found.predictions, strict=True)
+        ]
+
+    def _title(self, what: str) -> str:
+        return f"{self._found.bearing.name}: {what}"
+
+    def loops(self) -> Figure:
+        """Loops of each test, the model's over them."""
+        panels = self._panels
+        columns = min(len(panels), 3)
+        rows = -(-len(panels) // columns)
+        size = (max(5.5, 1.0 + 3.4 * columns), 0.9 + 3.6 * rows)
+        figure, axes = drawing.panels(rows, columns, size, self._title("test and model"))
+        for ax, panel in zip(axes, panels, strict=False):
+            x, force = panel.record.displacement, panel.record.force
+            span = float(np.ptp(x)), float(np.ptp(force))
+            for values, colour, width in ((force, TEST, 0.9), (panel.model, MODEL, 0.7)):
+                kept = drawing.thin_loops(x, values, *span)
+                ax.plot(x[kept], values[kept], color=colour, linewidth=width)
+            drawing.name_axes(ax, "displacement [mm]", "force [kN]", panel.title)
+        for ax in axes[len(panels) :]:
+            ax.set_visible(False)
+        lines = [
+            Line2D([], [], color=TEST, linewidth=2.0, label="test"),
+            Line2D([], [], color=MODEL, linewidth=2.0, label="model"),
+        ]
+        drawing.legend_below(figure, lines)
+        return figure
+
+    def residuals(self) -> Figure:
+        """Residual force over samples, and its distribution, for each record."""
+        size = (9.5, 0.8 + 2.3 * len(self._panels))
+        figure, axes = drawing.panels(len(self._panels), 2, size, self._title("residuals"))
+        for k, panel in enumerate(self._panels):
+            off = 100.0 * (panel.model - panel.record.force) / panel.record.peak_force
+            left, right = axes[2 * k], axes[2 * k + 1]
+            kept = drawing.thin(off, BINS)
+            left.plot(kept, off[kept], color=drawing.INK, linewidth=0.5)
+            left.axhline(0.0, color=MODEL, linewidth=0.8)
+            drawing.name_axes(left, "sample", "model - test [% of peak]", panel.title)
+            right.hist(off, bins=80, density=True, color=TEST)
+            sigma = max(float(off.std()), 1e-12)
+            grid = np.linspace(float(off.min()), float(off.max()), 200)
+            area = sigma * np.sqrt(2.0 * np.pi)
+            normal = np.exp(-0.5 * ((grid - off.mean()) / sigma) ** 2) / area
+            right.plot(grid, normal, color=MODEL, linewidth=1.2, label="normal")
+            drawing.name_axes(
+                right, "model - test [% of peak]", "density", f"standard deviation {sigma:.2g} %"
+            )
+            right.legend(fontsize=drawing.SMALL, frameon=False)
+        return figure
+
+    def convergence(self) -> Figure:
+        """Best residual so far against evaluations."""
+        figure, (ax,) = drawing.panels(1, 1, (6.5, 3.8), self._title("convergence"))
+        history = self._found.history
+        count = np.array([item[0] for item in history], dtype=float)
+        error = 100.0 * np.sqrt(np.array([item[1] for item in history]))
+        ax.step(count, error, where="post", color=drawing.INK, linewidth=1.3)
+        ax.set_yscale("log")
+        ax.yaxis.set_minor_formatter("{x:g}")
+        ax.yaxis.set_major_formatter("{x:g}")
+        ax.tick_params(which="both", labelsize=drawing.SMALL)
+        drawing.name_axes(ax, "evaluations (all records each)", "rms residual [% of peak]")
+        return figure
+
+    def correlation(self) -> Figure:
+        """Correlation matrix of the free parameters."""
+        found = self._found.uncertainty
+        names = [item.parameter.kind.symbol for item in found.estimates.values()]
+        size = 1.8 + 0.55 * len(names)
+        inches = (max(size + 0.8, 4.5), max(size, 3.8))
+        figure, (ax,) = drawing.panels(1, 1, inches, self._title("correlation"))
+        ax.grid(False)
+        image = ax.imshow(found.correlation, cmap="RdBu_r", vmin=-1.0, vmax=1.0)
+        ax.set_xticks(range(len(names)), names, fontsize=drawing.NORMAL, rotation=45)
+        ax.set_yticks(range(len(names)), names, fontsize=drawing.NORMAL)
+        for (i, j), value in np.ndenumerate(found.correlation):
+            if len(names) <= LABELLED:
+                colour = "white" if abs(value) > 0.6 else drawing.INK
+                text = f"{value:.2f}".replace("-", "\N{MINUS SIGN}")
+                ax.text(j, i, text, ha="center", va="center", fontsize=6.5, color=colour)
+        figure.colorbar(image, ax=ax, shrink=0.8).ax.tick_params(labelsize=drawing.SMALL)
+        return figure
+
+    def cycles(self) -> Figure:
+        """Errors of each cycle: one panel per measure, one line per record."""
+        panels = self._panels
+        title = self._title("errors of each cycle")
+        figure, axes = drawing.panels(2, 2, (10.0, 6.0), title)
+        colours = drawing.ordered_colours(len(panels), "viridis")
+        for ax, name in zip(axes, ERRORS.values(), strict=True):
+            for k, panel in enumerate(panels):
+                ax.plot(
+                    panel.cycle,
+                    100.0 * panel.errors[name],
+                    drawing.MARKERS[k % 8] + "-",
+                    color=colours[k],
+                    markersize=3.5,
+                    linewidth=0.9,
+                    label=panel.title,
+                )
+            ax.axhline(0.0, color=drawing.GREY, linewidth=0.9)
+            drawing.name_axes(ax, "cycle", "model / test - 1 [%]", name)
+        lines, _ = axes[0].get_legend_handles_labels()
+        drawing.legend_below(figure, [line for line in lines if isinstance(line, Line2D)])
+        return figure
+
+    def band(self, band: Band) -> Figure:
+        """Loops at a temperature with their 95 % band over samples, and the peak force.
+
+        Parameters
+        ----------
+        band : from `predictive_band`.
+
+        Returns
+        -------
+        Figure
+        """
+        title = self._title(f"predicted at {drawing.degrees(band.ambient)}")
+        figure, (loops, width) = drawing.panels(1, 2, (10.0, 4.2), title)
+        loops.plot(band.displacement, band.best, color=drawing.INK, linewidth=0.6)
+        text = f"peak {band.peak:.4g} kN, 95 % {band.peak_lower:.4g} to {band.peak_upper:.4g} kN"
+        drawing.name_axes(loops, "displacement [mm]", "force [kN]", text)
+        below, above = band.lower - band.best, band.upper - band.best
+        width.fill_between(np.arange(len(below)), below, above, color=TEST, linewidth=0.0)
+        width.axhline(0.0, color=MODEL, linewidth=0.8)
+        drawing.name_axes(
+            width, "sample", "force - best [kN]", "95 % band from the parameters alone"
+        )
+        return figure
+
+    def save_all(self, folder: Path, *, bands: Sequence[Band] = ()) -> list[Path]:
+        """Every figure, as PNG.
+
+        Parameters
+        ----------
+        folder : where to; made if it does not exist.
+        bands : draw these too.
+
+        Returns
+        -------
+        list of the files written.
+        """
+        figures: dict[str, Callable[[], Figure]] = {
+            "loops": self.loops,
+            "residuals": self.residuals,
+            "convergence": self.convergence,
+            "correlation": self.correlation,
+            "cycles": self.cycles,
+        }
+        figures |= {f"band_{band.ambient:g}": partial(self.band, band) for band in bands}
+        return drawing.save_figures(figures, folder)
+
+
+def check_figure(report: CheckReport) -> Figure:
+    """A record at a glance: histories over samples, loops, middles of the loops, findings.
+
+    Parameters
+    ----------
+    report : from `check_test`.
+
+    Returns
+    -------
+    Figure
+
+    Examples
+    --------
+    >>> import thermobearing as tb
+    >>> t = np.linspace(0.0, 10.0, 500)
+    >>> report = tb.check_test(tb.record_from_arrays(t, 0.0 * t, np.sin(t), 23.0))
+    >>> len(check_figure(report).axes)
+    4
+    """
+    record = report.record
+    title = f"{record.name}: {report.outcome}"
     figure, (top, middle, loops, centre) = drawing.panels(2, 2, (10.0, 6.8), title)
-    number = np.arange(len(time))
+    _draw_histories(report, top, middle)
+    x, force = record.displacement, record.force
+    spans = max(float(np.ptp(x)), 1e-9), max(float(np.ptp(force)), 1e-9)
+    kept = drawing.thin_loops(x, force, *spans)
+    loops.plot(x[kept], force[kept], color=drawing.INK, linewidth=0.6)
+    drawing.name_axes(loops, "displacement [mm]", "force [kN]", "loops as recorded")
+    _draw_middles(report, centre)
+    if report.findings:
+        sentences = [f"{finding.level}: {finding.sentence}" for finding in report.findings]
+        shown = "\n".join(textwrap.fill(f"- {text}", 150) for text in sentences)
+        figure.supxlabel(shown, fontsize=drawing.SMALL, x=0.02, ha="left")
+    return figure
+
+
+def _draw_histories(report: CheckReport, top: Axes, middle: Axes) -> None:
+    """Displacement and force over samples, the begin of each cycle, clipped samples."""
+    record = report.record
+    number = np.arange(len(record.time))
+    starts = [cycle.first for cycle in report.cycles]
     for ax, values, name in (
-        (top, displacement, "displacement [mm]"),
-        (middle, force, "force [kN]"),
+        (top, record.displacement, "displacement [mm]"),
+        (middle, record.force, "force [kN]"),
     ):
         kept = drawing.thin(values, BINS)
         ax.plot(number[kept], values[kept], color=drawing.INK, linewidth=0.7)
         ax.plot(starts, np.zeros(len(starts)), "|", color=MODEL, markersize=7)
         drawing.name_axes(ax, "sample", name)
     top.set_title("bars: begin of each cycle found", fontsize=drawing.NORMAL, loc="left")
-    middle.plot(number[clipped], force[clipped], "x", color=MODEL, markersize=4)
-    spans = max(float(np.ptp(displacement)), 1e-9), max(float(np.ptp(force)), 1e-9)
-    kept = drawing.thin_loops(displacement, force, *spans)
-    loops.plot(displacement[kept], force[kept], color=drawing.INK, linewidth=0.6)
-    drawing.name_axes(loops, "displacement [mm]", "force [kN]", "loops as recorded")
+    clipped = report.clipped
+    middle.plot(number[clipped], record.force[clipped], "x", color=MODEL, markersize=4)
+
+
+def _draw_middles(report: CheckReport, ax: Axes) -> None:
+    """Middle of each loop, for drift and offset."""
+    full = [cycle for cycle in report.cycles if not cycle.closing]
     for values, name, colour in (
-        (displacement, "displacement", "#0077BB"),
-        (force, "force", "#EE7733"),
+        (report.record.displacement, "displacement", "#0077BB"),
+        (report.record.force, "force", "#EE7733"),
     ):
         peak = max(float(np.abs(values).max()), 1e-12)
-        mids = [50.0 * (values[a : b + 1].max() + values[a : b + 1].min()) / peak
-                for a, b in cycles]  # fmt: skip
-        centre.plot(np.arange(1, len(mids) + 1), mids, "o-", color=colour, markersize=3, label=name)
-    centre.axhline(0.0, color=drawing.GREY, linewidth=0.8)
-    drawing.name_axes(centre, "cycle", "middle of loop [% of peak]", "drift and offset")
-    centre.legend(fontsize=drawing.SMALL, frameon=False)
-    if sentences:
-        shown = "\n".join(textwrap.fill(f"- {text}", 150) for text in sentences)
-        figure.supxlabel(shown, fontsize=drawing.SMALL, x=0.02, ha="left")
-    return figure
-
-
-def loops_figure(title: str, panels: Sequence[Panel]) -> Figure:
-    """Loops of each test, the model's over them."""
-    columns = min(len(panels), 3)
-    rows = -(-len(panels) // columns)
-    figure, axes = drawing.panels(
-        rows, columns, (max(5.5, 1.0 + 3.4 * columns), 0.9 + 3.6 * rows), title
-    )
-    for ax, panel in zip(axes, panels, strict=False):
-        span = float(np.ptp(panel.displacement)), float(np.ptp(panel.force))
-        for values, colour, width in ((panel.force, TEST, 0.9), (panel.model, MODEL, 0.7)):
-            kept = drawing.thin_loops(panel.displacement, values, *span)
-            ax.plot(panel.displacement[kept], values[kept], color=colour, linewidth=width)
-        drawing.name_axes(ax, "displacement [mm]", "force [kN]", panel.title)
-    for ax in axes[len(panels) :]:
-        ax.set_visible(False)
-    lines = [
-        Line2D([], [], color=TEST, linewidth=2.0, label="test"),
-        Line2D([], [], color=MODEL, linewidth=2.0, label="model"),
-    ]
-    drawing.legend_below(figure, lines)
-    return figure
-
-
-def residual_figure(title: str, panels: Sequence[Panel]) -> Figure:
-    """Residual force over samples, and its distribution, for each record."""
-    size = (9.5, 0.8 + 2.3 * len(panels))
-    figure, axes = drawing.panels(len(panels), 2, size, title)
-    for k, panel in enumerate(panels):
-        off = 100.0 * (panel.model - panel.force) / float(np.abs(panel.force).max())
-        left, right = axes[2 * k], axes[2 * k + 1]
-        kept = drawing.thin(off, BINS)
-        left.plot(kept, off[kept], color=drawing.INK, linewidth=0.5)
-        left.axhline(0.0, color=MODEL, linewidth=0.8)
-        drawing.name_axes(left, "sample", "model - test [% of peak]", panel.title)
-        right.hist(off, bins=80, density=True, color=TEST)
-        sigma = max(float(off.std()), 1e-12)
-        grid = np.linspace(float(off.min()), float(off.max()), 200)
-        normal = np.exp(-0.5 * ((grid - off.mean()) / sigma) ** 2) / (sigma * np.sqrt(2.0 * np.pi))
-        right.plot(grid, normal, color=MODEL, linewidth=1.2, label="normal")
-        drawing.name_axes(
-            right, "model - test [% of peak]", "density", f"standard deviation {sigma:.2g} %"
-        )
-        right.legend(fontsize=drawing.SMALL, frameon=False)
-    return figure
-
-
-def convergence_figure(title: str, history: Sequence[tuple[int, float]]) -> Figure:
-    """Best residual so far against evaluations."""
-    figure, (ax,) = drawing.panels(1, 1, (6.5, 3.8), title)
-    count = np.array([item[0] for item in history], dtype=float)
-    error = 100.0 * np.sqrt(np.array([item[1] for item in history]))
-    ax.step(count, error, where="post", color=drawing.INK, linewidth=1.3)
-    ax.set_yscale("log")
-    ax.yaxis.set_minor_formatter("{x:g}")
-    ax.yaxis.set_major_formatter("{x:g}")
-    ax.tick_params(which="both", labelsize=drawing.SMALL)
-    drawing.name_axes(ax, "evaluations (all records each)", "rms residual [% of peak]")
-    return figure
-
-
-def correlation_figure(title: str, names: Sequence[str], matrix: Floats) -> Figure:
-    """Correlation matrix of the free parameters."""
-    size = 1.8 + 0.55 * len(names)
-    figure, (ax,) = drawing.panels(1, 1, (max(size + 0.8, 4.5), max(size, 3.8)), title)
-    ax.grid(False)
-    image = ax.imshow(matrix, cmap="RdBu_r", vmin=-1.0, vmax=1.0)
-    ax.set_xticks(range(len(names)), names, fontsize=drawing.NORMAL, rotation=45)
-    ax.set_yticks(range(len(names)), names, fontsize=drawing.NORMAL)
-    for (i, j), value in np.ndenumerate(matrix):
-        if len(names) <= LABELLED:
-            colour = "white" if abs(value) > 0.6 else drawing.INK
-            text = f"{value:.2f}".replace("-", "\N{MINUS SIGN}")
-            ax.text(j, i, text, ha="center", va="center", fontsize=6.5, color=colour)
-    figure.colorbar(image, ax=ax, shrink=0.8).ax.tick_params(labelsize=drawing.SMALL)
-    return figure
-
-
-def cycle_figure(title: str, panels: Sequence[Panel]) -> Figure:
-    """Errors of each cycle: one panel per measure, one line per record."""
-    names = list(panels[0].errors)
-    figure, axes = drawing.panels(2, 2, (10.0, 6.0), title)
-    colours = drawing.ordered_colours(len(panels), "viridis")
-    for ax, name in zip(axes, names, strict=False):
-        for k, panel in enumerate(panels):
-            ax.plot(
-                panel.cycle, 100.0 * panel.errors[name], drawing.MARKERS[k % 8] + "-",
-                color=colours[k], markersize=3.5, linewidth=0.9, label=panel.title,
-            )  # fmt: skip
-        ax.axhline(0.0, color=drawing.GREY, linewidth=0.9)
-        drawing.name_axes(ax, "cycle", "model / test - 1 [%]", name)
-    lines, _ = axes[0].get_legend_handles_labels()
-    drawing.legend_below(figure, [line for line in lines if isinstance(line, Line2D)])
-    return figure
-
-
-def band_figure(
-    title: str,
-    displacement: Floats,
-    best: Floats,
-    lower: Floats,
-    upper: Floats,
-    peak: tuple[float, float, float],
-) -> Figure:
-    """Loops at a temperature with their 95 % band over samples, and the peak force."""
-    figure, (loops, band) = drawing.panels(1, 2, (10.0, 4.2), title)
-    loops.plot(displacement, best, color=drawing.INK, linewidth=0.6)
-    text = f"peak {peak[0]:.4g} kN, 95 % {peak[1]:.4g} to {peak[2]:.4g} kN"
-    drawing.name_axes(loops, "displacement [mm]", "force [kN]", text)
-    number = np.arange(len(best))
-    band.fill_between(number, lower - best, upper - best, color=TEST, linewidth=0.0)
-    band.axhline(0.0, color=MODEL, linewidth=0.8)
-    drawing.name_axes(band, "sample", "force - best [kN]", "95 % band from the parameters alone")
-    return figure
+        loops = [values[cycle.first : cycle.last + 1] for cycle in full]
+        mids = [50.0 * (loop.max() + loop.min()) / peak for loop in loops]
+        ax.plot(np.arange(1, len(mids) + 1), mids, "o-", color=colour, markersize=3, label=name)
+    ax.axhline(0.0, color=drawing.GREY, linewidth=0.8)
+    drawing.name_axes(ax, "cycle", "middle of loop [% of peak]", "drift and offset")
+    ax.legend(fontsize=drawing.SMALL, frameon=False)

@@ -1,183 +1,223 @@
 """Result directories of checks and fits."""
 
 import re
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.figure import Figure
+import tomli_w
 
-from thermobearing.identify import figures
-from thermobearing.identify.checks import CheckReport
-from thermobearing.identify.posterior import Band, Samples
-from thermobearing.identify.report import bearing_text, fit_table, fits, summary, write_json
-from thermobearing.identify.run import Identification
+import thermobearing
+from thermobearing.border.toml import to_table
+from thermobearing.identify.checks import CheckReport, checks_summary
+from thermobearing.identify.posterior import Forecast, Samples
+from thermobearing.identify.result import Identification
 from thermobearing.results.directory import (
     FIGURES,
     FIT_TABLE,
     IDENTIFIED,
     SAMPLES,
-    SUMMARY,
     write_directory,
 )
-
-DPI = 150
-ERRORS = {
-    "G_eq_error": "equivalent shear modulus G_e",
-    "h_eq_error": "equivalent damping ratio h_eq",
-    "energy_error": "energy",
-    "force_max_error": "peak force",
-}
+from thermobearing.results.writing import write_summary
 
 
 def save_checks(
-    reports: list[CheckReport], directory: Path, *, force: bool = False, draw: bool = True
+    reports: list[CheckReport], directory: Path, *, force: bool = False, figures: bool = True
 ) -> Path:
-    """Write summary.json and a figure per record."""
+    """Write summary.json and a figure per record.
+
+    Parameters
+    ----------
+    reports : from `check_test`, one per record.
+    directory : made if needed, with its parents.
+    force : replace an earlier result directory.
+    figures : draw the figures too.
+
+    Returns
+    -------
+    Path : the directory.
+
+    Raises
+    ------
+    OutputError : see `write_directory`; nothing is left.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import thermobearing as tb
+    >>> t = np.linspace(0.0, 10.0, 500)
+    >>> report = tb.check_test(tb.record_from_arrays(t, 0.0 * t, np.sin(t), 23.0))
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     written = save_checks([report], Path(folder) / "check", figures=False)
+    ...     print([path.name for path in written.iterdir()])
+    ['summary.json']
+    """
 
     def fill(folder: Path) -> None:
-        write_json(folder / SUMMARY, checks_summary(reports))
-        if draw:
-            (folder / FIGURES).mkdir()
-            for number, report in enumerate(reports, start=1):
-                name = re.sub(r"[^\w.+-]+", "-", report.record.name)
-                _save(_check_figure(report), folder / FIGURES / f"check_{number}_{name}.png")
+        write_summary(folder, checks_summary(reports))
+        if figures:
+            _draw_checks(reports, folder / FIGURES)
 
     return write_directory(directory, fill, force=force)
 
 
-def checks_summary(reports: list[CheckReport]) -> dict[str, Any]:
-    """Findings of all records, for summary.json."""
-    outcomes = [report.outcome for report in reports]
-    worst = next((o for o in ("refused", "warning") if o in outcomes), "good")
-    return {
-        "command": "identify",
-        "outcome": worst,
-        "records": [
-            {
-                "name": report.record.name,
-                "file": report.record.file,
-                "ambient_degC": report.record.ambient,
-                "outcome": report.outcome,
-                "cycles": len(report.cycles),
-                "findings": [vars(finding) for finding in report.findings],
-            }
-            for report in reports
-        ],
-    }
+def _draw_checks(reports: list[CheckReport], folder: Path) -> None:
+    from thermobearing.identify.figures import check_figure
+    from thermobearing.results.drawing import save_figures
+
+    figures = {}
+    for number, report in enumerate(reports, start=1):
+        name = re.sub(r"[^\w.+-]+", "-", report.record.name)
+        figures[f"check_{number}_{name}"] = partial(check_figure, report)
+    save_figures(figures, folder)
 
 
 def save_identification(
     found: Identification,
     directory: Path,
     *,
-    version: str,
     force: bool = False,
-    draw: bool = True,
-    samples: Samples | None = None,
-    bands: list[Band] | None = None,
+    figures: bool = True,
+    forecast: Forecast | None = None,
 ) -> Path:
-    """Write summary.json, bearing.toml, fit.csv, posterior.csv and figures."""
+    """Write summary.json, bearing.toml, fit.csv, posterior.csv and figures.
+
+    Parameters
+    ----------
+    found : what to write.
+    directory : made if needed, with its parents.
+    force : replace an earlier result directory.
+    figures : draw the figures too.
+    forecast : samples of the posterior and bands at other temperatures, from `forecast`.
+
+    Returns
+    -------
+    Path : the directory.
+
+    Raises
+    ------
+    OutputError : see `write_directory`; nothing is left.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import thermobearing as tb
+    >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
+    >>> record = tb.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
+    >>> found = tb.identify_bearing(record, "shen-hdr-specimen", free=["K_r"], starts=1)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     written = save_identification(found, Path(folder) / "fit", figures=False)
+    ...     print(sorted(path.name for path in written.iterdir()))
+    ['bearing.toml', 'fit.csv', 'summary.json']
+    """
 
     def fill(folder: Path) -> None:
-        content = summary(found)
-        if samples is not None:
-            content["posterior"] = posterior_summary(found, samples, bands or [])
-            (folder / SAMPLES).write_text(_samples_text(found, samples), encoding="utf-8")
-        write_json(folder / SUMMARY, content)
-        (folder / IDENTIFIED).write_text(bearing_text(found, version), encoding="utf-8")
-        (folder / FIT_TABLE).write_text(fit_table(found), encoding="utf-8")
-        if draw:
-            (folder / FIGURES).mkdir()
-            for name, figure in _figures(found, bands or []).items():
-                _save(figure, folder / FIGURES / f"{name}.png")
+        content = found.summary()
+        if forecast is not None:
+            content["posterior"] = forecast.summary()
+            text = _samples_text(found, forecast.samples)
+            (folder / SAMPLES).write_text(text, encoding="utf-8")
+        write_summary(folder, content)
+        text = tomli_w.dumps(bearing_table(found))
+        (folder / IDENTIFIED).write_text(text, encoding="utf-8")
+        (folder / FIT_TABLE).write_text(fit_text(found), encoding="utf-8")
+        if figures:
+            found.plot.save_all(folder / FIGURES, bands=forecast.bands if forecast else ())
 
     return write_directory(directory, fill, force=force)
 
 
-def posterior_summary(found: Identification, samples: Samples, bands: list[Band]) -> dict[str, Any]:
-    """Draws and bands in numbers."""
-    return {
-        "source": samples.source,
-        "samples": len(samples.cube),
-        "acceptance": samples.acceptance,
-        "autocorrelation_steps": samples.autocorrelation,
-        "peak_force": [
-            {
-                "ambient_degC": band.ambient,
-                "best_kN": band.peak,
-                "lower_kN": band.peak_lower,
-                "upper_kN": band.peak_upper,
-            }
-            for band in bands
-        ],
+def bearing_table(found: Identification) -> dict[str, Any]:
+    """The fitted bearing as a library file: every number with where it comes from.
+
+    Parameters
+    ----------
+    found : from `identify_bearing`.
+
+    Returns
+    -------
+    dict : nested tables, numbers as text with their units; as TOML it is ready for
+        `load_bearing`.
+
+    Examples
+    --------
+    >>> import thermobearing as tb
+    >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
+    >>> record = tb.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
+    >>> found = tb.identify_bearing(record, "shen-hdr-specimen", free=["K_r"], starts=1)
+    >>> bearing_table(found)["hysteresis"]["layer_stiffness"]["source"].split(";")[0]
+    'identified from synthetic at 23 degC'
+    """
+    sources = _sources(found)
+    fitted = "; ".join(f"{fit.record.name}: R2 = {fit.R2:.4f}" for fit in found.fits)
+    named = {
+        "name": f"{found.bearing.name}-identified",
+        "description": f"{found.bearing.description} (identified from tests)".strip(),
+        "citation": f"thermobearing {thermobearing.__version__} identify, {found.method}; {fitted}",
     }
+    table = to_table(found.bearing.model_copy(update=named))
+    for key, source in sources.items():
+        *tables, name = key.split(".")
+        inner: Any = table
+        for part in tables:
+            inner = inner.get(part, {})
+        if name in inner and name not in named and not isinstance(inner[name], dict):
+            inner[name] = {"value": inner[name], "source": source}
+    return table
+
+
+def _sources(found: Identification) -> dict[str, str]:
+    """Where each number of the fitted bearing comes from, by dotted key."""
+    estimates = found.uncertainty.estimates
+    tests = ", ".join(record.name for record in found.records)
+    sources = found.bearing.sources
+    for key, item in estimates.items():
+        error = f"standard error {item.stderr:.2g}" if not item.at_bound else "at its bound"
+        sources[key] = f"identified from {tests}; {error}"
+    for p in found.pset.parameters:
+        if p.tie is not None:
+            sources[p.kind.key] = f"tied to {p.tie[1]:g} x {p.tie[0]}"
+        elif p.kind.key not in estimates:
+            sources.setdefault(p.kind.key, "held at the value of the starting bearing")
+    return sources
+
+
+def fit_text(found: Identification) -> str:
+    """CSV of tests and model, sample by sample.
+
+    Parameters
+    ----------
+    found : from `identify_bearing`.
+
+    Returns
+    -------
+    str : one row per sample: record, time [s], displacement [mm], force and model force [kN].
+
+    Examples
+    --------
+    >>> import thermobearing as tb
+    >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
+    >>> record = tb.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
+    >>> found = tb.identify_bearing(record, "shen-hdr-specimen", free=["K_r"], starts=1)
+    >>> fit_text(found).splitlines()[0]
+    'record,time_s,displacement_mm,force_kN,model_force_kN'
+    """
+    lines = ["record,time_s,displacement_mm,force_kN,model_force_kN\n"]
+    for number, (record, prediction) in enumerate(
+        zip(found.records, found.predictions, strict=True)
+    ):
+        columns = (record.time, record.displacement, record.force, prediction.force)
+        rows = np.column_stack([np.full(len(record.time), float(number)), *columns])
+        lines.append(("%d,%.9g,%.9g,%.9g,%.9g\n" * len(rows)) % tuple(rows.ravel().tolist()))
+    return "".join(lines)
 
 
 def _samples_text(found: Identification, samples: Samples) -> str:
+    """CSV of draws, a column per free parameter."""
     free = found.pset.free
     lines = [",".join(p.kind.symbol for p in free)]
     for row in samples.cube:
         lines.append(",".join(f"{p.at(float(u)):.6g}" for p, u in zip(free, row, strict=True)))
     return "\n".join(lines) + "\n"
-
-
-def _save(figure: Figure, path: Path) -> None:
-    figure.savefig(path, dpi=DPI)
-
-
-def _check_figure(report: CheckReport) -> Figure:
-    record = report.record
-    return figures.check_figure(
-        f"{record.name}: {report.outcome}",
-        record.time,
-        record.displacement,
-        record.force,
-        cycles=[(c.first, c.last) for c in report.cycles if not c.closing],
-        starts=[c.first for c in report.cycles],
-        clipped=report.clipped,
-        sentences=[f"{f.level}: {f.sentence}" for f in report.findings],
-    )
-
-
-def _panels(found: Identification) -> list[figures.Panel]:
-    panels = []
-    for fit, prediction in zip(fits(found), found.predictions, strict=True):
-        record = fit.record
-        cycles = np.array([c.cycle for c in fit.cycles], dtype=float)
-        errors = {
-            title: np.array([getattr(c, name) for c in fit.cycles])
-            for name, title in ERRORS.items()
-        }
-        degrees = f"{record.ambient:g} °C".replace("-", "\N{MINUS SIGN}")
-        title = f"{record.name}, {degrees}, R² = {fit.R2:.4f}"
-        panels.append(
-            figures.Panel(
-                title, record.time, record.displacement, record.force, prediction.force,
-                cycles, errors,
-            )
-        )  # fmt: skip
-    return panels
-
-
-def _figures(found: Identification, bands: list[Band]) -> dict[str, Figure]:
-    """Every figure of a fit by file name."""
-    panels, name = _panels(found), found.bearing.name
-    symbols = [e.parameter.kind.symbol for e in found.uncertainty.estimates.values()]
-    made = {
-        "loops": figures.loops_figure(f"{name}: test and model", panels),
-        "residuals": figures.residual_figure(f"{name}: residuals", panels),
-        "convergence": figures.convergence_figure(f"{name}: convergence", found.history),
-        "correlation": figures.correlation_figure(
-            f"{name}: correlation", symbols, found.uncertainty.correlation
-        ),
-        "cycles": figures.cycle_figure(f"{name}: errors of each cycle", panels),
-    }
-    for band in bands:
-        degrees = f"{band.ambient:g} °C".replace("-", "\N{MINUS SIGN}")
-        title = f"{name}: predicted at {degrees}"
-        made[f"band_{band.ambient:g}"] = figures.band_figure(
-            title, band.displacement, band.best, band.lower, band.upper,
-            (band.peak, band.peak_lower, band.peak_upper),
-        )  # fmt: skip
-    return made

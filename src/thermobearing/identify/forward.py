@@ -19,14 +19,13 @@ from thermobearing.core.types import BOOKS, FORCE, LEAD_DEGC
 from thermobearing.cyclic.history import column_numbers, has_branches, run_segments
 from thermobearing.cyclic.protocol import Segment
 from thermobearing.identify.record import TestRecord
-from thermobearing.model.constants import build_constants, with_parameters
+from thermobearing.model.constants import with_parameters
+from thermobearing.model.options import build_model
 from thermobearing.model.outcomes import INTERRUPTED
-from thermobearing.model.stack import Face, build_stack
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-ETA = 2.0  # heat exchange of the end faces, as in `run`
 TURN = 0.005  # of the largest displacement: a smaller wiggle is noise, not a turn
 FIRST_STEP = 0.002  # of the largest displacement, after a turn
 GROWTH = 0.15  # of the way since the turn: step along a leg
@@ -57,6 +56,15 @@ class _Grid:
 
 def turning_points(x: Floats, threshold: float) -> Ints:
     """First and last sample, and each between them where the motion turns by the threshold.
+
+    Parameters
+    ----------
+    x : a history.
+    threshold : smaller wiggles are noise, in the unit of `x`, > 0.
+
+    Returns
+    -------
+    ndarray of int : numbers of the samples.
 
     Examples
     --------
@@ -89,7 +97,23 @@ def _leg_ways(longest: float, peak: float) -> Floats:
 
 
 def coarse_nodes(time: Floats, x: Floats) -> Ints:
-    """Samples at which a step of the model ends: at turns, and ever sparser after them."""
+    """Samples at which a step of the model ends: at turns, and ever sparser after them.
+
+    Parameters
+    ----------
+    time : of the samples [s], increasing.
+    x : displacement [mm].
+
+    Returns
+    -------
+    ndarray of int : numbers of the samples.
+
+    Examples
+    --------
+    >>> time = np.linspace(0.0, 2.0, 2001)
+    >>> len(coarse_nodes(time, np.sin(2.0 * np.pi * time))) < 300
+    True
+    """
     peak = float(np.abs(x).max())
     turns = turning_points(x, TURN * peak)
     nodes = [turns]
@@ -162,6 +186,15 @@ class ForwardModel:
     Raises
     ------
     InputError : a thermocouple in a layer that the bearing has not, or in lead without lead.
+
+    Examples
+    --------
+    >>> import thermobearing as tb
+    >>> t = np.linspace(0.0, 4.0, 401)
+    >>> record = tb.record_from_arrays(t, 30.0 * np.sin(2.0 * np.pi * t), t + 1.0, 23.0)
+    >>> bearing = tb.load_bearing("shen-hdr-specimen")
+    >>> ForwardModel(record, bearing).run(bearing).force.shape
+    (401,)
     """
 
     def __init__(
@@ -173,8 +206,8 @@ class ForwardModel:
         ambient: float | None = None,
     ) -> None:
         self.record = record
-        self._stack = build_stack(bearing, half=True)
-        self._constants = build_constants(bearing, self._stack, upper=Face(eta=ETA), lower=None)
+        model = build_model(bearing)  # as `run` has it
+        self._stack, self._constants = model.stack, model.constants
         self._grid = _grid(record, fine)
         grid = self._grid
         no_turns = np.zeros(len(grid.x), dtype=bool)
@@ -210,7 +243,16 @@ class ForwardModel:
         return found
 
     def run(self, bearing: Bearing) -> Prediction | None:
-        """Force and temperatures at the samples; None where the model does not get through."""
+        """Force and temperatures at the samples; None where the model does not get through.
+
+        Parameters
+        ----------
+        bearing : that of the model, or one that differs from it in parameters only.
+
+        Returns
+        -------
+        Prediction or None
+        """
         constants = with_parameters(self._constants, bearing, self._stack)
         history = run_segments(
             constants, [self._segment], self._ambient, self._initial, groups=self._groups

@@ -50,14 +50,9 @@ def _induced(x: Floats, f: Floats, best: int, spread: float, pull: Floats) -> Fl
     return np.asarray(local + pull[:, None] * to_best)  # Eq. 8
 
 
-def _foraging(
-    x: Floats, f: Floats, own: Floats, own_f: Floats, spread: float, food_f: float, food: Floats,
-    attraction: float,
-) -> Floats:  # fmt: skip
-    """Direction beta towards the food and each krill's own best, Eq. 11-15."""
-    to_food = attraction * ((f - food_f) / spread)[:, None] * _unit(food - x)
-    to_own = ((f - own_f) / spread)[:, None] * _unit(own - x)
-    return np.asarray(to_food + to_own)
+def _towards(x: Floats, place: Floats, worth: Floats) -> Floats:
+    """Direction from each krill towards a place, times what going there is worth to it."""
+    return np.asarray(worth[:, None] * _unit(place - x))
 
 
 def _food(x: Floats, f: Floats) -> Floats:
@@ -83,6 +78,59 @@ def _cross_and_mutate(
     return np.asarray(np.where(mutate, jumped, mixed))
 
 
+@dataclass
+class _Herd:
+    """Where krill are and what that is worth; their own best places; their motions."""
+
+    x: Floats
+    f: Floats
+    own: Floats
+    own_f: Floats
+    induced: Floats
+    foraging: Floats
+    top: Floats
+    top_f: float
+
+    def keep_best(self) -> None:
+        """Remember the best places of each krill and of all."""
+        better = self.f < self.own_f
+        self.own[better], self.own_f[better] = self.x[better], self.f[better]
+        self.see(self.x[np.argmin(self.f)], float(self.f.min()))
+
+    def see(self, place: Floats, value: float) -> None:
+        """Remember a place that is better than all so far."""
+        if value < self.top_f:
+            self.top, self.top_f = place.copy(), value
+
+
+def _herd(objective: Objective, x: Floats) -> _Herd:
+    """Krill at rest."""
+    f = np.array([objective(point) for point in x])
+    still, best = np.zeros_like(x), int(np.argmin(f))
+    return _Herd(x, f, x.copy(), f.copy(), still, still.copy(), x[best].copy(), float(f[best]))
+
+
+def _moved(
+    herd: _Herd, food: Floats, food_f: float, late: float, rng: np.random.Generator
+) -> Floats:
+    """Where the krill swim, Eq. 2, 10, 17 and 18, and what genetics make of it; not yet clipped."""
+    x, f = herd.x, herd.f
+    best, spread = int(np.argmin(f)), max(float(np.ptp(f)), TINY)
+    inertia = 0.1 + 0.8 * (1.0 - late)
+    pull = 2.0 * (rng.random(len(x)) + late)  # C_best, Eq. 9
+    attraction = 2.0 * (1.0 - late)  # C_food, Eq. 14
+    induced = MAX_INDUCED * _induced(x, f, best, spread, pull)
+    herd.induced = induced + inertia * herd.induced  # Eq. 2
+    to_food = _towards(x, food, attraction * ((f - food_f) / spread))
+    to_own = _towards(x, herd.own, (f - herd.own_f) / spread)
+    herd.foraging = MAX_FORAGING * (to_food + to_own) + inertia * herd.foraging  # Eq. 10, 11
+    worth = ((f - f[best]) / spread)[:, None]
+    diffusion = MAX_DIFFUSION * (1.0 - late) * worth * rng.uniform(-1.0, 1.0, x.shape)  # Eq. 17
+    scale = TIME_CONSTANT * x.shape[1]  # Eq. 19 in the unit cube
+    moved = x + scale * (herd.induced + herd.foraging + diffusion)  # Eq. 18
+    return _cross_and_mutate(moved, f, best, spread, rng)
+
+
 def krill_herd(
     objective: Objective,
     dimensions: int,
@@ -100,8 +148,8 @@ def krill_herd(
     dimensions : of the cube, >= 1.
     evaluations : at most so many calls.
     population : krill in the herd, >= 4.
-    seed : of all random numbers; the same seed gives the same path.
-    start : a point that one krill starts from.
+    seed : of all random numbers, >= 0; the same seed gives the same path.
+    start : a point that one krill starts from, each number in [0, 1].
 
     Returns
     -------
@@ -117,40 +165,19 @@ def krill_herd(
     x = rng.random((population, dimensions))
     if start is not None:
         x[0] = start
-    f = np.array([objective(point) for point in x])
-    own, own_f = x.copy(), f.copy()
-    induced, foraging = np.zeros_like(x), np.zeros_like(x)
-    top, top_f = x[np.argmin(f)].copy(), float(f.min())
+    herd = _herd(objective, x)
+    spent, history = population, [herd.top_f]
     generations = max(1, (evaluations - population) // (population + 1))
-    spent, history = population, [top_f]
     for generation in range(generations):
-        late = generation / generations
-        inertia = 0.1 + 0.8 * (1.0 - late)
-        best = int(np.argmin(f))
-        spread = max(float(np.ptp(f)), TINY)
-        food = _food(x, f)
+        food = _food(herd.x, herd.f)
         food_f = objective(food)
-        spent += 1
-        if food_f < top_f:
-            top, top_f = food.copy(), food_f
-        pull = 2.0 * (rng.random(population) + late)  # C_best, Eq. 9
-        attraction = 2.0 * (1.0 - late)  # C_food, Eq. 14
-        induced = MAX_INDUCED * _induced(x, f, best, spread, pull) + inertia * induced  # Eq. 2
-        beta = _foraging(x, f, own, own_f, spread, food_f, food, attraction)
-        foraging = MAX_FORAGING * beta + inertia * foraging  # Eq. 10
-        worth = ((f - f[best]) / spread)[:, None]
-        diffusion = MAX_DIFFUSION * (1.0 - late) * worth * rng.uniform(-1.0, 1.0, x.shape)  # Eq. 17
-        scale = TIME_CONSTANT * dimensions  # Eq. 19 in the unit cube
-        moved = x + scale * (induced + foraging + diffusion)  # Eq. 18
-        moved = _cross_and_mutate(moved, f, best, spread, rng)
-        x = np.clip(moved, 0.0, 1.0)
-        f = np.array([objective(point) for point in x])
-        spent += population
-        better = f < own_f
-        own[better], own_f[better] = x[better], f[better]
-        if f.min() < top_f:
-            top, top_f = x[np.argmin(f)].copy(), float(f.min())
-        worst = int(np.argmax(f))
-        x[worst], f[worst] = top, top_f  # elitism
-        history.append(top_f)
-    return Found(top, top_f, spent, history)
+        herd.see(food, food_f)
+        moved = _moved(herd, food, food_f, generation / generations, rng)
+        herd.x = np.clip(moved, 0.0, 1.0)
+        herd.f = np.array([objective(point) for point in herd.x])
+        spent += 1 + population
+        herd.keep_best()
+        worst = int(np.argmax(herd.f))
+        herd.x[worst], herd.f[worst] = herd.top, herd.top_f  # elitism
+        history.append(herd.top_f)
+    return Found(herd.top, herd.top_f, spent, history)

@@ -4,11 +4,13 @@ import math
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError, nearest
 from thermobearing.border.schema import validated
@@ -78,7 +80,19 @@ TIE = re.compile(r"^\s*([^=]+?)\s*=\s*(?:([-+.\deE]+)\s*\*\s*)?([A-Za-z_][\w.]*)
 
 
 def full_key(name: str) -> str:
-    """Dotted key of a parameter from its key or symbol; InputError names the nearest.
+    """Dotted key of a parameter from its key or symbol.
+
+    Parameters
+    ----------
+    name : "hysteresis.layer_stiffness" or "K_r".
+
+    Returns
+    -------
+    str : the dotted key.
+
+    Raises
+    ------
+    InputError : no parameter has that name; the nearest is named.
 
     Examples
     --------
@@ -92,14 +106,44 @@ def full_key(name: str) -> str:
 
 
 def forward(transform: Transform, value: float) -> float:
-    """Value on the scale of the search."""
+    """Value on the scale of the search.
+
+    Parameters
+    ----------
+    transform : "linear", "log" or "log1p".
+    value : of the parameter, > 0 for "log", > -1 for "log1p".
+
+    Returns
+    -------
+    float
+
+    Examples
+    --------
+    >>> forward("log", 1.0), forward("linear", 2.0)
+    (0.0, 2.0)
+    """
     if transform == "log":
         return math.log(value)
     return math.log1p(value) if transform == "log1p" else value
 
 
 def backward(transform: Transform, scaled: float) -> float:
-    """The value again."""
+    """The value again.
+
+    Parameters
+    ----------
+    transform : "linear", "log" or "log1p".
+    scaled : from `forward`.
+
+    Returns
+    -------
+    float
+
+    Examples
+    --------
+    >>> backward("log1p", forward("log1p", 0.0))
+    0.0
+    """
     if transform == "log":
         return math.exp(scaled)
     return math.expm1(scaled) if transform == "log1p" else scaled
@@ -110,6 +154,12 @@ class Parameter:
     """One number of a bearing in a fit: free between its bounds, fixed, or tied to another.
 
     `tie` is (key, factor): the value is factor times that of the other parameter.
+
+    Examples
+    --------
+    >>> stiffness = Parameter(BY_KEY[K_R], value=10.0, lower=1.0, upper=100.0)
+    >>> round(stiffness.at(0.5), 6), round(stiffness.place(10.0), 6)
+    (10.0, 0.5)
     """
 
     kind: Kind
@@ -120,20 +170,47 @@ class Parameter:
     tie: tuple[str, float] | None = None
 
     def at(self, unit: float) -> float:
-        """Value at a place in [0, 1] between the bounds."""
+        """Value at a place in [0, 1] between the bounds.
+
+        Parameters
+        ----------
+        unit : the place, in [0, 1].
+
+        Returns
+        -------
+        float : in the unit of the parameter.
+        """
         low, high = (forward(self.kind.transform, v) for v in (self.lower, self.upper))
         value = backward(self.kind.transform, low + unit * (high - low))
         return min(max(value, self.lower), self.upper)
 
     def place(self, value: float) -> float:
-        """Place of a value between the bounds, in [0, 1]."""
+        """Place of a value between the bounds, in [0, 1].
+
+        Parameters
+        ----------
+        value : in the unit of the parameter; beyond a bound it counts as at the bound.
+
+        Returns
+        -------
+        float : in [0, 1].
+        """
         t = self.kind.transform
         low, high = forward(t, self.lower), forward(t, self.upper)
         inside = min(max(value, self.lower), self.upper)
         return (forward(t, inside) - low) / (high - low)
 
     def slope(self, unit: float) -> float:
-        """D value / d place."""
+        """D value / d place.
+
+        Parameters
+        ----------
+        unit : the place, in [0, 1].
+
+        Returns
+        -------
+        float : in the unit of the parameter.
+        """
         t, value = self.kind.transform, self.at(unit)
         span = forward(t, self.upper) - forward(t, self.lower)
         return span * {"log": value, "log1p": 1.0 + value}.get(t, 1.0)
@@ -141,7 +218,20 @@ class Parameter:
 
 @dataclass(frozen=True)
 class ParameterSet:
-    """All parameters of a fit; the search moves in the unit cube of the free ones."""
+    """All parameters of a fit; the search moves in the unit cube of the free ones.
+
+    Attributes
+    ----------
+    base : the bearing to begin with.
+    parameters : free, fixed and tied ones.
+
+    Examples
+    --------
+    >>> from thermobearing.bearing.library import load_bearing
+    >>> pset = parameter_set(load_bearing("shen-hdr-specimen"), ["K_r"], [23.0])
+    >>> round(pset.bearing(pset.start).hysteresis.layer_stiffness, 3)
+    30.738
+    """
 
     base: Bearing
     parameters: tuple[Parameter, ...]
@@ -157,7 +247,16 @@ class ParameterSet:
         return np.array([p.place(p.value) for p in self.free])
 
     def values(self, cube: Floats) -> dict[str, float]:
-        """All values, tied ones too, at a point of the unit cube."""
+        """All values, tied ones too, at a point of the unit cube.
+
+        Parameters
+        ----------
+        cube : a place in [0, 1] for each free parameter.
+
+        Returns
+        -------
+        dict : values by dotted key, in the units of the parameters.
+        """
         found = {p.kind.key: p.value for p in self.parameters}
         found |= {p.kind.key: p.at(float(u)) for p, u in zip(self.free, cube, strict=True)}
         for p in self.parameters:
@@ -167,11 +266,29 @@ class ParameterSet:
         return found
 
     def bearing(self, cube: Floats) -> Bearing:
-        """The bearing at a point of the unit cube, unchecked: quick, for the search."""
+        """The bearing at a point of the unit cube, unchecked: quick, for the search.
+
+        Parameters
+        ----------
+        cube : a place in [0, 1] for each free parameter.
+
+        Returns
+        -------
+        Bearing
+        """
         return with_values(self.base, self.values(cube))
 
     def with_start(self, values: dict[str, float]) -> "ParameterSet":
-        """The same with other starting values; relative bounds move along."""
+        """The same with other starting values; relative bounds move along.
+
+        Parameters
+        ----------
+        values : by dotted key, in the units of the parameters; others keep theirs.
+
+        Returns
+        -------
+        ParameterSet
+        """
         moved = []
         for p in self.parameters:
             value = values.get(p.kind.key, p.value)
@@ -182,7 +299,20 @@ class ParameterSet:
         return replace(self, parameters=tuple(moved))
 
     def checked(self, cube: Floats) -> Bearing:
-        """The bearing at a point of the unit cube, validated: for the result."""
+        """The bearing at a point of the unit cube, validated: for the result.
+
+        Parameters
+        ----------
+        cube : a place in [0, 1] for each free parameter.
+
+        Returns
+        -------
+        Bearing
+
+        Raises
+        ------
+        InputError : a value that a bearing may not have.
+        """
         data = self.base.model_dump()
         for key, value in self.values(cube).items():
             table, name = key.split(".")
@@ -192,7 +322,24 @@ class ParameterSet:
 
 
 def with_values(bearing: Bearing, values: dict[str, float]) -> Bearing:
-    """A copy of a bearing with some numbers changed, without checking them."""
+    """A copy of a bearing with some numbers changed, without checking them.
+
+    Parameters
+    ----------
+    bearing : any.
+    values : by dotted key, in the units of the parameters.
+
+    Returns
+    -------
+    Bearing
+
+    Examples
+    --------
+    >>> from thermobearing.bearing.library import load_bearing
+    >>> other = with_values(load_bearing("shen-hdr-specimen"), {K_R: 12.0})
+    >>> other.hysteresis.layer_stiffness
+    12.0
+    """
     tables: dict[str, dict[str, Any]] = {}
     for key, value in values.items():
         table, name = key.split(".")
@@ -202,7 +349,22 @@ def with_values(bearing: Bearing, values: dict[str, float]) -> Bearing:
 
 
 def available(bearing: Bearing) -> list[Kind]:
-    """What there is to identify in a bearing."""
+    """What there is to identify in a bearing.
+
+    Parameters
+    ----------
+    bearing : any.
+
+    Returns
+    -------
+    list of Kind
+
+    Examples
+    --------
+    >>> from thermobearing.bearing.library import load_bearing
+    >>> "K_l" in [kind.symbol for kind in available(load_bearing("shen-lhdr-specimen"))]
+    True
+    """
     return [k for k in KINDS if getattr(bearing, k.key.split(".")[0]) is not None]
 
 
@@ -211,6 +373,21 @@ def default_free(bearing: Bearing, ambients: Iterable[float]) -> list[str]:
 
     Those of Tables 4.2 and 5.2. Temperature coefficients need tests at two temperatures.
     Linear rubber (post-yield ratio 1, as in an LRB) has one stiffness and one coefficient.
+
+    Parameters
+    ----------
+    bearing : any.
+    ambients : temperatures of the tests [degC], at least one.
+
+    Returns
+    -------
+    list of str : dotted keys.
+
+    Examples
+    --------
+    >>> from thermobearing.bearing.library import load_bearing
+    >>> default_free(load_bearing("lrb-example"), [23.0])
+    ['hysteresis.layer_stiffness', 'lead.stiffness', 'lead.yield_stress']
     """
     at = list(ambients)
     linear = bearing.hysteresis.post_yield_ratio == 1.0
@@ -241,7 +418,7 @@ def _chosen(bearing: Bearing, free: Sequence[str]) -> tuple[set[str], dict[str, 
 
 
 def parameter_set(
-    bearing: Bearing,
+    bearing: Bearing | str | Path,
     free: Sequence[str] | None,
     ambients: Iterable[float],
     bounds: dict[str, tuple[float, float]] | None = None,
@@ -250,10 +427,14 @@ def parameter_set(
 
     Parameters
     ----------
-    bearing : geometry, materials and starting values.
+    bearing : geometry, materials and starting values: a Bearing, a library name, or a TOML file.
     free : keys or symbols of what is free, ties as "n_T = 2.4 * m_T"; None for the usual.
     ambients : ambient temperatures of the tests [degC].
-    bounds : other bounds than the usual, by key or symbol.
+    bounds : other bounds than the usual, by key or symbol, in the unit of the parameter.
+
+    Returns
+    -------
+    ParameterSet
 
     Raises
     ------
@@ -261,11 +442,11 @@ def parameter_set(
 
     Examples
     --------
-    >>> from thermobearing.bearing.library import load_bearing
-    >>> found = parameter_set(load_bearing("shen-hdr-specimen"), ["K_r", "d_y"], [23.0])
+    >>> found = parameter_set("shen-hdr-specimen", ["K_r", "d_y"], [23.0])
     >>> [p.kind.symbol for p in found.free]
     ['K_r', 'd_y']
     """
+    bearing = as_bearing(bearing)
     names = default_free(bearing, ambients) if free is None else list(free)
     keys, ties = _chosen(bearing, names)
     if not keys:

@@ -6,7 +6,9 @@ whose likelihood is tempered by the effective number of samples (see uncertainty
 within the bounds on the scale of the search.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +16,7 @@ from numpy.typing import NDArray
 from thermobearing.border.errors import InputError
 from thermobearing.identify.forward import ForwardModel
 from thermobearing.identify.record import TestRecord
-from thermobearing.identify.run import Identification
+from thermobearing.identify.result import Identification
 
 Floats = NDArray[np.float64]
 
@@ -38,6 +40,12 @@ class Band:
 
     It carries the uncertainty of the parameters of this law; noise and what the law misses
     come on top.
+
+    Attributes
+    ----------
+    ambient : temperature [degC].
+    displacement, best, lower, upper : displacement [mm] and forces [kN] at the samples.
+    peak, peak_lower, peak_upper : largest force [kN].
     """
 
     ambient: float
@@ -49,9 +57,97 @@ class Band:
     peak_lower: float
     peak_upper: float
 
+    def summary(self) -> dict[str, float]:
+        """What summary.json says of the band."""
+        return {
+            "ambient_degC": self.ambient,
+            "best_kN": self.peak,
+            "lower_kN": self.peak_lower,
+            "upper_kN": self.peak_upper,
+        }
+
+
+@dataclass(frozen=True)
+class Forecast:
+    """Draws of the parameters, and the bands that they make at some temperatures."""
+
+    samples: Samples
+    bands: tuple[Band, ...] = ()
+
+    def summary(self) -> dict[str, Any]:
+        """What summary.json says."""
+        return {
+            "source": self.samples.source,
+            "samples": len(self.samples.cube),
+            "acceptance": self.samples.acceptance,
+            "autocorrelation_steps": self.samples.autocorrelation,
+            "peak_force": [band.summary() for band in self.bands],
+        }
+
+
+def forecast(
+    found: Identification,
+    ambients: Sequence[float] = (),
+    *,
+    posterior: bool = False,
+    seed: int = 0,
+) -> Forecast:
+    """What the tests leave open at some temperatures.
+
+    Parameters
+    ----------
+    found : from `identify_bearing`.
+    ambients : temperatures [degC], each in [-100, 100]; that of the first test by default.
+    posterior : sample the posterior with emcee; else the normal distribution of the fit.
+    seed : of the draws, >= 0.
+
+    Returns
+    -------
+    Forecast
+
+    Raises
+    ------
+    InputError : a temperature out of range, emcee is not installed, or no draw gets through.
+
+    Examples
+    --------
+    >>> import thermobearing as tb
+    >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
+    >>> record = tb.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
+    >>> found = tb.identify_bearing(record, "shen-hdr-specimen", free=["K_r"], starts=1)
+    >>> colder, warmer = forecast(found, [-20.0, 23.0]).bands
+    >>> colder.peak > warmer.peak
+    True
+    """
+    draws = posterior_samples if posterior else laplace_samples
+    samples = draws(found, seed=seed)
+    at = list(ambients) or [found.records[0].ambient]
+    bands = [predictive_band(found, samples, ambient, seed=seed) for ambient in at]
+    return Forecast(samples, tuple(bands))
+
 
 def laplace_samples(found: Identification, count: int = 200, *, seed: int = 0) -> Samples:
-    """Draws from the normal distribution of the fit, within the bounds."""
+    """Draws from the normal distribution of the fit, within the bounds.
+
+    Parameters
+    ----------
+    found : from `identify_bearing`.
+    count : draws, >= 1.
+    seed : of the draws, >= 0.
+
+    Returns
+    -------
+    Samples
+
+    Examples
+    --------
+    >>> import thermobearing as tb
+    >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
+    >>> record = tb.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
+    >>> found = tb.identify_bearing(record, "shen-hdr-specimen", free=["K_r"], starts=1)
+    >>> laplace_samples(found, 50).cube.shape
+    (50, 1)
+    """
     rng = np.random.default_rng(seed)
     values, vectors = np.linalg.eigh(found.uncertainty.covariance)
     root = vectors * np.sqrt(np.maximum(values, 0.0))
@@ -68,7 +164,11 @@ def posterior_samples(
     ----------
     found : a fit.
     steps : of each walker, after `burn` that are thrown away; both >= 1.
-    seed : of the walkers.
+    seed : of the walkers, >= 0.
+
+    Returns
+    -------
+    Samples
 
     Raises
     ------
@@ -119,12 +219,26 @@ def predictive_band(
     found, samples : a fit and draws of its parameters.
     ambient : [degC], in [-100, 100].
     record : whose displacements to repeat; the first of the fit by default.
-    count : draws to run.
-    seed : picks the draws.
+    count : draws to run, >= 1.
+    seed : picks the draws, >= 0.
+
+    Returns
+    -------
+    Band
 
     Raises
     ------
     InputError : the temperature is out of range, or no draw gets through.
+
+    Examples
+    --------
+    >>> import thermobearing as tb
+    >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
+    >>> record = tb.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
+    >>> found = tb.identify_bearing(record, "shen-hdr-specimen", free=["K_r"], starts=1)
+    >>> band = predictive_band(found, laplace_samples(found), -20.0, count=5)
+    >>> band.peak_lower < band.peak_upper
+    True
     """
     if not -100.0 <= ambient <= 100.0:
         raise InputError(f"ambient = {ambient} degC: must be between -100 and 100 degC")
@@ -136,9 +250,15 @@ def predictive_band(
     best = model.run(found.bearing)
     if best is None or len(forces) == 0:
         raise InputError(f"the model does not get through the test at {ambient:g} degC")
-    peaks = np.abs(forces).max(axis=1)
     lower, upper = np.quantile(forces, [LOW, HIGH], axis=0)
+    peak_lower, peak_upper = np.quantile(np.abs(forces).max(axis=1), [LOW, HIGH])
     return Band(
-        ambient, test.displacement, best.force, lower, upper, float(np.abs(best.force).max()),
-        *(float(q) for q in np.quantile(peaks, [LOW, HIGH])),
-    )  # fmt: skip
+        ambient=ambient,
+        displacement=test.displacement,
+        best=best.force,
+        lower=lower,
+        upper=upper,
+        peak=float(np.abs(best.force).max()),
+        peak_lower=float(peak_lower),
+        peak_upper=float(peak_upper),
+    )

@@ -29,6 +29,19 @@ class Problem:
     temperatures : count thermocouples too.
     loss : of the fit, for the weights that its outliers keep in the uncertainty.
     clipped : by record, samples that do not count (a saturated force).
+    coarse : the model with coarse steps by record, where it was made already.
+
+    Examples
+    --------
+    >>> import thermobearing as tb
+    >>> from thermobearing.identify.parameters import parameter_set
+    >>> bearing = tb.load_bearing("shen-hdr-specimen")
+    >>> test = tb.cyclic_test(strain=[1.0], cycles=1, rest=None)
+    >>> record = tb.synthetic_record(bearing, 23.0, test, noise=0.0)
+    >>> pset = parameter_set(bearing, ["K_r"], [23.0])
+    >>> problem = Problem([record], pset)
+    >>> problem.cost(pset.start) < problem.cost(pset.start + 0.1)
+    True
     """
 
     def __init__(
@@ -39,10 +52,11 @@ class Problem:
         temperatures: bool = False,
         loss: str = "linear",
         clipped: Sequence[NDArray[np.bool_]] | None = None,
+        coarse: Sequence[ForwardModel] | None = None,
     ) -> None:
         self.records = list(records)
         self.pset = pset
-        self.coarse = [ForwardModel(record, pset.base) for record in self.records]
+        self.coarse = list(coarse or [ForwardModel(record, pset.base) for record in self.records])
         self.fine = [ForwardModel(record, pset.base, fine=True) for record in self.records]
         self.temperatures = temperatures
         self.loss = loss
@@ -54,13 +68,33 @@ class Problem:
             weight[bad] = 0.0
 
     def predict(self, cube: Floats, *, fine: bool = True) -> list[Prediction | None]:
-        """The model at the samples of all records."""
+        """The model at the samples of all records.
+
+        Parameters
+        ----------
+        cube : a place in [0, 1] for each free parameter.
+        fine : a step of the model at every sample.
+
+        Returns
+        -------
+        list : None for a record that the model does not get through.
+        """
         bearing = self.pset.bearing(cube)
         self.evaluations += 1
         return [model.run(bearing) for model in (self.fine if fine else self.coarse)]
 
     def parts(self, cube: Floats, *, fine: bool = False) -> list[Floats]:
-        """Weighted residuals of each record, relative to its largest force."""
+        """Weighted residuals of each record, relative to its largest force.
+
+        Parameters
+        ----------
+        cube : a place in [0, 1] for each free parameter.
+        fine : a step of the model at every sample.
+
+        Returns
+        -------
+        list of ndarray
+        """
         key = (cube.tobytes(), fine)
         if self._last is None or self._last[0] != key:
             self._last = (key, self._parts(cube, fine=fine))
@@ -79,12 +113,22 @@ class Problem:
             if self.temperatures:
                 for title, measured in record.temperatures.items():
                     off = predicted.temperatures[title] - measured
-                    rows.append(record.weight * KELVIN_AS / KELVIN * off)
+                    rows.append(np.sqrt(record.weight) * KELVIN_AS / KELVIN * off)
             found.append(np.concatenate(rows))
         return found
 
     def residuals(self, cube: Floats, *, fine: bool = False) -> Floats:
-        """All residuals in one vector."""
+        """All residuals in one vector.
+
+        Parameters
+        ----------
+        cube : a place in [0, 1] for each free parameter.
+        fine : a step of the model at every sample.
+
+        Returns
+        -------
+        ndarray
+        """
         vector = np.concatenate(self.parts(cube, fine=fine))
         cost = float(np.mean(vector**2))
         if not self.history or cost < self.history[-1][1]:
@@ -92,11 +136,31 @@ class Problem:
         return vector
 
     def cost(self, cube: Floats) -> float:
-        """Mean of the squared residuals, coarse steps."""
+        """Mean of the squared residuals, coarse steps.
+
+        Parameters
+        ----------
+        cube : a place in [0, 1] for each free parameter.
+
+        Returns
+        -------
+        float : >= 0
+        """
         return float(np.mean(self.residuals(np.asarray(cube)) ** 2))
 
     def jacobian(self, cube: Floats, *, fine: bool = False, central: bool = False) -> Floats:
-        """Finite differences in the unit cube, turned inwards at its faces."""
+        """Finite differences in the unit cube, turned inwards at its faces.
+
+        Parameters
+        ----------
+        cube : a place in [0, 1] for each free parameter.
+        fine : a step of the model at every sample.
+        central : differences to both sides where there is room.
+
+        Returns
+        -------
+        ndarray : residuals by parameters.
+        """
         cube = np.asarray(cube, dtype=float)
         here = None if central else np.concatenate(self.parts(cube, fine=fine))
         columns = []
@@ -118,6 +182,15 @@ class Problem:
 def robust_weights(residuals: Floats, loss: str) -> Floats:
     """Weight that each residual keeps under a robust loss of scipy: d rho / d z.
 
+    Parameters
+    ----------
+    residuals : relative to the largest force.
+    loss : "linear", "soft_l1", "huber" or "cauchy".
+
+    Returns
+    -------
+    ndarray : in (0, 1].
+
     Examples
     --------
     >>> robust_weights(np.array([0.0, 0.02]), "cauchy").tolist()
@@ -132,7 +205,25 @@ def robust_weights(residuals: Floats, loss: str) -> Floats:
 
 
 def sample_weights(record: TestRecord) -> Floats:
-    """Square roots of weights of the samples of a record."""
+    """Square roots of weights of the samples of a record.
+
+    Parameters
+    ----------
+    record : with its weight, that of first cycles, and its balance of cycles.
+
+    Returns
+    -------
+    ndarray : one for each sample, >= 0.
+
+    Examples
+    --------
+    >>> from dataclasses import replace
+    >>> from thermobearing.identify.record import record_from_arrays
+    >>> t = np.linspace(0.0, 2.0, 201)
+    >>> record = record_from_arrays(t, np.sin(np.pi * t), np.sin(np.pi * t), 23.0)
+    >>> float(sample_weights(replace(record, weight=4.0)).max())
+    2.0
+    """
     weights = np.full(len(record.time), np.sqrt(record.weight))
     if record.cycle_balance > 0.0:
         for cycle in cycles_of(record):

@@ -147,6 +147,10 @@ def record_from_arrays(
     ambient : [degC].
     name : what reports call it.
 
+    Returns
+    -------
+    TestRecord
+
     Raises
     ------
     InputError : lists that differ in length or are not finite numbers.
@@ -168,15 +172,30 @@ def record_from_arrays(
 
 
 def load_test(path: str | Path) -> TestRecord:
-    """A test from its CSV file or from its sidecar TOML.
+    r"""A test from its CSV file or from its sidecar TOML.
 
     Parameters
     ----------
     path : `test.csv` (its sidecar is `test.toml` beside it, if there is one) or the sidecar.
 
+    Returns
+    -------
+    TestRecord
+
     Raises
     ------
     InputError : unreadable file, unknown key or column, wrong unit, a cell that is not a number.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = Path(folder) / "cold.csv"
+    ...     _ = file.write_text("time_s,displacement_mm,force_kN\n0,0,0\n1,5,9\n2,0,-1\n")
+    ...     _ = file.with_suffix(".toml").write_text('ambient = "-20 degC"')
+    ...     record = load_test(file)
+    >>> record.name, record.ambient, record.peak_force
+    ('cold', -20.0, 9.0)
     """
     path = Path(path)
     if path.suffix.lower() == ".toml":

@@ -50,7 +50,11 @@ def backbone(record: TestRecord, rubber: float) -> tuple[float, float, float]:
     Parameters
     ----------
     record : a test with reversals.
-    rubber : total rubber thickness H [mm].
+    rubber : total rubber thickness H [mm], > 0.
+
+    Returns
+    -------
+    Q [kN], b and K [kN/mm], each > 0 but b, which is in [0, 1.9].
 
     Examples
     --------
@@ -94,7 +98,30 @@ def _with_temperature(
 def loop_start(
     records: list[TestRecord], pset: ParameterSet, models: list[ForwardModel]
 ) -> dict[str, float]:
-    """Starting values of the free parameters by dotted key; fixed ones stay as they are."""
+    """Starting values of the free parameters by dotted key; fixed ones stay as they are.
+
+    Parameters
+    ----------
+    records : tests with reversals.
+    pset : what is free.
+    models : coarse, one for each record.
+
+    Returns
+    -------
+    dict : values by dotted key, in the units of the parameters.
+
+    Examples
+    --------
+    >>> import thermobearing as tb
+    >>> from thermobearing.identify.parameters import parameter_set
+    >>> bearing = tb.load_bearing("shen-hdr-specimen")
+    >>> test = tb.cyclic_test(strain=[0.5, 1.5], cycles=1, rest=None)
+    >>> record = tb.synthetic_record(bearing, 23.0, test, noise=0.0)
+    >>> pset = parameter_set(bearing, ["K_r"], [23.0])
+    >>> start = loop_start([record], pset, [ForwardModel(record, bearing)])
+    >>> 10.0 < start[K_R] < 90.0
+    True
+    """
     base, fixed = pset.base, {p.kind.key for p in pset.parameters if not p.free}
     h, geometry = base.hysteresis, base.geometry
     layers = geometry.rubber_layers
@@ -107,10 +134,10 @@ def loop_start(
     q, n_t = _with_temperature(
         rubber, ambients, reference, h.hysteretic_temperature_coefficient, N_T not in fixed
     )
+    layer = [layers * k for _, _, k in loops]
     elastic, m_t = _with_temperature(
-        [layers * k for _, _, k in loops], ambients, reference,
-        h.elastic_temperature_coefficient, M_T not in fixed,
-    )  # fmt: skip
+        layer, ambients, reference, h.elastic_temperature_coefficient, M_T not in fixed
+    )
     hardening = float(np.mean([b for _, b, _ in loops])) * max(strengths) / max(rubber)
     common = {HARDENING: min(hardening, 1.9), M_T: m_t, N_T: n_t}
     if base.rate is not None:

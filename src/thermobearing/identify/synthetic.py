@@ -1,10 +1,12 @@
 """Tests that were never made: to see what a planned programme would identify, and to prove fits."""
 
+from pathlib import Path
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
 from thermobearing.cyclic.protocol import CyclicTest, cyclic_test
@@ -16,13 +18,21 @@ Floats = NDArray[np.float64]
 
 # Values that are nobody's: where a fit begins that must not know the truth.
 ANYBODY = {
-    "alpha_0": 0.5, "K_r": 10.0, "s": 0.0, "d_y": 1.0, "b": 0.1, "m_T": -0.5, "n_T": -0.5,
-    "K_l": 10.0, "K_v": 1.0, "c_v": 1.0,
-}  # fmt: skip
+    "alpha_0": 0.5,
+    "K_r": 10.0,
+    "s": 0.0,
+    "d_y": 1.0,
+    "b": 0.1,
+    "m_T": -0.5,
+    "n_T": -0.5,
+    "K_l": 10.0,
+    "K_v": 1.0,
+    "c_v": 1.0,
+}
 
 
 def synthetic_record(
-    bearing: Bearing,
+    bearing: Bearing | str | Path,
     ambient: float,
     test: CyclicTest | None = None,
     *,
@@ -36,7 +46,7 @@ def synthetic_record(
 
     Parameters
     ----------
-    bearing : what is "tested".
+    bearing : what is "tested": a Bearing, a library name, or a TOML file.
     ambient : [degC].
     test : what is done; Table 3.4 by default (sine waves for bearings with lead).
     noise : standard deviation of the force, relative to its peak.
@@ -46,21 +56,25 @@ def synthetic_record(
         law put in on purpose, like scragging.
     seed : of the noise.
 
+    Returns
+    -------
+    TestRecord
+
     Raises
     ------
     InputError : `memory` out of range, or the simulation ended early.
 
     Examples
     --------
-    >>> from thermobearing.bearing.library import load_bearing
     >>> short = cyclic_test(strain=[1.0], cycles=2, rest=None)
-    >>> synthetic_record(load_bearing("shen-hdr-specimen"), 23.0, short).name
+    >>> synthetic_record("shen-hdr-specimen", 23.0, short).name
     'synthetic at 23 degC'
     """
     from thermobearing.cyclic.run import run
 
     if not 0.0 <= memory < 1.0:
         raise InputError(f"memory = {memory}: must be at least 0 and less than 1")
+    bearing = as_bearing(bearing)
     wave: Literal["triangular", "sine"] = "triangular" if bearing.lead is None else "sine"
     result = run(bearing, test or cyclic_test(wave=wave), ambient=ambient, keep=[])
     if result.outcome != "completed":
@@ -95,14 +109,22 @@ def _logged(time: Floats, x: Floats, sampling: float) -> NDArray[np.bool_]:
     return np.asarray(kept)
 
 
-def forgotten(bearing: Bearing) -> Bearing:
+def forgotten(bearing: Bearing | str | Path) -> Bearing:
     """The same geometry and materials with nobody's parameters, to start a fit blind.
+
+    Parameters
+    ----------
+    bearing : any.
+
+    Returns
+    -------
+    Bearing
 
     Examples
     --------
-    >>> from thermobearing.bearing.library import load_bearing
-    >>> forgotten(load_bearing("shen-hdr-specimen")).hysteresis.layer_stiffness
+    >>> forgotten("shen-hdr-specimen").hysteresis.layer_stiffness
     10.0
     """
+    bearing = as_bearing(bearing)
     values = {k.key: ANYBODY[k.symbol] for k in available(bearing) if k.symbol in ANYBODY}
     return with_values(bearing, values)

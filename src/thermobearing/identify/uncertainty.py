@@ -53,7 +53,7 @@ REMEDIES = (
     ({D_Y, SHAPE, K_R}, "denser samples after each turn and cycles of small strain would fix it"),
     (set(VIRGIN), "more cycles at more amplitudes, growing, on a virgin specimen would fix it"),
     ({ALPHA}, "cycles at two or more amplitudes would fix it"),
-)  # fmt: skip
+)
 
 
 @dataclass(frozen=True)
@@ -119,6 +119,14 @@ def effective_samples(residuals: Floats) -> float:
 
     n / (1 + 2 sum rho_k), the sum up to the first lag at which rho is not positive.
 
+    Parameters
+    ----------
+    residuals : in the order of time, in any unit.
+
+    Returns
+    -------
+    float : at most about the number of residuals.
+
     Examples
     --------
     >>> white = np.random.default_rng(0).normal(size=4000)
@@ -171,7 +179,28 @@ def _covariance(problem: Problem, cube: Floats) -> tuple[Floats, float, int, flo
 
 
 def estimate(problem: Problem, cube: Floats) -> Uncertainty:
-    """Standard errors, intervals and warnings at the optimum of a fit."""
+    """Standard errors, intervals and warnings at the optimum of a fit.
+
+    Parameters
+    ----------
+    problem : residuals of the tests.
+    cube : the optimum, in [0, 1] for each free parameter.
+
+    Returns
+    -------
+    Uncertainty
+
+    Examples
+    --------
+    >>> import thermobearing as tb
+    >>> from thermobearing.identify.parameters import K_R, parameter_set
+    >>> bearing = tb.load_bearing("shen-hdr-specimen")
+    >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
+    >>> record = tb.synthetic_record(bearing, 23.0, test)
+    >>> pset = parameter_set(bearing, ["K_r"], [23.0])
+    >>> estimate(Problem([record], pset), pset.start).estimates[K_R].relative_error < 0.05
+    True
+    """
     from scipy.stats import t as student
 
     covariance, effective, samples, rms = _covariance(problem, cube)

@@ -226,9 +226,12 @@ def apply_model(
     constants: Constants,
     bearing: Bearing,
     stack: Stack,
-    parameters: Callable[[], BilinearParameters],
+    backbone: Callable[[Bearing], BilinearParameters] | None,
 ) -> Constants:
-    """Constants of an earlier model from those of the multi-layer one."""
+    """Constants of an earlier model from those of the multi-layer one.
+
+    `backbone` makes the bilinear model of a bearing, which "bilinear" needs.
+    """
     if model == "adiabatic":
         return adiabatic(constants)
     if model == "per-cycle":
@@ -239,6 +242,6 @@ def apply_model(
         return lead_alone(constants)
     if model == "temperature-blind":
         return temperature_blind(constants)
-    if model == "bilinear":
-        return bilinear(constants, parameters())
+    if model == "bilinear" and backbone is not None:
+        return bilinear(constants, backbone(bearing))
     return constants

@@ -5,11 +5,19 @@ displacements until it is satisfied; only then does the bearing move on. The wra
 two states and calls the one coupled step; it adds no physics.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
+from thermobearing.bearing.ambient import check_temperature
+from thermobearing.bearing.library import as_bearing
+from thermobearing.bearing.model import Bearing
+from thermobearing.border.errors import InputError
+from thermobearing.border.schema import validated
 from thermobearing.core.march import copy_state
 from thermobearing.core.step import step
 from thermobearing.core.types import (
@@ -20,7 +28,13 @@ from thermobearing.core.types import (
     new_state,
     new_workspace,
 )
+from thermobearing.model.constants import HeatSource, Integrator, LeadEnds
+from thermobearing.model.earlier import Model
+from thermobearing.model.options import EndFace, ModelOptions, Stacked, build_model
 from thermobearing.model.outcomes import NAMES
+from thermobearing.model.stack import Scheme
+
+DEFAULT_AMBIENT = 23.0  # [degC]
 
 
 @dataclass(frozen=True)
@@ -33,30 +47,140 @@ class Trial:
 
 
 class BearingElement:
-    """One bearing for an outside solver.
+    """One bearing for an outside solver, modelled as `run` models it.
 
     Parameters
     ----------
-    constants : from `model.constants.build_constants`.
-    temperature : cell temperatures at the start [degC].
+    bearing : a Bearing, a library name, or a TOML file.
+    ambient : temperature of the air [degC], in [-100, 100]: of the bearing too at the start,
+        unless `initial` says otherwise, and of the air in a trial that does not say its own.
+    initial : temperature at the start [degC], in [-100, 100]: uniform, or one per cell (upper
+        face first).
+    initial_lead : lead temperature at the start [degC]; that of the cells beside it by default.
+    scheme : "conservative" (default) or "published" heat scheme.
+    integrator : "exact" (default) or "euler" integration of Z.
+    heat_source : "work" (Eq. 4.22) or "dissipation"; by default dissipation for natural rubber
+        (LRB), which gives its elastic work back, and work for the others.
+    lead_ends : "half-space" (default, Eq. 5.5) or "finite-plate", for confined lead cores.
+    upper_face, lower_face : heat exchange of the end faces; eta_B = 2 by default.
+    stack : "auto" (default), "half" or "full" height.
+    model : "multi-layer" (default) or an earlier model (model/earlier.py) but "bilinear", whose
+        constants `from_constants` takes.
+
+    Raises
+    ------
+    InputError : no such bearing, options or temperatures that do not fit it.
+
+    Examples
+    --------
+    >>> element = BearingElement("shen-hdr-specimen", ambient=-20)
+    >>> trial = element.set_trial(3.0, dt=0.1)  # mm, s
+    >>> element.commit()
+    >>> trial.outcome, trial.force > 10.0  # kN
+    ('completed', True)
     """
 
-    def __init__(self, constants: Constants, temperature: NDArray[np.float64]) -> None:
+    def __init__(
+        self,
+        bearing: Bearing | str | Path,
+        ambient: float = DEFAULT_AMBIENT,
+        *,
+        initial: float | Sequence[float] | NDArray[np.float64] | None = None,
+        initial_lead: float | None = None,
+        scheme: Scheme | None = None,
+        integrator: Integrator | None = None,
+        heat_source: HeatSource | None = None,
+        lead_ends: LeadEnds | None = None,
+        upper_face: EndFace | None = None,
+        lower_face: EndFace | None = None,
+        stack: Stacked | None = None,
+        model: Model | None = None,
+    ) -> None:
+        bearing = as_bearing(bearing)
+        given = {
+            "scheme": scheme,
+            "integrator": integrator,
+            "heat_source": heat_source,
+            "lead_ends": lead_ends,
+            "upper_face": upper_face,
+            "lower_face": lower_face,
+            "stack": stack,
+            "model": model,
+        }
+        chosen = {key: value for key, value in given.items() if value is not None}
+        options = validated(ModelOptions, chosen, "BearingElement()")
+        problems = options.misfits(bearing)
+        if initial_lead is not None and bearing.lead is None:
+            problems.append("initial_lead: needs a bearing with lead")
+        if problems:
+            raise InputError(problems, "BearingElement()")
+        constants = build_model(bearing, options).constants
+        self._start_from(constants, ambient, initial, initial_lead)
+
+    @classmethod
+    def from_constants(
+        cls,
+        constants: Constants,
+        ambient: float = DEFAULT_AMBIENT,
+        *,
+        initial: float | Sequence[float] | NDArray[np.float64] | None = None,
+        initial_lead: float | None = None,
+    ) -> Self:
+        """An element from constants of the coupled step: of a model changed by hand, say.
+
+        Parameters
+        ----------
+        constants : from `build_model(...).constants` or `bilinear_constants`.
+        ambient, initial, initial_lead : as of the class [degC].
+
+        Raises
+        ------
+        InputError : temperatures that do not fit the cells.
+
+        Examples
+        --------
+        >>> from thermobearing.model.earlier import BilinearParameters, bilinear_constants
+        >>> element = BearingElement.from_constants(bilinear_constants(BilinearParameters(5, 1, 9)))
+        >>> round(element.set_trial(0.1, dt=0.1).force, 6)  # 9 kN/mm before it yields
+        0.9
+        """
+        element = cls.__new__(cls)
+        element._start_from(constants, ambient, initial, initial_lead)
+        return element
+
+    def _start_from(
+        self, constants: Constants, ambient: float, initial: Any, initial_lead: float | None
+    ) -> None:
+        """Memory for the states, all at the start."""
+        cells = constants.cells.shape[1]
+        self._ambient = float(check_temperature(ambient, "ambient"))
+        start = ambient if initial is None else initial
+        temperature = _of_cells("initial", start, cells)
+        if initial_lead is not None:
+            initial_lead = float(check_temperature(initial_lead, "initial_lead"))
         self._constants = constants
         self._work = new_workspace(constants)
-        self._start = new_state(constants, temperature)
-        self._committed = new_state(constants, temperature)
-        self._trial = new_state(constants, temperature)
+        self._start = new_state(constants, temperature, initial_lead)
+        self._committed = new_state(constants, temperature, initial_lead)
+        self._trial = new_state(constants, temperature, initial_lead)
 
     @property
     def state(self) -> State:
         """The committed state (a live record: copy it to keep it)."""
         return self._committed
 
-    def set_trial(self, x: float, dt: float, ambient: float) -> Trial:
-        """Displacement x [mm] after a step dt [s] from the committed state."""
+    def set_trial(self, x: float, dt: float, ambient: float | None = None) -> Trial:
+        """Displacement x [mm] after a step dt [s] from the committed state.
+
+        Parameters
+        ----------
+        x : displacement of the upper face against the lower one [mm].
+        dt : length of the step [s], > 0.
+        ambient : temperature of the air [degC]; that of the element by default.
+        """
+        air = self._ambient if ambient is None else ambient
         force, tangent, outcome = step(
-            self._constants, self._work, self._committed, x, dt, ambient, self._trial
+            self._constants, self._work, self._committed, x, dt, air, self._trial
         )
         if outcome not in (COMPLETED, SOFTENED):
             copy_state(self._committed, self._trial)
@@ -79,3 +203,16 @@ class BearingElement:
         """Continue from a state that `save` returned."""
         copy_state(saved, self._committed)
         copy_state(saved, self._trial)
+
+
+def _of_cells(key: str, temperature: Any, cells: int) -> NDArray[np.float64]:
+    """Temperature of each cell [degC]."""
+    try:
+        given = np.asarray(temperature, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InputError(f"{key} = {temperature!r}: must be in degC, numbers") from None
+    if given.ndim and given.shape != (cells,):
+        raise InputError(f"{key}: has {given.size} numbers, but the stack has {cells} cells")
+    for value in (given.min(), given.max()):
+        check_temperature(float(value), key)
+    return np.full(cells, given)

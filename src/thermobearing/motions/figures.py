@@ -1,16 +1,17 @@
 """Figures of a ground motion: its histories, and its response spectrum beside standard ones."""
 
-from typing import Any
+from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, NullFormatter
-from numpy.typing import NDArray
 
+from thermobearing.core.types import Floats
+from thermobearing.motions.measures import significant_interval
+from thermobearing.motions.record import MM_S2_PER_GAL
+from thermobearing.motions.result import MM_PER_CM, MotionResult, Reference
 from thermobearing.results import drawing
-
-Floats = NDArray[np.float64]
 
 DPI = 150
 BINS = 2000
@@ -21,6 +22,36 @@ ROWS = (
     ("velocity [cm/s]", "largest {:.1f} cm/s"),
     ("displacement [cm]", "largest {:.1f} cm"),
 )
+BOTH_TYPES = (Reference("I", "I"), Reference("II", "I"))  # beside a motion made for neither
+
+
+def save_figures(result: MotionResult, folder: Path) -> None:
+    """Draw a motion and its spectrum into a folder."""
+    motion, found = result.motion, result.spectrum
+    histories = motion_figure(
+        motion.name,
+        motion.time,
+        motion.acceleration / MM_S2_PER_GAL,
+        motion.velocity / MM_PER_CM,
+        motion.displacement / MM_PER_CM,
+        significant_interval(motion),
+    )
+    histories.savefig(folder / "motion.png", dpi=DPI)
+    standards = {
+        f"standard, Level 2 Type {beside.kind}, ground {beside.ground}, 5 %": (
+            beside.at(found.periods) / MM_S2_PER_GAL
+        )
+        for beside in ([result.reference] if result.reference else BOTH_TYPES)
+    }
+    spectrum = spectrum_figure(
+        motion.name,
+        found.periods,
+        found.acceleration / MM_S2_PER_GAL,
+        found.displacement / MM_PER_CM,
+        standards,
+        found.damping,
+    )
+    spectrum.savefig(folder / "spectrum.png", dpi=DPI)
 
 
 def motion_figure(
@@ -80,7 +111,7 @@ def spectrum_figure(
     figure, (left, right) = drawing.panels(1, 2, (10.0, 4.6), title)
     handles = []
     for (name, values), (colour, line) in zip(references.items(), REFERENCE_LOOKS, strict=False):
-        look: dict[str, Any] = {"color": colour, "linestyle": line, "linewidth": 1.6}
+        look: drawing.Look = {"color": colour, "linestyle": line, "linewidth": 1.6}
         left.plot(periods, values, **look)
         implied = values * (periods / (2.0 * np.pi)) ** 2
         right.plot(periods, implied, **look)

@@ -11,9 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import next_fast_len
+from scipy.sparse import csr_array
 
 from thermobearing.core.types import Floats
-from thermobearing.motions.process import high_pass_gain, with_quiet_end
+from thermobearing.motions.process import end_shapes, high_pass_gain, with_quiet_end
 from thermobearing.motions.record import GroundMotion
 from thermobearing.motions.spectrum import DAMPING, response_spectrum
 
@@ -29,9 +30,12 @@ WIDENING = 0.3  # [Hz]
 TAPER = 4.0  # [s] at both ends
 NEARLY = 0.05  # a peak of the other sign this close (logarithm) to the target is held
 LARGEST_STEP = 0.3  # of the logarithm of a multiplier, in one round
+TOGETHER = 16  # oscillators in one go: their histories stay in the processor's cache
+STRIDE = 64  # of the coarser of two tables of exponentials
 DAMPING_START, DAMPING_END = 0.05, 1e2  # weight of size and bending of a change, adapted
 
 Complexes = NDArray[np.complex128]
+Ints = NDArray[np.int64]
 Target = Callable[[Floats], Floats]
 
 
@@ -104,39 +108,72 @@ class _Amplitudes:
         place = np.interp(
             np.log(self.frequency + WIDENING), nodes, np.arange(bands, dtype=np.float64)
         )
-        self.bands = np.maximum(0.0, 1.0 - np.abs(place[:, np.newaxis] - np.arange(bands)))
+        triangles = np.maximum(0.0, 1.0 - np.abs(place[:, np.newaxis] - np.arange(bands)))
+        self.bands = csr_array(triangles)  # two of them at most at one frequency
         self.nodes = 1.0 / (np.exp(nodes) - WIDENING)  # as periods
         self.logarithm = np.zeros(bands)
         edge = max(2, round(TAPER / dt))
         ramp = np.sin(0.5 * np.pi * np.arange(edge) / edge) ** 2
         self.taper = np.concatenate([ramp, np.ones(self.length - 2 * edge), ramp[::-1]])
+        self.periods = np.geomspace(SHORTEST, LONGEST, fineness.periods)
+        self.oscillators = self._oscillators()
 
     def multiplied(self) -> Complexes:
         """The coefficients with the present multipliers."""
         return np.asarray(self.coefficients * np.exp(self.bands @ self.logarithm))
 
-    def finished(self, spectrum: Complexes) -> Floats:
-        """The histories of these coefficients (last axis) with their ends in order."""
-        values = np.fft.irfft(spectrum, self.size)[..., : self.length]
-        return with_quiet_end(values * self.taper, self.dt)
-
     def motion(self) -> GroundMotion:
-        """The history with the present multipliers."""
-        return GroundMotion("matched", self.dt, self.finished(self.multiplied()))
+        """The history with the present multipliers and its ends in order."""
+        values = np.fft.irfft(self.multiplied(), self.size)[: self.length]
+        return GroundMotion("matched", self.dt, with_quiet_end(values * self.taper, self.dt))
 
-    def sensitivity(self, periods: Floats, times: Floats) -> Floats:
-        """[period, band] acceleration at the given times by the part of each band [mm/s2].
-
-        The sum over the bands is the response itself, since they add up to one.
-        """
+    def _oscillators(self) -> Complexes:
+        """[period, frequency] absolute acceleration by that of the ground, conjugate."""
         w = 2.0 * np.pi * self.frequency
-        wn = 2.0 * np.pi / periods[:, np.newaxis]
-        spring = wn**2 + 2.0j * DAMPING * wn * w
-        weights = np.full(len(w), 2.0 / self.size)
-        weights[0] = 1.0 / self.size
-        waves = weights * spring / (spring - w**2) * np.exp(1j * w * times[:, np.newaxis])
-        parts = np.fft.rfft(self.finished(self.bands.T * self.multiplied()), self.size)
-        return np.asarray(np.real(waves @ parts.T))
+        wn = 2.0 * np.pi / self.periods[:, np.newaxis]
+        spring = wn**2 - 2.0j * DAMPING * wn * w
+        return np.asarray(spring / (spring - w**2))
+
+    def sensitivity(self, which: Ints, times: Floats) -> Floats:
+        """[response, band] acceleration at the given times by the part of each band [mm/s2].
+
+        The sum over the bands is the response itself, since they add up to one. All that leads
+        from the coefficients of a band to a response is linear; it is followed backwards, from
+        each response to all bands at once: how much each sample adds to the response, and then
+        what each band adds to these samples.
+
+        Parameters
+        ----------
+        which : the oscillator of each response, its place in `periods`.
+        times : of the responses [s].
+        """
+        shapes, to_ends = end_shapes(self.length, self.dt)
+        to_sizes = np.asarray(np.linalg.solve(to_ends @ shapes.T, to_ends), dtype=np.float64)
+        sizes = self._by_band(to_sizes)
+        found = []
+        for first in range(0, len(times), TOGETHER):
+            some = slice(first, first + TOGETHER)
+            waves = self.oscillators[which[some]] * self._moved(times[some])
+            weights = np.asarray(np.fft.irfft(waves, self.size)[:, : self.length])
+            found.append(self._by_band(weights) - weights @ shapes.T @ sizes)
+        return np.concatenate(found)
+
+    def _moved(self, times: Floats) -> Complexes:
+        """[time, frequency] exp(-i w t), as products: exponentials would take most of the time."""
+        turn = -2.0j * np.pi * times[:, np.newaxis]
+        coarse = np.exp(turn * self.frequency[::STRIDE])
+        fine = np.exp(turn * self.frequency[:STRIDE])
+        products = coarse[:, :, np.newaxis] * fine[:, np.newaxis, :]
+        return np.asarray(products.reshape(len(times), -1)[:, : len(self.frequency)])
+
+    def _by_band(self, weights: Floats) -> Floats:
+        """[row, band] sum of each row of weights times the tapered history of each band."""
+        spectrum = np.fft.rfft(weights * self.taper, self.size)
+        counted = np.full(len(self.frequency), 2.0 / self.size)
+        counted[0] = 1.0 / self.size
+        if self.size % 2 == 0:
+            counted[-1] = 1.0 / self.size
+        return np.asarray(np.real(spectrum.conj() * (counted * self.multiplied())) @ self.bands)
 
 
 def matched(acceleration: Floats, dt: float, target: Target, *, finer: bool = False) -> Matched:
@@ -167,22 +204,21 @@ def matched(acceleration: Floats, dt: float, target: Target, *, finer: bool = Fa
 def _matched(acceleration: Floats, dt: float, target: Target, fineness: _Fineness) -> "_Round":
     """The best round with bands so fine."""
     amplitudes = _Amplitudes(acceleration, dt, fineness)
-    periods = np.geomspace(SHORTEST, LONGEST, fineness.periods)
-    wanted = target(periods)
-    best = _compare(amplitudes, periods, wanted)
+    wanted = target(amplitudes.periods)
+    best = _compare(amplitudes, wanted)
     for _ in range(RATIO_ROUNDS):
-        change = np.interp(amplitudes.nodes[::-1], periods, best.gaps[0])[::-1]
+        change = np.interp(amplitudes.nodes[::-1], amplitudes.periods, best.gaps[0])[::-1]
         amplitudes.logarithm = best.logarithm + np.clip(change, -LARGEST_STEP, LARGEST_STEP)
-        best = _compare(amplitudes, periods, wanted)
-    best = _improved(amplitudes, periods, wanted, best)
+        best = _compare(amplitudes, wanted)
+    best = _improved(amplitudes, wanted, best)
     # Where peaks at two times hold each other, shaken multipliers find a way out.
     stream = np.random.default_rng(0)
     for _ in range(SHAKES):
         if best.error <= ENOUGH:
             break
         amplitudes.logarithm = best.logarithm + SHAKE * stream.standard_normal(fineness.bands)
-        start = _compare(amplitudes, periods, wanted)
-        best = min(best, _improved(amplitudes, periods, wanted, start), key=lambda at: at.error)
+        start = _compare(amplitudes, wanted)
+        best = min(best, _improved(amplitudes, wanted, start), key=lambda at: at.error)
     return best
 
 
@@ -197,9 +233,9 @@ class _Round:
     error: float
 
 
-def _compare(amplitudes: _Amplitudes, periods: Floats, wanted: Floats) -> _Round:
+def _compare(amplitudes: _Amplitudes, wanted: Floats) -> _Round:
     motion = amplitudes.motion()
-    spectrum = response_spectrum(motion, periods, DAMPING)
+    spectrum = response_spectrum(motion, amplitudes.periods, DAMPING)
     error = float(np.sqrt(np.mean((spectrum.acceleration / wanted - 1.0) ** 2)))
     order = np.argsort(-spectrum.peaks, axis=0)
     peaks = np.take_along_axis(spectrum.peaks, order, axis=0)
@@ -207,16 +243,16 @@ def _compare(amplitudes: _Amplitudes, periods: Floats, wanted: Floats) -> _Round
     return _Round(amplitudes.logarithm.copy(), motion, times, np.log(wanted / peaks), error)
 
 
-def _improved(amplitudes: _Amplitudes, periods: Floats, wanted: Floats, start: _Round) -> _Round:
+def _improved(amplitudes: _Amplitudes, wanted: Floats, start: _Round) -> _Round:
     """Newton's rounds from a start, with damping that follows their success."""
     best, damping = start, DAMPING_START
     for _ in range(NEWTON_ROUNDS):
         if best.error <= GOAL or damping > DAMPING_END:
             break
         amplitudes.logarithm = best.logarithm
-        change = _newton(amplitudes, periods, best, damping)
+        change = _newton(amplitudes, best, damping)
         amplitudes.logarithm = best.logarithm + np.clip(change, -LARGEST_STEP, LARGEST_STEP)
-        trial = _compare(amplitudes, periods, wanted)
+        trial = _compare(amplitudes, wanted)
         if trial.error < best.error:
             best, damping = trial, damping / 2.0
         else:
@@ -224,13 +260,13 @@ def _improved(amplitudes: _Amplitudes, periods: Floats, wanted: Floats, start: _
     return best
 
 
-def _newton(amplitudes: _Amplitudes, periods: Floats, at: _Round, damping: float) -> Floats:
+def _newton(amplitudes: _Amplitudes, at: _Round, damping: float) -> Floats:
     """Changes of the multipliers' logarithms that close the gaps, by damped least squares."""
     # The peak of the other sign must not grow where it is nearly as large.
     rivals = np.flatnonzero(at.gaps[1] < NEARLY)
     gaps = np.concatenate([at.gaps[0], np.minimum(at.gaps[1, rivals], 0.0)])
     parts = amplitudes.sensitivity(
-        np.concatenate([periods, periods[rivals]]),
+        np.concatenate([np.arange(len(amplitudes.periods)), rivals]),
         np.concatenate([at.peak_times[0], at.peak_times[1, rivals]]),
     )
     slopes = parts / parts.sum(axis=1, keepdims=True)

@@ -22,12 +22,16 @@ def with_quiet_end(acceleration: Floats, dt: float) -> Floats:
     The last axis counts the samples. A smooth hump and its moment, each zero at both ends, are
     subtracted in the sizes that make velocity and displacement zero at the last sample.
     """
-    place = np.linspace(0.0, 1.0, acceleration.shape[-1])
-    hump = np.sin(np.pi * place) ** 2
-    shapes = np.array([hump, hump * (place - 0.5)])
-    to_ends = _weights_of_ends(acceleration.shape[-1], dt)
+    shapes, to_ends = end_shapes(acceleration.shape[-1], dt)
     sizes = np.linalg.solve(to_ends @ shapes.T, to_ends @ np.moveaxis(acceleration, -1, 0))
     return np.asarray(acceleration - sizes.T @ shapes)
+
+
+def end_shapes(count: int, dt: float) -> tuple[Floats, Floats]:
+    """[2, count] what `with_quiet_end` subtracts, and `_weights_of_ends`."""
+    place = np.linspace(0.0, 1.0, count)
+    hump = np.sin(np.pi * place) ** 2
+    return np.array([hump, hump * (place - 0.5)]), _weights_of_ends(count, dt)
 
 
 def _weights_of_ends(count: int, dt: float) -> Floats:

@@ -254,7 +254,6 @@ def _read_jma(lines: list[str], options: Options) -> Raw:
     unit = head.get("unit", "").split("(")[0].strip() or None
     site = lines[0].partition("=")[2].split(",")[0].strip()
     start = head.get("initial time", "")
-    return Raw(
-        np.array(values), 1.0 / float(rate[0]), unit, instrument=unit is not None,
-        description=f"JMA {site} {wanted}, from {start}",
-    )  # fmt: skip
+    about = f"JMA {site} {wanted}, from {start}"
+    dt, known = 1.0 / float(rate[0]), unit is not None
+    return Raw(np.array(values), dt, unit, instrument=known, description=about)

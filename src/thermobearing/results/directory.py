@@ -1,16 +1,17 @@
 """A result directory: checked before anything is computed, written whole or not at all.
 
-Everything is written into a hidden sibling directory that is renamed at the end, so a full
-disk, an interruption or a crash leaves either the complete result or nothing.
+Everything is written into a hidden sibling directory that takes its place at the end
+(results/swap.py), so a full disk, an interruption or a crash leaves either the complete result
+or the earlier one.
 """
 
 import os
-import secrets
 import shutil
 from collections.abc import Callable
 from pathlib import Path
 
 from thermobearing.border.errors import OutputError
+from thermobearing.results.swap import new_sibling, put_in_place
 
 SUMMARY, DATASET, HISTORY = "summary.json", "result.nc", "history.csv"
 RESOLVED, FIGURES, COMPARISON = "case.resolved.toml", "figures", "comparison.csv"
@@ -68,40 +69,28 @@ def write_directory(directory: Path, fill: Callable[[Path], None], *, force: boo
 
     Raises
     ------
-    OutputError : see `check_target`; or the disk is full or not writable. Nothing is left.
+    OutputError : see `check_target`, which is asked again when the files are complete, since
+        another run may have written there meanwhile; or the disk is full or not writable.
+        Nothing is left.
     """
     check_target(directory, force=force)
     final = directory.resolve()
     above = [path for path in final.parents if not path.exists()]
-    mark = f"{os.getpid()}-{secrets.token_hex(4)}"
-    partial = final.parent / f".{final.name}.writing-{mark}"
-    old = final.parent / f".{final.name}.old-{mark}"
     try:
-        partial.mkdir(parents=True)
-        fill(partial)
-        _replace(final, partial, old)
+        final.parent.mkdir(parents=True, exist_ok=True)
+        with new_sibling(final) as partial:
+            try:
+                fill(partial)
+                put_in_place(partial, final, lambda: check_target(directory, force=force))
+            finally:  # half written, or the result that was replaced
+                shutil.rmtree(partial, ignore_errors=True)
     except (OSError, RuntimeError) as error:  # h5py tells a failing disk as either
         told = getattr(error, "strerror", None) or error
         raise OutputError(f"{directory}: cannot be written: {told}") from error
     finally:
-        shutil.rmtree(partial, ignore_errors=True)
-        if final.exists():
-            shutil.rmtree(old, ignore_errors=True)
-        else:
+        if not final.exists():
             _remove_empty(above)
     return directory
-
-
-def _replace(directory: Path, partial: Path, old: Path) -> None:
-    """Put the finished directory in place; whatever stops this, the earlier one comes back."""
-    try:
-        if directory.exists():
-            directory.rename(old)
-        partial.rename(directory)
-    except BaseException:  # Ctrl-C too
-        if old.exists() and not directory.exists():
-            old.rename(directory)
-        raise
 
 
 def _remove_empty(directories: list[Path]) -> None:

@@ -6,7 +6,8 @@ matplotlib settings and none of the user's settings are touched.
 
 import math
 import textwrap
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,9 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+Look = dict[str, Any]  # how an artist is drawn
 
+DPI = 150  # of figures in result directories
 LARGE, NORMAL, SMALL = 10.5, 9.0, 7.5  # font sizes [pt]
 LETTER, BOLD_LETTER = 0.56, 0.66  # mean width of a letter, of the font size
 HANDLE = 4.5  # width of a legend's line and gaps, of the font size
@@ -104,6 +107,26 @@ def name_axes(ax: Axes, x: str = "", y: str = "", title: str = "", pad: float = 
         ax.set_ylabel(y, fontsize=NORMAL)
     if title:
         ax.set_title(title, fontsize=NORMAL, loc="left", pad=pad)
+
+
+def save_figures(figures: Mapping[str, Callable[[], Figure]], folder: Path) -> list[Path]:
+    """Draw and write figures as PNG.
+
+    Parameters
+    ----------
+    figures : what draws each of them, by name of its file without `.png`.
+    folder : where to; made if it does not exist.
+
+    Returns
+    -------
+    list of the files written.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    written = []
+    for name, draw in figures.items():
+        written.append(folder / f"{name}.png")
+        draw().savefig(written[-1], dpi=DPI)
+    return written
 
 
 def scaling(factor: float) -> tuple[Callable[[Any], Any], Callable[[Any], Any]]:
@@ -199,10 +222,9 @@ def draw_stack(ax: Axes, data: xr.Dataset, *, names: bool) -> None:
         if names and bottom[end] - top > THIN * height:
             name = f"rubber {layer}" if rubber else part[end].replace("_", " ")
             name = f"half {name}" if half and end == ends[-1] else name
-            ax.text(
-                1.03, 0.5 * (top + bottom[end]), name, fontsize=SMALL - 0.5, color=GREY,
-                va="center", transform=ax.get_yaxis_transform(),
-            )  # fmt: skip
+            look: Look = {"fontsize": SMALL - 0.5, "color": GREY, "va": "center"}
+            place = ax.get_yaxis_transform()
+            ax.text(1.03, 0.5 * (top + bottom[end]), name, transform=place, **look)
         top = float(bottom[end])
     ax.set_yticks([y for y in ax.get_yticks() if 0.0 <= y <= height])
     ax.set_ylim(1.055 * height, -0.055 * height)  # with room for the names of the faces
@@ -214,7 +236,6 @@ def draw_stack(ax: Axes, data: xr.Dataset, *, names: bool) -> None:
 
 def _draw_face(ax: Axes, label_at: float, at: float, name: str, line: str) -> None:
     ax.axhline(at, color=INK, linewidth=0.9, linestyle=line, zorder=1.5)
-    ax.text(
-        0.5, label_at, name, fontsize=SMALL - 0.5, color=INK, ha="center",
-        va="bottom" if label_at < at else "top", transform=ax.get_yaxis_transform(),
-    )  # fmt: skip
+    side = "bottom" if label_at < at else "top"
+    look: Look = {"fontsize": SMALL - 0.5, "color": INK, "ha": "center", "va": side}
+    ax.text(0.5, label_at, name, transform=ax.get_yaxis_transform(), **look)

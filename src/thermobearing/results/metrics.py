@@ -3,6 +3,7 @@
 Displacement and force carry the same sign, so a dissipating loop encloses positive work.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -14,6 +15,11 @@ from thermobearing.border.errors import InputError
 Floats = NDArray[np.float64]
 
 FIT_FROM, FIT_TO = 0.5, 0.9  # part of the loading branch that gives K_d, of the peak
+# The least that a residual of energy books is relative to. Sums of forces of up to 1e4 kN over
+# millimetres are rounded by less than 1e-8 kN mm; temperatures near 100 degC by 1.4e-14 K a
+# step, so that a history of millions of steps may lose what warms the bearing by this much.
+LEAST_ENERGY = 1e-6  # [kN mm]
+LEAST_WARMING = 1e-6  # [K], of the whole bearing
 FEWEST_POINTS = 8  # in a cycle that is measured; 5 (zeros and peaks) where its work is known
 
 
@@ -48,6 +54,26 @@ class CycleMeasures:
 def loop_energy(displacement: Floats, force: Floats) -> float:
     """Work done over a path, trapezoidal [kN mm]."""
     return float(np.trapezoid(force, displacement))
+
+
+def relative_residual(
+    missing: float, energies: Sequence[float], least: float = LEAST_ENERGY
+) -> float:
+    """What is missing from energy books, relative to the largest energy in them.
+
+    Parameters
+    ----------
+    missing : of the balance [kN mm].
+    energies : that the books are about [kN mm].
+    least : the smallest energy that counts [kN mm], so that a history in which next to nothing
+        happens is not judged by its rounding.
+
+    Examples
+    --------
+    >>> relative_residual(1e-9, [-1e3, 10.0]), relative_residual(1e-300, [1e-300]) < 1e-290
+    (1e-12, True)
+    """
+    return missing / max(least, *(abs(energy) for energy in energies))
 
 
 def _force_at_zero(displacement: Floats, force: Floats, upward: bool) -> float:

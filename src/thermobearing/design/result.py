@@ -1,0 +1,338 @@
+"""What came out: a design, a comparison of bounds with the model, factors of temperature."""
+
+from dataclasses import asdict, dataclass, field
+from functools import cache, cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+import thermobearing
+from thermobearing.bearing.bilinear import BilinearBearing
+from thermobearing.bearing.model import Bearing
+from thermobearing.border.library import data_path
+from thermobearing.border.toml import read_toml
+from thermobearing.cyclic.result import Result
+from thermobearing.design.bound_models import BoundModel, bound_models, bounds_table
+from thermobearing.design.bounds_study import paragraph
+from thermobearing.design.case import DesignCase
+from thermobearing.design.equal import EqualBearing, third_cycle
+from thermobearing.design.factors import published_tables
+from thermobearing.design.sizing import Check, Size
+from thermobearing.earthquake.result import EarthquakeResult
+
+if TYPE_CHECKING:
+    from thermobearing.design.figures import BoundsFigures, DesignFigures, FactorFigures
+
+Floats = NDArray[np.float64]
+
+ENOUGH = 0.10  # of the displacement: "no more than 10 %" (6.2.2)
+
+
+@cache
+def source_design() -> dict[str, Any]:
+    """The design of the source: citation, its bearing, and more about it.
+
+    Returns
+    -------
+    dict : lengths [mm], forces [kN] and stiffnesses [kN/mm], as the names say.
+
+    Examples
+    --------
+    >>> source_design()["bearing"]["u_B_mm"]
+    178.0
+    """
+    return read_toml(data_path("design", "source.toml"))
+
+
+@dataclass(frozen=True)
+class Round:
+    """One turn of the loop.
+
+    Attributes
+    ----------
+    number : from 1.
+    assumed : design displacement u_B that the bearing was sized for [mm].
+    size : the bearing.
+    stiffness, damping : K_B [kN/mm] and h_B at u_B.
+    strength, post_yield, initial : Q_d [kN], K_2, K_1 [kN/mm] of the bilinear model.
+    found : largest displacement over the motions [mm].
+    ductility : largest of the pier over the motions.
+    """
+
+    number: int
+    assumed: float
+    size: Size
+    stiffness: float
+    damping: float
+    strength: float
+    post_yield: float
+    initial: float
+    found: float
+    ductility: float
+
+    @property
+    def difference(self) -> float:
+        """Found over assumed displacement, less one."""
+        return self.found / self.assumed - 1.0
+
+    def row(self) -> dict[str, Any]:
+        """The round as people read it."""
+        return {
+            "round": self.number,
+            "u_B_assumed_mm": self.assumed,
+            "side_mm": self.size.side,
+            "layers": self.size.layers,
+            "layer_thickness_mm": self.size.layer_thickness,
+            "K_B_kN_mm": self.stiffness,
+            "h_B": self.damping,
+            "Q_d_kN": self.strength,
+            "K_1_kN_mm": self.initial,
+            "K_2_kN_mm": self.post_yield,
+            "u_found_mm": self.found,
+            "difference": self.difference,
+            "pier_ductility": self.ductility,
+        }
+
+
+@dataclass(frozen=True)
+class Design:
+    """What the loop came to.
+
+    Attributes
+    ----------
+    case : what was to be designed.
+    rounds : all turns.
+    outcome : "converged", or why not.
+    sentence : the same for people.
+    checks : the calculation sheet of the last round.
+    bearing : bilinear bearing of the last round.
+    study : the last dynamic analyses.
+    equal : layered bearings scaled to the stiffness of the last round.
+    """
+
+    case: DesignCase
+    rounds: list[Round]
+    outcome: str
+    sentence: str
+    checks: list[Check]
+    bearing: BilinearBearing
+    study: EarthquakeResult
+    equal: list[EqualBearing] = field(default_factory=list)
+
+    @property
+    def last(self) -> Round:
+        """The final turn."""
+        return self.rounds[-1]
+
+    @property
+    def first_within(self) -> int | None:
+        """Number of the first round within the source's 10 %."""
+        return next((r.number for r in self.rounds if abs(r.difference) <= ENOUGH), None)
+
+    @property
+    def table(self) -> pd.DataFrame:
+        """One row per round."""
+        return pd.DataFrame([turn.row() for turn in self.rounds])
+
+    @property
+    def sheet(self) -> list[dict[str, Any]]:
+        """The checks with their verdicts."""
+        return [asdict(check) | {"verdict": check.verdict} for check in self.checks]
+
+    @cached_property
+    def loops(self) -> dict[str, tuple[Floats, Floats]]:
+        """Closed loops [mm, kN] at the design displacement: the bilinear bearing, the equal ones.
+
+        Those of the equal bearings are their third cycle, with heating.
+        """
+        turn = self.last
+        u, q, k1, k2 = turn.assumed, turn.strength, turn.initial, turn.post_yield
+        knee = u - 2.0 * q / (k1 - k2)
+        x = np.array([u, knee, -u, -knee, u])
+        force = np.array([q + k2 * u, k2 * knee - q, -q - k2 * u, q - k2 * knee, q + k2 * u])
+        loops = {f"{self.bearing.name} (bilinear)": (x, force)}
+        loops |= {item.bearing.name: third_cycle(item.bearing, u) for item in self.equal}
+        return loops
+
+    def summary(self) -> dict[str, Any]:
+        """The content of summary.json."""
+        source = source_design()
+        return {
+            "command": "design",
+            "version": thermobearing.__version__,
+            "outcome": self.outcome,
+            "sentence": self.sentence,
+            "first_within_10_percent": self.first_within,
+            "rounds": [turn.row() for turn in self.rounds],
+            "checks": self.sheet,
+            "equal": [
+                {"name": item.bearing.name, "K_eq_kN_mm": item.stiffness, "h_eq": item.damping}
+                for item in self.equal
+            ],
+            "source": {"citation": source["citation"], **source["bearing"]},
+        }
+
+    @property
+    def plot(self) -> "DesignFigures":
+        """Figures: `design.plot.rounds()`, `.equal()`."""
+        from thermobearing.design.figures import DesignFigures
+
+        return DesignFigures(self)
+
+    def save(self, directory: str | Path, *, force: bool = False, figures: bool = True) -> Path:
+        """Write a result directory; see `save_design`.
+
+        Parameters
+        ----------
+        directory, force, figures : as in `save_design`.
+
+        Returns
+        -------
+        Path : the directory.
+
+        Raises
+        ------
+        OutputError : the directory exists and `force` is False, or it cannot be written.
+        """
+        from thermobearing.design.files import save_design
+
+        return save_design(self, Path(directory), force=force, figures=figures)
+
+
+@dataclass(frozen=True)
+class BoundsReport:
+    """Bounding analyses beside the coupled model, for some bearings.
+
+    Attributes
+    ----------
+    tables : of `bounds_study`, by name of the bearing.
+    """
+
+    tables: dict[str, pd.DataFrame]
+
+    @property
+    def table(self) -> pd.DataFrame:
+        """All tables below each other."""
+        return pd.concat([table.assign(bearing=name) for name, table in self.tables.items()])
+
+    @property
+    def paragraphs(self) -> dict[str, str]:
+        """The result in words, by name of the bearing."""
+        return {name: paragraph(table, name) for name, table in self.tables.items()}
+
+    def summary(self) -> dict[str, Any]:
+        """The content of summary.json."""
+        return {
+            "command": "bounds",
+            "version": thermobearing.__version__,
+            "outcome": "completed",
+            "paragraphs": self.paragraphs,
+            "rows": {name: table.to_dict("records") for name, table in self.tables.items()},
+        }
+
+    @property
+    def plot(self) -> "BoundsFigures":
+        """Figures: `report.plot.demands(name)`."""
+        from thermobearing.design.figures import BoundsFigures
+
+        return BoundsFigures(self)
+
+    def save(self, directory: str | Path, *, force: bool = False, figures: bool = True) -> Path:
+        """Write a result directory; see `save_bounds`.
+
+        Parameters
+        ----------
+        directory, force, figures : as in `save_bounds`.
+
+        Returns
+        -------
+        Path : the directory.
+
+        Raises
+        ------
+        OutputError : the directory exists and `force` is False, or it cannot be written.
+        """
+        from thermobearing.design.files import save_bounds
+
+        return save_bounds(self, Path(directory), force=force, figures=figures)
+
+
+@dataclass(frozen=True)
+class FactorReport:
+    """Temperature factors of a bearing, and what follows from them.
+
+    Attributes
+    ----------
+    bearings : the first gives the values, all of them the bands.
+    table : of `temperature_factors`.
+    reference : temperature [degC].
+    motion, cycles : how it was tested, for people.
+    sizes : table and results of `scale_study`, if it was wanted.
+    """
+
+    bearings: list[Bearing]
+    table: pd.DataFrame
+    reference: float
+    motion: str
+    cycles: str
+    sizes: tuple[pd.DataFrame, dict[float, Result]] | None = None
+
+    @property
+    def name(self) -> str:
+        """Of the bearing that gives the values."""
+        return self.bearings[0].name
+
+    @property
+    def strain(self) -> float:
+        """The largest strain, that of the bounds and the figure."""
+        return float(self.table["strain"].max())
+
+    @cached_property
+    def bounds(self) -> list[BoundModel]:
+        """Lower and upper bilinear model."""
+        return bound_models(self.table, self.strain, self.bearings[0].total_rubber_thickness)
+
+    def summary(self) -> dict[str, Any]:
+        """The content of summary.json."""
+        return {
+            "command": "lambda",
+            "bearing": self.name,
+            "samples": len(self.bearings),
+            "version": thermobearing.__version__,
+            "outcome": "completed",
+            "reference_degC": self.reference,
+            "motion": self.motion,
+            "cycles": self.cycles,
+            "bounds": bounds_table(self.bounds).to_dict("records"),
+            "factors": self.table.to_dict("records"),
+            "published": [item.model_dump() for item in published_tables()],
+        }
+
+    @property
+    def plot(self) -> "FactorFigures":
+        """Figures: `report.plot.factors()`, `.sizes()`."""
+        from thermobearing.design.figures import FactorFigures
+
+        return FactorFigures(self)
+
+    def save(self, directory: str | Path, *, force: bool = False, figures: bool = True) -> Path:
+        """Write a result directory; see `save_factors`.
+
+        Parameters
+        ----------
+        directory, force, figures : as in `save_factors`.
+
+        Returns
+        -------
+        Path : the directory.
+
+        Raises
+        ------
+        OutputError : the directory exists and `force` is False, or it cannot be written.
+        """
+        from thermobearing.design.files import save_factors
+
+        return save_factors(self, Path(directory), force=force, figures=figures)

@@ -1,0 +1,222 @@
+"""`bridge` and `hybrid`: what the user gave becomes a case, and the case a result."""
+
+from collections.abc import Mapping, Sequence
+from concurrent.futures import Executor
+from inspect import signature
+from pathlib import Path
+from typing import Any, Never, TypeAlias, TypeVar
+
+from thermobearing.bearing.bilinear import BilinearBearing
+from thermobearing.bearing.model import Bearing
+from thermobearing.border.errors import InputError, nearest
+from thermobearing.earthquake.case import Command, Laboratory, Motion, make_earthquake_case
+from thermobearing.earthquake.result import EarthquakeResult
+from thermobearing.earthquake.run import Progress, run_earthquake
+from thermobearing.model.constants import HeatSource, Integrator, LeadEnds
+from thermobearing.model.earlier import Model
+from thermobearing.model.options import EndFace, Stacked
+from thermobearing.model.stack import Scheme
+from thermobearing.structure.model import MassModel, Structure
+from thermobearing.structure.run import Method
+
+T = TypeVar("T")
+OneOrMore: TypeAlias = T | Sequence[T]
+
+
+def bridge(
+    bearing: OneOrMore[Bearing | BilinearBearing | str | Path] | None = None,
+    motion: OneOrMore[Motion | str | Path | dict[str, Any]] | None = None,
+    ambient: OneOrMore[float] | None = None,
+    *,
+    structure: Structure | str | Path | None = None,
+    weather: str | Path | None = None,
+    duration: float | None = None,
+    dt: float | None = None,
+    method: Method | None = None,
+    mass: MassModel | None = None,
+    scheme: Scheme | None = None,
+    integrator: Integrator | None = None,
+    heat_source: HeatSource | None = None,
+    lead_ends: LeadEnds | None = None,
+    upper_face: EndFace | None = None,
+    lower_face: EndFace | None = None,
+    stack: Stacked | None = None,
+    model: Model | None = None,
+    keep_every: int | None = None,
+    laboratory: Laboratory | dict[str, Any] | None = None,
+    executor: Executor | None = None,
+    progress: Progress | None = None,
+    **misspelt: Never,
+) -> EarthquakeResult:
+    """A bridge pier on isolation bearings in earthquakes: every combination is one run.
+
+    Parameters
+    ----------
+    bearing : one or several of: library name, TOML file, Bearing, BilinearBearing; the three
+        bridge bearings of the library by default.
+    motion : one or several built-in names or files (or tables with name, unit, dt, component,
+        factor); four built-in ones by default.
+    ambient : one or several temperatures [degC], in [-100, 100]; 23, 0 and -20 by default.
+    structure : a Structure, the name of one, or a TOML file; "pier-p1" by default.
+    weather : CSV file of the temperature that ends when the earthquake begins, instead of
+        `ambient`.
+    duration : cut motions to this [s], > 0.
+    dt : largest time step [s], in (0, 0.1]; 0.005 by default.
+    method : "average-acceleration" (default), "linear-acceleration" or "predictor-corrector".
+    mass : "consistent" (default) or "published".
+    scheme : "conservative" (default) or "published" heat scheme.
+    integrator : "exact" (default) or "euler" integration of Z.
+    heat_source : "work" (Eq. 4.22) or "dissipation"; by default dissipation for natural rubber
+        (LRB), which gives its elastic work back, and work for the others.
+    lead_ends : "half-space" (default, Eq. 5.5) or "finite-plate", for confined lead cores.
+    upper_face, lower_face : heat exchange of the end faces; eta_B = 2 by default.
+    stack : "auto" (default), "half" or "full" height.
+    model : "multi-layer" (default) or an earlier model to compare with (model/earlier.py).
+    keep_every : keep every n-th step of the histories, >= 1; 2 by default.
+    laboratory : of a specimen in the loop, see `hybrid`; none by default.
+    executor : any `concurrent.futures` executor; threads by default.
+    progress : called with (runs done, all runs).
+    misspelt : anything else is an InputError that says the nearest name.
+
+    Returns
+    -------
+    EarthquakeResult
+
+    Raises
+    ------
+    InputError : anything that cannot be used, named with what is allowed.
+
+    Examples
+    --------
+    >>> study = bridge("shen-hdr-bridge", "jra-ii-i-1", [23, -20], duration=5)
+    >>> warm, cold = study.table["bearing_strain_max"]
+    >>> bool(cold < warm)
+    True
+    """
+    return _study(
+        "bridge",
+        misspelt,
+        executor,
+        progress,
+        bearings=bearing,
+        motions=motion,
+        ambient=ambient,
+        structure=structure,
+        weather=weather,
+        duration=duration,
+        dt=dt,
+        method=method,
+        mass=mass,
+        scheme=scheme,
+        integrator=integrator,
+        heat_source=heat_source,
+        lead_ends=lead_ends,
+        upper_face=upper_face,
+        lower_face=lower_face,
+        stack=stack,
+        model=model,
+        keep_every=keep_every,
+        laboratory=laboratory,
+    )
+
+
+def hybrid(
+    bearing: OneOrMore[Bearing | BilinearBearing | str | Path] | None = None,
+    motion: OneOrMore[Motion | str | Path | dict[str, Any]] | None = None,
+    ambient: OneOrMore[float] | None = None,
+    *,
+    structure: Structure | str | Path | None = None,
+    weather: str | Path | None = None,
+    duration: float | None = None,
+    dt: float | None = None,
+    method: Method | None = None,
+    mass: MassModel | None = None,
+    scheme: Scheme | None = None,
+    integrator: Integrator | None = None,
+    heat_source: HeatSource | None = None,
+    lead_ends: LeadEnds | None = None,
+    upper_face: EndFace | None = None,
+    lower_face: EndFace | None = None,
+    stack: Stacked | None = None,
+    model: Model | None = None,
+    keep_every: int | None = None,
+    laboratory: Laboratory | dict[str, Any] | None = None,
+    executor: Executor | None = None,
+    progress: Progress | None = None,
+    **misspelt: Never,
+) -> EarthquakeResult:
+    """A hybrid test, simulated: a specimen in the loop with a calculated pier.
+
+    Parameters
+    ----------
+    bearing, motion, ambient : as of `bridge`; by default the two specimens of the library, one
+        built-in motion of 20 s, and 23, 0 and -20 degC.
+    structure : as of `bridge`; "hybrid-pier" by default.
+    method : as of `bridge`; "predictor-corrector" by default, which moves the specimen once in
+        each step.
+    laboratory : a table with `mode`, "rt" (real time, the default) or "pd" (the actuator moves
+        at `speed`, "10 mm/s" by default, and the specimen lives on that slower clock), `delay`
+        of the actuator, `force_noise` (standard deviation of the measured force) and its
+        `seed`; numbers as text with their unit.
+    weather, duration, dt, mass, scheme, integrator : as of `bridge`.
+    heat_source, lead_ends, upper_face, lower_face, stack, model : as of `bridge`.
+    keep_every, executor, progress, misspelt : as of `bridge`.
+
+    Returns
+    -------
+    EarthquakeResult
+
+    Raises
+    ------
+    InputError : anything that cannot be used, named with what is allowed.
+
+    Examples
+    --------
+    >>> lab = {"mode": "pd", "delay": "10 ms"}
+    >>> test = hybrid("shen-hdr-specimen", ambient=-20, duration=2, laboratory=lab)
+    >>> test.outcome
+    'completed'
+    """
+    return _study(
+        "hybrid",
+        misspelt,
+        executor,
+        progress,
+        bearings=bearing,
+        motions=motion,
+        ambient=ambient,
+        structure=structure,
+        weather=weather,
+        duration=duration,
+        dt=dt,
+        method=method,
+        mass=mass,
+        scheme=scheme,
+        integrator=integrator,
+        heat_source=heat_source,
+        lead_ends=lead_ends,
+        upper_face=upper_face,
+        lower_face=lower_face,
+        stack=stack,
+        model=model,
+        keep_every=keep_every,
+        laboratory=laboratory,
+    )
+
+
+def _study(
+    command: Command,
+    misspelt: Mapping[str, object],
+    executor: Executor | None,
+    progress: Progress | None,
+    **given: Any,
+) -> EarthquakeResult:
+    """What `bridge` and `hybrid` do with their arguments."""
+    where = f"{command}()"
+    if misspelt:
+        known = signature(bridge).parameters.keys() - {"misspelt"}
+        raise InputError([f'unknown key "{k}"{nearest(k, known)}' for k in misspelt], where)
+    if given["weather"] is not None:
+        given["weather"] = str(given["weather"])
+    case = make_earthquake_case({"command": command}, where, **given)
+    return run_earthquake(case, executor=executor, progress=progress)

@@ -1,0 +1,178 @@
+"""What a fit is worth, in numbers that an engineer checks: per record and per cycle."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from thermobearing.bearing.model import Bearing
+from thermobearing.identify.cycles import cycles_of
+from thermobearing.identify.forward import Prediction
+from thermobearing.identify.record import TestRecord
+from thermobearing.results.metrics import loop_energy
+
+Floats = NDArray[np.float64]
+
+POOR = 0.98  # coefficient of determination below which the fit is called poor
+FIRST_CYCLE = 0.04  # of the peak force: first cycles stiffer than later ones by this are told
+SMOOTHED = 20  # running means of a cycle over a twentieth of it, for its peaks
+ENERGY = 0.15  # error of a cycle's energy that is told
+
+
+@dataclass(frozen=True)
+class CycleErrors:
+    """Model over test minus one, of one cycle; `number` counts within the amplitude."""
+
+    cycle: int
+    number: int
+    amplitude_strain: float
+    G_eq_error: float
+    h_eq_error: float
+    energy_error: float
+    force_max_error: float
+
+
+@dataclass(frozen=True)
+class RecordFit:
+    """How well one record is met.
+
+    Attributes
+    ----------
+    R2 : coefficient of determination of the force, Eq. 4.38.
+    NRMSE : root mean square error of the force over the largest force of the test.
+    cycles : errors of each full cycle.
+    temperature_error : relative error of the temperature rise by thermocouple, Eq. 4.39.
+    """
+
+    record: TestRecord
+    R2: float
+    NRMSE: float
+    cycles: list[CycleErrors]
+    temperature_error: dict[str, float]
+
+    def summary(self) -> dict[str, Any]:
+        """What summary.json says of the record."""
+        return {
+            "name": self.record.name,
+            "file": self.record.file,
+            "ambient_degC": self.record.ambient,
+            "R2": self.R2,
+            "NRMSE": self.NRMSE,
+            "temperature_error": self.temperature_error,
+            "cycles": [vars(cycle) for cycle in self.cycles],
+        }
+
+    @property
+    def warnings(self) -> list[str]:
+        """What the residuals say of the law itself, in words."""
+        said, name = [], self.record.name
+        if self.R2 < POOR:
+            said.append(f"{name}: R2 = {self.R2:.3f} is poor for this law, NRMSE {self.NRMSE:.1%}")
+        first = [c.force_max_error for c in self.cycles if c.number == 1]
+        later = [c.force_max_error for c in self.cycles if c.number > 1]
+        if first and later:
+            stiffer = float(np.mean(later)) - float(np.mean(first))
+            if stiffer > FIRST_CYCLE:
+                said.append(
+                    f"{name}: first cycles are {stiffer:.0%} stronger in the test than later ones "
+                    "beyond what heating explains (scragging): the fitted values are averages "
+                    "that belong to neither; first_cycle_weight = 0 fits the later ones"
+                )
+        worst = max((abs(c.energy_error) for c in self.cycles), default=0.0)
+        if worst > ENERGY:
+            said.append(f"{name}: the energy of a cycle is off by up to {worst:.0%}")
+        return said
+
+
+def determination(measured: Floats, model: Floats) -> float:
+    """Coefficient of determination R^2 (contribution rate), Eq. 4.38.
+
+    Parameters
+    ----------
+    measured, model : the same quantity at the same samples, in any unit; `measured` not constant.
+
+    Returns
+    -------
+    float : 1 where the model meets every sample; it may be negative.
+
+    Examples
+    --------
+    >>> determination(np.array([0.0, 1.0, 2.0]), np.array([0.0, 1.0, 2.0]))
+    1.0
+    """
+    left = float(np.sum((model - measured) ** 2))
+    return 1.0 - left / float(np.sum((measured - measured.mean()) ** 2))
+
+
+def fit_of_record(record: TestRecord, prediction: Prediction, bearing: Bearing) -> RecordFit:
+    """Measures of one record against the model.
+
+    Parameters
+    ----------
+    record : a test.
+    prediction : the model at its samples.
+    bearing : total rubber thickness, for the strain of each cycle.
+
+    Returns
+    -------
+    RecordFit
+
+    Examples
+    --------
+    >>> from thermobearing.bearing.library import load_bearing
+    >>> from thermobearing.identify.record import record_from_arrays
+    >>> t = np.linspace(0.0, 4.0, 401)
+    >>> x = 30.0 * np.sin(2.0 * np.pi * t)
+    >>> record = record_from_arrays(t, x, 2.0 * x + 10.0 * np.cos(2.0 * np.pi * t), 23.0)
+    >>> stronger = Prediction(1.1 * record.force, {}, "completed")
+    >>> fit = fit_of_record(record, stronger, load_bearing("shen-hdr-specimen"))
+    >>> [round(cycle.force_max_error, 3) for cycle in fit.cycles]
+    [0.1, 0.1, 0.1, 0.1]
+    """
+    off = prediction.force - record.force
+    rises = {}
+    for title, values in record.temperatures.items():
+        rise = float(values.max() - values[0])
+        modelled = prediction.temperatures[title]
+        if rise > 0.5:
+            rises[title] = abs(float(modelled.max() - modelled[0]) - rise) / rise
+    return RecordFit(
+        record=record,
+        R2=determination(record.force, prediction.force),
+        NRMSE=float(np.sqrt(np.mean(off**2))) / record.peak_force,
+        cycles=_cycle_errors(record, prediction.force, bearing),
+        temperature_error=rises,
+    )
+
+
+def _peaks(force: Floats) -> tuple[float, float]:
+    """Highest and lowest force of a cycle, of a short running mean: noise adds to extremes."""
+    window = max(1, len(force) // SMOOTHED)
+    mean = np.convolve(force, np.full(window, 1.0 / window), "valid")
+    return float(mean.max()), float(mean.min())
+
+
+def _cycle_errors(record: TestRecord, force: Floats, bearing: Bearing) -> list[CycleErrors]:
+    found = []
+    for number, cycle in enumerate(cycles_of(record), start=1):
+        if cycle.closing:
+            continue
+        rows = slice(cycle.first, cycle.last + 1)
+        x, test, model = record.displacement[rows], record.force[rows], force[rows]
+        a, b = _peaks(test), _peaks(model)
+        # G_e and h_eq as in Eq. 3.1 and 3.2; displacements are the same, and cancel.
+        stiffness = (abs(b[0]) + abs(b[1])) / (abs(a[0]) + abs(a[1]))
+        energy = loop_energy(x, model) / loop_energy(x, test)
+        found.append(
+            CycleErrors(
+                cycle=number,
+                number=cycle.number,
+                amplitude_strain=cycle.amplitude / bearing.total_rubber_thickness,
+                G_eq_error=stiffness - 1.0,
+                h_eq_error=energy / stiffness - 1.0,
+                energy_error=energy - 1.0,
+                force_max_error=max(map(abs, b)) / max(map(abs, a)) - 1.0,
+            )
+        )
+    return found

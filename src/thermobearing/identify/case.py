@@ -1,0 +1,128 @@
+"""A fit as data: the tests, the bearing they belong to, what is free, how to search."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal, get_args
+
+from thermobearing.bearing.library import as_bearing, load_bearing
+from thermobearing.bearing.model import Bearing
+from thermobearing.border.errors import InputError, nearest
+from thermobearing.identify.record import TestRecord, load_test
+
+Method = Literal["least-squares", "krill-herd", "differential-evolution"]
+Loss = Literal["linear", "soft_l1", "huber", "cauchy"]
+Test = TestRecord | str | Path
+
+SEARCH = 2000  # evaluations of krill herd and differential evolution
+
+
+@dataclass(frozen=True)
+class IdentifyCase:
+    """Everything a fit needs; see `make_identify_case`.
+
+    Attributes
+    ----------
+    records : tests of one bearing, at least one.
+    bearing : geometry and materials, and the values of what is not free.
+    free : keys, symbols and ties; None for the usual ones.
+    bounds : (lower, upper) by key or symbol, in the unit of the parameter; None for the usual.
+    method : "least-squares", "krill-herd" or "differential-evolution".
+    seed : of all random numbers, >= 0.
+    starts : least squares from so many points, >= 1.
+    loss : "linear", "soft_l1", "huber" or "cauchy".
+    temperatures : fit the thermocouples too.
+    blind : start from the loops; False starts from the bearing's own values.
+    polish : end with least squares.
+    evaluations : budget of krill herd or differential evolution.
+    """
+
+    records: list[TestRecord]
+    bearing: Bearing
+    free: Sequence[str] | None = None
+    bounds: dict[str, tuple[float, float]] | None = None
+    method: Method = "least-squares"
+    seed: int = 0
+    starts: int = 3
+    loss: Loss = "linear"
+    temperatures: bool = False
+    blind: bool = True
+    polish: bool = True
+    evaluations: int = SEARCH
+
+
+def make_identify_case(
+    records: Sequence[Test] | Test, bearing: Bearing | str | Path, **options: Any
+) -> IdentifyCase:
+    """A checked case of a fit.
+
+    Parameters
+    ----------
+    records : one or more tests: from `load_test`, `record_from_arrays`, or paths.
+    bearing : a Bearing, a library name, or a TOML file.
+    options : the other attributes of `IdentifyCase`, each with its default.
+
+    Returns
+    -------
+    IdentifyCase
+
+    Raises
+    ------
+    InputError : no test, a file that cannot be read, an unknown method or loss, `starts` < 1.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from thermobearing.identify.record import record_from_arrays
+    >>> t = np.linspace(0.0, 10.0, 200)
+    >>> record = record_from_arrays(t, np.sin(t), 2.0 * np.sin(t), 23.0)
+    >>> make_identify_case(record, "shen-hdr-specimen", loss="huber").method
+    'least-squares'
+    """
+    several = [records] if isinstance(records, TestRecord | str | Path) else list(records)
+    if not several:
+        raise InputError("give at least one test")
+    case = IdentifyCase(
+        records=[item if isinstance(item, TestRecord) else load_test(item) for item in several],
+        bearing=as_bearing(bearing),
+        **options,
+    )
+    choices = (("method", case.method, get_args(Method)), ("loss", case.loss, get_args(Loss)))
+    for name, value, known in choices:
+        if value not in known:
+            raise InputError(f'{name} = "{value}": {nearest(value, known).removeprefix("; ")}')
+    if case.starts < 1:
+        raise InputError(f"starts = {case.starts}: must be at least 1")
+    return case
+
+
+def bearing_of(records: Sequence[TestRecord], start: str | None = None) -> Bearing | None:
+    """The one bearing that tests belong to.
+
+    Parameters
+    ----------
+    records : tests; their sidecars may name a bearing.
+    start : name or file of a bearing, which then counts.
+
+    Returns
+    -------
+    Bearing, or None where nothing names one.
+
+    Raises
+    ------
+    InputError : the tests name several bearings, or there is none of that name.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from thermobearing.identify.record import record_from_arrays
+    >>> t = np.linspace(0.0, 10.0, 200)
+    >>> record = record_from_arrays(t, np.sin(t), 2.0 * np.sin(t), 23.0)
+    >>> bearing_of([record]) is None, bearing_of([record], "shen-hdr-specimen").name
+    (True, 'shen-hdr-specimen')
+    """
+    names = {record.bearing for record in records if record.bearing}
+    if start is None and len(names) > 1:
+        raise InputError(f"the tests name several bearings ({', '.join(sorted(names))})")
+    chosen = start or next(iter(names), None)
+    return load_bearing(chosen) if chosen else None

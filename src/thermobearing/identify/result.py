@@ -1,0 +1,181 @@
+"""What a fit found: the bearing with its numbers, how well they are known, what they are worth."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from thermobearing.bearing.model import Bearing
+from thermobearing.identify.agreement import RecordFit, fit_of_record
+from thermobearing.identify.checks import CheckReport
+from thermobearing.identify.forward import Prediction
+from thermobearing.identify.parameters import ParameterSet
+from thermobearing.identify.problem import Problem
+from thermobearing.identify.record import TestRecord
+from thermobearing.identify.uncertainty import Estimate, Uncertainty
+
+if TYPE_CHECKING:
+    from thermobearing.identify.figures import IdentificationFigures
+    from thermobearing.identify.posterior import Forecast
+
+Floats = NDArray[np.float64]
+
+SENTENCES = {"not_converged": "The search stopped before it converged. Give more --starts."}
+
+
+@dataclass(frozen=True)
+class Identification:
+    """What a fit found.
+
+    Attributes
+    ----------
+    bearing : the bearing with the identified numbers.
+    pset, cube : parameters, and where the optimum lies in their unit cube.
+    records, checks, predictions : tests, what was said of them, the model at their samples.
+    uncertainty : standard errors, intervals, correlation, warnings in words.
+    start : values the fit started from.
+    method, evaluations, seconds : how, and what it took (one evaluation runs all records).
+    history : evaluations and best mean squared residual so far, for the convergence figure.
+    outcome : "completed", or why not.
+    problem : the residuals, for the posterior.
+
+    Examples
+    --------
+    >>> import thermobearing as tb
+    >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
+    >>> record = tb.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
+    >>> found = tb.identify_bearing(record, "shen-hdr-specimen", free=["K_r"], starts=1)
+    >>> found.outcome, [fit.R2 > 0.99 for fit in found.fits]
+    ('completed', [True])
+    >>> len(found.plot.loops().axes)
+    1
+    """
+
+    bearing: Bearing
+    pset: ParameterSet
+    cube: Floats
+    records: list[TestRecord]
+    checks: list[CheckReport]
+    predictions: list[Prediction]
+    uncertainty: Uncertainty
+    start: dict[str, float]
+    method: str
+    evaluations: int
+    seconds: float
+    history: list[tuple[int, float]]
+    outcome: str
+    problem: Problem
+
+    @property
+    def values(self) -> dict[str, float]:
+        """All parameters by dotted key."""
+        return self.pset.values(self.cube)
+
+    @cached_property
+    def fits(self) -> list[RecordFit]:
+        """How well each record is met."""
+        return [
+            fit_of_record(record, prediction, self.bearing)
+            for record, prediction in zip(self.records, self.predictions, strict=True)
+        ]
+
+    @property
+    def sentence(self) -> str:
+        """What the outcome means and what to try; empty when it completed."""
+        return SENTENCES.get(self.outcome, "")
+
+    @property
+    def warnings(self) -> list[str]:
+        """Everything a reader of the numbers must know."""
+        said = [f.sentence for check in self.checks for f in check.findings if f.level != "note"]
+        said += self.uncertainty.warnings
+        said += [warning for fit in self.fits for warning in fit.warnings]
+        if self.outcome != "completed":
+            said.append("the search stopped before it converged: give more starts")
+        return said
+
+    def summary(self) -> dict[str, Any]:
+        """The content of summary.json.
+
+        Returns
+        -------
+        dict : parameters with their uncertainty, measures of each record, warnings.
+        """
+        estimates = self.uncertainty.estimates
+        return {
+            "command": "identify",
+            "bearing": self.bearing.name,
+            "parameters": {
+                key: _estimate_summary(item, self.start.get(key)) for key, item in estimates.items()
+            },
+            "fixed": {
+                p.kind.key: {"value": self.values[p.kind.key], "unit": p.kind.unit}
+                for p in self.pset.parameters
+                if p.kind.key not in estimates
+            },
+            "records": [fit.summary() for fit in self.fits],
+            "correlation": {
+                "parameters": list(estimates),
+                "matrix": self.uncertainty.correlation.tolist(),
+            },
+            "samples": self.uncertainty.samples,
+            "effective_samples": self.uncertainty.effective_samples,
+            "warnings": self.warnings,
+            "method": self.method,
+            "evaluations": self.evaluations,
+            "seconds": self.seconds,
+            "outcome": self.outcome,
+        }
+
+    @property
+    def plot(self) -> "IdentificationFigures":
+        """Figures: `found.plot.loops()`, `.residuals()`, `.cycles()`, ... ."""
+        from thermobearing.identify.figures import IdentificationFigures
+
+        return IdentificationFigures(self)
+
+    def save(
+        self,
+        directory: str | Path,
+        *,
+        force: bool = False,
+        figures: bool = True,
+        forecast: "Forecast | None" = None,
+    ) -> Path:
+        """Write a result directory; see `save_identification`.
+
+        Parameters
+        ----------
+        directory, force, figures, forecast : as in `save_identification`.
+
+        Returns
+        -------
+        Path : the directory.
+
+        Raises
+        ------
+        OutputError : the directory exists and `force` is False, or it cannot be written.
+        """
+        from thermobearing.identify.files import save_identification
+
+        return save_identification(
+            self, Path(directory), force=force, figures=figures, forecast=forecast
+        )
+
+
+def _estimate_summary(item: Estimate, start: float | None) -> dict[str, Any]:
+    return {
+        "symbol": item.parameter.kind.symbol,
+        "value": item.value,
+        "unit": item.parameter.kind.unit,
+        "stderr": item.stderr,
+        "lower": item.lower,
+        "upper": item.upper,
+        "at_bound": item.at_bound,
+        "well_determined": item.well_determined,
+        "start": start,
+        "bounds": [item.parameter.lower, item.parameter.upper],
+    }

@@ -1,0 +1,177 @@
+"""How a bearing is modelled: the options that every analysis shares, and the model they make.
+
+The cyclic test, the earthquake, identification, the equivalent bilinear model and the element
+for outside solvers all build their model here, so that one bearing is one model everywhere.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import Field, model_validator
+
+from thermobearing.bearing.model import Bearing
+from thermobearing.border.errors import InputError
+from thermobearing.border.schema import Strict, in_unit
+from thermobearing.core.types import Constants
+from thermobearing.model.constants import HeatSource, Integrator, LeadEnds, build_constants
+from thermobearing.model.earlier import (
+    BilinearParameters,
+    apply_model,
+    needs_full_stack,
+)
+from thermobearing.model.earlier import Model as ModelName
+from thermobearing.model.stack import Face, Scheme, Stack, build_stack
+
+Stacked = Literal["auto", "half", "full"]
+DEFAULT_ETA = 2.0  # the source uses a "middle" value between 1 and 3 (Eq. 4.15)
+
+
+class EndFace(Strict):
+    """One end face: `eta` in [1, 3] (Eq. 4.15; 1 adiabatic, 3 at ambient) or a film coefficient."""
+
+    eta: Annotated[float, Field(ge=1, le=3)] | None = None
+    film: Annotated[float, in_unit("W/(m^2 K)"), Field(ge=0)] | None = None
+
+    @classmethod
+    def conflicts(cls, given: dict[str, Any]) -> list[str]:
+        """One of the two."""
+        if ("eta" in given) == ("film" in given):
+            return ["give either eta (1 adiabatic to 3 at ambient) or film"]
+        return []
+
+    def face(self) -> Face:
+        """The same, for the stack."""
+        return Face(eta=self.eta, film=self.film)
+
+
+class ModelOptions(Strict):
+    """How to model a bearing.
+
+    `heat_source` None is that of the bearing, see `default_heat_source`. `stack` "auto" models
+    the upper half when both faces are alike, else the whole height.
+    """
+
+    model: ModelName = "multi-layer"
+    scheme: Scheme = "conservative"
+    integrator: Integrator = "exact"
+    heat_source: HeatSource | None = None
+    lead_ends: LeadEnds = "half-space"
+    stack: Stacked = "auto"
+    upper_face: EndFace = EndFace(eta=DEFAULT_ETA)
+    lower_face: EndFace = EndFace(eta=DEFAULT_ETA)
+
+    @model_validator(mode="after")
+    def _fit_each_other(self) -> Self:
+        alike = self.upper_face == self.lower_face
+        if self.stack == "half" and not alike:
+            raise ValueError('stack "half" needs both faces alike; use "auto" or "full"')
+        if self.model != "multi-layer" and self.scheme == "published":
+            raise ValueError('an earlier model goes with scheme "conservative" only')
+        if needs_full_stack(self.model) and self.stack == "half":
+            raise ValueError(f'model "{self.model}" has one cell for all layers; use stack "auto"')
+        if self.lead_ends != "half-space" and self.scheme == "published":
+            raise ValueError('scheme "published" goes with lead_ends "half-space" only')
+        return self
+
+    @property
+    def half(self) -> bool:
+        """Whether only the upper half is modelled."""
+        if needs_full_stack(self.model):
+            return False
+        return self.stack == "half" or (self.stack == "auto" and self.upper_face == self.lower_face)
+
+    def misfits(self, bearing: Bearing) -> list[str]:
+        """What a bearing lacks for these options, in sentences that begin with the key."""
+        found = []
+        if self.model == "lead-alone" and bearing.lead is None:
+            found.append('model = "lead-alone": needs a bearing with lead')
+        if self.lead_ends == "finite-plate" and (bearing.lead is None or not bearing.lead.confined):
+            found.append(
+                'lead_ends = "finite-plate": needs a bearing with confined lead cores '
+                "(lead.confined = true), whose heat leaves through the ends only"
+            )
+        return found
+
+    def settled(self, bearing: Bearing) -> Self:
+        """The same with what depends on the bearing filled in; cores that are not have no ends."""
+        lead_ends = "half-space" if bearing.lead is None else self.lead_ends
+        source = self.heat_source or default_heat_source(bearing)
+        return self.model_copy(update={"heat_source": source, "lead_ends": lead_ends})
+
+
+@dataclass(frozen=True)
+class BearingModel:
+    """A bearing ready to be moved.
+
+    Attributes
+    ----------
+    stack : its cells and layers.
+    constants : numbers of the coupled step.
+    options : as settled for this bearing.
+    """
+
+    stack: Stack
+    constants: Constants
+    options: ModelOptions
+
+
+def default_heat_source(bearing: Bearing) -> HeatSource:
+    """Dissipated work where the rubber is natural (LRB) and gives its elastic work back, else all.
+
+    Examples
+    --------
+    >>> from thermobearing.bearing.library import load_bearing
+    >>> default_heat_source(load_bearing("lrb-example"))
+    'dissipation'
+    """
+    return "dissipation" if bearing.kind == "LRB" else "work"
+
+
+def build_model(
+    bearing: Bearing,
+    options: ModelOptions | None = None,
+    *,
+    backbone: Callable[[Bearing], BilinearParameters] | None = None,
+) -> BearingModel:
+    """The model of a bearing: its stack, and the constants of the coupled step.
+
+    Parameters
+    ----------
+    bearing : any.
+    options : how; the defaults if not given.
+    backbone : makes the bilinear model of a bearing (`equivalent.bilinear_parameters`), for
+        `model` "bilinear". It runs a test on another model of the bearing, and tests are built
+        upon this module; so it is handed in.
+
+    Returns
+    -------
+    BearingModel
+
+    Raises
+    ------
+    InputError : `model` "bilinear" without a backbone.
+
+    Examples
+    --------
+    >>> from thermobearing.bearing.library import load_bearing
+    >>> model = build_model(load_bearing("shen-hdr-specimen"))
+    >>> model.options.heat_source, len(model.stack.part)
+    ('work', 19)
+    """
+    options = (options or ModelOptions()).settled(bearing)
+    stack = build_stack(bearing, half=options.half)
+    constants = build_constants(
+        bearing,
+        stack,
+        upper=options.upper_face.face(),
+        lower=None if options.half else options.lower_face.face(),
+        scheme=options.scheme,
+        integrator=options.integrator,
+        heat_source=options.heat_source or default_heat_source(bearing),
+        lead_ends=options.lead_ends,
+    )
+    if options.model == "bilinear" and backbone is None:
+        raise InputError('model "bilinear" is for tests and earthquakes; give bilinear constants')
+    constants = apply_model(options.model, constants, bearing, stack, backbone)
+    return BearingModel(stack, constants, options)

@@ -1,0 +1,110 @@
+"""A new directory takes the place of an earlier one, whoever else is writing or is killed.
+
+The new directory is made beside the final one under a hidden name, and locked while its
+process lives: what is not locked was left over by a process that was killed, and the next run
+takes it away. Locks belong to the open file, so that the system lets go of them by itself.
+"""
+
+import ctypes
+import hashlib
+import os
+import secrets
+import shutil
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+
+try:
+    import fcntl
+except ImportError:  # Windows: two runs with one target are then not told apart
+    fcntl = None  # type: ignore[assignment]
+
+AT_FDCWD, RENAME_EXCHANGE = -100, 2  # of renameat2(2)
+
+
+def _marks(final: Path) -> tuple[str, str]:
+    """How the hidden siblings of a directory begin: one being written, one being replaced."""
+    short = hashlib.sha256(os.fsencode(final.name)).hexdigest()[:12]  # a name may be long
+    return f".thermobearing-writing-{short}-", f".thermobearing-old-{short}-"
+
+
+@contextmanager
+def _locked(directory: Path, *, wait: bool = True) -> Iterator[bool]:
+    """Keep others from the same directory; whether that was possible."""
+    with ExitStack() as stack:
+        try:
+            handle = os.open(directory, os.O_RDONLY)
+            stack.callback(os.close, handle)
+            fcntl.flock(handle, fcntl.LOCK_EX if wait else fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except (OSError, AttributeError):  # somebody has it; not readable; no locks there
+            yield False
+        else:
+            yield True
+
+
+@contextmanager
+def new_sibling(final: Path) -> Iterator[Path]:
+    """An empty hidden directory beside `final`; what killed runs left there is taken away."""
+    partial = final.parent / f"{_marks(final)[0]}{secrets.token_hex(4)}"
+    with ExitStack() as alive:
+        with _locked(final.parent) as alone:
+            if alone:
+                _clean(final)
+            partial.mkdir()
+            alive.enter_context(_locked(partial))
+        yield partial
+
+
+def _clean(final: Path) -> None:
+    """Take away what killed runs left, and bring back a result that one was replacing."""
+    writing, old = _marks(final)
+    for path in list(final.parent.iterdir()):
+        if path.name.startswith(writing):
+            with _locked(path, wait=False) as abandoned:
+                if abandoned:
+                    shutil.rmtree(path, ignore_errors=True)
+        elif path.name.startswith(old):
+            if final.exists():
+                shutil.rmtree(path, ignore_errors=True)
+            else:
+                path.rename(final)
+
+
+def put_in_place(partial: Path, final: Path, check: Callable[[], None]) -> None:
+    """Make a finished directory the final one; an earlier one is then under the hidden name.
+
+    Parameters
+    ----------
+    partial : from `new_sibling`.
+    final : there or not; the earlier one comes back whatever stops this.
+    check : raises if `final` must not be replaced.
+    """
+    with _locked(final.parent):
+        check()
+        if not final.exists():
+            partial.rename(final)
+        elif not _exchange(partial, final):
+            _replace(partial, final)
+
+
+def _exchange(first: Path, second: Path) -> bool:
+    """Swap two directories in one step; False where the system cannot."""
+    try:
+        renameat2 = ctypes.CDLL(None, use_errno=True).renameat2
+    except (OSError, AttributeError, TypeError):  # not Linux
+        return False
+    names = os.fsencode(first), os.fsencode(second)
+    return bool(renameat2(AT_FDCWD, names[0], AT_FDCWD, names[1], RENAME_EXCHANGE) == 0)
+
+
+def _replace(partial: Path, final: Path) -> None:
+    """The same in two steps, between which `_clean` of the next run would find the earlier one."""
+    old = final.parent / f"{_marks(final)[1]}{secrets.token_hex(4)}"
+    try:
+        final.rename(old)
+        partial.rename(final)
+    except BaseException:  # Ctrl-C too
+        if old.exists() and not final.exists():
+            old.rename(final)
+        raise
+    shutil.rmtree(old, ignore_errors=True)

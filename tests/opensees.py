@@ -1,0 +1,53 @@
+"""OpenSees, the other program of the comparisons: imported in this place only.
+
+`ops` is the module, or where it cannot be imported a stand-in whose every use says what to
+install. Tests that need it carry the mark `needs_opensees`, which skips them with that sentence.
+"""
+
+from ctypes import CDLL
+from importlib import import_module
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any, NoReturn
+
+import pytest
+
+MISSING = (
+    "OpenSees cannot be imported: install openseespy, which there is for 64-bit Linux, Windows "
+    "and macOS, and on Debian or Ubuntu the packages libblas3 and liblapack3"
+)
+
+
+class Absent:
+    """Stands in for the module that is not there."""
+
+    def __getattr__(self, name: str) -> NoReturn:
+        if name.startswith("__"):  # asked of every object by those who look for docstrings
+            raise AttributeError(name)
+        raise ImportError(MISSING)
+
+
+def _preload() -> None:
+    """Load the libraries of the wheel that it does not find itself.
+
+    It brings its own BLAS, but tells the system where only for the libraries that its module
+    needs, not for those that they need in turn. Loaded under the same name, they are found.
+    """
+    found = find_spec("openseespylinux")
+    for folder in (found and found.submodule_search_locations) or ():
+        for name in ("libquadmath.so.0", "libblas.so.3"):
+            if (library := Path(folder, "lib", name)).exists():
+                CDLL(str(library))
+
+
+def _load() -> Any:
+    """The module or its stand-in."""
+    try:
+        _preload()
+        return import_module("openseespy.opensees")
+    except (ImportError, OSError, RuntimeError):  # the last is how openseespy itself reports
+        return Absent()
+
+
+ops = _load()
+needs_opensees = pytest.mark.skipif(isinstance(ops, Absent), reason=MISSING)

@@ -1,0 +1,134 @@
+"""Small runs of every command whose numbers are kept in golden/, and how they are carried out."""
+
+import contextlib
+import os
+import shutil
+from collections.abc import Callable
+from importlib import resources
+from pathlib import Path
+
+from typer.testing import CliRunner
+
+import thermobearing as tb
+from tests import tolerances as tol
+from tests.regression.comparison import texts_of
+from thermobearing.cli import app
+
+INPUTS = Path(__file__).with_name("inputs")
+BEARINGS = resources.files("thermobearing") / "data" / "bearings"
+HDR, LHDR, LRB = "shen-hdr-specimen", "shen-lhdr-specimen", "lrb-example"
+BRIDGE, LEAD_BRIDGE = "shen-hdr-bridge", "shen-lhdr-bridge"
+Make = Callable[[Path], None]  # writes a result directory
+
+# Command lines; one that writes gets "-o" and the name of the case besides.
+PRINTED = {
+    "list": "list --json",
+    "check-bearing": "check mine.toml --json",
+    "check-case": "check steps.toml",
+    "check-study": "check weather.toml",
+    "measure": "measure cold.csv --bearing shen-hdr-specimen --json",
+    "motions-list": "motions list --json",
+    "refused": "cyclic --bearing shen-hdr-specimn --json",
+}
+WRITTEN = {
+    "cyclic-conservative": f"cyclic cycles.toml --bearing {HDR} --ambient -20 --ambient 23",
+    "cyclic-published": f"cyclic cycles.toml --bearing {HDR} --scheme published "
+    "--integrator euler --dt 0.005",
+    "cyclic-dissipation": f"cyclic cycles.toml --bearing {BRIDGE} --heat-source dissipation "
+    "--ambient 0",
+    "cyclic-lead": f"cyclic cycles.toml --bearing {LHDR} --ambient -20 --ambient 0",
+    "cyclic-lead-published": f"cyclic cycles.toml --bearing {LHDR} --scheme published",
+    "cyclic-lead-ends": f"cyclic cycles.toml --bearing {LEAD_BRIDGE} --lead-ends finite-plate",
+    "cyclic-natural-rubber": f"cyclic cycles.toml --bearing {LRB} --ambient 20",
+    "cyclic-single-temperature": f"cyclic cycles.toml --bearing {LHDR} --ambient -20 "
+    "--model single-temperature",
+    "cyclic-compare": f"cyclic cycles.toml --bearing {LHDR} --ambient -20 --compare",
+    "cyclic-steps": "cyclic steps.toml",
+    "cyclic-recorded": "cyclic recorded.toml",
+    "cyclic-coarse": "cyclic coarse.toml",
+    "cyclic-ended-early": "cyclic coarse.toml --scheme published --integrator euler",
+    "cyclic-restart": "cyclic restart.toml",
+    "bridge": f"bridge --bearing shen-bilinear-bridge --bearing {BRIDGE} --bearing {LEAD_BRIDGE} "
+    "--motion shake.csv --ambient -20 --ambient 23",
+    "bridge-natural-rubber": f"bridge --bearing {LRB} --motion shake.csv --ambient -20 "
+    "--method linear-acceleration --mass published --duration 3",
+    "bridge-predictor": f"bridge --bearing {BRIDGE} --motion jra-ii-i-1 --ambient -20 "
+    "--method predictor-corrector --duration 6",
+    "bridge-weather": "bridge weather.toml",
+    "hybrid": f"hybrid --bearing {LHDR} --motion shake.csv --ambient 0 --delay 0.013",
+    "hybrid-slow": "hybrid laboratory.toml",
+    "motions-show": "motions show station.NS --baseline",
+    "motions-spectrum": "motions spectrum shake.csv --type II --ground II --damping 0.1",
+    "motions-make": "motions make --from jra-ii-ii-1 --type II --ground I --zone-factor 0.85 "
+    "--dt 0.02",
+    "identify-check": "identify cold.toml warm.toml --check",
+    "identify": "identify cold.toml warm.toml --free K_r,d_y,n_T --starts 1 --predict -30",
+    "identify-robust": "identify warm.toml --free K_r,d_y --starts 2 --temperatures --loss huber",
+    "identify-posterior": "identify cold.toml --free K_r,d_y --starts 1 --loss cauchy --posterior",
+    "identify-krill": "identify warm.toml --free K_r --method krill-herd --evaluations 30 "
+    "--no-polish --seed 1",
+    "design": "design design.toml",
+    "bounds": f"bounds --bearing {BRIDGE} --motion jra-ii-i-1 --ambient 23 --ambient -20",
+    "lambda": f"lambda {BRIDGE} {LEAD_BRIDGE} --temperature -20 --temperature 40 --strain 1 "
+    "--scale",
+    "lambda-speed": f"lambda {LRB} --reference 20 --temperature -20 --strain 1 --speed 300 "
+    "--cycles 2,3",
+}
+
+
+def _python_restart(target: Path) -> None:
+    """From one of several runs of a result: the one at the same ambient temperature."""
+    sine = {"step": "cycles", "strain": 2.0, "wave": "sine", "period": 2.0, "count": 2}
+    test = tb.CyclicTest(dt=0.02, steps=[sine])
+    first = tb.run(LHDR, test, [-20.0, 5.0, 23.0])
+    tb.run(LHDR, test, 5.0, initial=first, keep_every=1000).save(target, figures=False)
+
+
+def _python_full_stack(target: Path) -> None:
+    """Both halves of the stack, and heat from dissipation."""
+    test = tb.cyclic_test(strain=[1.0, 2.5], cycles=2, rest=600.0, dt=0.02)
+    options = {"heat_source": "dissipation", "stack": "full", "keep_every": 1000}
+    tb.run(HDR, test, -20.0, **options).save(target, figures=False)
+
+
+# Cases whose complete input is kept too; in the others it would repeat bearing and structure.
+RESOLVED = {"cyclic-steps", "cyclic-restart", "bridge-weather", "hybrid-slow", "design"}
+PYTHON: dict[str, Make] = {
+    "python-restart": _python_restart,
+    "python-full-stack": _python_full_stack,
+}
+CASES = [*PRINTED, *WRITTEN, *PYTHON]
+
+
+def carry_out(name: str, folder: Path) -> tuple[str, Path | None]:
+    """Run a case in a folder; what it printed, and its result directory if it writes one."""
+    shutil.copytree(INPUTS, folder, dirs_exist_ok=True)
+    shutil.copy(str(BEARINGS / f"{LRB}.toml"), folder / "mine.toml")
+    with contextlib.chdir(folder):
+        if name in PYTHON:
+            PYTHON[name](folder / name)
+            return "", folder / name
+        if name == "cyclic-restart":
+            _invoke("cyclic first.toml -o first --no-figures")
+        if name in PRINTED:
+            return _invoke(PRINTED[name]), None
+        return _invoke(f"{WRITTEN[name]} -o {name} --no-figures"), folder / name
+
+
+def tolerance_of(name: str) -> float:
+    """Relative tolerance of the numbers of a case."""
+    return tol.GOLDEN_FITTED if name.startswith("identify") else tol.GOLDEN
+
+
+def results_of(name: str, folder: Path) -> dict[str, str]:
+    """The comparable texts of a case, run in a folder."""
+    found = texts_of(*carry_out(name, folder))
+    return {k: v for k, v in found.items() if k != "case.resolved.toml" or name in RESOLVED}
+
+
+def _invoke(words: str) -> str:
+    """Screen of a command and its exit status."""
+    done = CliRunner().invoke(app, words.split(), env={"COLUMNS": "100", "NO_COLOR": "1"})
+    if done.exception is not None and not isinstance(done.exception, SystemExit):
+        raise done.exception
+    return f"{done.output}exit status {done.exit_code}\n".replace(os.getcwd(), "<here>")

@@ -1,0 +1,138 @@
+"""Golden files: what a case writes as comparable text, and where two such texts differ."""
+
+import json
+import re
+from itertools import zip_longest
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+import thermobearing as tb
+from tests import tolerances as tol
+
+GOLDEN = Path(__file__).with_name("golden")
+LONG = 40  # rows of a table; of a longer one every n-th is kept
+KEPT = 12
+NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?(?![\w.])")
+FRAMES = re.compile(r"[^\S\n]+|[\u2500-\u259f]+")  # spaces and lines around tables on the screen
+CHANGING = (
+    (re.compile(r'("seconds": )[\d.e+-]+'), r'\1"<seconds>"'),
+    (re.compile(r"(?<=[a-z], )\d+\.\d s$", re.M), "<seconds>"),
+    (re.compile(rf"(?<![\d.]){re.escape(tb.__version__)}(?![\d.])"), "<version>"),
+)
+TEXTS = {".json", ".csv", ".toml", ".tcl"}
+
+
+def texts_of(screen: str, directory: Path | None) -> dict[str, str]:
+    """Everything that a case left behind, by file name."""
+    found = {"screen.txt": _squeezed(screen)} if screen else {}
+    paths = sorted(directory.rglob("*")) if directory else []
+    for path in paths:
+        name = str(path.relative_to(directory or Path()))
+        if path.suffix == ".nc":
+            found[f"{name}.txt"] = _digest(path)
+        elif path.suffix == ".py":  # no code of ours
+            found[f"{name}.txt"] = path.read_text()
+        elif path.suffix in TEXTS:
+            found[name] = _plain(path).replace(str((directory or path).parent), "<here>")
+    for pattern, instead in CHANGING:
+        found = {name: pattern.sub(instead, text) for name, text in found.items()}
+    return found
+
+
+def _squeezed(screen: str) -> str:
+    """Words of a screen, free of how wide tables are drawn."""
+    lines = (FRAMES.sub(" ", line).strip() for line in screen.splitlines())
+    return "\n".join(line for line in lines if line) + "\n"
+
+
+def _plain(path: Path) -> str:
+    """Text of a file: long tables thinned, JSON without its wide margin."""
+    text = path.read_text()
+    if path.suffix == ".json":
+        return json.dumps(json.loads(text), indent=0) + "\n"
+    return _thinned(text) if path.suffix == ".csv" else text
+
+
+def _thinned(table: str) -> str:
+    """Head, every n-th row and the last row of a long table."""
+    head, *rows = table.splitlines()
+    if len(rows) <= LONG:
+        return table
+    every = -(-len(rows) // KEPT)
+    kept = [*rows[::every], rows[-1]]
+    return "\n".join([f"# every {every}th of {len(rows)} rows", head, *kept]) + "\n"
+
+
+def _digest(path: Path) -> str:
+    """One line for each variable of a netCDF file: shape, unit, first, last, extremes, mean."""
+    lines = []
+    with xr.open_dataset(path, engine="h5netcdf") as data:
+        for name, variable in data.variables.items():
+            shape = ", ".join(f"{d} {n}" for d, n in variable.sizes.items())
+            unit = variable.attrs.get("units", "")
+            lines.append(f"{name} ({shape}) [{unit}]: {_numbers(variable)}")
+        lines.append(f"attributes: {', '.join(map(str, data.attrs))}")
+    return "\n".join(lines) + "\n"
+
+
+def _numbers(variable: xr.Variable) -> str:
+    values = variable.values.ravel()
+    if values.dtype.kind not in "fi":
+        return " ".join(dict.fromkeys(str(value) for value in values))
+    known = values[np.isfinite(values)] if values.dtype.kind == "f" else values
+    if not len(known):
+        return "no numbers"
+    digits = 6 if values.dtype == np.float32 else 12
+    measures = (known[0], known[-1], known.min(), known.max(), known.mean(dtype=np.float64))
+    return " ".join(f"{value:.{digits}g}" for value in measures)
+
+
+def stored(case: str) -> dict[str, str]:
+    """The golden files of a case."""
+    folder = GOLDEN / case
+    paths = sorted(path for path in folder.rglob("*") if path.is_file())
+    return {str(path.relative_to(folder)): path.read_text() for path in paths}
+
+
+def differences(old: dict[str, str], new: dict[str, str], relative: float) -> list[str]:
+    """Lines of two sets of files that differ; text exactly, numbers beyond the tolerances."""
+    found = [f"{name}: is gone" for name in old if name not in new]
+    found += [f"{name}: is new" for name in new if name not in old]
+    for name in old:
+        lines = zip_longest(old[name].splitlines(), new.get(name, old[name]).splitlines())
+        found += [
+            f"{name}:{at}: {before!r} -> {after!r}"
+            for at, (before, after) in enumerate(lines, 1)
+            if before is None or after is None or not _alike(before, after, relative)
+        ]
+    return found
+
+
+def _alike(old: str, new: str, relative: float) -> bool:
+    """Whether two lines have the same words, and numbers within the tolerances."""
+    if old == new:
+        return True
+    if NUMBER.sub("#", old) != NUMBER.sub("#", new):
+        return False
+    pairs = zip(NUMBER.findall(old), NUMBER.findall(new), strict=True)
+    return all(_close(a, b, relative) for a, b in pairs)
+
+
+def _close(old: str, new: str, relative: float) -> bool:
+    """Counts exactly; other numbers within the tolerances and one unit of the last digit.
+
+    The unit is that of the number with more digits, so that digits cannot get lost.
+    """
+    if old.lstrip("+-").isdigit() and new.lstrip("+-").isdigit():
+        return old == new
+    a, b = float(old), float(new)
+    unit = min(_last_digit(old), _last_digit(new))
+    return abs(a - b) <= relative * max(abs(a), abs(b)) + tol.GOLDEN_FLOOR + 1.01 * unit
+
+
+def _last_digit(number: str) -> float:
+    """Value of one unit in the last digit of a printed number."""
+    mantissa, _, power = number.lower().partition("e")
+    return float(10.0 ** (int(power or 0) - len(mantissa.partition(".")[2])))

@@ -1,0 +1,71 @@
+"""Everything that the commands write stays what it was, unless somebody says why it changes.
+
+`python -m tests.regression.regenerate` prints what differs; with a reason it is accepted.
+"""
+
+from pathlib import Path
+
+import pytest
+
+from tests import tolerances as tol
+from tests.regression.cases import CASES, results_of, tolerance_of
+from tests.regression.comparison import GOLDEN, differences, stored
+from tests.regression.regenerate import REASONS, main
+
+SHOWN = 20
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_golden(case: str, tmp_path: Path) -> None:
+    found = differences(stored(case), results_of(case, tmp_path), tolerance_of(case))
+    told = "\n".join(found[:SHOWN])
+    assert not found, f"{len(found)} lines differ from golden/{case}:\n{told}"
+
+
+def test_every_golden_file_belongs_to_a_case_and_has_a_reason() -> None:
+    assert {path.name for path in GOLDEN.iterdir()} == {*CASES, REASONS.name}
+    assert all(stored(case) for case in CASES)
+    said = REASONS.read_text()
+    assert [case for case in CASES if f"{case} (" not in said] == []
+
+
+LINE = '"h_eq": 0.123456789, "steps": 12, "name": "inner 3"'
+
+
+@pytest.mark.parametrize(
+    ("other", "seen"),
+    [
+        (LINE, False),
+        (LINE.replace("0.123456789", "0.12345679"), False),  # the last digit
+        (LINE.replace("0.123456789", "0.1234569"), True),
+        (LINE.replace("0.123456789", "0.1235"), True),  # digits are lost
+        (LINE.replace("0.123456789", "null"), True),
+        (LINE.replace("0.123456789", "-0.123456789"), True),
+        (LINE.replace("12,", "13,"), True),  # a count
+        (LINE.replace("h_eq", "h_e"), True),
+        (LINE.replace("inner 3", "inner 4"), True),
+        ('"steps": 12, "h_eq": 0.123456789, "name": "inner 3"', True),  # order
+    ],
+)
+def test_comparison_sees(other: str, seen: bool) -> None:
+    assert bool(differences({"a.json": LINE}, {"a.json": other}, tol.GOLDEN)) is seen
+
+
+def test_comparison_sees_files_and_lines_that_come_and_go() -> None:
+    old = {"a.csv": "x\n1.0\n"}
+    assert differences(old, {}, tol.GOLDEN) == ["a.csv: is gone"]
+    assert differences(old, old | {"b.csv": ""}, tol.GOLDEN) == ["b.csv: is new"]
+    assert differences(old, {"a.csv": "x\n1.0\n2.0\n"}, tol.GOLDEN) == ["a.csv:3: None -> '2.0'"]
+
+
+def test_regenerating_needs_a_reason(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    import tests.regression.regenerate as script
+
+    monkeypatch.setattr(script, "stored", lambda case: {"screen.txt": "old\n"})
+    monkeypatch.setattr(script, "write", lambda case, texts: pytest.fail("written"))
+    monkeypatch.setattr("sys.argv", ["regenerate", "", "refused"])
+    with pytest.raises(SystemExit, match="give a reason"):
+        main()
+    assert "refused: 3 lines differ" in capsys.readouterr().out

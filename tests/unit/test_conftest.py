@@ -1,0 +1,81 @@
+"""What the tests say of themselves is the same in one process and in several."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+SAMPLE = """
+import pytest
+
+@pytest.mark.parametrize("value", [1.0, 3.0, 2.0])
+def test_numbers(value, measured):
+    measured("largest", value, "4")
+
+@pytest.mark.parametrize("text", ["first", "last"])
+def test_text(text, measured):
+    measured("a second row", text, "no limit")
+
+def test_skips():
+    pytest.skip("not here")
+
+@pytest.mark.xfail(strict=True)
+def test_fails_as_expected():
+    assert False
+"""
+WHOLE_FILE = 'import pytest\npytest.importorskip("no_such_package")\n'
+FOUND = ["test_sample.py::test_skips", "test_whole.py"]
+ROWS = [
+    {"what": "largest", "value": "3.0e+00", "limit": "4", "test": "test_sample.py::test_numbers"},
+    {
+        "what": "a second row",
+        "value": "last",
+        "limit": "no limit",
+        "test": "test_sample.py::test_text",
+    },
+]
+
+
+@pytest.fixture
+def suite(tmp_path: Path) -> Path:
+    (tmp_path / "conftest.py").write_text((ROOT / "tests" / "conftest.py").read_text())
+    (tmp_path / "test_sample.py").write_text(SAMPLE)
+    (tmp_path / "test_whole.py").write_text(WHOLE_FILE)
+    (tmp_path / "pytest.ini").write_text("[pytest]\n")
+    return tmp_path
+
+
+def ended(folder: Path, workers: int, expected: list[str]) -> subprocess.CompletedProcess[str]:
+    """Those tests in CI, in so many processes beside the first."""
+    (folder / "expected_skips.txt").write_text("\n".join(["# node ids", *expected]))
+    own = {key: value for key, value in os.environ.items() if not key.startswith("PYTEST_")}
+    return subprocess.run(
+        [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "-n", str(workers)],
+        cwd=folder,
+        env=own | {"CI": "true", "THERMOBEARING_MEASURED": "measured.json"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+@pytest.mark.parametrize("workers", [0, 2])
+def test_measured_numbers_and_expected_skips(suite: Path, workers: int) -> None:
+    done = ended(suite, workers, FOUND)
+    assert done.returncode == 0, done.stdout
+    assert json.loads((suite / "measured.json").read_text()) == ROWS
+
+
+@pytest.mark.parametrize(
+    ("expected", "amiss"),
+    [(FOUND[:1], FOUND[1]), (FOUND[1:], FOUND[0]), ([*FOUND, "test_x.py"], "test_x.py")],
+    ids=["a file", "a test", "one that does not skip"],
+)
+def test_unexpected_skips_fail(suite: Path, expected: list[str], amiss: str) -> None:
+    done = ended(suite, 2, expected)
+    assert done.returncode == 1, done.stdout
+    assert f"not as in expected_skips.txt: ['{amiss}']" in done.stdout

@@ -1,0 +1,140 @@
+"""Runs that are killed, and runs that write to the same place at the same time."""
+
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+import thermobearing.results.swap
+from tests.unit.inputs import content, cyclic, quick_case, summary
+from thermobearing.border.errors import OutputError
+from thermobearing.results.directory import write_directory
+
+pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork, as POSIX has it")
+MOMENTS = 50  # at least
+EARLIER, LATER = 23.0, 5.0  # ambient temperatures that tell two results apart
+
+
+def killed(action: Callable[[], object], moment: int) -> bool:
+    """Fork, act, and die by SIGKILL at the event of that number; whether it came to that.
+
+    Events are those that Python audits: files opened, folders made, renamed and removed.
+    """
+    child = os.fork()
+    if child == 0:
+        count = 0
+
+        def hook(name: str, _: object) -> None:
+            nonlocal count
+            if name.split(".")[0] in ("open", "os", "shutil"):
+                count += 1
+                if count == moment:
+                    os.kill(os.getpid(), signal.SIGKILL)
+
+        sys.addaudithook(hook)
+        try:
+            action()
+        finally:
+            os._exit(0)
+    return os.WIFSIGNALED(os.waitpid(child, 0)[1])
+
+
+def test_a_killed_run_loses_no_earlier_result(tmp_path: Path) -> None:
+    """At every event of it; what it leaves is taken away by the next run."""
+    case, out = quick_case(tmp_path / "case.toml"), tmp_path / "out"
+
+    def run(ambient: float) -> int:
+        words = (case, "-o", out, "-q", "--force", "--no-figures", "--ambient", ambient)
+        return cyclic(*words).exit_code
+
+    assert run(EARLIER) == 0
+    files = sorted(content(out))
+    seen, moment = set(), 1
+    while killed(lambda: run(LATER), moment):
+        moment += 1
+        seen.add(summary(out)["runs"][0]["ambient_degC"])
+        assert sorted(content(out)) == files
+        left = [path.name for path in tmp_path.iterdir() if path.name.startswith(".")]
+        assert len(left) <= 1  # what the runs before had left is gone
+    assert moment > MOMENTS
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["case.toml", "out"]
+    assert seen == {EARLIER, LATER}  # killed before the swap, and after it
+
+
+def filled(folder: Path) -> None:
+    """A result of one file."""
+    (folder / "summary.json").write_text("{}")
+
+
+@pytest.mark.parametrize("exchange", [True, False])
+def test_killed_between_two_renames(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, exchange: bool
+) -> None:
+    """Every single event of the swap, also where the system cannot swap in one step."""
+    if not exchange:
+        monkeypatch.setattr(thermobearing.results.swap, "_exchange", lambda *_: False)
+    out = tmp_path / "out"
+    write_directory(out, filled)
+
+    def run() -> Path:
+        return write_directory(out, filled, force=True)
+
+    moment = 1
+    while killed(run, moment):
+        moment += 1
+        run()
+        assert [path.name for path in tmp_path.iterdir()] == ["out"]
+        assert list(content(out)) == ["summary.json"]
+
+
+def test_a_run_that_still_writes_is_left_alone(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+
+    def slow(folder: Path) -> None:
+        (folder / "summary.json").write_text("slow")
+        write_directory(out, filled)  # another one begins and ends meanwhile
+
+    with pytest.raises(OutputError, match="--force"):
+        write_directory(out, slow)
+    assert (out / "summary.json").read_text() == "{}"
+    write_directory(out, lambda folder: slow_with_force(folder, out), force=True)
+    assert (out / "summary.json").read_text() == "slow"
+    assert [path.name for path in tmp_path.iterdir()] == ["out"]
+
+
+def slow_with_force(folder: Path, out: Path) -> None:
+    """Writes while another one replaces the result."""
+    (folder / "summary.json").write_text("slow")
+    write_directory(out, filled, force=True)
+
+
+WRITER = """
+import sys
+from pathlib import Path
+from thermobearing.results.directory import write_directory
+for number in range(200):
+    write_directory(
+        Path(sys.argv[1]), lambda f: (f / "summary.json").write_text(sys.argv[2]), force=True
+    )
+    text = (Path(sys.argv[1]) / "summary.json").read_text()
+    assert text in "AB", text
+"""
+
+
+def test_two_processes_with_one_target(tmp_path: Path) -> None:
+    """Both end well, whoever is last; at every moment there is a whole result."""
+    out = tmp_path / "out"
+    write_directory(out, filled)
+    both = [
+        subprocess.Popen(
+            [sys.executable, "-c", WRITER, str(out), name], stderr=subprocess.PIPE, text=True
+        )
+        for name in "AB"
+    ]
+    said = [process.communicate()[1] for process in both]
+    assert [process.returncode for process in both] == [0, 0], said
+    assert [path.name for path in tmp_path.iterdir()] == ["out"]

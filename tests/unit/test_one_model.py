@@ -1,0 +1,210 @@
+"""One bearing is one model: every analysis builds it alike, from a name, a file or a record."""
+
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+from numpy.testing import assert_array_equal
+
+import thermobearing as tb
+from tests import tolerances as tol
+from tests.unit.inputs import assert_told, write_toml
+from thermobearing.bearing.library import as_bearing
+from thermobearing.core.types import HEAT_FROM_DISSIPATION, HEAT_FROM_WORK
+from thermobearing.cyclic.case import make_case, to_table
+from thermobearing.cyclic.equivalent import bilinear_parameters, isothermal_cycle
+from thermobearing.earthquake.case import make_earthquake_case
+from thermobearing.earthquake.run import build_device
+from thermobearing.identify.forward import ForwardModel
+from thermobearing.identify.parameters import parameter_set
+from thermobearing.identify.synthetic import forgotten, synthetic_record
+from thermobearing.model.options import EndFace, ModelOptions, build_model
+
+HDR = "shen-hdr-bridge"
+SHORT = tb.cyclic_test(strain=[1.0], cycles=1, rest=None, dt=0.02)
+RECORD = synthetic_record(tb.load_bearing(HDR), 23.0, SHORT)
+PARAMETERS = ["strength", "post_yield", "initial"]
+
+
+def _factors(bearing: Any) -> Any:
+    return tb.temperature_factors(
+        bearing, reference_temperature=23, temperatures=[0], strains=[1.0], cycles=[1]
+    )
+
+
+# What every public function makes of a bearing.
+TAKERS: dict[str, Callable[[Any], Any]] = {
+    "run": lambda b: tb.run(b, SHORT).dataset["force"].values,
+    "bridge": lambda b: tb.bridge(b, "jra-ii-i-1", 0, duration=1)["bearing_force"].values,
+    "hybrid": lambda b: tb.hybrid(b, "jra-ii-i-1", 0, duration=1)["bearing_force"].values,
+    "BearingElement": lambda b: tb.BearingElement(b, 23.0).set_trial(5.0, 0.1, 23.0).force,
+    "bilinear_parameters": lambda b: [getattr(bilinear_parameters(b), n) for n in PARAMETERS],
+    "isothermal_cycle": lambda b: isothermal_cycle(b, 1.0).energy_kN_mm,
+    "bounds_study": lambda b: tb.bounds_study(b, "jra-ii-i-1", [0.0, 23.0], duration=1),
+    "check_test": lambda b: tb.check_test(RECORD, b).outcome,
+    "equal_bearing": lambda b: tb.equal_bearing(b, 2.0, 150.0).stiffness,
+    "forgotten": lambda b: forgotten(b).model_dump_json(),
+    "identify_bearing": lambda b: list(
+        tb.identify_bearing(RECORD, b, free=["K_r"], starts=1, blind=False).values.values()
+    ),
+    "parameter_set": lambda b: parameter_set(b, ["K_r"], [23.0]).start,
+    "scale_study": lambda b: tb.scale_study(b, factors=[0.5], dt=0.05)[0],
+    "scaled_bearing": lambda b: tb.scaled_bearing(b, 0.5).model_dump_json(),
+    "synthetic_record": lambda b: synthetic_record(b, 23.0, SHORT).force,
+    "temperature_factors": _factors,
+    "temperature_factors, several": lambda b: _factors([b, b]),
+}
+
+
+@pytest.mark.parametrize("take", TAKERS.values(), ids=TAKERS)
+def test_a_bearing_by_name_file_and_record(take: Callable[[Any], Any], tmp_path: Path) -> None:
+    bearing = tb.load_bearing(HDR)
+    path = write_toml(tmp_path / "mine.toml", to_table(bearing))
+    wanted = take(bearing)
+    for given in (HDR, path, str(path)):
+        found = take(given)
+        if isinstance(wanted, pd.DataFrame):
+            pd.testing.assert_frame_equal(found, wanted, check_exact=True)
+        else:
+            assert_array_equal(found, wanted)
+
+
+@pytest.mark.parametrize("take", TAKERS.values(), ids=TAKERS)
+@pytest.mark.parametrize(
+    ("given", "pieces"),
+    [
+        ("shen-hdr-brige", ['no bearing is called "shen-hdr-brige"', HDR]),
+        (Path("nowhere.toml"), ["nowhere.toml", "no such file"]),
+        (3, ["= 3"]),
+    ],
+    ids=["misspelt", "no file", "number"],
+)
+def test_what_is_no_bearing_is_told(
+    take: Callable[[Any], Any], given: Any, pieces: list[str]
+) -> None:
+    with pytest.raises(tb.InputError) as caught:
+        take(given)
+    assert_told(str(caught.value), pieces)
+
+
+def test_a_table_is_a_bearing() -> None:
+    bearing = tb.load_bearing(HDR)
+    assert as_bearing(to_table(bearing)).model_dump() == bearing.model_dump()  # sources apart
+
+
+@pytest.mark.parametrize("name", tb.list_bearings())
+def test_one_heat_source_everywhere(name: str) -> None:
+    """Natural rubber gives its elastic work back, whoever asks."""
+    bearing = tb.load_bearing(name)
+    wanted = HEAT_FROM_DISSIPATION if bearing.kind == "LRB" else HEAT_FROM_WORK
+    case = make_case({}, "test", bearing=bearing)
+    study = make_earthquake_case({"command": "bridge"}, "test", bearings=[bearing])
+    sources = {
+        "alone": build_model(bearing).constants.heat_source,
+        "cyclic test": build_model(bearing, case.analysis).constants.heat_source,
+        "earthquake": build_device(study, bearing).constants.heat_source,
+        "identification": ForwardModel(RECORD, bearing)._constants.heat_source,
+        "element": tb.BearingElement(bearing, 0.0)._constants.heat_source,
+    }
+    assert sources == dict.fromkeys(sources, wanted)
+    assert case.analysis.heat_source == build_model(bearing).options.heat_source
+    other = ModelOptions(heat_source="work")
+    assert build_model(bearing, other).constants.heat_source == HEAT_FROM_WORK
+
+
+def test_yield_stress_comes_back_from_a_test_without_noise() -> None:
+    """With another heat source in the fit than in the test it comes back as 10.013 MPa."""
+    test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None, wave="sine")
+    record = synthetic_record("lrb-example", 23.0, test, noise=0.0)
+    found = tb.identify_bearing(record, "lrb-example", free=["K_r", "K_l", "sigma_Y"], starts=1)
+    assert found.values["lead.yield_stress"] == pytest.approx(10.0, rel=tol.NOISE_FREE_STRENGTH)
+
+
+@pytest.mark.parametrize(
+    ("bearing", "given"),
+    [
+        (HDR, {"scheme": "published", "integrator": "euler", "upper_face": EndFace(film=5.0)}),
+        (HDR, {"stack": "full", "initial": 10.0, "heat_source": "dissipation"}),
+        ("shen-lhdr-specimen", {"model": "single-temperature", "lower_face": EndFace(eta=1.0)}),
+        ("shen-lhdr-specimen", {"initial_lead": 60.0, "lead_ends": "finite-plate"}),
+    ],
+    ids=["published", "full height", "one temperature", "lead"],
+)
+def test_element_with_options_is_the_run(bearing: str, given: dict[str, Any]) -> None:
+    result = tb.run(bearing, SHORT, ambient=0.0, **given)
+    element = tb.BearingElement(bearing, ambient=0.0, **given)
+    x, clock = result["displacement"].values[0], result["time"].values
+    forces = [0.0]
+    for k in range(1, len(x)):
+        forces.append(element.set_trial(x[k], clock[k] - clock[k - 1]).force)
+        element.commit()
+    peak = np.abs(forces).max()
+    np.testing.assert_allclose(
+        result["force"].values[0], forces, rtol=0.0, atol=tol.CLOCK_FORCE * peak
+    )
+
+
+@pytest.mark.parametrize(
+    ("make", "pieces"),
+    [
+        (lambda: tb.BearingElement(HDR, 500.0), ["ambient", "-100 to 100 degC"]),
+        (lambda: tb.BearingElement(HDR, np.nan), ["ambient", "nan"]),
+        (lambda: tb.BearingElement(HDR, "cold"), ["ambient", "'cold'"]),
+        (lambda: tb.BearingElement(HDR, initial=[1.0, 2.0]), ["initial", "has 2 numbers", "cells"]),
+        (lambda: tb.BearingElement(HDR, initial=500.0), ["initial", "-100 to 100 degC"]),
+        (lambda: tb.BearingElement(HDR, initial="cold"), ["initial = 'cold'"]),
+        (lambda: tb.BearingElement(HDR, initial_lead=5.0), ["initial_lead", "with lead"]),
+        (lambda: tb.BearingElement(HDR, scheme="publishd"), ["scheme", '"published"?']),
+        (lambda: tb.BearingElement(HDR, model="lead-alone"), ["model", "with lead"]),
+        (lambda: tb.BearingElement(HDR, model="bilinear"), ['"bilinear"', "bilinear constants"]),
+        (lambda: tb.BearingElement("shen-hdr"), ["bearing", "did you mean"]),
+    ],
+    ids=[
+        "hot",
+        "nan",
+        "text",
+        "two cells",
+        "hot cells",
+        "text for cells",
+        "no lead",
+        "scheme",
+        "lead alone",
+        "bilinear",
+        "name",
+    ],
+)
+def test_bad_element(make: Callable[[], Any], pieces: list[str]) -> None:
+    with pytest.raises(tb.InputError) as caught:
+        make()
+    assert_told(str(caught.value), pieces)
+
+
+def test_resolved_study_says_every_option_and_reads_back() -> None:
+    study = make_earthquake_case(
+        {"command": "bridge"}, "test", bearings=[HDR], model="adiabatic", stack="full"
+    )
+    table = tomllib.loads(study.to_toml())
+    assert table["analysis"]["model"] == "adiabatic"
+    unset = {"heat_source"}  # that of each bearing
+    assert set(ModelOptions.model_fields) - set(table["analysis"]) == unset
+    assert make_earthquake_case(table, "again").model_dump() == study.model_dump()
+
+
+def test_earlier_models_in_an_earthquake() -> None:
+    """The same changes of the constants as in a cyclic test."""
+    common = {"bearing": HDR, "motion": "jra-ii-i-1", "ambient": -20, "duration": 8}
+    runs = {
+        model: tb.bridge(model=model, **common)
+        for model in ("multi-layer", "adiabatic", "per-cycle", "temperature-blind", "bilinear")
+    }
+    energy = {model: float(run["bearing_energy_end"][0]) for model, run in runs.items()}
+    assert len(set(energy.values())) == len(runs)
+    hottest = {model: float(run["rubber_temperature"].max()) for model, run in runs.items()}
+    assert hottest["adiabatic"] > hottest["multi-layer"] > hottest["per-cycle"] > -20.0
+    assert hottest["bilinear"] == -20.0
+    with pytest.raises(tb.InputError, match=r'analysis\.model = "lead-alone": needs .*lead'):
+        tb.bridge(model="lead-alone", **common)

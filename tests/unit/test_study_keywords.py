@@ -1,0 +1,130 @@
+"""`bridge` and `hybrid`: every option is a named argument, and reaches the case."""
+
+import inspect
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import thermobearing.earthquake.study as study
+from thermobearing.border.errors import InputError
+from thermobearing.earthquake.case import EarthquakeAnalysis, EarthquakeCase
+from thermobearing.model.options import EndFace
+from thermobearing.structure.model import load_structure
+
+BOTH = [study.bridge, study.hybrid]
+OWN = {"executor", "progress", "misspelt"}
+# Every argument with a value that is not its default, and where it must come out.
+VALUES: dict[str, Any] = {
+    "duration": 3.0,
+    "dt": 0.004,
+    "method": "linear-acceleration",
+    "mass": "published",
+    "scheme": "published",
+    "integrator": "euler",
+    "heat_source": "dissipation",
+    "lead_ends": "finite-plate",
+    "upper_face": EndFace(eta=1.5),
+    "lower_face": EndFace(eta=2.5),
+    "keep_every": 7,
+    "stack": "full",
+    "model": "single-temperature",
+}
+
+
+@pytest.fixture
+def case_of(monkeypatch: pytest.MonkeyPatch) -> Callable[..., EarthquakeCase]:
+    """The case that a call would carry out."""
+
+    def case_of(call: Callable[..., Any], *args: Any, **options: Any) -> EarthquakeCase:
+        found: list[EarthquakeCase] = []
+        monkeypatch.setattr(study, "run_earthquake", lambda case, **_: found.append(case))
+        call(*args, **options)
+        return found[0]
+
+    return case_of
+
+
+@pytest.mark.parametrize("call", BOTH)
+def test_every_key_of_a_case_is_an_argument(call: Callable[..., Any]) -> None:
+    names = set(inspect.signature(call).parameters) - OWN
+    case = set(EarthquakeCase.model_fields) - {"command", "analysis", "bearings", "motions"}
+    assert names == case | set(EarthquakeAnalysis.model_fields) | {"bearing", "motion"}
+
+
+@pytest.mark.parametrize("call", BOTH)
+@pytest.mark.parametrize("name", VALUES)
+def test_an_argument_reaches_the_case(
+    call: Callable[..., Any], name: str, case_of: Callable[..., EarthquakeCase]
+) -> None:
+    case = case_of(call, "shen-hdr-bridge", "jra-ii-i-1", -20, **{name: VALUES[name]})
+    holder = case.analysis if name in EarthquakeAnalysis.model_fields else case
+    assert getattr(holder, name) == VALUES[name]
+    default = case_of(call, "shen-hdr-bridge", "jra-ii-i-1", -20)
+    holder = default.analysis if name in EarthquakeAnalysis.model_fields else default
+    assert getattr(holder, name) != VALUES[name]
+
+
+@pytest.mark.parametrize("call", BOTH)
+def test_what_is_named_reaches_the_case(
+    call: Callable[..., Any], case_of: Callable[..., EarthquakeCase], tmp_path: Path
+) -> None:
+    weather = tmp_path / "night.csv"
+    weather.write_text("time_s,temperature_degC\n0,5\n3600,-5\n")
+    lab = {"mode": "pd", "speed": "5 mm/s"}
+    case = case_of(
+        call,
+        ["shen-hdr-bridge", "shen-bilinear-bridge"],
+        {"name": "jra-ii-i-2", "factor": 2.0},
+        structure=load_structure("hybrid-pier"),
+        weather=weather,
+        laboratory=lab,
+        method="predictor-corrector",
+    )
+    assert [bearing.name for bearing in case.bearings] == [
+        "shen-hdr-bridge",
+        "shen-bilinear-bridge",
+    ]
+    assert (case.motions[0].name, case.motions[0].factor) == ("jra-ii-i-2", 2.0)
+    assert case.structure.name == "hybrid-pier"
+    assert case.weather == str(weather)
+    assert case.laboratory is not None
+    assert (case.laboratory.mode, case.laboratory.speed) == ("pd", 5.0)
+
+
+@pytest.mark.parametrize("call", BOTH)
+@pytest.mark.parametrize(
+    ("options", "pieces"),
+    [
+        ({"durration": 3}, ['unknown key "durration"', 'did you mean "duration"?']),
+        ({"metod": "x", "masss": 1}, ['"metod"; did you mean "method"?', '"mass"?']),
+        ({"bearings": ["shen-hdr-bridge"]}, ['did you mean "bearing"?']),
+        ({"laboratory": "pd"}, ["laboratory", "must be a table"]),
+        ({"method": "newmark"}, ["method", "average-acceleration"]),
+        ({"keep_every": 0}, ["keep_every"]),
+    ],
+)
+def test_bad_arguments_are_told(
+    call: Callable[..., Any], options: dict[str, Any], pieces: list[str]
+) -> None:
+    with pytest.raises(InputError) as caught:
+        call("shen-hdr-bridge", **options)
+    assert str(caught.value).startswith(f"{call.__name__}()")
+    for piece in pieces:
+        assert piece in str(caught.value)
+
+
+def test_executor_and_progress_are_used() -> None:
+    told: list[tuple[int, int]] = []
+    with ThreadPoolExecutor(1) as pool:
+        study.bridge(
+            "shen-bilinear-bridge",
+            "jra-ii-i-1",
+            [23.0, 0.0],
+            duration=0.1,
+            executor=pool,
+            progress=lambda done, total: told.append((done, total)),
+        )
+    assert told == [(1, 2), (2, 2)]
