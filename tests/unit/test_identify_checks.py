@@ -156,10 +156,12 @@ def test_offset_is_the_middle_of_the_middles(good: TestRecord) -> None:
 
 def test_the_gravest_finding_is_the_outcome() -> None:
     report = CheckReport(synthetic_record(BEARING, 23.0, tb.cyclic_test(strain=[1.0])), [])
-    for level, outcome in (("note", "good"), ("warning", "warning"), ("refused", "refused")):
-        report.add(level, "x", "x")  # type: ignore[arg-type]
+    for tell, outcome in (
+        (report.note, "good"), (report.warn, "warning"), (report.refuse, "refused"),
+    ):  # fmt: skip
+        tell("x", "x")
         assert report.outcome == outcome
-    report.add("warning", "x", "x")
+    report.warn("x", "x")
     assert report.outcome == "refused"
 
 

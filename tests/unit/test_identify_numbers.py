@@ -12,9 +12,9 @@ from scipy.stats import t as student
 
 import thermobearing as tb
 from tests import tolerances as tol
-from thermobearing.identify import posterior, run
+from thermobearing.identify import posterior, search
+from thermobearing.identify.agreement import determination, fit_of_record
 from thermobearing.identify.cycles import cycles_of, measures_of
-from thermobearing.identify.files import posterior_summary
 from thermobearing.identify.forward import ForwardModel, Prediction, _pause
 from thermobearing.identify.krill import krill_herd
 from thermobearing.identify.parameters import (
@@ -32,7 +32,6 @@ from thermobearing.identify.parameters import (
 )
 from thermobearing.identify.problem import LOST, Problem, robust_weights, sample_weights
 from thermobearing.identify.record import TestRecord, record_from_arrays
-from thermobearing.identify.report import determination, fit_of_record, model_warnings
 from thermobearing.identify.start import _with_temperature
 from thermobearing.identify.uncertainty import _blocks, _remedy, estimate
 
@@ -176,11 +175,8 @@ def test_stiffer_first_cycles_are_told(first: float, told: bool) -> None:
     record = sines((10.0, 10.0, 10.0))
     force = record.force.copy()
     force[:POINTS] *= first
-    found: Any = SimpleNamespace(
-        records=[replace(record, force=force)], bearing=HDR, outcome="completed",
-        predictions=[Prediction(record.force, {}, "completed")],
-    )  # fmt: skip
-    said = [text for text in model_warnings(found) if "scragging" in text]
+    fit = fit_of_record(replace(record, force=force), Prediction(record.force, {}, ""), HDR)
+    said = [text for text in fit.warnings if "scragging" in text]
     assert len(said) == int(told)
     if told:
         assert "17% stronger" in said[0]  # 1 - 1/1.2
@@ -370,7 +366,7 @@ def test_band_is_that_of_95_percent_of_the_draws(monkeypatch: pytest.MonkeyPatch
     assert_allclose(band.upper, [10.0 * high, -20.0 * low], rtol=tol.LOOP)
     peaks = (band.peak, band.peak_lower, band.peak_upper)
     assert_allclose(peaks, [20.0, 20.0 * low, 20.0 * high], rtol=tol.LOOP)
-    told = posterior_summary(fit_with(None, cube[0]), draws, [band])["peak_force"][0]
+    told = band.summary()
     assert [told[f"{name}_kN"] for name in ("best", "lower", "upper")] == list(peaks)
     assert told["ambient_degC"] == -30.0
 
@@ -380,9 +376,10 @@ def test_search_keeps_the_best_of_its_starts(monkeypatch: pytest.MonkeyPatch) ->
         pset=SimpleNamespace(start=np.array([0.5])), cost=lambda u: float((u[0] - 0.3) ** 2)
     )
     points = [np.array([0.7]), np.array([0.31]), np.array([0.9])]
-    monkeypatch.setattr(run, "_starting_points", lambda *_: points)
-    monkeypatch.setattr(run, "_least_squares", lambda _, point, *__, **___: (point, True))
-    assert run._search(problem, "least-squares", 0, 3, 100, "linear")[0] == 0.31
+    monkeypatch.setattr(search, "_starting_points", lambda *_: points)
+    monkeypatch.setattr(search, "_least_squares", lambda _, point, *__, **___: (point, True))
+    case: Any = SimpleNamespace(method="least-squares")
+    assert search.search(problem, case)[0] == 0.31
 
 
 def test_least_squares_gets_the_loss_and_its_scale(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -395,8 +392,8 @@ def test_least_squares_gets_the_loss_and_its_scale(monkeypatch: pytest.MonkeyPat
         return SimpleNamespace(x=start, status=1)
 
     monkeypatch.setattr(scipy.optimize, "least_squares", solve)
-    problem: Any = SimpleNamespace(residuals=None, jacobian=None)
-    found, converged = run._least_squares(problem, np.array([0.0, 2.0]), "huber", 7, fine=True)
+    problem: Any = SimpleNamespace(residuals=None, jacobian=None, loss="huber")
+    found, converged = search._least_squares(problem, np.array([0.0, 2.0]), 7, fine=True)
     assert converged
     assert_allclose(found, [1e-6, 1.0 - 1e-6])
     assert (asked["loss"], asked["f_scale"], asked["max_nfev"]) == ("huber", 0.02, 7)
