@@ -183,6 +183,8 @@ STOPBAND = 2e-3  # of a sine well above the new limit; 1e-3 measured
 STAND_IN = 0.9  # correlation with given motions of the same phases; 0.91 to 0.97 measured
 PHASES = 0.05  # radians, weighted by amplitude: the tapered ends turn them; 0.011 measured
 
+OTHER_NOISE = 0.1  # correlation of two histories of 5000 samples under one envelope
+
 # --- Scragging ----------------------------------------------------------------------------
 VIRGIN_SHARE = 0.015  # layers warm and so share the travel a little unevenly
 VIRGIN_TANGENT = 2e-4  # central differences of 1e-6 mm, relative and kN/mm
