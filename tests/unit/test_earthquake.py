@@ -261,7 +261,7 @@ BAD: list[Row] = [
         {"weather": "night.csv", "ambient": REMOVED},
         ["night.csv", "no such file"],
     ),
-    ("negative duration", {"duration": "-1 s"}, ["duration", "greater than 0"]),
+    ("negative duration", {"duration": "-1 s"}, ["duration", "at least 0.001 and at most"]),
     ("dt in mm", {"analysis": {"dt": "1 mm"}}, ["analysis.dt", "to s"]),
     ("dt too large", {"analysis": {"dt": "1 s"}}, ["analysis.dt", "at most 0.1"]),
     (

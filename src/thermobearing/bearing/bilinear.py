@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 from thermobearing.border.library import Library
 from thermobearing.border.schema import Strict, in_unit, validated
 
-Stiffness = Annotated[float, in_unit("kN/mm"), Field(gt=0)]
+Stiffness = Annotated[float, in_unit("kN/mm"), Field(ge=1e-6, le=1e7)]  # 0.1 to 1000 kN/mm
 
 
 class BilinearBearing(Strict):
@@ -18,17 +18,18 @@ class BilinearBearing(Strict):
     ----------
     name, kind, description, citation : what it is and where its numbers come from; `kind` is
         "bilinear".
-    total_rubber_thickness : makes strains of displacements [mm], > 0.
-    strength : Q_d, force at zero displacement [kN], > 0.
-    initial_stiffness, post_yield_stiffness : K_1 > K_2 > 0 [kN/mm].
+    total_rubber_thickness : makes strains of displacements [mm], in [0.01, 1e5].
+    strength : Q_d, force at zero displacement [kN], in [1e-6, 1e7].
+    initial_stiffness, post_yield_stiffness : K_1 > K_2 [kN/mm], in
+        [1e-6, 1e7].
     """
 
     name: Annotated[str, Field(min_length=1)]
     kind: Literal["bilinear"] = "bilinear"
     description: str = ""
     citation: str = ""
-    total_rubber_thickness: Annotated[float, in_unit("mm"), Field(gt=0)]
-    strength: Annotated[float, in_unit("kN"), Field(gt=0)]  # Q_d
+    total_rubber_thickness: Annotated[float, in_unit("mm"), Field(ge=0.01, le=1e5)]
+    strength: Annotated[float, in_unit("kN"), Field(ge=1e-6, le=1e7)]  # Q_d
     initial_stiffness: Stiffness  # K_1
     post_yield_stiffness: Stiffness  # K_2
 

@@ -49,9 +49,9 @@ class Motion(Strict):
 
     name: Annotated[str, Field(min_length=1)]
     unit: str | None = None
-    dt: Annotated[float, in_unit("s"), Field(gt=0, le=1)] | None = None
+    dt: Annotated[float, in_unit("s"), Field(ge=1e-5, le=1)] | None = None
     component: str | None = None
-    factor: Annotated[float, Field(gt=0, le=100)] = 1.0
+    factor: Annotated[float, Field(ge=1e-6, le=100)] = 1.0
 
     def load(self) -> GroundMotion:
         """The ground motion itself, not yet scaled."""
@@ -67,16 +67,16 @@ class Laboratory(Strict):
     """
 
     mode: Literal["rt", "pd"] = "rt"
-    speed: Annotated[float, in_unit("mm/s"), Field(gt=0)] = PSEUDO_DYNAMIC_SPEED
+    speed: Annotated[float, in_unit("mm/s"), Field(ge=1e-3, le=1e4)] = PSEUDO_DYNAMIC_SPEED
     delay: Annotated[float, in_unit("s"), Field(ge=0, le=1)] = 0.0
-    force_noise: Annotated[float, in_unit("kN"), Field(ge=0)] = 0.0
+    force_noise: Annotated[float, in_unit("kN"), Field(ge=0, le=1e5)] = 0.0
     seed: Annotated[int, Field(ge=0)] = 0
 
 
 class Stepping(Strict):
     """How the structure is led through time."""
 
-    dt: Annotated[float, in_unit("s"), Field(gt=0, le=0.1)] = 0.005
+    dt: Annotated[float, in_unit("s"), Field(ge=1e-6, le=0.1)] = 0.005
     method: Method = "average-acceleration"
     mass: MassModel = "consistent"
 
@@ -101,7 +101,7 @@ class EarthquakeCase(Strict):
     ambient : temperatures of the air and of the bearings at the start [degC], in [-100, 100].
     weather : CSV file with time and temperature that ends when the earthquake begins, instead
         of `ambient`.
-    duration : motions are cut to this [s], > 0; None for their whole length.
+    duration : motions are cut to this [s], in [0.001, 1e6]; None for their whole length.
     analysis : how to compute, and what to keep.
     laboratory : of a specimen in the loop.
     """
@@ -112,7 +112,7 @@ class EarthquakeCase(Strict):
     motions: Annotated[list[Motion], Field(min_length=1, max_length=1000)]
     ambient: Annotated[list[Temperature], Field(min_length=1, max_length=1000)]
     weather: Annotated[str, Field(min_length=1)] | None = None
-    duration: Annotated[float, in_unit("s"), Field(gt=0)] | None = None
+    duration: Annotated[float, in_unit("s"), Field(ge=1e-3, le=1e6)] | None = None
     analysis: EarthquakeAnalysis = EarthquakeAnalysis()
     laboratory: Laboratory | None = None
 

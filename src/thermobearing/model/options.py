@@ -33,7 +33,7 @@ class EndFace(Strict):
     Attributes
     ----------
     eta : factor of Eq. 4.15, in [1, 3]: 1 is adiabatic, 3 holds the face at ambient.
-    film : film coefficient [W/(m^2 K)], >= 0.
+    film : film coefficient [W/(m^2 K)], in [0, 1e5].
 
     Examples
     --------
@@ -42,7 +42,7 @@ class EndFace(Strict):
     """
 
     eta: Annotated[float, Field(ge=1, le=3)] | None = None
-    film: Annotated[float, in_unit("W/(m^2 K)"), Field(ge=0)] | None = None
+    film: Annotated[float, in_unit("W/(m^2 K)"), Field(ge=0, le=1e5)] | None = None
 
     @classmethod
     def conflicts(cls, given: dict[str, Any]) -> list[str]:
