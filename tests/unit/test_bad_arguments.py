@@ -83,7 +83,7 @@ def test_bad_argument_of_cyclic_test(options: dict[str, Any], pieces: list[str])
         (lambda: tb.model.EndFace(eta=2.0, film=3.0), ["EndFace()", "either eta", "or film"]),
         (
             lambda: tb.model.EndFace(film=-3.0),
-            ["film = -3.0", "at least 0 and", "100000 W/(m^2 K)"],
+            ["film = -3.0", "at least 0 and at most 100000 W/(m^2 K)"],
         ),
         (lambda: tb.cyclic.CyclicTest(steps=[]), ["CyclicTest()", "steps = []", "at least 1"]),
         (lambda: tb.Ambient.constant(500), ["ambient", "500 degC", "-100 to 100 degC"]),

@@ -11,8 +11,9 @@ from tests import tolerances as tol
 from tests.conftest import Recorder
 from thermobearing.border.errors import InputError
 from thermobearing.identify.forward import ForwardModel, turning_points
+from thermobearing.identify.kinds import KINDS, full_key
 from thermobearing.identify.krill import krill_herd
-from thermobearing.identify.parameters import KINDS, full_key, parameter_set
+from thermobearing.identify.parameters import parameter_set
 from thermobearing.identify.problem import Problem
 from thermobearing.identify.start import loop_start
 from thermobearing.identify.synthetic import forgotten, synthetic_record

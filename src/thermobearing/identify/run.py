@@ -138,10 +138,10 @@ def run_identify(case: IdentifyCase) -> Identification:
     pset = parameter_set(base, case.free, [record.ambient for record in records], case.bounds)
     coarse = [ForwardModel(record, base) for record in records]
     start = loop_start(records, pset, coarse) if case.blind else pset.values(pset.start)
-    given = {p.kind.key for p in pset.parameters if not p.free} | set(case.bounds or {})
+    fixed = {p.kind.key for p in pset.parameters if not p.free}
     problem = Problem(
         records,
-        pset.with_start({key: value for key, value in start.items() if key not in given}),
+        pset.with_start({key: value for key, value in start.items() if key not in fixed}),
         temperatures=case.temperatures,
         loss=case.loss,
         clipped=[check.clipped for check in checks],

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.units import NEWTON_PER_KILONEWTON
 from thermobearing.identify.forward import TURN, ForwardModel, turning_points
-from thermobearing.identify.parameters import (
+from thermobearing.identify.kinds import (
     ALPHA,
     C_V,
     D_Y,
@@ -27,9 +27,8 @@ from thermobearing.identify.parameters import (
     N_T,
     SHAPE,
     SIGMA_Y,
-    ParameterSet,
-    with_values,
 )
+from thermobearing.identify.parameters import ParameterSet, with_values
 from thermobearing.identify.record import TestRecord
 
 Floats = NDArray[np.float64]
