@@ -133,7 +133,7 @@ class CyclicTest(Strict):
     Attributes
     ----------
     name : for titles.
-    dt : largest time step while the bearing moves [s], in (0, 10].
+    dt : largest time step while the bearing moves [s], in [1e-6, 10].
     steps : of Cycles, Ramp, Rest and Recorded (tables with a key `step`), one after the other.
 
     Examples

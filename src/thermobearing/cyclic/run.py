@@ -56,7 +56,7 @@ def run(
     test : what to do; Table 3.4 if not given.
     ambient : temperature of the air [degC], in [-100, 100]; several temperatures make several
         runs in one result; an `Ambient` is a series in time.
-    dt : largest time step while the bearing moves [s], in (0, 10].
+    dt : largest time step while the bearing moves [s], in [1e-6, 10].
     scheme : "conservative" (default) or "published" heat scheme.
     integrator : "exact" (default) or "euler" integration of Z.
     heat_source : "work" (Eq. 4.22) or "dissipation"; by default that of the bearing, dissipation
