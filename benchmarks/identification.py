@@ -24,7 +24,7 @@ LIMITS = {"HDR": 15.0, "LHDR": 40.0}  # [s], three tests on two cores
 NAMES = {"HDR": "shen-hdr-specimen", "LHDR": "shen-lhdr-specimen"}
 
 
-def tests_of(bearing: tb.Bearing, seed: int, **options: float) -> list[TestRecord]:
+def tests_of(bearing: tb.bearing.Bearing, seed: int, **options: float) -> list[TestRecord]:
     """Table 3.4 at three temperatures with 2 % of noise."""
     return [
         synthetic_record(bearing, at, seed=10 * seed + i, **options)  # type: ignore[arg-type]
@@ -32,7 +32,7 @@ def tests_of(bearing: tb.Bearing, seed: int, **options: float) -> list[TestRecor
     ]
 
 
-def true_value(bearing: tb.Bearing, key: str) -> float:
+def true_value(bearing: tb.bearing.Bearing, key: str) -> float:
     """A number of a bearing by dotted key."""
     table, name = key.split(".")
     return float(getattr(getattr(bearing, table), name))

@@ -192,13 +192,13 @@ def draw() -> None:
     bearings = ["shen-hdr-bridge", "shen-lhdr-bridge"]
     study = tb.bridge(bearings, ["jra-i-i-1", "jra-ii-i-1"], [23.0, 0.0, -20.0])
     bearing = tb.load_bearing("shen-hdr-bridge")
-    motions = [name for name in tb.list_motions() if name.split("-")[2] == "i"]
+    motions = [name for name in tb.motions.list_motions() if name.split("-")[2] == "i"]
     title = "shen-hdr-bridge: bounds (bars), coupled (dots)"
-    draw_bounds(tb.bounds_study(bearing, motions), title).savefig(
+    draw_bounds(tb.design.bounds_study(bearing, motions), title).savefig(
         DOCS / "figures" / "bounds.png", dpi=80
     )
     lead = tb.load_bearing("shen-lhdr-bridge")
-    _, results = tb.scale_study(lead)
+    _, results = tb.design.scale_study(lead)
     draw_scale(lead, results).savefig(DOCS / "figures" / "scale.png", dpi=80)
     study.plot.loops().savefig(DOCS / "figures" / "bridge.png", dpi=110)
 

@@ -203,3 +203,10 @@ NOISE_FREE_STRENGTH = 1e-4  # 2e-5 with coarse steps of the fit; 1.3e-3 with ano
 GOLDEN = 1e-9  # relative, and one unit of the last printed digit
 GOLDEN_FITTED = 1e-6  # relative, of what a search found: it stops at 1e-7
 GOLDEN_FLOOR = 1e-9  # in kN, mm, s, K, MPa and their products: residuals and zeros are roundings
+
+# --- Files --------------------------------------------------------------------------------
+SEVEN_DIGITS = 5.1e-7  # relative: half a unit of the last digit of 1.000000
+NINE_DIGITS = 5.1e-9  # the same of 1.00000000
+PALETTE_MEAN = 0.5  # of 255 steps of brightness: 0.05 to 0.25 measured
+PALETTE_FAR = 24.0  # of 255 steps: as much as an eye finds at the edge of a line
+PALETTE_SHARE = 2e-3  # of the points are farther off

@@ -34,7 +34,7 @@ def motion() -> tuple[Floats, Floats, Floats]:
 
 
 def test_lead_temperature_and_strength_while_heating(measured: Recorder) -> None:
-    test = tb.CyclicTest(
+    test = tb.cyclic.CyclicTest(
         dt=DT,
         steps=[
             {

@@ -204,10 +204,14 @@ def test_list() -> None:
     done = command("list", "--json")
     assert done.exit_code == 0
     told = last_line(done)
-    assert told["bearings"] == tb.list_bearings()
-    assert told["structures"] == tb.list_structures()
-    assert told["motions"] == tb.list_motions()
-    shown = [*tb.list_bearings(), *tb.list_structures(), *told["bilinear_bearings"]]
+    assert told["bearings"] == tb.bearing.list_bearings()
+    assert told["structures"] == tb.structure.list_structures()
+    assert told["motions"] == tb.motions.list_motions()
+    shown = [
+        *tb.bearing.list_bearings(),
+        *tb.structure.list_structures(),
+        *told["bilinear_bearings"],
+    ]
     assert all(name in done.stdout for name in shown)
 
 

@@ -7,11 +7,11 @@ import numpy as np
 import pandas as pd
 import pytest
 from numpy.testing import assert_allclose
+from thermobearing.design.bound_models import bound_models, bounds_table, opensees_text
 
 import thermobearing as tb
 from tests import tolerances as tol
 from thermobearing.design import bounds_study, equal, run
-from thermobearing.design.bound_models import bound_models, bounds_table, opensees_text
 from thermobearing.design.case import make_design_case
 from thermobearing.design.result import Design, Round
 from thermobearing.design.rubber import damping_ratio, equivalent_stiffness, load_compound

@@ -164,6 +164,20 @@ def test_names_are_not_markup(found: Identification, capsys: pytest.CaptureFixtu
     assert "[/x]" in capsys.readouterr().out
 
 
+@pytest.mark.parametrize("name", ["K_r", "hysteresis.layer_stiffness"])
+@pytest.mark.parametrize("blind", [True, False])
+def test_chosen_bounds_hold(name: str, blind: bool) -> None:
+    """Of a stiffness too, whose usual bounds follow its starting value; the truth is 30.7."""
+    record = synthetic_record(HDR, 23.0, SHORT, sampling=25.0)
+    options = {"free": ["K_r"], "starts": 1, "blind": blind}
+    found = identify_bearing(record, HDR, bounds={name: (35.0, 60.0)}, **options)
+    (item,) = found.uncertainty.estimates.values()
+    assert (item.parameter.lower, item.parameter.upper) == (35.0, 60.0)
+    assert item.at_bound
+    assert 35.0 <= item.value < 36.0
+    assert any("ended at a bound" in text for text in found.warnings)
+
+
 def test_laplace_samples_have_the_covariance(found: Identification) -> None:
     draws = laplace_samples(found, 4000).cube
     spread = np.sqrt(np.diag(found.uncertainty.covariance))

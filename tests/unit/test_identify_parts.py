@@ -11,8 +11,9 @@ from tests import tolerances as tol
 from tests.conftest import Recorder
 from thermobearing.border.errors import InputError
 from thermobearing.identify.forward import ForwardModel, turning_points
+from thermobearing.identify.kinds import KINDS, full_key
 from thermobearing.identify.krill import krill_herd
-from thermobearing.identify.parameters import KINDS, full_key, parameter_set
+from thermobearing.identify.parameters import parameter_set
 from thermobearing.identify.problem import Problem
 from thermobearing.identify.start import loop_start
 from thermobearing.identify.synthetic import forgotten, synthetic_record
@@ -71,7 +72,7 @@ def test_turns_in_noise() -> None:
 
 
 @pytest.mark.parametrize(("bearing", "at"), [(HDR, -20.0), (LHDR, -20.0), (HDR, 23.0)])
-def test_coarse_steps_are_near_all_steps(bearing: tb.Bearing, at: float) -> None:
+def test_coarse_steps_are_near_all_steps(bearing: tb.bearing.Bearing, at: float) -> None:
     record = synthetic_record(bearing, at, SHORT, noise=0.0)
     coarse, fine = (ForwardModel(record, bearing, fine=fine) for fine in (False, True))
     assert coarse.steps < 0.8 * fine.steps

@@ -28,7 +28,7 @@ def entries(table: dict[str, Any], key: str = "") -> Iterator[tuple[str, Any]]:
             yield dotted, value
 
 
-@pytest.mark.parametrize("name", tb.list_bearings())
+@pytest.mark.parametrize("name", tb.bearing.list_bearings())
 def test_every_number_has_a_source(name: str) -> None:
     file = resources.files("thermobearing") / "data" / "bearings" / f"{name}.toml"
     raw = dict(entries(tomllib.loads(file.read_text(encoding="utf-8"))))
@@ -46,7 +46,7 @@ def test_every_number_has_a_source(name: str) -> None:
     assert bearing.description
 
 
-@pytest.mark.parametrize("name", tb.list_bearings())
+@pytest.mark.parametrize("name", tb.bearing.list_bearings())
 def test_table_round_trip(name: str, tmp_path: Path) -> None:
     bearing = tb.load_bearing(name)
     again = tb.load_bearing(write_toml(tmp_path / "again.toml", to_table(bearing)))

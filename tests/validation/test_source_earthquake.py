@@ -123,7 +123,7 @@ def test_energy_and_ductility_beside_the_source(mass: str, measured: Recorder) -
 @pytest.mark.parametrize("count", [2, 8])
 def test_first_layer_of_the_hybrid_test(count: int, measured: Recorder) -> None:
     """LHDR at -20 degC, stand-in for II-II-1: outer layer at 5, 10, 15, 20 s (3.4.4)."""
-    structure = tb.load_structure("hybrid-pier")
+    structure = tb.structure.load_structure("hybrid-pier")
     line = structure.bearings[0].model_copy(
         update={"count": count, "equivalent_stiffness": 376.0 / count}
     )
@@ -186,7 +186,7 @@ def test_what_explains_the_ductility(measured: Recorder) -> None:
     """The printed ductilities (about 1, up to 3) come out with a foundation that hardly rocks, or
     nearly without the damping that the ground springs give to the first mode; with the printed
     numbers the rocking takes most of the displacement and Rayleigh's 6 % most of the peaks."""
-    structure = tb.load_structure("pier-p1")
+    structure = tb.structure.load_structure("pier-p1")
     sideways, rocking = structure.springs
     stiff = rocking.model_copy(
         update={"rotational_stiffness": 10.0 * (rocking.rotational_stiffness or 0.0)}

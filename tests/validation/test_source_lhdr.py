@@ -13,12 +13,12 @@ BRIDGE_K_EQ = 2.5434  # Table 6.1, kN/mm
 
 
 @pytest.fixture(scope="module")
-def result() -> tb.Result:
+def result() -> tb.cyclic.Result:
     """Table 3.4 with sine waves at the three chamber temperatures."""
     return tb.run("shen-lhdr-specimen", ambient=AMBIENTS)
 
 
-def test_figure_5_2b_has_29_cells_over_83_mm_and_a_core_of_96_mm(result: tb.Result) -> None:
+def test_figure_5_2b_has_29_cells_over_83_mm_and_a_core_of_96_mm(result: tb.cyclic.Result) -> None:
     assert result.dataset.sizes["cell"] == 29
     assert_allclose(result["cell_thickness"].values.sum(), 83.0, rtol=tol.ROUNDING)
     lead = tb.load_bearing("shen-lhdr-specimen").lead
@@ -30,7 +30,7 @@ def test_figure_5_2b_has_29_cells_over_83_mm_and_a_core_of_96_mm(result: tb.Resu
 
 
 def test_lead_is_far_hotter_and_faster_than_rubber_and_inside_than_outside(
-    result: tb.Result, measured: Recorder
+    result: tb.cyclic.Result, measured: Recorder
 ) -> None:
     last = result.cycles[result.cycles["cycle"] == 5]
     assert (last["rubber3_degC"] > last["rubber1_degC"]).all()
@@ -49,7 +49,9 @@ def test_lead_is_far_hotter_and_faster_than_rubber_and_inside_than_outside(
     )
 
 
-def test_lead_warms_the_end_plate_where_it_touches(result: tb.Result, measured: Recorder) -> None:
+def test_lead_warms_the_end_plate_where_it_touches(
+    result: tb.cyclic.Result, measured: Recorder
+) -> None:
     """5.4.2.2 reports the profile's peak at 48 mm, the interface of end and sealing plate.
 
     Our one-dimensional plate spreads the heat of the cores over its whole area, so the interface
@@ -71,7 +73,7 @@ def test_lead_warms_the_end_plate_where_it_touches(result: tb.Result, measured: 
 
 
 def test_lhdr_dissipates_about_twice_the_energy_of_hdr(
-    result: tb.Result, measured: Recorder
+    result: tb.cyclic.Result, measured: Recorder
 ) -> None:
     hdr = tb.run("shen-hdr-specimen", ambient=AMBIENTS)
     ratio = (result.energy["work_in_kN_mm"] / hdr.energy["work_in_kN_mm"]).to_numpy()
@@ -98,7 +100,7 @@ def test_bridge_bearing_has_the_stiffness_of_table_6_1(measured: Recorder) -> No
     assert_allclose(stiffness, BRIDGE_K_EQ, rtol=tol.TABLE_6_1_LHDR)
 
 
-def test_colder_is_stiffer_and_the_rate_share_smaller(result: tb.Result) -> None:
+def test_colder_is_stiffer_and_the_rate_share_smaller(result: tb.cyclic.Result) -> None:
     table = result.cycles.set_index(["ambient_degC", "amplitude_strain", "cycle"])["G_eq_MPa"]
     for strain in (1.0, 1.5, 2.0):
         assert table[-20.0, strain, 2] > table[0.0, strain, 2] > table[23.0, strain, 2]

@@ -17,7 +17,7 @@ from tests.unit.inputs import Row, assert_told, by_name, command, last_line, wri
 from thermobearing.bearing.bilinear import load_bilinear
 from thermobearing.core.types import FORCE
 from thermobearing.cyclic.equivalent import backbone
-from thermobearing.design.bounds_study import DEMANDS, bounds_study, paragraph, verdict
+from thermobearing.design.bounds import DEMANDS, bounds_study, paragraph, verdict
 from thermobearing.design.case import bearing_weight, make_design_case
 from thermobearing.design.equal import equal_bearing
 from thermobearing.design.rubber import (

@@ -26,7 +26,7 @@ MODELS: dict[str, dict[str, Any]] = {
 }
 
 
-def variant(name: str) -> tb.Bearing:
+def variant(name: str) -> tb.bearing.Bearing:
     """HDR specimen, LHDR specimen, and the same without confinement of its cores."""
     if name == "HDR":
         return tb.load_bearing("shen-hdr-specimen")
@@ -36,13 +36,13 @@ def variant(name: str) -> tb.Bearing:
     return bearing.model_copy(update={"lead": lead})
 
 
-def loading(bearing: tb.Bearing) -> tb.CyclicTest:
+def loading(bearing: tb.bearing.Bearing) -> tb.cyclic.CyclicTest:
     wave = "triangular" if bearing.lead is None else "sine"
     cycles = {"step": "cycles", "strain": 2.5, "wave": wave, "speed": 30.0, "count": 5}
-    return tb.CyclicTest(dt=0.01, steps=[cycles, {"step": "rest", "duration": 120.0}])
+    return tb.cyclic.CyclicTest(dt=0.01, steps=[cycles, {"step": "rest", "duration": 120.0}])
 
 
-def finite_elements(bearing: tb.Bearing, fineness: float = 1.0, dt: float = 0.1) -> Any:
+def finite_elements(bearing: tb.bearing.Bearing, fineness: float = 1.0, dt: float = 0.1) -> Any:
     """Temperatures above the ambient, from the heat of our conservative run."""
     from tests.reference.fe_heat import FiniteElements, bearing_problem, released
 
@@ -53,7 +53,7 @@ def finite_elements(bearing: tb.Bearing, fineness: float = 1.0, dt: float = 0.1)
     return FiniteElements(problem).march(stages, released(bearing, result))
 
 
-def rises(result: tb.Result, time: float) -> dict[str, float]:
+def rises(result: tb.cyclic.Result, time: float) -> dict[str, float]:
     """Above the ambient, at a time [s], by the names of the finite element history."""
     row = int(np.searchsorted(result.time(0), time - 1e-6))
     layers = result["rubber_temperature"].values[0, row] - AMBIENT
@@ -63,7 +63,7 @@ def rises(result: tb.Result, time: float) -> dict[str, float]:
     return {name: float(value) for name, value in found.items()}
 
 
-def errors(history: Any, result: tb.Result, time: float) -> dict[str, float]:
+def errors(history: Any, result: tb.cyclic.Result, time: float) -> dict[str, float]:
     row = int(np.searchsorted(history.time, time - 1e-6))
     return {name: value - history.means[name][row] for name, value in rises(result, time).items()}
 
@@ -148,7 +148,7 @@ def test_surface_ratio_is_the_closure_that_matters(measured: Recorder) -> None:
         )
 
 
-def superposed_lead(result: tb.Result, heat: tuple[Any, Any], p: float) -> float:
+def superposed_lead(result: tb.cyclic.Result, heat: tuple[Any, Any], p: float) -> float:
     """Rise of the lead after loading when the half-space answers to the flux as it varies.
 
     Duhamel's superposition of F(t+) instead of the flux over F(t+): p T_l less the plate's rise

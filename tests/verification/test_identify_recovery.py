@@ -21,12 +21,12 @@ LHDR = tb.load_bearing("shen-lhdr-specimen")
 AMBIENTS = (-20.0, 0.0, 23.0)
 
 
-def true_value(bearing: tb.Bearing, key: str) -> float:
+def true_value(bearing: tb.bearing.Bearing, key: str) -> float:
     table, name = key.split(".")
     return float(getattr(getattr(bearing, table), name))
 
 
-def assert_recovered(found: Identification, truth: tb.Bearing) -> float:
+def assert_recovered(found: Identification, truth: tb.bearing.Bearing) -> float:
     """Every well determined parameter within three standard errors and 3 %; largest error."""
     assert found.outcome == "completed"
     largest = 0.0
@@ -44,7 +44,7 @@ def assert_recovered(found: Identification, truth: tb.Bearing) -> float:
     ("truth", "seed", "well"), [(HDR, 0, 7), (HDR, 1, 7), (LHDR, 0, 8)], ids=["HDR", "HDR", "LHDR"]
 )
 def test_recovery_from_a_blind_start(
-    truth: tb.Bearing, seed: int, well: int, measured: Recorder
+    truth: tb.bearing.Bearing, seed: int, well: int, measured: Recorder
 ) -> None:
     """Table 3.4 at three temperatures with 2 % of noise, starting from nobody's values."""
     records = [synthetic_record(truth, at, seed=10 * seed + i) for i, at in enumerate(AMBIENTS)]

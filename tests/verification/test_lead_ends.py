@@ -33,7 +33,7 @@ CASES = {  # bearing, strain, cycles, speed [mm/s]
 }
 
 
-def confined(name: str) -> tb.Bearing:
+def confined(name: str) -> tb.bearing.Bearing:
     bearing = tb.load_bearing(name)
     assert bearing.lead is not None
     return bearing.model_copy(update={"lead": bearing.lead.model_copy(update={"confined": True})})
@@ -131,13 +131,15 @@ def test_terms_are_what_separates_core_and_plate() -> None:
 def test_energy_books_close(name: str, unlike: bool, measured: Recorder) -> None:
     """Motion and a long rest, half and whole stack."""
     cycles = {"step": "cycles", "strain": 1.75, "wave": "sine", "speed": 100.0, "count": 3}
-    test = tb.CyclicTest(dt=0.01, steps=[cycles, {"step": "rest", "duration": 3600.0}, cycles])
+    test = tb.cyclic.CyclicTest(
+        dt=0.01, steps=[cycles, {"step": "rest", "duration": 3600.0}, cycles]
+    )
     result = tb.run(
         confined(name),
         test,
         ambient=-20.0,
         lead_ends="finite-plate",
-        lower_face=tb.EndFace(film=20.0) if unlike else None,
+        lower_face=tb.model.EndFace(film=20.0) if unlike else None,
     )
     energy = result.energy
     residual = float(np.abs(energy[["mechanical_residual", "thermal_residual"]]).to_numpy().max())
@@ -154,7 +156,7 @@ def test_against_finite_elements(case: str, measured: Recorder) -> None:
     name, strain, count, speed = CASES[case]
     bearing = confined(name)
     cycles = {"step": "cycles", "strain": strain, "wave": "sine", "speed": speed, "count": count}
-    test = tb.CyclicTest(dt=0.01, steps=[cycles, {"step": "rest", "duration": 120.0}])
+    test = tb.cyclic.CyclicTest(dt=0.01, steps=[cycles, {"step": "rest", "duration": 120.0}])
     keep = ("rubber", "layer_displacement", "cells")
     worst = []
     peak = 0.0

@@ -33,11 +33,13 @@ LAW = Scragging(
 HDR = tb.load_bearing("shen-hdr-specimen")
 
 
-def virgin(**changes: Any) -> tb.Bearing:
+def virgin(**changes: Any) -> tb.bearing.Bearing:
     return HDR.model_copy(update={"scragging": LAW.model_copy(update=changes)})
 
 
-def run(bearing: tb.Bearing, strains: list[float], cycles: int = 3, **options: Any) -> tb.Result:
+def run(
+    bearing: tb.bearing.Bearing, strains: list[float], cycles: int = 3, **options: Any
+) -> tb.cyclic.Result:
     test = tb.cyclic_test(strain=strains, cycles=cycles, rest=None, closing_strain=None, dt=0.01)
     return tb.run(bearing, test, options.pop("ambient", 23.0), **options)
 

@@ -8,18 +8,27 @@ from pydantic import Field, model_validator
 from thermobearing.border.library import Library
 from thermobearing.border.schema import Strict, in_unit, validated
 
-Stiffness = Annotated[float, in_unit("kN/mm"), Field(gt=0)]
+Stiffness = Annotated[float, in_unit("kN/mm"), Field(ge=1e-6, le=1e7)]  # 0.1 to 1000 kN/mm
 
 
 class BilinearBearing(Strict):
-    """Backbone of one bearing (Fig. 6.3): Q_d, K_1, K_2; the rubber thickness makes strains."""
+    """Backbone of one bearing (Fig. 6.3), blind to temperature and rate.
+
+    Attributes
+    ----------
+    name, kind, description, citation : what it is and where its numbers come from; `kind` is
+        "bilinear".
+    total_rubber_thickness : makes strains of displacements [mm], > 0.
+    strength : Q_d, force at zero displacement [kN], > 0.
+    initial_stiffness, post_yield_stiffness : K_1 > K_2 > 0 [kN/mm].
+    """
 
     name: Annotated[str, Field(min_length=1)]
     kind: Literal["bilinear"] = "bilinear"
     description: str = ""
     citation: str = ""
-    total_rubber_thickness: Annotated[float, in_unit("mm"), Field(gt=0)]
-    strength: Annotated[float, in_unit("kN"), Field(gt=0)]  # Q_d
+    total_rubber_thickness: Annotated[float, in_unit("mm"), Field(ge=0.01, le=1e5)]
+    strength: Annotated[float, in_unit("kN"), Field(ge=1e-6, le=1e7)]  # Q_d
     initial_stiffness: Stiffness  # K_1
     post_yield_stiffness: Stiffness  # K_2
 
@@ -34,12 +43,26 @@ BILINEAR = Library("bilinear bearing", "bilinear")
 
 
 def list_bilinear() -> list[str]:
-    """Names of the built-in bilinear bearings."""
+    """Names of the built-in bilinear bearings.
+
+    Examples
+    --------
+    >>> list_bilinear()
+    ['shen-bilinear-bridge']
+    """
     return BILINEAR.names()
 
 
 def load_bilinear(name_or_path: str | Path) -> BilinearBearing:
     """A bilinear bearing of the library, or from a TOML file.
+
+    Parameters
+    ----------
+    name_or_path : a name of `list_bilinear()`, or a path to your own file.
+
+    Raises
+    ------
+    InputError : no such bearing, or faults in the file.
 
     Examples
     --------

@@ -7,19 +7,27 @@ annotations (kN, mm, s, degC; thermal properties as tables print them).
 import math
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, PrivateAttr, model_validator
+from pydantic import Field, PrivateAttr, field_validator, model_validator
 
 from thermobearing.border.schema import Strict, in_unit
 from thermobearing.border.units import CUBIC_MM_PER_CUBIC_M, NEWTON_PER_KILONEWTON
 
-Length = Annotated[float, in_unit("mm"), Field(gt=0)]
+# Every range is that of real bearings with a factor of ten or more on either side: what lies
+# outside is a slip in a unit or an exponent, and the model would make nonsense of it.
+PlanSize = Annotated[float, in_unit("mm"), Field(ge=1, le=1e5)]  # bearings are 50 mm to 2 m
+Thickness = Annotated[float, in_unit("mm"), Field(ge=0.01, le=1e4)]  # sheets of 0.5 to 100 mm
+Stiffness = Annotated[float, in_unit("kN/mm"), Field(ge=1e-4, le=1e6)]  # 0.5 to 4000 kN/mm
+# Stiffness of rubber changes by exp(m_T (T - T_0)/100); identified are -0.3 to -2.2.
+TemperatureCoefficient = Annotated[float, Field(ge=-20, le=20)]
+SOFTEST, HARDEST = 1e-3, 1e4  # modulus K_r t_r / A [MPa]; rubber has 0.2 to 20
+THINNEST_SEALING = 0.01  # [mm]
 
 
 class SquarePlan(Strict):
     """Square bearing."""
 
     shape: Literal["square"]
-    side: Length
+    side: PlanSize
 
     @property
     def area(self) -> float:
@@ -41,8 +49,8 @@ class RectangularPlan(Strict):
     """Rectangular bearing; `length` lies in the direction of motion."""
 
     shape: Literal["rectangular"]
-    length: Length
-    width: Length
+    length: PlanSize
+    width: PlanSize
 
     @property
     def area(self) -> float:
@@ -64,7 +72,7 @@ class CircularPlan(Strict):
     """Circular bearing."""
 
     shape: Literal["circular"]
-    diameter: Length
+    diameter: PlanSize
 
     @property
     def area(self) -> float:
@@ -94,10 +102,17 @@ class Geometry(Strict):
 
     plan: Plan
     rubber_layers: Annotated[int, Field(ge=1, le=200)]
-    rubber_thickness: Length
-    shim_thickness: Length
-    end_plate_thickness: Length
-    sealing_plate_thickness: Annotated[float, in_unit("mm"), Field(ge=0)] = 0.0
+    rubber_thickness: Thickness
+    shim_thickness: Thickness
+    end_plate_thickness: Thickness
+    sealing_plate_thickness: Annotated[float, in_unit("mm"), Field(ge=0, le=1e4)] = 0.0
+
+    @field_validator("sealing_plate_thickness")
+    @classmethod
+    def _none_or_a_plate(cls, thickness: float) -> float:
+        if 0.0 < thickness < THINNEST_SEALING:
+            raise ValueError(f"{thickness:g} mm is none or at least {THINNEST_SEALING:g} mm")
+        return thickness
 
     @property
     def total_rubber_thickness(self) -> float:
@@ -118,9 +133,9 @@ class Geometry(Strict):
 class Material(Strict):
     """Thermal properties of one material, constant with temperature (assumption 3 of 4.2.2)."""
 
-    conductivity: Annotated[float, in_unit("W/(m K)"), Field(gt=0)]
-    specific_heat: Annotated[float, in_unit("J/(kg K)"), Field(gt=0)]
-    density: Annotated[float, in_unit("kg/m^3"), Field(gt=0)]
+    conductivity: Annotated[float, in_unit("W/(m K)"), Field(ge=1e-3, le=1e4)]  # air to diamond
+    specific_heat: Annotated[float, in_unit("J/(kg K)"), Field(ge=10, le=1e5)]  # 130 to 4200
+    density: Annotated[float, in_unit("kg/m^3"), Field(ge=10, le=1e6)]  # 900 to 11 300
 
     @property
     def volumetric_heat(self) -> float:
@@ -134,19 +149,19 @@ class Materials(Strict):
     rubber: Material
     steel: Material
     lead: Material | None = None
-    side_film: Annotated[float, in_unit("W/(m^2 K)"), Field(ge=0)]
+    side_film: Annotated[float, in_unit("W/(m^2 K)"), Field(ge=0, le=1e5)]  # air 5 to 100
 
 
 class RubberHysteresis(Strict):
     """Identified parameters of ONE rubber layer (Eq. 4.34-4.37; symbols of Table 4.2)."""
 
-    post_yield_ratio: Annotated[float, Field(gt=0, le=1)]  # alpha_0; 1 is linear rubber
-    layer_stiffness: Annotated[float, in_unit("kN/mm"), Field(gt=0)]  # K_r
-    shape: Annotated[float, Field(gt=-1)]  # s
-    yield_displacement: Length  # d_y
-    hardening: Annotated[float, Field(ge=0)]  # b
-    elastic_temperature_coefficient: float  # m_T
-    hysteretic_temperature_coefficient: float  # n_T
+    post_yield_ratio: Annotated[float, Field(ge=1e-3, le=1)]  # alpha_0; 1 is linear rubber
+    layer_stiffness: Stiffness  # K_r
+    shape: Annotated[float, Field(ge=-0.999, le=100)]  # s; -1 unloads without end
+    yield_displacement: Annotated[float, in_unit("mm"), Field(ge=1e-4, le=1e3)]  # d_y
+    hardening: Annotated[float, Field(ge=0, le=20)]  # b; identified are 0.02 to 0.5
+    elastic_temperature_coefficient: TemperatureCoefficient  # m_T
+    hysteretic_temperature_coefficient: TemperatureCoefficient  # n_T
     reference_temperature: Annotated[float, in_unit("degC"), Field(ge=-100, le=100)]
 
 
@@ -163,10 +178,10 @@ class Scragging(Strict):
     """
 
     amplitude: Annotated[float, Field(ge=0, le=20)] = 0.0  # b
-    strain: Annotated[float, Field(gt=0, le=5)] = 0.1  # gamma
+    strain: Annotated[float, Field(ge=1e-4, le=5)] = 0.1  # gamma
     mullins_amplitude: Annotated[float, Field(ge=0, le=5)] = 0.0  # a
-    mullins_decay: Annotated[float, Field(gt=0, le=1000)] = 4.0  # c
-    mullins_renewal: Annotated[float, Field(gt=0, le=10)] = 0.05  # l
+    mullins_decay: Annotated[float, Field(ge=1e-3, le=1000)] = 4.0  # c
+    mullins_renewal: Annotated[float, Field(ge=1e-4, le=10)] = 0.05  # l
 
 
 class LeadCores(Strict):
@@ -180,15 +195,15 @@ class LeadCores(Strict):
     """
 
     cores: Annotated[int, Field(ge=1, le=1000)]  # n_l
-    diameter: Length
-    stiffness: Annotated[float, in_unit("kN/mm"), Field(gt=0)]  # K_l
-    yield_stress: Annotated[float, in_unit("MPa"), Field(gt=0)]  # sigma_Y
-    softening: Annotated[float, in_unit("1/K"), Field(ge=0, le=1)] = 0.0
+    diameter: Annotated[float, in_unit("mm"), Field(ge=0.1, le=1e4)]
+    stiffness: Stiffness  # K_l
+    yield_stress: Annotated[float, in_unit("MPa"), Field(ge=0.1, le=1000)]  # sigma_Y; 7 to 20
+    softening: Annotated[float, in_unit("1/K"), Field(ge=0, le=0.1)] = 0.0  # usual is 0.0069
     reference_temperature: Annotated[float, in_unit("degC"), Field(ge=-100, le=100)]  # T_0
-    surface_ratio: Annotated[float, Field(gt=0, le=1)] = 0.5  # p
+    surface_ratio: Annotated[float, Field(ge=1e-3, le=1)] = 0.5  # p
     confined: bool
     clock: Literal["steel", "lead"] = "steel"
-    end_spreading: Annotated[float, Field(gt=0, le=1)] = 1.0
+    end_spreading: Annotated[float, Field(ge=1e-3, le=1)] = 1.0
 
     @property
     def radius(self) -> float:
@@ -209,8 +224,8 @@ class LeadCores(Strict):
 class RateDependence(Strict):
     """A dashpot and a spring in series, beside the rubber (Eq. 5.38-5.39)."""
 
-    stiffness: Annotated[float, in_unit("kN/mm"), Field(gt=0)]  # K_v
-    damping: Annotated[float, in_unit("kN s/mm"), Field(gt=0)]  # c_v
+    stiffness: Stiffness  # K_v
+    damping: Annotated[float, in_unit("kN s/mm"), Field(ge=1e-6, le=1e6)]  # c_v
 
 
 class Cells(Strict):
@@ -256,6 +271,18 @@ class Bearing(Strict):
         if self.lead_area >= self.area:
             raise ValueError(
                 f"the lead cores take {self.lead_area:g} mm2 of a plan of {self.area:g} mm2"
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _is_rubber(self) -> "Bearing":
+        """Stiffness and size apart may each be usual, and together no rubber."""
+        modulus = self.hysteresis.layer_stiffness * self.geometry.rubber_thickness / self.area
+        modulus *= NEWTON_PER_KILONEWTON
+        if not SOFTEST <= modulus <= HARDEST:
+            raise ValueError(
+                f"hysteresis.layer_stiffness, plan and rubber_thickness make a shear modulus "
+                f"K_r t_r / A of {modulus:.3g} MPa: must be {SOFTEST:g} to {HARDEST:g} MPa"
             )
         return self
 

@@ -22,8 +22,8 @@ from thermobearing.border.units import parse_quantity
 
 M = TypeVar("M", bound="Strict")
 
-# A size beyond this is a slip in a unit or an exponent, whatever it means, and so is a number
-# that must be positive and is less than its inverse; between, the formulas do not overflow.
+# Where a field says no limit of its own: a size beyond this is a slip in a unit or an exponent,
+# and so is a number that must be positive and is less than its inverse.
 HUGEST = 1e12
 SOURCED = {"value", "source", "note"}  # keys of an entry {value = ..., source = ...}
 OURS = {"unit", "conflict", "size"}  # types of the faults found here, not by pydantic
@@ -85,10 +85,10 @@ class _Converted:
 
 def _is_absurd(model: type[BaseModel], name: str, value: float) -> bool:
     """Whether a number is so large, or so close to a zero it may not be, that it must be a slip."""
-    positive = any(
-        isinstance(part, Gt) and part.gt == 0 for part in _parts(model.model_fields[name])
-    )
-    return abs(value) > HUGEST or (positive and value < 1.0 / HUGEST)
+    parts = list(_parts(model.model_fields[name]))
+    bounded = any(isinstance(part, Le | Lt) for part in parts)
+    positive = any(isinstance(part, Gt) and part.gt == 0 for part in parts)
+    return (not bounded and abs(value) > HUGEST) or (positive and value < 1.0 / HUGEST)
 
 
 def _plain(model: type[BaseModel], name: str, value: Any) -> Any:

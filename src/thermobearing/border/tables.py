@@ -171,7 +171,7 @@ def read_columns(
     optional: Collection[str] = (),
     layout: Layout | None = None,
 ) -> dict[str, Floats]:
-    """Columns of a CSV file by name, converted to the wanted units.
+    r"""Columns of a CSV file by name, converted to the wanted units.
 
     Parameters
     ----------
@@ -184,6 +184,14 @@ def read_columns(
     ------
     InputError : unreadable or empty file, missing column, wrong unit, a cell that is not a
         finite number (with its line).
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> file = Path(tempfile.mkdtemp()) / "ramp.csv"
+    >>> _ = file.write_text("time_s,displacement_cm\n0,0\n1,2.5\n")
+    >>> read_columns(file, {"time": "s", "displacement": "mm"})["displacement"].tolist()
+    [0.0, 25.0]
     """
     try:
         return _read_columns(Path(path), wanted, optional, layout or Layout())

@@ -91,7 +91,7 @@ def bounds(
     quiet: Quiet = False,
 ) -> int:
     """Is a bounding analysis good enough? Two bilinear bounds against the coupled model."""
-    from thermobearing.design.bounds_study import AIR, BEARINGS
+    from thermobearing.design.bounds import AIR, BEARINGS
     from thermobearing.design.run import run_bounds
     from thermobearing.design.screen import print_bounds
     from thermobearing.results.directory import check_target

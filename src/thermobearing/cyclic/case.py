@@ -36,7 +36,19 @@ class Analysis(ModelOptions):
 
 
 class Case(Strict):
-    """Everything `cyclic` needs. Only one of the three ways to start may be given."""
+    """Everything `cyclic` needs. Only one of the three ways to start may be given.
+
+    Attributes
+    ----------
+    bearing : what is tested.
+    test : what is done to it.
+    ambient : temperatures of the air [degC], in [-100, 100]; each is a run of its own.
+    ambient_series : CSV file with time and temperature of the air, instead of `ambient`.
+    initial : uniform temperature at the start [degC]; the ambient temperature by default.
+    initial_lead : of the lead at the start [degC]; the mean of the cells beside it by default.
+    initial_profile : temperature of each cell at the start, upper face first [degC].
+    analysis : how to compute, and what to keep.
+    """
 
     bearing: Bearing
     test: CyclicTest
@@ -83,7 +95,7 @@ class Case(Strict):
 
 
 def load_case(path: str | Path, **overrides: Any) -> Case:
-    """A case from TOML; `bearing` may be a name, a file beside the case, or a table.
+    r"""A case from TOML; `bearing` may be a name, a file beside the case, or a table.
 
     Parameters
     ----------
@@ -91,9 +103,21 @@ def load_case(path: str | Path, **overrides: Any) -> Case:
     overrides : values that replace those of the file, by key of `Case` or `Analysis`
         (`dt` goes to the test); None leaves the file's value.
 
+    Returns
+    -------
+    Case
+
     Raises
     ------
     InputError : all faults of the file in one message.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> file = Path(tempfile.mkdtemp()) / "case.toml"
+    >>> _ = file.write_text('bearing = "shen-hdr-specimen"\nambient = ["-20 degC"]')
+    >>> load_case(file, ambient=[0.0, 23.0]).ambient
+    [0.0, 23.0]
     """
     path = Path(path)
     table, _ = split_sources(read_toml(path))
@@ -154,8 +178,27 @@ def _settle_start(table: dict[str, Any]) -> list[str]:
 def make_case(table: dict[str, Any], where: str, **overrides: Any) -> Case:
     """A checked case from a table and overrides, with the defaults filled in.
 
-    Plain numbers among the overrides are in degC (`ambient`, `initial`, `initial_profile`)
-    and s (`dt`); the table follows the rules of a file: every number says its unit.
+    Parameters
+    ----------
+    table : keys of `Case`; as in a file, every number says its unit.
+    where : names the file in messages.
+    overrides : values that replace those of the table, by key of `Case` or `Analysis`; plain
+        numbers are in degC (`ambient`, `initial`, `initial_lead`, `initial_profile`) and in s
+        (`dt`, which goes to the test); None leaves the table's.
+
+    Returns
+    -------
+    Case
+
+    Raises
+    ------
+    InputError : all faults in one message.
+
+    Examples
+    --------
+    >>> case = make_case({"ambient": ["-20 degC"]}, "example", dt=0.01)
+    >>> case.bearing.name, case.test.dt
+    ('shen-hdr-specimen', 0.01)
     """
     dt = overrides.pop("dt", None)
     table = overridden(table, overrides, Case, {"analysis": Analysis})

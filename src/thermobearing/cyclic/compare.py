@@ -18,7 +18,17 @@ def comparable_models(case: Case) -> list[Model]:
 def compare_models(case: Case) -> dict[str, Result]:
     """Results of all models by name; the first is the multi-layer one.
 
-    The case must use the conservative scheme and automatic stack, as earlier models do.
+    Parameters
+    ----------
+    case : with the conservative scheme and automatic stack, as earlier models use them.
+
+    Returns
+    -------
+    dict of Result
+
+    Raises
+    ------
+    InputError : scheme or stack are not those.
 
     Examples
     --------

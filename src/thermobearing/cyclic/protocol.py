@@ -19,14 +19,16 @@ from thermobearing.border.schema import Strict, in_unit
 from thermobearing.cyclic.recording import read_recording
 
 Floats = NDArray[np.float64]
-Seconds = Annotated[float, in_unit("s"), Field(gt=0)]
-Strain = Annotated[float, Field(gt=0, le=5)]
-Millimetres = Annotated[float, in_unit("mm"), Field(gt=0)]
+LONGEST = 1e8  # three years [s]
+# What a laboratory or an earthquake does, with a factor of ten or more on either side.
+Seconds = Annotated[float, in_unit("s"), Field(ge=1e-6, le=LONGEST)]
+Strain = Annotated[float, Field(ge=1e-6, le=5)]
+Amplitude = Annotated[float, in_unit("mm"), Field(ge=1e-6, le=1e5)]
+Speed = Annotated[float, in_unit("mm/s"), Field(ge=1e-6, le=1e6)]  # creep in a night to impact
 
 REST_GROWTH = 1.05  # each step of a rest against the one before
 REST_STEPS = 100  # no step of a rest is longer than this part of it
 SETTLE_LIMIT = 14 * 24 * 3600.0  # "until within" gives up after two weeks [s]
-LONGEST_REST = 1e8  # three years [s]
 MAX_STEPS = 50_000_000  # of one test: more is surely a slip in dt or a period
 LARGEST_STRAIN = 5.0  # more is surely a slip in a unit
 FEWEST_STEPS = 2  # in a quarter of a cycle: fewer make no loop
@@ -49,11 +51,11 @@ class Cycles(Strict):
 
     step: Literal["cycles"] = "cycles"
     strain: Strain | None = None
-    amplitude: Millimetres | None = None
+    amplitude: Amplitude | None = None
     wave: Literal["triangular", "sine"] = "triangular"
-    speed: Annotated[float, in_unit("mm/s"), Field(gt=0)] | None = None
+    speed: Speed | None = None
     period: Seconds | None = None
-    frequency: Annotated[float, in_unit("Hz"), Field(gt=0)] | None = None
+    frequency: Annotated[float, in_unit("Hz"), Field(ge=1e-8, le=1e6)] | None = None
     count: Annotated[int, Field(ge=1, le=100_000)] = 5
     closing_strain: Strain | None = None
 
@@ -83,8 +85,8 @@ class Ramp(Strict):
 
     step: Literal["ramp"] = "ramp"
     to_strain: Annotated[float, Field(ge=-5, le=5)] | None = None
-    to: Annotated[float, in_unit("mm")] | None = None
-    speed: Annotated[float, in_unit("mm/s"), Field(gt=0)] | None = None
+    to: Annotated[float, in_unit("mm"), Field(ge=-1e5, le=1e5)] | None = None
+    speed: Speed | None = None
     duration: Seconds | None = None
 
     @classmethod
@@ -106,8 +108,8 @@ class Rest(Strict):
     """No motion, for a time or until every cell is `within` some kelvin of the ambient."""
 
     step: Literal["rest"] = "rest"
-    duration: Annotated[float, in_unit("s"), Field(gt=0, le=LONGEST_REST)] | None = None
-    within: Annotated[float, in_unit("K"), Field(gt=0)] | None = None
+    duration: Seconds | None = None
+    within: Annotated[float, in_unit("K"), Field(ge=1e-6, le=1000)] | None = None
 
     @classmethod
     def conflicts(cls, given: dict[str, Any]) -> list[str]:
@@ -126,10 +128,23 @@ Step = Annotated[Cycles | Ramp | Rest | Recorded, Field(discriminator="step")]
 
 
 class CyclicTest(Strict):
-    """A named list of steps. `dt` is the largest time step while the bearing moves."""
+    """What is done to a bearing, step by step; `cyclic_test` makes the usual ones.
+
+    Attributes
+    ----------
+    name : for titles.
+    dt : largest time step while the bearing moves [s], in (0, 10].
+    steps : of Cycles, Ramp, Rest and Recorded (tables with a key `step`), one after the other.
+
+    Examples
+    --------
+    >>> steps = [{"step": "ramp", "to_strain": 1.0, "speed": 30.0}, {"step": "rest", "within": 1.0}]
+    >>> [step.step for step in CyclicTest(dt=0.01, steps=steps).steps]
+    ['ramp', 'rest']
+    """
 
     name: str = "test"
-    dt: Annotated[float, in_unit("s"), Field(gt=0, le=10)] = 0.005
+    dt: Annotated[float, in_unit("s"), Field(ge=1e-6, le=10)] = 0.005
     steps: Annotated[list[Step], Field(min_length=1)]
 
 
@@ -345,7 +360,7 @@ def cyclic_test(
     speed : mean loading rate [mm/s].
     rest : pause between amplitudes [s], 1.25 h by default (the source says 1 to 1.5 h);
         None for no pause.
-    closing_strain : amplitude of the one small cycle that stops the loading smoothly after
+    closing_strain : strain of the one small cycle that stops the loading smoothly after
         each amplitude (section 3.3.1; its size is not printed, 0.1 is our choice); None for
         none.
     dt : largest time step while the bearing moves [s].

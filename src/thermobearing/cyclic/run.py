@@ -118,7 +118,25 @@ def run(
 def run_case(
     case: Case, *, series: Ambient | None = None, progress: Progress | None = None
 ) -> Result:
-    """Carry out a complete case; never raises for a failed analysis (see `Result.outcome`)."""
+    """Carry out a complete case; never raises for a failed analysis (see `Result.outcome`).
+
+    Parameters
+    ----------
+    case : from `load_case` or `make_case`.
+    series : temperature of the air in time, instead of that of the case.
+    progress : called with (steps done, all steps).
+
+    Returns
+    -------
+    Result
+
+    Examples
+    --------
+    >>> from thermobearing.cyclic.protocol import cyclic_test
+    >>> test = cyclic_test(strain=[0.5], cycles=1)
+    >>> run_case(make_case({}, "example", test=test, ambient=-20)).outcome
+    'completed'
+    """
     model = build_model(case.bearing, case.analysis, backbone=bilinear_parameters)
     segments = build_segments(case.test, case.bearing.total_rubber_thickness)
     if case.ambient_series is not None:

@@ -21,23 +21,35 @@ STIFFNESS_RATIO = 0.19  # alpha of Table 6.3
 class DesignCase(Strict):
     """Everything `design` needs.
 
-    `start` is the first displacement u_B; `tolerance` on found over assumed displacement (the
-    source stops at 10 %); `effective_displacement_factor` is c_B of u_Be = c_B u_B (0.7 is said
-    to be usual for Level 2; unverified); `equal` names layered bearings that are to be scaled to
-    the same K_B.
+    Attributes
+    ----------
+    structure, motions : the bridge, and the earthquakes it is designed for.
+    compound, compound_kind : rubber, and which of its curves: "HDR" or "HDR-S".
+    start : first displacement u_B [mm], in (0, 2000].
+    weight : on one bearing [kN], > 0; by default what the structure says.
+    stiffness_ratio : ratio K_2 / K_1 of the bilinear model, in (0, 1).
+    effective_displacement_factor : factor c_B of u_Be = c_B u_B, in (0, 1] (0.7 is said to be
+        usual for Level 2; unverified).
+    tolerance : on found over assumed displacement, relative, in (0, 0.1] (the source stops at
+        10 %).
+    most_rounds : of the loop, 1 to 200.
+    dt : largest time step [s], in (0, 0.1].
+    mass : "consistent" or "published".
+    sizing : rules of plan and layers.
+    equal : names of layered bearings that are to be scaled to the same K_B.
     """
 
     structure: Structure
     motions: Annotated[list[Motion], Field(min_length=1, max_length=1000)]
     compound: str = "G8"
     compound_kind: Kind = "HDR"
-    start: Annotated[float, in_unit("mm"), Field(gt=0, le=2000)] = 200.0
-    weight: Annotated[float, in_unit("kN"), Field(gt=0)] | None = None
-    stiffness_ratio: Annotated[float, Field(gt=0, lt=1)] = STIFFNESS_RATIO
-    effective_displacement_factor: Annotated[float, Field(gt=0, le=1)] = 1.0
-    tolerance: Annotated[float, Field(gt=0, le=0.1)] = 0.01
+    start: Annotated[float, in_unit("mm"), Field(ge=1, le=2000)] = 200.0
+    weight: Annotated[float, in_unit("kN"), Field(ge=0.1, le=1e6)] | None = None
+    stiffness_ratio: Annotated[float, Field(ge=1e-3, le=0.99)] = STIFFNESS_RATIO
+    effective_displacement_factor: Annotated[float, Field(ge=0.01, le=1)] = 1.0
+    tolerance: Annotated[float, Field(ge=1e-6, le=0.1)] = 0.01
     most_rounds: Annotated[int, Field(ge=1, le=200)] = 40
-    dt: Annotated[float, in_unit("s"), Field(gt=0, le=0.1)] = 0.005
+    dt: Annotated[float, in_unit("s"), Field(ge=1e-6, le=0.1)] = 0.005
     mass: MassModel = "consistent"
     sizing: SizingRules = SizingRules()
     equal: list[str] = ["shen-hdr-bridge", "shen-lhdr-bridge"]  # noqa: RUF012 (pydantic copies it)

@@ -86,7 +86,7 @@ def equal_bearing(
     template : a layered bearing with a square plan: a Bearing, a library name, or a TOML file.
     stiffness : K_B [kN/mm], > 0.
     displacement : design displacement u_B [mm], > 0.
-    design_strain : largest u_B over total rubber thickness, > 0.
+    design_strain : largest strain, u_B over total rubber thickness, > 0.
 
     Returns
     -------

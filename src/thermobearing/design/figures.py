@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
 from thermobearing.cyclic.result import Result
-from thermobearing.design.bounds_study import DEMANDS
+from thermobearing.design.bounds import DEMANDS
 from thermobearing.design.factors import published_tables
 from thermobearing.design.result import BoundsReport, Design, FactorReport
 from thermobearing.results import drawing
@@ -222,7 +222,7 @@ def draw_bounds(table: pd.DataFrame, title: str) -> Figure:
     --------
     >>> import thermobearing as tb
     >>> bearing = tb.load_bearing("shen-hdr-bridge")
-    >>> table = tb.bounds_study(bearing, ["jra-ii-i-1"], [23.0, -20.0])
+    >>> table = tb.design.bounds_study(bearing, ["jra-ii-i-1"], [23.0, -20.0])
     >>> len(draw_bounds(table, "bounds").axes)
     4
     """
@@ -299,7 +299,7 @@ def draw_scale(bearing: Bearing, results: dict[float, Result]) -> Figure:
     --------
     >>> import thermobearing as tb
     >>> bearing = tb.load_bearing("shen-hdr-bridge")
-    >>> _, results = tb.scale_study(bearing, [0.5])
+    >>> _, results = tb.design.scale_study(bearing, [0.5])
     >>> len(draw_scale(bearing, results).axes)
     2
     """

@@ -5,7 +5,7 @@ from pathlib import Path
 import pandas as pd
 
 from thermobearing.border.toml import to_toml
-from thermobearing.design.bound_models import bounds_table, opensees_text
+from thermobearing.design.bilinear import bounds_table, opensees_text
 from thermobearing.design.result import BoundsReport, Design, FactorReport
 from thermobearing.results.directory import (
     BEARINGS,

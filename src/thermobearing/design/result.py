@@ -15,8 +15,8 @@ from thermobearing.bearing.model import Bearing
 from thermobearing.border.library import data_path
 from thermobearing.border.toml import read_toml
 from thermobearing.cyclic.result import Result
-from thermobearing.design.bound_models import BoundModel, bound_models, bounds_table
-from thermobearing.design.bounds_study import paragraph
+from thermobearing.design.bilinear import BoundModel, bound_models, bounds_table
+from thermobearing.design.bounds import paragraph
 from thermobearing.design.case import DesignCase
 from thermobearing.design.equal import EqualBearing, third_cycle
 from thermobearing.design.factors import published_tables

@@ -3,7 +3,7 @@
     assume a displacement -> size -> analyse -> compare with what was found -> again
 
 Read `run_design` from the bottom of the loop upwards: one turn is `_turn`, and `_ended` says
-when to stop. `run_bounds` and `run_factors` gather what their parts (bounds_study.py,
+when to stop. `run_bounds` and `run_factors` gather what their parts (bounds.py,
 factors.py, scale.py) find into one report.
 """
 
@@ -17,7 +17,7 @@ from thermobearing.bearing.library import load_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
 from thermobearing.cyclic.equivalent import DESIGN_STRAIN
-from thermobearing.design.bounds_study import AIR, BEARINGS, bounds_study, first_motions
+from thermobearing.design.bounds import AIR, BEARINGS, bounds_study, first_motions
 from thermobearing.design.case import DesignCase, bearing_weight
 from thermobearing.design.equal import equal_bearing
 from thermobearing.design.factors import (

@@ -3,7 +3,7 @@
 from rich.console import Console
 from rich.table import Table
 
-from thermobearing.design.bound_models import bounds_table
+from thermobearing.design.bilinear import bounds_table
 from thermobearing.design.case import DesignCase, bearing_weight
 from thermobearing.design.result import BoundsReport, Design, FactorReport, Round, source_design
 

@@ -15,7 +15,6 @@ from thermobearing.design.rubber import (
     equivalent_stiffness,
 )
 
-Length = Annotated[float, in_unit("mm"), Field(gt=0)]
 MOST_LAYERS = 60
 
 
@@ -26,11 +25,11 @@ class SizingRules(Strict):
     with the second shape factor and under the stress.
     """
 
-    layer_thickness: Length = 14.0  # Table 6.1
-    design_strain: Annotated[float, Field(gt=0, le=2.5)] = 1.75
-    second_shape_factor: Annotated[float, Field(gt=0)] = 5.0
-    stress: Annotated[float, in_unit("MPa"), Field(gt=0)] = 6.0
-    plan_step: Length = 50.0
+    layer_thickness: Annotated[float, in_unit("mm"), Field(ge=0.5, le=200)] = 14.0  # Table 6.1
+    design_strain: Annotated[float, Field(ge=0.05, le=2.5)] = 1.75
+    second_shape_factor: Annotated[float, Field(ge=0.1, le=100)] = 5.0
+    stress: Annotated[float, in_unit("MPa"), Field(ge=0.05, le=200)] = 6.0
+    plan_step: Annotated[float, in_unit("mm"), Field(ge=1, le=1000)] = 50.0
 
 
 @dataclass(frozen=True)

@@ -49,9 +49,9 @@ class Motion(Strict):
 
     name: Annotated[str, Field(min_length=1)]
     unit: str | None = None
-    dt: Annotated[float, in_unit("s"), Field(gt=0, le=1)] | None = None
+    dt: Annotated[float, in_unit("s"), Field(ge=1e-5, le=1)] | None = None
     component: str | None = None
-    factor: Annotated[float, Field(gt=0, le=100)] = 1.0
+    factor: Annotated[float, Field(ge=1e-6, le=100)] = 1.0
 
     def load(self) -> GroundMotion:
         """The ground motion itself, not yet scaled."""
@@ -67,16 +67,16 @@ class Laboratory(Strict):
     """
 
     mode: Literal["rt", "pd"] = "rt"
-    speed: Annotated[float, in_unit("mm/s"), Field(gt=0)] = PSEUDO_DYNAMIC_SPEED
+    speed: Annotated[float, in_unit("mm/s"), Field(ge=1e-3, le=1e4)] = PSEUDO_DYNAMIC_SPEED
     delay: Annotated[float, in_unit("s"), Field(ge=0, le=1)] = 0.0
-    force_noise: Annotated[float, in_unit("kN"), Field(ge=0)] = 0.0
+    force_noise: Annotated[float, in_unit("kN"), Field(ge=0, le=1e5)] = 0.0
     seed: Annotated[int, Field(ge=0)] = 0
 
 
 class Stepping(Strict):
     """How the structure is led through time."""
 
-    dt: Annotated[float, in_unit("s"), Field(gt=0, le=0.1)] = 0.005
+    dt: Annotated[float, in_unit("s"), Field(ge=1e-6, le=0.1)] = 0.005
     method: Method = "average-acceleration"
     mass: MassModel = "consistent"
 
@@ -91,18 +91,30 @@ Device = Annotated[Bearing | BilinearBearing, Field(discriminator="kind")]
 
 
 class EarthquakeCase(Strict):
-    """Every combination of bearing, motion and ambient temperature is one run."""
+    """Every combination of bearing, motion and ambient temperature is one run.
+
+    Attributes
+    ----------
+    command : "bridge", or "hybrid" with a specimen in the loop.
+    structure : what stands on the bearings.
+    bearings, motions : one or more each; a motion says its file, and its size if that is changed.
+    ambient : temperatures of the air and of the bearings at the start [degC], in [-100, 100].
+    weather : CSV file with time and temperature that ends when the earthquake begins, instead
+        of `ambient`.
+    duration : motions are cut to this [s], > 0; None for their whole length.
+    analysis : how to compute, and what to keep.
+    laboratory : of a specimen in the loop.
+    """
 
     command: Command
     structure: Structure
     bearings: Annotated[list[Device], Field(min_length=1, max_length=100)]
     motions: Annotated[list[Motion], Field(min_length=1, max_length=1000)]
     ambient: Annotated[list[Temperature], Field(min_length=1, max_length=1000)]
-    # CSV with time and temperature that ends when the earthquake begins, instead of `ambient`
     weather: Annotated[str, Field(min_length=1)] | None = None
-    duration: Annotated[float, in_unit("s"), Field(gt=0)] | None = None  # cut motions to this
+    duration: Annotated[float, in_unit("s"), Field(ge=1e-3, le=1e6)] | None = None
     analysis: EarthquakeAnalysis = EarthquakeAnalysis()
-    laboratory: Laboratory | None = None  # for a specimen in the loop
+    laboratory: Laboratory | None = None
 
     @field_validator("ambient")
     @classmethod
@@ -158,9 +170,19 @@ def make_earthquake_case(
     overrides : values that replace those of the table: structure, bearings, motions, ambient,
         weather, duration, laboratory, and every key of `analysis`; None leaves the table's.
 
+    Returns
+    -------
+    EarthquakeCase
+
     Raises
     ------
     InputError : all faults in one message.
+
+    Examples
+    --------
+    >>> case = make_earthquake_case({"command": "bridge"}, "example", ambient=[-20, 23], dt=0.002)
+    >>> case.structure.name, len(case.bearings), case.ambient
+    ('pier-p1', 3, [-20.0, 23.0])
     """
     table = dict(table)
     command = table.setdefault("command", "bridge")
@@ -185,7 +207,29 @@ def make_earthquake_case(
 
 
 def load_earthquake_case(path: str | Path, **overrides: Any) -> EarthquakeCase:
-    """A case from TOML; names of bearings, motions and structures, files beside it, or tables."""
+    r"""A case from TOML; names of bearings, motions and structures, files beside it, or tables.
+
+    Parameters
+    ----------
+    path : the case file.
+    overrides : as of `make_earthquake_case`.
+
+    Returns
+    -------
+    EarthquakeCase
+
+    Raises
+    ------
+    InputError : all faults of the file in one message.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> file = Path(tempfile.mkdtemp()) / "case.toml"
+    >>> _ = file.write_text('motions = ["jra-ii-i-1"]\nduration = "5 s"')
+    >>> load_earthquake_case(file).duration
+    5.0
+    """
     path = Path(path)
     table, _ = split_sources(read_toml(path))
     return make_earthquake_case(table, str(path), path.parent, **overrides)

@@ -1,1 +1,5 @@
 """From a laboratory's tests to a bearing: records, checks, fit, uncertainty, report."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,159 +1,48 @@
-"""What may be identified: numbers of a bearing by dotted key, their symbols, bounds, scales."""
+"""The parameters of one fit: free, fixed or tied, and the unit cube that the search moves in."""
 
-import math
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
-from thermobearing.border.errors import InputError, nearest
+from thermobearing.border.errors import InputError
 from thermobearing.border.schema import validated
+from thermobearing.identify.kinds import (
+    ALPHA,
+    C_V,
+    D_Y,
+    HARDENING,
+    K_L,
+    K_R,
+    K_V,
+    KINDS,
+    M_T,
+    N_T,
+    SHAPE,
+    SIGMA_Y,
+    VIRGIN,
+    Kind,
+    backward,
+    forward,
+    full_key,
+)
 
 Floats = NDArray[np.float64]
-Transform = Literal["linear", "log", "log1p"]
-
-SHAPE, D_Y = "hysteresis.shape", "hysteresis.yield_displacement"
-ALPHA, K_R, HARDENING = (
-    "hysteresis.post_yield_ratio",
-    "hysteresis.layer_stiffness",
-    "hysteresis.hardening",
-)
-M_T = "hysteresis.elastic_temperature_coefficient"
-N_T = "hysteresis.hysteretic_temperature_coefficient"
-K_L, SIGMA_Y, E2 = "lead.stiffness", "lead.yield_stress", "lead.softening"
-K_V, C_V = "rate.stiffness", "rate.damping"
-SCRAGGING = "scragging.amplitude"
-SCRAGGING_STRAIN = "scragging.strain"
-MULLINS = "scragging.mullins_amplitude"
-MULLINS_DECAY = "scragging.mullins_decay"
-MULLINS_RENEWAL = "scragging.mullins_renewal"
-VIRGIN = (SCRAGGING, SCRAGGING_STRAIN, MULLINS, MULLINS_DECAY, MULLINS_RENEWAL)
-
-
-@dataclass(frozen=True)
-class Kind:
-    """One number that may be identified.
-
-    `lower` and `upper` are bounds; with `relative` they multiply the starting value. A wide
-    range is deliberate: a fit that ends at a bound says so. `transform` is the scale on
-    which the search moves: stiffness and the like by their logarithm, s by that of 1 + s,
-    because the steepness of unloading goes with 1/(1 + s).
-    """
-
-    key: str
-    symbol: str
-    unit: str
-    transform: Transform
-    lower: float
-    upper: float
-    relative: bool = False
-
-
-KINDS = (
-    Kind(ALPHA, "alpha_0", "", "log", 0.02, 1.0),
-    Kind(K_R, "K_r", "kN/mm", "log", 0.1, 10.0, relative=True),
-    Kind(SHAPE, "s", "", "log1p", -0.98, 1.0),
-    Kind(D_Y, "d_y", "mm", "log", 0.1, 10.0, relative=True),
-    Kind(HARDENING, "b", "", "linear", 0.0, 2.0),
-    Kind(M_T, "m_T", "", "linear", -6.0, 2.0),
-    Kind(N_T, "n_T", "", "linear", -8.0, 2.0),
-    Kind(K_L, "K_l", "kN/mm", "log", 0.1, 10.0, relative=True),
-    Kind(SIGMA_Y, "sigma_Y", "MPa", "log", 2.0, 40.0),
-    Kind(E2, "E2", "1/K", "linear", 0.0, 0.03),
-    Kind(K_V, "K_v", "kN/mm", "log", 0.05, 20.0, relative=True),
-    Kind(C_V, "c_v", "kN s/mm", "log", 0.05, 20.0, relative=True),
-    Kind(SCRAGGING, "b_s", "", "linear", 0.0, 8.0),
-    Kind(SCRAGGING_STRAIN, "gamma_s", "", "log", 0.02, 3.0),
-    Kind(MULLINS, "a_v", "", "linear", 0.0, 1.5),
-    Kind(MULLINS_DECAY, "c_d", "", "log", 0.5, 100.0),
-    Kind(MULLINS_RENEWAL, "l_r", "", "log", 0.01, 3.0),
-)
-BY_KEY = {kind.key: kind for kind in KINDS}
-ALIASES = {kind.symbol: kind.key for kind in KINDS} | {"Q_l": SIGMA_Y, "alpha_1": ALPHA}
 TIE = re.compile(r"^\s*([^=]+?)\s*=\s*(?:([-+.\deE]+)\s*\*\s*)?([A-Za-z_][\w.]*)\s*$")
-
-
-def full_key(name: str) -> str:
-    """Dotted key of a parameter from its key or symbol.
-
-    Parameters
-    ----------
-    name : "hysteresis.layer_stiffness" or "K_r".
-
-    Returns
-    -------
-    str : the dotted key.
-
-    Raises
-    ------
-    InputError : no parameter has that name; the nearest is named.
-
-    Examples
-    --------
-    >>> full_key("K_r")
-    'hysteresis.layer_stiffness'
-    """
-    key = ALIASES.get(name.strip(), name.strip())
-    if key not in BY_KEY:
-        raise InputError(f'no parameter "{name}"{nearest(name, [*ALIASES, *BY_KEY])}')
-    return key
-
-
-def forward(transform: Transform, value: float) -> float:
-    """Value on the scale of the search.
-
-    Parameters
-    ----------
-    transform : "linear", "log" or "log1p".
-    value : of the parameter, > 0 for "log", > -1 for "log1p".
-
-    Returns
-    -------
-    float
-
-    Examples
-    --------
-    >>> forward("log", 1.0), forward("linear", 2.0)
-    (0.0, 2.0)
-    """
-    if transform == "log":
-        return math.log(value)
-    return math.log1p(value) if transform == "log1p" else value
-
-
-def backward(transform: Transform, scaled: float) -> float:
-    """The value again.
-
-    Parameters
-    ----------
-    transform : "linear", "log" or "log1p".
-    scaled : from `forward`.
-
-    Returns
-    -------
-    float
-
-    Examples
-    --------
-    >>> backward("log1p", forward("log1p", 0.0))
-    0.0
-    """
-    if transform == "log":
-        return math.exp(scaled)
-    return math.expm1(scaled) if transform == "log1p" else scaled
 
 
 @dataclass(frozen=True)
 class Parameter:
     """One number of a bearing in a fit: free between its bounds, fixed, or tied to another.
 
-    `tie` is (key, factor): the value is factor times that of the other parameter.
+    `tie` is (key, factor): the value is factor times that of the other parameter. `bounded` says
+    that the user chose the bounds: another starting value does not move them.
 
     Examples
     --------
@@ -168,6 +57,7 @@ class Parameter:
     upper: float
     free: bool = True
     tie: tuple[str, float] | None = None
+    bounded: bool = False
 
     def at(self, unit: float) -> float:
         """Value at a place in [0, 1] between the bounds.
@@ -279,7 +169,7 @@ class ParameterSet:
         return with_values(self.base, self.values(cube))
 
     def with_start(self, values: dict[str, float]) -> "ParameterSet":
-        """The same with other starting values; relative bounds move along.
+        """The same with other starting values; relative bounds move along, unless they were chosen.
 
         Parameters
         ----------
@@ -293,7 +183,7 @@ class ParameterSet:
         for p in self.parameters:
             value = values.get(p.kind.key, p.value)
             lower, upper = p.lower, p.upper
-            if p.kind.relative and p.free:
+            if p.kind.relative and p.free and not p.bounded:
                 lower, upper = p.kind.lower * value, p.kind.upper * value
             moved.append(replace(p, value=value, lower=lower, upper=upper))
         return replace(self, parameters=tuple(moved))
@@ -460,5 +350,15 @@ def parameter_set(
         lower, upper = given.get(kind.key, (kind.lower * scale, kind.upper * scale))
         if not lower < upper:
             raise InputError(f"{kind.symbol}: bounds {lower:g} to {upper:g} {kind.unit} are empty")
-        made.append(Parameter(kind, value, lower, upper, kind.key in keys, ties.get(kind.key)))
+        made.append(
+            Parameter(
+                kind,
+                value,
+                lower,
+                upper,
+                free=kind.key in keys,
+                tie=ties.get(kind.key),
+                bounded=kind.key in given,
+            )
+        )
     return ParameterSet(bearing, tuple(made))

@@ -113,7 +113,7 @@ def forecast(
     --------
     >>> import thermobearing as tb
     >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
-    >>> record = tb.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
+    >>> record = tb.identify.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
     >>> found = tb.identify_bearing(record, "shen-hdr-specimen", free=["K_r"], starts=1)
     >>> colder, warmer = forecast(found, [-20.0, 23.0]).bands
     >>> colder.peak > warmer.peak
@@ -143,7 +143,7 @@ def laplace_samples(found: Identification, count: int = 200, *, seed: int = 0) -
     --------
     >>> import thermobearing as tb
     >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
-    >>> record = tb.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
+    >>> record = tb.identify.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
     >>> found = tb.identify_bearing(record, "shen-hdr-specimen", free=["K_r"], starts=1)
     >>> laplace_samples(found, 50).cube.shape
     (50, 1)
@@ -234,7 +234,7 @@ def predictive_band(
     --------
     >>> import thermobearing as tb
     >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
-    >>> record = tb.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
+    >>> record = tb.identify.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
     >>> found = tb.identify_bearing(record, "shen-hdr-specimen", free=["K_r"], starts=1)
     >>> band = predictive_band(found, laplace_samples(found), -20.0, count=5)
     >>> band.peak_lower < band.peak_upper

@@ -100,7 +100,7 @@ class TestRecord:
     ambient : temperature of the chamber [degC]; the bearing starts at it.
     temperatures : samples of thermocouples [degC] by title, and
     places : where each of them sits, "rubber 1" (outer layer), ..., "lead".
-    weight : of this record in a fit; `first_cycle_weight` of its first cycles in addition.
+    weight, first_cycle_weight : of this record in a fit; of its first cycles in addition.
     cycle_balance : 0 counts forces as they are, 1 relative to the peak of their own cycle; between
         them, to that power. Small cycles count for nothing else where large ones are in the record.
     assumptions : what the file did not say.

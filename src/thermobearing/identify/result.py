@@ -36,7 +36,7 @@ class Identification:
     pset, cube : parameters, and where the optimum lies in their unit cube.
     records, checks, predictions : tests, what was said of them, the model at their samples.
     uncertainty : standard errors, intervals, correlation, warnings in words.
-    start : values the fit started from.
+    start : values the fit started from, each in the unit of its parameter.
     method, evaluations, seconds : how, and what it took (one evaluation runs all records).
     history : evaluations and best mean squared residual so far, for the convergence figure.
     outcome : "completed", or why not.
@@ -46,7 +46,7 @@ class Identification:
     --------
     >>> import thermobearing as tb
     >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
-    >>> record = tb.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
+    >>> record = tb.identify.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
     >>> found = tb.identify_bearing(record, "shen-hdr-specimen", free=["K_r"], starts=1)
     >>> found.outcome, [fit.R2 > 0.99 for fit in found.fits]
     ('completed', [True])

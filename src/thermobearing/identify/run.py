@@ -124,7 +124,7 @@ def run_identify(case: IdentifyCase) -> Identification:
     >>> import thermobearing as tb
     >>> from thermobearing.identify.case import make_identify_case
     >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
-    >>> record = tb.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
+    >>> record = tb.identify.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
     >>> case = make_identify_case(record, "shen-hdr-specimen", free=["K_r"], starts=1)
     >>> run_identify(case).outcome
     'completed'
@@ -138,10 +138,10 @@ def run_identify(case: IdentifyCase) -> Identification:
     pset = parameter_set(base, case.free, [record.ambient for record in records], case.bounds)
     coarse = [ForwardModel(record, base) for record in records]
     start = loop_start(records, pset, coarse) if case.blind else pset.values(pset.start)
-    given = {p.kind.key for p in pset.parameters if not p.free} | set(case.bounds or {})
+    fixed = {p.kind.key for p in pset.parameters if not p.free}
     problem = Problem(
         records,
-        pset.with_start({key: value for key, value in start.items() if key not in given}),
+        pset.with_start({key: value for key, value in start.items() if key not in fixed}),
         temperatures=case.temperatures,
         loss=case.loss,
         clipped=[check.clipped for check in checks],

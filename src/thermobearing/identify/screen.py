@@ -25,7 +25,8 @@ def print_checks(reports: list[CheckReport]) -> None:
     >>> import numpy as np
     >>> import thermobearing as tb
     >>> t = np.linspace(0.0, 10.0, 500)
-    >>> print_checks([tb.check_test(tb.record_from_arrays(t, 0.0 * t, np.sin(t), 23.0))])
+    >>> record = tb.identify.record_from_arrays(t, 0.0 * t, np.sin(t), 23.0)
+    >>> print_checks([tb.identify.check_test(record)])
     test: refused
       REFUSED  displacement: displacement is constant at 0 mm
     """
@@ -46,7 +47,7 @@ def print_identification(found: Identification) -> None:
     --------
     >>> import thermobearing as tb
     >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
-    >>> record = tb.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
+    >>> record = tb.identify.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
     >>> found = tb.identify_bearing(record, "shen-hdr-specimen", free=["K_r"], starts=1)
     >>> import contextlib, io
     >>> with contextlib.redirect_stdout(io.StringIO()) as shown:

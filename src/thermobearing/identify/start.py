@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.units import NEWTON_PER_KILONEWTON
 from thermobearing.identify.forward import TURN, ForwardModel, turning_points
-from thermobearing.identify.parameters import (
+from thermobearing.identify.kinds import (
     ALPHA,
     C_V,
     D_Y,
@@ -27,9 +27,8 @@ from thermobearing.identify.parameters import (
     N_T,
     SHAPE,
     SIGMA_Y,
-    ParameterSet,
-    with_values,
 )
+from thermobearing.identify.parameters import ParameterSet, with_values
 from thermobearing.identify.record import TestRecord
 
 Floats = NDArray[np.float64]
@@ -116,7 +115,7 @@ def loop_start(
     >>> from thermobearing.identify.parameters import parameter_set
     >>> bearing = tb.load_bearing("shen-hdr-specimen")
     >>> test = tb.cyclic_test(strain=[0.5, 1.5], cycles=1, rest=None)
-    >>> record = tb.synthetic_record(bearing, 23.0, test, noise=0.0)
+    >>> record = tb.identify.synthetic_record(bearing, 23.0, test, noise=0.0)
     >>> pset = parameter_set(bearing, ["K_r"], [23.0])
     >>> start = loop_start([record], pset, [ForwardModel(record, bearing)])
     >>> 10.0 < start[K_R] < 90.0

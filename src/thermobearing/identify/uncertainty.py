@@ -12,22 +12,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from thermobearing.identify import kinds
 from thermobearing.identify.forward import turning_points
-from thermobearing.identify.parameters import (
-    ALPHA,
-    C_V,
-    D_Y,
-    HARDENING,
-    K_L,
-    K_R,
-    K_V,
-    M_T,
-    N_T,
-    SHAPE,
-    SIGMA_Y,
-    VIRGIN,
-    Parameter,
-)
+from thermobearing.identify.parameters import Parameter
 from thermobearing.identify.problem import Problem, robust_weights
 from thermobearing.identify.record import TestRecord
 
@@ -44,16 +31,6 @@ ALIKE = 0.2  # effective over actual samples, below which residuals are not nois
 BLOCK_TURN = 0.05  # of the largest displacement: half cycles larger than this are blocks
 TEMPERATURE_SPAN = 15.0  # K between tests that fix a temperature coefficient
 SPEED_SPAN = 3.0  # ratio of speeds that fixes rate dependence
-
-REMEDIES = (
-    ({M_T, N_T}, "tests at two ambient temperatures at least 20 K apart would fix it"),
-    ({C_V, K_V}, "tests at two loading speeds, a factor of five apart, would fix it"),
-    ({K_L, SIGMA_Y}, "cycles below 25 % strain, or a specimen without lead, would fix it"),
-    ({HARDENING}, "cycles at several amplitudes up to 200 % and more would fix it"),
-    ({D_Y, SHAPE, K_R}, "denser samples after each turn and cycles of small strain would fix it"),
-    (set(VIRGIN), "more cycles at more amplitudes, growing, on a virgin specimen would fix it"),
-    ({ALPHA}, "cycles at two or more amplitudes would fix it"),
-)
 
 
 @dataclass(frozen=True)
@@ -193,12 +170,12 @@ def estimate(problem: Problem, cube: Floats) -> Uncertainty:
     Examples
     --------
     >>> import thermobearing as tb
-    >>> from thermobearing.identify.parameters import K_R, parameter_set
+    >>> from thermobearing.identify.parameters import parameter_set
     >>> bearing = tb.load_bearing("shen-hdr-specimen")
     >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
-    >>> record = tb.synthetic_record(bearing, 23.0, test)
+    >>> record = tb.identify.synthetic_record(bearing, 23.0, test)
     >>> pset = parameter_set(bearing, ["K_r"], [23.0])
-    >>> estimate(Problem([record], pset), pset.start).estimates[K_R].relative_error < 0.05
+    >>> estimate(Problem([record], pset), pset.start).estimates[kinds.K_R].relative_error < 0.05
     True
     """
     from scipy.stats import t as student
@@ -228,7 +205,7 @@ def estimate(problem: Problem, cube: Floats) -> Uncertainty:
 
 
 def _remedy(keys: set[str]) -> str:
-    for known, words in REMEDIES:
+    for known, words in kinds.REMEDIES:
         if keys & known:
             return words
     return "other tests would be needed"
@@ -272,20 +249,20 @@ def _test_warnings(problem: Problem) -> list[str]:
     said = []
     free = {p.kind.key for p in problem.pset.free}
     ambients = [record.ambient for record in problem.records]
-    if free & {M_T, N_T} and max(ambients) - min(ambients) < TEMPERATURE_SPAN:
+    if free & {kinds.M_T, kinds.N_T} and max(ambients) - min(ambients) < TEMPERATURE_SPAN:
         span = f"{min(ambients):g}"
         if max(ambients) > min(ambients):
             span += f" to {max(ambients):g}"
         said.append(
             f"m_T and n_T were fitted to tests at {span} degC only, mostly from self-heating: "
-            f"{_remedy({M_T})}"
+            f"{_remedy({kinds.M_T})}"
         )
-    if free & {C_V, K_V}:
+    if free & {kinds.C_V, kinds.K_V}:
         speeds = [s for record in problem.records for s in _speeds(record)]
         if max(speeds) < SPEED_SPAN * min(speeds):
             said.append(
                 f"c_v and K_v were fitted to mean speeds of {min(speeds):.3g} to "
-                f"{max(speeds):.3g} mm/s only: {_remedy({C_V})}"
+                f"{max(speeds):.3g} mm/s only: {_remedy({kinds.C_V})}"
             )
     return said
 

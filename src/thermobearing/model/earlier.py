@@ -48,11 +48,17 @@ STIFFNESS_RATIO = 6.5  # K1/K2 of the bilinear model, usual in Japanese design o
 
 @dataclass(frozen=True)
 class BilinearParameters:
-    """Backbone of the whole bearing."""
+    """Backbone of the whole bearing.
 
-    strength: float  # Q_d [kN]
-    post_yield: float  # K_2 [kN/mm]
-    initial: float  # K_1 [kN/mm]
+    Attributes
+    ----------
+    strength : Q_d, force at zero displacement [kN].
+    post_yield, initial : stiffness K_2 and K_1 [kN/mm].
+    """
+
+    strength: float
+    post_yield: float
+    initial: float
 
 
 def adiabatic(constants: Constants) -> Constants:
@@ -145,7 +151,22 @@ def bilinear(constants: Constants, parameters: BilinearParameters) -> Constants:
 
 
 def bilinear_constants(parameters: BilinearParameters) -> Constants:
-    """A bilinear bearing that is nothing else: one layer, one cell that never warms."""
+    """A bilinear bearing that is nothing else: one layer, one cell that never warms.
+
+    Parameters
+    ----------
+    parameters : its backbone.
+
+    Returns
+    -------
+    Constants : of the coupled step.
+
+    Examples
+    --------
+    >>> constants = bilinear_constants(BilinearParameters(5.0, 1.0, initial=9.0))
+    >>> constants.lead.cores
+    1.0
+    """
     cells = np.zeros((BESIDE_LEAD + 1, 1))
     cells[[CAPACITY, BESIDE_LEAD]] = UNCHANGING
     return Constants(

@@ -39,10 +39,17 @@ DEFAULT_AMBIENT = 23.0  # [degC]
 
 @dataclass(frozen=True)
 class Trial:
-    """Answer to one proposed displacement."""
+    """Answer to one proposed displacement.
 
-    force: float  # [kN]
-    tangent: float  # [kN/mm]
+    Attributes
+    ----------
+    force : restoring force [kN], positive with positive displacement.
+    tangent : its slope [kN/mm].
+    outcome : "completed", or what ended the step early.
+    """
+
+    force: float
+    tangent: float
     outcome: str
 
 

@@ -28,10 +28,21 @@ DEFAULT_ETA = 2.0  # the source uses a "middle" value between 1 and 3 (Eq. 4.15)
 
 
 class EndFace(Strict):
-    """One end face: `eta` in [1, 3] (Eq. 4.15; 1 adiabatic, 3 at ambient) or a film coefficient."""
+    """How one end face passes heat: by `eta` or by a film coefficient.
+
+    Attributes
+    ----------
+    eta : factor of Eq. 4.15, in [1, 3]: 1 is adiabatic, 3 holds the face at ambient.
+    film : film coefficient [W/(m^2 K)], >= 0.
+
+    Examples
+    --------
+    >>> EndFace(eta=1.0).film is None
+    True
+    """
 
     eta: Annotated[float, Field(ge=1, le=3)] | None = None
-    film: Annotated[float, in_unit("W/(m^2 K)"), Field(ge=0)] | None = None
+    film: Annotated[float, in_unit("W/(m^2 K)"), Field(ge=0, le=1e5)] | None = None
 
     @classmethod
     def conflicts(cls, given: dict[str, Any]) -> list[str]:
@@ -48,8 +59,17 @@ class EndFace(Strict):
 class ModelOptions(Strict):
     """How to model a bearing.
 
-    `heat_source` None is that of the bearing, see `default_heat_source`. `stack` "auto" models
-    the upper half when both faces are alike, else the whole height.
+    Attributes
+    ----------
+    model : "multi-layer" (default), or an earlier model to compare with (model/earlier.py).
+    scheme : "conservative" (default) or "published" heat scheme.
+    integrator : "exact" (default) or "euler" integration of Z.
+    heat_source : "work" (Eq. 4.22) or "dissipation"; None for that of the bearing, see
+        `default_heat_source`.
+    lead_ends : "half-space" (default, Eq. 5.5) or "finite-plate", for confined lead cores.
+    stack : "auto" (default) models the upper half when both faces are alike, else the whole
+        height; "half" or "full".
+    upper_face, lower_face : heat exchange of the end faces; eta_B = 2 by default.
     """
 
     model: ModelName = "multi-layer"

@@ -107,6 +107,14 @@ def bracketed_duration(motion: GroundMotion, threshold: float = BRACKET) -> floa
 def measure_motion(motion: GroundMotion) -> MotionMeasures:
     """All measures of a ground motion.
 
+    Parameters
+    ----------
+    motion : the ground motion.
+
+    Raises
+    ------
+    InputError : it is zero throughout.
+
     Examples
     --------
     >>> from thermobearing.motions.library import load_motion

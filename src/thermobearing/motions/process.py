@@ -183,7 +183,13 @@ def scaled(
 
 
 def trimmed(motion: GroundMotion, start: float = 0.0, end: float | None = None) -> GroundMotion:
-    """The samples from `start` to `end` [s], both kept; the first is at time zero again.
+    """The samples from `start` to `end`, both kept; the first is at time zero again.
+
+    Parameters
+    ----------
+    motion : the ground motion.
+    start, end : times of the first and the last sample [s], 0 <= start < end; the end of the
+        motion by default.
 
     Raises
     ------
@@ -210,7 +216,12 @@ def trimmed(motion: GroundMotion, start: float = 0.0, end: float | None = None) 
 
 
 def padded(motion: GroundMotion, before: float = 0.0, after: float = 0.0) -> GroundMotion:
-    """The motion with the ground at rest for some time before and after it [s].
+    """The motion with the ground at rest for some time before and after it.
+
+    Parameters
+    ----------
+    motion : the ground motion.
+    before, after : times of rest [s], >= 0.
 
     Raises
     ------

@@ -53,7 +53,7 @@ class MotionResult:
     measures : how strong it is and how long it lasts.
     damping : of `spectrum`, a ratio of critical damping.
     reference : the standard spectrum to compare with; None if there is none.
-    misfit : root mean square of spectrum / reference - 1 over 0.1 to 3 s, 5 % damping.
+    misfit : relative: root mean square of spectrum / reference - 1 over 0.1 to 3 s, 5 % damping.
     outcome : "completed", or "poor_fit" for a motion that was made and does not fit.
     """
 

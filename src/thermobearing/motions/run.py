@@ -66,7 +66,7 @@ class MotionCase:
 
     Attributes
     ----------
-    kind, ground, zone_factor : of the standard spectrum that it shall fit.
+    kind, ground, zone_factor : type, ground and c_z of the standard spectrum that it shall fit.
     seed : of random phases, unless there is a record.
     record : the motion whose phases are kept; None for random ones.
     dt : time step [s]; None for that of the record, or 0.01 s.

@@ -154,7 +154,7 @@ def match_spectrum(
     Parameters
     ----------
     record : the recorded motion; at least 5 s long, time step at most 0.02 s.
-    kind, ground, zone_factor : see `standard_spectrum`.
+    kind, ground, zone_factor : as of `standard_spectrum`.
 
     Returns
     -------

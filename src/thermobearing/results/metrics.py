@@ -123,6 +123,14 @@ def measure_cycle(
     Raises
     ------
     InputError : fewer than 8 points (5 if the work is given), or no displacement.
+
+    Examples
+    --------
+    >>> angle = np.linspace(0.0, 2.0 * np.pi, 401)
+    >>> d, f = 10.0 * np.sin(angle), 5.0 * np.sin(angle) + 2.0 * np.cos(angle)
+    >>> loop = measure_cycle(d, f, area=1e4, total_rubber_thickness=20.0)
+    >>> round(loop.energy_kN_mm, 1), round(loop.characteristic_strength_kN, 3)
+    (62.8, 2.0)
     """
     d, f = _histories(displacement, force)
     if not area > 0.0 or not total_rubber_thickness > 0.0:
@@ -196,9 +204,22 @@ def measure_history(
 ) -> list[CycleMeasures]:
     """Measures of every full cycle found in a history, simulated or from a laboratory.
 
+    Parameters
+    ----------
+    displacement, force : histories [mm, kN].
+    area : gross plan area [mm2].
+    total_rubber_thickness : [mm].
+
     Raises
     ------
     InputError : lists of different length or not of numbers, or no full cycle in them.
+
+    Examples
+    --------
+    >>> angle = np.linspace(0.0, 6.0 * np.pi, 1201)
+    >>> d, f = 10.0 * np.sin(angle), 5.0 * np.sin(angle) + 2.0 * np.cos(angle)
+    >>> len(measure_history(d, f, area=1e4, total_rubber_thickness=20.0))
+    3
     """
     d, f = _histories(displacement, force)
     cycles = find_cycles(d)

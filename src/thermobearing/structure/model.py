@@ -18,7 +18,10 @@ from thermobearing.border.schema import Strict, in_unit, validated
 GROUND = "ground"
 MassModel = Literal["consistent", "published"]
 Name = Annotated[str, Field(min_length=1, max_length=60)]
-Height = Annotated[float, in_unit("mm")]
+# Ranges of real structures with a factor of ten or more on either side.
+Height = Annotated[float, in_unit("mm"), Field(ge=-1e6, le=1e6)]
+Stiffness = Annotated[float, in_unit("kN/mm"), Field(ge=1e-6, le=1e9)]
+RotationalStiffness = Annotated[float, in_unit("kN mm/rad"), Field(ge=1e-3, le=1e15)]
 Ratio = Annotated[float, Field(ge=0, lt=1)]
 
 
@@ -37,8 +40,8 @@ class Mass(Strict):
 
     body: Name
     height: Height
-    mass: Annotated[float, in_unit("kN s^2/mm"), Field(gt=0)]
-    rotary_inertia: Annotated[float, in_unit("kN mm s^2"), Field(ge=0)] = 0.0
+    mass: Annotated[float, in_unit("kN s^2/mm"), Field(ge=1e-6, le=1e5)]  # 1 kg to 1e8 t
+    rotary_inertia: Annotated[float, in_unit("kN mm s^2"), Field(ge=0, le=1e15)] = 0.0
 
 
 class Spring(Strict):
@@ -48,8 +51,8 @@ class Spring(Strict):
     body: Name
     base: Name = GROUND
     height: Height = 0.0
-    stiffness: Annotated[float, in_unit("kN/mm"), Field(gt=0)] | None = None
-    rotational_stiffness: Annotated[float, in_unit("kN mm/rad"), Field(gt=0)] | None = None
+    stiffness: Stiffness | None = None
+    rotational_stiffness: RotationalStiffness | None = None
     damping_ratio: Ratio = 0.0
 
     @classmethod
@@ -66,8 +69,8 @@ class Hinge(Strict):
     name: Name
     body: Name
     base: Name = GROUND
-    yield_moment: Annotated[float, in_unit("kN mm"), Field(gt=0)]
-    yield_rotation: Annotated[float, in_unit("rad"), Field(gt=0, lt=1)]
+    yield_moment: Annotated[float, in_unit("kN mm"), Field(ge=1e-3, le=1e12)]
+    yield_rotation: Annotated[float, in_unit("rad"), Field(ge=1e-6, lt=1)]
     hardening_ratio: Annotated[float, Field(ge=0, lt=1)] = 0.0
     unloading_exponent: Annotated[float, Field(ge=0, le=1)] = 0.5
     damping_ratio: Ratio = 0.0
@@ -90,9 +93,9 @@ class BearingLine(Strict):
     base: Name = GROUND
     height: Height = 0.0
     count: Annotated[int, Field(ge=1, le=10_000)]
-    equivalent_stiffness: Annotated[float, in_unit("kN/mm"), Field(gt=0)]
+    equivalent_stiffness: Stiffness
     damping_ratio: Ratio = 0.0
-    scale: Annotated[float, Field(gt=0, le=1)] = 1.0
+    scale: Annotated[float, Field(ge=1e-3, le=1)] = 1.0
 
 
 class Damping(Strict):
@@ -117,7 +120,17 @@ class Reported(Strict):
 
 
 class Structure(Strict):
-    """A whole structure; see docs/files.md."""
+    """A whole structure; see docs/files.md.
+
+    Attributes
+    ----------
+    name, description, citation : what it is and where its numbers come from.
+    bodies : rigid bodies, each after the one that carries it.
+    masses : on bodies.
+    springs, hinges, bearings : connections of two bodies, or of a body and the ground.
+    damping : Rayleigh damping of two modes.
+    report : which body is the deck, which the pier, and where its ends are.
+    """
 
     name: Name
     description: str = ""
@@ -181,6 +194,10 @@ def list_structures() -> list[str]:
 
 def load_structure(name_or_path: str | Path) -> Structure:
     """A structure of the library by name, or one of your own from a TOML file.
+
+    Parameters
+    ----------
+    name_or_path : a name of `list_structures()`, or a path to your own file.
 
     Raises
     ------

@@ -1,0 +1,12 @@
+# What this room offers: read by type checkers, and by lazy_loader when it is first used.
+from .case import IdentifyCase as IdentifyCase
+from .case import make_identify_case as make_identify_case
+from .checks import CheckReport as CheckReport
+from .checks import check_test as check_test
+from .record import TestRecord as TestRecord
+from .record import load_test as load_test
+from .record import record_from_arrays as record_from_arrays
+from .result import Identification as Identification
+from .run import identify_bearing as identify_bearing
+from .run import run_identify as run_identify
+from .synthetic import synthetic_record as synthetic_record

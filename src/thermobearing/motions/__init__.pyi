@@ -1,0 +1,23 @@
+# What this room offers: read by type checkers, and by lazy_loader when it is first used.
+from .jra import standard_spectrum as standard_spectrum
+from .library import list_motions as list_motions
+from .library import load_motion as load_motion
+from .measures import MotionMeasures as MotionMeasures
+from .measures import measure_motion as measure_motion
+from .measures import significant_duration as significant_duration
+from .process import baseline_corrected as baseline_corrected
+from .process import padded as padded
+from .process import resampled as resampled
+from .process import scaled as scaled
+from .process import trimmed as trimmed
+from .readers import read_motion as read_motion
+from .record import GroundMotion as GroundMotion
+from .result import MotionResult as MotionResult
+from .run import MotionCase as MotionCase
+from .run import examine_motion as examine_motion
+from .run import make_motion_case as make_motion_case
+from .run import run_motion as run_motion
+from .spectrum import ResponseSpectrum as ResponseSpectrum
+from .spectrum import response_spectrum as response_spectrum
+from .synthesis import make_motion as make_motion
+from .synthesis import match_spectrum as match_spectrum

@@ -1,0 +1,4 @@
+# What this room offers: read by type checkers, and by lazy_loader when it is first used.
+from .model import Structure as Structure
+from .model import list_structures as list_structures
+from .model import load_structure as load_structure

@@ -1,0 +1,22 @@
+"""Print the lowest versions that pyproject.toml declares, as constraints for pip."""
+
+import re
+import tomllib
+from pathlib import Path
+
+LOWEST = re.compile(r"^([A-Za-z0-9_.-]+)\s*>=\s*([0-9.]+)")
+
+
+def lowest_versions() -> list[str]:
+    """Such as "numpy==2.0.*", of every dependency of the program and of the tests."""
+    project = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text())["project"]
+    found = [LOWEST.match(text) for text in _declared(project)]
+    return [f"{match[1]}=={match[2]}.*" for match in found if match]
+
+
+def _declared(project: dict[str, dict[str, list[str]]]) -> list[str]:
+    return [*project["dependencies"], *project["optional-dependencies"]["test"]]
+
+
+if __name__ == "__main__":
+    print("\n".join(lowest_versions()))
