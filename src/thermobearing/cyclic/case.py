@@ -12,15 +12,25 @@ from pydantic import Field, field_validator
 from thermobearing.bearing.ambient import Ambient
 from thermobearing.bearing.library import load_bearing
 from thermobearing.bearing.model import Bearing
+from thermobearing.bearing.schema import Strict, in_unit, read_toml, validated
 from thermobearing.border.errors import InputError
 from thermobearing.border.overrides import overridden, said_with_unit, updated
 from thermobearing.border.schema import Strict, in_unit, validated
 from thermobearing.border.toml import read_toml, split_sources, to_table, to_toml
 from thermobearing.border.units import with_unit
-from thermobearing.cyclic.protocol import CyclicTest, cyclic_test, find_faults
+from thermobearing.core.types import BOOKS
+from thermobearing.cyclic.protocol import CyclicTest, cyclic_test
+from thermobearing.drive.ambient import Ambient
+from thermobearing.drive.baselines import needs_full_stack
+from thermobearing.drive.protocol import CyclicTest, cyclic_test, survey
+from thermobearing.errors import InputError
 from thermobearing.model.earlier import needs_full_stack
+from thermobearing.model.effort import too_much
 from thermobearing.model.options import ModelOptions
 from thermobearing.model.stack import build_stack
+from thermobearing.model_options import ModelOptions
+from thermobearing.stack import build_stack
+from thermobearing.units import with_unit
 
 Group = Literal["rubber", "layer_displacement", "hysteretic", "cells"]
 Temperature = Annotated[float, in_unit("degC"), Field(ge=-100, le=100)]
@@ -52,7 +62,7 @@ class Case(Strict):
 
     bearing: Bearing
     test: CyclicTest
-    ambient: Annotated[list[Temperature], Field(min_length=1)]
+    ambient: Annotated[list[Temperature], Field(min_length=1, max_length=1000)]
     # CSV with time and temperature, instead of `ambient`
     ambient_series: Annotated[str, Field(min_length=1)] | None = None
     initial: Temperature | None = None  # uniform; None: the ambient temperature
@@ -74,7 +84,7 @@ class Case(Strict):
 
     def faults(self) -> list[str]:
         """What the parts do to each other: a test that cannot be done with this bearing, ..."""
-        found = find_faults(self.test, self.bearing.total_rubber_thickness)
+        found, steps = survey(self.test, self.bearing.total_rubber_thickness)
         found = [f"test.{fault}" for fault in found]
         if self.ambient_series is not None:
             try:
@@ -91,6 +101,10 @@ class Case(Strict):
                 f"initial_profile: has {len(self.initial_profile)} temperatures, "
                 f"but the stack has {cells} cells"
             )
+        if not found:  # of a test that cannot be done the steps say nothing
+            steps *= len(self.ambient)
+            row = BOOKS + cells * len(self.analysis.keep)
+            found += too_much(steps, cells, steps / self.analysis.keep_every * row)
         return found
 
 
