@@ -12,25 +12,17 @@ from pydantic import Field, field_validator
 from thermobearing.bearing.ambient import Ambient
 from thermobearing.bearing.library import load_bearing
 from thermobearing.bearing.model import Bearing
-from thermobearing.bearing.schema import Strict, in_unit, read_toml, validated
 from thermobearing.border.errors import InputError
 from thermobearing.border.overrides import overridden, said_with_unit, updated
 from thermobearing.border.schema import Strict, in_unit, validated
 from thermobearing.border.toml import read_toml, split_sources, to_table, to_toml
 from thermobearing.border.units import with_unit
 from thermobearing.core.types import BOOKS
-from thermobearing.cyclic.protocol import CyclicTest, cyclic_test
-from thermobearing.drive.ambient import Ambient
-from thermobearing.drive.baselines import needs_full_stack
-from thermobearing.drive.protocol import CyclicTest, cyclic_test, survey
-from thermobearing.errors import InputError
+from thermobearing.cyclic.protocol import CyclicTest, cyclic_test, survey
 from thermobearing.model.earlier import needs_full_stack
 from thermobearing.model.effort import too_much
 from thermobearing.model.options import ModelOptions
 from thermobearing.model.stack import build_stack
-from thermobearing.model_options import ModelOptions
-from thermobearing.stack import build_stack
-from thermobearing.units import with_unit
 
 Group = Literal["rubber", "layer_displacement", "hysteretic", "cells"]
 Temperature = Annotated[float, in_unit("degC"), Field(ge=-100, le=100)]

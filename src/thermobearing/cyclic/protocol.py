@@ -14,12 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from thermobearing.bearing.schema import Strict, in_unit, validated
 from thermobearing.border.errors import InputError
-from thermobearing.border.schema import Strict, in_unit
+from thermobearing.border.schema import Strict, in_unit, validated
 from thermobearing.cyclic.recording import read_recording
-from thermobearing.drive.recording import read_recording
-from thermobearing.errors import InputError
 from thermobearing.model.effort import MAX_STEPS
 
 Floats = NDArray[np.float64]
