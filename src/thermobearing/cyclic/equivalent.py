@@ -10,7 +10,8 @@ from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
 from thermobearing.cyclic.history import run_segments
-from thermobearing.cyclic.protocol import build_segments, cyclic_test
+from thermobearing.cyclic.protocol import cyclic_test
+from thermobearing.cyclic.segments import build_segments
 from thermobearing.model.earlier import (
     STIFFNESS_RATIO,
     BilinearParameters,
