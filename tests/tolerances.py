@@ -183,6 +183,8 @@ STOPBAND = 2e-3  # of a sine well above the new limit; 1e-3 measured
 STAND_IN = 0.9  # correlation with given motions of the same phases; 0.91 to 0.97 measured
 PHASES = 0.05  # radians, weighted by amplitude: the tapered ends turn them; 0.011 measured
 
+OTHER_NOISE = 0.1  # correlation of two histories of 5000 samples under one envelope
+
 # --- Scragging ----------------------------------------------------------------------------
 VIRGIN_SHARE = 0.015  # layers warm and so share the travel a little unevenly
 VIRGIN_TANGENT = 2e-4  # central differences of 1e-6 mm, relative and kN/mm
@@ -196,8 +198,20 @@ LEAST_RESIDUAL = 1e-6  # 5e-8 measured: rounding of temperatures over a least wa
 # --- One model in every analysis ------------------------------------------------------------
 NOISE_FREE_STRENGTH = 1e-4  # 2e-5 with coarse steps of the fit; 1.3e-3 with another heat source
 
+# --- Single numbers ------------------------------------------------------------------------
+SIMILAR = 1e-8  # the same cycle at another size: rounding, and steps of another length
+SOFTENED_TANGENT = 1e-4  # 1e-5 measured, where the tangent is 0.3 kN/mm: rounding of the forces
+LOSS_SLOPE = 1e-6  # central difference of a smooth function, steps of 1e-5
+
 # --- Golden files --------------------------------------------------------------------------
 # Against code compiled without fused multiply-add and wide vectors: 2e-11, after a search 7e-10.
 GOLDEN = 1e-9  # relative, and one unit of the last printed digit
 GOLDEN_FITTED = 1e-6  # relative, of what a search found: it stops at 1e-7
 GOLDEN_FLOOR = 1e-9  # in kN, mm, s, K, MPa and their products: residuals and zeros are roundings
+
+# --- Files --------------------------------------------------------------------------------
+SEVEN_DIGITS = 5.1e-7  # relative: half a unit of the last digit of 1.000000
+NINE_DIGITS = 5.1e-9  # the same of 1.00000000
+PALETTE_MEAN = 0.5  # of 255 steps of brightness: 0.05 to 0.25 measured
+PALETTE_FAR = 24.0  # of 255 steps: as much as an eye finds at the edge of a line
+PALETTE_SHARE = 2e-3  # of the points are farther off

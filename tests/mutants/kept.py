@@ -67,7 +67,10 @@ def entries() -> list[dict[str, Any]]:
 
 def changed(file: str, old: str, new: str) -> str:
     """The file with the change; ValueError unless it can be made in exactly one place."""
-    text = original(file)
+    try:
+        text = original(file)
+    except FileNotFoundError:
+        raise ValueError(f"{file}: no such file") from None
     count = text.count(old)
     if count != 1:
         raise ValueError(f"{file}: {old!r} is there {count} times")

@@ -85,6 +85,7 @@ BAD: list[tuple[str, str, dict[str, Any], list[str]]] = [
     ("k-net no frequency", files.knet_text(frequency="often"), {}, ["Sampling Freq"]),
     ("k-net no scale", files.knet_text(scale="1"), {}, ["Scale Factor", "3920(gal)/6170801"]),
     ("k-net wrong scale", files.knet_text(scale="2000(gal)/9810"), {}, ["Max. Acc. 300"]),
+    ("k-net, 2 % off", files.knet_text(largest=306.0), {}, ["Max. Acc. 306", "come to 300"]),
     ("k-net cut off", files.knet_text(duration="300"), {}, ["30000 samples", "holds 400", "a gap"]),
     ("k-net word", KNET + " lost\n", {}, ['"lost" is not a number']),
     ("k-net component", KNET, {"component": "EW"}, ["component NS", '"EW" is not there']),

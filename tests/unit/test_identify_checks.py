@@ -135,3 +135,42 @@ def test_broken_thermocouple(good: TestRecord) -> None:
     broken = np.full(len(good.time), 850.0)
     record = replace(good, temperatures={"T": broken}, places={"T": "rubber 1"})
     assert "broken" in said(check_test(record, BEARING), "warning")
+
+
+def test_force_clipped_below(good: TestRecord) -> None:
+    limit = 0.7 * good.force.min()
+    report = check_test(replace(good, force=np.maximum(good.force, limit)), BEARING)
+    assert "clipped" in said(report, "warning")
+    assert (good.force[report.clipped] <= limit).all()
+    assert report.clipped.sum() > 10
+
+
+def test_offset_is_the_middle_of_the_middles(good: TestRecord) -> None:
+    """One cycle of six that sits 30 % too high is no offset of the record."""
+    force = good.force.copy()
+    cycle = check_test(good, BEARING).cycles[1]
+    force[cycle.first : cycle.last] += 0.3 * good.peak_force
+    told = said(check_test(replace(good, force=force), BEARING), "warning")
+    assert "middle of the force loops is at" not in told
+
+
+def test_the_gravest_finding_is_the_outcome() -> None:
+    report = CheckReport(synthetic_record(BEARING, 23.0, tb.cyclic_test(strain=[1.0])), [])
+    for tell, outcome in (
+        (report.note, "good"), (report.warn, "warning"), (report.refuse, "refused"),
+    ):  # fmt: skip
+        tell("x", "x")
+        assert report.outcome == outcome
+    report.warn("x", "x")
+    assert report.outcome == "refused"
+
+
+@pytest.mark.parametrize("memory", [0.0, 0.8])
+def test_noise_of_a_synthetic_record(memory: float) -> None:
+    """Its standard deviation is what was asked for, of the peak, however it is correlated."""
+    test = tb.cyclic_test(strain=[1.0], cycles=5, rest=None)
+    clean = synthetic_record(BEARING, 23.0, test, noise=0.0, sampling=200.0)
+    noisy = synthetic_record(BEARING, 23.0, test, noise=0.02, memory=memory, sampling=200.0)
+    noise = (noisy.force - clean.force) / clean.peak_force
+    assert noise.std() == pytest.approx(0.02, rel=0.15)
+    assert np.corrcoef(noise[1:], noise[:-1])[0, 1] == pytest.approx(memory, abs=0.1)

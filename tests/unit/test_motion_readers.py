@@ -24,6 +24,13 @@ GOOD: list[tuple[str, str, dict[str, Any]]] = [
     ("semicolons", files.csv_text("t_s;acc_gal").replace(",", ";"), {}),
     ("tabs", files.csv_text("#Time [sec] \tAcceleration [gal]").replace(",", "\t"), {}),
     ("comment in between", files.csv_text() + "# the end\n", {}),
+    (
+        "csv in ms",
+        "\n".join(
+            ["time [ms],acc [gal]", *(f"{10 * i},{v:.5f}" for i, v in enumerate(files.shaking()))]
+        ),
+        {},
+    ),
     ("one column", files.one_column(), {"unit": "gal", "dt": 0.01}),
     ("one column, all in the header", files.one_column("% acc in gal, dt = 0.01 s"), {}),
     ("one column, ms", files.one_column("# Acc. in cm/sec^2, time step: 10 ms"), {}),

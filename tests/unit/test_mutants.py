@@ -7,20 +7,20 @@ from tests.mutants.kept import PACKAGE, ROOT, entries, kept_mutants, nearest_tes
 from tests.mutants.random_ones import files_of_the_package, random_mutants
 
 FEWEST = 150  # of the kept list
+KEPT = kept_mutants()
 
 
 def test_every_kept_mutant_applies_and_is_another_program() -> None:
-    mutants, faults = kept_mutants()
+    mutants, faults = KEPT
     assert not faults, "\n".join(faults)
+    before = {mutant.file: ast.dump(ast.parse(original(mutant.file))) for mutant in mutants}
     for mutant in mutants:
-        before = ast.dump(ast.parse(original(mutant.file)))
-        assert ast.dump(ast.parse(mutant.text)) != before, mutant.means
+        assert ast.dump(ast.parse(mutant.text)) != before[mutant.file], mutant.means
 
 
 def test_the_list_is_long_and_reaches_every_room() -> None:
     rooms = {path.name for path in (ROOT / PACKAGE).iterdir() if (path / "__init__.py").exists()}
-    mutants, _ = kept_mutants()
-    counts = Counter(mutant.room for mutant in mutants)
+    counts = Counter(mutant.room for mutant in KEPT[0])
     assert counts.total() >= FEWEST
     assert rooms | {"cli"} == set(counts)
     texts = [(entry["file"], entry["old"], entry["new"]) for entry in entries()]
@@ -30,7 +30,7 @@ def test_the_list_is_long_and_reaches_every_room() -> None:
 def test_every_file_has_nearest_tests_that_exist() -> None:
     nearest = nearest_tests()
     assert not set(files_of_the_package()) - set(nearest)
-    named = [test for mutant in kept_mutants()[0] for test in mutant.tests]
+    named = [test for mutant in KEPT[0] for test in mutant.tests]
     for test in {*named, *(test for tests in nearest.values() for test in tests)}:
         file, _, function = test.partition("::")
         text = (ROOT / file).read_text(encoding="utf-8")

@@ -8,6 +8,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import thermobearing as tb
 from tests import tolerances as tol
+from thermobearing.border.tables import Layout
 
 WANTED = {"time": "s", "displacement": "mm"}
 
@@ -72,3 +73,12 @@ def test_many_rows_keep_their_bits(tmp_path: Path) -> None:
     path.write_text("time_s,displacement_mm\n" + rows)
     data = tb.border.read_columns(path, WANTED)
     assert_array_equal(np.column_stack([data["time"], data["displacement"]]), values)
+
+
+def test_faults_are_told_with_the_line_of_the_file(tmp_path: Path) -> None:
+    """Lines before the header and between it and the numbers count too."""
+    path = tmp_path / "t.csv"
+    path.write_text("laboratory\nnumber 7\ntime_s,force_kN\n[s],[kN]\n0,1\n1,lost\n2,3\n")
+    layout = Layout(lines_before=2, lines_after=1)
+    with pytest.raises(tb.InputError, match='line 6, force_kN: "lost" is not a number'):
+        tb.read_columns(path, {"time": "s", "force": "kN"}, layout=layout)

@@ -14,6 +14,7 @@ from thermobearing.commands.common import (
     Quiet,
     echo_json,
     reported,
+    with_progress,
     written,
 )
 
@@ -159,7 +160,9 @@ def make(
     )
     target = output or Path(f"motion-{case.name}")
     check_target(target, force=force)
-    result = run_motion(case)
+    result = with_progress(
+        lambda show: run_motion(case, progress=show), "rounds of the fit, at most", quiet
+    )
     if not quiet:
         print_motion(result)
     return _end(result, target, force, no_figures, as_json, quiet)

@@ -20,7 +20,6 @@ from thermobearing.results import drawing
 
 Floats = NDArray[np.float64]
 
-DPI = 150
 SHOWN_CYCLES = (1, 2, 5)  # of Fig. 4.8
 KJ = 1e-3  # kN mm -> kN m = kJ
 
@@ -384,6 +383,6 @@ class Figures:
             except NothingToDrawError:
                 continue
             path = directory / f"{name}.png"
-            figure.savefig(path, dpi=DPI)
+            drawing.save_figure(figure, path)
             written.append(path)
         return written

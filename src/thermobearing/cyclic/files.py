@@ -1,8 +1,5 @@
 """Files of a cyclic result, and reading them back."""
 
-import errno
-import os
-import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -18,11 +15,9 @@ from thermobearing.results.directory import (
     write_directory,
 )
 from thermobearing.results.reading import read_dataset
-from thermobearing.results.writing import write_summary
+from thermobearing.results.writing import DIGITS, write_dataset, write_summary
 
-STUDIES = ("bridge", "hybrid")  # commands whose result is one of earthquakes
 CSV_BLOCK = 50_000  # rows formatted at a time
-NETCDF_EXTRA = 500_000  # attributes, names and tables of the netCDF file beside its numbers [bytes]
 
 
 def save_result(
@@ -65,8 +60,7 @@ def _write_all(result: Result, folder: Path, *, figures: bool) -> None:
     (folder / RESOLVED).write_text(result.dataset.attrs["case"], encoding="utf-8")
     with (folder / HISTORY).open("w", encoding="utf-8") as file:
         file.writelines(history_blocks(result))
-    _reserve(folder / DATASET, result.dataset.nbytes + NETCDF_EXTRA)
-    result.dataset.to_netcdf(folder / DATASET, engine="h5netcdf")
+    write_dataset(result.dataset, folder / DATASET)
     if figures:
         (folder / FIGURES).mkdir()
         result.plot.save_all(folder / FIGURES)
@@ -74,26 +68,12 @@ def _write_all(result: Result, folder: Path, *, figures: bool) -> None:
 
 def _write_comparison(results: dict[str, Result], folder: Path, *, figures: bool) -> None:
     from thermobearing.cyclic.comparison import comparison_figure, comparison_table
+    from thermobearing.results.drawing import save_figure
 
     reference = next(iter(results))
     comparison_table(results, reference).to_csv(folder / COMPARISON, index=False)
     if figures:
-        comparison_figure(results, reference).savefig(folder / FIGURES / "comparison.png", dpi=150)
-
-
-def _reserve(path: Path, size: int) -> None:
-    """OSError if the disk has no room for a file of this size [bytes]; leaves no file.
-
-    HDF5 cannot close a file that it could not write: it crashes the process instead.
-    """
-    try:
-        with path.open("wb") as file:
-            if hasattr(os, "posix_fallocate"):
-                os.posix_fallocate(file.fileno(), 0, size)
-            elif shutil.disk_usage(path.parent).free < size:
-                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-    finally:
-        path.unlink(missing_ok=True)
+        save_figure(comparison_figure(results, reference), folder / FIGURES / "comparison.png")
 
 
 def history_blocks(result: Result) -> Iterator[str]:
@@ -105,8 +85,7 @@ def history_blocks(result: Result) -> Iterator[str]:
     yield ",".join(["ambient_degC", "time_s", *names]) + "\n"
     for run, ambient in enumerate(data["ambient"].values):
         count = int((data["segment"].values[run] >= 0).sum())
-        columns = [result.time(run)[:count]]
-        columns += [
+        columns = [
             data[name].values[run, :count] for name in ("displacement", "force", "stress", "strain")
         ]
         if layers:
@@ -115,7 +94,8 @@ def history_blocks(result: Result) -> Iterator[str]:
         if result.has_lead:
             columns.append(data["lead_temperature"].values[run, :count])
             last = "\n"
-        line = f"{ambient:.9g}," + ",".join(["%.9g"] * len(columns)) + last
+        line = f"{ambient:.9g},%.9g," + ",".join([DIGITS] * len(columns)) + last
+        columns.insert(0, result.time(run)[:count])  # long after the start, steps are short
         for first in range(0, count, CSV_BLOCK):
             block = np.column_stack([column[first : first + CSV_BLOCK] for column in columns])
             yield (line * len(block)) % tuple(block.ravel().tolist())

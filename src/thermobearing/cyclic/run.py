@@ -19,8 +19,9 @@ from thermobearing.cyclic.case import Case, make_case
 from thermobearing.cyclic.equivalent import bilinear_parameters
 from thermobearing.cyclic.history import History, run_segments
 from thermobearing.cyclic.label import label
-from thermobearing.cyclic.protocol import CyclicTest, build_segments
+from thermobearing.cyclic.protocol import CyclicTest
 from thermobearing.cyclic.result import Result
+from thermobearing.cyclic.segments import build_segments
 from thermobearing.cyclic.start import final_lead, final_profile, initial_temperatures
 from thermobearing.model.options import EndFace, build_model
 from thermobearing.model.outcomes import INTERRUPTED

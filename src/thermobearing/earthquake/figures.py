@@ -18,7 +18,6 @@ from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.results import drawing
 
 Floats = NDArray[np.float64]
-DPI = 150
 MOST_COLUMNS = 4
 WIDTH, HEIGHT = 2.9, 2.4  # of one panel [inch]
 TIME_BINS = 900  # points of a history are thinned to two per bin
@@ -253,6 +252,6 @@ class EarthquakeFigures:
         written = []
         for name, make in figures.items():
             path = folder / f"{name}.png"
-            make().savefig(path, dpi=DPI)
+            drawing.save_figure(make(), path)
             written.append(path)
         return written

@@ -12,7 +12,7 @@ from thermobearing.results.directory import (
     write_directory,
 )
 from thermobearing.results.reading import read_dataset
-from thermobearing.results.writing import DIGITS, write_csv, write_summary
+from thermobearing.results.writing import DIGITS, write_csv, write_dataset, write_summary
 
 
 def save_earthquake(
@@ -30,7 +30,7 @@ def save_earthquake(
         (folder / RESOLVED).write_text(result.dataset.attrs["case"], encoding="utf-8")
         write_csv(folder / TABLE, result.table)
         _write_histories(result, folder / HISTORY)
-        result.dataset.to_netcdf(folder / DATASET, engine="h5netcdf")
+        write_dataset(result.dataset, folder / DATASET)
         if figures:
             (folder / FIGURES).mkdir()
             result.plot.save_all(folder / FIGURES)

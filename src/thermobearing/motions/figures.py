@@ -13,7 +13,6 @@ from thermobearing.motions.record import MM_S2_PER_GAL
 from thermobearing.motions.result import MM_PER_CM, MotionResult, Reference
 from thermobearing.results import drawing
 
-DPI = 150
 BINS = 2000
 MOTION_COLOUR = "#0077BB"
 REFERENCE_LOOKS = (("#CC3311", "--"), ("#EE7733", "-."))
@@ -36,7 +35,7 @@ def save_figures(result: MotionResult, folder: Path) -> None:
         motion.displacement / MM_PER_CM,
         significant_interval(motion),
     )
-    histories.savefig(folder / "motion.png", dpi=DPI)
+    drawing.save_figure(histories, folder / "motion.png")
     standards = {
         f"standard, Level 2 Type {beside.kind}, ground {beside.ground}, 5 %": (
             beside.at(found.periods) / MM_S2_PER_GAL
@@ -51,7 +50,7 @@ def save_figures(result: MotionResult, folder: Path) -> None:
         standards,
         found.damping,
     )
-    spectrum.savefig(folder / "spectrum.png", dpi=DPI)
+    drawing.save_figure(spectrum, folder / "spectrum.png")
 
 
 def motion_figure(

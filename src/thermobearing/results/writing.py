@@ -1,7 +1,10 @@
 """How every analysis writes: JSON without NaN, CSV with seven digits, attributes of datasets."""
 
+import errno
 import json
 import math
+import os
+import shutil
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +14,9 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-DIGITS = "%.7g"
+DIGITS = "%.7g"  # in tables; the netCDF file has them all
+FEW = 1000  # numbers that are not worth compressing
+NETCDF_EXTRA = 500_000  # attributes, names and tables of the netCDF file beside its numbers [bytes]
 
 
 def without_nan(value: Any) -> Any:
@@ -50,3 +55,27 @@ def as_attribute(value: Any) -> str | int | float:
 def from_attribute(dataset: "xr.Dataset", name: str) -> Any:
     """What `as_attribute` put into an attribute as JSON: a list or a dictionary."""
     return json.loads(dataset.attrs[name])
+
+
+def write_dataset(dataset: "xr.Dataset", path: Path) -> None:
+    """Write netCDF, numbers compressed without loss."""
+    _reserve(path, dataset.nbytes + NETCDF_EXTRA)
+    numbers = [name for name, values in dataset.variables.items() if values.dtype.kind in "fi"]
+    large = [name for name in numbers if dataset.variables[name].size > FEW]
+    compressed = {name: {"zlib": True, "complevel": 1, "shuffle": True} for name in large}
+    dataset.to_netcdf(path, engine="h5netcdf", encoding=compressed)
+
+
+def _reserve(path: Path, size: int) -> None:
+    """OSError if the disk has no room for a file of this size [bytes]; leaves no file.
+
+    HDF5 cannot close a file that it could not write: it crashes the process instead.
+    """
+    try:
+        with path.open("wb") as file:
+            if hasattr(os, "posix_fallocate"):
+                os.posix_fallocate(file.fileno(), 0, size)
+            elif shutil.disk_usage(path.parent).free < size:
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+    finally:
+        path.unlink(missing_ok=True)

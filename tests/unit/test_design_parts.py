@@ -1,0 +1,288 @@
+"""Sizing, loop, bounds and factors by hand: the analyses inside are replaced by known numbers."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+from numpy.testing import assert_allclose
+from thermobearing.design.bound_models import bound_models, bounds_table, opensees_text
+
+import thermobearing as tb
+from tests import tolerances as tol
+from thermobearing.design import bounds_study, equal, run
+from thermobearing.design.case import make_design_case
+from thermobearing.design.result import Design, Round
+from thermobearing.design.rubber import damping_ratio, equivalent_stiffness, load_compound
+from thermobearing.design.sizing import Check, Size, SizingRules, size_bearing
+from thermobearing.model.earlier import BilinearParameters
+
+LHDR = tb.load_bearing("shen-lhdr-bridge")
+G8 = load_compound("G8")
+
+
+def case_of(**table: Any) -> Any:
+    return make_design_case(table, "test", motions=["jra-i-i-1", "jra-ii-i-1"])
+
+
+@pytest.fixture
+def analysed(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
+    """Cases of the dynamic analyses of a loop; each finds 250 mm in the second motion."""
+    asked: list[Any] = []
+    found = {
+        "bearing_displacement_max": np.array([90.0, 250.0]),
+        "pier_ductility": np.array([2.5, 1.2]),
+    }
+
+    class Study(dict[str, Any]):
+        outcome = "completed"
+
+    def analyse(case: Any) -> Study:
+        asked.append(case)
+        return Study(found)
+
+    monkeypatch.setattr(run, "run_earthquake", analyse)
+    return asked
+
+
+@pytest.mark.parametrize(
+    ("assumed", "rules", "factor", "effective"),
+    [
+        (178.0, {}, 1.0, 178.0),
+        (178.0, {}, 0.7, 124.6),
+        (2.0, {}, 1.0, 0.2 * 14.0),  # below the smallest strain of the curves
+        (300.0, {"design_strain": 2.5, "layer_thickness": "60 mm"}, 1.0, 300.0),
+    ],
+)
+def test_one_turn_of_the_loop(
+    assumed: float, rules: dict[str, Any], factor: float, effective: float, analysed: list[Any]
+) -> None:
+    """Stiffness, damping and the bilinear model are those of the effective displacement."""
+    turn = run._turn(case_of(effective_displacement_factor=factor, sizing=rules), 3, assumed)
+    found, size = turn.round, turn.round.size
+    thickness = size.total_rubber_thickness
+    wanted = equivalent_stiffness(G8, size.area, thickness, effective)
+    assert found.stiffness == pytest.approx(wanted, rel=tol.LOOP)
+    assert found.damping == pytest.approx(damping_ratio(G8, effective / thickness), rel=tol.LOOP)
+    peak = found.strength + found.post_yield * effective
+    assert peak == pytest.approx(wanted * effective, rel=tol.LOOP)
+    assert found.post_yield / found.initial == pytest.approx(0.19, rel=tol.LOOP)
+    assert (found.number, found.assumed, found.found) == (3, assumed, 250.0)
+    assert found.ductility == 2.5
+    assert found.difference == pytest.approx(250.0 / assumed - 1.0)
+    # Eigenvalues and damping of the structure follow the stiffness of the bearing.
+    assert analysed[0].structure.bearings[0].equivalent_stiffness == found.stiffness
+    assert analysed[0].bearings[0].strength == found.strength
+    assert analysed[0].bearings[0].initial_stiffness == found.initial
+    assert turn.checks[0].value == pytest.approx(250.0 / thickness)
+
+
+def test_strain_beyond_the_curves_is_held_at_their_end(
+    analysed: list[Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Sizes keep the design strain, so only other curves can be left at their upper end."""
+    curves = run.load_curves().model_copy(update={"largest_strain": 1.0})
+    monkeypatch.setattr(run, "load_curves", lambda: curves)
+    found = run._turn(case_of(), 1, 178.0).round
+    wanted = equivalent_stiffness(G8, found.size.area, 112.0, 112.0)
+    assert found.stiffness == pytest.approx(wanted, rel=tol.LOOP)
+
+
+def turns(monkeypatch: pytest.MonkeyPatch, answer: Any) -> None:
+    """Turns of the loop that find `answer(assumed)`."""
+
+    def turn(case: Any, number: int, assumed: float) -> Any:
+        size = Size(600.0, 8, 14.0)
+        one = Round(number, assumed, size, 2.6, 0.15, 125.0, 1.8, 9.5, answer(assumed), 1.0)
+        study = SimpleNamespace(outcome="completed")
+        return SimpleNamespace(round=one, checks=[], bearing=None, study=study)
+
+    monkeypatch.setattr(run, "_turn", turn)
+
+
+def test_loop_takes_what_it_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No swinging: each round assumes what the one before found, until 1 %."""
+    turns(monkeypatch, lambda assumed: 100.0 + 0.5 * assumed)
+    design = run.run_design(case_of(start="360 mm"))
+    assumed = [turn.assumed for turn in design.rounds]
+    assert_allclose(assumed, [360.0, 280.0, 240.0, 220.0, 210.0, 205.0, 202.5], rtol=tol.LOOP)
+    assert design.outcome == "converged"
+    assert design.first_within == 3  # 220 for 240 mm
+    assert "within 1% of the assumed 202 mm after 7 rounds" in design.sentence
+
+
+def test_loop_that_swings_goes_half_way(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Between two sizes: 300 mm are found below 250, 200 mm above; then 240 and 248."""
+    turns(monkeypatch, lambda assumed: 300.0 if assumed < 250.0 else 200.0)
+    design = run.run_design(case_of(start="200 mm", most_rounds=5))
+    assumed = [turn.assumed for turn in design.rounds]
+    # gains 1, 1/2, 1/2 (the same side again), 1/4
+    assert_allclose(assumed[:4], [200.0, 300.0, 250.0, 225.0], rtol=tol.LOOP)
+    assert assumed[4] == pytest.approx(225.0 + 0.25 * 75.0)
+    assert design.outcome == "not_converged"
+    assert len(design.rounds) == 5
+
+
+def test_far_below_is_not_converged(monkeypatch: pytest.MonkeyPatch) -> None:
+    turns(monkeypatch, lambda assumed: 0.5 * assumed)
+    assert run.run_design(case_of(most_rounds=3)).outcome == "not_converged"
+
+
+def test_row_and_loop_of_a_round() -> None:
+    q, k1, k2, u = 125.0, 9.5, 1.8, 178.0
+    turn = Round(2, u, Size(600.0, 8, 14.0), 2.6, 0.15, q, k2, k1, 190.0, 1.7)
+    row = turn.row()
+    assert row["u_B_assumed_mm"] == 178.0
+    assert row["u_found_mm"] == 190.0
+    assert (row["K_1_kN_mm"], row["K_2_kN_mm"], row["Q_d_kN"]) == (9.5, 1.8, 125.0)
+    assert (row["side_mm"], row["layers"], row["layer_thickness_mm"]) == (600.0, 8, 14.0)
+    bearing: Any = SimpleNamespace(name="b")
+    x, force = Design(case_of(), [turn], "", "", [], bearing, None).loops["b (bilinear)"]  # type: ignore[arg-type]
+    area = abs(np.trapezoid(force, x))
+    assert area == pytest.approx(4.0 * q * (u - q / (k1 - k2)), rel=tol.LOOP)
+    assert force.max() == pytest.approx(q + k2 * u)
+
+
+@pytest.mark.parametrize(
+    ("displacement", "weight", "side", "layers"),
+    [
+        (178.0, 784.5, 600.0, 8),  # of the source: 5 x 112 = 560 mm
+        (171.5, 784.5, 500.0, 7),  # 7 x 14 x 1.75 exactly
+        (171.6, 784.5, 600.0, 8),
+        (20.0, 784.5, 400.0, 1),  # the stress governs: sqrt(784500/6) = 361.6 mm
+        (20.0, 735.0, 350.0, 1),  # exactly 350 mm
+    ],
+)
+def test_sizes_by_hand(displacement: float, weight: float, side: float, layers: int) -> None:
+    size = size_bearing(displacement, weight, SizingRules())
+    assert (size.side, size.layers) == (side, layers)
+    assert size.first_shape_factor == pytest.approx(side / 56.0)  # a^2 / (4 a t_r)
+    assert size.second_shape_factor == pytest.approx(side / (14.0 * layers))
+
+
+def test_limits_may_be_upper_or_lower() -> None:
+    assert [Check("", v, 2.0, "1", "").verdict for v in (1.0, 2.0, 3.0)] == ["OK", "OK", "NG"]
+    least = [Check("", v, 2.0, "1", "", least=True).verdict for v in (1.0, 2.0, 3.0)]
+    assert least == ["NG", "OK", "OK"]
+
+
+def test_stiffness_of_a_layer_follows_the_rubber_area() -> None:
+    """Four cores are not rubber, before nor after."""
+    assert LHDR.lead is not None
+    bearing = equal.with_side(LHDR, 600.0, 7)
+    lead = 4 * np.pi * (0.5 * LHDR.lead.diameter) ** 2
+    side = LHDR.area**0.5
+    wanted = (600.0**2 - lead) / (side**2 - lead) * LHDR.hysteresis.layer_stiffness
+    assert bearing.hysteresis.layer_stiffness == pytest.approx(wanted, rel=tol.LOOP)
+    assert (bearing.area, bearing.geometry.rubber_layers) == (360_000.0, 7)
+    assert bearing.lead == LHDR.lead
+
+
+@pytest.mark.parametrize(
+    ("displacement", "stiffness", "side", "layers"),
+    [
+        (178.0, 4.37, 435.0, 6),
+        (178.5, 4.37, 435.0, 6),
+        (179.0, 4.32, 430.0, 7),
+        (20.0, 4.34, 435.0, 1),
+    ],
+)
+def test_layers_and_sides_of_equal_bearings(
+    displacement: float,
+    stiffness: float,
+    side: float,
+    layers: int,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """17 mm layers at 175 %, sides to the nearest 5 mm; a stiffness of 1 % of the side."""
+    monkeypatch.setattr(equal, "_stiffness", lambda template, side, layers, strain: 0.01 * side)
+    found = equal.equal_bearing("shen-hdr-bridge", stiffness, displacement).bearing
+    assert (found.area**0.5, found.geometry.rubber_layers) == (side, layers)
+
+
+def factor_table() -> pd.DataFrame:
+    """One strain: K_eq of first and heated cycles at three temperatures; energy 1000 K_eq."""
+    rows = []
+    for basis, values in (
+        ("first", (5.0, 3.0, 2.0)),
+        ("heated", (4.0, 2.5, 1.8)),
+        ("mean", (9, 9, 1)),
+    ):
+        for air, stiffness in zip((-20.0, 0.0, 23.0), values, strict=True):
+            for quantity, value in (("K_eq", stiffness), ("energy", 1000.0 * stiffness)):
+                rows.append((1.75, basis, air, quantity, float(value)))
+    return pd.DataFrame(rows, columns=["strain", "basis", "ambient_degC", "quantity", "value"])
+
+
+def test_bounds_are_the_softest_and_stiffest_of_single_cycles() -> None:
+    """Means of cycles do not count."""
+    lower, upper = bound_models(factor_table(), 1.75, 102.0)
+    assert (lower.name, lower.basis, lower.temperature) == ("lower", "heated", 23.0)
+    assert (upper.name, upper.basis, upper.temperature) == ("upper", "first", -20.0)
+    u = 1.75 * 102.0
+    for model, stiffness in ((lower, 1.8), (upper, 5.0)):
+        p = model.parameters
+        assert p.strength + p.post_yield * u == pytest.approx(stiffness * u)
+        loop = 4.0 * p.strength * (u - p.strength / (p.initial - p.post_yield))
+        assert loop == pytest.approx(1000.0 * stiffness)
+    with pytest.raises(tb.InputError, match=r"the table has 1\.75"):
+        bound_models(factor_table(), 1.0, 102.0)
+
+
+def test_tables_and_texts_of_bounds_keep_the_stiffnesses_apart() -> None:
+    lower, _ = bound_models(factor_table(), 1.75, 102.0)
+    p = lower.parameters
+    row = bounds_table([lower]).iloc[0]
+    assert (row["Q_d_kN"], row["K_1_kN_mm"], row["K_2_kN_mm"]) == (
+        p.strength,
+        p.initial,
+        p.post_yield,
+    )
+    knee = p.strength / (p.initial - p.post_yield)
+    assert row["Q_y_kN"] == pytest.approx(p.initial * knee)
+    for language in ("tcl", "python"):
+        last = opensees_text([lower], "b", language).splitlines()[-1]
+        numbers = last.replace(",", " ").replace(")", " ").split()[-3:]
+        assert_allclose(
+            [float(n) for n in numbers], [p.initial * knee, p.initial, p.post_yield / p.initial]
+        )
+
+
+def test_bounding_analysis_by_hand(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Known demands: the bounds hold one, are unsafe for one and wasteful for one."""
+    demands = list(bounds_study.DEMANDS)
+    soft, stiff = [1.0, 2.0, 3.0, 4.0], [2.0, 1.0, 6.0, 5.0]
+    coupled = {23.0: [1.5, 1.0, 4.0, 5.0], -20.0: [1.0, 2.5, 2.0, 4.0]}
+    asked: list[Any] = []
+
+    def analyse(case: Any) -> Any:
+        asked.append(case)
+        if len(case.bearings) == 2:
+            rows = [{"bearing": n, **dict(zip(demands, v, strict=True))}
+                    for n, v in (("lower", soft), ("upper", stiff))]  # fmt: skip
+        else:
+            rows = [{"ambient_degC": t, **dict(zip(demands, v, strict=True))}
+                    for t, v in coupled.items()]  # fmt: skip
+        return SimpleNamespace(table=pd.DataFrame(rows).assign(motion="m"))
+
+    monkeypatch.setattr(bounds_study, "run_earthquake", analyse)
+    models = {
+        23.0: BilinearParameters(90.0, 1.5, 9.75),
+        -20.0: BilinearParameters(200.0, 3.0, 19.5),
+    }
+    monkeypatch.setattr(
+        bounds_study, "bilinear_parameters", lambda *_, strain, temperature: models[temperature]
+    )
+    table = bounds_study.bounds_study("shen-hdr-bridge", "jra-ii-i-1", [23.0, -20.0])
+    lower, upper = asked[0].bearings
+    assert (lower.name, lower.strength, lower.initial_stiffness) == ("lower", 90.0, 9.75)
+    assert (upper.name, upper.strength, upper.post_yield_stiffness) == ("upper", 200.0, 3.0)
+    assert asked[1].ambient == [23.0, -20.0]
+    assert table["lower_bound"].tolist() == soft
+    assert table["upper_bound"].tolist() == stiff
+    assert table["coupled_max"].tolist() == [1.5, 2.5, 4.0, 5.0]
+    assert table["coupled_at_degC"].tolist() == [23.0, -20.0, 23.0, 23.0]
+    assert_allclose(table["envelope_over_coupled"], [2.0 / 1.5, 0.8, 1.5, 1.0])
+    assert table["verdict"].tolist() == ["wasteful", "unsafe", "wasteful", "good"]
+    assert table["coupled_-20_degC"].tolist() == coupled[-20.0]

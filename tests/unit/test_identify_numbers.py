@@ -1,0 +1,342 @@
+"""Weights, errors, intervals and samples of a fit, each by hand from a record that is known."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy.stats import t as student
+
+import thermobearing as tb
+from tests import tolerances as tol
+from thermobearing.identify import search
+from thermobearing.identify.agreement import determination, fit_of_record
+from thermobearing.identify.cycles import cycles_of, measures_of
+from thermobearing.identify.forward import ForwardModel, Prediction, _pause
+from thermobearing.identify.krill import krill_herd
+from thermobearing.identify.parameters import (
+    BY_KEY,
+    C_V,
+    HARDENING,
+    K_R,
+    K_V,
+    M_T,
+    SHAPE,
+    Kind,
+    Parameter,
+    ParameterSet,
+    parameter_set,
+)
+from thermobearing.identify.problem import LOST, Problem, robust_weights, sample_weights
+from thermobearing.identify.record import TestRecord, record_from_arrays
+from thermobearing.identify.start import _with_temperature
+from thermobearing.identify.uncertainty import _blocks, _remedy, estimate
+
+HDR = tb.load_bearing("shen-hdr-specimen")
+POINTS = 200  # of a cycle
+AMPLITUDES = (10.0, 10.0, 4.0, 0.8, 30.0, 30.0)  # 4 is a level of its own, 0.8 stops the motion
+
+
+def sines(amplitudes: tuple[float, ...] = AMPLITUDES, sign: float = 1.0) -> TestRecord:
+    """One sine after the other, force 2 kN/mm and a viscous part of 5 kN."""
+    phase = 2.0 * np.pi * np.arange(POINTS) / POINTS
+    x = np.concatenate([*(a * np.sin(phase) for a in amplitudes), [0.0]])
+    ahead = np.concatenate([*(np.cos(phase) for _ in amplitudes), [0.0]])
+    time = 0.01 * np.arange(len(x))
+    return record_from_arrays(time, sign * x, sign * (2.0 * x + 5.0 * ahead), 23.0)
+
+
+def rows(record: TestRecord, cycle: int) -> slice:
+    """Samples inside a cycle, from 0, away from its ends."""
+    return slice(POINTS * cycle + 2, POINTS * (cycle + 1) - 2)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_cycles_are_counted_within_their_amplitude(sign: float) -> None:
+    cycles = cycles_of(sines(sign=sign))
+    assert [c.closing for c in cycles] == [False, False, False, True, False, False]
+    assert [c.number for c in cycles if not c.closing] == [1, 2, 1, 1, 2]
+    assert_allclose([c.amplitude for c in cycles], AMPLITUDES, rtol=tol.LOOP)
+    force = sines(sign=sign).force
+    measures = measures_of(sines(sign=sign), force, HDR.area, HDR.total_rubber_thickness)
+    assert_allclose([m.amplitude_mm for m in measures], AMPLITUDES, rtol=tol.LOOP)
+
+
+def test_weights_of_samples_are_roots() -> None:
+    """Squared residuals count `weight` times, those of first cycles `first_cycle_weight` more."""
+    record = replace(sines(), weight=4.0, first_cycle_weight=9.0)
+    weights = sample_weights(record)
+    wanted = [6.0, 2.0, 6.0, 2.0, 6.0, 2.0]  # of the second: small cycle 4 mm is a first one
+    for cycle, value in enumerate(wanted):
+        assert_allclose(weights[rows(record, cycle)], value, rtol=tol.LOOP)
+
+
+def test_balance_counts_small_cycles_relative_to_their_own_peak() -> None:
+    for power in (1.0, 0.5):
+        record = replace(sines(), cycle_balance=power)
+        weights = sample_weights(record)
+        for cycle in (0, 4):
+            peak = np.abs(record.force[POINTS * cycle : POINTS * (cycle + 1)]).max()
+            wanted = (record.peak_force / peak) ** power
+            assert_allclose(weights[rows(record, cycle)], wanted, rtol=tol.LOOP)
+
+
+@pytest.mark.parametrize(
+    ("loss", "rho"),
+    [
+        ("soft_l1", lambda z: 2.0 * (np.sqrt(1.0 + z) - 1.0)),
+        ("huber", lambda z: np.where(z <= 1.0, z, 2.0 * np.sqrt(z) - 1.0)),
+        ("cauchy", np.log1p),
+        ("linear", lambda z: z),
+    ],
+)
+def test_robust_weights_are_the_derivatives_of_the_losses(loss: str, rho: Any) -> None:
+    """d rho / d z of scipy's losses, z the squared residual over its scale of 2 %."""
+    z = np.array([0.01, 0.5, 2.0, 9.0, 100.0])
+    step = 1e-5
+    wanted = (rho(z + step) - rho(z - step)) / (2.0 * step)
+    assert_allclose(robust_weights(0.02 * np.sqrt(z), loss), wanted, rtol=1e-6)
+
+
+def problem_of(records: list[TestRecord], **options: Any) -> Problem:
+    return Problem(records, parameter_set(HDR, ["K_r", "d_y"], [23.0]), **options)
+
+
+def test_clipped_samples_do_not_count() -> None:
+    record = sines((10.0, 10.0))
+    clipped = np.zeros(len(record.time), dtype=bool)
+    clipped[30:60] = True
+    problem = problem_of([record], clipped=[clipped])
+    part = problem.parts(problem.pset.start)[0]
+    assert (part[30:60] == 0.0).all()
+    assert (part[60:] != 0.0).any()
+
+
+def test_where_the_model_does_not_get_through(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each sample of force and thermocouples is off by twice the largest force."""
+    count = len(sines((10.0,)).time)
+    record = replace(sines((10.0,)), temperatures={"T": np.zeros(count)}, places={"T": "rubber 1"})
+    monkeypatch.setattr(ForwardModel, "run", lambda *_: None)
+    for temperatures, size in ((False, count), (True, 2 * count)):
+        problem = problem_of([record], temperatures=temperatures)
+        assert_allclose(problem.parts(problem.pset.start)[0], np.full(size, LOST))
+
+
+@pytest.mark.parametrize("central", [False, True])
+def test_jacobian_of_straight_lines_is_exact(
+    central: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Inside the cube and at its faces, where the difference is turned inwards."""
+    matrix = np.array([[3.0, -1.0], [0.5, 2.0], [0.0, 7.0]])
+    problem = problem_of([sines((10.0,))])
+    monkeypatch.setattr(problem, "_parts", lambda cube, *, fine: [matrix @ cube])
+    for cube in ([0.4, 0.6], [1.0, 0.5], [0.0, 1.0], [0.9996, 0.0003]):
+        found = problem.jacobian(np.array(cube), central=central)
+        assert_allclose(found, matrix, rtol=1e-9, atol=1e-9)
+
+
+def lopsided(record: TestRecord, up: float, down: float) -> np.ndarray:
+    """The force of a record, its upper half times `up`, its lower half times `down`."""
+    return np.asarray(record.force * np.where(record.force > 0.0, up, down))
+
+
+def test_errors_of_cycles_by_hand() -> None:
+    """The model 30 % too strong upwards and 10 % too weak downwards."""
+    record = sines((10.0, 10.0, 0.8))
+    fit = fit_of_record(record, Prediction(lopsided(record, 1.3, 0.9), {}, "completed"), HDR)
+    assert [c.number for c in fit.cycles] == [1, 2]  # not the closing one
+    for cycle in fit.cycles:
+        assert cycle.amplitude_strain == pytest.approx(10.0 / 30.0)
+        assert cycle.G_eq_error == pytest.approx(0.1, rel=1e-6)
+        assert cycle.force_max_error == pytest.approx(0.3, rel=1e-6)
+        # Half of the loop is 30 % larger, half of it 10 % smaller; h_eq is energy over stiffness.
+        assert cycle.energy_error == pytest.approx(0.1, abs=2e-3)
+        assert cycle.h_eq_error == pytest.approx((1.0 + cycle.energy_error) / 1.1 - 1.0)
+
+
+def test_measures_of_a_fit_by_hand() -> None:
+    """R2 is relative to the mean of the test, NRMSE to its largest force either way."""
+    record = replace(sines((10.0,)), force=sines((10.0,)).force + 7.0)
+    off = np.where(np.arange(len(record.force)) % 2, 1.0, -1.0)
+    fit = fit_of_record(record, Prediction(record.force + off, {}, "completed"), HDR)
+    peak = np.abs(record.force).max()
+    assert pytest.approx(1.0 / peak, rel=tol.LOOP) == fit.NRMSE
+    variance = float(np.mean((record.force - record.force.mean()) ** 2))
+    assert pytest.approx(1.0 - 1.0 / variance, rel=tol.LOOP) == fit.R2
+    assert determination(np.array([1.0, 2.0, 3.0]), np.array([1.0, 2.0, 4.0])) == 0.5
+
+
+@pytest.mark.parametrize(("first", "told"), [(1.2, True), (1.0, False), (0.8, False)])
+def test_stiffer_first_cycles_are_told(first: float, told: bool) -> None:
+    """The test is stronger than the model in first cycles, and only then."""
+    record = sines((10.0, 10.0, 10.0))
+    force = record.force.copy()
+    force[:POINTS] *= first
+    fit = fit_of_record(replace(record, force=force), Prediction(record.force, {}, ""), HDR)
+    said = [text for text in fit.warnings if "scragging" in text]
+    assert len(said) == int(told)
+    if told:
+        assert "17% stronger" in said[0]  # 1 - 1/1.2
+
+
+def linear_problem(sizes: tuple[float, float]) -> tuple[Any, np.ndarray]:
+    """A model that is linear in K_r's and b's places, white noise; and the best place."""
+    record = sines((10.0,) * 12)
+    rng = np.random.default_rng(5)
+    n = len(record.time)
+    columns = np.column_stack([record.displacement / 10.0, rng.normal(size=n)]) * sizes
+    best = np.array([0.4, 0.7])
+    noise = 0.01 * rng.normal(size=n)
+    noise -= columns @ np.linalg.lstsq(columns, noise, rcond=None)[0]
+    free = [
+        Parameter(BY_KEY[K_R], 30.0, 3.0, 300.0),
+        Parameter(BY_KEY[HARDENING], 0.1, 0.0, 2.0),
+    ]
+    problem = SimpleNamespace(
+        records=[record], loss="linear", pset=ParameterSet(HDR, tuple(free)),
+        parts=lambda cube, *, fine=False: [columns @ (cube - best) + noise],
+        jacobian=lambda cube, *, fine, central: columns,
+    )  # fmt: skip
+    return problem, best
+
+
+def test_intervals_are_those_of_student() -> None:
+    problem, best = linear_problem((1.0, 0.5))
+    found = estimate(problem, best)
+    sigma = np.sqrt(np.diag(found.covariance))
+    record = problem.records[0]
+    blocks = len(np.unique(_blocks(record)))
+    assert blocks >= 23  # half cycles
+    wide = float(student.ppf(0.975, blocks - 2))
+    K, b = found.estimates[K_R], found.estimates[HARDENING]
+    # Linear scale: value and error are 2 times those of the place.
+    assert b.value == pytest.approx(1.4)
+    assert b.stderr == pytest.approx(2.0 * sigma[1], rel=tol.LOOP)
+    assert b.upper - b.value == pytest.approx(wide * b.stderr, rel=1e-9)
+    assert b.value - b.lower == pytest.approx(wide * b.stderr, rel=1e-9)
+    # Logarithmic scale: d value / d place is the value times the logarithm of the range.
+    assert K.value == pytest.approx(3.0 * 100.0**0.4)
+    assert K.stderr == pytest.approx(np.log(100.0) * K.value * sigma[0], rel=1e-9)
+    assert K.upper == pytest.approx(K.value * 100.0 ** (wide * sigma[0]), rel=1e-9)
+    # White noise: not less than the textbook has, and not far from it.
+    columns = problem.jacobian(best, fine=True, central=True)
+    residual = problem.parts(best)[0]
+    textbook = np.linalg.inv(columns.T @ columns) * (residual @ residual) / (len(residual) - 2)
+    ratio = sigma / np.sqrt(np.diag(textbook))
+    assert ((ratio > 1.0 - 1e-9) & (ratio < 2.0)).all()
+    assert found.rms == pytest.approx(float(np.sqrt(np.mean(residual**2))))
+    assert found.samples == len(residual)
+
+
+@pytest.mark.parametrize("place", [0.001, 0.999])
+def test_both_bounds_are_noticed(place: float) -> None:
+    problem, best = linear_problem((1.0, 0.5))
+    found = estimate(problem, np.array([best[0], place]))
+    assert found.estimates[HARDENING].at_bound
+    assert not found.estimates[K_R].at_bound
+    assert any("ended at a bound" in text for text in found.warnings)
+
+
+def test_remedies_belong_to_their_parameters() -> None:
+    for keys, words in (
+        ({M_T}, "ambient temperatures"), ({C_V}, "loading speeds"), ({K_V}, "loading speeds"),
+        ({HARDENING}, "several amplitudes"), ({SHAPE}, "small strain"), ({"x"}, "other tests"),
+    ):  # fmt: skip
+        assert words in _remedy(keys)
+
+
+@pytest.mark.parametrize("transform", ["log", "log1p", "linear"])
+def test_slope_of_each_scale_is_the_derivative(transform: Any) -> None:
+    parameter = Parameter(Kind("x", "x", "", transform, 0.2, 3.0), 1.0, 0.2, 3.0)
+    for place in (0.1, 0.5, 0.8):
+        step = 1e-6
+        wanted = (parameter.at(place + step) - parameter.at(place - step)) / (2.0 * step)
+        assert parameter.slope(place) == pytest.approx(wanted, rel=1e-8)
+        assert parameter.place(parameter.at(place)) == pytest.approx(place)
+
+
+def test_relative_bounds_move_with_the_start() -> None:
+    moved = parameter_set(HDR, ["K_r", "b"], [23.0]).with_start({K_R: 5.0, HARDENING: 0.5})
+    stiffness, hardening = moved.free
+    assert (stiffness.value, stiffness.lower, stiffness.upper) == (5.0, 0.5, 50.0)
+    assert (hardening.value, hardening.lower, hardening.upper) == (0.5, 0.0, 2.0)
+
+
+def test_thermocouples_of_the_lower_half_read_its_mirror_image() -> None:
+    """Six layers: 4, 5, 6 are as warm as 3, 2, 1 (the outer one)."""
+    count = len(sines((10.0,)).time)
+    places = {f"T{k}": f"rubber {k}" for k in range(1, 7)}
+    record = replace(
+        sines((10.0,)), places=places, temperatures={name: np.zeros(count) for name in places}
+    )
+    columns = ForwardModel(record, HDR)._columns
+    first = columns["T1"]
+    assert [columns[f"T{k}"] - first for k in range(1, 7)] == [0, 1, 2, 2, 1, 0]
+
+
+@pytest.mark.parametrize("duration", [0.3, 7.0, 3600.0])
+def test_pauses_are_filled_with_growing_steps(duration: float) -> None:
+    sizes = _pause(duration, 0.0, 1.2, 40)
+    assert sizes.sum() == pytest.approx(duration, rel=tol.PROTOCOL)
+    assert sizes[0] == 0.05
+    assert (sizes[1:] <= 1.5 * np.maximum(1.2 * sizes[:-1], duration / 40)).all()
+    later = _pause(duration, 0.2, 1.2, 40)  # goes on from a pause before it
+    assert later[0] == pytest.approx(0.2 if duration > 0.3 else duration)
+
+
+@pytest.mark.parametrize("coefficient", [-2.0, 0.7])
+def test_temperature_law_from_two_tests(coefficient: float) -> None:
+    """v = 30 exp(m (T - 23)/100), at -20 and 0 degC."""
+    ambients = np.array([-20.0, 0.0])
+    values = list(30.0 * np.exp(coefficient * (ambients - 23.0) / 100.0))
+    found = _with_temperature(values, ambients, 23.0, -0.5, True)
+    assert_allclose(found, [30.0, coefficient], rtol=1e-9)
+    held = _with_temperature(values[:1], ambients[:1], 23.0, coefficient, False)
+    assert_allclose(held, [30.0, coefficient], rtol=1e-9)
+
+
+def test_search_keeps_the_best_of_its_starts(monkeypatch: pytest.MonkeyPatch) -> None:
+    problem: Any = SimpleNamespace(
+        pset=SimpleNamespace(start=np.array([0.5])), cost=lambda u: float((u[0] - 0.3) ** 2)
+    )
+    points = [np.array([0.7]), np.array([0.31]), np.array([0.9])]
+    monkeypatch.setattr(search, "_starting_points", lambda *_: points)
+    monkeypatch.setattr(search, "_least_squares", lambda _, point, *__, **___: (point, True))
+    case: Any = SimpleNamespace(method="least-squares")
+    assert search.search(problem, case)[0] == 0.31
+
+
+def test_least_squares_gets_the_loss_and_its_scale(monkeypatch: pytest.MonkeyPatch) -> None:
+    import scipy.optimize
+
+    asked: dict[str, Any] = {}
+
+    def solve(fun: Any, start: np.ndarray, **options: Any) -> Any:
+        asked.update(options)
+        return SimpleNamespace(x=start, status=1)
+
+    monkeypatch.setattr(scipy.optimize, "least_squares", solve)
+    problem: Any = SimpleNamespace(residuals=None, jacobian=None, loss="huber")
+    found, converged = search._least_squares(problem, np.array([0.0, 2.0]), 7, fine=True)
+    assert converged
+    assert_allclose(found, [1e-6, 1.0 - 1e-6])
+    assert (asked["loss"], asked["f_scale"], asked["max_nfev"]) == ("huber", 0.02, 7)
+    assert asked["bounds"] == (0.0, 1.0)
+
+
+def test_krill_begin_at_the_start_and_keep_the_best() -> None:
+    asked: list[np.ndarray] = []
+
+    def objective(u: np.ndarray) -> float:
+        asked.append(u.copy())
+        return float(((u - 0.3) ** 2).sum())
+
+    start = np.array([0.31, 0.29, 0.3])
+    found = krill_herd(objective, 3, evaluations=300, population=10, seed=1, start=start)
+    assert_allclose(asked[0], start)
+    assert found.value <= objective(start)
+    assert found.evaluations == len(asked) - 1 <= 300
+    assert found.value == min(float(((u - 0.3) ** 2).sum()) for u in asked)
+    assert_allclose(objective(found.best), found.value)

@@ -1,0 +1,87 @@
+"""Likelihood and bands of a fit by hand: the sampler and the model are replaced."""
+
+import sys
+from types import ModuleType, SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from tests import tolerances as tol
+from tests.unit.test_identify_numbers import sines
+from thermobearing.identify import posterior
+from thermobearing.identify.forward import Prediction
+
+
+def fit_with(problem: Any, cube: np.ndarray, **uncertainty: Any) -> Any:
+    covariance = np.diag([0.01**2, 0.02**2])
+    about = {"covariance": covariance, "samples": 200, "effective_samples": 50.0} | uncertainty
+    return SimpleNamespace(
+        problem=problem, cube=cube, uncertainty=SimpleNamespace(**about), bearing="best",
+        records=[sines((10.0,))], pset=SimpleNamespace(bearing=lambda place: float(place[0])),
+    )  # fmt: skip
+
+
+def test_posterior_is_tempered_by_what_the_samples_are_worth(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """50 of 200 samples are independent: a quarter of the textbook's log likelihood."""
+    asked: list[Any] = []
+
+    class Sampler:
+        acceptance_fraction = np.array([0.4])
+
+        def __init__(self, walkers: int, dimensions: int, log_probability: Any) -> None:
+            asked.append(log_probability)
+            self.shape = walkers, dimensions
+
+        def run_mcmc(self, start: np.ndarray, steps: int, **_: Any) -> None:
+            assert start.shape == self.shape
+
+        def get_autocorr_time(self, **_: Any) -> np.ndarray:
+            return np.array([3.0])
+
+        def get_chain(self, **_: Any) -> np.ndarray:
+            return np.zeros((5, 2))
+
+    fake: Any = ModuleType("emcee")
+    fake.EnsembleSampler = Sampler
+    monkeypatch.setitem(sys.modules, "emcee", fake)
+    residual = np.full(200, 0.1)
+    problem = SimpleNamespace(parts=lambda u, *, fine: [residual * (1.0 + u[0])])
+    found = fit_with(problem, np.array([0.0, 0.5]))
+    assert posterior.posterior_samples(found).source == "emcee"
+    log_probability = asked[0]
+    variance = 200 * 0.01 / 198  # of the residuals at the best place
+    for place in (0.0, 0.5):
+        wanted = -0.5 * 0.25 * 200 * 0.01 * (1.0 + place) ** 2 / variance
+        assert log_probability(np.array([place, 0.5])) == pytest.approx(wanted)
+    assert log_probability(np.array([0.5, 1.1])) == -np.inf
+
+
+def test_band_is_that_of_95_percent_of_the_draws(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[float] = []
+
+    class Model:
+        def __init__(self, *_: Any, ambient: float, **__: Any) -> None:
+            asked.append(ambient)
+
+        def run(self, bearing: Any) -> Prediction:
+            size = 1.0 if bearing == "best" else bearing
+            return Prediction(size * np.array([10.0, -20.0]), {}, "completed")
+
+    monkeypatch.setattr(posterior, "ForwardModel", Model)
+    cube = np.column_stack([np.linspace(0.5, 1.5, 101), np.zeros(101)])
+    draws = posterior.Samples(cube, "laplace")
+    band = posterior.predictive_band(fit_with(None, cube[0]), draws, -30.0, count=400, seed=3)
+    sizes = cube[np.random.default_rng(3).choice(101, size=400), 0]
+    low, high = np.quantile(sizes, [0.025, 0.975])
+    assert asked == [-30.0]
+    assert_allclose(band.lower, [10.0 * low, -20.0 * high], rtol=tol.LOOP)
+    assert_allclose(band.upper, [10.0 * high, -20.0 * low], rtol=tol.LOOP)
+    peaks = (band.peak, band.peak_lower, band.peak_upper)
+    assert_allclose(peaks, [20.0, 20.0 * low, 20.0 * high], rtol=tol.LOOP)
+    told = band.summary()
+    assert [told[f"{name}_kN"] for name in ("best", "lower", "upper")] == list(peaks)
+    assert told["ambient_degC"] == -30.0
