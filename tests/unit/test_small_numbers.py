@@ -30,7 +30,7 @@ def test_coarse_steps_are_told_from_one_yield_displacement_on(
     step = layer_increment * bearing.hysteresis.yield_displacement * bearing.geometry.rubber_layers
     ramp = {"step": "ramp", "to": 4.0 * step, "duration": 4.0}
     slow = {"step": "ramp", "to": 0.0, "duration": 40.0}  # the largest counts, not the mean
-    result = tb.run(bearing, tb.CyclicTest(dt=1.0, steps=[ramp, slow]))
+    result = tb.run(bearing, tb.cyclic.CyclicTest(dt=1.0, steps=[ramp, slow]))
     assert [warning for warning in result.warnings if "coarse" in warning] != [] or not warned
     assert bool(result.warnings) is warned
 
@@ -62,10 +62,10 @@ def test_knet_maximum_that_is_off_by_a_few_per_cent(
     largest = float(np.abs(values - values.mean()).max())
     path = files.write(tmp_path / "a.NS", files.knet_text(largest=told / 300.0 * largest))
     if not refused:
-        tb.read_motion(path)
+        tb.motions.read_motion(path)
         return
     with pytest.raises(tb.InputError, match=r"Max\. Acc\."):
-        tb.read_motion(path)
+        tb.motions.read_motion(path)
 
 
 def sines(amplitudes: list[float], **options: float) -> TestRecord:

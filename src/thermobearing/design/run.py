@@ -206,7 +206,7 @@ def run_design(
 def run_bounds(
     bearings: Sequence[Bearing | str | Path] = BEARINGS,
     motions: Sequence[Any] | None = None,
-    temperatures: Sequence[float] = AIR,
+    ambient: Sequence[float] = AIR,
     *,
     strain: float = DESIGN_STRAIN,
 ) -> BoundsReport:
@@ -217,7 +217,7 @@ def run_bounds(
     bearings : layered ones, library names or TOML files; the two of the bridge by default.
     motions : names, files or tables as in an earthquake case; the first motion of each type
         and ground by default.
-    temperatures : at which the coupled model runs [degC]; at least two different ones.
+    ambient : temperatures at which the coupled model runs [degC]; at least two different ones.
     strain : of the bilinear models, in [0.1, 3].
 
     Returns
@@ -234,14 +234,14 @@ def run_bounds(
     >>> report.paragraphs["shen-hdr-bridge"].split(":")[0]
     'shen-hdr-bridge'
     """
-    if len(set(temperatures)) < 2:
+    if len(set(ambient)) < 2:
         raise InputError("ambient: give at least two different temperatures")
     if not 0.1 <= strain <= 3.0:
         raise InputError(f"strain = {strain:g}: must be between 0.1 and 3")
     chosen = [item if isinstance(item, Bearing) else load_bearing(item) for item in bearings]
     shaken = first_motions() if motions is None else motions
     return BoundsReport(
-        {item.name: bounds_study(item, shaken, temperatures, strain=strain) for item in chosen}
+        {item.name: bounds_study(item, shaken, ambient, strain=strain) for item in chosen}
     )
 
 
