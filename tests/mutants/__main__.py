@@ -6,6 +6,7 @@ Status 0: at least 90 % of the kept list are caught and all of it applies. Chang
 
 import argparse
 import os
+import re
 import sys
 from collections import Counter
 
@@ -20,7 +21,7 @@ def _arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m tests.mutants", description=__doc__)
     parser.add_argument("--random", type=int, default=0, help="so many by chance instead")
     parser.add_argument("--seed", type=int, default=1, help="of the chance")
-    parser.add_argument("--only", default="", help="those with this text in file or meaning")
+    parser.add_argument("--only", default="", help="those whose file or meaning it matches")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="copies at work")
     parser.add_argument("--list", action="store_true", help="say what they are, run nothing")
     parser.add_argument("--trust", action="store_true", help="skip the tests of unchanged code")
@@ -59,7 +60,7 @@ def main() -> int:
     mutants, faults = (
         (random_mutants(asked.random, asked.seed), []) if asked.random else kept_mutants()
     )
-    mutants = [m for m in mutants if asked.only in f"{m.file}: {m.means}"]
+    mutants = [m for m in mutants if re.search(asked.only, f"{m.file}: {m.means}")]
     if asked.list:
         for m in mutants:
             print(f"{m.file}: {m.means}")

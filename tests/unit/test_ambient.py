@@ -58,3 +58,19 @@ def test_run_begins_at_the_start_of_the_series_and_follows_it() -> None:
     assert result["ambient"].values.tolist() == [5.0]
     assert_array_equal(result["initial_temperature"].values[0], 5.0)
     assert_allclose(result["final_temperature"].values[0], -15.0, atol=tol.SETTLED)
+
+
+@pytest.mark.parametrize(
+    ("time", "temperature", "words"),
+    [
+        ([0.0, 5.0, 5.0], [0.0, 1.0, 2.0], "does not increase from 5 to 5 s"),
+        ([0.0, 5.0, 4.0], [0.0, 1.0, 2.0], "does not increase from 5 to 4 s"),
+        ([0.0, 5.0], [0.0, 101.0], "101 degC is outside -100 to 100 degC"),
+        ([0.0, 5.0], [-101.0, 0.0], "-101 degC is outside"),
+        ([0.0], [0.0], "at least 2 numbers"),
+        ([0.0, np.inf], [0.0, 0.0], "not finite"),
+    ],
+)
+def test_unusable_series(time: list[float], temperature: list[float], words: str) -> None:
+    with pytest.raises(tb.InputError, match=words):
+        tb.Ambient.series(np.array(time), np.array(temperature))

@@ -8,11 +8,12 @@ import pytest
 import xarray as xr
 from numpy.testing import assert_allclose
 from PIL import Image
-from thermobearing.results.files import save_result, write_dataset
 
 import thermobearing as tb
 from tests import tolerances as tol
+from thermobearing.cyclic.files import save_result
 from thermobearing.results.drawing import DPI, save_figure
+from thermobearing.results.writing import write_dataset
 
 
 @pytest.fixture(scope="module")

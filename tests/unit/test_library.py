@@ -127,3 +127,24 @@ def test_what_is_taken_for_a_path(
     monkeypatch.chdir(tmp_path)
     assert tb.load_bearing(name) == tb.load_bearing(tmp_path / name)
     assert tb.load_bearing(Path(name)).name == SPECIMEN
+
+
+@pytest.mark.parametrize(("diameter", "fits"), [("270 mm", True), ("272 mm", False)])
+def test_lead_must_leave_room_for_rubber(diameter: str, fits: bool, tmp_path: Path) -> None:
+    """One core in a plan of 240 x 240 mm: 57 256 and 58 107 of 57 600 mm2."""
+    table = to_table(tb.load_bearing("shen-lhdr-specimen"))
+    path = write_toml(
+        tmp_path / "b.toml", changed_table(table, {"lead.cores": 1, "lead.diameter": diameter})
+    )
+    if fits:
+        assert tb.load_bearing(path).lead_area < tb.load_bearing(path).area
+    else:
+        with pytest.raises(tb.InputError, match="the lead cores take 58106"):
+            tb.load_bearing(path)
+
+
+def test_bilinear_bearing_is_stiff_first() -> None:
+    given = {"name": "b", "total_rubber_thickness": 100.0, "strength": 90.0}
+    with pytest.raises(tb.InputError, match="must be greater than post_yield_stiffness"):
+        tb.BilinearBearing(**given, initial_stiffness=2.0, post_yield_stiffness=2.0)
+    assert tb.BilinearBearing(**given, initial_stiffness=2.0, post_yield_stiffness=1.9)

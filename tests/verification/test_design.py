@@ -69,7 +69,9 @@ def test_curves_are_sensible_over_their_range(kind: Any) -> None:
         compound = load_compound(name, kind)
         modulus = np.array([shear_modulus(compound, s) for s in strains])
         damping = np.array([damping_ratio(compound, s) for s in strains])
-        assert np.all(modulus > 0.5 * modulus.min())
+        usual = shear_modulus(compound, 1.75)  # they soften to it, and harden a little beyond
+        assert np.all((modulus > 0.99 * usual) & (modulus < 3.5 * usual))
+        assert 1.0 < modulus[-1] / usual < 1.1
         assert np.all((damping > 0.08) & (damping < 0.25))
         assert np.all(np.diff(modulus[strains < 1.4]) < 0.0)
     stiffer = [shear_modulus(load_compound(n, kind), 1.75) for n in ("G8", "G10", "G12")]

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from thermobearing.motions.result import MotionResult
 
 HELP = "Ground motions: built in, read, made to fit a spectrum."
-app = typer.Typer(help=HELP, no_args_is_help=True)
+app = typer.Typer(help=HELP, no_args_is_help=True, rich_markup_mode="markdown")
 
 Record = Annotated[str, typer.Argument(help="A record, or the name of a built-in motion.")]
 Unit = Annotated[str | None, typer.Option(help="Of the numbers, if the file does not tell.")]

@@ -17,8 +17,10 @@ from thermobearing.border.overrides import overridden, said_with_unit, updated
 from thermobearing.border.schema import Strict, in_unit, validated
 from thermobearing.border.toml import read_toml, split_sources, to_table, to_toml
 from thermobearing.border.units import with_unit
-from thermobearing.cyclic.protocol import CyclicTest, cyclic_test, find_faults
+from thermobearing.core.types import BOOKS
+from thermobearing.cyclic.protocol import CyclicTest, cyclic_test, survey
 from thermobearing.model.earlier import needs_full_stack
+from thermobearing.model.effort import too_much
 from thermobearing.model.options import ModelOptions
 from thermobearing.model.stack import build_stack
 
@@ -81,7 +83,7 @@ class Case(Strict):
 
     def faults(self) -> list[str]:
         """What the parts do to each other: a test that cannot be done with this bearing, ..."""
-        found = find_faults(self.test, self.bearing.total_rubber_thickness)
+        found, steps = survey(self.test, self.bearing.total_rubber_thickness)
         found = [f"test.{fault}" for fault in found]
         if self.ambient_series is not None:
             try:
@@ -98,6 +100,10 @@ class Case(Strict):
                 f"initial_profile: has {len(self.initial_profile)} temperatures, "
                 f"but the stack has {cells} cells"
             )
+        if not found:  # of a test that cannot be done the steps say nothing
+            steps *= len(self.ambient)
+            row = BOOKS + cells * len(self.analysis.keep)
+            found += too_much(steps, cells, steps / self.analysis.keep_every * row)
         return found
 
 

@@ -19,7 +19,7 @@ from thermobearing.core.types import (
     new_state,
     new_workspace,
 )
-from thermobearing.cyclic.protocol import Segment
+from thermobearing.cyclic.segments import Segment
 from thermobearing.model.outcomes import INTERRUPTED, NAMES
 
 Floats = NDArray[np.float64]

@@ -8,8 +8,8 @@ from thermobearing.core.types import CAPACITY, LEAD_DEGC
 from thermobearing.cyclic.case import Case
 from thermobearing.cyclic.dataset import RunRecord, StackLabels, build_dataset
 from thermobearing.cyclic.history import History, has_branches
-from thermobearing.cyclic.protocol import Segment, longest_layer_increment
 from thermobearing.cyclic.result import Result
+from thermobearing.cyclic.segments import Segment, longest_layer_increment
 from thermobearing.model.options import BearingModel
 from thermobearing.model.outcomes import SENTENCES, SHARING_SENTENCES
 

@@ -19,8 +19,9 @@ from thermobearing.cyclic.case import Case, make_case
 from thermobearing.cyclic.equivalent import bilinear_parameters
 from thermobearing.cyclic.history import History, run_segments
 from thermobearing.cyclic.label import label
-from thermobearing.cyclic.protocol import CyclicTest, build_segments
+from thermobearing.cyclic.protocol import CyclicTest
 from thermobearing.cyclic.result import Result
+from thermobearing.cyclic.segments import build_segments
 from thermobearing.cyclic.start import final_lead, final_profile, initial_temperatures
 from thermobearing.model.options import EndFace, build_model
 from thermobearing.model.outcomes import INTERRUPTED
@@ -56,7 +57,7 @@ def run(
     test : what to do; Table 3.4 if not given.
     ambient : temperature of the air [degC], in [-100, 100]; several temperatures make several
         runs in one result; an `Ambient` is a series in time.
-    dt : largest time step while the bearing moves [s], in (0, 10].
+    dt : largest time step while the bearing moves [s], in [1e-6, 10].
     scheme : "conservative" (default) or "published" heat scheme.
     integrator : "exact" (default) or "euler" integration of Z.
     heat_source : "work" (Eq. 4.22) or "dissipation"; by default that of the bearing, dissipation

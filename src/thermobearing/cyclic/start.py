@@ -28,8 +28,8 @@ def _same_run(result: Result, ambient: Any) -> int:
     runs = result["ambient"].values
     if len(runs) == 1:
         return 0
-    match = np.flatnonzero(runs == ambient)
-    if np.ndim(ambient) != 0 or len(match) != 1:
+    match: Any = np.flatnonzero(runs == ambient) if np.ndim(ambient) == 0 else []
+    if len(match) != 1:
         raise InputError(f"initial: the earlier result has runs at {runs} degC; use one of them")
     return int(match[0])
 

@@ -103,7 +103,7 @@ class EarthquakeCase(Strict):
     ambient : temperatures of the air and of the bearings at the start [degC], in [-100, 100].
     weather : CSV file with time and temperature that ends when the earthquake begins, instead
         of `ambient`.
-    duration : motions are cut to this [s], > 0; None for their whole length.
+    duration : motions are cut to this [s], in [0.001, 1e6]; None for their whole length.
     analysis : how to compute, and what to keep.
     laboratory : of a specimen in the loop.
     """

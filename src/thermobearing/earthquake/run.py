@@ -22,7 +22,8 @@ from thermobearing.bearing.model import Bearing
 from thermobearing.core.types import Constants, Floats
 from thermobearing.cyclic.equivalent import bilinear_parameters
 from thermobearing.cyclic.history import run_segments
-from thermobearing.cyclic.protocol import CyclicTest, build_segments
+from thermobearing.cyclic.protocol import CyclicTest
+from thermobearing.cyclic.segments import build_segments
 from thermobearing.earthquake.case import EarthquakeCase
 from thermobearing.earthquake.label import label_study
 from thermobearing.earthquake.result import EarthquakeResult

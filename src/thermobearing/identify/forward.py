@@ -17,7 +17,7 @@ from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
 from thermobearing.core.types import BOOKS, FORCE, LEAD_DEGC
 from thermobearing.cyclic.history import column_numbers, has_branches, run_segments
-from thermobearing.cyclic.protocol import Segment
+from thermobearing.cyclic.segments import Segment
 from thermobearing.identify.record import TestRecord
 from thermobearing.model.constants import with_parameters
 from thermobearing.model.options import build_model

@@ -47,6 +47,7 @@ class Parameter:
 
     Examples
     --------
+    >>> from thermobearing.identify.kinds import BY_KEY
     >>> stiffness = Parameter(BY_KEY[K_R], value=10.0, lower=1.0, upper=100.0)
     >>> round(stiffness.at(0.5), 6), round(stiffness.place(10.0), 6)
     (10.0, 0.5)

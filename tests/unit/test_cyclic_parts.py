@@ -1,0 +1,191 @@
+"""Parts of a cyclic analysis by hand: warnings, restarts, kept rows, lost heat, comparisons."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from numpy.testing import assert_allclose
+
+import thermobearing as tb
+from tests import tolerances as tol
+from thermobearing.core.types import COMPLETED
+from thermobearing.cyclic import history
+from thermobearing.cyclic.case import make_case
+from thermobearing.cyclic.comparison import _temperatures
+from thermobearing.cyclic.equivalent import bilinear_parameters, isothermal_cycle
+from thermobearing.cyclic.history import kept_steps, run_segments
+from thermobearing.cyclic.label import warnings_of
+from thermobearing.cyclic.segments import Segment, build_segments
+from thermobearing.cyclic.start import final_lead, final_profile, initial_temperatures
+from thermobearing.model.options import build_model
+
+HDR = tb.load_bearing("shen-hdr-specimen")
+LAYERS, YIELD = HDR.geometry.rubber_layers, HDR.hysteresis.yield_displacement
+COLD = tb.Ambient.constant(-20.0)
+
+
+def moved(x: list[float]) -> Segment:
+    count = len(x)
+    return Segment(
+        "ramp", "x", np.array(x), np.full(count, 0.01), np.zeros(count, dtype=np.int32),
+        np.zeros(count, dtype=bool),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize(("part", "told"), [(0.98, False), (1.02, True)])
+def test_coarse_steps_are_told_where_a_layer_moves_by_its_yield_displacement(
+    sign: float, part: float, told: bool
+) -> None:
+    """Of one layer, in either direction, across segments too."""
+    case = make_case({}, "test", bearing=HDR)
+    far = sign * part * LAYERS * YIELD
+    for segments in ([moved([far])], [moved([0.2 * far]), moved([0.1 * far, 1.1 * far])]):
+        said = warnings_of(case, segments, [COLD])
+        assert len(said) == int(told)
+        if told:
+            assert f"up to {part * YIELD:.3g} mm" in said[0]
+
+
+def test_a_series_given_in_python_is_warned_of() -> None:
+    case = make_case({}, "test", bearing=HDR)
+    series = tb.Ambient.series(np.array([0.0, 10.0]), np.array([0.0, 5.0]))
+    assert "given in Python" in warnings_of(case, [moved([0.1])], [series])[0]
+    assert warnings_of(case, [moved([0.1])], [COLD]) == []
+
+
+def earlier() -> Any:
+    """A result with runs at -20, 5 and 23 degC, whose cells and lead end at known numbers."""
+    air = np.array([-20.0, 5.0, 23.0])
+    profiles = air[:, np.newaxis] + np.array([0.5, 1.0, 1.5])
+    data = {
+        "initial_temperature": (("ambient", "cell"), np.zeros((3, 3))),
+        "final_temperature": (("ambient", "cell"), profiles),
+        "final_lead_temperature": ("ambient", air + 40.0),
+    }
+    return xr.Dataset(data, coords={"ambient": air})
+
+
+@pytest.mark.parametrize("air", [-20.0, 5.0, 23.0])
+def test_restart_is_from_the_run_at_the_same_temperature(air: float) -> None:
+    assert_allclose(final_profile(earlier(), air), air + np.array([0.5, 1.0, 1.5]))
+    assert final_lead(earlier(), air) == air + 40.0
+
+
+def test_restart_from_an_only_run_and_from_none() -> None:
+    only = earlier().isel(ambient=[1])
+    assert_allclose(final_profile(only, -20.0), [5.5, 6.0, 6.5])
+    assert final_lead(only.assign(final_lead_temperature=("ambient", [np.nan])), 5.0) is None
+    for air in (0.0, [5.0, 23.0]):
+        with pytest.raises(tb.InputError, match="use one of them"):
+            final_profile(earlier(), air)
+
+
+def test_starts_by_hand() -> None:
+    for profile, uniform, wanted in (
+        (None, None, [7.0, 7.0]), (None, -3.0, [-3.0, -3.0]), ([1.0, 2.0], None, [1.0, 2.0]),
+    ):  # fmt: skip
+        case: Any = SimpleNamespace(initial_profile=profile, initial=uniform)
+        assert_allclose(initial_temperatures(case, 2, 7.0), wanted)
+
+
+def test_every_nth_step_and_the_ends_of_legs_are_kept() -> None:
+    segment = moved([0.0] * 10)
+    assert np.flatnonzero(kept_steps(segment, 3)).tolist() == [2, 5, 8]
+    segment.turning[3] = True
+    assert np.flatnonzero(kept_steps(segment, 4)).tolist() == [3, 7]
+    assert kept_steps(segment, 1).all()
+
+
+def test_mismatch_is_the_largest_and_softened_steps_add_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of three segments the middle one is worst."""
+    answers = iter([(1, 0.2), (4, 0.5), (2, 0.1)])
+
+    def march(*arguments: Any) -> tuple[int, int, int, int, float]:
+        softened, mismatch = next(answers)
+        return len(arguments[4]), 0, COMPLETED, softened, mismatch
+
+    monkeypatch.setattr(history, "march", march)
+    model = build_model(HDR)
+    cells = np.full(len(model.stack.part), -20.0)
+    run = run_segments(model.constants, [moved([1.0, 2.0])] * 3, COLD, cells)
+    assert (run.mismatch, run.softened_steps, run.steps) == (0.5, 7, 6)
+
+
+def short_run(**options: Any) -> history.History:
+    """A warming ramp of the air, and of the bearing to 100 %."""
+    model = build_model(HDR)
+    test = tb.CyclicTest(dt=0.02, steps=[{"step": "ramp", "to_strain": 1.0, "duration": 2.0}])
+    air = tb.Ambient.series(np.array([0.0, 1.0, 2.0]), np.array([-20.0, 30.0, -20.0]))
+    cells = np.full(len(model.stack.part), -20.0)
+    segments = build_segments(test, HDR.total_rubber_thickness)
+    return run_segments(model.constants, segments, air, cells, **options)
+
+
+def test_chunks_change_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The clock of the air goes on from chunk to chunk."""
+    whole = short_run()
+    monkeypatch.setattr(history, "CHUNK", 7)
+    assert_allclose(short_run().rows, whole.rows, rtol=tol.PROTOCOL, atol=tol.PROTOCOL)
+
+
+def test_a_run_that_was_cut_off_keeps_where_it_stood(monkeypatch: pytest.MonkeyPatch) -> None:
+    def stop(steps: int) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(history, "CHUNK", 7)
+    run = short_run(keep_every=1000, progress=stop)
+    assert run.outcome == "interrupted"
+    assert len(run.rows) == 2
+    assert_allclose(run.cells[-1], run.state.temperature, atol=tol.SINGLE_PRECISION)
+    assert np.abs(run.cells[-1] - run.initial).max() > 1e-3
+
+
+@pytest.mark.parametrize("through", ["ends", "sides"])
+def test_heat_is_lost_where_it_can_leave(through: str) -> None:
+    """A warm bearing at rest, adiabatic but for its ends or its sides."""
+    film = {"side_film": 0.0 if through == "ends" else 20.0}
+    bearing = HDR.model_copy(update={"materials": HDR.materials.model_copy(update=film)})
+    face = tb.EndFace(eta=3.0 if through == "ends" else 1.0)
+    test = tb.CyclicTest(dt=1.0, steps=[{"step": "rest", "duration": 600.0}])
+    result = tb.run(bearing, test, -20.0, initial=20.0, upper_face=face, lower_face=face)
+    books = result.energy.iloc[0]
+    lost = {name: books[f"heat_lost_{name}_kN_mm"] for name in ("ends", "sides")}
+    assert lost.pop(through) > 1e3
+    assert list(lost.values()) == [0.0]
+    assert result[f"heat_lost_{through}"].values[0, -1] > 1e3
+
+
+@pytest.mark.parametrize(("half", "inner"), [(1, 5), (0, 3)])
+def test_inner_layer_of_a_half_and_of_a_whole_stack(half: int, inner: int) -> None:
+    """Of six modelled layers: the last one at the plane of symmetry, or the one in the middle."""
+    values = np.arange(12.0).reshape(1, 2, 6)
+    dataset = xr.Dataset(
+        {"rubber_temperature": (("ambient", "time", "layer"), values)}, attrs={"half_stack": half}
+    )
+    result = tb.Result(dataset)
+    assert_allclose(_temperatures(result, 0, "inner layer"), [inner, 6 + inner])
+    assert_allclose(_temperatures(result, 0, "outer layer"), [0, 6])
+
+
+def test_equivalent_model_is_that_of_the_temperature_asked_for() -> None:
+    """And of a cycle that has forgotten how the test began."""
+    warm, cold = (bilinear_parameters(HDR, strain=1.0, temperature=t) for t in (23.0, -20.0))
+    assert cold.strength > 1.2 * warm.strength
+    assert bilinear_parameters(HDR, strain=1.0) == warm
+    m = isothermal_cycle(HDR, 1.0)
+    assert m.force_max_kN == pytest.approx(-m.force_min_kN, rel=1e-9)
+    assert m.amplitude_mm == pytest.approx(30.0)
+    whole = tb.run(HDR, tb.cyclic_test(strain=[1.0], cycles=1), 23.0).cycles.iloc[0]
+    assert m.h_eq > whole["h_eq"]  # the first cycle begins without force
+
+
+@pytest.mark.parametrize(
+    ("name", "wave"),
+    [("shen-hdr-specimen", "triangular"), ("shen-lhdr-specimen", "sine"), ("lrb-example", "sine")],
+)
+def test_wave_of_table_3_4_depends_on_the_lead(name: str, wave: str) -> None:
+    case = make_case({}, "test", bearing=name)
+    assert {step.wave for step in case.test.steps if step.step == "cycles"} == {wave}
