@@ -15,7 +15,6 @@ from tests import tolerances as tol
 from tests.conftest import Recorder
 from tests.unit.inputs import Row, assert_told, by_name, command, last_line, write_toml
 from thermobearing.bearing.bilinear import load_bilinear
-from thermobearing.core.types import FORCE
 from thermobearing.cyclic.equivalent import backbone
 from thermobearing.design.bounds import DEMANDS, bounds_study, paragraph, verdict
 from thermobearing.design.case import bearing_weight, make_design_case
@@ -92,7 +91,7 @@ def loop_of(parameters: Any, u: float) -> tuple[float, float]:
     closed = slice(49, None)
     xs, fs = np.array(x)[closed], np.array(f)[closed]
     area = float((0.5 * (fs[1:] + fs[:-1]) * np.diff(xs)).sum())
-    assert element.state.books[FORCE] == f[-1]
+    assert element.state.books[0].force == f[-1]
     return max(f), area
 
 

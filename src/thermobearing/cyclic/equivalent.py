@@ -86,8 +86,13 @@ def isothermal_cycle(
     )
     third = np.flatnonzero(history.cycle == CYCLE)
     rows = slice(third[0] - 1, third[-1] + 1)
-    x, force = history.rows[rows, 1], history.rows[rows, 2]
-    return measure_cycle(x, force, area=bearing.area, total_rubber_thickness=rubber)
+    books = history.rows.books[rows]
+    return measure_cycle(
+        books["displacement"],
+        books["force"],
+        area=bearing.area,
+        total_rubber_thickness=rubber,
+    )
 
 
 def backbone(stiffness: float, energy: float, amplitude: float) -> BilinearParameters:

@@ -158,7 +158,7 @@ def run_case(
             model.constants,
             segments,
             climate,
-            initial_temperatures(case, model.constants.cells.shape[1], climate.at(0.0)),
+            initial_temperatures(case, len(model.constants.cells.capacity), climate.at(0.0)),
             initial_lead=case.initial_lead,
             keep_every=case.analysis.keep_every,
             groups=case.analysis.keep,

@@ -100,7 +100,7 @@ def soaked(device: Device, weather: Ambient) -> tuple[Floats, float | None]:
     The bearing is at rest, at first uniform at the first ambient temperature. The same heat
     model as in motion, in growing steps.
     """
-    cells = device.constants.cells.shape[1]
+    cells = len(device.constants.cells.capacity)
     if device.stack is None:
         return np.full(cells, weather.temperature[-1]), None
     start = float(weather.time[0])
@@ -109,7 +109,7 @@ def soaked(device: Device, weather: Ambient) -> tuple[Floats, float | None]:
     segments = build_segments(CyclicTest(dt=10.0, steps=[rest]), 1.0)
     initial = np.full(cells, weather.temperature[0])
     history = run_segments(device.constants, segments, shifted, initial, groups=())
-    lead = float(history.state.lead[0]) if device.constants.lead.cores > 0.0 else None
+    lead = history.state.branches[0].lead_temperature if device.constants.lead.cores > 0.0 else None
     return history.state.temperature, lead
 
 
@@ -146,7 +146,7 @@ def build_tasks(case: EarthquakeCase) -> list[Task]:
         if weather is not None:
             starts = [(float(weather.temperature[-1]), soaked(device, weather))]
         else:
-            cells = device.constants.cells.shape[1]
+            cells = len(device.constants.cells.capacity)
             starts = [(value, (np.full(cells, value), None)) for value in case.ambient]
         for shaking in shakings:
             tasks += [Task(prepared, device, shaking, air, start, case) for air, start in starts]
