@@ -39,7 +39,7 @@ demo: $(PROGRAM)
 	$(BIN)/thermobearing cyclic -o demo --force
 
 test: $(TESTS)
-	$(BIN)/python -m pytest --numprocesses $(WORKERS)
+	$(BIN)/python -m pytest --numprocesses $(WORKERS) --dist worksteal
 
 # Another Python: make test-minimum PYTHON=python3.13 CONSTRAINTS= (with the newest versions).
 CONSTRAINTS ?= $(LOWEST)/lowest.txt

@@ -65,4 +65,4 @@ def draw() -> Figure:
 
 
 if __name__ == "__main__":
-    draw().savefig(sys.argv[1], dpi=130)
+    drawing.save_figure(draw(), sys.argv[1], dpi=130)

@@ -17,7 +17,7 @@ from thermobearing.cyclic.comparison import _temperatures
 from thermobearing.cyclic.equivalent import bilinear_parameters, isothermal_cycle
 from thermobearing.cyclic.history import kept_steps, run_segments
 from thermobearing.cyclic.label import warnings_of
-from thermobearing.cyclic.segments import Segment, build_segments
+from thermobearing.cyclic.protocol import Segment, build_segments
 from thermobearing.cyclic.start import final_lead, final_profile, initial_temperatures
 from thermobearing.model.options import build_model
 
@@ -117,8 +117,9 @@ def test_mismatch_is_the_largest_and_softened_steps_add_up(monkeypatch: pytest.M
 def short_run(**options: Any) -> history.History:
     """A warming ramp of the air, and of the bearing to 100 %."""
     model = build_model(HDR)
-    ramp = {"step": "ramp", "to_strain": 1.0, "duration": 2.0}
-    test = tb.cyclic.CyclicTest(dt=0.02, steps=[ramp])
+    test = tb.cyclic.CyclicTest(
+        dt=0.02, steps=[{"step": "ramp", "to_strain": 1.0, "duration": 2.0}]
+    )
     air = tb.Ambient.series(np.array([0.0, 1.0, 2.0]), np.array([-20.0, 30.0, -20.0]))
     cells = np.full(len(model.stack.part), -20.0)
     segments = build_segments(test, HDR.total_rubber_thickness)

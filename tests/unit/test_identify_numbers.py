@@ -15,8 +15,7 @@ from thermobearing.identify import search
 from thermobearing.identify.agreement import determination, fit_of_record
 from thermobearing.identify.cycles import cycles_of, measures_of
 from thermobearing.identify.forward import ForwardModel, Prediction, _pause
-from thermobearing.identify.krill import krill_herd
-from thermobearing.identify.parameters import (
+from thermobearing.identify.kinds import (
     BY_KEY,
     C_V,
     HARDENING,
@@ -25,10 +24,9 @@ from thermobearing.identify.parameters import (
     M_T,
     SHAPE,
     Kind,
-    Parameter,
-    ParameterSet,
-    parameter_set,
 )
+from thermobearing.identify.krill import krill_herd
+from thermobearing.identify.parameters import Parameter, ParameterSet, parameter_set
 from thermobearing.identify.problem import LOST, Problem, robust_weights, sample_weights
 from thermobearing.identify.record import TestRecord, record_from_arrays
 from thermobearing.identify.start import _with_temperature

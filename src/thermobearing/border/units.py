@@ -21,8 +21,8 @@ _NUMBER_AND_UNIT = re.compile(
 _UNIT = re.compile(r"^(?:[^\W\d]|[°℃%²³⁻¹·*/() ]|\^?-?\d(?!\s*(?:\d|\^|\*\*)))+$")
 _POWER = re.compile(r"(?<=[A-Za-z])(?=[234](?!\d))")  # m2 means m^2
 LONGEST = 200  # characters of a number with its unit
-# A size beyond this is a slip in a unit or an exponent, whatever it means, and so is a positive
-# number that may not be negative and is less than its inverse; between, no formula overflows.
+# Where nothing else is said: a size beyond this is a slip in a unit or an exponent, and so is a
+# number that must be positive and is less than its inverse.
 HUGEST = 1e12
 CUBIC_MM_PER_CUBIC_M = 1e9
 NEWTON_PER_KILONEWTON = 1e3
@@ -107,15 +107,3 @@ def with_unit(value: float, unit: str) -> str:
         return f"{float(value)!r} {unit}"
     except OverflowError:  # a whole number beyond doubles
         return f"{'-' if value < 0 else ''}inf {unit}"
-
-
-def said_with_unit(value: Any, unit: str | None) -> Any:
-    """Plain numbers, alone or in a list, as text with their unit; anything else as it is."""
-    if hasattr(value, "tolist"):  # numpy arrays and scalars
-        value = value.tolist()
-    if unit is None:
-        return value
-    if isinstance(value, list | tuple):
-        return [said_with_unit(item, unit) for item in value]
-    plain = isinstance(value, int | float) and not isinstance(value, bool)
-    return with_unit(value, unit) if plain else value

@@ -1,5 +1,6 @@
 """`thermobearing lambda`: temperature factors of a bearing."""
 
+import re
 from pathlib import Path
 from typing import Annotated
 
@@ -81,6 +82,7 @@ def _cycles(text: str) -> str | list[int]:
     """A preset, or numbers between commas."""
     from thermobearing.design.factors import PRESETS
 
-    if text in PRESETS or not all(part.strip().isdigit() for part in text.split(",")):
+    parts = [part.strip() for part in text.split(",")]
+    if text in PRESETS or not all(re.fullmatch("[0-9]{1,9}", part) for part in parts):
         return text
     return [int(part) for part in text.split(",")]

@@ -37,6 +37,16 @@ class Analysis(ModelOptions):
     keep: tuple[Group, ...] = ("rubber", "cells")
 
 
+def each_once(ambient: list[float]) -> list[float]:
+    """The temperatures [degC]; ValueError if one is given twice."""
+    seen: set[float] = set()
+    for value in ambient:
+        if value in seen:
+            raise ValueError(f"{value:g} degC is given more than once")
+        seen.add(value)
+    return ambient
+
+
 class Case(Strict):
     """Everything `cyclic` needs. Only one of the three ways to start may be given.
 
@@ -65,10 +75,7 @@ class Case(Strict):
     @field_validator("ambient")
     @classmethod
     def _each_once(cls, ambient: list[float]) -> list[float]:
-        for value in ambient:
-            if ambient.count(value) > 1:
-                raise ValueError(f"{value:g} degC is given more than once")
-        return ambient
+        return each_once(ambient)
 
     def to_toml(self) -> str:
         """The case with every default filled in, as TOML; reads back to the same bits."""

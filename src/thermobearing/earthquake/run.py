@@ -85,16 +85,11 @@ def build_device(case: EarthquakeCase, bearing: Bearing | BilinearBearing) -> De
 
 
 def build_shaking(case: EarthquakeCase, number: int) -> Shaking:
-    """A motion of the case, cut, scaled, and linear between its samples.
-
-    The step divides the sampling interval, so that every sample is met.
-    """
+    """A motion of the case, cut, scaled, and linear between its samples."""
     chosen = case.motions[number]
     motion = chosen.load()
-    parts = max(1, int(np.ceil(motion.dt / case.analysis.dt - 1e-9)))
-    dt = motion.dt / parts
-    duration = motion.duration if case.duration is None else min(case.duration, motion.duration)
-    times = dt * np.arange(round(duration / dt) + 1)
+    steps, dt = case.steps_of(motion)
+    times = dt * np.arange(steps + 1)
     ground = chosen.factor * np.interp(times, motion.time, motion.acceleration)
     return Shaking(motion, dt, ground)
 
