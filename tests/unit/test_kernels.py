@@ -1,6 +1,10 @@
 """What compiled code is made of: its cache key, and its records."""
 
 import ast
+import errno
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +13,7 @@ from numpy.testing import assert_array_equal
 
 import thermobearing
 from thermobearing.core import types
-from thermobearing.core.compile import kernel_files
+from thermobearing.core.compile import cache_directory, kernel_files
 from thermobearing.core.records import filled, labels, row_type, rows
 from thermobearing.core.types import Books, LayerCells, RubberBooks
 from thermobearing.structure import types as structure_types
@@ -103,3 +107,93 @@ def test_rows_are_views_and_copies_are_not() -> None:
     assert_array_equal(books["force"], [0.0, 3.0, 0.0])
     part.copy()[0].force = 4.0
     assert books[1].force == 3.0
+
+
+def found_with(monkeypatch: pytest.MonkeyPatch, **variables: str | None) -> Path | None:
+    """The folder for machine code in another environment."""
+    for name in ("NUMBA_CACHE_DIR", "XDG_CACHE_HOME"):
+        monkeypatch.delenv(name, raising=False)
+    for name, value in variables.items():
+        if value is not None:
+            monkeypatch.setenv(name, value)
+    return cache_directory.__wrapped__()
+
+
+def test_machine_code_goes_to_the_folder_of_the_user(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    given = found_with(monkeypatch, NUMBA_CACHE_DIR=str(tmp_path / "given"))
+    usual = found_with(monkeypatch, XDG_CACHE_HOME=str(tmp_path / "cache"))
+    assert given is not None
+    assert given.parent == tmp_path / "given"
+    assert usual is not None
+    assert usual.parent == tmp_path / "cache" / "thermobearing"
+    assert list(usual.iterdir()) == []  # the trial leaves nothing
+
+
+def test_no_home_means_no_folder(monkeypatch: pytest.MonkeyPatch) -> None:
+    def none() -> Path:
+        raise RuntimeError("Could not determine home directory.")
+
+    monkeypatch.setattr(Path, "home", none)
+    assert found_with(monkeypatch) is None
+    assert found_with(monkeypatch, XDG_CACHE_HOME="not/absolute") is None
+
+
+def test_read_only_or_full_folder_is_not_used(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert found_with(monkeypatch, NUMBA_CACHE_DIR="/proc/none") is None
+    (tmp_path / "file").write_text("")
+    assert found_with(monkeypatch, NUMBA_CACHE_DIR=str(tmp_path / "file")) is None
+
+    def full(*_: int) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(os, "posix_fallocate", full)
+    assert found_with(monkeypatch, NUMBA_CACHE_DIR=str(tmp_path / "cache")) is None
+
+
+COMPILES = """
+import sys
+from pathlib import Path
+import numpy as np
+from thermobearing.core.heat import solve
+from thermobearing.core.types import CellWork
+room = CellWork(*(np.ones(3) for _ in CellWork._fields))
+print("ready", flush=True)
+sys.stdin.readline()
+solve(room)
+print(room.change.tolist())
+"""
+
+
+def test_two_processes_compile_the_same_kernel_at_once(tmp_path: Path) -> None:
+    """Both end well and alike, and the machine code that is left can be loaded."""
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
+
+    def start() -> subprocess.Popen[str]:
+        return subprocess.Popen(
+            [sys.executable, "-c", COMPILES],
+            env=environment,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+
+    def answers(processes: list[subprocess.Popen[str]]) -> list[str]:
+        for process in processes:
+            assert process.stdout is not None
+            assert process.stdout.readline() == "ready\n"
+        for process in processes:
+            assert process.stdin is not None
+            process.stdin.write("now\n")
+            process.stdin.flush()
+        told = [process.communicate()[0] for process in processes]
+        assert [process.returncode for process in processes] == [0] * len(processes)
+        return told
+
+    first = answers([start(), start()])
+    later = answers([start()])
+    assert len({*first, *later}) == 1
+    assert list(tmp_path.rglob("*.nbi"))

@@ -8,6 +8,7 @@ a stale copy of a function or a number imported from another file.
 
 import hashlib
 import os
+import tempfile
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -29,6 +30,8 @@ KERNELS = (
     "motions/spectrum.py",
 )
 
+ROOM = 20_000_000  # for the machine code of all kernels, and some more [bytes]
+
 F = TypeVar("F", bound=Callable[..., Any])
 
 
@@ -48,15 +51,37 @@ def cache_directory() -> Path | None:
     digest = hashlib.sha256(f"{numba.__version__}".encode())
     for source in kernel_files():
         digest.update(source.read_bytes())
-    base = os.environ.get("NUMBA_CACHE_DIR") or os.path.join(
-        os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache"), "thermobearing"
-    )
-    folder = Path(base) / digest.hexdigest()[:16]
+    base = _base()
+    folder = base / digest.hexdigest()[:16] if base else None
+    return folder if folder and _has_room(folder) else None
+
+
+def _base() -> Path | None:
+    """The user's folder for what can be made again; None where there is no home."""
+    given = os.environ.get("NUMBA_CACHE_DIR")
+    if given:
+        return Path(given)
+    cache = os.environ.get("XDG_CACHE_HOME")
+    try:
+        home = Path(cache) if cache else Path.home() / ".cache"
+    except RuntimeError:
+        return None
+    return home / "thermobearing" if home.is_absolute() else None
+
+
+def _has_room(folder: Path) -> bool:
+    """Whether the machine code can be written there: not if read-only, not if the disk is full.
+
+    Numba would end the run when it cannot.
+    """
     try:
         folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder) as trial:
+            if hasattr(os, "posix_fallocate"):
+                os.posix_fallocate(trial.fileno(), 0, ROOM)
     except OSError:
-        return None
-    return folder if os.access(folder, os.W_OK) else None
+        return False
+    return True
 
 
 def compiled(function: F) -> F:
