@@ -66,6 +66,11 @@ def rows(record: type[R], *shape: int) -> Rows[R]:
     return cast(Rows[R], np.zeros(shape, dtype=row_type(cast(Any, record))))
 
 
+def unset(record: type[R], *shape: int) -> Rows[R]:
+    """An array of rows whose numbers are still to be written."""
+    return cast(Rows[R], np.empty(shape, dtype=row_type(cast(Any, record))))
+
+
 def filled(record: type[R], **columns: Any) -> Rows[R]:
     """An array of rows from its columns, each one number or one for every row."""
     length = max((len(column) for column in columns.values() if np.ndim(column)), default=1)

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from thermobearing.bearing.ambient import Ambient
 from thermobearing.core.march import keep_row, march
-from thermobearing.core.records import Floats, rows
+from thermobearing.core.records import Floats, unset
 from thermobearing.core.types import (
     COMPLETED,
     SOFTENED,
@@ -58,7 +58,7 @@ def room_for(constants: Constants, count: int, groups: tuple[str, ...]) -> Kept:
     layers, cells = len(constants.multiplicity), len(constants.cells.capacity)
     wide = {name: layers if name in groups else 0 for name in Kept._fields}
     return Kept(
-        books=rows(Books, count),
+        books=unset(Books, count),
         rubber=np.empty((count, wide["rubber"])),
         layer_displacement=np.empty((count, wide["layer_displacement"])),
         hysteretic=np.empty((count, wide["hysteretic"])),
