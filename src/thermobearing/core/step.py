@@ -33,7 +33,8 @@ from thermobearing.core.types import (
 )
 from thermobearing.core.viscous import maxwell
 
-ABSOLUTE_ZERO, HOTTEST = -273.15, 1000.0  # [degC]
+ABSOLUTE_ZERO, HOTTEST = -273.15, 400.0  # [degC]; rubber decomposes
+LEAD_MELTS = 327.5  # [degC]
 
 
 @compiled
@@ -261,6 +262,7 @@ def step(
     heat_step(constants, work, state, x, dt, ambient, new)
     if not math.isfinite(books.heat_lost_sides + books.heat_released + force):
         return force, tangent + slope, NOT_FINITE
-    if runs_away(constants.layer_cells, new.temperature):
+    melts = new.lead[LEAD_TEMPERATURE] > LEAD_MELTS
+    if melts or runs_away(constants.layer_cells, new.temperature):
         return force, tangent + slope, TEMPERATURE_RUNAWAY
     return force, tangent + slope, outcome

@@ -136,7 +136,7 @@ class Result:
                     work=float(work[run, where.stop - 1] - work[run, where.start]),
                 )
                 rows.append(self._row(float(ambient), self.segments[number], k, measures))
-        return pd.DataFrame(rows).assign(**self._temperatures(ends))
+        return pd.concat([pd.DataFrame(rows), pd.DataFrame(self._temperatures(ends))], axis=1)
 
     def _row(
         self, ambient: float, segment: dict[str, Any], cycle: int, m: CycleMeasures
