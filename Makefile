@@ -8,11 +8,14 @@ TESTS := $(VENV)/.tests
 TOOLS := $(VENV)/.lint
 WORKERS ?= auto
 
-.PHONY: help demo test bench lint docs clean
+LOWEST := .venv-minimum
+
+.PHONY: help demo test test-minimum bench lint docs clean
 
 help:
 	@echo "make demo   install, and run the default cyclic test into ./demo"
 	@echo "make test   all tests, on all cores (WORKERS=0: in one process)"
+	@echo "make test-minimum   unit tests with the lowest versions of all that is needed"
 	@echo "make bench  speed, accuracy and memory, each beside its target"
 	@echo "make lint   ruff, mypy, import contracts"
 	@echo "make docs   regenerate every number and figure in README and docs"
@@ -36,7 +39,15 @@ demo: $(PROGRAM)
 	$(BIN)/thermobearing cyclic -o demo --force
 
 test: $(TESTS)
-	$(BIN)/python -m pytest --numprocesses $(WORKERS)
+	$(BIN)/python -m pytest --numprocesses $(WORKERS) --dist worksteal
+
+# Another Python: make test-minimum PYTHON=python3.13 CONSTRAINTS= (with the newest versions).
+CONSTRAINTS ?= $(LOWEST)/lowest.txt
+test-minimum: pyproject.toml
+	$(PYTHON) -m venv --clear $(LOWEST)
+	$(PYTHON) tests/minimum.py > $(LOWEST)/lowest.txt
+	$(LOWEST)/bin/python -m pip install --quiet $(addprefix -c ,$(CONSTRAINTS)) -e ".[test]"
+	$(LOWEST)/bin/python -m pytest --numprocesses $(WORKERS) tests/unit
 
 bench: $(TESTS)
 	$(BIN)/python -m benchmarks
@@ -51,4 +62,4 @@ docs: $(TESTS)
 	$(BIN)/python docs/generate.py
 
 clean:
-	rm -rf $(VENV) demo build dist
+	rm -rf $(VENV) $(LOWEST) demo build dist

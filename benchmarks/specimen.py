@@ -9,7 +9,7 @@ import thermobearing as tb
 from thermobearing.bearing.ambient import Ambient
 from thermobearing.core.types import Constants
 from thermobearing.cyclic.history import History, run_segments
-from thermobearing.cyclic.protocol import Segment, build_segments
+from thermobearing.cyclic.segments import Segment, build_segments
 from thermobearing.model.constants import LeadEnds, build_constants
 from thermobearing.model.stack import Face, build_stack
 
@@ -34,7 +34,7 @@ def table_34(name: str = NAME) -> list[Segment]:
 
 def run_at(constants: Constants, segments: list[Segment], ambient: float) -> History:
     """One run, everything kept that is kept by default."""
-    start = np.full(constants.cells.shape[1], ambient)
+    start = np.full(len(constants.cells.capacity), ambient)
     return run_segments(constants, segments, Ambient.constant(ambient), start)
 
 

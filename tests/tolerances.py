@@ -200,6 +200,11 @@ LEAST_RESIDUAL = 1e-6  # 5e-8 measured: rounding of temperatures over a least wa
 # --- One model in every analysis ------------------------------------------------------------
 NOISE_FREE_STRENGTH = 1e-4  # 2e-5 with coarse steps of the fit; 1.3e-3 with another heat source
 
+# --- Single numbers ------------------------------------------------------------------------
+SIMILAR = 1e-8  # the same cycle at another size: rounding, and steps of another length
+SOFTENED_TANGENT = 1e-4  # 1e-5 measured, where the tangent is 0.3 kN/mm: rounding of the forces
+LOSS_SLOPE = 1e-6  # central difference of a smooth function, steps of 1e-5
+
 # --- Golden files --------------------------------------------------------------------------
 # Against code compiled without fused multiply-add and wide vectors: 2e-11, after a search 7e-10.
 GOLDEN = 1e-9  # relative, and one unit of the last printed digit

@@ -61,6 +61,7 @@ app = typer.Typer(
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
+    rich_markup_mode="markdown",  # or units in brackets vanish from the help
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 

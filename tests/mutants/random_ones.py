@@ -27,9 +27,9 @@ OPERATORS: dict[type[ast.AST], tuple[str, str]] = {
     ast.And: ("and", "or"),
     ast.Or: ("or", "and"),
 }
-NAMES = {"min": "max", "max": "min", "argmin": "argmax", "argmax": "argmin", "sin": "cos",
-         "cos": "sin", "any": "all", "all": "any", "ceil": "floor", "floor": "ceil",
-         "mean": "max", "sum": "max", "sqrt": "abs", "abs": "float"}  # fmt: skip
+NAMES = {"min": "max", "max": "min", "argmin": "argmax", "argmax": "argmin", "any": "all"}
+NAMES |= {"all": "any", "sin": "cos", "cos": "sin", "ceil": "floor", "floor": "ceil"}
+NAMES |= {"mean": "max", "sum": "max", "sqrt": "abs", "abs": "float"}
 
 
 @dataclass(frozen=True)

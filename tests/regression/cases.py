@@ -59,8 +59,7 @@ WRITTEN = {
     "hybrid-slow": "hybrid laboratory.toml",
     "motions-show": "motions show station.NS --baseline",
     "motions-spectrum": "motions spectrum shake.csv --type II --ground II --damping 0.1",
-    "motions-make": "motions make --from jra-ii-ii-1 --type II --ground I --zone-factor 0.85 "
-    "--dt 0.02",
+    "motions-make": "motions make --seed 7 --type II --ground I --zone-factor 0.85 --dt 0.02",
     "identify-check": "identify cold.toml warm.toml --check",
     "identify": "identify cold.toml warm.toml --free K_r,d_y,n_T --starts 1 --predict -30",
     "identify-robust": "identify warm.toml --free K_r,d_y --starts 2 --temperatures --loss huber",

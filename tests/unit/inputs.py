@@ -2,6 +2,7 @@
 
 import json
 import tomllib
+from collections.abc import Callable
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -83,6 +84,13 @@ def by_name(rows: list[Any]) -> list[Any]:
 def assert_told(message: str, pieces: list[str]) -> None:
     for piece in pieces:
         assert piece in message, f"{piece!r} is not in: {message}"
+
+
+def told(call: Callable[[], Any], *pieces: str) -> None:
+    """The call is refused with one message that holds these pieces."""
+    with pytest.raises(tb.InputError) as caught:
+        call()
+    assert_told(str(caught.value), list(pieces))
 
 
 def command(*words: Any) -> Result:

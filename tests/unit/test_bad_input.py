@@ -65,7 +65,7 @@ BEARINGS: list[Row] = [
     (
         "negative thickness",
         {G + "rubber_thickness": "-5 mm"},
-        ["'-5 mm'", "0.01 and at most 10000 mm"],
+        ["'-5 mm'", "at least 0.01"],
     ),
     ("no layers", {G + "rubber_layers": 0}, ["rubber_layers = 0", "at least 1 and at most 200"]),
     ("part of a layer", {G + "rubber_layers": 5.5}, ["= 5.5", "a whole number at least 1"]),
@@ -78,12 +78,12 @@ BEARINGS: list[Row] = [
     (
         "NaN",
         {H + "elastic_temperature_coefficient": float("nan")},
-        ["= nan", "at least -20 and at most 20"],
+        ["= nan", "at most 5"],
     ),
     (
         "infinite",
         {H + "hysteretic_temperature_coefficient": float("-inf")},
-        ["= -inf", "at least -20 and at most 20"],
+        ["= -inf", "at most 5"],
     ),
     ("NaN for a length", {G + "plan.side": float("nan")}, ["plan.side = nan", "at most 100000 mm"]),
     ("NaN with a unit", {G + "plan.side": "nan mm"}, ["'nan mm'", "not a finite number"]),
@@ -92,12 +92,12 @@ BEARINGS: list[Row] = [
     (
         "absurdly small",
         {H + "yield_displacement": "1e-300 mm"},
-        ["at least 0.0001 and at most 1000 mm"],
+        ["at least 0.0001"],
     ),
     (
         "absurdly large",
         {H + "elastic_temperature_coefficient": 1e300},
-        ["at least -20 and at most 20"],
+        ["at most 5"],
     ),
     ("negative film", {M + "side_film": "-1 W/(m^2 K)"}, ["materials.side_film", "W/(m^2 K)"]),
     ("hot reference", {H + "reference_temperature": "500 degC"}, ["at most 100 degC"]),

@@ -54,7 +54,7 @@ def test_broken_recording(tmp_path: Path, content: bytes | str, pieces: list[str
 def test_every_broken_recording_of_a_test_is_told(tmp_path: Path) -> None:
     given = [{"step": "recorded", "file": name} for name in ("one.csv", "two.csv", ".")]
     path = steps_case(tmp_path / "case.toml", *given)
-    told = ["3 problems", "one.csv: no such file", "two.csv: no such file", "Is a directory"]
+    told = ["3 problems", "one.csv: no such file", "two.csv: no such file", "is a directory"]
     assert_told(refusal(path, tb.load_case), told)
 
 

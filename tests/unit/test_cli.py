@@ -272,7 +272,7 @@ def test_wrong_usage(words: list[str]) -> None:
     [
         (["--ambient", "500"], ["ambient[0] = '500.0 degC'", "at most 100 degC"]),
         (["--ambient", "nan"], ["ambient[0]", "not a finite number"]),
-        (["--dt", "-1"], ["test.dt = '-1.0 s'", "greater than 0"]),
+        (["--dt", "-1"], ["test.dt = '-1.0 s'", "at least 1e-06"]),
         (["--scheme", "publishd"], ["analysis.scheme = 'publishd'", '"published"?']),
         (["--bearing", "shen-hdr-brige"], ['"shen-hdr-bridge"?']),
         (["--bearing", "none.toml"], ["none.toml: no such file"]),

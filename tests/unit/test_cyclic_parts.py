@@ -17,7 +17,7 @@ from thermobearing.cyclic.comparison import _temperatures
 from thermobearing.cyclic.equivalent import bilinear_parameters, isothermal_cycle
 from thermobearing.cyclic.history import kept_steps, run_segments
 from thermobearing.cyclic.label import warnings_of
-from thermobearing.cyclic.protocol import Segment, build_segments
+from thermobearing.cyclic.segments import Segment, build_segments
 from thermobearing.cyclic.start import final_lead, final_profile, initial_temperatures
 from thermobearing.model.options import build_model
 

@@ -44,7 +44,7 @@ def test_best_of_the_draws_is_taken(monkeypatch: pytest.MonkeyPatch) -> None:
     offered = iter([0.05, 0.04, 0.03, 0.024, 0.01])
     asked: list[float] = []
 
-    def fit(values: np.ndarray, *_: object) -> Matched:
+    def fit(values: np.ndarray, *_: object, **__: object) -> Matched:
         asked.append(float(values[1000]))
         return Matched(values, next(offered))
 

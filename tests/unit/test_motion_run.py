@@ -47,7 +47,7 @@ def test_a_case_is_checked_before_its_record_is_read() -> None:
 def _made(case: story.MotionCase, monkeypatch: pytest.MonkeyPatch) -> MotionResult:
     """The result of a case whose making is replaced by a look at the stored motion."""
 
-    def stored(kind: str, ground: str, seed: int, dt: float, *, zone_factor: float) -> GroundMotion:
+    def stored(kind: str, ground: str, seed: int, dt: float, **_: object) -> GroundMotion:
         return load_motion(f"jra-{kind}-{ground}-{seed}".lower())
 
     monkeypatch.setattr(story, "make_motion", stored)

@@ -317,11 +317,14 @@ def test_early_end_is_marked(tmp_path: Path) -> None:
     assert cyclic(path, "--dt", 1, "-o", tmp_path / "exact", "-q").exit_code == 0
 
 
-SMALL = {"name": "one mass", "bodies": [{"name": "deck", "moves": True}],
-         "masses": [{"body": "deck", "height": "0 mm", "mass": "0.1 kN s^2/mm"}],
-         "bearings": [{"name": "b", "body": "deck", "count": 1,
-                       "equivalent_stiffness": "2 kN/mm"}],
-         "report": {"deck": "deck", "pier": "deck", "pier_top": "0 mm"}}  # fmt: skip
+LINE = {"name": "b", "body": "deck", "count": 1, "equivalent_stiffness": "2 kN/mm"}
+SMALL = {
+    "name": "one mass",
+    "bodies": [{"name": "deck", "moves": True}],
+    "masses": [{"body": "deck", "height": "0 mm", "mass": "0.1 kN s^2/mm"}],
+    "bearings": [LINE],
+    "report": {"deck": "deck", "pier": "deck", "pier_top": "0 mm"},
+}
 
 
 @pytest.mark.parametrize(

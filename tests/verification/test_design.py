@@ -15,7 +15,6 @@ from tests import tolerances as tol
 from tests.conftest import Recorder
 from tests.unit.inputs import Row, assert_told, by_name, command, last_line, write_toml
 from thermobearing.bearing.bilinear import load_bilinear
-from thermobearing.core.types import FORCE
 from thermobearing.cyclic.equivalent import backbone
 from thermobearing.design.bounds import DEMANDS, bounds_study, paragraph, verdict
 from thermobearing.design.case import bearing_weight, make_design_case
@@ -69,7 +68,9 @@ def test_curves_are_sensible_over_their_range(kind: Any) -> None:
         compound = load_compound(name, kind)
         modulus = np.array([shear_modulus(compound, s) for s in strains])
         damping = np.array([damping_ratio(compound, s) for s in strains])
-        assert np.all(modulus > 0.5 * modulus.min())
+        usual = shear_modulus(compound, 1.75)  # they soften to it, and harden a little beyond
+        assert np.all((modulus > 0.99 * usual) & (modulus < 3.5 * usual))
+        assert 1.0 < modulus[-1] / usual < 1.1
         assert np.all((damping > 0.08) & (damping < 0.25))
         assert np.all(np.diff(modulus[strains < 1.4]) < 0.0)
     stiffer = [shear_modulus(load_compound(n, kind), 1.75) for n in ("G8", "G10", "G12")]
@@ -90,7 +91,7 @@ def loop_of(parameters: Any, u: float) -> tuple[float, float]:
     closed = slice(49, None)
     xs, fs = np.array(x)[closed], np.array(f)[closed]
     area = float((0.5 * (fs[1:] + fs[:-1]) * np.diff(xs)).sum())
-    assert element.state.books[FORCE] == f[-1]
+    assert element.state.books[0].force == f[-1]
     return max(f), area
 
 

@@ -18,9 +18,10 @@ class BilinearBearing(Strict):
     ----------
     name, kind, description, citation : what it is and where its numbers come from; `kind` is
         "bilinear".
-    total_rubber_thickness : makes strains of displacements [mm], > 0.
-    strength : Q_d, force at zero displacement [kN], > 0.
-    initial_stiffness, post_yield_stiffness : K_1 > K_2 > 0 [kN/mm].
+    total_rubber_thickness : makes strains of displacements [mm], in [0.01, 1e5].
+    strength : Q_d, force at zero displacement [kN], in [1e-6, 1e7].
+    initial_stiffness, post_yield_stiffness : K_1 > K_2 [kN/mm], in
+        [1e-6, 1e7].
     """
 
     name: Annotated[str, Field(min_length=1)]

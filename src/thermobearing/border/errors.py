@@ -2,6 +2,9 @@
 
 import difflib
 from collections.abc import Iterable
+from pathlib import Path
+
+LONGEST_NAME = 500  # characters of a path that a message shows
 
 
 class ThermobearingError(Exception):
@@ -36,6 +39,38 @@ class InputError(ThermobearingError, ValueError):
 
 class OutputError(ThermobearingError):
     """A result could not be written; nothing half written is left behind."""
+
+
+def read_bytes(path: Path, most: int) -> bytes:
+    """Content of a file the user named, at most so many bytes (a device may have no end).
+
+    Raises
+    ------
+    InputError : it cannot be read, or holds more.
+    """
+    shown = shortened(str(path), LONGEST_NAME)
+    try:
+        with path.open("rb") as file:
+            raw = file.read(most + 1)
+    except FileNotFoundError:
+        raise InputError("no such file", shown) from None
+    except IsADirectoryError:
+        raise InputError("is a directory, not a file", shown) from None
+    except OSError as error:  # a name too long, no rights, a failing disk
+        raise InputError(f"cannot be read: {error.strerror or error}", shown) from None
+    except ValueError as error:  # a null byte in the path
+        raise InputError(f"cannot be read: {error}", repr(shown)) from None
+    if len(raw) > most:
+        raise InputError(f"is larger than {most / 1e6:g} MB", shown)
+    return raw
+
+
+def is_file(path: Path) -> bool:
+    """Whether there is such a file; a name that no file can have (too long, ...) names none."""
+    try:
+        return path.is_file()
+    except (OSError, ValueError):
+        return False
 
 
 def closest(name: str, known: Iterable[str]) -> str:

@@ -16,7 +16,7 @@ def said_with_unit(value: Any, unit: str | None) -> Any:
     if isinstance(value, list | tuple):
         return [said_with_unit(item, unit) for item in value]
     if isinstance(value, int | float) and not isinstance(value, bool):
-        return with_unit(float(value), unit)
+        return with_unit(value, unit)
     return value
 
 

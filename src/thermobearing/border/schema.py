@@ -18,13 +18,10 @@ from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails, InitErrorDetails, PydanticCustomError
 
 from thermobearing.border.errors import InputError, closest, nearest, shortened
-from thermobearing.border.units import parse_quantity
+from thermobearing.border.units import HUGEST, parse_quantity
 
 M = TypeVar("M", bound="Strict")
 
-# Where a field says no limit of its own: a size beyond this is a slip in a unit or an exponent,
-# and so is a number that must be positive and is less than its inverse.
-HUGEST = 1e12
 SOURCED = {"value", "source", "note"}  # keys of an entry {value = ..., source = ...}
 OURS = {"unit", "conflict", "size"}  # types of the faults found here, not by pydantic
 

@@ -15,27 +15,22 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from thermobearing.border.errors import InputError, nearest, shortened
-from thermobearing.border.units import conversion
+from thermobearing.border.errors import InputError, nearest, read_bytes, shortened
+from thermobearing.border.units import HUGEST, conversion
 
 Floats = NDArray[np.float64]
 
 _HEADER = re.compile(
     r"^\s*(?P<name>[A-Za-z][A-Za-z ]*?)\s*(?:_|\[|\()\s*(?P<unit>[^\])]+?)\s*[\])]?\s*$"
 )
+LONGEST_TITLE = 200  # characters; the search for a unit takes time that grows with the square
+LARGEST_FILE = 100_000_000  # bytes; in memory, cell by cell, it is ten times that
 ALIASES = {"disp": "displacement", "t": "time", "load": "force"}
 
 
 def read_text(path: Path) -> str:
     """Text of a file, UTF-8 or cp932; InputError if it cannot be read."""
-    try:
-        raw = path.read_bytes()
-    except FileNotFoundError:
-        raise InputError("no such file", str(path)) from None
-    except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror or error}", str(path)) from None
-    except ValueError as error:  # a null byte in the path
-        raise InputError(f"cannot be read: {error}", repr(str(path))) from None
+    raw = read_bytes(path, LARGEST_FILE)
     if b"\0" in raw:
         raise InputError("is not a text file: it holds null bytes", str(path))
     for encoding in ("utf-8-sig", "cp932"):
@@ -50,7 +45,7 @@ def _columns(header: list[str]) -> dict[tuple[str, str], int]:
     """(name, unit) -> column number, for the headers that have both."""
     found: dict[tuple[str, str], int] = {}
     for number, title in enumerate(header):
-        match = _HEADER.match(title)
+        match = _HEADER.match(title) if len(title) <= LONGEST_TITLE else None
         if match:
             name = match["name"].strip().lower()
             found.setdefault((ALIASES.get(name, name), match["unit"]), number)
@@ -81,6 +76,8 @@ def _number(cell: str) -> float:
         raise InputError(f'"{shortened(cell)}" is not a number') from None
     if not math.isfinite(value):
         raise InputError(f'"{shortened(cell)}" is not a finite number')
+    if abs(value) > HUGEST:
+        raise InputError(f'"{shortened(cell)}" is too large, more than {HUGEST:g}')
     return value
 
 
@@ -95,8 +92,6 @@ def _numbers(
             values[i] = _number(cell) * scale + offset
         except InputError as error:
             raise InputError(error.lines(f"line {line}, {title}")) from None
-        if not math.isfinite(values[i]):
-            raise InputError(f'line {line}, {title}: "{cell}" is too large')
     return values
 
 

@@ -6,27 +6,50 @@ from typing import Any
 
 import tomli_w
 
-from thermobearing.border.errors import InputError
+from thermobearing.border.errors import InputError, read_bytes, shortened
 from thermobearing.border.schema import SOURCED, Strict, unit_of
 from thermobearing.border.units import with_unit
+
+BITS = 63  # of a whole number in TOML, beside its sign
+DEEPEST = 50  # tables in tables; a case comes to six
+LARGEST_FILE = 10_000_000  # bytes of TOML
 
 
 def read_toml(path: Path) -> dict[str, Any]:
     """Parse a TOML file; every fault becomes an InputError that names the file."""
+    raw = read_bytes(path, LARGEST_FILE)
     try:
-        return tomllib.loads(path.read_bytes().decode("utf-8-sig"))
-    except FileNotFoundError:
-        raise InputError("no such file", str(path)) from None
-    except IsADirectoryError:
-        raise InputError("is a directory, not a TOML file", str(path)) from None
-    except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror or error}", str(path)) from None
+        table = tomllib.loads(raw.decode("utf-8-sig"))
     except UnicodeDecodeError as error:
         raise InputError(f"is not UTF-8 text (byte {error.start + 1})", str(path)) from None
     except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise InputError(f"is not valid TOML: {error}", str(path)) from None
-    except ValueError as error:  # a null byte in the path
-        raise InputError(f"cannot be read: {error}", repr(str(path))) from None
+    except ValueError as error:  # a number of thousands of digits
+        raise InputError(f"cannot be read: {error}", str(path)) from None
+    _check_sizes(table, str(path))
+    return table
+
+
+def _check_sizes(table: dict[str, Any], where: str) -> None:
+    """Refuse what TOML does not promise to carry, and what no file of ours comes near.
+
+    Whole numbers of more than 64 bits have no float and may have no text; dotted keys nest
+    without a limit, while what reads them calls itself.
+    """
+    level: list[tuple[str, Any]] = list(table.items())
+    for _ in range(DEEPEST):
+        inner: list[tuple[str, Any]] = []
+        for key, value in level:
+            if isinstance(value, int) and value.bit_length() > BITS:
+                raise InputError(f"{shortened(key)}: a whole number of more than 64 bits", where)
+            if isinstance(value, dict):
+                inner += [(f"{key}.{name}", item) for name, item in value.items()]
+            elif isinstance(value, list):
+                inner += [(f"{key}[{k}]", item) for k, item in enumerate(value)]
+        level = inner
+        if not level:
+            return
+    raise InputError(f"tables and lists are nested deeper than {DEEPEST} levels", where)
 
 
 def split_sources(table: Any, key: str = "") -> tuple[Any, dict[str, str]]:
@@ -36,7 +59,7 @@ def split_sources(table: Any, key: str = "") -> tuple[Any, dict[str, str]]:
         return [value for value, _ in pairs], {k: v for _, found in pairs for k, v in found.items()}
     if not isinstance(table, dict):
         return table, {}
-    if "value" in table and set(table) <= SOURCED:
+    if key and "value" in table and set(table) <= SOURCED:  # a file is a table in any case
         parts = [str(table[name]) for name in ("source", "note") if name in table]
         return table["value"], {key: "; ".join(parts)} if parts else {}
     values: dict[str, Any] = {}

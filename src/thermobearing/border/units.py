@@ -20,6 +20,10 @@ _NUMBER_AND_UNIT = re.compile(
 # as arithmetic, so a tower such as mm**9**9**9 must not reach it.
 _UNIT = re.compile(r"^(?:[^\W\d]|[°℃%²³⁻¹·*/() ]|\^?-?\d(?!\s*(?:\d|\^|\*\*)))+$")
 _POWER = re.compile(r"(?<=[A-Za-z])(?=[234](?!\d))")  # m2 means m^2
+LONGEST = 200  # characters of a number with its unit
+# Where nothing else is said: a size beyond this is a slip in a unit or an exponent, and so is a
+# number that must be positive and is less than its inverse.
+HUGEST = 1e12
 CUBIC_MM_PER_CUBIC_M = 1e9
 NEWTON_PER_KILONEWTON = 1e3
 
@@ -83,7 +87,7 @@ def parse_quantity(text: str, unit: str) -> float:
     >>> parse_quantity("3.2 cm", "mm")
     32.0
     """
-    match = _NUMBER_AND_UNIT.match(text)
+    match = _NUMBER_AND_UNIT.match(text) if len(text) <= LONGEST else None
     if match is None:
         raise InputError(f'"{shortened(text)}" is not a number with a unit, such as "1.5 {unit}"')
     if not match["unit"]:
@@ -99,4 +103,7 @@ def parse_quantity(text: str, unit: str) -> float:
 
 def with_unit(value: float, unit: str) -> str:
     """The text that `parse_quantity` reads back to the same bits."""
-    return f"{value!r} {unit}"
+    try:
+        return f"{float(value)!r} {unit}"
+    except OverflowError:  # a whole number beyond doubles
+        return f"{'-' if value < 0 else ''}inf {unit}"

@@ -7,7 +7,7 @@ from thermobearing.bearing.library import load_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.toml import read_toml, split_sources
 from thermobearing.cyclic.case import load_case
-from thermobearing.cyclic.protocol import build_segments
+from thermobearing.cyclic.segments import build_segments
 from thermobearing.earthquake.case import EarthquakeCase, load_earthquake_case
 from thermobearing.model.stack import build_stack
 from thermobearing.structure.model import Structure, load_structure

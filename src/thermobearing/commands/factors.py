@@ -1,5 +1,6 @@
 """`thermobearing lambda`: temperature factors of a bearing."""
 
+import re
 from pathlib import Path
 from typing import Annotated
 
@@ -25,7 +26,11 @@ def lambda_(
     ],
     reference: Annotated[
         float | None,
-        typer.Option(help="Reference temperature [degC]; that of the bearing's rubber by default."),
+        typer.Option(
+            "--reference-temperature",
+            "--reference",
+            help="Reference [degC]; that of the bearing's rubber by default.",
+        ),
     ] = None,
     temperature: Annotated[
         list[float] | None, typer.Option(help="May be repeated; -40 to 40 in steps of 10.")
@@ -77,6 +82,7 @@ def _cycles(text: str) -> str | list[int]:
     """A preset, or numbers between commas."""
     from thermobearing.design.factors import PRESETS
 
-    if text in PRESETS or not all(part.strip().isdigit() for part in text.split(",")):
+    parts = [part.strip() for part in text.split(",")]
+    if text in PRESETS or not all(re.fullmatch("[0-9]{1,9}", part) for part in parts):
         return text
     return [int(part) for part in text.split(",")]

@@ -14,6 +14,7 @@ from thermobearing.commands.common import (
     Quiet,
     echo_json,
     reported,
+    with_progress,
     written,
 )
 
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     from thermobearing.motions.result import MotionResult
 
 HELP = "Ground motions: built in, read, made to fit a spectrum."
-app = typer.Typer(help=HELP, no_args_is_help=True)
+app = typer.Typer(help=HELP, no_args_is_help=True, rich_markup_mode="markdown")
 
 Record = Annotated[str, typer.Argument(help="A record, or the name of a built-in motion.")]
 Unit = Annotated[str | None, typer.Option(help="Of the numbers, if the file does not tell.")]
@@ -159,7 +160,9 @@ def make(
     )
     target = output or Path(f"motion-{case.name}")
     check_target(target, force=force)
-    result = run_motion(case)
+    result = with_progress(
+        lambda show: run_motion(case, progress=show), "rounds of the fit, at most", quiet
+    )
     if not quiet:
         print_motion(result)
     return _end(result, target, force, no_figures, as_json, quiet)

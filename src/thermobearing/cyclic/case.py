@@ -17,8 +17,11 @@ from thermobearing.border.overrides import overridden, said_with_unit, updated
 from thermobearing.border.schema import Strict, in_unit, validated
 from thermobearing.border.toml import read_toml, split_sources, to_table, to_toml
 from thermobearing.border.units import with_unit
-from thermobearing.cyclic.protocol import CyclicTest, cyclic_test, find_faults
+from thermobearing.core.records import labels
+from thermobearing.core.types import Books
+from thermobearing.cyclic.protocol import CyclicTest, cyclic_test, survey
 from thermobearing.model.earlier import needs_full_stack
+from thermobearing.model.effort import too_much
 from thermobearing.model.options import ModelOptions
 from thermobearing.model.stack import build_stack
 
@@ -33,6 +36,16 @@ class Analysis(ModelOptions):
 
     keep_every: Annotated[int, Field(ge=1)] = 1
     keep: tuple[Group, ...] = ("rubber", "cells")
+
+
+def each_once(ambient: list[float]) -> list[float]:
+    """The temperatures [degC]; ValueError if one is given twice."""
+    seen: set[float] = set()
+    for value in ambient:
+        if value in seen:
+            raise ValueError(f"{value:g} degC is given more than once")
+        seen.add(value)
+    return ambient
 
 
 class Case(Strict):
@@ -52,7 +65,7 @@ class Case(Strict):
 
     bearing: Bearing
     test: CyclicTest
-    ambient: Annotated[list[Temperature], Field(min_length=1)]
+    ambient: Annotated[list[Temperature], Field(min_length=1, max_length=1000)]
     # CSV with time and temperature, instead of `ambient`
     ambient_series: Annotated[str, Field(min_length=1)] | None = None
     initial: Temperature | None = None  # uniform; None: the ambient temperature
@@ -63,10 +76,7 @@ class Case(Strict):
     @field_validator("ambient")
     @classmethod
     def _each_once(cls, ambient: list[float]) -> list[float]:
-        for value in ambient:
-            if ambient.count(value) > 1:
-                raise ValueError(f"{value:g} degC is given more than once")
-        return ambient
+        return each_once(ambient)
 
     def to_toml(self) -> str:
         """The case with every default filled in, as TOML; reads back to the same bits."""
@@ -74,7 +84,7 @@ class Case(Strict):
 
     def faults(self) -> list[str]:
         """What the parts do to each other: a test that cannot be done with this bearing, ..."""
-        found = find_faults(self.test, self.bearing.total_rubber_thickness)
+        found, steps = survey(self.test, self.bearing.total_rubber_thickness)
         found = [f"test.{fault}" for fault in found]
         if self.ambient_series is not None:
             try:
@@ -91,6 +101,10 @@ class Case(Strict):
                 f"initial_profile: has {len(self.initial_profile)} temperatures, "
                 f"but the stack has {cells} cells"
             )
+        if not found:  # of a test that cannot be done the steps say nothing
+            steps *= len(self.ambient)
+            row = len(labels(Books)) + cells * len(self.analysis.keep)
+            found += too_much(steps, cells, steps / self.analysis.keep_every * row)
         return found
 
 

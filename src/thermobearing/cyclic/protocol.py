@@ -1,13 +1,11 @@
 """Displacement-controlled tests as a list of typed steps: cycles, ramps, rests, recordings.
 
-Steps are data (they come from TOML or Python and go back to it); `build_segments` turns them
-into displacements and time steps for one bearing. Amplitudes are given as shear strain of
+Steps are data: they come from TOML or Python and go back to it (cyclic/segments.py turns them
+into displacements and time steps for one bearing). Amplitudes are given as shear strain of
 the total rubber thickness or in mm.
 """
 
 import math
-from dataclasses import dataclass
-from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -15,8 +13,9 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from thermobearing.border.errors import InputError
-from thermobearing.border.schema import Strict, in_unit
+from thermobearing.border.schema import Strict, in_unit, validated
 from thermobearing.cyclic.recording import read_recording
+from thermobearing.model.effort import MAX_STEPS
 
 Floats = NDArray[np.float64]
 LONGEST = 1e8  # three years [s]
@@ -29,9 +28,8 @@ Speed = Annotated[float, in_unit("mm/s"), Field(ge=1e-6, le=1e6)]  # creep in a 
 REST_GROWTH = 1.05  # each step of a rest against the one before
 REST_STEPS = 100  # no step of a rest is longer than this part of it
 SETTLE_LIMIT = 14 * 24 * 3600.0  # "until within" gives up after two weeks [s]
-MAX_STEPS = 50_000_000  # of one test: more is surely a slip in dt or a period
+MAX_CYCLES, MAX_PARTS = 20_000, 10_000  # of one test: more is surely a slip
 LARGEST_STRAIN = 5.0  # more is surely a slip in a unit
-FEWEST_STEPS = 2  # in a quarter of a cycle: fewer make no loop
 TINY = 1e-9
 
 
@@ -56,7 +54,7 @@ class Cycles(Strict):
     speed: Speed | None = None
     period: Seconds | None = None
     frequency: Annotated[float, in_unit("Hz"), Field(ge=1e-8, le=1e6)] | None = None
-    count: Annotated[int, Field(ge=1, le=100_000)] = 5
+    count: Annotated[int, Field(ge=1, le=MAX_CYCLES)] = 5
     closing_strain: Strain | None = None
 
     @classmethod
@@ -116,6 +114,20 @@ class Rest(Strict):
         """One way to end."""
         return _exactly_one(given, "duration", "within")
 
+    @property
+    def span(self) -> float:
+        """Time that it may take [s]."""
+        return self.duration or SETTLE_LIMIT
+
+    def longest_step(self, dt: float) -> float:
+        """Largest of its growing steps [s]."""
+        return max(dt, min(self.span / REST_STEPS, 600.0))
+
+    def count(self, dt: float) -> float:
+        """Number of steps, or a few more: those that grow, and those that do not."""
+        longest, shortest = self.longest_step(dt), min(dt, self.span)
+        return math.log(longest / shortest) / math.log(REST_GROWTH) + self.span / longest + 2.0
+
 
 class Recorded(Strict):
     """A displacement history from a CSV file with columns time and displacement."""
@@ -133,7 +145,7 @@ class CyclicTest(Strict):
     Attributes
     ----------
     name : for titles.
-    dt : largest time step while the bearing moves [s], in (0, 10].
+    dt : largest time step while the bearing moves [s], in [1e-6, 10].
     steps : of Cycles, Ramp, Rest and Recorded (tables with a key `step`), one after the other.
 
     Examples
@@ -145,110 +157,7 @@ class CyclicTest(Strict):
 
     name: str = "test"
     dt: Annotated[float, in_unit("s"), Field(ge=1e-6, le=10)] = 0.005
-    steps: Annotated[list[Step], Field(min_length=1)]
-
-
-@dataclass(frozen=True)
-class Segment:
-    """One step of a test, sampled: where the bearing is at the end of each time step."""
-
-    kind: str
-    label: str
-    x: Floats  # [mm]
-    dt: Floats  # [s]
-    cycle: NDArray[np.int32]  # number of the cycle within the segment, 0 outside cycles
-    turning: NDArray[np.bool_]  # a leg ends here: always kept in a result
-    amplitude_strain: float = 0.0
-    settle: float = 0.0  # stop once within this of the ambient [K]
-
-
-def _legs(duration: float, dt: float) -> int:
-    """Number of equal steps, none longer than dt, that fill a leg."""
-    return max(1, math.ceil(duration / dt - TINY))
-
-
-def _quarter_steps(duration: float, dt: float) -> int:
-    return max(FEWEST_STEPS, _legs(duration, dt))
-
-
-def _cycle_shape(wave: str, steps: int) -> Floats:
-    """One cycle 0, 1, 0, -1, 0 of unit amplitude; `steps` per quarter, peaks hit exactly."""
-    rising = np.arange(1, steps + 1) / steps
-    if wave == "sine":
-        rising = np.sin(0.5 * np.pi * rising)
-    falling = np.concatenate([rising[-2::-1], [0.0]])
-    return np.concatenate([rising, falling, -rising, -falling])
-
-
-def _cycles(step: Cycles, rubber: float, dt: float, label: str) -> list[Segment]:
-    parts = [(step.size(rubber), step.count, "cycles", label)]
-    if step.closing_strain is not None:
-        parts.append((step.closing_strain * rubber, 1, "closing cycle", f"{label}, closing cycle"))
-    segments = []
-    for (size, count, kind, name), quarter in zip(parts, step.quarters(rubber), strict=True):
-        steps = _quarter_steps(quarter, dt)
-        shape = _cycle_shape(step.wave, steps)
-        turning = np.zeros(4 * steps, dtype=bool)
-        turning[steps - 1 :: steps] = True
-        numbers = np.repeat(np.arange(1, count + 1, dtype=np.int32), 4 * steps)
-        segments.append(
-            Segment(
-                kind=kind,
-                label=name,
-                x=np.tile(size * shape, count),
-                dt=np.broadcast_to(quarter / steps, 4 * steps * count),
-                cycle=numbers if kind == "cycles" else np.zeros_like(numbers),
-                turning=np.tile(turning, count),
-                amplitude_strain=size / rubber,
-            )
-        )
-    return segments
-
-
-def _ramp(step: Ramp, rubber: float, dt: float, start: float) -> Segment:
-    target = step.target(rubber)
-    duration = step.seconds(abs(target - start))
-    steps = _legs(duration, dt)
-    x = start + (target - start) * np.arange(1, steps + 1) / steps
-    x[-1] = target
-    span = max(duration, TINY)
-    return _plain("ramp", f"ramp to {target:g} mm", x, np.full(steps, span / steps))
-
-
-def _rest(step: Rest, dt: float, start: float) -> Segment:
-    duration = step.duration or SETTLE_LIMIT
-    longest = max(dt, min(duration / REST_STEPS, 600.0))
-    steps = [min(dt, duration)]
-    left = duration - steps[0]
-    while left > 0.0:
-        size = min(steps[-1] * REST_GROWTH, longest)
-        if left < 1.5 * size:
-            size = left
-        steps.append(size)
-        left -= size
-    label = f"rest {duration:g} s" if step.duration else f"rest until within {step.within:g} K"
-    return _plain("rest", label, np.full(len(steps), start), np.array(steps), step.within or 0.0)
-
-
-def _plain(kind: str, label: str, x: Floats, dt: Floats, settle: float = 0.0) -> Segment:
-    turning = np.zeros(len(x), dtype=bool)
-    turning[-1] = True
-    return Segment(kind, label, x, dt, np.zeros(len(x), dtype=np.int32), turning, settle=settle)
-
-
-def _recorded(step: Recorded, rubber: float, dt: float, start: float) -> Segment:
-    """A recorded history, each of its intervals cut into equal steps no longer than dt."""
-    gaps, displacement = read_recording(step.file, start)
-    counts = np.maximum(1, np.ceil(gaps / dt - TINY).astype(np.int64))
-    steps = np.repeat(gaps / counts, counts)
-    ends = np.cumsum(counts) - 1
-    x = np.interp(np.arange(counts.sum()) + 1, np.concatenate([[0], ends + 1]), displacement)
-    turns = np.zeros(len(x), dtype=bool)
-    turns[ends] = True
-    cycle = np.zeros(len(x), dtype=np.int32)
-    name = Path(step.file).name
-    peak = float(np.abs(displacement).max()) / rubber
-    return Segment("recorded", name, x, steps, cycle, turns, amplitude_strain=peak)
+    steps: Annotated[list[Step], Field(min_length=1, max_length=MAX_PARTS)]
 
 
 def _step_faults(
@@ -270,7 +179,9 @@ def _step_faults(
     elif isinstance(step, Ramp):
         end = step.target(rubber)
         steps, peak = step.seconds(abs(end - (at or 0.0))) / dt, abs(end)
-    elif isinstance(step, Recorded):
+    elif isinstance(step, Rest):
+        steps = step.count(dt)
+    else:
         where = f"{step.file}: "
         try:
             gaps, x = read_recording(step.file, at)
@@ -286,8 +197,11 @@ def _step_faults(
     return steps, end, faults
 
 
-def find_faults(test: CyclicTest, total_rubber_thickness: float) -> list[str]:
-    """What keeps a test from being done with a bearing, step by step; reads its recordings."""
+def survey(test: CyclicTest, total_rubber_thickness: float) -> tuple[list[str], float]:
+    """What keeps a test from being done with a bearing, and how many time steps it takes.
+
+    Reads recordings; samples nothing.
+    """
     faults: list[str] = []
     at: float | None = 0.0
     total = 0.0
@@ -295,49 +209,15 @@ def find_faults(test: CyclicTest, total_rubber_thickness: float) -> list[str]:
         steps, at, found = _step_faults(step, test.dt, total_rubber_thickness, at)
         total += steps
         faults += [f"steps[{number}]: {fault}" for fault in found]
+    cycles = sum(step.count for step in test.steps if isinstance(step, Cycles))
+    if cycles > MAX_CYCLES:
+        faults.append(f"has {cycles} cycles; at most {MAX_CYCLES} can be done in one test")
     if total > MAX_STEPS:
         faults.append(
             f"dt = {test.dt:g} s makes {total:.3g} steps; at most {MAX_STEPS} can be done: "
             "take a larger dt, or look for a slip in a speed, period or count"
         )
-    return faults
-
-
-def build_segments(test: CyclicTest, total_rubber_thickness: float) -> list[Segment]:
-    """Sample a test for a bearing.
-
-    Parameters
-    ----------
-    test : what to do.
-    total_rubber_thickness : what strains refer to [mm].
-
-    Raises
-    ------
-    InputError : a step that cannot follow the one before, or an unusable recording.
-    """
-    faults = find_faults(test, total_rubber_thickness)
-    if faults:
-        raise InputError(faults, test.name)
-    segments: list[Segment] = []
-    at = 0.0
-    for step in test.steps:
-        if isinstance(step, Cycles):
-            label = f"{step.strain:.0%}" if step.strain else f"{step.amplitude:g} mm"
-            segments += _cycles(step, total_rubber_thickness, test.dt, label)
-        elif isinstance(step, Ramp):
-            segments.append(_ramp(step, total_rubber_thickness, test.dt, at))
-        elif isinstance(step, Rest):
-            segments.append(_rest(step, test.dt, at))
-        else:
-            segments.append(_recorded(step, total_rubber_thickness, test.dt, at))
-        at = float(segments[-1].x[-1])
-    return segments
-
-
-def longest_layer_increment(segments: list[Segment], layers: int) -> float:
-    """Largest displacement of one rubber layer in one step of a test [mm]."""
-    x = np.concatenate([[0.0], *(segment.x for segment in segments)])
-    return float(np.abs(np.diff(x)).max()) / layers
+    return faults, total
 
 
 def cyclic_test(
@@ -378,25 +258,15 @@ def cyclic_test(
     >>> [step.step for step in cyclic_test(strain=[0.5, 1.0]).steps]
     ['cycles', 'rest', 'cycles']
     """
-    from thermobearing.border.schema import validated
-
     levels = np.atleast_1d(np.asarray(strain, dtype=object)).ravel().tolist()
     if not levels:
         raise InputError("strain: give at least one amplitude", "cyclic_test()")
+    common = {"count": cycles, "wave": wave, "speed": speed, "closing_strain": closing_strain}
     steps: list[dict[str, object]] = []
     for level in levels:
         if steps and rest is not None:
             steps.append({"step": "rest", "duration": rest})
-        steps.append(
-            {
-                "step": "cycles",
-                "strain": level,
-                "count": cycles,
-                "wave": wave,
-                "speed": speed,
-                "closing_strain": closing_strain,
-            }
-        )
+        steps.append({"step": "cycles", "strain": level, **common})
     printed = (levels, cycles, speed) == ([0.5, 1.0, 1.5, 2.0, 2.5], 5, 30.0) and rest
     data = {"name": "Table 3.4" if printed else "cyclic test", "dt": dt, "steps": steps}
     return validated(CyclicTest, data, "cyclic_test()", from_file=False)

@@ -1,6 +1,7 @@
 """What `run` returns: the labelled dataset, with the numbers and pictures engineers ask for."""
 
 from functools import cached_property
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -91,24 +92,26 @@ class Result:
         """(segment, cycle, rows with the closing point of the cycle before) of a run."""
         segment = self.dataset["segment"].values[run]
         cycle = self.dataset["cycle"].values[run]
+        x = self.dataset["displacement"].values[run]
         found: list[tuple[int, int, slice]] = []
-        for number, about in enumerate(self.segments):
-            inside = np.flatnonzero(segment == number)
-            if len(inside) == 0:
+        # Numbers of segments and cycles only grow, up to the padding of -1.
+        parts = np.searchsorted(segment[segment >= 0], np.arange(len(self.segments) + 1))
+        for number, (first, end) in enumerate(pairwise(parts.tolist())):
+            if first == end:
                 continue
-            if about["kind"] == "recorded":
-                first = max(int(inside[0]) - 1, 0)
-                x = self.dataset["displacement"].values[run, first : inside[-1] + 1]
+            if self.segments[number]["kind"] == "recorded":
+                first = max(first - 1, 0)
                 found += [
                     (number, k, slice(first + a, first + b + 1))
-                    for k, (a, b) in enumerate(find_cycles(x), 1)
+                    for k, (a, b) in enumerate(find_cycles(x[first:end]), 1)
                 ]
-            elif about["kind"] == "cycles":
-                x = self.dataset["displacement"].values[run]
-                for k in range(1, int(cycle[inside].max()) + 1):
-                    rows = inside[cycle[inside] == k]
-                    if x[rows[-1]] == 0.0 and x[rows].min() < 0.0:  # else cut off on its way
-                        found.append((number, k, slice(int(rows[0]) - 1, int(rows[-1]) + 1)))
+            elif self.segments[number]["kind"] == "cycles":
+                numbers = np.arange(1, int(cycle[end - 1]) + 2)
+                ends = first + np.searchsorted(cycle[first:end], numbers)
+                for k, (a, b) in enumerate(pairwise(ends.tolist()), 1):
+                    closed = a < b and x[b - 1] == 0.0 and x[a:b].min() < 0.0
+                    if closed:  # else cut off on its way
+                        found.append((number, k, slice(a - 1, b)))
         return found
 
     @cached_property
@@ -120,8 +123,10 @@ class Result:
         attrs = self.dataset.attrs
         x, f, work = (self.dataset[name].values for name in ("displacement", "force", "work_in"))
         rows: list[dict[str, Any]] = []
+        ends: list[tuple[int, int]] = []
         for run, ambient in enumerate(self.dataset["ambient"].values):
             for number, k, where in self._cycle_rows(run):
+                ends.append((run, where.stop - 1))
                 measures = measure_cycle(
                     x[run, where],
                     f[run, where],
@@ -130,11 +135,8 @@ class Result:
                     # from the books, which know every step and not only the kept ones
                     work=float(work[run, where.stop - 1] - work[run, where.start]),
                 )
-                rows.append(
-                    self._row(float(ambient), self.segments[number], k, measures)
-                    | self._temperatures(run, where.stop - 1)
-                )
-        return pd.DataFrame(rows)
+                rows.append(self._row(float(ambient), self.segments[number], k, measures))
+        return pd.concat([pd.DataFrame(rows), pd.DataFrame(self._temperatures(ends))], axis=1)
 
     def _row(
         self, ambient: float, segment: dict[str, Any], cycle: int, m: CycleMeasures
@@ -156,14 +158,15 @@ class Result:
             "post_yield_stiffness_kN_mm": m.post_yield_stiffness_kN_mm,
         }
 
-    def _temperatures(self, run: int, row: int) -> dict[str, float]:
-        """Of layers (if they were kept) and lead at a kept step."""
-        if "rubber_temperature" not in self.dataset:
+    def _temperatures(self, ends: list[tuple[int, int]]) -> dict[str, Floats]:
+        """Of layers (if they were kept) and lead at kept steps (run, row)."""
+        if "rubber_temperature" not in self.dataset or not ends:
             return {}
-        values = self.dataset["rubber_temperature"].values[run, row]
-        found = {f"rubber{j}_degC": float(value) for j, value in enumerate(values, 1)}
+        runs, rows = np.array(ends).T
+        values = self.dataset["rubber_temperature"].values[runs, rows]
+        found = {f"rubber{j}_degC": column for j, column in enumerate(values.T, 1)}
         if self.has_lead:
-            found["lead_degC"] = float(self.dataset["lead_temperature"].values[run, row])
+            found["lead_degC"] = self.dataset["lead_temperature"].values[runs, rows]
         return found
 
     @cached_property

@@ -25,15 +25,15 @@ class DesignCase(Strict):
     ----------
     structure, motions : the bridge, and the earthquakes it is designed for.
     compound, compound_kind : rubber, and which of its curves: "HDR" or "HDR-S".
-    start : first displacement u_B [mm], in (0, 2000].
-    weight : on one bearing [kN], > 0; by default what the structure says.
-    stiffness_ratio : ratio K_2 / K_1 of the bilinear model, in (0, 1).
-    effective_displacement_factor : factor c_B of u_Be = c_B u_B, in (0, 1] (0.7 is said to be
+    start : first displacement u_B [mm], in [1, 2000].
+    weight : on one bearing [kN], in [0.1, 1e6]; by default what the structure says.
+    stiffness_ratio : ratio K_2 / K_1 of the bilinear model, in [0.001, 0.99].
+    effective_displacement_factor : factor c_B of u_Be = c_B u_B, in [0.01, 1] (0.7 is said to be
         usual for Level 2; unverified).
-    tolerance : on found over assumed displacement, relative, in (0, 0.1] (the source stops at
+    tolerance : on found over assumed displacement, relative, in [1e-6, 0.1] (the source stops at
         10 %).
     most_rounds : of the loop, 1 to 200.
-    dt : largest time step [s], in (0, 0.1].
+    dt : largest time step [s], in [1e-6, 0.1].
     mass : "consistent" or "published".
     sizing : rules of plan and layers.
     equal : names of layered bearings that are to be scaled to the same K_B.

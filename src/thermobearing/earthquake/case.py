@@ -1,5 +1,6 @@
 """An earthquake study as data: structure, bearings, motions, weather, and how to compute."""
 
+import math
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -9,11 +10,11 @@ from thermobearing.bearing.ambient import Ambient
 from thermobearing.bearing.bilinear import BilinearBearing, list_bilinear, load_bilinear
 from thermobearing.bearing.library import list_bearings, load_bearing
 from thermobearing.bearing.model import Bearing
-from thermobearing.border.errors import InputError, nearest
+from thermobearing.border.errors import InputError, is_file, nearest
 from thermobearing.border.overrides import overridden
 from thermobearing.border.schema import Strict, in_unit, validated
 from thermobearing.border.toml import read_toml, split_sources, to_toml
-from thermobearing.cyclic.case import Temperature
+from thermobearing.cyclic.case import Temperature, each_once
 from thermobearing.model.options import ModelOptions
 from thermobearing.motions.library import list_motions, load_motion
 from thermobearing.motions.record import GroundMotion
@@ -41,6 +42,7 @@ DEFAULTS: dict[str, dict[str, Any]] = {
         "duration": "20 s",
     },
 }
+MOST_STEPS = 10_000_000  # of all runs of a study, whose histories take some 600 bytes a step
 PSEUDO_DYNAMIC_SPEED = 10.0  # of the source's test [mm/s]
 
 
@@ -101,7 +103,7 @@ class EarthquakeCase(Strict):
     ambient : temperatures of the air and of the bearings at the start [degC], in [-100, 100].
     weather : CSV file with time and temperature that ends when the earthquake begins, instead
         of `ambient`.
-    duration : motions are cut to this [s], > 0; None for their whole length.
+    duration : motions are cut to this [s], in [0.001, 1e6]; None for their whole length.
     analysis : how to compute, and what to keep.
     laboratory : of a specimen in the loop.
     """
@@ -119,10 +121,7 @@ class EarthquakeCase(Strict):
     @field_validator("ambient")
     @classmethod
     def _each_once(cls, ambient: list[float]) -> list[float]:
-        for value in ambient:
-            if ambient.count(value) > 1:
-                raise ValueError(f"{value:g} degC is given more than once")
-        return ambient
+        return each_once(ambient)
 
     def to_toml(self) -> str:
         """The case with every default filled in, as TOML; reads back to the same bits."""
@@ -156,6 +155,30 @@ class EarthquakeCase(Strict):
                 found += [f'analysis.{text}; "{bearing.name}" is none' for text in misfits]
         return found
 
+    def steps_of(self, motion: GroundMotion) -> tuple[int, float]:
+        """Number of steps of a motion of the case, and their length [s].
+
+        The step divides the sampling interval, so that every sample is met.
+        """
+        dt = motion.dt / max(1, math.ceil(motion.dt / self.analysis.dt - 1e-9))
+        length = motion.duration if self.duration is None else min(self.duration, motion.duration)
+        return round(length / dt), dt
+
+    def length_faults(self, motions: list[GroundMotion]) -> list[str]:
+        """Studies of no step, and of more steps than memory holds."""
+        counts = [self.steps_of(motion)[0] for motion in motions]
+        if self.duration is not None and 0 in counts:
+            return [f"duration = {self.duration:g} s is shorter than a step; see analysis.dt"]
+        climates = 1 if self.weather is not None else len(self.ambient)
+        total = sum(counts) * len(self.bearings) * climates
+        if total <= MOST_STEPS:
+            return []
+        return [
+            f"analysis.dt = {self.analysis.dt:g} s makes {total:.3g} steps in all runs together; "
+            f"at most {MOST_STEPS} can be kept: take a larger dt, a shorter duration, or fewer "
+            "motions, bearings or temperatures in one study"
+        ]
+
 
 def make_earthquake_case(
     table: dict[str, Any], where: str, folder: Path = Path(), **overrides: Any
@@ -186,7 +209,7 @@ def make_earthquake_case(
     """
     table = dict(table)
     command = table.setdefault("command", "bridge")
-    if command not in DEFAULTS:
+    if not isinstance(command, str) or command not in DEFAULTS:
         raise InputError(f'command = {command!r}: must be "bridge" or "hybrid"', where)
     for key, other in (("weather", "ambient"), ("ambient", "weather")):
         if overrides.get(key) is not None and overrides.get(other) is None:
@@ -195,12 +218,12 @@ def make_earthquake_case(
     if isinstance(lab, dict) and isinstance(table.get("laboratory", {}), dict):
         overrides["laboratory"] = overridden(table.get("laboratory", {}), lab, Laboratory)
     table = overridden(table, overrides, EarthquakeCase, {"analysis": EarthquakeAnalysis})
-    problems = _settle(table, command, folder)
+    problems, motions = _settle(table, command, folder)
     try:
         case = validated(EarthquakeCase, table, where)
     except InputError as error:
         raise InputError([*problems, *error.problems], where) from None
-    problems += case.faults() if not problems else []
+    problems += [*case.faults(), *case.length_faults(motions)] if not problems else []
     if problems:
         raise InputError(problems, where)
     return case
@@ -235,9 +258,12 @@ def load_earthquake_case(path: str | Path, **overrides: Any) -> EarthquakeCase:
     return make_earthquake_case(table, str(path), path.parent, **overrides)
 
 
-def _settle(table: dict[str, Any], command: str, folder: Path) -> list[str]:
-    """Defaults, and names replaced by what they name; returns what is wrong with them."""
+def _settle(
+    table: dict[str, Any], command: str, folder: Path
+) -> tuple[list[str], list[GroundMotion]]:
+    """Defaults, and names replaced by what they name; returns what is wrong, and the motions."""
     problems: list[str] = []
+    motions: list[GroundMotion] = []
     if "ambient" in table and table.get("weather") is not None:
         problems.append("give ambient or weather, not both")
     if table.get("weather") is not None and isinstance(table["weather"], str):
@@ -265,9 +291,9 @@ def _settle(table: dict[str, Any], command: str, folder: Path) -> list[str]:
         for k, item in enumerate(table["bearings"])
     ]
     table["motions"] = [
-        _motion(problems, k, item, folder) for k, item in enumerate(table["motions"])
+        _motion(problems, motions, k, item, folder) for k, item in enumerate(table["motions"])
     ]
-    return problems
+    return problems, motions
 
 
 def _named(
@@ -293,7 +319,7 @@ def _load_device(name_or_path: str | Path) -> Device:
     text = str(name_or_path)
     if text in list_bilinear():
         return load_bilinear(text)
-    if text.endswith(".toml") and Path(text).is_file():
+    if text.endswith(".toml") and is_file(Path(text)):
         table = read_toml(Path(text))
         if split_sources(table)[0].get("kind") == "bilinear":
             return load_bilinear(text)
@@ -304,16 +330,18 @@ def _load_device(name_or_path: str | Path) -> Device:
     raise InputError(f'no bearing is called "{text}"{nearest(text, known)}')
 
 
-def _motion(problems: list[str], number: int, item: Any, folder: Path) -> Any:
-    """A motion as a table, its file absolute, and readable."""
+def _motion(
+    problems: list[str], motions: list[GroundMotion], number: int, item: Any, folder: Path
+) -> Any:
+    """A motion as a table, its file absolute, and readable: what it holds joins `motions`."""
     table = {"name": str(item)} if isinstance(item, str | Path) else item
     if not isinstance(table, dict) or not isinstance(table.get("name"), str):
         return table
     table = dict(table)
-    if table["name"] not in list_motions() and (folder / table["name"]).exists():
+    if table["name"] not in list_motions() and is_file(folder / table["name"]):
         table["name"] = str((folder / table["name"]).absolute())
     try:
-        validated(Motion, table, f"motions[{number}]").load()
+        motions.append(validated(Motion, table, f"motions[{number}]").load())
     except InputError as error:
         problems.extend(error.lines(f"motions[{number}]"))
     return table

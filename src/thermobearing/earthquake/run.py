@@ -22,7 +22,8 @@ from thermobearing.bearing.model import Bearing
 from thermobearing.core.types import Constants, Floats
 from thermobearing.cyclic.equivalent import bilinear_parameters
 from thermobearing.cyclic.history import run_segments
-from thermobearing.cyclic.protocol import CyclicTest, build_segments
+from thermobearing.cyclic.protocol import CyclicTest
+from thermobearing.cyclic.segments import build_segments
 from thermobearing.earthquake.case import EarthquakeCase
 from thermobearing.earthquake.label import label_study
 from thermobearing.earthquake.result import EarthquakeResult
@@ -84,16 +85,11 @@ def build_device(case: EarthquakeCase, bearing: Bearing | BilinearBearing) -> De
 
 
 def build_shaking(case: EarthquakeCase, number: int) -> Shaking:
-    """A motion of the case, cut, scaled, and linear between its samples.
-
-    The step divides the sampling interval, so that every sample is met.
-    """
+    """A motion of the case, cut, scaled, and linear between its samples."""
     chosen = case.motions[number]
     motion = chosen.load()
-    parts = max(1, int(np.ceil(motion.dt / case.analysis.dt - 1e-9)))
-    dt = motion.dt / parts
-    duration = motion.duration if case.duration is None else min(case.duration, motion.duration)
-    times = dt * np.arange(round(duration / dt) + 1)
+    steps, dt = case.steps_of(motion)
+    times = dt * np.arange(steps + 1)
     ground = chosen.factor * np.interp(times, motion.time, motion.acceleration)
     return Shaking(motion, dt, ground)
 
@@ -104,7 +100,7 @@ def soaked(device: Device, weather: Ambient) -> tuple[Floats, float | None]:
     The bearing is at rest, at first uniform at the first ambient temperature. The same heat
     model as in motion, in growing steps.
     """
-    cells = device.constants.cells.shape[1]
+    cells = len(device.constants.cells.capacity)
     if device.stack is None:
         return np.full(cells, weather.temperature[-1]), None
     start = float(weather.time[0])
@@ -113,7 +109,7 @@ def soaked(device: Device, weather: Ambient) -> tuple[Floats, float | None]:
     segments = build_segments(CyclicTest(dt=10.0, steps=[rest]), 1.0)
     initial = np.full(cells, weather.temperature[0])
     history = run_segments(device.constants, segments, shifted, initial, groups=())
-    lead = float(history.state.lead[0]) if device.constants.lead.cores > 0.0 else None
+    lead = history.state.branches[0].lead_temperature if device.constants.lead.cores > 0.0 else None
     return history.state.temperature, lead
 
 
@@ -150,7 +146,7 @@ def build_tasks(case: EarthquakeCase) -> list[Task]:
         if weather is not None:
             starts = [(float(weather.temperature[-1]), soaked(device, weather))]
         else:
-            cells = device.constants.cells.shape[1]
+            cells = len(device.constants.cells.capacity)
             starts = [(value, (np.full(cells, value), None)) for value in case.ambient]
         for shaking in shakings:
             tasks += [Task(prepared, device, shaking, air, start, case) for air, start in starts]

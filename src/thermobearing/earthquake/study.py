@@ -60,8 +60,8 @@ def bridge(
     structure : a Structure, the name of one, or a TOML file; "pier-p1" by default.
     weather : CSV file of the temperature that ends when the earthquake begins, instead of
         `ambient`.
-    duration : cut motions to this [s], > 0.
-    dt : largest time step [s], in (0, 0.1]; 0.005 by default.
+    duration : cut motions to this [s], in [0.001, 1e6].
+    dt : largest time step [s], in [1e-6, 0.1]; 0.005 by default.
     method : "average-acceleration" (default), "linear-acceleration" or "predictor-corrector".
     mass : "consistent" (default) or "published".
     scheme : "conservative" (default) or "published" heat scheme.

@@ -13,6 +13,7 @@ from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
 from thermobearing.border.schema import validated
+from thermobearing.border.units import HUGEST
 from thermobearing.identify.kinds import (
     ALPHA,
     C_V,
@@ -34,7 +35,7 @@ from thermobearing.identify.kinds import (
 )
 
 Floats = NDArray[np.float64]
-TIE = re.compile(r"^\s*([^=]+?)\s*=\s*(?:([-+.\deE]+)\s*\*\s*)?([A-Za-z_][\w.]*)\s*$")
+TIE = re.compile(r"([^=]+)=(?:([^=*]+)\*)?([^=*]+)")
 
 
 @dataclass(frozen=True)
@@ -46,6 +47,7 @@ class Parameter:
 
     Examples
     --------
+    >>> from thermobearing.identify.kinds import BY_KEY
     >>> stiffness = Parameter(BY_KEY[K_R], value=10.0, lower=1.0, upper=100.0)
     >>> round(stiffness.at(0.5), 6), round(stiffness.place(10.0), 6)
     (10.0, 0.5)
@@ -296,15 +298,26 @@ def _chosen(bearing: Bearing, free: Sequence[str]) -> tuple[set[str], dict[str, 
     keys, ties = set(), {}
     there = {kind.key for kind in available(bearing)}
     for name in free:
-        match = TIE.match(name)
+        match = TIE.fullmatch(name)
         left = full_key(match[1] if match else name)
         if left not in there:
             raise InputError(f'"{name}": the bearing "{bearing.name}" has no {left.split(".")[0]}')
         if match:
-            ties[left] = (full_key(match[3]), float(match[2] or 1.0))
+            ties[left] = (full_key(match[3]), _factor(match[2], name))
         else:
             keys.add(left)
     return keys, ties
+
+
+def _factor(text: str | None, tie: str) -> float:
+    """Of a tie such as "n_T = 2.4 * m_T"."""
+    try:
+        factor = float(text or 1.0)
+    except ValueError:
+        factor = 0.0
+    if not 1.0 / HUGEST <= abs(factor) <= HUGEST:
+        raise InputError(f'"{tie}": "{text}" is not a number a parameter can be multiplied by')
+    return factor
 
 
 def parameter_set(

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from thermobearing.border.errors import InputError
+from thermobearing.border.errors import InputError, is_file
 from thermobearing.border.schema import Strict, in_unit, validated
 from thermobearing.border.tables import Layout, read_columns
 from thermobearing.border.toml import read_toml, split_sources
@@ -24,6 +24,7 @@ Ints = NDArray[np.int64]
 ASSUMED_SPEED = 30.0  # mean loading rate of Table 3.4 [mm/s], where a file has no clock
 ASSUMED_AMBIENT = 23.0  # laboratory temperature of Table 3.4 [degC]
 SHORTEST_STEP = 1e-4  # between samples whose clock is made from an assumed speed [s]
+COLUMNS = {"time", "displacement", "force"}  # that a sidecar may name
 PLACE = re.compile(r"^(?:rubber ([1-9]\d*)|lead)$")
 
 Temperature = Annotated[float, in_unit("degC"), Field(ge=-100, le=100)]
@@ -73,12 +74,10 @@ class Sidecar(Strict):
         if "speed" in given and "sampling" in given:
             faults.append("give either speed or sampling")
         for key in ("columns", "units"):
-            table = given.get(key)
-            strange = set(table) - {"time", "displacement", "force"} if table else set()
+            table = given.get(key)  # of any type yet: what is no table is found later
+            strange = sorted(set(table) - COLUMNS) if isinstance(table, dict) else []
             if strange:
-                faults.append(
-                    f"{key}: unknown {sorted(strange)[0]!r}; known: displacement, force, time"
-                )
+                faults.append(f"{key}: unknown {strange[0]!r}; known: {', '.join(sorted(COLUMNS))}")
         places = given.get("thermocouples")
         for title, place in places.items() if isinstance(places, dict) else ():
             if not isinstance(place, str) or not PLACE.match(place):
@@ -200,10 +199,16 @@ def load_test(path: str | Path) -> TestRecord:
     path = Path(path)
     if path.suffix.lower() == ".toml":
         return _from_sidecar(path, None)
-    beside = path.with_suffix(".toml")
-    if beside.is_file() and "plan" not in read_toml(beside).get("geometry", {}):
+    beside = path.parent / f"{path.stem}.toml"
+    if is_file(beside) and not _is_a_bearing(beside):
         return _from_sidecar(beside, path)
     return _assemble(Sidecar(), [BlockFile(file=str(path))], path.parent, path)
+
+
+def _is_a_bearing(path: Path) -> bool:
+    """Whether a TOML file beside a test describes the bearing, and not the test."""
+    geometry = read_toml(path).get("geometry")
+    return isinstance(geometry, dict) and "plan" in geometry
 
 
 def _from_sidecar(path: Path, data: Path | None) -> TestRecord:

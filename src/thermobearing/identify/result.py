@@ -37,8 +37,8 @@ class Identification:
     records, checks, predictions : tests, what was said of them, the model at their samples.
     uncertainty : standard errors, intervals, correlation, warnings in words.
     start : values the fit started from, each in the unit of its parameter.
-    method, evaluations, seconds : how, and what it took (one evaluation runs all records).
-    history : evaluations and best mean squared residual so far, for the convergence figure.
+    method, evaluations, seconds : how, and what it took: runs of all records, and time [s].
+    history : evaluations, and the best mean squared relative residual so far, for a figure.
     outcome : "completed", or why not.
     problem : the residuals, for the posterior.
 

@@ -33,7 +33,7 @@ class EndFace(Strict):
     Attributes
     ----------
     eta : factor of Eq. 4.15, in [1, 3]: 1 is adiabatic, 3 holds the face at ambient.
-    film : film coefficient [W/(m^2 K)], >= 0.
+    film : film coefficient [W/(m^2 K)], in [0, 1e5].
 
     Examples
     --------

@@ -35,8 +35,10 @@ SENTENCES: Final = {
         "The explicit Euler integration of Z ran away. Try a smaller dt, or integrator exact."
     ),
     "temperature_runaway": (
-        "A rubber layer left -273 to 1000 degC. Check stiffness, plan and heat capacity for their "
-        "units; with very stiff rubber, heat_source dissipation has this feedback while held."
+        "A rubber layer left -273 to 400 degC (it decomposes) or the lead reached 327 degC (it "
+        "melts): fewer cycles, a smaller amplitude or a slower motion. Check stiffness, plan and "
+        "heat capacity for their units; with very stiff rubber, heat_source dissipation has this "
+        "feedback while held."
     ),
     INTERRUPTED: "The run was interrupted; what had been computed until then was kept.",
 }

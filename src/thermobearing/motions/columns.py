@@ -8,6 +8,7 @@ import numpy as np
 from thermobearing.border.errors import InputError, nearest, shortened
 from thermobearing.motions.record import acceleration_unit
 from thermobearing.motions.sniffing import (
+    LONGEST_LINE,
     NUMBER,
     Options,
     Raw,
@@ -75,7 +76,7 @@ def read_columns_of_text(lines: list[str], options: Options) -> Raw:
         commas = any(re.search(r"\d,\d+\s*;", line) for line in lines)
         hint = "decimals take a point" if commas else "is it an accelerogram?"
         raise InputError(f"holds no numbers; {hint}")
-    header, rows = [line for line in lines[:start] if line.strip()], []
+    header, rows = [line[:LONGEST_LINE] for line in lines[:start] if line.strip()], []
     width = len(_cells(lines[start]))
     for at, line in enumerate(lines[start:], start + 1):
         if not line.strip() or line.lstrip().startswith(_COMMENT):
@@ -172,8 +173,9 @@ def _chosen(columns: list[_Column], options: Options) -> _Column:
             )
         return columns[0]
     wanted = str(options.component).strip()
-    if wanted.isdigit() and 1 <= int(wanted) <= len(columns):
-        return columns[int(wanted) - 1]
+    for place, column in enumerate(columns, 1):
+        if wanted == str(place):
+            return column
     for name, column in zip(names, columns, strict=True):
         if name.lower() == wanted.lower().replace("-", ""):
             return column

@@ -15,7 +15,7 @@ from thermobearing.core.types import Floats
 from thermobearing.motions.record import acceleration_unit
 
 KINDS, GROUNDS = ("I", "II"), ("I", "II", "III")
-LARGEST_ZONE_FACTOR = 2.0  # the specifications know 0.7 to 1.2
+SMALLEST_ZONE_FACTOR, LARGEST_ZONE_FACTOR = 0.01, 2.0  # the specifications know 0.7 to 1.2
 
 
 @dataclass(frozen=True)
@@ -106,7 +106,7 @@ def standard_spectrum(
     kind : "I" (plate boundary) or "II" (inland).
     ground : "I" (hard), "II" or "III" (soft).
     periods : natural periods [s], > 0.
-    zone_factor : c_z of the region, in (0, 2].
+    zone_factor : c_z of the region, in [0.01, 2].
 
     Returns
     -------
@@ -125,9 +125,10 @@ def standard_spectrum(
     values = np.atleast_1d(np.asarray(periods, dtype=np.float64))
     if not (np.isfinite(values) & (values > 0.0)).all():
         raise InputError("periods [s]: must be finite and > 0", "standard_spectrum")
-    if not 0.0 < zone_factor <= LARGEST_ZONE_FACTOR:
+    if not SMALLEST_ZONE_FACTOR <= zone_factor <= LARGEST_ZONE_FACTOR:
         raise InputError(
-            f"zone_factor: {zone_factor:g} is outside (0, {LARGEST_ZONE_FACTOR:g}]",
+            f"zone_factor: {zone_factor:g} is outside [{SMALLEST_ZONE_FACTOR:g}, "
+            f"{LARGEST_ZONE_FACTOR:g}]",
             "standard_spectrum",
         )
     return zone_factor * _spectra()[key].at(values)

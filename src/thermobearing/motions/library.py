@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from thermobearing.border.errors import InputError
+from thermobearing.border.errors import InputError, is_file
 from thermobearing.border.library import data_path, unknown_name
 from thermobearing.motions.readers import read_motion
 from thermobearing.motions.record import GroundMotion
@@ -68,11 +68,7 @@ def load_motion(name_or_path: str | Path, **options: Any) -> GroundMotion:
             values = np.asarray(stored[text], dtype=np.float64)
         return GroundMotion(text, STORED_DT, values, **_about()[text])
     path = Path(text)
-    if not (isinstance(name_or_path, Path) or path.suffix or "/" in text):
-        try:
-            known = path.exists()
-        except (OSError, ValueError):
-            known = False
-        if not known:
-            raise unknown_name("motion", text, list_motions())
+    looks_like_a_path = isinstance(name_or_path, Path) or path.suffix or "/" in text
+    if not looks_like_a_path and not is_file(path):
+        raise unknown_name("motion", text, list_motions())
     return read_motion(path, **options)

@@ -25,6 +25,12 @@ ENOUGH = 0.022  # misfit above which shaken multipliers are tried
 LARGEST_MISFIT = 0.03  # what is promised
 SHAKES, SHAKE = 3, 0.15  # how often, and by how much (of the logarithm)
 RATIO_ROUNDS, NEWTON_ROUNDS = 8, 40
+MOST_ROUNDS = 400  # of one search, over all draws and finenesses: a hundred are usual
+HOPELESS = 0.1  # misfit above which nothing is shaken, and a search that is stuck ends ...
+PATIENCE, GAIN = 10, 0.01  # ... when so many rounds have not made it smaller by this part of it
+LONGEST_FIT = 120_000  # samples; a round takes half a second, and memory grows with them
+SMALLEST_PEAK = 1e-100  # [mm/s2]; only keeps zero out of a logarithm
+FAR = 10.0  # logarithm of target / spectrum beyond which the motion is first made larger or smaller
 HIGH_PASS = 0.2  # [Hz]: three times longer than the longest period, so that the ground returns
 WIDENING = 0.3  # [Hz]
 TAPER = 4.0  # [s] at both ends
@@ -37,6 +43,7 @@ DAMPING_START, DAMPING_END = 0.05, 1e2  # weight of size and bending of a change
 Complexes = NDArray[np.complex128]
 Ints = NDArray[np.int64]
 Target = Callable[[Floats], Floats]
+Progress = Callable[[int, int], None]
 
 
 @dataclass(frozen=True)
@@ -90,10 +97,42 @@ def misfit(motion: GroundMotion, target: Target, count: int = 300) -> float:
     return float(np.sqrt(np.mean((ratio - 1.0) ** 2)))
 
 
+class Effort:
+    """The rounds that a search may take, and the one who watches them.
+
+    Parameters
+    ----------
+    rounds : at most so many, 400 by default; what was found by then is the result.
+    progress : called after each round with (rounds done, at most).
+    """
+
+    def __init__(self, rounds: int | None = None, progress: Progress | None = None) -> None:
+        self.rounds = MOST_ROUNDS if rounds is None else rounds
+        self.progress, self.done = progress, 0
+
+    def count(self) -> None:
+        """One more round."""
+        self.done += 1
+        if self.progress:
+            self.progress(min(self.done, self.rounds), self.rounds)
+
+    @property
+    def spent(self) -> bool:
+        """Whether there is no round left."""
+        return self.done >= self.rounds
+
+
 class _Amplitudes:
     """The Fourier coefficients of a motion, multiplied band by band."""
 
-    def __init__(self, acceleration: Floats, dt: float, fineness: _Fineness) -> None:
+    def __init__(
+        self,
+        acceleration: Floats,
+        dt: float,
+        fineness: _Fineness,
+        effort: Effort | None = None,
+    ) -> None:
+        self.effort = effort or Effort()
         self.fineness, bands = fineness, fineness.bands
         self.dt, self.length = dt, len(acceleration)
         size = next_fast_len(self.length, real=True)
@@ -176,7 +215,14 @@ class _Amplitudes:
         return np.asarray(np.real(spectrum.conj() * (counted * self.multiplied())) @ self.bands)
 
 
-def matched(acceleration: Floats, dt: float, target: Target, *, finer: bool = False) -> Matched:
+def matched(
+    acceleration: Floats,
+    dt: float,
+    target: Target,
+    *,
+    finer: bool = False,
+    effort: Effort | None = None,
+) -> Matched:
     """Adjust the Fourier amplitudes of a motion until its spectrum is the target.
 
     First each amplitude is multiplied by target / spectrum at its own period, a few times over.
@@ -191,22 +237,34 @@ def matched(acceleration: Floats, dt: float, target: Target, *, finer: bool = Fa
     dt : time step [s].
     target : absolute acceleration spectrum [mm/s2] as a function of periods [s].
     finer : if the misfit stays above 3 %, try finer bands, which fit better and ring longer.
+    effort : how many rounds there may be; 400 by default.
     """
-    fits = []
+    fits: list[Matched] = []
+    effort = effort or Effort()
     for fineness in (COARSE, FINE) if finer else (COARSE,):
-        best = _matched(acceleration, dt, target, fineness)
+        if fits and effort.spent:
+            break
+        best = _matched(acceleration, dt, target, fineness, effort)
         fits.append(Matched(best.motion.acceleration, misfit(best.motion, target)))
         if fits[-1].misfit <= LARGEST_MISFIT:
             break
     return min(fits, key=lambda fit: fit.misfit)
 
 
-def _matched(acceleration: Floats, dt: float, target: Target, fineness: _Fineness) -> "_Round":
+def _matched(
+    acceleration: Floats, dt: float, target: Target, fineness: _Fineness, effort: Effort
+) -> "_Round":
     """The best round with bands so fine."""
-    amplitudes = _Amplitudes(acceleration, dt, fineness)
+    amplitudes = _Amplitudes(acceleration, dt, fineness, effort)
     wanted = target(amplitudes.periods)
     best = _compare(amplitudes, wanted)
+    far = float(np.mean(best.gaps[0]))
+    if abs(far) > FAR:  # the rounds below would take their steps one after the other to get there
+        amplitudes.coefficients = amplitudes.coefficients * np.exp(far)
+        best = _compare(amplitudes, wanted)
     for _ in range(RATIO_ROUNDS):
+        if effort.spent:
+            return best
         change = np.interp(amplitudes.nodes[::-1], amplitudes.periods, best.gaps[0])[::-1]
         amplitudes.logarithm = best.logarithm + np.clip(change, -LARGEST_STEP, LARGEST_STEP)
         best = _compare(amplitudes, wanted)
@@ -214,7 +272,7 @@ def _matched(acceleration: Floats, dt: float, target: Target, fineness: _Finenes
     # Where peaks at two times hold each other, shaken multipliers find a way out.
     stream = np.random.default_rng(0)
     for _ in range(SHAKES):
-        if best.error <= ENOUGH:
+        if best.error <= ENOUGH or best.error > HOPELESS or effort.spent:
             break
         amplitudes.logarithm = best.logarithm + SHAKE * stream.standard_normal(fineness.bands)
         start = _compare(amplitudes, wanted)
@@ -234,20 +292,26 @@ class _Round:
 
 
 def _compare(amplitudes: _Amplitudes, wanted: Floats) -> _Round:
+    amplitudes.effort.count()
     motion = amplitudes.motion()
     spectrum = response_spectrum(motion, amplitudes.periods, DAMPING)
     error = float(np.sqrt(np.mean((spectrum.acceleration / wanted - 1.0) ** 2)))
     order = np.argsort(-spectrum.peaks, axis=0)
     peaks = np.take_along_axis(spectrum.peaks, order, axis=0)
     times = np.take_along_axis(spectrum.peak_times, order, axis=0)
-    return _Round(amplitudes.logarithm.copy(), motion, times, np.log(wanted / peaks), error)
+    # Where a response has one sign only, the other peak is zero.
+    gaps = np.log(wanted / np.maximum(peaks, SMALLEST_PEAK))
+    return _Round(amplitudes.logarithm.copy(), motion, times, gaps, error)
 
 
 def _improved(amplitudes: _Amplitudes, wanted: Floats, start: _Round) -> _Round:
     """Newton's rounds from a start, with damping that follows their success."""
-    best, damping = start, DAMPING_START
+    best, damping, errors = start, DAMPING_START, [start.error]
     for _ in range(NEWTON_ROUNDS):
-        if best.error <= GOAL or damping > DAMPING_END:
+        stuck = len(errors) > PATIENCE and best.error > (1.0 - GAIN) * errors[-1 - PATIENCE]
+        if best.error <= GOAL or damping > DAMPING_END or amplitudes.effort.spent:
+            break
+        if stuck and best.error > HOPELESS:
             break
         amplitudes.logarithm = best.logarithm
         change = _newton(amplitudes, best, damping)
@@ -257,6 +321,7 @@ def _improved(amplitudes: _Amplitudes, wanted: Floats, start: _Round) -> _Round:
             best, damping = trial, damping / 2.0
         else:
             damping *= 4.0
+        errors.append(best.error)
     return best
 
 

@@ -8,10 +8,11 @@ from scipy import signal
 
 from thermobearing.border.errors import InputError
 from thermobearing.core.types import Floats
-from thermobearing.motions.record import GroundMotion, displacement_of
+from thermobearing.motions.record import MOST_SAMPLES, GroundMotion, displacement_of
 
 POLYNOMIAL = 6  # degree of the drift that is taken out of the displacement
 BUTTERWORTH = 4  # order of the high-pass filter
+LONGEST_CORNER = 10.0  # period of the filter's corner over the length of the motion, at most
 SAME_STEP = 1e-9  # relative difference of time steps that are the same
 LARGEST_RATIO = 1000  # numerator and denominator of a ratio of time steps
 
@@ -71,11 +72,13 @@ def baseline_corrected(motion: GroundMotion, *, high_pass: float | None = None) 
     ----------
     motion : the ground motion.
     high_pass : corner of a zero-phase Butterworth filter applied first [Hz]; none by default.
-        For records whose long periods are noise: 0.05 to 0.1 Hz.
+        For records whose long periods are noise: 0.05 to 0.1 Hz. Its period is at most ten times
+        the length of the motion: longer ones are no part of it.
 
     Raises
     ------
-    InputError : the corner is not in (0, half the sampling rate); fewer than 16 samples.
+    InputError : the corner is too low, or not below half the sampling rate; fewer than 16
+        samples.
 
     Examples
     --------
@@ -88,15 +91,26 @@ def baseline_corrected(motion: GroundMotion, *, high_pass: float | None = None) 
     if len(values) < 16:
         raise InputError(f"has {len(values)} samples; at least 16 make a base line", motion.name)
     if high_pass is not None:
-        nyquist = 0.5 / motion.dt
-        if not 0.0 < high_pass < nyquist:
-            raise InputError(f"high_pass: {high_pass:g} Hz is outside (0, {nyquist:g}) Hz")
+        lowest, nyquist = 1.0 / (LONGEST_CORNER * motion.duration), 0.5 / motion.dt
+        if not lowest <= high_pass < nyquist:
+            raise InputError(
+                f"high_pass: {high_pass:g} Hz is outside {lowest:.3g} to {nyquist:g} Hz: its "
+                f"period must be at most {LONGEST_CORNER:g} times the length of the motion, and "
+                "more than two time steps",
+                motion.name,
+            )
         room = len(values) + int(2.0 / (high_pass * motion.dt))
         frequency = np.asarray(np.fft.rfftfreq(room, motion.dt), dtype=np.float64)
         spectrum = np.fft.rfft(values, room) * high_pass_gain(frequency, high_pass)
         values = np.fft.irfft(spectrum, room)[: len(values)]
     values = with_quiet_end(_without_drift(values, motion.dt), motion.dt)
     return replace(motion, acceleration=values)
+
+
+def _check_samples(count: float, what: str, motion: GroundMotion) -> None:
+    """InputError if a motion would become longer than any record is."""
+    if count > MOST_SAMPLES:
+        raise InputError(f"{what} makes {count:.3g} samples, more than {MOST_SAMPLES}", motion.name)
 
 
 def resampled(motion: GroundMotion, dt: float) -> GroundMotion:
@@ -114,7 +128,7 @@ def resampled(motion: GroundMotion, dt: float) -> GroundMotion:
 
     Raises
     ------
-    InputError : dt out of range, or longer than the motion.
+    InputError : dt out of range, longer than the motion, or too short for two million samples.
 
     Examples
     --------
@@ -127,6 +141,7 @@ def resampled(motion: GroundMotion, dt: float) -> GroundMotion:
             f"dt: {dt:g} s is outside (0, {motion.duration:g}] s, the length of the motion",
             motion.name,
         )
+    _check_samples(motion.duration / dt, f"dt: {dt:g} s", motion)
     ratio = motion.dt / dt
     if abs(ratio - 1.0) < SAME_STEP:
         return motion
@@ -225,7 +240,7 @@ def padded(motion: GroundMotion, before: float = 0.0, after: float = 0.0) -> Gro
 
     Raises
     ------
-    InputError : a time that is negative or not finite.
+    InputError : a time that is negative, not finite, or makes more than two million samples.
 
     Examples
     --------
@@ -237,4 +252,6 @@ def padded(motion: GroundMotion, before: float = 0.0, after: float = 0.0) -> Gro
         if not (np.isfinite(value) and 0.0 <= value <= 1e5):
             raise InputError(f"padded: {name} = {value:g} s is outside 0 to 100000 s")
     counts = round(before / motion.dt), round(after / motion.dt)
+    whole = sum(counts) + len(motion.acceleration)
+    _check_samples(whole, f"padded: {before:g} s and {after:g} s", motion)
     return replace(motion, acceleration=np.pad(motion.acceleration, counts))

@@ -13,9 +13,11 @@ import numpy as np
 
 from thermobearing.border.errors import InputError, nearest
 from thermobearing.border.tables import read_text
+from thermobearing.border.units import HUGEST
 from thermobearing.motions.columns import read_columns_of_text
-from thermobearing.motions.record import GroundMotion, acceleration_unit
+from thermobearing.motions.record import MOST_SAMPLES, GroundMotion, acceleration_unit
 from thermobearing.motions.sniffing import (
+    LONGEST_LINE,
     NUMBER,
     SHORTEST,
     Options,
@@ -27,11 +29,12 @@ from thermobearing.motions.sniffing import (
 )
 
 _NUM = NUMBER.pattern
-_AT2_NAMED = re.compile(rf"NPTS\s*=\s*(\d+)\s*,?\s*DT\s*=\s*({_NUM})", re.IGNORECASE)
-_AT2_FIRST = re.compile(rf"^\s*(\d+)\s*,?\s*({_NUM})\s+NPTS\s*,\s*DT", re.IGNORECASE)
+_AT2_NAMED = re.compile(rf"NPTS\s*=\s*(\d{{1,9}})\s*,?\s*DT\s*=\s*({_NUM})", re.IGNORECASE)
+_AT2_FIRST = re.compile(rf"^\s*(\d{{1,9}})\s*,?\s*({_NUM})\s+NPTS\s*,\s*DT", re.IGNORECASE)
 _AT2_UNIT = re.compile(
     r"UNITS?\s+(?:OF|ARE|IN|:|=)\s*\(?\s*([A-Za-z][A-Za-z0-9/^]*)", re.IGNORECASE
 )
+_SCALE = re.compile(rf"({_NUM})\s*\(gal\)\s*/\s*({_NUM})")
 _JMA_COMPONENTS = ("NS", "EW", "UD")
 
 
@@ -109,6 +112,8 @@ def _finished(raw: Raw, options: Options) -> GroundMotion:
     """Unit, time step and size checked; the motion in mm/s2."""
     if len(raw.values) < SHORTEST:
         raise InputError(f"holds {len(raw.values)} samples; at least {SHORTEST} are needed")
+    if len(raw.values) > MOST_SAMPLES:
+        raise InputError(f"holds {len(raw.values)} samples; at most {MOST_SAMPLES} can be used")
     dt = checked_step(raw.dt, options.dt)
     unit = options.unit or raw.unit
     if unit is None:
@@ -138,7 +143,8 @@ def _only_component(options: Options, held: str = "one component") -> None:
 def _at2_header(lines: list[str]) -> tuple[int, int, float] | None:
     """Line, number of points and time step [s] of an AT2 header, if there is one."""
     for place, line in enumerate(lines[:30]):
-        match = _AT2_NAMED.search(line) or _AT2_FIRST.search(line)
+        text = line[:LONGEST_LINE]
+        match = _AT2_NAMED.search(text) or _AT2_FIRST.search(text)
         if match:
             return place, int(match[1]), number(match[2])
     return None
@@ -167,6 +173,22 @@ def _read_at2(lines: list[str], options: Options) -> Raw:
     return Raw(values, dt, unit[1] if unit else None, description=about)
 
 
+def _entry(text: str) -> float | None:
+    """The number that an entry of a header begins with, if it does."""
+    found = NUMBER.match(text)
+    return number(found[0]) if found else None
+
+
+def _knet_scale(text: str) -> tuple[float, float]:
+    """Numerator [gal] and denominator [counts] of a scale factor."""
+    found = _SCALE.match(text)
+    if found:
+        above, below = number(found[1]), number(found[2])
+        if abs(below) > abs(above) / HUGEST:
+            return above, below
+    raise InputError('has no usable "Scale Factor", such as 3920(gal)/6170801')
+
+
 def _knet_header(lines: list[str]) -> tuple[int, dict[str, str]]:
     """Line number of "Memo." and the entries by the letters of their names."""
     entries = {}
@@ -189,28 +211,26 @@ def _read_knet(lines: list[str], options: Options) -> Raw:
     held = names.get(about, about.replace("-", ""))
     if str(options.component).upper().replace("-", "") != held.upper():
         _only_component(options, f"the component {held}")
-    frequency = re.match(_NUM, entries.get("samplingfreqhz", ""))
-    if not frequency or float(frequency[0]) <= 0.0:
+    frequency = _entry(entries.get("samplingfreqhz", ""))
+    if frequency is None or frequency <= 0.0:
         raise InputError('has no usable "Sampling Freq(Hz)"')
-    scale = re.match(rf"({_NUM})\s*\(gal\)\s*/\s*({_NUM})", entries.get("scalefactor", ""))
-    if not scale or float(scale[2]) == 0.0:
-        raise InputError('has no usable "Scale Factor", such as 3920(gal)/6170801')
+    scale = _knet_scale(entries.get("scalefactor", ""))
     body = list(enumerate(lines[place + 1 :], place + 2))
     counts = running_numbers([(line, text) for line, text in body if text.strip()])
-    dt = 1.0 / float(frequency[0])
-    length = re.match(_NUM, entries.get("durationtimes", ""))
-    points = round(float(length[0]) / dt) if length else len(counts)
+    dt = 1.0 / frequency
+    length = _entry(entries.get("durationtimes", ""))
+    points = len(counts) if length is None else round(length / dt)
     if len(counts) < points or not len(counts):
         raise InputError(
             f"says {points} samples ({points * dt:g} s), but holds {len(counts)}: a gap, or the "
             "file is cut off"
         )
-    values = (counts - counts.mean()) * float(scale[1]) / float(scale[2])
-    told = re.match(_NUM, entries.get("maxaccgal", ""))
+    values = (counts - counts.mean()) * scale[0] / scale[1]
+    told = _entry(entries.get("maxaccgal", ""))
     largest = float(np.abs(values).max())
-    if told and abs(largest - float(told[0])) > 0.01 * float(told[0]) + 0.01:
+    if told is not None and abs(largest - told) > 0.01 * told + 0.01:
         raise InputError(
-            f"says Max. Acc. {told[0]} gal, but its numbers come to {largest:.4g} gal: is the "
+            f"says Max. Acc. {told:g} gal, but its numbers come to {largest:.4g} gal: is the "
             "scale factor right?"
         )
     station = entries.get("stationcode", "")
@@ -231,8 +251,8 @@ def _read_jma(lines: list[str], options: Options) -> Raw:
         head[key.strip().lower()] = value.strip()
     if place is None:
         raise InputError('is a JMA file without the line "NS,EW,UD" above its columns')
-    rate = re.match(_NUM, head.get("sampling rate", ""))
-    if not rate or float(rate[0]) <= 0.0:
+    rate = _entry(head.get("sampling rate", ""))
+    if rate is None or rate <= 0.0:
         raise InputError('has no usable "SAMPLING RATE"')
     if options.component is None:
         raise InputError(f"holds the components {', '.join(titles)}; give component")
@@ -255,5 +275,5 @@ def _read_jma(lines: list[str], options: Options) -> Raw:
     site = lines[0].partition("=")[2].split(",")[0].strip()
     start = head.get("initial time", "")
     about = f"JMA {site} {wanted}, from {start}"
-    dt, known = 1.0 / float(rate[0]), unit is not None
-    return Raw(np.array(values), dt, unit, instrument=known, description=about)
+    known = unit is not None
+    return Raw(np.array(values), 1.0 / rate, unit, instrument=known, description=about)

@@ -8,6 +8,7 @@ from thermobearing.border.errors import InputError, nearest
 from thermobearing.core.types import Floats
 
 MM_S2_PER_GAL = 10.0
+MOST_SAMPLES = 2_000_000  # of a motion, read, resampled or padded: an hour at 500 Hz
 STANDARD_GRAVITY = 9806.65  # [mm/s2], ISO 80000-3
 # Units of acceleration as records spell them, in lower case without blanks and "^".
 ACCELERATION_UNITS = {

@@ -18,9 +18,6 @@ from thermobearing.motions.spectrum import ResponseSpectrum, response_spectrum
 MM_PER_CM, MM_PER_M = 10.0, 1000.0
 FIRST, LAST, COUNT = 0.05, 5.0, 200  # periods of spectrum.csv [s]
 COMPLETED, POOR_FIT = "completed", "poor_fit"
-SENTENCES = {
-    POOR_FIT: f"misfit above {100 * LARGEST_MISFIT:g} % rms; try another record or seed",
-}
 
 
 @dataclass(frozen=True)
@@ -68,7 +65,12 @@ class MotionResult:
     @property
     def sentence(self) -> str:
         """What the outcome means and what to try."""
-        return SENTENCES.get(self.outcome, "")
+        if self.outcome != POOR_FIT or self.misfit is None:
+            return ""
+        return (
+            f"the search ended with a misfit of {100 * self.misfit:.2g} % rms, above "
+            f"{100 * LARGEST_MISFIT:g} %; try another record or seed"
+        )
 
     @cached_property
     def spectrum(self) -> ResponseSpectrum:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from thermobearing.motions.jra import kind_and_ground
 from thermobearing.motions.library import load_motion
-from thermobearing.motions.matching import LARGEST_MISFIT, misfit
+from thermobearing.motions.matching import LARGEST_MISFIT, Progress, misfit
 from thermobearing.motions.measures import measure_motion
 from thermobearing.motions.process import baseline_corrected, resampled
 from thermobearing.motions.record import GroundMotion
@@ -108,7 +108,7 @@ def make_motion_case(
     seed : of the random phases; 1 by default.
     record : a motion, a name or a file whose phases are kept instead.
     dt : time step [s]; that of the record, or 0.01 s, by default.
-    zone_factor : c_z of the region, in (0, 2].
+    zone_factor : c_z of the region, in [0.01, 2].
     unit, component, trust_unit : of the record, as for `load_motion`.
 
     Raises
@@ -127,12 +127,13 @@ def make_motion_case(
     return MotionCase(kind, ground, zone_factor, seed, record, dt)
 
 
-def run_motion(case: MotionCase) -> MotionResult:
+def run_motion(case: MotionCase, *, progress: Progress | None = None) -> MotionResult:
     """Make the motion of a case and measure how well it fits.
 
     Parameters
     ----------
     case : from `make_motion_case`.
+    progress : called after each round of the fit with (rounds done, at most).
 
     Raises
     ------
@@ -146,10 +147,10 @@ def run_motion(case: MotionCase) -> MotionResult:
     kind, ground, factor = case.kind, case.ground, case.zone_factor
     if case.record is None:
         dt = DEFAULT_DT if case.dt is None else case.dt
-        motion = make_motion(kind, ground, case.seed, dt, zone_factor=factor)
+        motion = make_motion(kind, ground, case.seed, dt, zone_factor=factor, progress=progress)
     else:
         record = case.record if case.dt is None else resampled(case.record, case.dt)
-        motion = match_spectrum(record, kind, ground, zone_factor=factor)
+        motion = match_spectrum(record, kind, ground, zone_factor=factor, progress=progress)
     made = _measured("motions make", motion, Reference(kind, ground, factor), DAMPING)
     assert made.misfit is not None
     return replace(made, outcome=POOR_FIT) if made.misfit > LARGEST_MISFIT else made

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from thermobearing.border.errors import InputError, shortened
+from thermobearing.border.units import HUGEST
 from thermobearing.core.types import Floats
 from thermobearing.motions.record import ACCELERATION_UNITS, MM_S2_PER_GAL
 
@@ -17,6 +18,8 @@ ASSERTED = (100.0, 2000.0)
 INSTRUMENT = (10.0, 5000.0)
 NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[EeDd][-+]?\d+)?")
 SHORTEST = 2  # samples
+SMALLEST = 1e-9  # largest acceleration that is no motion at all, whoever trusts it [gal]
+LONGEST_LINE = 500  # characters of a line of a header that are looked at
 LARGEST_DT, SMALLEST_DT = 0.1, 1e-5  # plausible time steps of an accelerogram [s]
 OFF_GRID = 0.1  # of a time step: how far a printed time may be from an even grid
 
@@ -62,6 +65,8 @@ def number(cell: str) -> float:
     value = float(text.replace("D", "E").replace("d", "e"))
     if not np.isfinite(value):
         raise InputError(f'"{shortened(text)}" is not a finite number')
+    if abs(value) > HUGEST:
+        raise InputError(f'"{shortened(text)}" is too large, more than {HUGEST:g}')
     return value
 
 
@@ -133,8 +138,9 @@ def checked_step(found: float | None, given: float | None) -> float:
 def check_size(pga: float, unit: str, *, instrument: bool, trusted: bool) -> None:
     """Refuse a largest acceleration [mm/s2] that a wrong unit explains better."""
     gal = pga / MM_S2_PER_GAL
-    if gal == 0.0:
-        raise InputError("the acceleration is zero throughout")
+    if gal < SMALLEST:
+        about = "zero" if gal == 0.0 else f"less than {SMALLEST:g} gal"
+        raise InputError(f"the acceleration is {about} throughout")
     low, high = INSTRUMENT if instrument else ASSERTED
     if trusted or low <= gal <= high:
         return

@@ -10,7 +10,13 @@ import numpy as np
 from thermobearing.border.errors import InputError
 from thermobearing.core.types import Floats
 from thermobearing.motions.jra import GROUNDS, KINDS, kind_and_ground, standard_spectrum
-from thermobearing.motions.matching import Matched, matched
+from thermobearing.motions.matching import (
+    LONGEST_FIT,
+    Effort,
+    Matched,
+    Progress,
+    matched,
+)
 from thermobearing.motions.process import padded
 from thermobearing.motions.record import GroundMotion
 
@@ -80,7 +86,13 @@ def _noise(kind: str, ground: str, seed: int, draw: int, dt: float) -> Floats:
 
 
 def make_motion(
-    kind: str | int, ground: str | int, seed: int, dt: float = 0.01, *, zone_factor: float = 1.0
+    kind: str | int,
+    ground: str | int,
+    seed: int,
+    dt: float = 0.01,
+    *,
+    zone_factor: float = 1.0,
+    progress: Progress | None = None,
 ) -> GroundMotion:
     """A ground motion that fits a standard spectrum, the same for the same seed.
 
@@ -93,12 +105,13 @@ def make_motion(
     ground : "I" (hard), "II" or "III" (soft).
     seed : of the random phases, 0 to 4294967295.
     dt : time step [s], in [0.001, 0.02].
-    zone_factor : c_z, in (0, 2].
+    zone_factor : c_z, in [0.01, 2].
+    progress : called after each round of the fit with (rounds done, at most).
 
     Returns
     -------
-    GroundMotion : velocity and displacement end at zero; the root mean square misfit of its
-        spectrum over 0.1 to 3 s is at most 3 %.
+    GroundMotion : velocity and displacement end at zero; its description tells the root mean
+        square misfit of its spectrum over 0.1 to 3 s, at most 3 % unless 400 rounds were too few.
 
     Raises
     ------
@@ -118,11 +131,12 @@ def make_motion(
         return standard_spectrum(kind, ground, periods, zone_factor=zone_factor)
 
     fit: Matched | None = None
+    effort = Effort(progress=progress)
     for draw in range(DRAWS):
-        trial = matched(_noise(kind, ground, seed, draw, dt), dt, target)
+        trial = matched(_noise(kind, ground, seed, draw, dt), dt, target, effort=effort)
         if fit is None or trial.misfit < fit.misfit:
             fit = trial
-        if fit.misfit <= ACCEPTED:
+        if fit.misfit <= ACCEPTED or effort.spent:
             break
     assert fit is not None
     return GroundMotion(
@@ -144,7 +158,12 @@ def _check_step(dt: float, where: str) -> None:
 
 
 def match_spectrum(
-    record: GroundMotion, kind: str | int, ground: str | int, *, zone_factor: float = 1.0
+    record: GroundMotion,
+    kind: str | int,
+    ground: str | int,
+    *,
+    zone_factor: float = 1.0,
+    progress: Progress | None = None,
 ) -> GroundMotion:
     """A recorded motion with its Fourier amplitudes adjusted to a standard spectrum.
 
@@ -153,8 +172,10 @@ def match_spectrum(
 
     Parameters
     ----------
-    record : the recorded motion; at least 5 s long, time step at most 0.02 s.
+    record : the recorded motion; at least 5 s long and at most 120000 samples, time step at most
+        0.02 s.
     kind, ground, zone_factor : as of `standard_spectrum`.
+    progress : called after each round of the fit with (rounds done, at most).
 
     Returns
     -------
@@ -162,7 +183,8 @@ def match_spectrum(
 
     Raises
     ------
-    InputError : an argument out of range; a record too short, too coarse or zero throughout.
+    InputError : an argument out of range; a record too short, too long, too coarse or zero
+        throughout.
 
     Examples
     --------
@@ -179,11 +201,18 @@ def match_spectrum(
         )
     if record.pga == 0.0:
         raise InputError("is zero throughout: it has no phases to keep", record.name)
+    room = padded(record, ROOM, ROOM).acceleration
+    if len(room) > LONGEST_FIT:
+        raise InputError(
+            f"has {len(room)} samples with the rest around it; at most {LONGEST_FIT} can be "
+            "fitted: cut it to its strong part, or take a longer dt",
+            record.name,
+        )
 
     def target(periods: Floats) -> Floats:
         return standard_spectrum(kind, ground, periods, zone_factor=zone_factor)
 
-    fit = matched(padded(record, ROOM, ROOM).acceleration, record.dt, target, finer=True)
+    fit = matched(room, record.dt, target, finer=True, effort=Effort(progress=progress))
     return GroundMotion(
         name=f"{record.name}-as-{kind}-{ground}".lower(),
         dt=record.dt,

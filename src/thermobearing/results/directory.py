@@ -11,6 +11,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from thermobearing.border.errors import OutputError
+from thermobearing.results.seal import seal
 from thermobearing.results.swap import new_sibling, put_in_place
 
 SUMMARY, DATASET, HISTORY = "summary.json", "result.nc", "history.csv"
@@ -81,6 +82,8 @@ def write_directory(directory: Path, fill: Callable[[Path], None], *, force: boo
         with new_sibling(final) as partial:
             try:
                 fill(partial)
+                if (partial / DATASET).exists():
+                    seal(partial / DATASET)
                 put_in_place(partial, final, lambda: check_target(directory, force=force))
             finally:  # half written, or the result that was replaced
                 shutil.rmtree(partial, ignore_errors=True)

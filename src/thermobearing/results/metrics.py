@@ -181,22 +181,17 @@ def find_cycles(displacement: Floats, *, smallest: float = 0.02) -> list[tuple[i
     side = np.where(d > limit, 1, np.where(d < -limit, -1, 0))
     known = np.flatnonzero(side)
     turns = [int(b) for a, b in pairwise(known) if side[a] < side[b]]
-    starts = [_last_crossing(d, turn) for turn in turns]
-    first = known[0]
-    if side[first] > 0:
-        starts.insert(0, _last_crossing(d, int(first)))
+    first = int(known[0])
+    turns = [first, *turns] if side[first] > 0 else turns
+    # Last point at or below zero before each turn; 0 if there is none.
+    below = np.concatenate([[0], np.flatnonzero(d <= 0.0)])
+    starts = below[np.searchsorted(below[1:], turns, side="right")].tolist()
     ends = [start if d[start] == 0.0 else start + 1 for start in starts]
     cycles = list(zip(starts[:-1], ends[1:], strict=True))
     tail = starts[-1] if starts else None
     if tail is not None and (d[tail:] < -limit).any() and abs(d[-1]) <= limit:
         cycles.append((tail, len(d) - 1))
     return [(a, b) for a, b in cycles if d[a : b + 1].min() < -limit < limit < d[a : b + 1].max()]
-
-
-def _last_crossing(d: Floats, before: int) -> int:
-    """Last point at or below zero before a point above it; 0 if there is none."""
-    below = np.flatnonzero(d[: before + 1] <= 0.0)
-    return int(below[-1]) if len(below) else 0
 
 
 def measure_history(

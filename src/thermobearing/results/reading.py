@@ -5,8 +5,9 @@ from pathlib import Path
 
 import xarray as xr
 
-from thermobearing.border.errors import InputError
+from thermobearing.border.errors import LONGEST_NAME, InputError, is_file, shortened
 from thermobearing.results.directory import DATASET, IDENTIFIED
+from thermobearing.results.seal import check_seal
 
 
 def read_dataset(path: str | Path, attributes: Iterable[str]) -> xr.Dataset:
@@ -19,17 +20,15 @@ def read_dataset(path: str | Path, attributes: Iterable[str]) -> xr.Dataset:
 
     Raises
     ------
-    InputError : there is no readable result of that kind at that path.
+    InputError : there is no readable result of that kind at that path, or it is damaged.
     """
     path = Path(path)
-    file = path / DATASET if path.is_dir() else path
-    if not file.is_file():
-        fitted = "; read its bearing with load_bearing" if (path / IDENTIFIED).is_file() else ""
-        raise InputError(f"no result.nc there{fitted}", str(path))
-    try:
-        dataset = xr.load_dataset(file, engine="h5netcdf")
-    except (OSError, ValueError) as error:
-        raise InputError(f"is not a result file: {error}", str(file)) from None
+    file = next((item for item in (path / DATASET, path) if is_file(item)), None)
+    if file is None:
+        fitted = "; read its bearing with load_bearing" if is_file(path / IDENTIFIED) else ""
+        raise InputError(f"no result.nc there{fitted}", shortened(str(path), LONGEST_NAME))
+    check_seal(file)
+    dataset = xr.load_dataset(file, engine="h5netcdf")
     missing = set(attributes) - set(dataset.attrs)
     if missing:
         raise InputError(f"is not a result of thermobearing: no {sorted(missing)}", str(file))

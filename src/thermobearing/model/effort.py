@@ -1,0 +1,38 @@
+"""How much an analysis is, known before it starts: what is too much is told, not waited for."""
+
+import math
+
+MAX_STEPS = 20_000_000  # of all runs of an analysis
+# A step takes time in proportion to the cells of the stack, some 0.02 us each: half a minute.
+MAX_CELL_STEPS = 1.5e9
+MAX_KEPT = 2.5e8  # numbers in the histories of a result: 2 GB
+
+
+def too_much(steps: float, cells: int, kept: float) -> list[str]:
+    """What keeps an analysis from being done in bearable time and memory, and what to change.
+
+    Parameters
+    ----------
+    steps : of all runs together.
+    cells : of the stack.
+    kept : numbers in all rows that are kept.
+
+    Examples
+    --------
+    >>> too_much(1e6, cells=600, kept=2e7)
+    []
+    """
+    change = "take a larger dt, fewer ambient temperatures"
+    if steps > MAX_STEPS:
+        return [f"makes {steps:.3g} steps in all; at most {MAX_STEPS} can be done: {change}"]
+    if steps * cells > MAX_CELL_STEPS:
+        return [
+            f"makes {steps:.3g} steps of {cells} cells, {steps * cells:.3g} steps of a cell; at "
+            f"most {MAX_CELL_STEPS:.3g} can be done: {change} or fewer cells"
+        ]
+    if kept > MAX_KEPT:
+        return [
+            f"keeps {kept:.3g} numbers; at most {MAX_KEPT:.3g} can be kept: give a keep_every "
+            f"{math.ceil(kept / MAX_KEPT)} times as large, or keep fewer histories"
+        ]
+    return []

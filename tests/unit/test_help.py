@@ -1,0 +1,45 @@
+"""`--help` says what is written beside each option, units too."""
+
+import re
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+import typer
+from typer.testing import CliRunner
+
+from thermobearing.cli import app
+
+
+def commands(group: Any, *words: str) -> Iterator[tuple[tuple[str, ...], Any]]:
+    """Every command with its words."""
+    for name, item in group.commands.items():
+        if hasattr(item, "commands"):
+            yield from commands(item, *words, name)
+        else:
+            yield (*words, name), item
+
+
+COMMANDS = dict(commands(typer.main.get_command(app)))
+
+
+def squeezed(text: str) -> str:
+    """Without frames and the breaks of lines."""
+    return re.sub(r"[\s│]+", "", text)
+
+
+@pytest.mark.parametrize("words", COMMANDS, ids=" ".join)
+def test_help_shows_every_word_of_every_option(words: tuple[str, ...]) -> None:
+    done = CliRunner().invoke(app, [*words, "--help"], env={"COLUMNS": "400"})
+    assert done.exit_code == 0
+    shown = squeezed(done.output)
+    helps = [item.help for item in COMMANDS[words].params if getattr(item, "help", None)]
+    assert helps
+    for text in helps:
+        assert squeezed(text) in shown
+
+
+def test_units_are_among_them() -> None:
+    texts = [item.help or "" for command in COMMANDS.values() for item in command.params]
+    assert sum("[degC]" in text for text in texts) >= 4
+    assert sum("[s]" in text for text in texts) >= 4

@@ -1,0 +1,180 @@
+"""Input that once ended in a traceback or without end; each must end with one sentence."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import thermobearing as tb
+from tests.unit.inputs import (
+    changed_table,
+    command,
+    quick_case,
+    specimen_table,
+    told,
+    write_toml,
+)
+from thermobearing.bearing.bilinear import load_bilinear
+from thermobearing.border import errors, tables
+from thermobearing.border.toml import DEEPEST
+from thermobearing.border.units import parse_quantity
+from thermobearing.commands.check import describe_file
+from thermobearing.design.case import load_design_case
+from thermobearing.earthquake.case import load_earthquake_case, make_earthquake_case
+from thermobearing.identify.parameters import parameter_set
+from thermobearing.identify.record import load_test
+from thermobearing.motions.library import load_motion
+from thermobearing.structure.model import load_structure
+
+LOADERS: list[Callable[[Path], Any]] = [
+    tb.load_bearing,
+    tb.load_case,
+    load_bilinear,
+    load_structure,
+    load_earthquake_case,
+    load_design_case,
+    load_test,
+    describe_file,
+]
+LONG = "x" * 300  # longer than a file system allows
+TEST = "time_s,displacement_mm,force_kN\n" + "".join(
+    f"{0.1 * k:g},{np.sin(0.3 * k):.6f},{np.sin(0.3 * k + 0.2):.6f}\n" for k in range(100)
+)
+
+
+@pytest.mark.parametrize("key", ["columns", "units"])
+@pytest.mark.parametrize(
+    "value", ["3", "1979-05-27", "[[1]]", '{value = 3, source = "?", note = "?"}', "true"]
+)
+def test_columns_and_units_that_are_no_tables(tmp_path: Path, key: str, value: str) -> None:
+    (tmp_path / "t.csv").write_text(TEST)
+    path = tmp_path / "t.toml"
+    path.write_text(f"{key} = {value}\n")
+    told(lambda: load_test(path), str(path), key, "must be a table")
+
+
+@pytest.mark.parametrize(
+    "text", ["value = 3\n", "value = [1]\n", 'value = {x = 1}\nsource = "?"\n', "[geometry]\n"]
+)
+@pytest.mark.parametrize("load", LOADERS)
+def test_file_that_is_one_value(load: Callable[[Path], Any], text: str, tmp_path: Path) -> None:
+    path = tmp_path / "a.toml"
+    path.write_text(text)
+    told(lambda: load(path), str(path))
+
+
+@pytest.mark.parametrize(
+    ("text", "piece"),
+    [
+        ("name = 0x" + "f" * 4000, "name: a whole number of more than 64 bits"),
+        ("[[test.steps]]\ncount = 1" + "0" * 400, "test.steps[0].count: a whole number"),
+        ("a" + ".a" * DEEPEST + " = 1", f"deeper than {DEEPEST} levels"),
+        ("count = 1" + "0" * 5000, "cannot be read"),
+    ],
+    ids=["hexadecimal", "decimal", "nested", "thousands of digits"],
+)
+@pytest.mark.parametrize("load", LOADERS)
+def test_numbers_and_nesting_beyond_toml(
+    load: Callable[[Path], Any], text: str, piece: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "a.toml"
+    path.write_text(text)
+    told(lambda: load(path), str(path), piece)
+
+
+@pytest.mark.parametrize("value", [[1], {"x": 1}, False, 3.5])
+def test_command_that_is_no_word(value: Any, tmp_path: Path) -> None:
+    path = write_toml(tmp_path / "case.toml", {"command": value})
+    told(lambda: load_earthquake_case(path), "command = ", '"bridge" or "hybrid"')
+    told(lambda: describe_file(path), "command = ", '"bridge" or "hybrid"')
+
+
+def test_tables_of_a_study_that_are_none() -> None:
+    table = {"command": "hybrid", "analysis": 3, "laboratory": 4}
+    told(lambda: make_earthquake_case(table, "t", dt=0.01), "analysis = 3", "laboratory = 4")
+    told(lambda: make_earthquake_case({"duration": True}, "t"), "duration = True")
+
+
+def test_whole_number_with_a_point_is_that_number(tmp_path: Path) -> None:
+    step = {"step": "cycles", "strain": 1.0, "speed": "60 mm/s", "count": 1.0}
+    case = tb.load_case(quick_case(tmp_path / "case.toml", test={"steps": [step]}))
+    assert repr(case.test.steps[0].count) == "1"  # type: ignore[union-attr]
+
+
+def test_false_for_a_file(tmp_path: Path) -> None:
+    path = quick_case(tmp_path / "case.toml", test={"steps": [{"step": "recorded", "file": False}]})
+    told(lambda: tb.load_case(path), "file = False", "must be text")
+    write_toml(tmp_path / "t.toml", {"file": False, "blocks": [{"file": False}]})
+    told(lambda: load_test(tmp_path / "t.toml"), "file = False", "blocks[0].file = False")
+
+
+@pytest.mark.parametrize("plate", ["5e-324 mm", "1e-20 m"])
+def test_plate_thinner_than_an_atom(plate: str, tmp_path: Path) -> None:
+    bearing = changed_table(specimen_table(), {"geometry.sealing_plate_thickness": plate})
+    path = quick_case(tmp_path / "case.toml", bearing=bearing)
+    told(lambda: tb.load_case(path), "sealing_plate_thickness")
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda folder: load_test(folder / f"{LONG}.csv"),
+        lambda folder: load_test(""),
+        lambda folder: load_motion(LONG),
+        lambda folder: load_motion(f"{LONG}.at2"),
+        lambda folder: tb.load_result(folder / LONG),
+        lambda folder: tb.load_result("a\0b"),
+        lambda folder: tb.load_bearing(f"{LONG}.toml"),
+        lambda folder: make_earthquake_case({"motions": [LONG]}, "t"),
+        lambda folder: make_earthquake_case({"bearings": [f"{LONG}.toml"]}, "t"),
+        lambda folder: make_earthquake_case({"weather": LONG}, "t"),
+        lambda folder: tb.load_case(quick_case(folder / "case.toml", initial_result=LONG)),
+    ],
+    ids=range(11),
+)
+def test_names_longer_than_the_system_allows(call: Callable[[Path], Any], tmp_path: Path) -> None:
+    told(lambda: call(tmp_path))
+
+
+def test_files_without_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A device that never stops, and a file too large to be meant."""
+    monkeypatch.setattr(tables, "LARGEST_FILE", 1000)
+    endless = Path("/dev/zero")
+    if endless.exists():
+        told(lambda: tables.read_text(endless), "is larger than 0.001 MB")
+    (tmp_path / "large.csv").write_text("1" * 1001)
+    told(lambda: tables.read_text(tmp_path / "large.csv"), "is larger than")
+    assert errors.read_bytes(tmp_path / "large.csv", 1001) == b"1" * 1001
+
+
+def test_text_that_is_too_long_to_be_searched(tmp_path: Path) -> None:
+    """The patterns for units take time that grows with the square of such a text."""
+    told(lambda: parse_quantity("1 mm" + " " * 500 + "s", "mm"), "not a number with a unit")
+    path = tmp_path / "t.csv"
+    path.write_text("time_s,displacement" + " " * 500 + "_mm\n0,0\n1,1\n")
+    told(lambda: tables.read_columns(path, {"displacement": "mm"}), "no column")
+
+
+@pytest.mark.parametrize("options", [["--duration", 1e-9], ["--dt", 1e-9], ["--dt", "nan"]])
+@pytest.mark.parametrize("name", ["bridge", "hybrid"])
+def test_studies_of_no_step_or_of_too_many(
+    name: str, options: list[object], tmp_path: Path
+) -> None:
+    done = command(name, *options, "-o", tmp_path / "out")
+    assert done.exit_code == 2
+    assert str(options[0])[2:] in done.stderr
+    assert not (tmp_path / "out").exists()
+
+
+def test_cycles_in_digits_that_are_none(tmp_path: Path) -> None:
+    done = command("lambda", "shen-hdr-bridge", "--cycles", "²,3", "-o", tmp_path / "out")
+    assert done.exit_code == 2
+    assert 'cycles = "²,3"' in done.stderr
+
+
+@pytest.mark.parametrize("tie", ["n_T=e*m_T", "n_T = 1e400 * m_T", "n_T = 0 * m_T", "n_T=-*m_T"])
+def test_tie_by_what_is_no_number(tie: str) -> None:
+    bearing = tb.load_bearing("shen-hdr-specimen")
+    told(lambda: parameter_set(bearing, ["K_r", tie], [0]), f'"{tie}"', "multiplied")
