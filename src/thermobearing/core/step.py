@@ -262,7 +262,7 @@ def step(
     heat_step(constants, work, state, x, dt, ambient, new)
     if not math.isfinite(books.heat_lost_sides + books.heat_released + force):
         return force, tangent + slope, NOT_FINITE
-    melts = new.lead[LEAD_TEMPERATURE] > LEAD_MELTS
+    melts = new.branches[0].lead_temperature > LEAD_MELTS
     if melts or runs_away(constants.layer_cells, new.temperature):
         return force, tangent + slope, TEMPERATURE_RUNAWAY
     return force, tangent + slope, outcome
