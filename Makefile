@@ -16,6 +16,7 @@ help:
 	@echo "make demo   install, and run the default cyclic test into ./demo"
 	@echo "make test   all tests, on all cores (WORKERS=0: in one process)"
 	@echo "make test-minimum   unit tests with the lowest versions of all that is needed"
+	@echo "make mutants  small errors put into the code: do the tests notice? (RANDOM=40 SEED=1: by chance)"
 	@echo "make bench  speed, accuracy and memory, each beside its target"
 	@echo "make lint   ruff, mypy, import contracts"
 	@echo "make docs   regenerate every number and figure in README and docs"
@@ -48,6 +49,9 @@ test-minimum: pyproject.toml
 	$(PYTHON) tests/minimum.py > $(LOWEST)/lowest.txt
 	$(LOWEST)/bin/python -m pip install --quiet $(addprefix -c ,$(CONSTRAINTS)) -e ".[test]"
 	$(LOWEST)/bin/python -m pytest --numprocesses $(WORKERS) tests/unit
+
+mutants: $(TESTS)
+	$(BIN)/python -m tests.mutants $(if $(RANDOM),--random $(RANDOM) --seed $(or $(SEED),1))
 
 bench: $(TESTS)
 	$(BIN)/python -m benchmarks

@@ -125,6 +125,7 @@ TAKEDA = 1e-12  # straight lines, relative to the yield moment
 SAME_MOTION = 1e-9  # of the peak, between two ways to the same structure
 PERIOD_TABLE = 5e-4  # s: periods are printed with three digits
 EXACT_LINEAR = 2e-4  # of the peak, dt 2.5 ms against the exact solution of the linear structure
+DELAYED = 2e-3  # of the peak displacement; a quarter of a step comes to 8e-3
 HYBRID_LAYER = 2.0  # K: the text reads "about -15" and "-5" off a figure; 1.0 measured
 
 # --- Identification ----------------------------------------------------------------------
@@ -183,6 +184,7 @@ STOPBAND = 2e-3  # of a sine well above the new limit; 1e-3 measured
 STAND_IN = 0.9  # correlation with given motions of the same phases; 0.91 to 0.97 measured
 PHASES = 0.05  # radians, weighted by amplitude: the tapered ends turn them; 0.011 measured
 
+RUNGE_KUTTA = 1e-9  # of 1 mm: 2000 steps of fourth order through a kink at zero
 OTHER_NOISE = 0.1  # correlation of two histories of 5000 samples under one envelope
 
 # --- Scragging ----------------------------------------------------------------------------
