@@ -2,10 +2,12 @@
 
 import json
 import re
+import tomllib
 from itertools import zip_longest
 from pathlib import Path
 
 import numpy as np
+import tomli_w
 import xarray as xr
 
 import thermobearing as tb
@@ -36,6 +38,8 @@ def texts_of(screen: str, directory: Path | None) -> dict[str, str]:
             found[f"{name}.txt"] = path.read_text()
         elif path.suffix in TEXTS:
             found[name] = _plain(path).replace(str((directory or path).parent), "<here>")
+        if path.suffix == ".toml":  # its layout depends on the length of the folder's name
+            found[name] = tomli_w.dumps(tomllib.loads(found[name]))
     for pattern, instead in CHANGING:
         found = {name: pattern.sub(instead, text) for name, text in found.items()}
     return found

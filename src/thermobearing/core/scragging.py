@@ -24,13 +24,13 @@ from thermobearing.core.types import Layer, LayerWork, Rubber
 
 
 @compiled
-def stiffen(rubber: Rubber, layers: Rows[Layer], work: Rows[LayerWork]) -> None:
+def stiffen(rubber: Rubber, layers: Rows[Layer], work: LayerWork) -> None:
     """Multiply both stiffness terms of every layer by what is left of its virgin stiffness."""
-    for j in range(len(work)):
+    for j in range(len(work.trial)):
         factor = 1.0 + rubber.mullins_amplitude * layers[j].virgin
         unstrained = math.exp(-layers[j].farthest / rubber.scragging_displacement)
-        work[j].elastic *= factor
-        work[j].hysteretic *= factor * factor * (1.0 + rubber.scragging_amplitude * unstrained)
+        work.elastic[j] *= factor
+        work.hysteretic[j] *= factor * factor * (1.0 + rubber.scragging_amplitude * unstrained)
 
 
 @compiled

@@ -81,30 +81,30 @@ def layer_law(
 
 @compiled
 def evaluate(
-    rubber: Rubber, old: Rows[Layer], work: Rows[LayerWork], mean: float, w: float, new: Rows[Layer]
+    rubber: Rubber, old: Rows[Layer], work: LayerWork, mean: float, w: float, new: Rows[Layer]
 ) -> float:
     """Forces and tangents of all layers at the trial, their Z into `new`; min tangent / ke."""
     smallest = math.inf
     for j in range(len(old)):
-        ke = work[j].elastic
+        ke = work.elastic[j]
         force, tangent, z, slope = layer_law(
-            rubber, ke, work[j].hysteretic, old[j].d, old[j].z, work[j].trial, mean, w
+            rubber, ke, work.hysteretic[j], old[j].d, old[j].z, work.trial[j], mean, w
         )
-        work[j].force = force
-        work[j].tangent = tangent
-        work[j].slope = slope
+        work.force[j] = force
+        work.tangent[j] = tangent
+        work.slope[j] = slope
         new[j].z = z
         smallest = min(smallest, tangent / ke)
     return smallest
 
 
 @compiled
-def weight_for_margin(rubber: Rubber, work: Rows[LayerWork], new: Rows[Layer]) -> float:
+def weight_for_margin(rubber: Rubber, work: LayerWork, new: Rows[Layer]) -> float:
     """Smallest w that lifts each layer tangent, evaluated at w = 0, to the margin."""
     w = 0.0
-    for j in range(len(work)):
-        softening = -2.0 * rubber.hardening * work[j].trial * work[j].hysteretic * new[j].z
-        short = rubber.sharing_margin * work[j].elastic - work[j].tangent
+    for j in range(len(work.trial)):
+        softening = -2.0 * rubber.hardening * work.trial[j] * work.hysteretic[j] * new[j].z
+        short = rubber.sharing_margin * work.elastic[j] - work.tangent[j]
         if softening > 0.0 and short > 0.0:
             w = max(w, short / softening)
     return min(w, 1.0)
@@ -115,7 +115,7 @@ def line_slope(
     rubber: Rubber,
     multiplicity: Floats,
     old: Rows[Layer],
-    work: Rows[LayerWork],
+    work: LayerWork,
     mean: float,
     w: float,
     a: float,
@@ -123,11 +123,11 @@ def line_slope(
     """Slope, along the Newton direction, of the convex energy that sharing minimises."""
     slope = 0.0
     for j in range(len(old)):
-        d = work[j].trial + a * work[j].direction
+        d = work.trial[j] + a * work.direction[j]
         force, _, _, _ = layer_law(
-            rubber, work[j].elastic, work[j].hysteretic, old[j].d, old[j].z, d, mean, w
+            rubber, work.elastic[j], work.hysteretic[j], old[j].d, old[j].z, d, mean, w
         )
-        slope += multiplicity[j] * force * work[j].direction
+        slope += multiplicity[j] * force * work.direction[j]
     return slope
 
 
@@ -136,7 +136,7 @@ def search(
     rubber: Rubber,
     multiplicity: Floats,
     old: Rows[Layer],
-    work: Rows[LayerWork],
+    work: LayerWork,
     mean: float,
     w: float,
 ) -> float:
@@ -159,7 +159,7 @@ def search(
 def common_force(
     rubber: Rubber,
     multiplicity: Floats,
-    work: Rows[LayerWork],
+    work: LayerWork,
     new: Rows[Layer],
     x: float,
     w: float,
@@ -169,26 +169,26 @@ def common_force(
     compliance = 0.0
     gap = x
     by_mean = 0.0
-    for j in range(len(work)):
-        per = multiplicity[j] / work[j].tangent
+    for j in range(len(work.trial)):
+        per = multiplicity[j] / work.tangent[j]
         compliance += per
-        gap += per * work[j].force - multiplicity[j] * work[j].trial
-        s = (1.0 - w) * work[j].trial + w * mean
-        by_mean += per * w * 2.0 * rubber.hardening * s * work[j].hysteretic * new[j].z
+        gap += per * work.force[j] - multiplicity[j] * work.trial[j]
+        s = (1.0 - w) * work.trial[j] + w * mean
+        by_mean += per * w * 2.0 * rubber.hardening * s * work.hysteretic[j] * new[j].z
     force = gap / compliance
     apart = 0.0
-    for j in range(len(work)):
-        difference = force - work[j].force
+    for j in range(len(work.trial)):
+        difference = force - work.force[j]
         apart = max(apart, abs(difference))
-        work[j].direction = difference / work[j].tangent
+        work.direction[j] = difference / work.tangent[j]
     return force, (1.0 + by_mean / rubber.layer_count) / compliance, apart
 
 
 @compiled
-def reverses(old: Rows[Layer], work: Rows[LayerWork], d_y: float) -> bool:
+def reverses(old: Rows[Layer], work: LayerWork, d_y: float) -> bool:
     """Whether the Newton correction turns a layer's increment round, where dZ/dd jumps."""
     for j in range(len(old)):
-        moved, by = work[j].trial - old[j].d, work[j].direction
+        moved, by = work.trial[j] - old[j].d, work.direction[j]
         ahead = by if moved >= 0.0 else -by
         if abs(moved) + ahead < 0.0 and abs(by) > NO_MOTION * d_y:
             return True
@@ -200,7 +200,7 @@ def newton(
     rubber: Rubber,
     multiplicity: Floats,
     old: Rows[Layer],
-    work: Rows[LayerWork],
+    work: LayerWork,
     x: float,
     w: float,
     new: Rows[Layer],
@@ -223,14 +223,14 @@ def newton(
         if close and not reverses(old, work, rubber.yield_displacement):
             # The next iterate differs by this correction squared: take it without the law.
             for j in range(len(old)):
-                work[j].trial += work[j].direction
-                new[j].z += work[j].slope * work[j].direction
+                work.trial[j] += work.direction[j]
+                new[j].z += work.slope[j] * work.direction[j]
             return force, tangent, smallest, COMPLETED
         a = 1.0
         if iteration >= PLAIN_NEWTON:
             a = search(rubber, multiplicity, old, work, mean, w)
         for j in range(len(old)):
-            work[j].trial += a * work[j].direction
+            work.trial[j] += a * work.direction[j]
         smallest = evaluate(rubber, old, work, mean, w, new)
     return force, tangent, smallest, NOT_CONVERGED
 
@@ -239,7 +239,7 @@ def newton(
 def uniform_trial(
     rubber: Rubber,
     old: Rows[Layer],
-    work: Rows[LayerWork],
+    work: LayerWork,
     step: float,
     mean: float,
     w: float,
@@ -247,7 +247,7 @@ def uniform_trial(
 ) -> float:
     """Trial with the same increment in every layer; returns min tangent / ke."""
     for j in range(len(old)):
-        work[j].trial = old[j].d + step
+        work.trial[j] = old[j].d + step
     return evaluate(rubber, old, work, mean, w, new)
 
 
@@ -256,7 +256,7 @@ def tangent_trial(
     rubber: Rubber,
     multiplicity: Floats,
     old: Rows[Layer],
-    work: Rows[LayerWork],
+    work: LayerWork,
     x: float,
     step: float,
     new: Rows[Layer],
@@ -274,29 +274,27 @@ def tangent_trial(
         d, z = old[j].d, old[j].z
         slope = hysteretic_slope(sigma * z, d_y, rubber.unloading_curvature)
         force, tangent = force_and_tangent(
-            rubber, work[j].elastic, work[j].hysteretic, d, z, slope, mean, 0.0
+            rubber, work.elastic[j], work.hysteretic[j], d, z, slope, mean, 0.0
         )
-        work[j].trial = d
-        work[j].force = force
-        work[j].tangent = tangent
-        healthy = healthy and tangent >= rubber.sharing_margin * work[j].elastic
+        work.trial[j] = d
+        work.force[j] = force
+        work.tangent[j] = tangent
+        healthy = healthy and tangent >= rubber.sharing_margin * work.elastic[j]
     if not healthy:
         return uniform_trial(rubber, old, work, step, mean, 0.0, new)
     common_force(rubber, multiplicity, work, new, x, 0.0)
     for j in range(len(old)):
-        work[j].trial += work[j].direction
+        work.trial[j] += work.direction[j]
     return evaluate(rubber, old, work, mean, 0.0, new)
 
 
 @compiled
-def largest_mismatch(
-    rubber: Rubber, work: Rows[LayerWork], new: Rows[Layer], force: float
-) -> float:
+def largest_mismatch(rubber: Rubber, work: LayerWork, new: Rows[Layer], force: float) -> float:
     """Largest difference between the bearing force and a layer's unmodified law [kN]."""
     largest = 0.0
-    for j in range(len(work)):
+    for j in range(len(work.trial)):
         law, _ = force_and_tangent(
-            rubber, work[j].elastic, work[j].hysteretic, new[j].d, new[j].z, 0.0, 0.0, 0.0
+            rubber, work.elastic[j], work.hysteretic[j], new[j].d, new[j].z, 0.0, 0.0, 0.0
         )
         largest = max(largest, abs(law - force))
     return largest
@@ -307,7 +305,7 @@ def share(
     rubber: Rubber,
     multiplicity: Floats,
     old: Rows[Layer],
-    work: Rows[LayerWork],
+    work: LayerWork,
     x_old: float,
     x: float,
     new: Rows[Layer],
@@ -335,7 +333,7 @@ def share(
     if outcome != COMPLETED:
         return force, tangent, 0.0, w, outcome
     for j in range(len(old)):
-        new[j].d = work[j].trial
+        new[j].d = work.trial[j]
         if abs(new[j].z) > EULER_LIMIT * rubber.yield_displacement:
             outcome = EULER_UNSTABLE
     if outcome == COMPLETED and w > 0.0:

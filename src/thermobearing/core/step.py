@@ -57,13 +57,13 @@ def runs_away(layer_cells: Rows[LayerCells], temperature: Floats) -> bool:
 
 @compiled
 def set_stiffness(
-    rubber: Rubber, layer_cells: Rows[LayerCells], temperature: Floats, work: Rows[LayerWork]
+    rubber: Rubber, layer_cells: Rows[LayerCells], temperature: Floats, work: LayerWork
 ) -> None:
     """The two stiffness terms of Eq. 4.34 at each layer's temperature."""
-    for j in range(len(work)):
+    for j in range(len(work.trial)):
         warmer = layer_temperature(layer_cells, temperature, j) - rubber.reference_temperature
-        work[j].elastic = rubber.elastic_stiffness * math.exp(rubber.elastic_exponent * warmer)
-        work[j].hysteretic = rubber.hysteretic_stiffness * math.exp(
+        work.elastic[j] = rubber.elastic_stiffness * math.exp(rubber.elastic_exponent * warmer)
+        work.hysteretic[j] = rubber.hysteretic_stiffness * math.exp(
             rubber.hysteretic_exponent * warmer
         )
 
@@ -100,7 +100,7 @@ def add_layer_heat(
         heat = viscous_heat + mean_force * (new[j].d - old[j].d)
         new[j].stored = 0.0
         if constants.heat_source == HEAT_FROM_DISSIPATION:
-            ke, kh = work.layers[j].elastic, work.layers[j].hysteretic
+            ke, kh = work.layers.elastic[j], work.layers.hysteretic[j]
             new[j].stored = recoverable_energy(
                 constants.rubber, ke, kh, new[j].d, new[j].z, mean, w
             )

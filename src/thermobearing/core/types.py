@@ -115,16 +115,16 @@ class Books(RubberBooks):
     lead_temperature: Annotated[float, "degC", "temperature of the lead cores"]
 
 
-class LayerWork:
-    """Scratch of a rubber layer."""
+class LayerWork(NamedTuple):
+    """Scratch of the rubber layers; all [L]."""
 
-    elastic: float  # alpha_0 e^{..} K_r at the layer's temperature [kN/mm]
-    hysteretic: float  # (1 - alpha_0) e^{..} K_r
-    force: float  # at the present iterate [kN]
-    tangent: float  # [kN/mm]
-    trial: float  # layer displacement at the present iterate [mm]
-    direction: float  # Newton correction [mm]
-    slope: float  # dZ/dd
+    elastic: Floats  # alpha_0 e^{..} K_r at the layer's temperature [kN/mm]
+    hysteretic: Floats  # (1 - alpha_0) e^{..} K_r
+    force: Floats  # at the present iterate [kN]
+    tangent: Floats  # [kN/mm]
+    trial: Floats  # layer displacement at the present iterate [mm]
+    direction: Floats  # Newton correction [mm]
+    slope: Floats  # dZ/dd
 
 
 class CellWork(NamedTuple):
@@ -219,7 +219,7 @@ class Workspace(NamedTuple):
     """Scratch arrays of one run, and the factors of the heat matrix for the last dt."""
 
     factored_dt: Floats  # [1] dt that the factors belong to [s]; 0: none yet
-    layers: Rows[LayerWork]  # [L]
+    layers: LayerWork
     cells: CellWork
     lead_modes: Rows[ModeWork]  # [K]
 
@@ -262,8 +262,9 @@ def new_state(
 
     The lead starts at the mean temperature of the cells between its ends, unless given.
     """
+    layers = len(constants.multiplicity)
     state = State(
-        layers=rows(Layer, len(constants.multiplicity)),
+        layers=rows(Layer, layers),
         temperature=np.array(temperature, dtype=np.float64),
         branches=rows(Branches, 1),
         ends=np.zeros(len(constants.lead_modes) * len(constants.lead_cells)),
@@ -281,9 +282,10 @@ def new_state(
 
 def new_workspace(constants: Constants) -> Workspace:
     """Scratch arrays for one run; never share them between threads."""
+    layers, cells = len(constants.multiplicity), len(constants.cells.capacity)
     return Workspace(
         factored_dt=np.zeros(1),
-        layers=rows(LayerWork, len(constants.multiplicity)),
-        cells=CellWork(*np.zeros((4, len(constants.cells.capacity)))),
+        layers=LayerWork(*np.zeros((7, layers))),
+        cells=CellWork(*np.zeros((4, cells))),
         lead_modes=rows(ModeWork, len(constants.lead_modes)),
     )

@@ -26,7 +26,7 @@ from thermobearing.structure.run import SENTENCES, StructureHistory
 from thermobearing.structure.types import MotionBooks
 
 if TYPE_CHECKING:
-    from thermobearing.earthquake.run import Task
+    from thermobearing.earthquake.task import Task
 
 MM_PER_M, KN_MM_PER_KN_M = 1e3, 1e3
 HISTORIES = (  # name, unit, long name

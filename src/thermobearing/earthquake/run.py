@@ -11,7 +11,6 @@ the same as in every other analysis (core/step.py).
 import os
 from collections.abc import Callable
 from concurrent.futures import Executor, ThreadPoolExecutor
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -19,7 +18,7 @@ import numpy as np
 from thermobearing.bearing.ambient import Ambient
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.model import Bearing
-from thermobearing.core.types import Constants, Floats
+from thermobearing.core.types import Floats
 from thermobearing.cyclic.equivalent import bilinear_parameters
 from thermobearing.cyclic.history import run_segments
 from thermobearing.cyclic.protocol import CyclicTest
@@ -27,13 +26,11 @@ from thermobearing.cyclic.segments import build_segments
 from thermobearing.earthquake.case import EarthquakeCase
 from thermobearing.earthquake.label import label_study
 from thermobearing.earthquake.result import EarthquakeResult
+from thermobearing.earthquake.task import Device, Shaking, Task
 from thermobearing.model.earlier import BilinearParameters, bilinear_constants
 from thermobearing.model.options import build_model
-from thermobearing.model.stack import Stack
-from thermobearing.motions.record import GroundMotion
 from thermobearing.structure.run import (
     Line,
-    Prepared,
     StructureHistory,
     prepare_structure,
     run_structure,
@@ -41,36 +38,6 @@ from thermobearing.structure.run import (
 
 Progress = Callable[[int, int], None]
 WORKERS = 2  # at least
-
-
-@dataclass(frozen=True)
-class Device:
-    """A bearing ready to be shaken; `stack` is None for a bilinear one, which has no heat."""
-
-    bearing: Bearing | BilinearBearing
-    constants: Constants
-    stack: Stack | None
-
-
-@dataclass(frozen=True)
-class Shaking:
-    """A ground motion at the ends of the steps: `ground` [mm/s2], `dt` [s]."""
-
-    motion: GroundMotion
-    dt: float
-    ground: Floats
-
-
-@dataclass(frozen=True)
-class Task:
-    """One run of a study; a plain record, so that any executor can carry it away."""
-
-    prepared: Prepared
-    device: Device
-    shaking: Shaking
-    ambient: float
-    start: tuple[Floats, float | None]
-    case: EarthquakeCase
 
 
 def build_device(case: EarthquakeCase, bearing: Bearing | BilinearBearing) -> Device:
