@@ -2,30 +2,30 @@
 
 from thermobearing.core.compile import compiled
 from thermobearing.core.march import copy_state
-from thermobearing.core.records import Floats
 from thermobearing.core.step import layer_temperature
 from thermobearing.structure.types import Bearings, Motion, MotionRows, System
 
 
 @compiled
-def add_books(system: System, motion: Motion, before: float, after: float, to: Floats) -> None:
-    """Work of one step to the coordinates `to`, trapezoidal; ground accelerations [mm/s2].
+def add_books(system: System, motion: Motion, before: float, after: float) -> None:
+    """Work of one step to the trial, trapezoidal.
 
-    The work of the bearings comes from their own books, see `commit`.
+    `before` and `after` are ground accelerations [mm/s2]. The work of the bearings comes from
+    their own books, see `commit`.
     """
-    books, n = motion.books[0], motion.tangent.shape[0]
+    books, points, n = motion.books[0], motion.points, motion.tangent.shape[0]
     given = 0.0
     damped = 0.0
     kinetic = 0.0
     stored = 0.0
     for i in range(n):
-        dq = to[i] - motion.q[i]
+        dq = points[i].trial - points[i].q
         given += 0.5 * (before + after) * system.load[i] * dq
         for j in range(n):
-            mean = 0.5 * (motion.v[j] + motion.predicted_v[j])
+            mean = 0.5 * (points[j].v + points[j].predicted_v)
             damped += dq * system.damping[i, j] * mean
-            kinetic += 0.5 * motion.predicted_v[i] * system.mass[i, j] * motion.predicted_v[j]
-            stored += 0.5 * to[i] * system.stiffness[i, j] * to[j]
+            kinetic += 0.5 * points[i].predicted_v * system.mass[i, j] * points[j].predicted_v
+            stored += 0.5 * points[i].trial * system.stiffness[i, j] * points[j].trial
     hinged = 0.0
     for h in range(len(system.hinges)):
         old, new = motion.hinges.bends[h], motion.trial_hinges.bends[h]
@@ -39,15 +39,15 @@ def add_books(system: System, motion: Motion, before: float, after: float, to: F
 
 
 @compiled
-def commit(system: System, bearings: Bearings, motion: Motion, dt: float, to: Floats) -> None:
-    """The trial becomes the state; `to` are its coordinates."""
-    books = motion.books[0]
+def commit(system: System, bearings: Bearings, motion: Motion, dt: float) -> None:
+    """The trial becomes the state."""
+    books, points = motion.books[0], motion.points
     books.bearings = 0.0
     for i in range(motion.tangent.shape[0]):
-        motion.q[i] = to[i]
-        motion.v[i] = motion.predicted_v[i]
-        motion.a[i] = motion.predicted_a[i]
-        motion.restoring[i] = motion.trial_restoring[i]
+        points[i].q = points[i].trial
+        points[i].v = points[i].predicted_v
+        points[i].a = points[i].predicted_a
+        points[i].restoring = points[i].trial_restoring
     for h in range(len(system.hinges)):
         motion.hinges.bends[h] = motion.trial_hinges.bends[h]
         for side in range(2):
@@ -64,9 +64,9 @@ def keep_motion(bearings: Bearings, motion: Motion, rows: MotionRows, row: int) 
     """Write the state of the structure, its hinges and its bearings into one row."""
     rows.books[row] = motion.books[0]
     for i in range(motion.tangent.shape[0]):
-        rows.q[row, i] = motion.q[i]
-        rows.v[row, i] = motion.v[i]
-        rows.a[row, i] = motion.a[i]
+        rows.q[row, i] = motion.points[i].q
+        rows.v[row, i] = motion.points[i].v
+        rows.a[row, i] = motion.points[i].a
     for h in range(len(motion.hinges.bends)):
         rows.hinges[row, h] = motion.hinges.bends[h]
     for b in range(len(bearings.states)):

@@ -1,21 +1,21 @@
 """Restoring forces of a structure at trial coordinates: springs, hinges, bearings."""
 
 from thermobearing.core.compile import compiled
-from thermobearing.core.records import Floats
+from thermobearing.core.records import Floats, Rows
 from thermobearing.core.step import step
 from thermobearing.core.types import COMPLETED, SOFTENED
 from thermobearing.structure.takeda import takeda
-from thermobearing.structure.types import Bearings, LineFactors, Motion, System
+from thermobearing.structure.types import Bearings, Coordinate, LineFactors, Motion, System
 
 SHORTEST = 1e-6  # s: step of a bearing that is on its own clock and does not move
 
 
 @compiled
-def along(rows: Floats, row: int, at: Floats) -> float:
-    """Stretch or rotation of one connection at the coordinates `at`."""
+def along(rows: Floats, row: int, points: Rows[Coordinate]) -> float:
+    """Stretch or rotation of one connection at the trial coordinates."""
     total = 0.0
     for i in range(rows.shape[1]):
-        total += rows[row, i] * at[i]
+        total += rows[row, i] * points[i].trial
     return total
 
 
@@ -24,7 +24,7 @@ def spread(rows: Floats, row: int, force: float, stiffness: float, motion: Motio
     """Add the force and stiffness of one connection to those of the coordinates."""
     for i in range(rows.shape[1]):
         if rows[row, i] != 0.0:
-            motion.trial_restoring[i] += rows[row, i] * force
+            motion.points[i].trial_restoring += rows[row, i] * force
             for j in range(rows.shape[1]):
                 motion.tangent[i, j] += rows[row, i] * rows[row, j] * stiffness
 
@@ -41,7 +41,7 @@ def bearing_dt(line: LineFactors, dt: float, dx: float) -> float:
 def set_stretches(system: System, motion: Motion) -> None:
     """Bearings follow the structure at once."""
     for b in range(len(system.lines)):
-        motion.stretches[b] = along(system.line_rows, b, motion.trial)
+        motion.stretches[b] = along(system.line_rows, b, motion.points)
 
 
 @compiled
@@ -54,14 +54,14 @@ def restoring(
     Starts from the committed states and hinges, writes their trials. `noise` is added to the
     force of every modelled bearing [kN]. Returns an outcome of the coupled step.
     """
-    n = motion.tangent.shape[0]
+    points, n = motion.points, motion.tangent.shape[0]
     for i in range(n):
-        motion.trial_restoring[i] = 0.0
+        points[i].trial_restoring = 0.0
         for j in range(n):
             motion.tangent[i, j] = system.stiffness[i, j]
-            motion.trial_restoring[i] += system.stiffness[i, j] * motion.trial[j]
+            points[i].trial_restoring += system.stiffness[i, j] * points[j].trial
     for h in range(len(system.hinges)):
-        rotation = along(system.hinge_rows, h, motion.trial)
+        rotation = along(system.hinge_rows, h, motion.points)
         slope = takeda(system.hinges, motion.hinges, h, rotation, motion.trial_hinges)
         spread(system.hinge_rows, h, motion.trial_hinges.bends[h].moment, slope, motion)
     for b in range(len(bearings.constants)):

@@ -26,12 +26,15 @@ from thermobearing.structure.types import (
 @compiled
 def start_motion(system: System, motion: Motion, ground: float) -> bool:
     """Acceleration at rest under the first ground acceleration."""
-    n = motion.tangent.shape[0]
+    points, n = motion.points, motion.tangent.shape[0]
     for i in range(n):
-        motion.a[i] = system.load[i] * ground
+        motion.unknowns[i] = system.load[i] * ground
         for j in range(n):
             motion.matrix[i, j] = system.mass[i, j]
-    return solve_dense(motion.matrix, motion.a)
+    solved = solve_dense(motion.matrix, motion.unknowns)
+    for i in range(n):
+        points[i].a = motion.unknowns[i]
+    return solved
 
 
 @compiled
@@ -41,25 +44,25 @@ def residual(system: System, motion: Motion, scheme: Scheme, dt: float, ground: 
     Each force is weighed with its own effective stiffness, since rotations and displacements
     have different units; the norm has the unit of the square root of an energy.
     """
-    n = motion.tangent.shape[0]
+    points, unknowns, n = motion.points, motion.unknowns, motion.tangent.shape[0]
     by_a, by_v = 1.0 / (scheme.beta * dt * dt), scheme.gamma / (scheme.beta * dt)
     for i in range(n):
-        change = motion.trial[i] - motion.q[i]
-        a = by_a * (change - dt * motion.v[i]) - (0.5 / scheme.beta - 1.0) * motion.a[i]
-        motion.predicted_a[i] = a
-        motion.predicted_v[i] = motion.v[i] + dt * (
-            (1.0 - scheme.gamma) * motion.a[i] + scheme.gamma * a
+        change = points[i].trial - points[i].q
+        a = by_a * (change - dt * points[i].v) - (0.5 / scheme.beta - 1.0) * points[i].a
+        points[i].predicted_a = a
+        points[i].predicted_v = points[i].v + dt * (
+            (1.0 - scheme.gamma) * points[i].a + scheme.gamma * a
         )
     norm = 0.0
     for i in range(n):
-        r = system.load[i] * ground - motion.trial_restoring[i]
+        r = system.load[i] * ground - points[i].trial_restoring
         for j in range(n):
-            r -= system.mass[i, j] * motion.predicted_a[j]
-            r -= system.damping[i, j] * motion.predicted_v[j]
+            r -= system.mass[i, j] * points[j].predicted_a
+            r -= system.damping[i, j] * points[j].predicted_v
             motion.matrix[i, j] = (
                 motion.tangent[i, j] + by_a * system.mass[i, j] + by_v * system.damping[i, j]
             )
-        motion.residual[i] = r
+        unknowns[i] = r
         norm += r * r / abs(motion.matrix[i, i])
     return norm
 
@@ -79,9 +82,9 @@ def newmark_step(
 
     `scale` is the largest ground acceleration of the motion, which makes the tolerance relative.
     """
-    n = motion.tangent.shape[0]
+    points, unknowns, n = motion.points, motion.unknowns, motion.tangent.shape[0]
     for i in range(n):
-        motion.trial[i] = motion.q[i] + dt * motion.v[i] + 0.5 * dt * dt * motion.a[i]
+        points[i].trial = points[i].q + dt * points[i].v + 0.5 * dt * dt * points[i].a
     for _ in range(scheme.iterations):
         set_stretches(system, motion)
         outcome = restoring(system, bearings, motion, dt, ambient, 0.0)
@@ -95,11 +98,11 @@ def newmark_step(
         motion.books[0].iterations += 1.0
         if norm <= limit:
             return COMPLETED
-        if not solve_dense(motion.matrix, motion.residual):
+        if not solve_dense(motion.matrix, unknowns):
             return NO_EQUILIBRIUM
         for i in range(n):
-            motion.trial[i] += motion.residual[i]
-            if not abs(motion.trial[i]) < FARTHEST:
+            points[i].trial += unknowns[i]
+            if not abs(points[i].trial) < FARTHEST:
                 return DIVERGED
     return NO_EQUILIBRIUM
 
@@ -140,8 +143,8 @@ def newmark_march(
             outcome = newmark_step(system, bearings, motion, scheme, sub, target, air, scale)
             if outcome == COMPLETED:
                 before = ground[k] + done / whole * (ground[k + 1] - ground[k])
-                add_books(system, motion, before, target, motion.trial)
-                commit(system, bearings, motion, sub, motion.trial)
+                add_books(system, motion, before, target)
+                commit(system, bearings, motion, sub)
                 done += part
                 continue
             if part == 1:

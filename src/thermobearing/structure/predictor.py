@@ -51,19 +51,20 @@ def predict(
     ground_change: float,
 ) -> bool:
     """Delta a_p of Eq. 3.12 into `load`, the predicted displacement into `trial`."""
-    n = motion.tangent.shape[0]
+    points, unknowns, n = motion.points, motion.unknowns, motion.tangent.shape[0]
     for i in range(n):
         force = system.load[i] * ground_change
         for j in range(n):
             by_a = dt * system.damping[i, j] + 0.5 * dt * dt * stiffness[i, j]  # Eq. 3.10
-            force -= by_a * motion.a[j] + dt * stiffness[i, j] * motion.v[j]  # Eq. 3.11
-        motion.load[i] = force
+            force -= by_a * points[j].a + dt * stiffness[i, j] * points[j].v  # Eq. 3.11
+        unknowns[i] = force
     effective_mass(system, motion, stiffness, beta, dt)
-    if not solve_dense(motion.matrix, motion.load):
+    if not solve_dense(motion.matrix, unknowns):
         return False
     for i in range(n):
-        motion.trial[i] = (
-            motion.q[i] + dt * motion.v[i] + dt * dt * (0.5 * motion.a[i] + beta * motion.load[i])
+        points[i].load = unknowns[i]
+        points[i].trial = (
+            points[i].q + dt * points[i].v + dt * dt * (0.5 * points[i].a + beta * points[i].load)
         )
     return True
 
@@ -71,20 +72,20 @@ def predict(
 @compiled
 def correct(system: System, motion: Motion, stiffness: Floats, beta: float, dt: float) -> bool:
     """Acceleration, velocity and displacement with the measured force (Eq. 3.13-3.16)."""
-    n = motion.tangent.shape[0]
+    points, unknowns, n = motion.points, motion.unknowns, motion.tangent.shape[0]
     for i in range(n):
-        force = motion.trial_restoring[i] - motion.restoring[i]
+        force = points[i].trial_restoring - points[i].restoring
         for j in range(n):
-            force -= stiffness[i, j] * (motion.trial[j] - motion.q[j])
-        motion.residual[i] = force
+            force -= stiffness[i, j] * (points[j].trial - points[j].q)
+        unknowns[i] = force
     effective_mass(system, motion, stiffness, beta, dt)
-    if not solve_dense(motion.matrix, motion.residual):
+    if not solve_dense(motion.matrix, unknowns):
         return False
     for i in range(n):
-        change = motion.load[i] - motion.residual[i]
-        motion.predicted_a[i] = motion.a[i] + change
-        motion.predicted_v[i] = motion.v[i] + dt * (motion.a[i] + 0.5 * change)
-        motion.command[i] = motion.trial[i] - beta * dt * dt * motion.residual[i]
+        change = points[i].load - unknowns[i]
+        points[i].predicted_a = points[i].a + change
+        points[i].predicted_v = points[i].v + dt * (points[i].a + 0.5 * change)
+        points[i].trial = points[i].trial - beta * dt * dt * unknowns[i]
     return True
 
 
@@ -93,7 +94,7 @@ def delayed(system: System, motion: Motion, actuators: Actuators, k: int) -> Non
     """Where the actuators are at the end of step k: where they were told to be `lag` steps ago."""
     commands = actuators.commands
     for b in range(len(system.lines)):
-        commands[k + 1, b] = along(system.line_rows, b, motion.trial)
+        commands[k + 1, b] = along(system.line_rows, b, motion.points)
         place = max(k + 1 - actuators.lag, 0.0)
         before = int(place)
         after = min(before + 1, k + 1)
@@ -118,13 +119,13 @@ def predictor_march(
     steps done, rows written, outcome.
     """
     ground, dt, stiffness = shaking.ground, shaking.dt, actuators.stiffness
-    n = motion.tangent.shape[0]
+    points, n = motion.points, motion.tangent.shape[0]
     kept = 0
     for k in range(len(ground) - 1):
         if not predict(system, motion, stiffness, scheme.beta, dt, ground[k + 1] - ground[k]):
             return k, kept, NO_EQUILIBRIUM
         for i in range(n):
-            if not abs(motion.trial[i]) < FARTHEST:
+            if not abs(points[i].trial) < FARTHEST:
                 return k, kept, DIVERGED
         delayed(system, motion, actuators, k)
         outcome = restoring(system, bearings, motion, dt, shaking.ambient[k], actuators.noise[k])
@@ -132,8 +133,8 @@ def predictor_march(
             return k, kept, outcome
         if not correct(system, motion, stiffness, scheme.beta, dt):
             return k, kept, NO_EQUILIBRIUM
-        add_books(system, motion, ground[k], ground[k + 1], motion.command)
-        commit(system, bearings, motion, dt, motion.command)
+        add_books(system, motion, ground[k], ground[k + 1])
+        commit(system, bearings, motion, dt)
         if shaking.keep[k]:
             keep_motion(bearings, motion, rows, kept)
             kept += 1

@@ -29,6 +29,7 @@ from thermobearing.structure.types import (
     Actuators,
     Bearings,
     Bend,
+    Coordinate,
     Hinge,
     LineFactors,
     Motion,
@@ -153,17 +154,8 @@ def new_motion(system: System) -> Motion:
     """At rest, hinges never bent."""
     n = len(system.load)
     return Motion(
-        q=np.zeros(n),
-        v=np.zeros(n),
-        a=np.zeros(n),
-        restoring=np.zeros(n),
-        trial=np.zeros(n),
-        trial_restoring=np.zeros(n),
-        predicted_v=np.zeros(n),
-        predicted_a=np.zeros(n),
-        residual=np.zeros(n),
-        load=np.zeros(n),
-        command=np.zeros(n),
+        points=rows(Coordinate, n),
+        unknowns=np.zeros(n),
         matrix=np.zeros((n, n)),
         tangent=np.zeros((n, n)),
         hinges=straight_hinges(system.hinges),

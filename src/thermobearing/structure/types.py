@@ -55,6 +55,20 @@ class LineFactors:
     speed: float  # of a bearing that lives on its own clock [mm/s]; 0: earthquake time
 
 
+class Coordinate:
+    """Where the structure is in one of its coordinates, and where a trial takes it."""
+
+    q: float
+    v: float
+    a: float
+    restoring: float  # force of springs, hinges and bearings
+    trial: float  # q at the end of the step, as all that follow
+    trial_restoring: float
+    predicted_v: float
+    predicted_a: float
+    load: float  # Delta a_p of the predictor
+
+
 class MotionBooks:
     """Energies since the start, and what the integration took."""
 
@@ -101,17 +115,8 @@ class HingeState(NamedTuple):
 class Motion(NamedTuple):
     """Where the structure is, and scratch of the integration."""
 
-    q: Floats  # [n] coordinates, as all down to `command`
-    v: Floats
-    a: Floats
-    restoring: Floats  # forces of springs, hinges and bearings on the coordinates
-    trial: Floats
-    trial_restoring: Floats
-    predicted_v: Floats
-    predicted_a: Floats
-    residual: Floats
-    load: Floats
-    command: Floats  # coordinates of the last command (predictor-corrector)
+    points: Rows[Coordinate]  # [n]
+    unknowns: Floats  # [n] right side, then solution of the equations
     matrix: Floats  # [n, n] effective tangent, destroyed by the solution
     tangent: Floats  # [n, n]
     hinges: HingeState
