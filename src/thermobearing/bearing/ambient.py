@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from thermobearing.border.errors import InputError
+from thermobearing.border.numbers import is_number
 from thermobearing.border.tables import read_columns
 
 Floats = NDArray[np.float64]
@@ -35,7 +36,7 @@ class Ambient:
         """A series; InputError unless times increase and temperatures are plausible."""
         try:
             time, temperature = np.asarray(time, float), np.asarray(temperature, float)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             raise InputError("needs two lists of numbers", where) from None
         if time.ndim != 1 or time.shape != temperature.shape or len(time) < 2:
             raise InputError("needs two equally long lists of at least 2 numbers", where)
@@ -73,7 +74,7 @@ class Ambient:
 
 def check_temperature(value: float, where: str) -> float:
     """The value, if it is a plausible temperature in degC."""
-    if isinstance(value, bool | str) or np.ndim(value) or value is None:
+    if not is_number(value):
         raise InputError(f"expected a temperature in degC, got {value!r}", where)
     if not COLDEST <= value <= HOTTEST:
         raise InputError(f"{value:g} degC is outside {COLDEST:g} to {HOTTEST:g} degC", where)

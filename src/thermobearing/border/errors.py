@@ -3,7 +3,9 @@
 import difflib
 from collections.abc import Iterable
 from pathlib import Path
+from unicodedata import category
 
+HIDDEN = ("Cc", "Cf", "Cs")  # control characters, marks without a shape, lone surrogates
 LONGEST_NAME = 500  # characters of a path that a message shows
 
 
@@ -18,8 +20,8 @@ class InputError(ThermobearingError, ValueError):
     """
 
     def __init__(self, problems: str | Iterable[str], where: str = "") -> None:
-        self.problems = [problems] if isinstance(problems, str) else list(problems)
-        self.where = where
+        given = [problems] if isinstance(problems, str) else problems
+        self.problems, self.where = [printable(text) for text in given], printable(where)
         super().__init__(self.message())
 
     def lines(self, key: str = "") -> list[str]:
@@ -39,6 +41,9 @@ class InputError(ThermobearingError, ValueError):
 
 class OutputError(ThermobearingError):
     """A result could not be written; nothing half written is left behind."""
+
+    def __init__(self, message: str) -> None:
+        super().__init__(printable(message))
 
 
 def read_bytes(path: Path, most: int) -> bytes:
@@ -84,6 +89,24 @@ def nearest(name: str, known: Iterable[str]) -> str:
     names = sorted(known)
     listed = f"; known: {', '.join(names)}" if names else ""
     return closest(name, names) or listed
+
+
+def printable(text: str) -> str:
+    r"""The text, with escapes for what would not show, or would move the cursor of a terminal.
+
+    Names and values come from files and from the system; what is no text at all is there as lone
+    surrogates, which cannot be printed either.
+
+    Examples
+    --------
+    >>> printable("免震\x1b[2J")
+    '免震\\x1b[2J'
+    """
+    if text.isascii() and text.isprintable():
+        return text
+    return "".join(
+        repr(mark)[1:-1] if mark != "\n" and category(mark) in HIDDEN else mark for mark in text
+    )
 
 
 def shortened(text: str, longest: int = 60) -> str:

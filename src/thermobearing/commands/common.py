@@ -8,7 +8,7 @@ from typing import Annotated, Any, TypeVar
 
 import typer
 
-from thermobearing.border.errors import InputError, OutputError
+from thermobearing.border.errors import InputError, OutputError, printable
 
 T = TypeVar("T")
 BAD_INPUT, ENDED_EARLY, INTERRUPTED = 2, 3, 130
@@ -65,7 +65,7 @@ def written(outcome: str, sentence: str, target: Path, *, as_json: bool, quiet: 
     if status:
         typer.echo(f"thermobearing: {outcome}: {sentence}", err=True)
     if not quiet:
-        typer.echo(f"written: {target}")
+        typer.echo(f"written: {printable(str(target))}")
     if as_json:
         files = sorted(str(p.relative_to(target)) for p in target.rglob("*") if p.is_file())
         last = {"outcome": outcome, "exit_status": status, "output": str(target), "files": files}

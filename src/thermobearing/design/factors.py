@@ -13,6 +13,7 @@ from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError, nearest
 from thermobearing.border.library import data_path
+from thermobearing.border.numbers import is_number
 from thermobearing.border.schema import Strict, validated
 from thermobearing.border.toml import read_toml
 from thermobearing.cyclic.protocol import CyclicTest
@@ -248,7 +249,7 @@ def _check(
         problems += [
             f"{name} = {value!r}: must be a number from {low:g} to {high:g} {unit}".rstrip()
             for value in values
-            if isinstance(value, bool | str) or not low <= value <= high
+            if not is_number(value) or not low <= value <= high
         ]
     if problems:
         raise InputError(problems)

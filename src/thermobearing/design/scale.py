@@ -9,6 +9,7 @@ import pandas as pd
 from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
+from thermobearing.border.numbers import is_number
 from thermobearing.cyclic.protocol import CyclicTest
 from thermobearing.cyclic.result import Result
 from thermobearing.cyclic.run import run
@@ -43,7 +44,7 @@ def scaled_bearing(bearing: Bearing | str | Path, factor: float) -> Bearing:
     >>> small.total_rubber_thickness, small.area
     (51.0, 57600.0)
     """
-    if isinstance(factor, bool | str) or not 1e-3 <= factor <= 1e3:
+    if not is_number(factor) or not 1e-3 <= factor <= 1e3:
         raise InputError(f"factor = {factor!r}: must be a number from 0.001 to 1000")
     bearing = as_bearing(bearing)
     g, h = bearing.geometry, bearing.hysteresis

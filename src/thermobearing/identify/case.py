@@ -7,13 +7,15 @@ from typing import Any, Literal, get_args
 
 from thermobearing.bearing.library import as_bearing, load_bearing
 from thermobearing.bearing.model import Bearing
-from thermobearing.border.errors import InputError, nearest
+from thermobearing.border.errors import InputError, nearest, shortened
+from thermobearing.border.numbers import is_number
 from thermobearing.identify.record import TestRecord, load_test
 
 Method = Literal["least-squares", "krill-herd", "differential-evolution"]
 Loss = Literal["linear", "soft_l1", "huber", "cauchy"]
 Test = TestRecord | str | Path
 
+MOST_STARTS, MOST_EVALUATIONS, LARGEST_SEED = 100, 1_000_000, 2**32 - 1
 SEARCH = 2000  # evaluations of krill herd and differential evolution
 
 
@@ -28,13 +30,13 @@ class IdentifyCase:
     free : keys, symbols and ties; None for the usual ones.
     bounds : (lower, upper) by key or symbol, in the unit of the parameter; None for the usual.
     method : "least-squares", "krill-herd" or "differential-evolution".
-    seed : of all random numbers, >= 0.
-    starts : least squares from so many points, >= 1.
+    seed : of all random numbers, 0 to 4294967295.
+    starts : least squares from so many points, 1 to 100.
     loss : "linear", "soft_l1", "huber" or "cauchy".
     temperatures : fit the thermocouples too.
     blind : start from the loops; False starts from the bearing's own values.
     polish : end with least squares.
-    evaluations : budget of krill herd or differential evolution.
+    evaluations : budget of krill herd or differential evolution, 1 to a million.
     """
 
     records: list[TestRecord]
@@ -68,7 +70,8 @@ def make_identify_case(
 
     Raises
     ------
-    InputError : no test, a file that cannot be read, an unknown method or loss, `starts` < 1.
+    InputError : no test, a file that cannot be read, an unknown method or loss, numbers out of
+        range.
 
     Examples
     --------
@@ -91,8 +94,12 @@ def make_identify_case(
     for name, value, known in choices:
         if value not in known:
             raise InputError(f'{name} = "{value}": {nearest(value, known).removeprefix("; ")}')
-    if case.starts < 1:
-        raise InputError(f"starts = {case.starts}: must be at least 1")
+    numbers = (("starts", MOST_STARTS, 1), ("evaluations", MOST_EVALUATIONS, 1))
+    for name, most, least in (*numbers, ("seed", LARGEST_SEED, 0)):
+        value = getattr(case, name)
+        if not isinstance(value, int) or isinstance(value, bool) or not least <= value <= most:
+            said = shortened(str(value)) if is_number(value) else "that"
+            raise InputError(f"{name} = {said}: must be a whole number from {least} to {most}")
     return case
 
 

@@ -13,7 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
+from thermobearing.bearing.ambient import check_temperature
 from thermobearing.border.errors import InputError, is_file
+from thermobearing.border.numbers import number_list
 from thermobearing.border.schema import Strict, in_unit, validated
 from thermobearing.border.tables import Layout, read_columns
 from thermobearing.border.toml import read_toml, split_sources
@@ -160,14 +162,14 @@ def record_from_arrays(
     >>> record_from_arrays(t, np.sin(t), 2.0 * np.sin(t), 23.0).peak_force > 1.9
     True
     """
-    columns = [np.asarray(values, dtype=float) for values in (time, displacement, force)]
-    if len({len(values) for values in columns}) != 1 or columns[0].ndim != 1:
+    given = {"time": time, "displacement": displacement, "force": force}
+    columns = [number_list(values, f"{name}: {what}") for what, values in given.items()]
+    if len({len(values) for values in columns}) != 1:
         raise InputError("time, displacement and force must be lists of the same length", name)
-    if not all(np.isfinite(values).all() for values in columns):
-        raise InputError("time, displacement and force must be finite numbers", name)
     block = np.zeros(len(columns[0]), dtype=np.int64)
     x, f = columns[1], columns[2]
-    return TestRecord(name, columns[0], x, f, block=block, ambient=float(ambient))
+    at = check_temperature(ambient, f"{name}: ambient")
+    return TestRecord(name, columns[0], x, f, block=block, ambient=float(at))
 
 
 def load_test(path: str | Path) -> TestRecord:

@@ -9,8 +9,9 @@ from numpy.typing import ArrayLike
 
 from thermobearing.border.errors import InputError
 from thermobearing.border.library import data_path
+from thermobearing.border.numbers import number_list
 from thermobearing.border.toml import read_toml
-from thermobearing.border.units import parse_quantity
+from thermobearing.border.units import HUGEST, parse_quantity
 from thermobearing.core.types import Floats
 from thermobearing.motions.record import acceleration_unit
 
@@ -122,9 +123,9 @@ def standard_spectrum(
     [20000.0]
     """
     key = kind_and_ground(kind, ground)
-    values = np.atleast_1d(np.asarray(periods, dtype=np.float64))
-    if not (np.isfinite(values) & (values > 0.0)).all():
-        raise InputError("periods [s]: must be finite and > 0", "standard_spectrum")
+    values = number_list(periods, "periods [s]")
+    if (values < 1.0 / HUGEST).any() or (values > HUGEST).any():
+        raise InputError(f"periods [s]: must be > 0 and at most {HUGEST:g}", "standard_spectrum")
     if not SMALLEST_ZONE_FACTOR <= zone_factor <= LARGEST_ZONE_FACTOR:
         raise InputError(
             f"zone_factor: {zone_factor:g} is outside [{SMALLEST_ZONE_FACTOR:g}, "

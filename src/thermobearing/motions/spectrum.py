@@ -7,6 +7,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from thermobearing.border.errors import InputError
+from thermobearing.border.numbers import number_list
+from thermobearing.border.units import HUGEST
 from thermobearing.core.compile import compiled
 from thermobearing.core.types import Floats
 from thermobearing.motions.record import GroundMotion
@@ -139,9 +141,12 @@ def response_spectrum(
     >>> round(float(spectrum.acceleration[0]))  # a sudden load counts twice
     2000
     """
-    values = np.atleast_1d(np.asarray(periods, dtype=np.float64))
-    if values.ndim != 1 or not len(values) or not (np.isfinite(values) & (values >= 0.0)).all():
-        raise InputError("periods [s]: give one or more numbers, not negative", "response_spectrum")
+    values = number_list(periods, "periods [s]")
+    if (values < 0.0).any() or (values > HUGEST).any():
+        raise InputError(
+            f"periods [s]: give one or more numbers, not negative, up to {HUGEST:g}",
+            "response_spectrum",
+        )
     check_damping(damping)
     if not 1 <= steps_per_period <= 10_000:
         raise InputError(

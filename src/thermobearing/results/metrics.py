@@ -234,7 +234,7 @@ def _histories(displacement: Floats, force: Floats) -> tuple[Floats, Floats]:
     """Both as arrays; InputError unless they are equally long lists of finite numbers."""
     try:
         d, f = np.asarray(displacement, float), np.asarray(force, float)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InputError("displacement and force must be lists of numbers") from None
     if d.ndim != 1 or d.shape != f.shape:
         raise InputError(f"displacement has {d.size} points but force {f.size}")

@@ -1,0 +1,53 @@
+"""Numbers that Python functions are given: of a kind that can be counted with, or refused."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from thermobearing.border.errors import InputError, shortened
+
+LARGEST = int(np.finfo(np.float64).max)
+Floats = NDArray[np.float64]
+
+
+def is_number(value: Any) -> bool:
+    """Whether a value is one plain number that a double can hold; true and false are none.
+
+    Examples
+    --------
+    >>> [is_number(value) for value in (3, 2.5, True, "3", [3], 10**400)]
+    [True, True, False, False, False, False]
+    """
+    if isinstance(value, bool) or not isinstance(value, int | float | np.integer | np.floating):
+        return False
+    return isinstance(value, float | np.floating) or abs(int(value)) <= LARGEST
+
+
+def number_list(values: Any, what: str) -> Floats:
+    """A list of finite numbers as an array; one number counts as a list of one.
+
+    Parameters
+    ----------
+    values : what was given.
+    what : it is called, for the message.
+
+    Raises
+    ------
+    InputError : it is something else, empty, nested, or holds what is not finite.
+
+    Examples
+    --------
+    >>> number_list([1, 2.5], "periods").tolist()
+    [1.0, 2.5]
+    """
+    try:
+        found = np.atleast_1d(np.asarray(values, dtype=np.float64))
+    except (TypeError, ValueError, OverflowError):
+        found = np.zeros((0, 0))
+    if found.ndim != 1 or not len(found):
+        raise InputError(f"{what}: must be a list of numbers, got {shortened(repr(values))}")
+    if not np.isfinite(found).all():
+        at = int(np.argmin(np.isfinite(found)))
+        raise InputError(f"{what}: {found[at]:g} at place {at + 1} is not finite")
+    return found

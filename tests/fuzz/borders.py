@@ -1,0 +1,368 @@
+"""Every function that takes what a user gives, and examples of what it may be given. No tests."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from hypothesis import strategies as st
+
+import thermobearing as tb
+from tests.fuzz import grammar
+from tests.fuzz.judge import COMPLETED, TYPED, Example
+from tests.fuzz.mutations import UNITS, damaged, plain_numbers, rows_of_numbers, toml_files
+from thermobearing.bearing.bilinear import load_bilinear
+from thermobearing.border.tables import Layout, read_columns
+from thermobearing.border.units import parse_quantity
+from thermobearing.commands.check import describe_file
+from thermobearing.cyclic.case import load_case, make_case
+from thermobearing.cyclic.protocol import survey
+from thermobearing.design.case import load_design_case
+from thermobearing.design.scale import scaled_bearing
+from thermobearing.earthquake.case import load_earthquake_case, make_earthquake_case
+from thermobearing.identify.checks import check_test
+from thermobearing.identify.parameters import parameter_set
+from thermobearing.identify.record import load_test, record_from_arrays
+from thermobearing.motions import process
+from thermobearing.motions.jra import standard_spectrum
+from thermobearing.motions.measures import measure_motion
+from thermobearing.motions.readers import read_motion
+from thermobearing.motions.record import GroundMotion
+from thermobearing.motions.spectrum import response_spectrum
+from thermobearing.results.metrics import measure_history
+from thermobearing.structure.model import load_structure
+
+Files = dict[str, bytes]
+
+
+@dataclass(frozen=True)
+class Border:
+    """A way into the package.
+
+    Attributes
+    ----------
+    name : of the border.
+    examples : what is tried there.
+    weight : how many examples of two thousand; a quick border gets more.
+    """
+
+    name: str
+    examples: st.SearchStrategy[Example]
+    weight: int
+
+
+def beside(raw: bytes) -> Files:
+    """The valid files that some bytes name."""
+    return {name: text for name, text in grammar.companions().items() if name.encode() in raw}
+
+
+def done(call: Callable[[Path], Any]) -> Callable[[Path], str]:
+    """A call that says nothing of its end has come to it."""
+
+    def finished(folder: Path) -> str:
+        call(folder)
+        return COMPLETED
+
+    return finished
+
+
+def toml_border(
+    name: str, tables: st.SearchStrategy[dict[str, Any]], load: Callable[[Path], Any], weight: int
+) -> Border:
+    """A loader of TOML files, fed with valid ones and mutations of them."""
+
+    def example(raw: bytes) -> Example:
+        about = f"{name}: {raw.decode('utf-8', 'replace')}"
+        call = done(lambda folder: load(folder / "a.toml"))
+        return Example({"a.toml": raw, **beside(raw)}, call, about)
+
+    return Border(name, tables.flatmap(toml_files).map(example), weight)
+
+
+def _check_and_describe(path: Path) -> None:
+    """The command `check` reads any of them."""
+    kind, facts = describe_file(path)
+    assert kind
+    assert all("nan" not in fact.split() for fact in facts.values()), facts
+
+
+def _whole_case(path: Path) -> None:
+    """A case that loads is written out in full and reads back the same."""
+    case = load_case(path)
+    text = case.to_toml()
+    (path.parent / "again.toml").write_text(text, encoding="utf-8")
+    assert load_case(path.parent / "again.toml").to_toml() == text
+
+
+def _whole_study(path: Path) -> None:
+    case = load_earthquake_case(path)
+    text = case.to_toml()
+    (path.parent / "again.toml").write_text(text, encoding="utf-8")
+    assert load_earthquake_case(path.parent / "again.toml").to_toml() == text
+
+
+def _checked_record(path: Path) -> None:
+    """A record that loads is looked over, whatever is in it."""
+    record = load_test(path)
+    report = check_test(record, tb.load_bearing("shen-hdr-specimen"))
+    assert report.outcome in ("good", "warning", "refused")
+
+
+def _any_table() -> st.SearchStrategy[dict[str, Any]]:
+    return st.one_of(
+        grammar.bearings(),
+        grammar.bilinear_bearings(),
+        grammar.structures(),
+        grammar.cyclic_cases(),
+        grammar.earthquake_cases(),
+        grammar.design_cases(),
+        grammar.sidecars(),
+    )
+
+
+def _record_file(raw: bytes) -> Example:
+    call = done(lambda folder: _checked_record(folder / "a.csv"))
+    return Example({"a.csv": raw}, call, f"load_test: {raw[:200]!r}")
+
+
+def _sidecar_file(raw: bytes) -> Example:
+    call = done(lambda folder: _checked_record(folder / "test.toml"))
+    files = {"test.toml": raw, "test.csv": grammar.TEST.encode(), **beside(raw)}
+    return Example(files, call, f"load_test, sidecar: {raw.decode('utf-8', 'replace')}")
+
+
+@st.composite
+def _tables(draw: st.DrawFn) -> Example:
+    """CSV files of every use."""
+    use = draw(st.sampled_from(["recording", "weather", "measured", "columns"]))
+    if use == "recording":
+        raw = draw(rows_of_numbers(grammar.MOVED))
+        step = {"step": "recorded", "file": "a.csv"}
+        test = {"dt": "0.1 s", "steps": [step]}
+        call = done(lambda folder: make_case({"test": test}, "case"))
+    elif use == "weather":
+        raw = draw(rows_of_numbers(grammar.NIGHT))
+        call = done(lambda folder: tb.Ambient.from_csv(str(folder / "a.csv")))
+    elif use == "measured":
+        raw = draw(rows_of_numbers(grammar.MEASURED))
+
+        def measure(folder: Path) -> None:
+            data = read_columns(folder / "a.csv", {"displacement": "mm", "force": "kN"})
+            x, force = data["displacement"], data["force"]
+            found = measure_history(x, force, area=57600.0, total_rubber_thickness=30.0)
+            assert np.isfinite([cycle.energy_kN_mm for cycle in found]).all()
+
+        call = done(measure)
+    else:
+        raw = draw(rows_of_numbers(grammar.TEST))
+        layout = Layout(
+            draw(st.integers(0, 3)),
+            draw(st.integers(0, 3)),
+            {"force": draw(st.sampled_from(["force_kN", "inner_degC", "x", ""]))},
+            {"force": draw(st.sampled_from(["kN", "tonf", "mm", "", "kN**9", "N N"]))},
+        )
+        wanted = {"time": "s", "force": "kN"}
+        call = done(lambda folder: read_columns(folder / "a.csv", wanted, layout=layout))
+    return Example({"a.csv": raw}, call, f"{use}: {raw[:300]!r}")
+
+
+@st.composite
+def _motion_files(draw: st.DrawFn) -> Example:
+    """Accelerograms of each format, with the options a user may add."""
+    name = draw(st.sampled_from(sorted(grammar.MOTIONS)))
+    raw = draw(rows_of_numbers(grammar.MOTIONS[name]))
+    options: dict[str, Any] = {}
+    if draw(st.booleans()):
+        options["component"] = draw(st.sampled_from(["NS", "EW", "1", "3", "²", "", "9" * 5000]))
+    if draw(st.integers(0, 3)) == 0:
+        options["unit"] = draw(st.sampled_from(["g", "gal", "m/s2", "furlong", "", "kN"]))
+    if draw(st.integers(0, 3)) == 0:
+        options["dt"] = draw(st.one_of(st.just(0.01), plain_numbers()))
+    options["trust_unit"] = draw(st.booleans())
+
+    def read(folder: Path) -> None:
+        motion = read_motion(folder / name, **options)
+        assert np.isfinite(motion.acceleration).all()
+        measures = measure_motion(motion)
+        assert np.isfinite(list(vars(measures).values())).all()
+
+    return Example({name: raw}, done(read), f"read_motion {name} {options}: {raw[:200]!r}")
+
+
+@st.composite
+def _motion_arithmetic(draw: st.DrawFn) -> Example:
+    """Preparing a motion with any numbers."""
+    count, dt = draw(st.sampled_from([2, 17, 300])), draw(st.sampled_from([0.001, 0.01, 0.1]))
+    size = draw(st.sampled_from([1e-5, 1.0, 3e3, 1e9]))
+    values = size * np.sin(0.3 * np.arange(count) + draw(st.sampled_from([0.0, 1.0])))
+    motion = GroundMotion("made", dt, values)
+    a, b = draw(plain_numbers()), draw(plain_numbers())
+    name = draw(
+        st.sampled_from(
+            ["corrected", "resampled", "scaled", "pga", "trimmed", "padded", "spectrum", "standard"]
+        )
+    )
+    calls: dict[str, Callable[[], Any]] = {
+        "corrected": lambda: process.baseline_corrected(motion, high_pass=a),
+        "resampled": lambda: process.resampled(motion, a),
+        "scaled": lambda: process.scaled(motion, a),
+        "pga": lambda: process.scaled(motion, pga=a),
+        "trimmed": lambda: process.trimmed(motion, a, b),
+        "padded": lambda: process.padded(motion, a, b),
+        "spectrum": lambda: response_spectrum(motion, [min(a, 1e6), 1.0], b),
+        "standard": lambda: standard_spectrum("II", "I", [a], zone_factor=b),
+    }
+
+    def call(_: Path) -> None:
+        made = calls[name]()
+        if isinstance(made, GroundMotion):
+            assert np.isfinite(made.acceleration).all()
+
+    return Example({}, done(call), f"{name}({a!r}, {b!r}) of {count} samples, dt {dt}")
+
+
+@st.composite
+def _results(draw: st.DrawFn) -> Example:
+    """Saved results, whole and damaged, read and used as a start."""
+    raw = draw(damaged(grammar.earlier_result())) if draw(st.booleans()) else b""
+    if not raw:
+        raw = draw(st.one_of(st.binary(max_size=50), st.just(grammar.earlier_result())))
+    file = draw(st.sampled_from(["result.nc", "a.nc", "a b 免.nc"]))
+    start = draw(st.booleans())
+
+    def read(folder: Path) -> None:
+        path = folder if file == "result.nc" else folder / file
+        if start:
+            make_case({"initial_result": str(path)}, "case")
+        else:
+            assert tb.load_result(path).outcome == "completed"
+
+    return Example({file: raw}, done(read), f"load_result: {len(raw)} bytes")
+
+
+@st.composite
+def _quantities(draw: st.DrawFn) -> Example:
+    """Text that should be a number with a unit."""
+    number = draw(st.one_of(plain_numbers().map(repr), st.text("0123456789.eE+- ,", max_size=8)))
+    odd = st.one_of(st.text("mkNs/^*()2 -°CPa", max_size=12), st.text(max_size=6))
+    unit = draw(st.one_of(st.sampled_from(UNITS), st.sampled_from(UNITS), odd))
+    text = draw(
+        st.sampled_from([f"{number} {unit}", f"{number}{unit}", unit, f" {number}  {unit} "])
+    )
+    wanted = draw(st.sampled_from(["mm", "kN/mm", "degC", "K", "s", "Hz", "W/(m K)"]))
+
+    def parse(_: Path) -> None:
+        assert np.isfinite(parse_quantity(text, wanted))
+
+    return Example({}, done(parse), f"parse_quantity({text!r}, {wanted!r})")
+
+
+def _values() -> st.SearchStrategy[Any]:
+    """What a Python argument may be by mistake."""
+    return st.one_of(
+        plain_numbers(),
+        st.sampled_from([None, True, "x", "", "23 degC", [], [1.0], {}, 3, -1, 0, 10**400, b"x"]),
+        st.lists(plain_numbers(), max_size=3),
+        st.text(max_size=5),
+    )
+
+
+RUN_OPTIONS = (
+    "ambient", "dt", "scheme", "integrator", "heat_source", "lead_ends", "upper_face", "initial",
+    "initial_lead", "keep", "keep_every", "stack", "model", "test", "bearing",
+)  # fmt: skip
+TEST_OPTIONS = ("strain", "cycles", "wave", "speed", "rest", "closing_strain", "dt")
+STUDY_OPTIONS = ("bearings", "motions", "ambient", "weather", "duration", "dt", "method", "mass",
+                 "structure", "scheme", "laboratory", "keep_every", "zzz")  # fmt: skip
+
+
+@st.composite
+def _arguments(draw: st.DrawFn) -> Example:
+    """Arguments of Python functions."""
+    name = draw(
+        st.sampled_from(
+            ["case", "cyclic_test", "study", "series", "arrays", "parameters", "scaled", "face"]
+        )
+    )
+    one, two = draw(_values()), draw(_values())
+
+    def options(names: tuple[str, ...]) -> dict[str, Any]:
+        chosen = draw(st.lists(st.sampled_from(names), max_size=3, unique=True))
+        return {key: draw(_values()) for key in chosen}
+
+    if name == "case":
+        given = options(RUN_OPTIONS)
+        call: Callable[[], Any] = lambda: make_case({}, "run()", **given)  # noqa: E731
+    elif name == "cyclic_test":
+        given = options(TEST_OPTIONS)
+        call = lambda: survey(tb.cyclic_test(**given), 30.0)  # noqa: E731
+    elif name == "study":
+        given = {"duration": 0.1, **options(STUDY_OPTIONS)}
+        call = lambda: make_earthquake_case({"command": "bridge"}, "bridge()", **given)  # noqa: E731
+    else:
+        given = {"one": one, "two": two}
+        specimen = tb.load_bearing("shen-hdr-specimen")
+        calls: dict[str, Callable[[], Any]] = {
+            "series": lambda: tb.Ambient.series(one, two),
+            "arrays": lambda: check_test(record_from_arrays(one, two, one, 23.0)),
+            "parameters": lambda: parameter_set(specimen, [str(one), f"n_T={two}*m_T"], [0.0]),
+            "scaled": lambda: scaled_bearing(specimen, one),
+            "face": lambda: tb.model.EndFace(eta=one, film=two),
+        }
+        call = calls[name]
+    return Example({}, done(lambda _: call()), f"{name}({given!r})")
+
+
+@st.composite
+def _runs(draw: st.DrawFn) -> Example:
+    """Whole runs in Python: what is accepted ends well or says why."""
+    raw = draw(grammar.cyclic_cases().flatmap(lambda table: toml_files(table, calm=True)))
+
+    def run(folder: Path) -> str:
+        from thermobearing.cyclic.run import run_case
+
+        result = run_case(load_case(folder / "a.toml"))
+        check_numbers(result.summary(), result.outcome)
+        return COMPLETED if result.outcome == "completed" else TYPED
+
+    return Example({"a.toml": raw, **beside(raw)}, run, f"run: {raw.decode('utf-8', 'replace')}")
+
+
+# Numbers of a summary that need not exist.
+OPEN = {"lead_degC", "lead_degC_max", "characteristic_strength_kN", "post_yield_stiffness_kN_mm",
+        "h_eq", "pier_ductility", "energy_of_warmest", "pier_moment_max_kN_m"}  # fmt: skip
+
+
+def check_numbers(value: Any, outcome: str, key: str = "") -> None:
+    """No number of a summary is NaN or infinite, unless it need not exist."""
+    if isinstance(value, dict):
+        for name, item in value.items():
+            check_numbers(item, outcome, str(name))
+    elif isinstance(value, list | tuple):
+        for item in value:
+            check_numbers(item, outcome, key)
+    elif isinstance(value, float) and key not in OPEN:
+        assert np.isfinite(value), f"{key} = {value} in the summary, outcome {outcome}"
+
+
+def library_borders() -> list[Border]:
+    """Borders of the Python package."""
+    return [
+        toml_border("bearing", grammar.bearings(), tb.load_bearing, 160),
+        toml_border("bilinear bearing", grammar.bilinear_bearings(), load_bilinear, 60),
+        toml_border("structure", grammar.structures(), load_structure, 120),
+        toml_border("cyclic case", grammar.cyclic_cases(), _whole_case, 200),
+        toml_border("earthquake case", grammar.earthquake_cases(), _whole_study, 120),
+        toml_border("design case", grammar.design_cases(), load_design_case, 60),
+        toml_border("check", _any_table(), _check_and_describe, 120),
+        Border("test sidecar", grammar.sidecars().flatmap(toml_files).map(_sidecar_file), 140),
+        Border("test record", rows_of_numbers(grammar.TEST).map(_record_file), 100),
+        Border("table", _tables(), 180),
+        Border("motion file", _motion_files(), 240),
+        Border("motion arithmetic", _motion_arithmetic(), 100),
+        Border("result", _results(), 80),
+        Border("quantity", _quantities(), 150),
+        Border("arguments", _arguments(), 150),
+        Border("run", _runs(), 40),
+    ]
