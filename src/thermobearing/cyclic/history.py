@@ -21,7 +21,8 @@ from thermobearing.core.types import (
     new_workspace,
 )
 from thermobearing.cyclic.segments import Segment
-from thermobearing.model.outcomes import INTERRUPTED, NAMES
+from thermobearing.model.outcomes import INTERRUPTED, NAMES, NOT_PHYSICAL
+from thermobearing.model.physical import is_physical
 
 CHUNK = 20_000  # steps between two looks at the progress bar and at Ctrl-C
 
@@ -173,6 +174,9 @@ def _run_segment(
             progress(done)
         if outcome not in (COMPLETED, SOFTENED):
             run.outcome = NAMES[outcome]
+            return False
+        if not is_physical(constants, run.state):
+            run.outcome = NOT_PHYSICAL
             return False
         if done < len(dt):  # the rest settled
             break

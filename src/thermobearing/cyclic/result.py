@@ -176,7 +176,7 @@ class Result:
         `mechanical_residual` is (work in - heat released - recoverable) and
         `thermal_residual` (heat released - stored - lost), both over the largest of work, heat
         stored and heat lost; at least over 1e-6 kN mm (mechanical), and over what warms the
-        bearing by 1e-6 K (thermal), see `metrics.relative_residual`.
+        bearing by 1e-4 K (thermal), see `metrics.relative_residual`.
         """
         data = self.dataset
         capacity = np.asarray(from_attribute(data, "heat_capacity_kN_mm_per_K"))

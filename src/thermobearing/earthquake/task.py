@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.core.types import Constants, Floats
+from thermobearing.cyclic.protocol import LARGEST_STRAIN
 from thermobearing.earthquake.case import EarthquakeCase
 from thermobearing.model.stack import Stack
 from thermobearing.motions.record import GroundMotion
@@ -18,6 +19,11 @@ class Device:
     bearing: Bearing | BilinearBearing
     constants: Constants
     stack: Stack | None
+
+    @property
+    def tears(self) -> float:
+        """Strain beyond which nothing is left to be modelled; a design may begin far off."""
+        return LARGEST_STRAIN if self.stack is not None else 100.0
 
 
 @dataclass(frozen=True)

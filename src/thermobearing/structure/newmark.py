@@ -22,6 +22,8 @@ from thermobearing.structure.types import (
     System,
 )
 
+MOST_ITERATIONS, GRACE = 100, 1000  # a step on average, after so many steps; usual are 3
+
 
 @compiled
 def start_motion(system: System, motion: Motion, ground: float) -> bool:
@@ -149,6 +151,8 @@ def newmark_march(
                 continue
             if part == 1:
                 return k, kept, outcome
+            if motion.books[0].iterations > MOST_ITERATIONS * (k + GRACE):
+                return k, kept, NO_EQUILIBRIUM
             part //= 2
             motion.books[0].substeps += 1.0
         if shaking.keep[k]:

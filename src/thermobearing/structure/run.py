@@ -8,7 +8,8 @@ import numpy as np
 
 from thermobearing.core.records import Floats, Rows, rows
 from thermobearing.core.types import Books, Constants, State, new_state, new_workspace
-from thermobearing.model.outcomes import NAMES
+from thermobearing.model.outcomes import NAMES, NOT_PHYSICAL
+from thermobearing.model.physical import is_physical
 from thermobearing.structure.books import keep_motion
 from thermobearing.structure.matrices import (
     Matrices,
@@ -241,11 +242,14 @@ def run_structure(
         )
     else:
         done, kept, outcome = newmark_march(system, bearings, motion, scheme, shaking, after)
-    books = motion.books[0]
+    books, named = motion.books[0], OUTCOMES[int(outcome)]
+    alike = zip([line.constants for line in lines], states, strict=True)
+    if named == "completed" and not all(is_physical(*one) for one in alike):
+        named = NOT_PHYSICAL
     return StructureHistory(
         rows=kept_rows.part(0, 1 + kept),
         states=states,
-        outcome=OUTCOMES[int(outcome)],
+        outcome=named,
         steps=int(done),
         iterations=int(books.iterations),
         substeps=int(books.substeps),
