@@ -20,7 +20,9 @@ from thermobearing.commands.common import (
 )
 
 if TYPE_CHECKING:
+    from thermobearing.bearing.model import Bearing
     from thermobearing.identify.checks import CheckReport
+    from thermobearing.identify.record import TestRecord
 
 
 @reported
@@ -64,32 +66,14 @@ def identify(
     quiet: Quiet = False,
 ) -> int:
     """Identify a bearing's parameters from cyclic tests, with their uncertainty."""
-    from thermobearing.identify.case import bearing_of, make_identify_case
-    from thermobearing.identify.checks import check_test
-    from thermobearing.identify.files import save_checks
+    from thermobearing.identify.case import make_identify_case
     from thermobearing.identify.posterior import forecast
-    from thermobearing.identify.record import load_test
     from thermobearing.identify.run import run_identify
-    from thermobearing.identify.screen import print_checks, print_identification
-    from thermobearing.results.directory import check_target
+    from thermobearing.identify.screen import print_identification
 
-    records = [load_test(path) for path in tests]
-    bearing = bearing_of(records, start)
-    if bearing is None and not check:
-        raise InputError(
-            "which bearing? give --bearing NAME/FILE, or bearing = ... in the sidecar: a fit needs "
-            "its geometry and materials (thermobearing list names the built-in ones)"
-        )
-    kind = "check" if check else "identify"
-    target = output or Path(f"{kind}-" + re.sub(r"[^\w.+-]+", "-", records[0].name))
-    check_target(target, force=force)
+    records, bearing, target = _read(tests, start, check, output, force)
     if check or bearing is None:
-        reports = [check_test(record, bearing) for record in records]
-        save_checks(reports, target, force=force, figures=not no_figures)
-        if not quiet:
-            print_checks(reports)
-            typer.echo(f"written: {target}")
-        return _checked(reports, target, as_json)
+        return _look_over(records, bearing, target, force, no_figures, as_json, quiet)
     case = make_identify_case(
         records,
         bearing,
@@ -110,6 +94,49 @@ def identify(
     if not quiet:
         print_identification(found)
     return written(found.outcome, found.sentence, target, as_json=as_json, quiet=quiet)
+
+
+def _read(
+    tests: list[Path], start: str | None, check: bool, output: Path | None, force: bool
+) -> "tuple[list[TestRecord], Bearing | None, Path]":
+    """Tests, their bearing, and where the result goes, which is free to be written."""
+    from thermobearing.identify.case import bearing_of
+    from thermobearing.identify.record import load_test
+    from thermobearing.results.directory import check_target
+
+    records = [load_test(path) for path in tests]
+    bearing = bearing_of(records, start)
+    if bearing is None and not check:
+        raise InputError(
+            "which bearing? give --bearing NAME/FILE, or bearing = ... in the sidecar: a fit needs "
+            "its geometry and materials (thermobearing list names the built-in ones)"
+        )
+    kind = "check" if check else "identify"
+    target = output or Path(f"{kind}-" + re.sub(r"[^\w.+-]+", "-", records[0].name))
+    check_target(target, force=force)
+    return records, bearing, target
+
+
+def _look_over(
+    records: "list[TestRecord]",
+    bearing: "Bearing | None",
+    target: Path,
+    force: bool,
+    no_figures: bool,
+    as_json: bool,
+    quiet: bool,
+) -> int:
+    """The findings of the tests, without a fit."""
+    from thermobearing.identify.checks import check_test
+    from thermobearing.identify.files import save_checks
+    from thermobearing.identify.screen import print_checks
+
+    reports = [check_test(record, bearing) for record in records]
+    save_checks(reports, target, force=force, figures=not no_figures)
+    if not quiet:
+        print_checks(reports)
+        typer.echo(f"written: {target}")
+    return _checked(reports, target, as_json)
 
 
 def _checked(reports: "list[CheckReport]", target: Path, as_json: bool) -> int:
