@@ -74,20 +74,10 @@ def identify(
     records, bearing, target = _read(tests, start, check, output, force)
     if check or bearing is None:
         return _look_over(records, bearing, target, force, no_figures, as_json, quiet)
-    case = make_identify_case(
-        records,
-        bearing,
-        free=[name.strip() for name in free.split(",")] if free is not None else None,
-        method=method,
-        seed=seed,
-        starts=starts,
-        loss=loss,
-        temperatures=temperatures,
-        blind=not from_start,
-        polish=polish,
-        evaluations=evaluations,
-    )
-    found = run_identify(case)
+    names = [name.strip() for name in free.split(",")] if free is not None else None
+    search = {"method": method, "seed": seed, "starts": starts, "evaluations": evaluations}
+    how = {"loss": loss, "temperatures": temperatures, "blind": not from_start, "polish": polish}
+    found = run_identify(make_identify_case(records, bearing, free=names, **search, **how))
     wanted = posterior or predict
     drawn = forecast(found, predict or [], posterior=posterior, seed=seed) if wanted else None
     found.save(target, force=force, figures=not no_figures, forecast=drawn)

@@ -16,7 +16,7 @@ def comparable_models(case: Case) -> list[Model]:
 
 
 def compare_models(case: Case) -> dict[str, Result]:
-    """Results of all models by name; the first is the multi-layer one; others that ended early are left out.
+    """Results of models by name, the multi-layer one first; without those that ended early.
 
     Parameters
     ----------
