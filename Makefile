@@ -10,12 +10,13 @@ WORKERS ?= auto
 
 LOWEST := .venv-minimum
 
-.PHONY: help demo test test-minimum bench lint docs clean
+.PHONY: help demo test test-minimum fuzz bench lint docs clean
 
 help:
 	@echo "make demo   install, and run the default cyclic test into ./demo"
 	@echo "make test   all tests, on all cores (WORKERS=0: in one process)"
 	@echo "make test-minimum   unit tests with the lowest versions of all that is needed"
+	@echo "make fuzz   100000 examples of hostile input (EXAMPLES=5000 FUZZ=motions: fewer, a part)"
 	@echo "make bench  speed, accuracy and memory, each beside its target"
 	@echo "make lint   ruff, mypy, import contracts"
 	@echo "make docs   regenerate every number and figure in README and docs"
@@ -48,6 +49,13 @@ test-minimum: pyproject.toml
 	$(PYTHON) tests/minimum.py > $(LOWEST)/lowest.txt
 	$(LOWEST)/bin/python -m pip install --quiet $(addprefix -c ,$(CONSTRAINTS)) -e ".[test]"
 	$(LOWEST)/bin/python -m pytest --numprocesses $(WORKERS) tests/unit
+
+# FUZZ: names of borders, as pytest's -k takes them; see tests/fuzz/test_fuzz.py.
+EXAMPLES ?= 100000
+FUZZ ?=
+fuzz: $(TESTS)
+	THERMOBEARING_FUZZ=$(EXAMPLES) $(BIN)/python -m pytest tests/fuzz \
+	  --numprocesses $(WORKERS) -k "$(FUZZ)"
 
 bench: $(TESTS)
 	$(BIN)/python -m benchmarks
