@@ -10,12 +10,13 @@ WORKERS ?= auto
 
 LOWEST := .venv-minimum
 
-.PHONY: help demo test test-minimum fuzz bench lint docs clean
+.PHONY: help demo test test-minimum fuzz mutants bench lint docs clean
 
 help:
 	@echo "make demo   install, and run the default cyclic test into ./demo"
 	@echo "make test   all tests, on all cores (WORKERS=0: in one process)"
 	@echo "make test-minimum   unit tests with the lowest versions of all that is needed"
+	@echo "make mutants  small errors put into the code: do the tests notice? (RANDOM=40 SEED=1: by chance)"
 	@echo "make fuzz   100000 examples of hostile input (EXAMPLES=5000 FUZZ=motions: fewer, a part)"
 	@echo "make bench  speed, accuracy and memory, each beside its target"
 	@echo "make lint   ruff, mypy, import contracts"
@@ -40,7 +41,7 @@ demo: $(PROGRAM)
 	$(BIN)/thermobearing cyclic -o demo --force
 
 test: $(TESTS)
-	$(BIN)/python -m pytest --numprocesses $(WORKERS)
+	$(BIN)/python -m pytest --numprocesses $(WORKERS) --dist worksteal
 
 # Another Python: make test-minimum PYTHON=python3.13 CONSTRAINTS= (with the newest versions).
 CONSTRAINTS ?= $(LOWEST)/lowest.txt
@@ -50,6 +51,8 @@ test-minimum: pyproject.toml
 	$(LOWEST)/bin/python -m pip install --quiet $(addprefix -c ,$(CONSTRAINTS)) -e ".[test]"
 	$(LOWEST)/bin/python -m pytest --numprocesses $(WORKERS) tests/unit
 
+mutants: $(TESTS)
+	$(BIN)/python -m tests.mutants $(if $(RANDOM),--random $(RANDOM) --seed $(or $(SEED),1))
 # FUZZ: names of borders, as pytest's -k takes them; see tests/fuzz/test_fuzz.py.
 EXAMPLES ?= 100000
 FUZZ ?=

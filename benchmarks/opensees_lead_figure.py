@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 
 import thermobearing as tb
 from tests.reference.opensees_lead import lead_rubber_x, stiff_example
+from thermobearing.results.drawing import save_figure
 
 AMPLITUDE, PERIOD, CYCLES, DT, REST = 160.0, 4.0, 5, 0.01, 200.0  # mm, s
 AMBIENT = 20.0  # degC
@@ -45,7 +46,7 @@ def main() -> None:
     ax.set_title("Lead core heating and cooling", loc="left")
     ax.legend(frameon=False)
     ax.grid(True, color="#dddddd", linewidth=0.6)
-    figure.savefig(sys.argv[1], dpi=120)
+    save_figure(figure, sys.argv[1], dpi=120)
 
 
 if __name__ == "__main__":

@@ -33,4 +33,4 @@ def draw(name: str = "pier-p1", kind: str = "bilinear") -> Figure:
 
 
 if __name__ == "__main__":
-    draw().savefig(sys.argv[1], dpi=130)
+    drawing.save_figure(draw(), sys.argv[1], dpi=130)

@@ -34,7 +34,7 @@ def table_34(name: str = NAME) -> list[Segment]:
 
 def run_at(constants: Constants, segments: list[Segment], ambient: float) -> History:
     """One run, everything kept that is kept by default."""
-    start = np.full(constants.cells.shape[1], ambient)
+    start = np.full(len(constants.cells.capacity), ambient)
     return run_segments(constants, segments, Ambient.constant(ambient), start)
 
 

@@ -41,7 +41,7 @@ def one_analysis() -> float:
     constants = build_constants(bearing, stack, upper=Face(eta=2.0), lower=None)
     prepared = prepare_structure(load_structure(STRUCTURE))
     acceleration = ground()
-    line = Line(constants, np.full(constants.cells.shape[1], AMBIENT))
+    line = Line(constants, np.full(len(constants.cells.capacity), AMBIENT))
     air = np.full(len(acceleration) - 1, AMBIENT)
     times = seconds(lambda: run_structure(prepared, [line], acceleration, DT, air), 15)
     return 1e3 * times[0]

@@ -5,17 +5,11 @@ import sys
 import numpy as np
 from matplotlib.figure import Figure
 
+from thermobearing.core.records import filled
 from thermobearing.results import drawing
 from thermobearing.structure.model import load_structure
-from thermobearing.structure.takeda import NEVER_TURNED, takeda
-from thermobearing.structure.types import (
-    HIGHEST,
-    HINGE_STATE,
-    LOWEST,
-    MOMENT,
-    TURNED_HIGH,
-    TURNED_LOW,
-)
+from thermobearing.structure.takeda import straight_hinges, takeda
+from thermobearing.structure.types import Hinge
 
 PATH = [1.0, 4.0, 2.8, 4.0, 5.0, 0.0, -3.0, 0.5, 3.0, 1.5, 5.0]  # rotations over yield
 RULES = (  # text, leg of the path, place along it, offset of the text
@@ -38,19 +32,22 @@ def draw() -> Figure:
     """The hinge of pier P1 along a path that meets every rule."""
     hinge = load_structure("pier-p1").hinges[0]
     y = hinge.yield_rotation
-    constants = np.array([[hinge.stiffness, y, hinge.hardening_ratio, hinge.unloading_exponent]])
-    state = np.zeros((1, HINGE_STATE))
-    state[0, [HIGHEST, LOWEST]] = y, -y
-    state[0, [TURNED_HIGH, TURNED_LOW]] = NEVER_TURNED, -NEVER_TURNED
+    constants = filled(
+        Hinge,
+        initial=hinge.stiffness,
+        yield_rotation=y,
+        hardening=hinge.hardening_ratio,
+        unloading=hinge.unloading_exponent,
+    )
+    state, new = straight_hinges(constants), straight_hinges(constants)
     figure, (ax,) = drawing.panels(1, 1, (7.0, 4.8), "Hinge of pier P1: stiffness-degrading rules")
     here, legs = 0.0, []
     for end in PATH:
-        leg = [(here, state[0, MOMENT] / hinge.yield_moment)]
+        leg = [(here, state.bends[0].moment / hinge.yield_moment)]
         for rotation in np.linspace(here, end, COUNT)[1:]:
-            new = state.copy()
             takeda(constants, state, 0, float(rotation * y), new)
-            state = new
-            leg.append((float(rotation), state[0, MOMENT] / hinge.yield_moment))
+            state, new = new, state
+            leg.append((float(rotation), state.bends[0].moment / hinge.yield_moment))
         here = end
         legs.append(np.array(leg))
     for leg, colour in zip(legs, drawing.ordered_colours(len(legs), "viridis"), strict=True):
@@ -65,4 +62,4 @@ def draw() -> Figure:
 
 
 if __name__ == "__main__":
-    draw().savefig(sys.argv[1], dpi=130)
+    drawing.save_figure(draw(), sys.argv[1], dpi=130)

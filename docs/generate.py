@@ -185,22 +185,22 @@ def draw() -> None:
     """The loops of the README."""
     import thermobearing as tb
     from thermobearing.design.figures import draw_bounds, draw_scale
+    from thermobearing.results.drawing import save_figure
 
     result = tb.run("shen-hdr-specimen", tb.cyclic_test(), ambient=[-20.0, 0.0, 23.0])
     (DOCS / "figures").mkdir(exist_ok=True)
-    result.plot.loops().savefig(DOCS / "figures" / "loops.png", dpi=110)
+    save_figure(result.plot.loops(), DOCS / "figures" / "loops.png", dpi=110)
     bearings = ["shen-hdr-bridge", "shen-lhdr-bridge"]
     study = tb.bridge(bearings, ["jra-i-i-1", "jra-ii-i-1"], [23.0, 0.0, -20.0])
     bearing = tb.load_bearing("shen-hdr-bridge")
     motions = [name for name in tb.motions.list_motions() if name.split("-")[2] == "i"]
     title = "shen-hdr-bridge: bounds (bars), coupled (dots)"
-    draw_bounds(tb.design.bounds_study(bearing, motions), title).savefig(
-        DOCS / "figures" / "bounds.png", dpi=80
-    )
+    figure = draw_bounds(tb.design.bounds_study(bearing, motions), title)
+    save_figure(figure, DOCS / "figures" / "bounds.png", dpi=80)
     lead = tb.load_bearing("shen-lhdr-bridge")
     _, results = tb.design.scale_study(lead)
-    draw_scale(lead, results).savefig(DOCS / "figures" / "scale.png", dpi=80)
-    study.plot.loops().savefig(DOCS / "figures" / "bridge.png", dpi=110)
+    save_figure(draw_scale(lead, results), DOCS / "figures" / "scale.png", dpi=80)
+    save_figure(study.plot.loops(), DOCS / "figures" / "bridge.png", dpi=110)
 
 
 def main() -> None:

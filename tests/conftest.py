@@ -16,6 +16,8 @@ from typing import Any
 
 import pytest
 
+from tests.told_numbers import disagreements, told_rows
+
 EXPECTED = Path(__file__).with_name("expected_skips.txt")
 Value = str | float
 Recorder = Callable[[str, Value, str], None]
@@ -63,7 +65,7 @@ def pytest_testnodedown(node: Any, error: object) -> None:
 
 @pytest.hookimpl(trylast=True)
 def pytest_terminal_summary(terminalreporter: "pytest.TerminalReporter") -> None:
-    """Print the skipped tests, and in CI compare them with the expected list."""
+    """In CI: skipped tests beside the expected list, measured numbers beside those in the docs."""
     if not os.environ.get("CI"):
         return
     terminalreporter.section("skipped tests")
@@ -72,6 +74,12 @@ def pytest_terminal_summary(terminalreporter: "pytest.TerminalReporter") -> None
     unexpected = SKIPPED ^ _expected()
     if unexpected:
         terminalreporter.write_line(f"not as in {EXPECTED.name}: {sorted(unexpected)}")
+    terminalreporter.section("numbers in the docs")
+    rows = measured_rows([row for key, row in PROPERTIES if key == KEY])
+    stale = disagreements(rows, told_rows())
+    for line in stale or [f"{len(rows)} measured, as told"]:
+        terminalreporter.write_line(line)
+    if unexpected or stale:
         terminalreporter._session.exitstatus = pytest.ExitCode.TESTS_FAILED  # type: ignore[attr-defined]
 
 

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from docs import generate
+from tests.told_numbers import disagreements
 from tests.unit.inputs import command
 
 LIBRARY = Path(str(resources.files("thermobearing") / "data"))
@@ -53,6 +54,24 @@ def test_readme_commands_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     for words in others:
         result = command(*words[1:])
         assert result.exit_code == 0, f"{words}: {result.stderr}"
+
+
+@pytest.mark.parametrize(
+    ("now", "same"),
+    [
+        ("2.3e-04, 16.6 K of 22", True),
+        ("2.4e-04, 16.7 K of 22", True),  # one unit of the last digit
+        ("2.3e-04, 18.6 K of 22", False),
+        ("2.3e-03, 16.6 K of 22", False),
+        ("2.3e-04, 16.6 % of 22", False),
+        ("2.3e-04, -16.6 K of 22", False),
+    ],
+)
+def test_numbers_of_a_run_are_held_against_the_docs(now: str, same: bool) -> None:
+    told = [{"what": "rise", "value": "2.3e-04, 16.6 K of 22"}, {"what": "x", "value": "3.1e-15"}]
+    run = [{"what": "rise", "value": now}, {"what": "x", "value": "8.9e-15"}]
+    found = disagreements([*run, {"what": "new", "value": "1"}], told)
+    assert found == ([] if same else [f"rise: the docs say 2.3e-04, 16.6 K of 22, this run {now}"])
 
 
 def test_make_targets_exist() -> None:

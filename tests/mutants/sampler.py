@@ -24,6 +24,7 @@ LONGEST = 1800.0  # [s]; who takes longer runs in circles, which counts as caugh
 OPTIONS = ("-q", "-p", "no:cacheprovider", "--no-header", "--tb=line", "--hypothesis-seed=0")
 USED = "processor time [s]: "  # last line of a child
 CAUGHT, SURVIVED = "caught", "survived"
+NOTHING_RUN = 5  # status of pytest where every test was left out
 # Children are forked from a process that has the libraries in memory already, ours not.
 SERVER = multiprocessing.get_context("forkserver")
 SERVER.set_forkserver_preload(
@@ -100,6 +101,7 @@ class Copy:
                 shutil.copytree(path, self.folder / path.name, ignore=ignore)
             else:
                 shutil.copy2(path, self.folder)
+        self.left_out: list[str] = []  # tests that fail anyway
         self.used = 0.0  # processor time of its tests [s]
         self.stamp = 1_000_000_000  # of changed files, never the same twice: see `_write`
 
@@ -114,7 +116,8 @@ class Copy:
 
     def pytest(self, tests: Iterable[str], *options: str, plain: bool) -> tuple[int, str]:
         """Exit status and output of pytest; 124 if it ran out of time."""
-        words = [*OPTIONS, *options, *tests]
+        left_out = [f"--deselect={test}" for test in self.left_out]
+        words = [*OPTIONS, *options, *left_out, *tests]
         said = self.folder.with_suffix(".txt")
         child = SERVER.Process(
             target=_pytest_here, args=(self.folder, self._environment(plain), words, said)
@@ -149,25 +152,29 @@ class Copy:
             shutil.copy2(kept, path)
             for name in self._compiled() - compiled:  # nobody needs those kernels again
                 shutil.rmtree(self.folder / COMPILED / name, ignore_errors=True)
-        verdict = CAUGHT if status else SURVIVED
-        by = "no end" if status == 124 else _first_failure(said)
-        return Verdict(mutant, verdict, by if status else "", time.perf_counter() - begin)
+        verdict = SURVIVED if status in (0, NOTHING_RUN) else CAUGHT
+        by = "no end" if status == 124 else (_failures(said) or ["an error before the tests"])[0]
+        by = by if verdict == CAUGHT else ""
+        return Verdict(mutant, verdict, by, time.perf_counter() - begin)
 
     def _compiled(self) -> set[str]:
         folder = self.folder / COMPILED
         return {path.name for path in folder.iterdir()} if folder.exists() else set()
 
 
-def _first_failure(said: str) -> str:
-    for line in said.splitlines():
-        if line.startswith(("FAILED ", "ERROR ")):
-            return line.split(" ")[1].split("/")[-1]
-    return "an error before the tests"
+def _failures(said: str) -> list[str]:
+    """Test functions that failed, in their order."""
+    found = [
+        line.split(" ")[1].split("[")[0]
+        for line in said.splitlines()
+        if line.startswith(("FAILED ", "ERROR "))
+    ]
+    return list(dict.fromkeys(found))
 
 
-def unchanged_failures(copies: list[Copy], mutants: list[Mutant]) -> str:
-    """What the tests say of the code as it is: it must be nothing."""
-    said = ""
+def failing_anyway(copies: list[Copy], mutants: list[Mutant]) -> list[str]:
+    """Nearest tests that fail without any mutant; from now on the copies leave them out."""
+    found: list[str] = []
     for plain in (False, True):
         tests = sorted({test for m in mutants if m.plain is plain for test in m.tests})
         parts = [tests[k :: len(copies)] for k in range(len(copies))]
@@ -177,8 +184,12 @@ def unchanged_failures(copies: list[Copy], mutants: list[Mutant]) -> str:
                 for copy, part in zip(copies, parts, strict=True)
                 if part
             ]
-            said += "".join(text for status, text in (job.result() for job in jobs) if status)
-    return said
+            found += [
+                test for _, said in (job.result() for job in jobs) for test in _failures(said)
+            ]
+    for copy in copies:
+        copy.left_out = found
+    return found
 
 
 def verdicts(copies: list[Copy], mutants: list[Mutant]) -> Iterator[Verdict]:

@@ -16,7 +16,7 @@ from tests.verification.structures import (
     shaken,
 )
 from thermobearing.bearing.bilinear import load_bilinear
-from thermobearing.core.types import FORCE, Constants, Floats
+from thermobearing.core.types import Constants, Floats
 from thermobearing.model.earlier import BilinearParameters, bilinear_constants
 from thermobearing.structure.matrices import displacement_row, unit
 from thermobearing.structure.model import Structure, load_structure
@@ -69,9 +69,9 @@ def compare(name: str, kind: str) -> tuple[dict[str, Floats], dict[str, Floats]]
     pier = displacement_row(structure, report.pier, report.pier_top)
     factor = line.count / line.scale**2
     found = {
-        "deck": history.get("q") @ deck,
-        "pier": history.get("q") @ pier,
-        "force": factor * history.get("bearing0")[:, FORCE],
-        "acceleration": history.get("a") @ deck,
+        "deck": history.rows.q @ deck,
+        "pier": history.rows.q @ pier,
+        "force": factor * history.bearing()["force"],
+        "acceleration": history.rows.a @ deck,
     }
     return {key: np.asarray(values[1:]) for key, values in found.items()}, reference

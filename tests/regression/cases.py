@@ -59,7 +59,7 @@ WRITTEN = {
     "hybrid-slow": "hybrid laboratory.toml",
     "motions-show": "motions show station.NS --baseline",
     "motions-spectrum": "motions spectrum shake.csv --type II --ground II --damping 0.1",
-    "motions-make": "motions make --seed 7 --type II --ground I --zone-factor 0.85 --dt 0.02",
+    "motions-make": "motions make --seed 7 --type II --ground II --zone-factor 0.85 --dt 0.02",
     "identify-check": "identify cold.toml warm.toml --check",
     "identify": "identify cold.toml warm.toml --free K_r,d_y,n_T --starts 1 --predict -30",
     "identify-robust": "identify warm.toml --free K_r,d_y --starts 2 --temperatures --loss huber",
@@ -127,7 +127,7 @@ def results_of(name: str, folder: Path) -> dict[str, str]:
 
 def _invoke(words: str) -> str:
     """Screen of a command and its exit status."""
-    done = CliRunner().invoke(app, words.split(), env={"COLUMNS": "100", "NO_COLOR": "1"})
+    done = CliRunner().invoke(app, words.split(), env={"COLUMNS": "500", "NO_COLOR": "1"})
     if done.exception is not None and not isinstance(done.exception, SystemExit):
         raise done.exception
     return f"{done.output}exit status {done.exit_code}\n".replace(os.getcwd(), "<here>")

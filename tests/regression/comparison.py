@@ -2,11 +2,12 @@
 
 import json
 import re
+import tomllib
 from itertools import zip_longest
 from pathlib import Path
 
+import h5py
 import numpy as np
-import xarray as xr
 
 import thermobearing as tb
 from tests import tolerances as tol
@@ -48,10 +49,14 @@ def _squeezed(screen: str) -> str:
 
 
 def _plain(path: Path) -> str:
-    """Text of a file: long tables thinned, JSON without its wide margin."""
-    text = path.read_text()
-    if path.suffix == ".json":
-        return json.dumps(json.loads(text), indent=0) + "\n"
+    """Text of a file: long tables thinned, nested data as JSON without margins.
+
+    TOML is sorted: where its writer puts a table depends on the length of the paths in it.
+    """
+    text, toml = path.read_text(), path.suffix == ".toml"
+    if toml or path.suffix == ".json":
+        data = tomllib.loads(text) if toml else json.loads(text)
+        return json.dumps(data, indent=0, ensure_ascii=False, sort_keys=toml) + "\n"
     return _thinned(text) if path.suffix == ".csv" else text
 
 
@@ -67,21 +72,25 @@ def _thinned(table: str) -> str:
 
 def _digest(path: Path) -> str:
     """One line for each variable of a netCDF file: shape, unit, first, last, extremes, mean."""
-    lines = []
-    with xr.open_dataset(path, engine="h5netcdf") as data:
-        for name, variable in data.variables.items():
-            shape = ", ".join(f"{d} {n}" for d, n in variable.sizes.items())
-            unit = variable.attrs.get("units", "")
-            lines.append(f"{name} ({shape}) [{unit}]: {_numbers(variable)}")
-        lines.append(f"attributes: {', '.join(map(str, data.attrs))}")
+    with h5py.File(path) as data:  # four times as fast as by way of xarray
+        lines = [
+            f"{name} {variable.shape} [{_text(variable.attrs.get('units', ''))}]: "
+            f"{_numbers(variable[()])}"
+            for name, variable in sorted(data.items())
+        ]
+        lines.append(f"attributes: {', '.join(sorted(key for key in data.attrs if key[0] != '_'))}")
     return "\n".join(lines) + "\n"
 
 
-def _numbers(variable: xr.Variable) -> str:
-    values = variable.values.ravel()
+def _text(value: object) -> str:
+    return value.decode() if isinstance(value, bytes) else str(value)
+
+
+def _numbers(values: np.ndarray) -> str:
+    values = values.ravel()
     if values.dtype.kind not in "fi":
-        return " ".join(dict.fromkeys(str(value) for value in values))
-    known = values[np.isfinite(values)] if values.dtype.kind == "f" else values
+        return " ".join(dict.fromkeys(map(_text, values)))
+    known = values[np.isfinite(values)]
     if not len(known):
         return "no numbers"
     digits = 6 if values.dtype == np.float32 else 12
@@ -126,7 +135,7 @@ def _close(old: str, new: str, relative: float) -> bool:
     The unit is that of the number with more digits, so that digits cannot get lost.
     """
     if old.lstrip("+-").isdigit() and new.lstrip("+-").isdigit():
-        return old == new
+        return int(old) == int(new)
     a, b = float(old), float(new)
     unit = min(_last_digit(old), _last_digit(new))
     return abs(a - b) <= relative * max(abs(a), abs(b)) + tol.GOLDEN_FLOOR + 1.01 * unit

@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+import conftest
+
 ROOT = Path(__file__).parents[2]
 SAMPLE = """
 import pytest
@@ -28,6 +30,9 @@ def test_fails_as_expected():
     assert False
 """
 WHOLE_FILE = 'import pytest\npytest.importorskip("no_such_package")\n'
+ALONE = {"CI": "true", "THERMOBEARING_MEASURED": "measured.json"}
+ALONE["PYTHONPATH"] = str(ROOT)  # what conftest.py takes from the other tests
+ALONE["PYTEST_DISABLE_PLUGIN_AUTOLOAD"] = "1"  # the others would take most of the time
 FOUND = ["test_sample.py::test_skips", "test_whole.py"]
 ROWS = [
     {"what": "largest", "value": "3.0e+00", "limit": "4", "test": "test_sample.py::test_numbers"},
@@ -54,9 +59,9 @@ def ended(folder: Path, workers: int, expected: list[str]) -> subprocess.Complet
     (folder / "expected_skips.txt").write_text("\n".join(["# node ids", *expected]))
     own = {key: value for key, value in os.environ.items() if not key.startswith("PYTEST_")}
     return subprocess.run(
-        [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "-n", str(workers)],
+        [sys.executable, "-m", "pytest", "-p", "xdist", "-n", str(workers)],
         cwd=folder,
-        env=own | {"CI": "true", "THERMOBEARING_MEASURED": "measured.json"},
+        env=own | ALONE,
         capture_output=True,
         text=True,
         check=False,
@@ -76,6 +81,11 @@ def test_measured_numbers_and_expected_skips(suite: Path, workers: int) -> None:
     ids=["a file", "a test", "one that does not skip"],
 )
 def test_unexpected_skips_fail(suite: Path, expected: list[str], amiss: str) -> None:
-    done = ended(suite, 2, expected)
+    done = ended(suite, 1, expected)
     assert done.returncode == 1, done.stdout
     assert f"not as in expected_skips.txt: ['{amiss}']" in done.stdout
+
+
+def test_what_is_compiled_beforehand_runs() -> None:
+    """Its end is not looked at before the tests."""
+    exec(conftest.COMPILE, {})

@@ -7,11 +7,11 @@ import numpy as np
 import pandas as pd
 import pytest
 from numpy.testing import assert_allclose
-from thermobearing.design.bound_models import bound_models, bounds_table, opensees_text
 
 import thermobearing as tb
 from tests import tolerances as tol
-from thermobearing.design import bounds_study, equal, run
+from thermobearing.design import bounds, equal, run
+from thermobearing.design.bilinear import bound_models, bounds_table, opensees_text
 from thermobearing.design.case import make_design_case
 from thermobearing.design.result import Design, Round
 from thermobearing.design.rubber import damping_ratio, equivalent_stiffness, load_compound
@@ -59,7 +59,7 @@ def test_one_turn_of_the_loop(
     assumed: float, rules: dict[str, Any], factor: float, effective: float, analysed: list[Any]
 ) -> None:
     """Stiffness, damping and the bilinear model are those of the effective displacement."""
-    turn = run._turn(case_of(effective_displacement_factor=factor, sizing=rules), 3, assumed)
+    turn = run.one_turn(case_of(effective_displacement_factor=factor, sizing=rules), 3, assumed)
     found, size = turn.round, turn.round.size
     thickness = size.total_rubber_thickness
     wanted = equivalent_stiffness(G8, size.area, thickness, effective)
@@ -84,7 +84,7 @@ def test_strain_beyond_the_curves_is_held_at_their_end(
     """Sizes keep the design strain, so only other curves can be left at their upper end."""
     curves = run.load_curves().model_copy(update={"largest_strain": 1.0})
     monkeypatch.setattr(run, "load_curves", lambda: curves)
-    found = run._turn(case_of(), 1, 178.0).round
+    found = run.one_turn(case_of(), 1, 178.0).round
     wanted = equivalent_stiffness(G8, found.size.area, 112.0, 112.0)
     assert found.stiffness == pytest.approx(wanted, rel=tol.LOOP)
 
@@ -98,7 +98,7 @@ def turns(monkeypatch: pytest.MonkeyPatch, answer: Any) -> None:
         study = SimpleNamespace(outcome="completed")
         return SimpleNamespace(round=one, checks=[], bearing=None, study=study)
 
-    monkeypatch.setattr(run, "_turn", turn)
+    monkeypatch.setattr(run, "one_turn", turn)
 
 
 def test_loop_takes_what_it_found(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -251,7 +251,7 @@ def test_tables_and_texts_of_bounds_keep_the_stiffnesses_apart() -> None:
 
 def test_bounding_analysis_by_hand(monkeypatch: pytest.MonkeyPatch) -> None:
     """Known demands: the bounds hold one, are unsafe for one and wasteful for one."""
-    demands = list(bounds_study.DEMANDS)
+    demands = list(bounds.DEMANDS)
     soft, stiff = [1.0, 2.0, 3.0, 4.0], [2.0, 1.0, 6.0, 5.0]
     coupled = {23.0: [1.5, 1.0, 4.0, 5.0], -20.0: [1.0, 2.5, 2.0, 4.0]}
     asked: list[Any] = []
@@ -266,15 +266,15 @@ def test_bounding_analysis_by_hand(monkeypatch: pytest.MonkeyPatch) -> None:
                     for t, v in coupled.items()]  # fmt: skip
         return SimpleNamespace(table=pd.DataFrame(rows).assign(motion="m"))
 
-    monkeypatch.setattr(bounds_study, "run_earthquake", analyse)
+    monkeypatch.setattr(bounds, "run_earthquake", analyse)
     models = {
         23.0: BilinearParameters(90.0, 1.5, 9.75),
         -20.0: BilinearParameters(200.0, 3.0, 19.5),
     }
     monkeypatch.setattr(
-        bounds_study, "bilinear_parameters", lambda *_, strain, temperature: models[temperature]
+        bounds, "bilinear_parameters", lambda *_, strain, temperature: models[temperature]
     )
-    table = bounds_study.bounds_study("shen-hdr-bridge", "jra-ii-i-1", [23.0, -20.0])
+    table = bounds.bounds_study("shen-hdr-bridge", "jra-ii-i-1", [23.0, -20.0])
     lower, upper = asked[0].bearings
     assert (lower.name, lower.strength, lower.initial_stiffness) == ("lower", 90.0, 9.75)
     assert (upper.name, upper.strength, upper.post_yield_stiffness) == ("upper", 200.0, 3.0)

@@ -9,7 +9,7 @@ from tests import tolerances as tol
 from tests.unit.inputs import SPECIMEN, changed_table, specimen_table
 from tests.verification.models import assembled, marched, smooth_history, specimen
 from thermobearing.bearing.library import bearing_from_table
-from thermobearing.core.types import DISPLACEMENT, FORCE, TIME, Floats, State
+from thermobearing.core.types import Floats, State
 
 AIR, START, DT = -20.0, -10.0, 0.005
 PATH = smooth_history(np.random.default_rng(12), 90.0, 400)  # 300 % in the cold: softening too
@@ -39,9 +39,9 @@ def test_committed_trials_are_the_march() -> None:
     run = marched(assembled(specimen()), PATH, DT, START, AIR)
     assert run.softened > 0
     element = fresh()
-    assert_array_equal(follow(element, PATH), run.books[:, FORCE])
+    assert_array_equal(follow(element, PATH), run.books["force"])
     assert_array_equal(element.state.temperature, run.cells[-1])
-    assert element.state.books[DISPLACEMENT] == PATH[-1]
+    assert element.state.books[0].displacement == PATH[-1]
 
 
 def test_trials_that_are_not_committed_leave_no_trace() -> None:
@@ -65,7 +65,7 @@ def test_commit_twice_moves_once() -> None:
     once = element.save()
     element.commit()
     assert_same_state(element.state, once)
-    assert element.state.books[TIME] == DT
+    assert element.state.books[0].clock == DT
 
 
 def test_revert_to_start() -> None:
@@ -82,7 +82,7 @@ def test_save_and_restore() -> None:
     follow(element, PATH[:150])
     saved = element.save()
     rest = follow(element, PATH[150:])
-    assert saved.books[DISPLACEMENT] == PATH[149]  # a copy: the motion went on without it
+    assert saved.books[0].displacement == PATH[149]  # a copy: the motion went on without it
     element.restore(saved)
     assert_array_equal(follow(element, PATH[150:]), rest)
 

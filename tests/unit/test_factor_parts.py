@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 
 import thermobearing as tb
 from tests import tolerances as tol
-from thermobearing.design import equal, factors, scale
+from thermobearing.design import bounds, equal, factors, run, scale
 
 LHDR = tb.load_bearing("shen-lhdr-bridge")
 
@@ -147,3 +147,21 @@ def test_study_of_sizes_reads_its_histories_at_the_right_times(
         assert row[f"inner_{name}_K"] == pytest.approx(0.002 * at)
         assert row[f"lead_{name}_K"] == pytest.approx(0.01 * at)
     assert row["stress_cycle_5_over_1"] == 0.75
+
+
+@pytest.mark.parametrize(("given", "used"), [(None, 23.0), (5.0, 5.0)])
+def test_reference_is_that_of_the_rubber(
+    given: float | None, used: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: dict[str, Any] = {}
+    monkeypatch.setattr(run, "temperature_factors", lambda _, **options: asked.update(options))
+    report = run.run_factors(["shen-hdr-bridge", "shen-lhdr-bridge"], reference=given)
+    assert (asked["reference_temperature"], report.reference) == (used, used)
+    assert (asked["period"], report.motion) == (2.0, "sine of 2 s")
+    assert [bearing.name for bearing in report.bearings] == ["shen-hdr-bridge", "shen-lhdr-bridge"]
+
+
+def test_bounds_are_shaken_by_the_motions_of_hard_ground() -> None:
+    assert bounds.first_motions() == [
+        f"jra-{kind}-i-{seed}" for kind in ("i", "ii") for seed in (1, 2, 3)
+    ]

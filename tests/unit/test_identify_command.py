@@ -123,8 +123,9 @@ def test_bad_tests_write_nothing_and_say_why(folder: Path, tmp_path: Path) -> No
         (["--free", "K_x"], "no parameter"),
         (["--method", "annealing"], "least-squares"),
         (["--loss", "cubic"], "soft_l1"),
-        (["--starts", "0"], "at least 1"),
+        (["--starts", "0"], "from 1 to"),
         (["--start", "nobody"], "no bearing"),
+        (["--bearing", "nobody"], "no bearing"),
         (["--predict", "400"], "between -100 and 100"),
     ],
 )
@@ -149,7 +150,9 @@ def test_saved_from_python(found: Identification, tmp_path: Path) -> None:
     told = json.loads((out / "summary.json").read_text())
     assert told["posterior"]["source"] == "laplace"
     assert [band["ambient_degC"] for band in told["posterior"]["peak_force"]] == [-20.0, 10.0]
-    assert told["posterior"]["peak_force"][0]["best_kN"] == ahead.bands[0].peak
+    cold, peak = told["posterior"]["peak_force"][0], ahead.bands[0]
+    assert (cold["lower_kN"], cold["best_kN"]) == (peak.peak_lower, peak.peak)
+    assert cold["lower_kN"] < cold["best_kN"] < cold["upper_kN"]
     drawn = {path.stem for path in (out / "figures").iterdir()}
     assert {"band_-20", "band_10"} < drawn
     rows = (out / "posterior.csv").read_text().splitlines()

@@ -15,8 +15,7 @@ from thermobearing.identify import search
 from thermobearing.identify.agreement import determination, fit_of_record
 from thermobearing.identify.cycles import cycles_of, measures_of
 from thermobearing.identify.forward import ForwardModel, Prediction, _pause
-from thermobearing.identify.krill import krill_herd
-from thermobearing.identify.parameters import (
+from thermobearing.identify.kinds import (
     BY_KEY,
     C_V,
     HARDENING,
@@ -25,10 +24,9 @@ from thermobearing.identify.parameters import (
     M_T,
     SHAPE,
     Kind,
-    Parameter,
-    ParameterSet,
-    parameter_set,
 )
+from thermobearing.identify.krill import krill_herd
+from thermobearing.identify.parameters import Parameter, ParameterSet, parameter_set
 from thermobearing.identify.problem import LOST, Problem, robust_weights, sample_weights
 from thermobearing.identify.record import TestRecord, record_from_arrays
 from thermobearing.identify.start import _with_temperature
@@ -271,9 +269,8 @@ def test_thermocouples_of_the_lower_half_read_its_mirror_image() -> None:
     record = replace(
         sines((10.0,)), places=places, temperatures={name: np.zeros(count) for name in places}
     )
-    columns = ForwardModel(record, HDR)._columns
-    first = columns["T1"]
-    assert [columns[f"T{k}"] - first for k in range(1, 7)] == [0, 1, 2, 2, 1, 0]
+    layers = ForwardModel(record, HDR)._layers
+    assert [layers[f"T{k}"] for k in range(1, 7)] == [0, 1, 2, 2, 1, 0]
 
 
 @pytest.mark.parametrize("duration", [0.3, 7.0, 3600.0])

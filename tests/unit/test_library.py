@@ -146,5 +146,5 @@ def test_lead_must_leave_room_for_rubber(diameter: str, fits: bool, tmp_path: Pa
 def test_bilinear_bearing_is_stiff_first() -> None:
     given = {"name": "b", "total_rubber_thickness": 100.0, "strength": 90.0}
     with pytest.raises(tb.InputError, match="must be greater than post_yield_stiffness"):
-        tb.BilinearBearing(**given, initial_stiffness=2.0, post_yield_stiffness=2.0)
-    assert tb.BilinearBearing(**given, initial_stiffness=2.0, post_yield_stiffness=1.9)
+        tb.bearing.BilinearBearing(**given, initial_stiffness=2.0, post_yield_stiffness=2.0)
+    assert tb.bearing.BilinearBearing(**given, initial_stiffness=2.0, post_yield_stiffness=1.9)

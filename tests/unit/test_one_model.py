@@ -124,11 +124,14 @@ def test_yield_stress_comes_back_from_a_test_without_noise() -> None:
     assert found.values["lead.yield_stress"] == pytest.approx(10.0, rel=tol.NOISE_FREE_STRENGTH)
 
 
+FULL_PROFILE = np.linspace(-10.0, 20.0, 86).tolist()  # a temperature for each cell of the height
+
+
 @pytest.mark.parametrize(
     ("bearing", "given"),
     [
         (HDR, {"scheme": "published", "integrator": "euler", "upper_face": EndFace(film=5.0)}),
-        (HDR, {"stack": "full", "initial": 10.0, "heat_source": "dissipation"}),
+        (HDR, {"stack": "full", "initial": FULL_PROFILE, "heat_source": "dissipation"}),
         ("shen-lhdr-specimen", {"model": "single-temperature", "lower_face": EndFace(eta=1.0)}),
         ("shen-lhdr-specimen", {"initial_lead": 60.0, "lead_ends": "finite-plate"}),
     ],

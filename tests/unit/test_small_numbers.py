@@ -5,21 +5,21 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from thermobearing.design.loop import one_round
-from thermobearing.drive.motions.measures import significant_interval
-from thermobearing.drive.motions.record import GroundMotion
-from thermobearing.equivalent import isothermal_cycle
 
 import thermobearing as tb
 from tests import tolerances as tol
 from tests.unit import motion_files as files
+from thermobearing.cyclic.equivalent import isothermal_cycle
 from thermobearing.design.case import make_design_case
 from thermobearing.design.rubber import load_compound, load_curves
+from thermobearing.design.run import one_turn
 from thermobearing.design.scale import scaled_bearing
 from thermobearing.design.sizing import design_values
 from thermobearing.identify.cycles import cycles_of
 from thermobearing.identify.problem import ROBUST_SCALE, robust_weights, sample_weights
 from thermobearing.identify.record import TestRecord, record_from_arrays
+from thermobearing.motions.measures import significant_interval
+from thermobearing.motions.record import GroundMotion
 
 
 @pytest.mark.parametrize(("layer_increment", "warned"), [(0.95, False), (1.05, True)])
@@ -30,7 +30,7 @@ def test_coarse_steps_are_told_from_one_yield_displacement_on(
     step = layer_increment * bearing.hysteresis.yield_displacement * bearing.geometry.rubber_layers
     ramp = {"step": "ramp", "to": 4.0 * step, "duration": 4.0}
     slow = {"step": "ramp", "to": 0.0, "duration": 40.0}  # the largest counts, not the mean
-    result = tb.run(bearing, tb.CyclicTest(dt=1.0, steps=[ramp, slow]))
+    result = tb.run(bearing, tb.cyclic.CyclicTest(dt=1.0, steps=[ramp, slow]))
     assert [warning for warning in result.warnings if "coarse" in warning] != [] or not warned
     assert bool(result.warnings) is warned
 
@@ -62,10 +62,10 @@ def test_knet_maximum_that_is_off_by_a_few_per_cent(
     largest = float(np.abs(values - values.mean()).max())
     path = files.write(tmp_path / "a.NS", files.knet_text(largest=told / 300.0 * largest))
     if not refused:
-        tb.read_motion(path)
+        tb.motions.read_motion(path)
         return
     with pytest.raises(tb.InputError, match=r"Max\. Acc\."):
-        tb.read_motion(path)
+        tb.motions.read_motion(path)
 
 
 def sines(amplitudes: list[float], **options: float) -> TestRecord:
@@ -113,7 +113,7 @@ def test_cycle_below_a_quarter_of_the_one_before_closes(amplitude: float, closin
 
 def test_a_first_guess_outside_the_curves_takes_their_nearest_strain() -> None:
     case = make_design_case({}, "test", motions=["jra-ii-i-1"], dt=0.01)
-    turn, _ = one_round(case, 1, 1.0)  # 1 mm over 14 mm of rubber; the curves begin at 20 %
+    turn = one_turn(case, 1, 1.0).round  # 1 mm over 14 mm of rubber; the curves begin at 20 %
     nearest = load_curves().smallest_strain * turn.size.total_rubber_thickness
     expected = design_values(load_compound("G8", "HDR"), turn.size, nearest)
     assert (turn.stiffness, turn.damping) == expected

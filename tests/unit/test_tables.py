@@ -81,4 +81,4 @@ def test_faults_are_told_with_the_line_of_the_file(tmp_path: Path) -> None:
     path.write_text("laboratory\nnumber 7\ntime_s,force_kN\n[s],[kN]\n0,1\n1,lost\n2,3\n")
     layout = Layout(lines_before=2, lines_after=1)
     with pytest.raises(tb.InputError, match='line 6, force_kN: "lost" is not a number'):
-        tb.read_columns(path, {"time": "s", "force": "kN"}, layout=layout)
+        tb.border.read_columns(path, {"time": "s", "force": "kN"}, layout=layout)

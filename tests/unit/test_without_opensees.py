@@ -12,16 +12,18 @@ from pathlib import Path
 
 import pytest
 
+from benchmarks import opensees
 from tests.opensees import MISSING
 
 ROOT = Path(__file__).parents[2]
-# Every test whose reference is OpenSees; the modules beside them hold none, but are collected.
+# Files with tests whose reference is OpenSees, and how many tests they are; all have it in their
+# names. The modules beside them hold no tests, but are collected.
 NEED_IT = (
     "tests/cross_code/test_opensees_lead.py",
     "tests/cross_code/test_opensees_pier.py",
-    "tests/verification/test_factors.py::test_opensees_text_gives_the_same_loop",
+    "tests/verification/test_factors.py",
 )
-COUNT = 1 + 6 + 1
+SKIPPED = 1 + 6 + 1
 
 
 @pytest.fixture
@@ -44,28 +46,31 @@ def python(environment: dict[str, str], *arguments: str) -> subprocess.Completed
     )
 
 
-def test_everything_is_collected(broken: dict[str, str]) -> None:
-    done = python(broken, "-m", "pytest", "--collect-only", "-q", "-p", "no:cacheprovider")
+def test_all_is_collected_and_what_needs_it_says_what_to_install(broken: dict[str, str]) -> None:
+    words = ("-p", "no:cacheprovider", "-rs", "-k", "opensees and not without", "tests")
+    done = python(broken, "-m", "pytest", *words, "benchmarks")
     assert done.returncode == 0, done.stdout[-2000:]
+    assert re.search(rf"=+ {SKIPPED} skipped, \d+ deselected in ", done.stdout.splitlines()[-1])
+    told = " ".join(done.stdout.split())  # lines are broken where the terminal ends
     for name in NEED_IT:
-        assert name in done.stdout
-    assert "error" not in done.stdout.splitlines()[-1]
+        assert re.search(rf"\[\d\] {name}:\d+: {re.escape(MISSING)}", told), name
 
 
-def test_the_tests_that_need_it_skip_and_say_what_to_install(broken: dict[str, str]) -> None:
-    done = python(broken, "-m", "pytest", "-p", "no:cacheprovider", "-rs", *NEED_IT)
-    assert done.returncode == 0, done.stdout[-2000:]
-    assert re.search(rf"=+ {COUNT} skipped in ", done.stdout.splitlines()[-1]), done.stdout
-    assert MISSING in " ".join(done.stdout.split())
-
-
-@pytest.mark.parametrize("bench", ["opensees_model", "opensees_pier_model"])
-def test_a_bench_that_needs_it_ends_with_what_to_install(
-    bench: str, broken: dict[str, str]
-) -> None:
-    done = python(broken, "-m", f"benchmarks.{bench}")
+def test_the_model_of_a_bench_ends_with_what_to_install(broken: dict[str, str]) -> None:
+    done = python(broken, "-m", "benchmarks.opensees_pier_model")
     assert done.returncode == 1
     assert done.stderr.splitlines()[-1] == f"ImportError: {MISSING}"
+
+
+def test_the_row_of_a_bench_says_what_to_install(
+    broken: dict[str, str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PYTHONPATH", broken["PYTHONPATH"])
+    monkeypatch.setattr(opensees, "step_microseconds", lambda: (1.0, 0.0))
+    monkeypatch.chdir(ROOT)
+    (row,) = opensees.rows()
+    assert (row.value, row.met) == (None, False)
+    assert MISSING in row.note
 
 
 def test_openseespy_is_imported_in_one_place() -> None:

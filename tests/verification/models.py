@@ -9,21 +9,8 @@ from thermobearing.bearing.library import load_bearing
 from thermobearing.bearing.model import Bearing, Material, SquarePlan
 from thermobearing.core.heat import balance, factor, right_side, solve
 from thermobearing.core.march import march
-from thermobearing.core.types import (
-    BOOKS,
-    CAPACITY,
-    CHANGE,
-    END_LOSS,
-    LOWER_MIDDLE,
-    SIDE_LOSS,
-    TO_NEXT,
-    TO_PREVIOUS,
-    UPPER_MIDDLE,
-    Constants,
-    Floats,
-    new_state,
-    new_workspace,
-)
+from thermobearing.core.records import Floats, Rows, labels, rows
+from thermobearing.core.types import Books, Constants, Kept, Path, new_state, new_workspace
 from thermobearing.model.constants import build_constants
 from thermobearing.model.stack import Face, build_stack
 
@@ -82,8 +69,8 @@ def slab(
 def rate_matrix(constants: Constants) -> Floats:
     """M of dT/dt = -M (T - ambient), from the rates that the heat step uses [1/s]."""
     cells = constants.cells
-    own = cells[TO_PREVIOUS] + cells[TO_NEXT] + cells[END_LOSS] + cells[SIDE_LOSS]
-    return np.diag(own) - np.diag(cells[TO_PREVIOUS, 1:], -1) - np.diag(cells[TO_NEXT, :-1], 1)
+    own = cells.to_previous + cells.to_next + cells.end_loss + cells.side_loss
+    return np.diag(own) - np.diag(cells.to_previous[1:], -1) - np.diag(cells.to_next[:-1], 1)
 
 
 @dataclass(frozen=True)
@@ -100,13 +87,13 @@ def heat_step(
     constants: Constants, temperature: Floats, dt: float, ambient: float, source: Floats
 ) -> HeatStep:
     """One conduction step of the core with a source [K] added to each cell over the step."""
-    rates, work = constants.cells, np.zeros((4, constants.cells.shape[1]))
+    rates, work = constants.cells, new_workspace(constants).cells
     factor(rates, constants.side_implicit, dt, work)
     right_side(rates, temperature, dt, ambient, work)
-    work[CHANGE] += source
+    work.change[:] += source
     solve(work)
     books = balance(rates, constants.side_implicit, temperature, dt, ambient, work)
-    return HeatStep(work[CHANGE].copy(), *books)
+    return HeatStep(work.change.copy(), *books)
 
 
 @dataclass(frozen=True)
@@ -115,7 +102,7 @@ class Run:
 
     outcome: int
     softened: int
-    books: Floats
+    books: Rows[Books]
     layer_start: Floats  # layer temperatures at the START of each step, which the law uses
     d: Floats  # layer displacements at the end of each step, as all that follow
     z: Floats
@@ -127,36 +114,31 @@ def marched(
     constants: Constants, x: Floats, dt: float, start: float | Floats, ambient: float
 ) -> Run:
     """March through the displacements x from cell temperatures `start`, keeping every step."""
-    n, layers = constants.cells.shape[1], len(constants.multiplicity)
+    n, layers = len(constants.cells.capacity), len(constants.multiplicity)
     first = np.broadcast_to(np.asarray(start, dtype=float), (n,))
-    width = BOOKS + 3 * layers
-    rows, cells = np.zeros((len(x), width)), np.zeros((len(x), n))
-    done, kept, outcome, softened, _ = march(
-        constants,
-        new_workspace(constants),
-        new_state(constants, first),
-        new_state(constants, first),
-        np.asarray(x, dtype=float),
-        np.full(len(x), dt),
-        np.full(len(x), ambient),
-        np.ones(len(x), dtype=bool),
-        0.0,
-        np.arange(width),
-        np.zeros(width),
-        rows,
-        cells,  # in double precision here: single is a choice of cyclic/history.py
+    layer, d, z = (np.zeros((len(x), layers)) for _ in range(3))
+    cells = np.zeros((len(x), n))  # in double precision: single is a choice of cyclic/history.py
+    room = Kept(rows(Books, len(x)), layer, d, z, cells)
+    path = Path(
+        x=np.asarray(x, dtype=float),
+        dt=np.full(len(x), dt),
+        ambient=np.full(len(x), ambient),
+        keep=np.ones(len(x), dtype=bool),
+        settled=0.0,
     )
+    state, spare = new_state(constants, first), new_state(constants, first)
+    work = new_workspace(constants)
+    done, kept, outcome, softened, _ = march(constants, work, state, spare, path, room)
     assert done == kept
-    layer, d, z = (rows[:kept, BOOKS + k * layers : BOOKS + (k + 1) * layers] for k in range(3))
     middle = constants.layer_cells
-    at_first = 0.5 * (first[middle[:, UPPER_MIDDLE]] + first[middle[:, LOWER_MIDDLE]])
+    at_first = 0.5 * (first[middle["upper_middle"]] + first[middle["lower_middle"]])
     return Run(
         outcome=outcome,
         softened=softened,
-        books=rows[:kept, :BOOKS],
-        layer_start=np.vstack([at_first, layer[:-1]]),
-        d=d,
-        z=z,
+        books=room.books[:kept],
+        layer_start=np.vstack([at_first, layer[: max(kept - 1, 0)]]),
+        d=d[:kept],
+        z=z[:kept],
         cells=cells[:kept],
         constants=constants,
     )
@@ -188,4 +170,9 @@ def smooth_history(rng: np.random.Generator, peak: float, steps: int) -> Floats:
 
 def stored_heat(run: Run, start: float | Floats) -> float:
     """Heat in the cells now above that at the start, from the temperatures [kN mm]."""
-    return float(run.constants.cells[CAPACITY] @ (run.cells[-1] - start))
+    return float(run.constants.cells.capacity @ (run.cells[-1] - start))
+
+
+def numbers(books: Rows[Books]) -> Floats:
+    """All books as one plain array, a column each."""
+    return np.column_stack([books[label.name] for label in labels(Books)])

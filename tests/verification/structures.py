@@ -62,7 +62,7 @@ def shaken(
         structure = load_structure(structure)
     prepared = prepare_structure(structure, mass)
     line = Line(
-        constants, np.full(constants.cells.shape[1], ambient), None, options.pop("speed", 0.0)
+        constants, np.full(len(constants.cells.capacity), ambient), None, options.pop("speed", 0.0)
     )
     lines = [line] * len(structure.bearings)
     air = np.full(len(ground) - 1, ambient)

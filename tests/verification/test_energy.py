@@ -16,19 +16,7 @@ from tests.verification.models import (
     specimen,
     stored_heat,
 )
-from thermobearing.core.types import (
-    DISPLACEMENT,
-    FORCE,
-    HEAT_LOST_ENDS,
-    HEAT_LOST_SIDES,
-    HEAT_RELEASED,
-    HEAT_STORED,
-    RECOVERABLE,
-    SOFTENED,
-    TIME,
-    WORK_IN,
-    Floats,
-)
+from thermobearing.core.types import SOFTENED, Floats
 from thermobearing.model.stack import Face, build_stack
 
 START, AMBIENT = -10.0, -20.0  # degC: the bearing also cools, through faces and sides
@@ -51,8 +39,8 @@ def run_of(face: str, half: bool, x: Floats, **options: str) -> Run:
 
 def trapezoid_work(run: Run) -> Floats:
     """Work of the returned forces on the returned displacements, added up here [kN mm]."""
-    force = np.concatenate([[0.0], run.books[:, FORCE]])
-    x = np.concatenate([[0.0], run.books[:, DISPLACEMENT]])
+    force = np.concatenate([[0.0], run.books["force"]])
+    x = np.concatenate([[0.0], run.books["displacement"]])
     return np.asarray(np.cumsum(0.5 * (force[1:] + force[:-1]) * np.diff(x)))
 
 
@@ -72,21 +60,21 @@ def test_conservative_books_close(
 ) -> None:
     run = run_of(face, half, cycles(strain), heat_source=source)
     books = run.books
-    work = books[-1, WORK_IN]
+    work = books["work_in"][-1]
     assert work > 1e4
     assert (run.softened > 0) == (strain == 3.0)
     atol = ENERGY_BOOKS * work
-    mechanical = books[:, WORK_IN] - books[:, HEAT_RELEASED] - books[:, RECOVERABLE]
-    lost = books[:, HEAT_LOST_ENDS] + books[:, HEAT_LOST_SIDES]
-    thermal = books[-1, HEAT_RELEASED] - stored_heat(run, START) - lost[-1]
+    mechanical = books["work_in"] - books["heat_released"] - books["recoverable"]
+    lost = books["heat_lost_ends"] + books["heat_lost_sides"]
+    thermal = books["heat_released"][-1] - stored_heat(run, START) - lost[-1]
     measured("energy books, cyclic: mechanical residual", np.abs(mechanical).max() / work, "1e-10")
     measured("energy books, cyclic: thermal residual", abs(thermal) / work, "1e-10")
     assert_allclose(mechanical, 0.0, rtol=0.0, atol=atol)
     assert_allclose(thermal, 0.0, rtol=0.0, atol=atol)
     # The books themselves, against sums made outside the core.
-    assert_allclose(books[:, WORK_IN], trapezoid_work(run), rtol=0.0, atol=atol)
-    assert_allclose(books[-1, HEAT_STORED], stored_heat(run, START), rtol=0.0, atol=atol)
-    assert_allclose(books[-1, TIME], 5e-3 * len(books), rtol=ENERGY_BOOKS, atol=0.0)
+    assert_allclose(books["work_in"], trapezoid_work(run), rtol=0.0, atol=atol)
+    assert_allclose(books["heat_stored"][-1], stored_heat(run, START), rtol=0.0, atol=atol)
+    assert_allclose(books["clock"][-1], 5e-3 * len(books), rtol=ENERGY_BOOKS, atol=0.0)
 
 
 def test_books_close_over_random_motion_and_a_long_rest() -> None:
@@ -95,11 +83,11 @@ def test_books_close_over_random_motion_and_a_long_rest() -> None:
     x = np.concatenate([x, np.full(40000, x[-1])])
     for source in ("work", "dissipation"):
         run = run_of("unlike", False, x, heat_source=source)
-        books, work = run.books[-1], run.books[-1, WORK_IN]
-        lost = books[HEAT_LOST_ENDS] + books[HEAT_LOST_SIDES]
+        books, work = run.books[-1], run.books["work_in"][-1]
+        lost = books.heat_lost_ends + books.heat_lost_sides
         assert lost > 0.1 * work
-        thermal = books[HEAT_RELEASED] - stored_heat(run, START) - lost
-        mechanical = work - books[HEAT_RELEASED] - books[RECOVERABLE]
+        thermal = books.heat_released - stored_heat(run, START) - lost
+        mechanical = work - books.heat_released - books.recoverable
         assert_allclose([mechanical, thermal], 0.0, rtol=0.0, atol=ENERGY_BOOKS * work)
 
 
@@ -114,14 +102,14 @@ def test_recoverable_energy_is_that_of_the_two_springs(half: bool) -> None:
     kh = np.exp(h.hysteretic_temperature_coefficient * warmer) * (1.0 - h.post_yield_ratio)
     twice = ke * run.d**2 + (1.0 + h.hardening * (run.d / t_r) ** 2) * kh * run.z**2
     expected = 0.5 * h.layer_stiffness * twice @ run.constants.multiplicity
-    atol = ENERGY_BOOKS * run.books[-1, WORK_IN]
-    assert_allclose(run.books[:, RECOVERABLE], expected, rtol=0.0, atol=atol)
+    atol = ENERGY_BOOKS * run.books["work_in"][-1]
+    assert_allclose(run.books["recoverable"], expected, rtol=0.0, atol=atol)
 
 
 def test_work_source_leaves_nothing_recoverable() -> None:
     """Eq. 4.22 counts all work as heat (P3), so its book of recoverable energy stays empty."""
     run = run_of("eta", True, cycles(1.5))
-    assert not run.books[:, RECOVERABLE].any()
+    assert not run.books["recoverable"].any()
 
 
 def test_recoverable_energy_is_the_same_after_every_closed_cycle() -> None:
@@ -134,14 +122,14 @@ def test_recoverable_energy_is_the_same_after_every_closed_cycle() -> None:
     for source in ("work", "dissipation"):
         run = marched(assembled(bearing, heat_source=source), x, 5e-3, START, AMBIENT)
         ends = run.books[per_cycle - 1 :: per_cycle]
-        work = np.diff(ends[:, WORK_IN])
+        work = np.diff(ends["work_in"])
         assert_allclose(work, work[0], rtol=CLOSED_CYCLE, atol=0.0)
-        left = np.diff(ends[:, RECOVERABLE])
+        left = np.diff(ends["recoverable"])
         assert_allclose(left, 0.0, rtol=0.0, atol=CLOSED_CYCLE * work[0])
-        heats.append(np.diff(ends[:, HEAT_RELEASED]))
+        heats.append(np.diff(ends["heat_released"]))
         if source == "dissipation":
-            assert ends[0, RECOVERABLE] > 1e-3 * work[0]  # Z is not zero where x is
-            released = np.diff(run.books[:, HEAT_RELEASED])
+            assert ends["recoverable"][0] > 1e-3 * work[0]  # Z is not zero where x is
+            released = np.diff(run.books["heat_released"])
             assert released.min() >= -ENERGY_BOOKS * work[0]  # heat is never taken back
     assert_allclose(heats[0], heats[1], rtol=CLOSED_CYCLE, atol=0.0)
 
@@ -158,9 +146,9 @@ def test_losses_are_those_of_the_face_and_side_temperatures(half: bool) -> None:
     sides = fold * dt * np.sum(above @ side)
     faces = above[:, 0] if half else above[:, 0] + above[:, -1]
     ends = fold * dt * np.sum(faces) * (2.0 - 1.0) * 38.76e-3 * 240.0**2 / 2.5  # eta = 2
-    books, atol = run.books[-1], ENERGY_BOOKS * run.books[-1, WORK_IN]
-    assert_allclose(books[HEAT_LOST_SIDES], sides, rtol=0.0, atol=atol)
-    assert_allclose(books[HEAT_LOST_ENDS], ends, rtol=0.0, atol=atol)
+    books, atol = run.books[-1], ENERGY_BOOKS * run.books["work_in"][-1]
+    assert_allclose(books.heat_lost_sides, sides, rtol=0.0, atol=atol)
+    assert_allclose(books.heat_lost_ends, ends, rtol=0.0, atol=atol)
 
 
 @pytest.mark.parametrize("face", ["eta", "film"])
@@ -168,10 +156,10 @@ def test_published_books_do_not_close(face: str) -> None:
     """P1 and P2 make heat; the residual is there to be told, not hidden."""
     run = run_of(face, True, cycles(2.0), scheme="published")
     books = run.books[-1]
-    lost = books[HEAT_LOST_ENDS] + books[HEAT_LOST_SIDES]
-    residual = books[HEAT_RELEASED] - stored_heat(run, START) - lost
-    mechanical = books[WORK_IN] - books[HEAT_RELEASED] - books[RECOVERABLE]
-    print(f"{face}: thermal residual {residual:.0f} J of {books[WORK_IN]:.0f} J of work")
+    lost = books.heat_lost_ends + books.heat_lost_sides
+    residual = books.heat_released - stored_heat(run, START) - lost
+    mechanical = books.work_in - books.heat_released - books.recoverable
+    print(f"{face}: thermal residual {residual:.0f} J of {books.work_in:.0f} J of work")
     assert run.outcome != SOFTENED
-    assert_allclose(mechanical, 0.0, rtol=0.0, atol=ENERGY_BOOKS * books[WORK_IN])
-    assert abs(residual) > 0.05 * books[WORK_IN]
+    assert_allclose(mechanical, 0.0, rtol=0.0, atol=ENERGY_BOOKS * books.work_in)
+    assert abs(residual) > 0.05 * books.work_in

@@ -215,6 +215,7 @@ def test_command(tmp_path: Path) -> None:
 BAD_WORDS: list[tuple[list[Any], list[str]]] = [
     (["shen-hdr-bridg"], ['"shen-hdr-bridge"?']),
     (["shen-hdr-bridge", "--reference", 90], ["reference_temperature = 90", "-60 to 60"]),
+    (["shen-hdr-bridge", "--reference-temperature", 90], ["reference_temperature = 90"]),
     (["shen-hdr-bridge", "--temperature", -90], ["temperatures = -90", "-60 to 60"]),
     (["shen-hdr-bridge", "--strain", 0.0], ["strains = 0.0", "0.1 to 3"]),
     (["shen-hdr-bridge", "--strain", 30], ["strains = 30.0", "0.1 to 3"]),

@@ -6,7 +6,7 @@ from numpy.testing import assert_allclose
 
 from tests.tolerances import HEAT_BALANCE, NEW_EXTREME, RECIPROCITY
 from tests.verification.models import assembled, changed, heat_step, rate_matrix, specimen
-from thermobearing.core.types import CAPACITY, TO_NEXT, TO_PREVIOUS, Constants
+from thermobearing.core.types import Constants
 from thermobearing.model.stack import Face
 
 AMBIENT = -20.0
@@ -25,7 +25,7 @@ def stack(face: str, half: bool) -> Constants:
 def test_heat_in_is_heat_stored_plus_heat_lost(face: str, half: bool, dt: float) -> None:
     """Any temperatures, any sources, any step: what leaves one cell enters the next."""
     constants = stack(face, half)
-    capacity = constants.cells[CAPACITY]
+    capacity = constants.cells.capacity
     rng = np.random.default_rng(11)
     for _ in range(20):
         temperature = rng.uniform(-60.0, 60.0, len(capacity))
@@ -42,8 +42,8 @@ def test_heat_in_is_heat_stored_plus_heat_lost(face: str, half: bool, dt: float)
 def test_neighbours_exchange_the_same_heat(half: bool) -> None:
     """Per kelvin, what one cell gives downwards is what the next takes from above."""
     constants = stack("eta", half)
-    down = (constants.cells[CAPACITY] * constants.cells[TO_NEXT])[:-1]
-    up = (constants.cells[CAPACITY] * constants.cells[TO_PREVIOUS])[1:]
+    down = (constants.cells.capacity * constants.cells.to_next)[:-1]
+    up = (constants.cells.capacity * constants.cells.to_previous)[1:]
     assert_allclose(down, up, rtol=RECIPROCITY, atol=0.0)
 
 
@@ -53,7 +53,7 @@ def test_no_new_extremes_where_the_step_is_short_enough(face: str) -> None:
     constants = stack(face, half=False)
     dt = 2.0 / float(np.max(np.diag(rate_matrix(constants))))
     assert dt > 0.1  # s: far above the steps used in tests and earthquakes
-    nothing = np.zeros(constants.cells.shape[1])
+    nothing = np.zeros(len(constants.cells.capacity))
     rng = np.random.default_rng(12)
     for _ in range(20):
         temperature = rng.uniform(-40.0, 40.0, len(nothing))
@@ -72,7 +72,7 @@ def test_no_new_extremes_where_the_step_is_short_enough(face: str) -> None:
 def test_cooling_is_monotone_for_any_step(face: str, dt: float) -> None:
     """Capacity-weighted departure from the ambient falls in every step, however long it is."""
     constants = stack(face, half=False)
-    capacity = constants.cells[CAPACITY]
+    capacity = constants.cells.capacity
     nothing = np.zeros(len(capacity))
     temperature = np.random.default_rng(13).uniform(-40.0, 40.0, len(capacity))
     before = float(capacity @ (temperature - AMBIENT) ** 2)
@@ -87,6 +87,6 @@ def test_a_bearing_at_the_ambient_temperature_stays_there() -> None:
     """Side film, end film and eta all vanish at the ambient: not one bit of drift."""
     bearing = changed(specimen(), materials={"side_film": 500.0})
     constants = assembled(bearing, half=False, upper=Face(eta=2.0), lower=Face(film=40.0))
-    still = np.full(constants.cells.shape[1], AMBIENT)
+    still = np.full(len(constants.cells.capacity), AMBIENT)
     change = heat_step(constants, still, 0.5, AMBIENT, np.zeros(len(still))).change
     assert not change.any()

@@ -19,18 +19,16 @@ from thermobearing.core.lead import (
 )
 from thermobearing.core.march import march
 from thermobearing.core.types import (
-    BOOKS,
-    CAPACITY,
-    CHANGE,
-    CLOCK,
     HEAT_FROM_DISSIPATION,
     HEAT_FROM_WORK,
-    LEAD_DEGC,
     Constants,
     Lead,
+    Path,
+    State,
     new_state,
     new_workspace,
 )
+from thermobearing.cyclic.history import room_for
 from thermobearing.model.constants import build_constants
 from thermobearing.model.stack import Face, build_stack
 
@@ -128,21 +126,19 @@ def test_tangent_of_a_core(source: int, dx: float) -> None:
 def test_exchange_is_that_of_two_bodies(measured: Recorder) -> None:
     """Lead and the touched cell alone: the exact exponential at any step, heat conserved."""
     constants = constants_of()
-    rates, touched = constants.cells, constants.lead_cells
-    temperature = np.linspace(-20.0, 5.0, rates.shape[1])
-    capacity = np.array(
-        [constants.lead.cores * constants.lead.capacity, rates[CAPACITY, touched[0]]]
-    )
+    rates, touched = constants.cells, constants.lead_cells[0].cell
+    temperature = np.linspace(-20.0, 5.0, len(rates.capacity))
+    capacity = np.array([constants.lead.cores * constants.lead.capacity, rates.capacity[touched]])
     worst = 0.0
     for dt in (1e-3, 0.1, 10.0, 1000.0):
-        work = np.zeros((4, rates.shape[1]))
-        after = exchange(constants.lead, rates, touched, temperature, work, 60.0, 0.0, 3.0, 0.0, dt)
-        g = rates[5, touched[0]] * 3.0
+        work, state = new_workspace(constants), new_state(constants, temperature, 60.0)
+        after = exchange(constants, work, state, 0.0, 3.0, 0.0, dt)
+        g = constants.lead_cells[0].end * 3.0
         matrix = g * dt * np.array([[-1.0, 1.0], [1.0, -1.0]]) / capacity[:, None]
-        exact = expm(matrix) @ np.array([60.0, temperature[touched[0]]])
-        found = np.array([after, temperature[touched[0]] + work[CHANGE, touched[0]]])
+        exact = expm(matrix) @ np.array([60.0, temperature[touched]])
+        found = np.array([after, temperature[touched] + work.cells.change[touched]])
         assert_allclose(found, exact, rtol=0.0, atol=tol.TWO_BODIES)
-        kept = capacity @ found - capacity @ np.array([60.0, temperature[touched[0]]])
+        kept = capacity @ found - capacity @ np.array([60.0, temperature[touched]])
         worst = max(worst, abs(kept) / capacity.sum())
     measured(
         "lead and plate cell as two bodies: heat lost [K of both]", worst, f"{tol.TWO_BODIES:g}"
@@ -150,35 +146,37 @@ def test_exchange_is_that_of_two_bodies(measured: Recorder) -> None:
     assert worst < tol.TWO_BODIES
 
 
+def marched_through(constants: Constants, state: State, x: np.ndarray, dt: np.ndarray) -> None:
+    """Move a bearing in air of 0 degC, keeping nothing but its state."""
+    spare = new_state(constants, state.temperature)
+    path = Path(x, dt, np.zeros(len(x)), np.zeros(len(x), dtype=bool), 0.0)
+    march(constants, new_workspace(constants), state, spare, path, room_for(constants, 0, ()))
+
+
 def cooling(constants: Constants, dt: float, steps: int) -> tuple[float, np.ndarray]:
     """Lead and cells after a rest that follows one tiny motion, from a hot lead."""
-    n, layers = constants.cells.shape[1], len(constants.multiplicity)
-    state = new_state(constants, np.zeros(n), 50.0)
-    spare = new_state(constants, np.zeros(n), 50.0)
-    x = np.full(steps, 1e-9)
-    march(
-        constants, new_workspace(constants), state, spare, x, np.full(steps, dt), np.zeros(steps),
-        np.zeros(steps, dtype=bool), 0.0, np.arange(1), np.zeros(BOOKS + 3 * layers),
-        np.zeros((1, 1)), np.zeros((1, n)),
-    )  # fmt: skip
-    return float(state.books[LEAD_DEGC]), state.temperature
+    state = new_state(constants, np.zeros(len(constants.cells.capacity)), 50.0)
+    marched_through(constants, state, np.full(steps, 1e-9), np.full(steps, dt))
+    return state.books[0].lead_temperature, state.temperature
 
 
 def test_cooling_agrees_with_an_ode_solver(measured: Recorder) -> None:
     """Lead and all 29 cells from 50 K above, 20 s, against scipy with the same F(t+)."""
     constants = constants_of()
-    rates, cell = constants.cells, int(constants.lead_cells[0])
-    n = rates.shape[1]
+    rates, cell = constants.cells, constants.lead_cells[0].cell
+    n = len(rates.capacity)
     lead_capacity = constants.lead.cores * constants.lead.capacity
 
     def slope(r: float, y: np.ndarray) -> np.ndarray:
         t, cells = r * r, y[:n]  # in r = sqrt(t) the flux is not singular
-        out = -(rates[2] + rates[3]) * cells
-        out[1:] += rates[0][1:] * (cells[:-1] - cells[1:])
-        out[:-1] += rates[1][:-1] * (cells[1:] - cells[:-1])
-        flux = rates[5, cell] / half_space_factor(max(t * constants.lead.clock_rate, 1e-14))
+        out = -(rates.end_loss + rates.side_loss) * cells
+        out[1:] += rates.to_previous[1:] * (cells[:-1] - cells[1:])
+        out[:-1] += rates.to_next[:-1] * (cells[1:] - cells[:-1])
+        flux = constants.lead_cells[0].end / half_space_factor(
+            max(t * constants.lead.clock_rate, 1e-14)
+        )
         flux *= y[n] - cells[cell]
-        out[cell] += flux / rates[CAPACITY, cell]
+        out[cell] += flux / rates.capacity[cell]
         return 2.0 * r * np.append(out, -flux / lead_capacity)
 
     start = np.append(np.zeros(n), 50.0)
@@ -198,18 +196,13 @@ def test_cooling_agrees_with_an_ode_solver(measured: Recorder) -> None:
 def test_clock_starts_again_after_a_long_pause_only() -> None:
     constants = constants_of()
     recovery = 1.0 / constants.lead.clock_rate
-    n, layers = constants.cells.shape[1], len(constants.multiplicity)
     for pause, restarted in ((0.5 * recovery, False), (1.1 * recovery, True)):
-        state, spare = (new_state(constants, np.zeros(n)) for _ in range(2))
+        state = new_state(constants, np.zeros(len(constants.cells.capacity)))
         x = np.array([0.1, 0.2, *[0.2] * 100, 0.3])
         dt = np.array([0.01, 0.01, *[pause / 100] * 100, 0.01])
-        march(
-            constants, new_workspace(constants), state, spare, x, dt, np.zeros(len(x)),
-            np.zeros(len(x), dtype=bool), 0.0, np.arange(1), np.zeros(BOOKS + 3 * layers),
-            np.zeros((1, 1)), np.zeros((1, n)),
-        )  # fmt: skip
+        marched_through(constants, state, x, dt)
         expected = 0.01 if restarted else 0.03 + pause
-        assert_allclose(state.lead[CLOCK], expected, rtol=1e-9)
+        assert_allclose(state.branches[0].clock, expected, rtol=1e-9)
 
 
 @pytest.mark.parametrize("dt", [1e-5, 5e-3, 5e-2])

@@ -13,14 +13,7 @@ from tests import tolerances as tol
 from tests.conftest import Recorder
 from tests.verification.models import assembled
 from thermobearing.core.step import step
-from thermobearing.core.types import (
-    CAPACITY,
-    LEAD_ROWS,
-    LEAD_TEMPERATURE,
-    RELAXATION,
-    new_state,
-    new_workspace,
-)
+from thermobearing.core.types import new_state, new_workspace
 from thermobearing.model.lead_ends import RADIAL, core_modes, end_modes, lumped, plate_modes
 from thermobearing.model.stack import Face
 
@@ -57,15 +50,15 @@ def test_terms_add_up_to_the_steady_resistances() -> None:
     assert_allclose(cores[0].sum(), along, rtol=tol.KERNEL_SUM)
     assert_allclose(lumped(plate)[0].sum(), plate[0].sum(), rtol=tol.ROUNDING * plate.shape[1])
     both = end_modes(bearing, 48.0)
-    assert_allclose(both[0].sum(), 0.8 * plate[0].sum() + cores[0].sum(), rtol=tol.LOOP)
-    assert 8 <= both.shape[1] <= 12
+    assert_allclose(both["resistance"].sum(), 0.8 * plate[0].sum() + cores[0].sum(), rtol=tol.LOOP)
+    assert 8 <= len(both) <= 12
 
 
 def still(half: bool, warm: float, dt: float, steps: int, **faces: Face) -> Any:
     """A bearing at rest whose lead is warmer than the rest by `warm` [K]; states by time."""
     bearing = confined("shen-lhdr-specimen")
     constants = assembled(bearing, half=half, lead_ends="finite-plate", **faces)
-    state = new_state(constants, np.full(constants.cells.shape[1], -20.0), -20.0 + warm)
+    state = new_state(constants, np.full(len(constants.cells.capacity), -20.0), -20.0 + warm)
     work, new = new_workspace(constants), new_state(constants, state.temperature)
     states = [state]
     for _ in range(steps):
@@ -78,7 +71,7 @@ def still(half: bool, warm: float, dt: float, steps: int, **faces: Face) -> Any:
 @pytest.mark.parametrize("dt", [1e-4, 0.01, 1.0, 100.0, 1e4])
 def test_any_step_is_stable_and_heat_flows_downhill(dt: float) -> None:
     _, states = still(True, 80.0, dt, 300)
-    lead = np.array([state.lead[LEAD_TEMPERATURE] for state in states])
+    lead = np.array([state.branches[0].lead_temperature for state in states])
     plates = np.array([state.temperature for state in states])
     assert plates.max() < 60.0
     assert lead.max() == 60.0
@@ -92,18 +85,21 @@ def test_any_step_is_stable_and_heat_flows_downhill(dt: float) -> None:
 def test_half_and_whole_stack_agree() -> None:
     """Two ends, each with its terms, are twice one end."""
     whole, half = (still(half, 80.0, 0.05, 400)[1][-1] for half in (False, True))
-    assert_allclose(whole.lead[LEAD_TEMPERATURE], half.lead[LEAD_TEMPERATURE], rtol=tol.LOOP)
+    assert_allclose(
+        whole.branches[0].lead_temperature, half.branches[0].lead_temperature, rtol=tol.LOOP
+    )
     assert_allclose(
         whole.temperature[: len(half.temperature)], half.temperature, rtol=tol.LOOP, atol=tol.LOOP
     )
-    terms = (len(whole.lead) - LEAD_ROWS) // 2
-    assert len(half.lead) - LEAD_ROWS == terms
-    assert_allclose(whole.lead[LEAD_ROWS:].reshape(2, terms), [half.lead[LEAD_ROWS:]] * 2)
+    assert len(whole.ends) == 2 * len(half.ends)
+    assert_allclose(whole.ends.reshape(2, -1), [half.ends] * 2)
 
 
 def test_order_in_time(measured: Recorder) -> None:
     """First order: the flow is constant over a step, and the plate's own answer lags by one."""
-    found = [still(True, 80.0, 4.0 / n, n)[1][-1].lead[LEAD_TEMPERATURE] for n in (800, 1600, 3200)]
+    found = [
+        still(True, 80.0, 4.0 / n, n)[1][-1].branches[0].lead_temperature for n in (800, 1600, 3200)
+    ]
     order = math.log2((found[0] - found[1]) / (found[1] - found[2]))
     measured("lead on finite plates: observed order in time", f"{order:.3f}", "1 +- 0.1")
     assert abs(order - 1.0) < 0.1
@@ -114,15 +110,15 @@ def test_terms_are_what_separates_core_and_plate() -> None:
     """After every step the excess is the sum of the terms, but for the plate's own conduction."""
     constants, states = still(True, 80.0, 1e-4, 50)
     last = states[-1]
-    plate = last.temperature[constants.lead_cells[0]]
+    plate = last.temperature[constants.lead_cells[0].cell]
     assert_allclose(
-        last.lead[LEAD_TEMPERATURE] - plate, last.lead[LEAD_ROWS:].sum(), rtol=tol.ENDS_EXCESS
+        last.branches[0].lead_temperature - plate, last.ends.sum(), rtol=tol.ENDS_EXCESS
     )
-    assert np.all(constants.lead_modes[RELAXATION] > 0.0)
-    heat = constants.cells[CAPACITY] @ (last.temperature + 20.0)
+    assert np.all(constants.lead_modes["relaxation"] > 0.0)
+    heat = constants.cells.capacity @ (last.temperature + 20.0)
     core = constants.lead.cores * constants.lead.capacity
     assert_allclose(
-        heat + core * (last.lead[LEAD_TEMPERATURE] + 20.0), core * 80.0, rtol=tol.ENDS_LOST
+        heat + core * (last.branches[0].lead_temperature + 20.0), core * 80.0, rtol=tol.ENDS_LOST
     )
 
 

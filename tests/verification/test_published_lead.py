@@ -13,7 +13,7 @@ import thermobearing as tb
 from tests import tolerances as tol
 from thermobearing.core.lead import end_factor
 from thermobearing.core.step import step
-from thermobearing.core.types import LEAD_TEMPERATURE, new_state, new_workspace
+from thermobearing.core.types import new_state, new_workspace
 from thermobearing.model.constants import build_constants
 from thermobearing.model.stack import Face, build_stack
 
@@ -97,4 +97,4 @@ def test_one_step_is_the_printed_one(dt: float) -> None:
     expected, after = printed_step(dt, cells, lead, mean)
     # The bearing is held, so rubber at unequal temperatures shares nothing and makes no heat.
     assert_allclose(new.temperature, expected, rtol=0.0, atol=tol.PUBLISHED_LEAD)
-    assert_allclose(new.lead[LEAD_TEMPERATURE], after, rtol=0.0, atol=tol.PUBLISHED_LEAD)
+    assert_allclose(new.branches[0].lead_temperature, after, rtol=0.0, atol=tol.PUBLISHED_LEAD)

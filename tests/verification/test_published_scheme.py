@@ -19,19 +19,7 @@ from tests.verification.models import (
     specimen,
     stored_heat,
 )
-from thermobearing.core.types import (
-    CAPACITY,
-    END_LOSS,
-    FORCE,
-    HEAT_LOST_ENDS,
-    HEAT_LOST_SIDES,
-    HEAT_RELEASED,
-    SIDE_LOSS,
-    TO_NEXT,
-    TO_PREVIOUS,
-    Constants,
-    Floats,
-)
+from thermobearing.core.types import Constants, Floats
 from thermobearing.model.stack import Face
 
 # Table 4.1 and Fig. 4.2b in SI units, typed again: metres, watts, kilograms.
@@ -95,13 +83,13 @@ def printed_system(dt: float, eta: float) -> tuple[Floats, Floats, Floats]:
 def core_system(constants: Constants, dt: float) -> tuple[Floats, Floats, Floats]:
     """The same three, from the rates that the core steps with."""
     cells = constants.cells
-    own = cells[TO_PREVIOUS] + cells[TO_NEXT] + cells[END_LOSS]
-    rates = np.diag(own) - np.diag(cells[TO_PREVIOUS, 1:], -1) - np.diag(cells[TO_NEXT, :-1], 1)
-    side = dt * cells[SIDE_LOSS]
+    own = cells.to_previous + cells.to_next + cells.end_loss
+    rates = np.diag(own) - np.diag(cells.to_previous[1:], -1) - np.diag(cells.to_next[:-1], 1)
+    side = dt * cells.side_loss
     n = len(side)
     assert not constants.side_implicit
     new, old = np.eye(n) + 0.5 * dt * rates, np.eye(n) - 0.5 * dt * rates - np.diag(side)
-    return new, old, dt * cells[END_LOSS] + side
+    return new, old, dt * cells.end_loss + side
 
 
 def published(eta: float) -> Constants:
@@ -139,7 +127,7 @@ def test_coupled_steps_solve_the_printed_system_with_the_printed_source() -> Non
     )
     new, old, outflow = printed_system(dt, eta)
     d = np.vstack([np.zeros(3), run.d]) * 1e-3  # m
-    f = np.concatenate([[0.0], run.books[:, FORCE]]) * 1e3  # N
+    f = np.concatenate([[0.0], run.books["force"]]) * 1e3  # N
     cells = np.vstack([np.full(19, -20.0), run.cells])
     for i in range(len(run.d)):
         w = np.zeros(19)
@@ -153,7 +141,7 @@ def test_coupled_steps_solve_the_printed_system_with_the_printed_source() -> Non
 def test_a_shim_receives_twice_what_its_rubber_neighbours_lose() -> None:
     """P1: factor 2 at every shim, from both sides; exactly 1 at every other interface."""
     cells = published(2.0).cells
-    given_down, taken_up = cells[CAPACITY] * cells[TO_NEXT], cells[CAPACITY] * cells[TO_PREVIOUS]
+    given_down, taken_up = cells.capacity * cells.to_next, cells.capacity * cells.to_previous
     shim = np.isin(np.arange(19), SHIMS)
     # Between cells i and i + 1: what the lower one exchanges over what the upper one does.
     ratio = taken_up[1:] / given_down[:-1]
@@ -172,11 +160,11 @@ def test_the_imbalance_of_the_published_scheme_is_told() -> None:
     """P1 over a heated run: heat from nowhere, and a warmer inner layer than conservation gives."""
     ours, theirs = heated("conservative"), heated("published")
     books = theirs.books[-1]
-    lost = books[HEAT_LOST_ENDS] + books[HEAT_LOST_SIDES]
-    created = stored_heat(theirs, AMBIENT) + lost - books[HEAT_RELEASED]
-    share = created / books[HEAT_RELEASED]
+    lost = books.heat_lost_ends + books.heat_lost_sides
+    created = stored_heat(theirs, AMBIENT) + lost - books.heat_released
+    share = created / books.heat_released
     inner = np.array([run.layer_start[-1, -1] - AMBIENT for run in (ours, theirs)])
-    print(f"P1: {created:.0f} J created of {books[HEAT_RELEASED]:.0f} J released ({share:.2%})")
+    print(f"P1: {created:.0f} J created of {books.heat_released:.0f} J released ({share:.2%})")
     print(f"P1: inner layer {inner[0]:.2f} K conservative, {inner[1]:.2f} K published")
     assert share > 0.1
     assert inner[1] > inner[0]

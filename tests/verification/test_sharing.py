@@ -29,17 +29,7 @@ from tests.verification.models import (
 from thermobearing.core.hysteresis import exact_increment
 from thermobearing.core.march import copy_state
 from thermobearing.core.step import step
-from thermobearing.core.types import (
-    COMPLETED,
-    DISPLACEMENT,
-    FORCE,
-    MISMATCH,
-    SHARING,
-    Constants,
-    Floats,
-    new_state,
-    new_workspace,
-)
+from thermobearing.core.types import COMPLETED, Constants, Floats, new_state, new_workspace
 
 HISTORIES = ("sine 250 %", "small", "random", "held at the peak", "tremor at the peak")
 
@@ -63,7 +53,7 @@ def history(name: str) -> Floats:
 
 def healthy(run: Run) -> np.ndarray:
     """Steps in which every layer follows its own, unmodified law."""
-    return np.asarray(run.books[:, SHARING] == 0.0)
+    return np.asarray(run.books["sharing_weight"] == 0.0)
 
 
 @pytest.mark.parametrize("temperature", [-20.0, 0.0, 23.0])
@@ -73,16 +63,18 @@ def test_layer_forces_are_equal_and_displacements_add_up(
 ) -> None:
     """Eq. 4.34 recomputed from the returned d and Z at the temperatures of the step's start."""
     run = marched(assembled(specimen()), history(name), 5e-3, temperature, temperature)
-    ok, force = healthy(run), run.books[:, FORCE]
+    ok, force = healthy(run), run.books["force"]
     assert ok.mean() > 0.9
     peak = np.max(np.abs(force))
     apart = np.abs(layer_forces(specimen(), run) - force[:, None])
     measured("layer forces apart, of the peak force", apart[ok].max() / peak, f"{EQUAL_FORCE:g}")
     assert_allclose(apart[ok], 0.0, rtol=0.0, atol=EQUAL_FORCE * peak)
     # The mismatch that the run reports is this very difference, softened steps included.
-    assert_allclose(run.books[:, MISMATCH], apart.max(axis=1), rtol=0.0, atol=EQUAL_FORCE * peak)
+    assert_allclose(
+        run.books["layer_force_mismatch"], apart.max(axis=1), rtol=0.0, atol=EQUAL_FORCE * peak
+    )
     total = run.d @ run.constants.multiplicity
-    assert_allclose(total, run.books[:, DISPLACEMENT], rtol=0.0, atol=ADDS_UP)
+    assert_allclose(total, run.books["displacement"], rtol=0.0, atol=ADDS_UP)
 
 
 @pytest.mark.parametrize("temperature", [-20.0, 0.0, 23.0])
@@ -111,7 +103,7 @@ def tangent_and_difference(
 ) -> list[tuple[float, float]]:
     """(returned tangent, central difference of trial forces) at every 20th healthy step."""
     work = new_workspace(constants)
-    start = np.full(constants.cells.shape[1], temperature)
+    start = np.full(len(constants.cells.capacity), temperature)
     old, new, trial = (new_state(constants, start) for _ in range(3))
     h, pairs = TANGENT_STEP_BEARING, []
     for i, target in enumerate(x):
@@ -148,9 +140,9 @@ def test_equal_layers_share_equally() -> None:
     many = marched(assembled(six), x, 5e-3, -20.0, -20.0)
     single = marched(assembled(one), x / 6.0, 5e-3, -20.0, -20.0)
     assert_allclose(many.d, np.repeat(x[:, None] / 6.0, 3, axis=1), rtol=0.0, atol=ADDS_UP)
-    peak = np.abs(single.books[:, FORCE]).max()
+    peak = np.abs(single.books["force"]).max()
     assert_allclose(
-        many.books[:, FORCE], single.books[:, FORCE], rtol=0.0, atol=ISOTHERMAL_FORCE * peak
+        many.books["force"], single.books["force"], rtol=0.0, atol=ISOTHERMAL_FORCE * peak
     )
 
 
@@ -160,9 +152,9 @@ def full_and_half(layers: int, shim_cells: int) -> tuple[float, float]:
     x = sine(bearing, strain=2.0, period=4.0, cycles=3, dt=5e-3)
     full = marched(assembled(bearing, half=False), x, 5e-3, -10.0, -20.0)
     half = marched(assembled(bearing), x, 5e-3, -10.0, -20.0)
-    force = half.books[:, FORCE]
+    force = half.books["force"]
     upper = full.layer_start[:, : half.layer_start.shape[1]]
-    by_force = np.abs(full.books[:, FORCE] - force).max() / np.abs(force).max()
+    by_force = np.abs(full.books["force"] - force).max() / np.abs(force).max()
     return float(by_force), float(np.abs(upper - half.layer_start).max())
 
 
@@ -201,9 +193,9 @@ def test_opposite_motion_gives_the_opposite_force_and_the_same_heat() -> None:
     x = smooth_history(np.random.default_rng(8), 80.0, 3000)
     there = marched(assembled(specimen()), x, 5e-3, -30.0, -20.0)
     back = marched(assembled(specimen()), -x, 5e-3, -30.0, -20.0)
-    peak = np.abs(there.books[:, FORCE]).max()
+    peak = np.abs(there.books["force"]).max()
     assert_allclose(
-        there.books[:, FORCE], -back.books[:, FORCE], rtol=0.0, atol=ISOTHERMAL_FORCE * peak
+        there.books["force"], -back.books["force"], rtol=0.0, atol=ISOTHERMAL_FORCE * peak
     )
     assert_allclose(there.cells, back.cells, rtol=0.0, atol=MIRROR)
 
@@ -220,7 +212,7 @@ def test_a_trial_step_leaves_the_state_alone() -> None:
     """Any number of trials, sane or mad, and the step after them still gives the same bits."""
     constants = assembled(specimen())
     work = new_workspace(constants)
-    start = np.full(constants.cells.shape[1], -20.0)
+    start = np.full(len(constants.cells.capacity), -20.0)
     old, new, fresh = (new_state(constants, start) for _ in range(3))
     for x in sine(specimen(), strain=2.5, period=4.0, cycles=1, dt=5e-3)[:300]:
         step(constants, work, old, x, 5e-3, -20.0, new)

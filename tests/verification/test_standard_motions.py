@@ -6,11 +6,13 @@ from numpy.testing import assert_allclose
 
 from tests import tolerances as tol
 from tests.conftest import Recorder
+from thermobearing.core.types import Floats
 from thermobearing.motions.jra import standard_spectrum
 from thermobearing.motions.library import list_motions, load_motion, stored_motions
-from thermobearing.motions.matching import matched, misfit
+from thermobearing.motions.matching import Matched, matched, misfit
 from thermobearing.motions.measures import measure_motion
 from thermobearing.motions.process import padded, resampled
+from thermobearing.motions.record import GroundMotion
 from thermobearing.motions.synthesis import ROOM, make_motion, match_spectrum
 
 # Type, ground: rise, first corner, plateau, second corner, fall [gal, s].
@@ -114,11 +116,14 @@ def test_seed_makes_the_stored_motion(
     assert abs(made.displacement[-1]) < tol.QUIET_END
 
 
-def test_other_seeds_and_steps_make_other_motions_that_fit() -> None:
-    for seed, dt in ((11, 0.01), (12, 0.005), (13, 0.02)):
-        motion = make_motion("II", "II", seed, dt)
-        assert misfit(motion, lambda t: standard_spectrum("II", "II", t)) <= tol.MISFIT
-        assert motion.dt == dt
+@pytest.mark.parametrize(("seed", "dt"), [(11, 0.01), (12, 0.005), (13, 0.02)])
+def test_other_seeds_and_steps_fit_too(seed: int, dt: float) -> None:
+    motion = make_motion("II", "II", seed, dt)
+    assert misfit(motion, lambda t: standard_spectrum("II", "II", t)) <= tol.MISFIT
+    assert motion.dt == dt
+
+
+def test_other_seeds_make_other_motions() -> None:
     one, other = (make_motion("II", "I", seed).acceleration for seed in (21, 22))
     assert abs(np.corrcoef(one, other)[0, 1]) < 0.5
 
@@ -146,19 +151,26 @@ def test_matching_keeps_phases(measured: Recorder) -> None:
     assert mean < tol.PHASES
 
 
-def test_finer_bands_fit_where_coarse_ones_cannot() -> None:
-    """Phases of a motion made for hard ground, asked to fit the softest one."""
-    record = resampled(load_motion("jra-ii-i-2"), 0.02)
-    target = lambda periods: standard_spectrum("II", "III", periods)  # noqa: E731
-    room = padded(record, ROOM, ROOM).acceleration
-    coarse, fine = (matched(room, record.dt, target, finer=finer) for finer in (False, True))
+def softest(periods: Floats) -> Floats:
+    """The standard spectrum that phases of hard ground fit worst."""
+    return standard_spectrum("II", "III", periods)
+
+
+@pytest.fixture(scope="module")
+def poor() -> tuple[GroundMotion, Matched]:
+    """A motion made for hard ground with room to ring, and asked to fit the softest one."""
+    record = padded(resampled(load_motion("jra-ii-i-2"), 0.02), ROOM, ROOM)
+    return record, matched(record.acceleration, record.dt, softest)
+
+
+def test_finer_bands_fit_where_coarse_ones_cannot(poor: tuple[GroundMotion, Matched]) -> None:
+    record, coarse = poor
+    fine = matched(record.acceleration, record.dt, softest, finer=True)
     assert coarse.misfit > tol.MISFIT
     assert fine.misfit < tol.POOR_PHASES
 
 
-def test_matched_reports_the_misfit_of_its_history() -> None:
-    record = load_motion("jra-ii-i-2")
-    target = lambda periods: standard_spectrum("II", "III", periods)  # noqa: E731
-    fit = matched(padded(record, 4.0, 4.0).acceleration, record.dt, target)
-    again = misfit(type(record)("again", record.dt, fit.acceleration), target)
+def test_matched_reports_the_misfit_of_its_history(poor: tuple[GroundMotion, Matched]) -> None:
+    record, fit = poor
+    again = misfit(GroundMotion("again", record.dt, fit.acceleration), softest)
     assert fit.misfit == pytest.approx(again, rel=1e-12)

@@ -7,6 +7,7 @@ from scipy.signal import lsim
 
 from tests import tolerances as tol
 from tests.conftest import Recorder
+from tests.verification.models import numbers
 from tests.verification.structures import (
     AMBIENT,
     ground_of,
@@ -14,19 +15,10 @@ from tests.verification.structures import (
     real_bearing,
     shaken,
 )
-from thermobearing.core.types import DISPLACEMENT, FORCE, WORK_IN, Floats
+from thermobearing.core.types import Floats
 from thermobearing.structure.matrices import build_matrices
 from thermobearing.structure.model import load_structure
 from thermobearing.structure.run import Method, StructureHistory, prepare_structure
-from thermobearing.structure.types import (
-    BEARINGS,
-    CLOCK,
-    DAMPING,
-    HINGES,
-    INPUT,
-    KINETIC,
-    SPRINGS,
-)
 
 DT = 0.005
 METHODS: tuple[Method, ...] = (
@@ -38,9 +30,9 @@ METHODS: tuple[Method, ...] = (
 
 def residual(history: StructureHistory) -> float:
     """Energy books of the structure at the end, over the input."""
-    books = history.get("books")[-1]
-    spent = books[[KINETIC, DAMPING, SPRINGS, HINGES, BEARINGS]].sum()
-    return abs(float((books[INPUT] - spent) / books[INPUT]))
+    books = history.rows.books[-1]
+    spent = books.kinetic + books.damping + books.springs + books.hinges + books.bearings
+    return abs((books.input - spent) / books.input)
 
 
 @pytest.mark.parametrize(
@@ -114,7 +106,7 @@ def test_linear_structure_against_the_exact_solution(method: Method, measured: R
             method=method,
         )
         exact = exact_linear(prepared, prepared.predictor, ground, dt)
-        errors.append(float(np.abs(history.get("q") - exact).max() / np.abs(exact).max()))
+        errors.append(float(np.abs(history.rows.q - exact).max() / np.abs(exact).max()))
     orders = np.log2(np.array(errors[:-1]) / errors[1:])
     measured(
         f"{method}: order in time, error at 2.5 ms, linear pier of the hybrid test",
@@ -134,15 +126,15 @@ def test_energy_books(name: str, method: Method, measured: Recorder) -> None:
     prepared, history = shaken("pier-p1", real_bearing(name), ground, DT, method=method)
     assert history.outcome == "completed"
     yielded = prepared.structure.hinges[0].yield_rotation
-    assert np.abs(history.get("hinge0")[:, 0]).max() > yielded
+    assert np.abs(history.hinge()["rotation"]).max() > yielded
     left = residual(history)
     measured(
         f"energy books of pier P1, {name}, {method}, of the input",
         f"{left:.1e}",
         f"{tol.STRUCTURE_BOOKS:g}" if method == METHODS[0] else "told",
     )
-    work = 5.0 * history.get("bearing0")[-1, WORK_IN]
-    assert_allclose(history.get("books")[-1, BEARINGS], work, rtol=tol.LOOP)
+    work = 5.0 * history.bearing()[-1].work_in
+    assert_allclose(history.rows.books[-1].bearings, work, rtol=tol.LOOP)
     if method == "average-acceleration":
         assert left < tol.STRUCTURE_BOOKS
     assert left < 0.02
@@ -152,12 +144,12 @@ def test_bearing_force_and_stretch_are_those_of_the_coordinates() -> None:
     """Equilibrium of the deck, looked at from outside: m a_abs + C v + 5 F = 0."""
     ground = ground_of("jra-ii-i-1", DT)
     prepared, history = shaken("pier-p1", real_bearing("shen-lhdr-bridge"), ground, DT)
-    bearing = history.get("bearing0")
-    stretch = history.get("q") @ prepared.matrices.line_rows[0]
-    assert_allclose(bearing[:, DISPLACEMENT], stretch, atol=tol.SAME_MOTION * np.abs(stretch).max())
-    inertia = 0.4 * (history.get("a")[:, 0] + ground)
-    damping = history.get("v") @ prepared.damping[0]
-    unbalanced = inertia + damping + 5.0 * bearing[:, FORCE]
+    bearing = history.bearing()
+    stretch = history.rows.q @ prepared.matrices.line_rows[0]
+    assert_allclose(bearing["displacement"], stretch, atol=tol.SAME_MOTION * np.abs(stretch).max())
+    inertia = 0.4 * (history.rows.a[:, 0] + ground)
+    damping = history.rows.v @ prepared.damping[0]
+    unbalanced = inertia + damping + 5.0 * bearing["force"]
     assert np.abs(unbalanced[1:]).max() < tol.SAME_MOTION * np.abs(inertia).max()
 
 
@@ -175,9 +167,9 @@ def test_halving_the_step(name: str, method: Method, ambient: float, measured: R
     for dt in (0.01, 0.005, 0.0025):
         ground = ground_of("jra-ii-i-1", dt)
         _, history = shaken("pier-p1", constants, ground, dt, ambient=ambient, method=method)
-        bearing, a = history.get("bearing0"), history.get("a")[:, 0] + ground
-        hinge = history.get("hinge0")
-        values = [bearing[:, DISPLACEMENT], bearing[:, FORCE], hinge[:, 0], a]
+        bearing, a = history.bearing(), history.rows.a[:, 0] + ground
+        hinge = history.hinge()
+        values = [bearing["displacement"], bearing["force"], hinge["rotation"], a]
         peaks.append([float(np.abs(v).max()) for v in values])
     change = np.abs(np.array(peaks[:-1]) / peaks[1:] - 1.0).max(axis=1)
     held = change if method == "linear-acceleration" else change[1:]
@@ -193,9 +185,12 @@ def test_symmetric_input_symmetric_output() -> None:
     ground = 1.5 * ground_of("jra-ii-i-1", DT, 15.0)
     constants = real_bearing("shen-lhdr-bridge")
     (_, one), (_, other) = (shaken("pier-p1", constants, s * ground, DT) for s in (1.0, -1.0))
-    for part in ("q", "v", "a", "hinge0"):
-        assert_allclose(other.get(part), -one.get(part), atol=1e-12 * np.abs(one.get(part)).max())
-    assert_allclose(other.get("layers0"), one.get("layers0"), rtol=tol.LOOP)
+    for there, back in (
+        *zip(one.rows[1:4], other.rows[1:4], strict=True),
+        (one.hinge()["moment"], other.hinge()["moment"]),
+    ):
+        assert_allclose(back, -there, atol=1e-12 * np.abs(there).max())
+    assert_allclose(other.rows.layers[0], one.rows.layers[0], rtol=tol.LOOP)
 
 
 def test_similitude_of_the_specimen() -> None:
@@ -209,12 +204,12 @@ def test_similitude_of_the_specimen() -> None:
         shaken(structure, small, ground, DT),
         shaken(full, linear_bearing(188.0), ground, DT),
     )
-    largest = np.abs(two.get("q")).max()
-    assert_allclose(one.get("q"), two.get("q"), atol=tol.SAME_MOTION * largest)
+    largest = np.abs(two.rows.q).max()
+    assert_allclose(one.rows.q, two.rows.q, atol=tol.SAME_MOTION * largest)
     assert_allclose(
-        36.0 * one.get("bearing0")[:, FORCE],
-        two.get("bearing0")[:, FORCE],
-        atol=tol.SAME_MOTION * np.abs(two.get("bearing0")[:, FORCE]).max(),
+        36.0 * one.bearing()["force"],
+        two.bearing()["force"],
+        atol=tol.SAME_MOTION * np.abs(two.bearing()["force"]).max(),
     )
 
 
@@ -223,13 +218,13 @@ def test_pseudo_dynamic_specimen_has_its_own_clock() -> None:
     constants = real_bearing("shen-hdr-specimen")
     ground = ground_of("jra-ii-ii-1", DT, 20.0)
     _, slow = shaken("hybrid-pier", constants, ground, DT, method="predictor-corrector", speed=10.0)
-    bearing = slow.get("bearing0")
-    way = np.abs(np.diff(bearing[:, DISPLACEMENT])).sum()
-    assert_allclose(bearing[-1, 0], way / 10.0, rtol=1e-4)
-    assert bearing[-1, 0] > 2.0 * slow.get("books")[-1, CLOCK]
+    bearing = slow.bearing()
+    way = np.abs(np.diff(bearing["displacement"])).sum()
+    assert_allclose(bearing[-1].clock, way / 10.0, rtol=1e-4)
+    assert bearing[-1].clock > 2.0 * slow.rows.books[-1].clock
     _, fast = shaken("hybrid-pier", constants, ground, DT, method="predictor-corrector")
-    assert_allclose(fast.get("bearing0")[:, 0], fast.get("books")[:, CLOCK], atol=1e-9)
-    warm = [float(h.get("layers0")[:, 0].max()) for h in (slow, fast)]
+    assert_allclose(fast.bearing()["clock"], fast.rows.books["clock"], atol=1e-9)
+    warm = [float(h.rows.layers[0][:, 0].max()) for h in (slow, fast)]
     assert warm[0] < warm[1]  # more time to cool
 
 
@@ -242,15 +237,15 @@ def test_delay_and_noise() -> None:
     peaks = {}
     for delay in (0.0, 0.01, 0.02):
         _, late = shaken("hybrid-pier", constants, ground, DT, method=method, delay=delay)
-        shift = late.get("bearing0")[:, DISPLACEMENT]
-        peaks[delay] = float(np.abs(late.get("q")).max())
+        shift = late.bearing()["displacement"]
+        peaks[delay] = float(np.abs(late.rows.q).max())
         assert late.outcome == "completed"
         assert np.abs(shift).max() > 0.0
-    assert peaks[0.0] == float(np.abs(plain.get("q")).max())
+    assert peaks[0.0] == float(np.abs(plain.rows.q).max())
     assert peaks[0.02] > peaks[0.01] > peaks[0.0]
     noise = 2.0 * np.random.default_rng(1).standard_normal(len(ground) - 1)
     _, noisy = shaken("hybrid-pier", constants, ground, DT, method=method, noise=noise)
-    difference = np.abs(noisy.get("q") - plain.get("q")).max() / np.abs(plain.get("q")).max()
+    difference = np.abs(noisy.rows.q - plain.rows.q).max() / np.abs(plain.rows.q).max()
     assert 1e-5 < difference < 0.05
 
 
@@ -268,7 +263,8 @@ def test_failure_is_a_typed_outcome() -> None:
     constants = real_bearing("shen-hdr-bridge")
     _, history = shaken("pier-p1", constants, ground, 0.1, method="predictor-corrector")
     assert history.outcome in ("diverged", "no_equilibrium", "not_finite", "temperature_runaway")
-    assert np.isfinite(history.rows).all()
+    assert all(np.isfinite(values).all() for values in (history.rows.q, history.rows.a))
+    assert np.isfinite(numbers(history.bearing())).all()
     assert history.steps < len(ground) - 1
 
 
@@ -279,8 +275,8 @@ def test_bearing_is_the_same_as_in_a_cyclic_test() -> None:
     ground = ground_of("jra-ii-i-1", DT, 10.0)
     constants = real_bearing("shen-lhdr-bridge")
     _, history = shaken("pier-p1", constants, ground, DT)
-    bearing = history.get("bearing0")
+    bearing = history.bearing()
     element = BearingElement.from_constants(constants, AMBIENT)
-    for x, force in zip(bearing[1:, DISPLACEMENT], bearing[1:, FORCE], strict=True):
+    for x, force in zip(bearing["displacement"][1:], bearing["force"][1:], strict=True):
         assert element.set_trial(float(x), DT, AMBIENT).force == force
         element.commit()

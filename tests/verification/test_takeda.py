@@ -7,43 +7,39 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
 from tests import tolerances as tol
-from thermobearing.core.types import Floats
-from thermobearing.structure.takeda import NEVER_TURNED, takeda
-from thermobearing.structure.types import (
-    HIGHEST,
-    HINGE_STATE,
-    LOWEST,
-    MOMENT,
-    TURNED_HIGH,
-    TURNED_LOW,
-)
+from thermobearing.core.records import Floats, Rows, filled
+from thermobearing.structure.takeda import straight_hinges, takeda
+from thermobearing.structure.types import Hinge, HingeState
 
 YIELD, STIFFNESS = 0.002, 1e4  # rad, kN mm/rad: yields at 20
 EXPONENT = 0.5
 
 
-def hinge(hardening: float = 0.0, exponent: float = EXPONENT) -> Floats:
-    return np.array([[STIFFNESS, YIELD, hardening, exponent]])
+def hinge(hardening: float = 0.0, exponent: float = EXPONENT) -> Rows[Hinge]:
+    return filled(
+        Hinge,
+        initial=STIFFNESS,
+        yield_rotation=YIELD,
+        hardening=hardening,
+        unloading=exponent,
+    )
 
 
-def virgin() -> Floats:
-    state = np.zeros((1, HINGE_STATE))
-    state[0, [HIGHEST, LOWEST]] = YIELD, -YIELD
-    state[0, [TURNED_HIGH, TURNED_LOW]] = NEVER_TURNED, -NEVER_TURNED
-    return state
+def turned(constants: Rows[Hinge], state: HingeState, rotation: float) -> tuple[HingeState, float]:
+    """The hinge after an increment, and its tangent."""
+    new = straight_hinges(constants)
+    return new, takeda(constants, state, 0, rotation, new)
 
 
-def walk(constants: Floats, rotations: Floats, parts: int = 1) -> tuple[Floats, Floats]:
+def walk(constants: Rows[Hinge], rotations: Floats, parts: int = 1) -> tuple[Floats, Floats]:
     """Moments and tangents at the rotations, each leg in so many equal increments."""
-    state, here = virgin(), 0.0
+    state, here = straight_hinges(constants), 0.0
     moments, slopes = [], []
     for end in rotations:
         for target in np.linspace(here, end, parts + 1)[1:]:
-            new = state.copy()
-            slope = takeda(constants, state, 0, float(target), new)
-            state = new
+            state, slope = turned(constants, state, float(target))
         here = end
-        moments.append(state[0, MOMENT])
+        moments.append(state.bends[0].moment)
         slopes.append(slope)
     return np.array(moments), np.array(slopes)
 
@@ -121,15 +117,16 @@ def test_any_increment_mirror_and_energy(
 def test_tangent_is_the_slope() -> None:
     constants = hinge(0.02)
     rng = np.random.default_rng(3)
-    state = virgin()
+    state = straight_hinges(constants)
     for target in YIELD * rng.uniform(-6.0, 6.0, 60):
         for part in np.linspace(0.0, 1.0, 8)[1:]:
-            rotation = float((1.0 - part) * state[0, 0] + part * target)
-            if rotation == state[0, 0]:
+            here = state.bends[0].rotation
+            rotation = float((1.0 - part) * here + part * target)
+            if rotation == here:
                 continue
-            new, near = state.copy(), state.copy()
-            slope = takeda(constants, state, 0, rotation, new)
-            step = 1e-9 * np.sign(rotation - state[0, 0])
-            takeda(constants, state, 0, rotation - step, near)
-            assert_allclose((new[0, MOMENT] - near[0, MOMENT]) / step, slope, atol=1e-3 * STIFFNESS)
+            new, slope = turned(constants, state, rotation)
+            step = 1e-9 * np.sign(rotation - here)
+            near, _ = turned(constants, state, rotation - step)
+            difference = (new.bends[0].moment - near.bends[0].moment) / step
+            assert_allclose(difference, slope, atol=1e-3 * STIFFNESS)
             state = new

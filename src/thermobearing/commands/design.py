@@ -28,7 +28,9 @@ def design(
     ] = None,
     start: Annotated[float | None, typer.Option(help="First displacement u_B [mm].")] = None,
     compound: Annotated[str | None, typer.Option(help="G8, G10 or G12.")] = None,
-    kind: Annotated[str | None, typer.Option(help="HDR or HDR-S.")] = None,
+    kind: Annotated[
+        str | None, typer.Option("--compound-kind", "--kind", help="HDR or HDR-S.")
+    ] = None,
     motion: Motions = None,
     weight: Annotated[float | None, typer.Option(help="Load of one bearing [kN].")] = None,
     tolerance: Annotated[

@@ -26,7 +26,11 @@ def lambda_(
     ],
     reference: Annotated[
         float | None,
-        typer.Option(help="Reference temperature [degC]; that of the bearing's rubber by default."),
+        typer.Option(
+            "--reference-temperature",
+            "--reference",
+            help="Reference [degC]; that of the bearing's rubber by default.",
+        ),
     ] = None,
     temperature: Annotated[
         list[float] | None, typer.Option(help="May be repeated; -40 to 40 in steps of 10.")

@@ -28,7 +28,7 @@ def identify(
     tests: Annotated[list[Path], typer.Argument(help="Tests: CSV files or their TOML sidecars.")],
     start: Annotated[
         str | None,
-        typer.Option(help="Bearing: geometry, fixed values.", metavar="NAME/FILE"),
+        typer.Option("--bearing", "--start", help="Geometry, fixed values.", metavar="NAME/FILE"),
     ] = None,
     free: Annotated[
         str | None, typer.Option(help="Free parameters, such as K_r,d_y or n_T=2.4*m_T.")
@@ -77,7 +77,7 @@ def identify(
     bearing = bearing_of(records, start)
     if bearing is None and not check:
         raise InputError(
-            "which bearing? give --start NAME/FILE, or bearing = ... in the sidecar: a fit needs "
+            "which bearing? give --bearing NAME/FILE, or bearing = ... in the sidecar: a fit needs "
             "its geometry and materials (thermobearing list names the built-in ones)"
         )
     kind = "check" if check else "identify"

@@ -1,13 +1,14 @@
 """How the scalar functions become machine code, and where that code is kept.
 
 One decorator, `compiled`, so that every kernel is compiled the same way. The machine code
-is cached on disk under a folder named after a hash of all sources with kernels: numba itself
-notices a change of the decorated function's own file only, and would happily run a stale
-copy of a function imported from another file.
+is cached on disk under a folder named after a hash of all sources that kernels are made of:
+numba itself notices a change of the decorated function's own file only, and would happily run
+a stale copy of a function or a number imported from another file.
 """
 
 import hashlib
 import os
+import tempfile
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -15,26 +16,72 @@ from typing import Any, TypeVar, cast
 
 import numba
 
+# Every file with kernels, and every file that they take functions, numbers or records from;
+# folders stand for all their files. A test compares this with what the kernels import.
+KERNELS = (
+    "core",
+    "structure/books.py",
+    "structure/dense.py",
+    "structure/forces.py",
+    "structure/newmark.py",
+    "structure/predictor.py",
+    "structure/takeda.py",
+    "structure/types.py",
+    "motions/spectrum.py",
+)
+
+ROOM = 20_000_000  # for the machine code of all kernels, and some more [bytes]
+
 F = TypeVar("F", bound=Callable[..., Any])
+
+
+def kernel_files() -> list[Path]:
+    """The files of KERNELS."""
+    package = Path(__file__).parents[1]
+    found: list[Path] = []
+    for part in KERNELS:
+        place = package / part
+        found += sorted(place.rglob("*.py")) if place.is_dir() else [place]
+    return found
 
 
 @cache
 def cache_directory() -> Path | None:
     """Folder for the compiled code of exactly these sources, or None if none can be written."""
     digest = hashlib.sha256(f"{numba.__version__}".encode())
-    package = Path(__file__).parents[1]
-    for part in ("core", "motions", "structure"):
-        for source in sorted((package / part).rglob("*.py")):
-            digest.update(source.read_bytes())
-    base = os.environ.get("NUMBA_CACHE_DIR") or os.path.join(
-        os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache"), "thermobearing"
-    )
-    folder = Path(base) / digest.hexdigest()[:16]
+    for source in kernel_files():
+        digest.update(source.read_bytes())
+    base = _base()
+    folder = base / digest.hexdigest()[:16] if base else None
+    return folder if folder and _has_room(folder) else None
+
+
+def _base() -> Path | None:
+    """The user's folder for what can be made again; None where there is no home."""
+    given = os.environ.get("NUMBA_CACHE_DIR")
+    if given:
+        return Path(given)
+    cache = os.environ.get("XDG_CACHE_HOME")
+    try:
+        home = Path(cache) if cache else Path.home() / ".cache"
+    except RuntimeError:
+        return None
+    return home / "thermobearing" if home.is_absolute() else None
+
+
+def _has_room(folder: Path) -> bool:
+    """Whether the machine code can be written there: not if read-only, not if the disk is full.
+
+    Numba would end the run when it cannot.
+    """
     try:
         folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder) as trial:
+            if hasattr(os, "posix_fallocate"):
+                os.posix_fallocate(trial.fileno(), 0, ROOM)
     except OSError:
-        return None
-    return folder if os.access(folder, os.W_OK) else None
+        return False
+    return True
 
 
 def compiled(function: F) -> F:

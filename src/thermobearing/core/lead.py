@@ -10,18 +10,12 @@ import math
 from thermobearing.core.compile import compiled
 from thermobearing.core.lead_ends import exchange_at_ends
 from thermobearing.core.types import (
-    CAPACITY,
-    CHANGE,
-    CLOCK,
-    CORE_FORCE,
     HEAT_FROM_DISSIPATION,
-    IDLE,
-    LEAD_END,
-    LEAD_SIDE,
-    LEAD_TEMPERATURE,
-    Floats,
-    Ints,
+    Branches,
+    Constants,
     Lead,
+    State,
+    Workspace,
 )
 
 STRENGTH_ITERATIONS = 20
@@ -102,22 +96,22 @@ def core_force(
 
 
 @compiled
-def run_clock(lead: Lead, old: Floats, dx: float, dt: float, new: Floats) -> float:
+def run_clock(lead: Lead, old: Branches, dx: float, dt: float, new: Branches) -> float:
     """Advance the clock of the motion; returns t+ at the start of the step.
 
     A pause as long as the half-space takes to recover (t+ of the pause = 1) stops it: the
     next motion starts it again from zero.
     """
-    start: float = old[CLOCK]
-    idle: float = old[IDLE]
+    start = old.clock
+    idle = old.idle
     if dx != 0.0:
         if idle * lead.clock_rate >= 1.0:
             start = 0.0
         idle = 0.0
     else:
         idle += dt
-    new[CLOCK] = start + dt
-    new[IDLE] = idle
+    new.clock = start + dt
+    new.idle = idle
     return start * lead.clock_rate
 
 
@@ -132,12 +126,9 @@ def phi(z: float) -> tuple[float, float]:
 
 @compiled
 def exchange(
-    lead: Lead,
-    rates: Floats,
-    lead_cells: Ints,
-    temperature: Floats,
-    cells: Floats,
-    lead_temperature: float,
+    constants: Constants,
+    work: Workspace,
+    state: State,
     heat: float,
     ends: float,
     sides: float,
@@ -145,39 +136,42 @@ def exchange(
 ) -> float:
     """Heat the cores (all of them: `heat` [kN mm]) and let them exchange heat with the steel.
 
-    What the cores lose, the plate cells gain (into row CHANGE). The cores' excess over the
+    What the cores lose, the plate cells gain (into `change`). The cores' excess over the
     cells they touch relaxes exponentially, exactly for two bodies, so any step is stable.
     Returns the lead temperature at the end [degC]; `ends` and `sides` are the means of 1/F
     and t+^{-1/3} over the step.
     """
+    lead, touching = constants.lead, constants.lead_cells
+    capacities, temperature = constants.cells.capacity, state.temperature
+    lead_temperature = state.branches[0].lead_temperature
     conductance = 0.0
     towards = 0.0
     touched = 0.0
-    for i in lead_cells:
-        g = rates[LEAD_END, i] * ends + rates[LEAD_SIDE, i] * sides
+    for k in range(len(touching)):
+        i = touching[k].cell
+        g = touching[k].end * ends + touching[k].side * sides
         conductance += g
         towards += g * temperature[i]
-        touched += rates[CAPACITY, i]
+        touched += capacities[i]
     capacity = lead.cores * lead.capacity
     if conductance == 0.0:
         return lead_temperature + heat / capacity
     mean = towards / conductance
     decay, heating = phi(dt * conductance * (1.0 / capacity + 1.0 / touched))
     passed = dt * conductance * ((lead_temperature - mean) * decay + heat / capacity * heating)
-    for i in lead_cells:
-        g = rates[LEAD_END, i] * ends + rates[LEAD_SIDE, i] * sides
+    for k in range(len(touching)):
+        i = touching[k].cell
+        g = touching[k].end * ends + touching[k].side * sides
         gained = g * dt * (mean - temperature[i]) + passed * g / conductance
-        cells[CHANGE, i] += gained / rates[CAPACITY, i]
+        work.cells.change[i] += gained / capacities[i]
     return lead_temperature + (heat - passed) / capacity
 
 
 @compiled
 def published_exchange(
-    lead: Lead,
-    rates: Floats,
-    lead_cells: Ints,
-    cells: Floats,
-    lead_temperature: float,
+    constants: Constants,
+    work: Workspace,
+    state: State,
     heat: float,
     ends: float,
     sides: float,
@@ -190,52 +184,50 @@ def published_exchange(
     warmed with the lead's c rho; the reference is the ambient. Explicit in time as printed,
     in substeps where the printed step would be unstable (long rests).
     """
+    lead, touching = constants.lead, constants.lead_cells
     volume = lead.capacity  # c rho V of one core
     whole = lead.cores * lead.end_conductance * ends * 2.0 + lead.side_conductance * sides
     loss = dt * whole / volume
     substeps = max(1.0, math.ceil(loss / SUBSTEP))
     keep: float = (1.0 - loss / substeps) ** substeps
-    above = lead_temperature - ambient
+    above = state.branches[0].lead_temperature - ambient
     mean = above if loss == 0.0 else above * (1.0 - keep) / loss
-    for i in lead_cells:
-        g = rates[LEAD_END, i] * ends + rates[LEAD_SIDE, i] * sides
+    for k in range(len(touching)):
+        i = touching[k].cell
+        g = touching[k].end * ends + touching[k].side * sides
         theta = dt * g / (lead.fold * volume)
-        cells[CHANGE, i] += lead.cores * theta * mean
+        work.cells.change[i] += lead.cores * theta * mean
     return ambient + above * keep + heat / (lead.cores * lead.capacity)
 
 
 @compiled
 def lead_step(
-    lead: Lead,
-    rates: Floats,
-    lead_cells: Ints,
-    modes: Floats,
-    temperature: Floats,
-    cells: Floats,
-    old: Floats,
-    new: Floats,
-    source: int,
+    constants: Constants,
+    work: Workspace,
+    state: State,
+    new: State,
     dx: float,
     dt: float,
     ambient: float,
 ) -> float:
     """Clock, heat and temperature of the cores after a step; returns their heat [kN mm].
 
-    The forces of the step are in `old` and `new` already. `modes` are the factors of the finite
-    plate (core/lead_ends.py), without columns where the half-space formula is wanted.
+    The forces of the step are in `state` and `new` already. With the terms of a finite plate
+    (core/lead_ends.py) the half-space formula and its clock are left out.
     """
-    heat = lead.cores * core_heat(lead, source, old[CORE_FORCE], new[CORE_FORCE], dx)
-    if modes.shape[1] > 0:
-        exchange_at_ends(lead, rates, lead_cells, modes, temperature, cells, old, heat, dt, new)
+    lead, old, after = constants.lead, state.branches[0], new.branches[0]
+    source = constants.heat_source
+    heat = lead.cores * core_heat(lead, source, old.core_force, after.core_force, dx)
+    if len(work.lead_modes) > 0:
+        exchange_at_ends(constants, work, state, new, heat, dt)
         return heat
-    start = run_clock(lead, old, dx, dt, new)
+    start = run_clock(lead, old, dx, dt, after)
     end = start + dt * lead.clock_rate
     ends = end_factor(start, end)
     sides = 0.0 if lead.side_conductance == 0.0 else side_factor(start, end)
-    t = old[LEAD_TEMPERATURE]
     if lead.published:
-        t = published_exchange(lead, rates, lead_cells, cells, t, heat, ends, sides, dt, ambient)
+        t = published_exchange(constants, work, state, heat, ends, sides, dt, ambient)
     else:
-        t = exchange(lead, rates, lead_cells, temperature, cells, t, heat, ends, sides, dt)
-    new[LEAD_TEMPERATURE] = t
+        t = exchange(constants, work, state, heat, ends, sides, dt)
+    after.lead_temperature = t
     return heat

@@ -11,74 +11,56 @@ with q the heat flow of one core into one plate.
 import math
 
 from thermobearing.core.compile import compiled
-from thermobearing.core.types import (
-    CAPACITY,
-    CHANGE,
-    GAIN,
-    KEPT,
-    LEAD_ROWS,
-    LEAD_TEMPERATURE,
-    RELAXATION,
-    RESISTANCE,
-    Floats,
-    Ints,
-    Lead,
-)
+from thermobearing.core.records import Rows
+from thermobearing.core.types import Constants, Mode, ModeWork, State, Workspace
 
 
 @compiled
-def factor_modes(lead_modes: Floats, dt: float, factors: Floats) -> None:
+def factor_modes(lead_modes: Rows[Mode], dt: float, factors: Rows[ModeWork]) -> None:
     """What each term keeps over dt [s], and what it gains from a constant flow."""
-    for k in range(lead_modes.shape[1]):
-        factors[KEPT, k] = math.exp(-dt / lead_modes[RELAXATION, k])
-        gained = -math.expm1(-dt / lead_modes[RELAXATION, k])
-        factors[GAIN, k] = lead_modes[RESISTANCE, k] * gained
+    for k in range(len(lead_modes)):
+        factors[k].kept = math.exp(-dt / lead_modes[k].relaxation)
+        gained = -math.expm1(-dt / lead_modes[k].relaxation)
+        factors[k].gain = lead_modes[k].resistance * gained
 
 
 @compiled
 def exchange_at_ends(
-    lead: Lead,
-    rates: Floats,
-    lead_cells: Ints,
-    factors: Floats,
-    temperature: Floats,
-    cells: Floats,
-    old: Floats,
-    heat: float,
-    dt: float,
-    new: Floats,
+    constants: Constants, work: Workspace, state: State, new: State, heat: float, dt: float
 ) -> None:
     """Heat all cores by `heat` [kN mm]; they and the plates under them exchange heat.
 
     The flow q is constant over the step, and such that the excess of the lead agrees with the
     terms at its end: implicit in lead, plate and terms, so any step is stable. What the cores
-    lose, the plate cells gain (into row CHANGE).
+    lose, the plate cells gain (into `change`).
     """
-    terms = factors.shape[1]
+    lead, rates, lead_cells = constants.lead, constants.cells, constants.lead_cells
+    factors, temperature = work.lead_modes, state.temperature
+    terms = len(factors)
     gain = 0.0
     for k in range(terms):
-        gain += factors[GAIN, k]
+        gain += factors[k].gain
     share = dt * lead.fold / lead.capacity  # of one modelled end, in the temperature of the lead
     ease = 0.0
     towards = 0.0
     for e in range(len(lead_cells)):
-        i = lead_cells[e]
+        i = lead_cells[e].cell
         base: float = temperature[i]
-        for k in range(LEAD_ROWS + e * terms, LEAD_ROWS + (e + 1) * terms):
-            new[k] = factors[KEPT, k - LEAD_ROWS - e * terms] * old[k]
-            base += new[k]
-        resistance = gain + dt * lead.fold * lead.cores / rates[CAPACITY, i]
+        for k in range(e * terms, (e + 1) * terms):
+            new.ends[k] = factors[k - e * terms].kept * state.ends[k]
+            base += new.ends[k]
+        resistance = gain + dt * lead.fold * lead.cores / rates.capacity[i]
         ease += 1.0 / resistance
         towards += base / resistance
-    warmed = old[LEAD_TEMPERATURE] + heat / (lead.cores * lead.capacity)
+    warmed = state.branches[0].lead_temperature + heat / (lead.cores * lead.capacity)
     t = (warmed + share * towards) / (1.0 + share * ease)
     for e in range(len(lead_cells)):
-        i = lead_cells[e]
+        i = lead_cells[e].cell
         base = temperature[i]
-        for k in range(LEAD_ROWS + e * terms, LEAD_ROWS + (e + 1) * terms):
-            base += new[k]
-        q = (t - base) / (gain + dt * lead.fold * lead.cores / rates[CAPACITY, i])
+        for k in range(e * terms, (e + 1) * terms):
+            base += new.ends[k]
+        q = (t - base) / (gain + dt * lead.fold * lead.cores / rates.capacity[i])
         for k in range(terms):
-            new[LEAD_ROWS + e * terms + k] += factors[GAIN, k] * q
-        cells[CHANGE, i] += dt * lead.fold * lead.cores * q / rates[CAPACITY, i]
-    new[LEAD_TEMPERATURE] = t
+            new.ends[e * terms + k] += factors[k].gain * q
+        work.cells.change[i] += dt * lead.fold * lead.cores * q / rates.capacity[i]
+    new.branches[0].lead_temperature = t

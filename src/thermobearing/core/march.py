@@ -1,37 +1,22 @@
 """Many coupled steps in a row, with the rows that the user asked to keep."""
 
-import numpy as np
-from numpy.typing import NDArray
-
 from thermobearing.core.compile import compiled
+from thermobearing.core.records import Floats
 from thermobearing.core.step import layer_temperature, step
-from thermobearing.core.types import (
-    BOOKS,
-    COMPLETED,
-    MISMATCH,
-    SOFTENED,
-    Constants,
-    D,
-    Floats,
-    Ints,
-    State,
-    Workspace,
-    Z,
-)
+from thermobearing.core.types import COMPLETED, SOFTENED, Constants, Kept, Path, State, Workspace
 
 
 @compiled
 def copy_state(source: State, target: State) -> None:
     """Overwrite `target` with `source`."""
-    for row in range(source.layers.shape[0]):
-        for j in range(source.layers.shape[1]):
-            target.layers[row, j] = source.layers[row, j]
+    for j in range(len(source.layers)):
+        target.layers[j] = source.layers[j]
     for i in range(len(source.temperature)):
         target.temperature[i] = source.temperature[i]
-    for i in range(len(source.lead)):
-        target.lead[i] = source.lead[i]
-    for i in range(len(source.books)):
-        target.books[i] = source.books[i]
+    target.branches[0] = source.branches[0]
+    for i in range(len(source.ends)):
+        target.ends[i] = source.ends[i]
+    target.books[0] = source.books[0]
 
 
 @compiled
@@ -44,15 +29,17 @@ def farthest_from(temperature: Floats, ambient: float) -> float:
 
 
 @compiled
-def write_row(layer_cells: Ints, state: State, row: Floats) -> None:
-    """One kept row: books, layer temperatures, layer displacements, Z."""
-    layers = state.layers.shape[1]
-    for k in range(BOOKS):
-        row[k] = state.books[k]
-    for j in range(layers):
-        row[BOOKS + j] = layer_temperature(layer_cells, state.temperature, j)
-        row[BOOKS + layers + j] = state.layers[D, j]
-        row[BOOKS + 2 * layers + j] = state.layers[Z, j]
+def keep_row(constants: Constants, state: State, kept: Kept, row: int) -> None:
+    """Write what is wanted of a state into one row."""
+    kept.books[row] = state.books[0]
+    for j in range(kept.rubber.shape[1]):
+        kept.rubber[row, j] = layer_temperature(constants.layer_cells, state.temperature, j)
+    for j in range(kept.layer_displacement.shape[1]):
+        kept.layer_displacement[row, j] = state.layers[j].d
+    for j in range(kept.hysteretic.shape[1]):
+        kept.hysteretic[row, j] = state.layers[j].z
+    for i in range(kept.cells.shape[1]):
+        kept.cells[row, i] = state.temperature[i]
 
 
 @compiled
@@ -61,27 +48,16 @@ def march(
     work: Workspace,
     state: State,
     spare: State,
-    x: Floats,
-    dt: Floats,
-    ambient: Floats,
-    keep: NDArray[np.bool_],
-    settled: float,
-    columns: Ints,
-    row: Floats,
-    rows: Floats,
-    cells: NDArray[np.floating],
+    path: Path,
+    rows: Kept,
 ) -> tuple[int, int, int, int, float]:
-    """Step through the displacements x [mm] with steps dt [s].
+    """Step through the displacements of a path.
 
     Parameters
     ----------
     state : start, and on return the last good step. `spare` is a second state to work in.
-    ambient : mean ambient temperature of each step [degC].
-    keep : whether the step's end is to be kept as a row of `rows` and `cells`.
-    columns : which columns of `write_row` go into `rows`; `row` is scratch for one of them.
-    cells : cell temperatures of the kept rows, single or double precision; no columns if
-        they are not wanted.
-    settled : stop once every cell is this close to the ambient [K]; 0 never stops early.
+    path : displacements, time steps, ambient temperatures, and which ends of steps to keep.
+    rows : where those go.
 
     Returns
     -------
@@ -94,22 +70,19 @@ def march(
     start = state
     outcome = COMPLETED
     done = 0
-    for i in range(len(x)):
-        _, _, outcome = step(constants, work, start, x[i], dt[i], ambient[i], spare)
+    for i in range(len(path.x)):
+        ambient = path.ambient[i]
+        _, _, outcome = step(constants, work, start, path.x[i], path.dt[i], ambient, spare)
         if outcome != COMPLETED and outcome != SOFTENED:
             break
         start, spare = spare, start
         done += 1
         if outcome == SOFTENED:
             softened += 1
-        mismatch = max(mismatch, start.books[MISMATCH])
-        settle = settled > 0.0 and farthest_from(start.temperature, ambient[i]) <= settled
-        if keep[i] or settle:
-            write_row(constants.layer_cells, start, row)
-            for k in range(len(columns)):
-                rows[kept, k] = row[columns[k]]
-            for k in range(cells.shape[1]):
-                cells[kept, k] = start.temperature[k]
+        mismatch = max(mismatch, start.books[0].layer_force_mismatch)
+        settle = path.settled > 0.0 and farthest_from(start.temperature, ambient) <= path.settled
+        if path.keep[i] or settle:
+            keep_row(constants, start, rows, kept)
             kept += 1
         if settle:
             break

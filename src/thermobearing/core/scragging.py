@@ -19,30 +19,31 @@ step: force and tangent of the step are what they are for constant stiffness.
 import math
 
 from thermobearing.core.compile import compiled
-from thermobearing.core.types import ELASTIC, FARTHEST, HYSTERETIC, VIRGIN, D, Floats, Rubber
+from thermobearing.core.records import Rows
+from thermobearing.core.types import Layer, LayerWork, Rubber
 
 
 @compiled
-def stiffen(rubber: Rubber, layers: Floats, work: Floats) -> None:
+def stiffen(rubber: Rubber, layers: Rows[Layer], work: LayerWork) -> None:
     """Multiply both stiffness terms of every layer by what is left of its virgin stiffness."""
-    for j in range(work.shape[1]):
-        factor = 1.0 + rubber.mullins_amplitude * layers[VIRGIN, j]
-        unstrained = math.exp(-layers[FARTHEST, j] / rubber.scragging_displacement)
-        work[ELASTIC, j] *= factor
-        work[HYSTERETIC, j] *= factor * factor * (1.0 + rubber.scragging_amplitude * unstrained)
+    for j in range(len(work.trial)):
+        factor = 1.0 + rubber.mullins_amplitude * layers[j].virgin
+        unstrained = math.exp(-layers[j].farthest / rubber.scragging_displacement)
+        work.elastic[j] *= factor
+        work.hysteretic[j] *= factor * factor * (1.0 + rubber.scragging_amplitude * unstrained)
 
 
 @compiled
-def wear(rubber: Rubber, old: Floats, new: Floats) -> None:
+def wear(rubber: Rubber, old: Rows[Layer], new: Rows[Layer]) -> None:
     """Largest displacement and virgin share after a step."""
-    for j in range(old.shape[1]):
-        before = old[FARTHEST, j]
-        largest = max(before, abs(new[D, j]))
-        v = old[VIRGIN, j]
+    for j in range(len(old)):
+        before = old[j].farthest
+        largest = max(before, abs(new[j].d))
+        v = old[j].virgin
         if largest > 0.0:
-            travel = abs(new[D, j] - old[D, j]) / largest
+            travel = abs(new[j].d - old[j].d) / largest
             v *= math.exp(-travel / rubber.mullins_decay)
             growth = (largest - before) / largest
             v = 1.0 - (1.0 - v) * math.exp(-growth / rubber.mullins_renewal)
-        new[FARTHEST, j] = largest
-        new[VIRGIN, j] = v
+        new[j].farthest = largest
+        new[j].virgin = v

@@ -25,24 +25,17 @@ import math
 
 from thermobearing.core.compile import compiled
 from thermobearing.core.hysteresis import euler_increment, exact_increment, hysteretic_slope
+from thermobearing.core.records import Floats, Rows
 from thermobearing.core.types import (
     COMPLETED,
-    DIRECTION,
-    ELASTIC,
     EULER,
     EULER_UNSTABLE,
-    HYSTERETIC,
-    LAYER_FORCE,
     NOT_CONVERGED,
     NOT_FINITE,
-    SLOPE,
     SOFTENED,
-    TANGENT,
-    TRIAL,
-    D,
-    Floats,
+    Layer,
+    LayerWork,
     Rubber,
-    Z,
 )
 
 PLAIN_NEWTON = 10  # iterations before each Newton step is searched along its line
@@ -88,30 +81,30 @@ def layer_law(
 
 @compiled
 def evaluate(
-    rubber: Rubber, old: Floats, work: Floats, mean: float, w: float, new: Floats
+    rubber: Rubber, old: Rows[Layer], work: LayerWork, mean: float, w: float, new: Rows[Layer]
 ) -> float:
     """Forces and tangents of all layers at the trial, their Z into `new`; min tangent / ke."""
     smallest = math.inf
-    for j in range(old.shape[1]):
-        ke = work[ELASTIC, j]
+    for j in range(len(old)):
+        ke = work.elastic[j]
         force, tangent, z, slope = layer_law(
-            rubber, ke, work[HYSTERETIC, j], old[D, j], old[Z, j], work[TRIAL, j], mean, w
+            rubber, ke, work.hysteretic[j], old[j].d, old[j].z, work.trial[j], mean, w
         )
-        work[LAYER_FORCE, j] = force
-        work[TANGENT, j] = tangent
-        work[SLOPE, j] = slope
-        new[Z, j] = z
+        work.force[j] = force
+        work.tangent[j] = tangent
+        work.slope[j] = slope
+        new[j].z = z
         smallest = min(smallest, tangent / ke)
     return smallest
 
 
 @compiled
-def weight_for_margin(rubber: Rubber, work: Floats, new: Floats) -> float:
+def weight_for_margin(rubber: Rubber, work: LayerWork, new: Rows[Layer]) -> float:
     """Smallest w that lifts each layer tangent, evaluated at w = 0, to the margin."""
     w = 0.0
-    for j in range(work.shape[1]):
-        softening = -2.0 * rubber.hardening * work[TRIAL, j] * work[HYSTERETIC, j] * new[Z, j]
-        short = rubber.sharing_margin * work[ELASTIC, j] - work[TANGENT, j]
+    for j in range(len(work.trial)):
+        softening = -2.0 * rubber.hardening * work.trial[j] * work.hysteretic[j] * new[j].z
+        short = rubber.sharing_margin * work.elastic[j] - work.tangent[j]
         if softening > 0.0 and short > 0.0:
             w = max(w, short / softening)
     return min(w, 1.0)
@@ -119,22 +112,33 @@ def weight_for_margin(rubber: Rubber, work: Floats, new: Floats) -> float:
 
 @compiled
 def line_slope(
-    rubber: Rubber, multiplicity: Floats, old: Floats, work: Floats, mean: float, w: float, a: float
+    rubber: Rubber,
+    multiplicity: Floats,
+    old: Rows[Layer],
+    work: LayerWork,
+    mean: float,
+    w: float,
+    a: float,
 ) -> float:
     """Slope, along the Newton direction, of the convex energy that sharing minimises."""
     slope = 0.0
-    for j in range(old.shape[1]):
-        d = work[TRIAL, j] + a * work[DIRECTION, j]
+    for j in range(len(old)):
+        d = work.trial[j] + a * work.direction[j]
         force, _, _, _ = layer_law(
-            rubber, work[ELASTIC, j], work[HYSTERETIC, j], old[D, j], old[Z, j], d, mean, w
+            rubber, work.elastic[j], work.hysteretic[j], old[j].d, old[j].z, d, mean, w
         )
-        slope += multiplicity[j] * force * work[DIRECTION, j]
+        slope += multiplicity[j] * force * work.direction[j]
     return slope
 
 
 @compiled
 def search(
-    rubber: Rubber, multiplicity: Floats, old: Floats, work: Floats, mean: float, w: float
+    rubber: Rubber,
+    multiplicity: Floats,
+    old: Rows[Layer],
+    work: LayerWork,
+    mean: float,
+    w: float,
 ) -> float:
     """Step length in (0, 1] that clearly reduces the slope along the Newton direction."""
     start = abs(line_slope(rubber, multiplicity, old, work, mean, w, 0.0))
@@ -153,33 +157,38 @@ def search(
 
 @compiled
 def common_force(
-    rubber: Rubber, multiplicity: Floats, work: Floats, new: Floats, x: float, w: float
+    rubber: Rubber,
+    multiplicity: Floats,
+    work: LayerWork,
+    new: Rows[Layer],
+    x: float,
+    w: float,
 ) -> tuple[float, float, float]:
     """Newton's common force, its tangent at fixed w, and how far the layer forces are apart."""
     mean = x / rubber.layer_count
     compliance = 0.0
     gap = x
     by_mean = 0.0
-    for j in range(work.shape[1]):
-        per = multiplicity[j] / work[TANGENT, j]
+    for j in range(len(work.trial)):
+        per = multiplicity[j] / work.tangent[j]
         compliance += per
-        gap += per * work[LAYER_FORCE, j] - multiplicity[j] * work[TRIAL, j]
-        s = (1.0 - w) * work[TRIAL, j] + w * mean
-        by_mean += per * w * 2.0 * rubber.hardening * s * work[HYSTERETIC, j] * new[Z, j]
+        gap += per * work.force[j] - multiplicity[j] * work.trial[j]
+        s = (1.0 - w) * work.trial[j] + w * mean
+        by_mean += per * w * 2.0 * rubber.hardening * s * work.hysteretic[j] * new[j].z
     force = gap / compliance
     apart = 0.0
-    for j in range(work.shape[1]):
-        difference = force - work[LAYER_FORCE, j]
+    for j in range(len(work.trial)):
+        difference = force - work.force[j]
         apart = max(apart, abs(difference))
-        work[DIRECTION, j] = difference / work[TANGENT, j]
+        work.direction[j] = difference / work.tangent[j]
     return force, (1.0 + by_mean / rubber.layer_count) / compliance, apart
 
 
 @compiled
-def reverses(old: Floats, work: Floats, d_y: float) -> bool:
+def reverses(old: Rows[Layer], work: LayerWork, d_y: float) -> bool:
     """Whether the Newton correction turns a layer's increment round, where dZ/dd jumps."""
-    for j in range(old.shape[1]):
-        moved, by = work[TRIAL, j] - old[D, j], work[DIRECTION, j]
+    for j in range(len(old)):
+        moved, by = work.trial[j] - old[j].d, work.direction[j]
         ahead = by if moved >= 0.0 else -by
         if abs(moved) + ahead < 0.0 and abs(by) > NO_MOTION * d_y:
             return True
@@ -190,11 +199,11 @@ def reverses(old: Floats, work: Floats, d_y: float) -> bool:
 def newton(
     rubber: Rubber,
     multiplicity: Floats,
-    old: Floats,
-    work: Floats,
+    old: Rows[Layer],
+    work: LayerWork,
     x: float,
     w: float,
-    new: Floats,
+    new: Rows[Layer],
     smallest: float,
 ) -> tuple[float, float, float, int]:
     """Equal layer forces at fixed w, from the trial that `work` and `smallest` describe.
@@ -213,26 +222,32 @@ def newton(
         close = apart <= LAST_CORRECTION * (abs(force) + floor)
         if close and not reverses(old, work, rubber.yield_displacement):
             # The next iterate differs by this correction squared: take it without the law.
-            for j in range(old.shape[1]):
-                work[TRIAL, j] += work[DIRECTION, j]
-                new[Z, j] += work[SLOPE, j] * work[DIRECTION, j]
+            for j in range(len(old)):
+                work.trial[j] += work.direction[j]
+                new[j].z += work.slope[j] * work.direction[j]
             return force, tangent, smallest, COMPLETED
         a = 1.0
         if iteration >= PLAIN_NEWTON:
             a = search(rubber, multiplicity, old, work, mean, w)
-        for j in range(old.shape[1]):
-            work[TRIAL, j] += a * work[DIRECTION, j]
+        for j in range(len(old)):
+            work.trial[j] += a * work.direction[j]
         smallest = evaluate(rubber, old, work, mean, w, new)
     return force, tangent, smallest, NOT_CONVERGED
 
 
 @compiled
 def uniform_trial(
-    rubber: Rubber, old: Floats, work: Floats, step: float, mean: float, w: float, new: Floats
+    rubber: Rubber,
+    old: Rows[Layer],
+    work: LayerWork,
+    step: float,
+    mean: float,
+    w: float,
+    new: Rows[Layer],
 ) -> float:
     """Trial with the same increment in every layer; returns min tangent / ke."""
-    for j in range(old.shape[1]):
-        work[TRIAL, j] = old[D, j] + step
+    for j in range(len(old)):
+        work.trial[j] = old[j].d + step
     return evaluate(rubber, old, work, mean, w, new)
 
 
@@ -240,11 +255,11 @@ def uniform_trial(
 def tangent_trial(
     rubber: Rubber,
     multiplicity: Floats,
-    old: Floats,
-    work: Floats,
+    old: Rows[Layer],
+    work: LayerWork,
     x: float,
     step: float,
-    new: Floats,
+    new: Rows[Layer],
 ) -> float:
     """Trial from the layer tangents at the start, in the direction of motion.
 
@@ -255,31 +270,31 @@ def tangent_trial(
     sigma = 1.0 if step >= 0.0 else -1.0
     d_y = rubber.yield_displacement
     healthy = abs(step) < d_y
-    for j in range(old.shape[1]):
-        d, z = old[D, j], old[Z, j]
+    for j in range(len(old)):
+        d, z = old[j].d, old[j].z
         slope = hysteretic_slope(sigma * z, d_y, rubber.unloading_curvature)
         force, tangent = force_and_tangent(
-            rubber, work[ELASTIC, j], work[HYSTERETIC, j], d, z, slope, mean, 0.0
+            rubber, work.elastic[j], work.hysteretic[j], d, z, slope, mean, 0.0
         )
-        work[TRIAL, j] = d
-        work[LAYER_FORCE, j] = force
-        work[TANGENT, j] = tangent
-        healthy = healthy and tangent >= rubber.sharing_margin * work[ELASTIC, j]
+        work.trial[j] = d
+        work.force[j] = force
+        work.tangent[j] = tangent
+        healthy = healthy and tangent >= rubber.sharing_margin * work.elastic[j]
     if not healthy:
         return uniform_trial(rubber, old, work, step, mean, 0.0, new)
     common_force(rubber, multiplicity, work, new, x, 0.0)
-    for j in range(old.shape[1]):
-        work[TRIAL, j] += work[DIRECTION, j]
+    for j in range(len(old)):
+        work.trial[j] += work.direction[j]
     return evaluate(rubber, old, work, mean, 0.0, new)
 
 
 @compiled
-def largest_mismatch(rubber: Rubber, work: Floats, new: Floats, force: float) -> float:
+def largest_mismatch(rubber: Rubber, work: LayerWork, new: Rows[Layer], force: float) -> float:
     """Largest difference between the bearing force and a layer's unmodified law [kN]."""
     largest = 0.0
-    for j in range(work.shape[1]):
+    for j in range(len(work.trial)):
         law, _ = force_and_tangent(
-            rubber, work[ELASTIC, j], work[HYSTERETIC, j], new[D, j], new[Z, j], 0.0, 0.0, 0.0
+            rubber, work.elastic[j], work.hysteretic[j], new[j].d, new[j].z, 0.0, 0.0, 0.0
         )
         largest = max(largest, abs(law - force))
     return largest
@@ -289,11 +304,11 @@ def largest_mismatch(rubber: Rubber, work: Floats, new: Floats, force: float) ->
 def share(
     rubber: Rubber,
     multiplicity: Floats,
-    old: Floats,
-    work: Floats,
+    old: Rows[Layer],
+    work: LayerWork,
     x_old: float,
     x: float,
-    new: Floats,
+    new: Rows[Layer],
 ) -> tuple[float, float, float, float, int]:
     """Layer displacements and Z at the bearing displacement x [mm], into `new`.
 
@@ -317,9 +332,9 @@ def share(
         )
     if outcome != COMPLETED:
         return force, tangent, 0.0, w, outcome
-    for j in range(old.shape[1]):
-        new[D, j] = work[TRIAL, j]
-        if abs(new[Z, j]) > EULER_LIMIT * rubber.yield_displacement:
+    for j in range(len(old)):
+        new[j].d = work.trial[j]
+        if abs(new[j].z) > EULER_LIMIT * rubber.yield_displacement:
             outcome = EULER_UNSTABLE
     if outcome == COMPLETED and w > 0.0:
         outcome = SOFTENED

@@ -14,67 +14,41 @@ from thermobearing.core.compile import compiled
 from thermobearing.core.heat import balance, factor, right_side, solve
 from thermobearing.core.lead import core_force, lead_step
 from thermobearing.core.lead_ends import factor_modes
+from thermobearing.core.records import Floats, Rows
 from thermobearing.core.scragging import stiffen, wear
 from thermobearing.core.sharing import share
 from thermobearing.core.types import (
-    CAPACITY,
-    CHANGE,
     COMPLETED,
-    CORE_FORCE,
-    DISPLACEMENT,
-    ELASTIC,
-    FIRST,
-    FORCE,
     HEAT_FROM_DISSIPATION,
-    HEAT_LOST_ENDS,
-    HEAT_LOST_SIDES,
-    HEAT_RELEASED,
-    HEAT_STORED,
-    HYSTERETIC,
-    LAST,
-    LEAD_DEGC,
-    LEAD_FORCE,
-    LEAD_TEMPERATURE,
-    LOWER_MIDDLE,
-    MAXWELL_FORCE,
-    MISMATCH,
     NOT_FINITE,
-    RECOVERABLE,
-    RUBBER_FORCE,
-    SHARING,
     SOFTENED,
-    STORED,
     TEMPERATURE_RUNAWAY,
-    TIME,
-    UPPER_MIDDLE,
-    VISCOUS_FORCE,
-    WORK_IN,
     Constants,
-    D,
-    Floats,
-    Ints,
+    Layer,
+    LayerCells,
+    LayerWork,
     Rubber,
     State,
     Workspace,
-    Z,
 )
 from thermobearing.core.viscous import maxwell
 
-ABSOLUTE_ZERO, HOTTEST = -273.15, 1000.0  # [degC]
+ABSOLUTE_ZERO, HOTTEST = -273.15, 400.0  # [degC]; rubber decomposes
+LEAD_MELTS = 327.5  # [degC]
 
 
 @compiled
-def layer_temperature(layer_cells: Ints, temperature: Floats, j: int) -> float:
+def layer_temperature(layer_cells: Rows[LayerCells], temperature: Floats, j: int) -> float:
     """Temperature at mid-thickness of layer j [degC]."""
-    upper: float = temperature[layer_cells[j, UPPER_MIDDLE]]
-    lower: float = temperature[layer_cells[j, LOWER_MIDDLE]]
+    upper: float = temperature[layer_cells[j].upper_middle]
+    lower: float = temperature[layer_cells[j].lower_middle]
     return 0.5 * (upper + lower)
 
 
 @compiled
-def runs_away(layer_cells: Ints, temperature: Floats) -> bool:
+def runs_away(layer_cells: Rows[LayerCells], temperature: Floats) -> bool:
     """Whether a rubber layer is colder than possible or hotter than rubber can be."""
-    for j in range(layer_cells.shape[0]):
+    for j in range(len(layer_cells)):
         t = layer_temperature(layer_cells, temperature, j)
         if t < ABSOLUTE_ZERO or t > HOTTEST:
             return True
@@ -82,12 +56,14 @@ def runs_away(layer_cells: Ints, temperature: Floats) -> bool:
 
 
 @compiled
-def set_stiffness(rubber: Rubber, layer_cells: Ints, temperature: Floats, work: Floats) -> None:
+def set_stiffness(
+    rubber: Rubber, layer_cells: Rows[LayerCells], temperature: Floats, work: LayerWork
+) -> None:
     """The two stiffness terms of Eq. 4.34 at each layer's temperature."""
-    for j in range(work.shape[1]):
+    for j in range(len(work.trial)):
         warmer = layer_temperature(layer_cells, temperature, j) - rubber.reference_temperature
-        work[ELASTIC, j] = rubber.elastic_stiffness * math.exp(rubber.elastic_exponent * warmer)
-        work[HYSTERETIC, j] = rubber.hysteretic_stiffness * math.exp(
+        work.elastic[j] = rubber.elastic_stiffness * math.exp(rubber.elastic_exponent * warmer)
+        work.hysteretic[j] = rubber.hysteretic_stiffness * math.exp(
             rubber.hysteretic_exponent * warmer
         )
 
@@ -105,8 +81,8 @@ def recoverable_energy(
 def add_layer_heat(
     constants: Constants,
     work: Workspace,
-    old: Floats,
-    new: Floats,
+    old: Rows[Layer],
+    new: Rows[Layer],
     mean_force: float,
     viscous_heat: float,
     mean: float,
@@ -119,21 +95,21 @@ def add_layer_heat(
     """
     released = 0.0
     recoverable = 0.0
-    layer_cells, cells, change = constants.layer_cells, constants.cells, work.cells
-    for j in range(old.shape[1]):
-        heat = viscous_heat + mean_force * (new[D, j] - old[D, j])
-        new[STORED, j] = 0.0
+    layer_cells, cells = constants.layer_cells, constants.cells
+    for j in range(len(old)):
+        heat = viscous_heat + mean_force * (new[j].d - old[j].d)
+        new[j].stored = 0.0
         if constants.heat_source == HEAT_FROM_DISSIPATION:
-            ke, kh = work.layers[ELASTIC, j], work.layers[HYSTERETIC, j]
-            new[STORED, j] = recoverable_energy(
-                constants.rubber, ke, kh, new[D, j], new[Z, j], mean, w
+            ke, kh = work.layers.elastic[j], work.layers.hysteretic[j]
+            new[j].stored = recoverable_energy(
+                constants.rubber, ke, kh, new[j].d, new[j].z, mean, w
             )
-            heat -= new[STORED, j] - old[STORED, j]
-            recoverable += constants.multiplicity[j] * new[STORED, j]
+            heat -= new[j].stored - old[j].stored
+            recoverable += constants.multiplicity[j] * new[j].stored
         rise = constants.source_rise * heat
-        for i in range(layer_cells[j, FIRST], layer_cells[j, LAST]):
-            change[CHANGE, i] += rise
-            released += cells[CAPACITY, i] * rise
+        for i in range(layer_cells[j].first, layer_cells[j].last):
+            work.cells.change[i] += rise
+            released += cells.capacity[i] * rise
     return released, recoverable
 
 
@@ -143,29 +119,29 @@ def beside_rubber(
 ) -> tuple[float, float, float, float]:
     """Forces of lead and of the viscous branch, their tangent, and what is recoverable."""
     lead, viscous = constants.lead, constants.viscous
-    old, after = state.lead, new.lead
-    dx = x - state.books[DISPLACEMENT]
+    old, after = state.branches[0], new.branches[0]
+    dx = x - state.books[0].displacement
     lead_force = 0.0
     tangent = 0.0
     stored = 0.0
-    after[LEAD_TEMPERATURE] = old[LEAD_TEMPERATURE]
-    after[CORE_FORCE] = 0.0
-    after[MAXWELL_FORCE] = 0.0
+    after.lead_temperature = old.lead_temperature
+    after.core_force = 0.0
+    after.maxwell_force = 0.0
     if lead.cores > 0.0:
-        after[CORE_FORCE], slope = core_force(
-            lead, constants.heat_source, old[LEAD_TEMPERATURE], old[CORE_FORCE], dx
+        after.core_force, slope = core_force(
+            lead, constants.heat_source, old.lead_temperature, old.core_force, dx
         )
-        lead_force = lead.cores * after[CORE_FORCE]
+        lead_force = lead.cores * after.core_force
         tangent += lead.cores * slope
-        stored += 0.5 * lead.cores * after[CORE_FORCE] * after[CORE_FORCE] / lead.stiffness
+        stored += 0.5 * lead.cores * after.core_force * after.core_force / lead.stiffness
     if viscous.stiffness > 0.0:
-        f, slope = maxwell(viscous.stiffness, viscous.relaxation, old[MAXWELL_FORCE], dx, dt)
-        after[MAXWELL_FORCE] = f
+        f, slope = maxwell(viscous.stiffness, viscous.relaxation, old.maxwell_force, dx, dt)
+        after.maxwell_force = f
         tangent += slope
         stored += 0.5 * f * f / viscous.stiffness
     if constants.heat_source != HEAT_FROM_DISSIPATION:
         stored = 0.0
-    return lead_force, after[MAXWELL_FORCE], tangent, stored
+    return lead_force, after.maxwell_force, tangent, stored
 
 
 @compiled
@@ -174,8 +150,8 @@ def viscous_layer_heat(constants: Constants, state: State, new: State, dx: float
     viscous = constants.viscous
     if viscous.stiffness == 0.0 or not viscous.heats:
         return 0.0
-    before: float = state.lead[MAXWELL_FORCE]
-    after: float = new.lead[MAXWELL_FORCE]
+    before = state.branches[0].maxwell_force
+    after = new.branches[0].maxwell_force
     heat = 0.5 * (before + after) * dx
     if constants.heat_source == HEAT_FROM_DISSIPATION:
         heat -= 0.5 * (after * after - before * before) / viscous.stiffness
@@ -193,8 +169,8 @@ def heat_step(
     new: State,
 ) -> None:
     """Heat of the step into rubber and lead, conduction, and the heat books."""
-    cells, old, books = constants.cells, state.books, new.books
-    dx = x - old[DISPLACEMENT]
+    cells, old, books = constants.cells, state.books[0], new.books[0]
+    dx = x - old.displacement
     if work.factored_dt[0] != dt:
         factor(cells, constants.side_implicit, dt, work.cells)
         factor_modes(constants.lead_modes, dt, work.lead_modes)
@@ -205,41 +181,28 @@ def heat_step(
         work,
         state.layers,
         new.layers,
-        0.5 * (old[RUBBER_FORCE] + books[RUBBER_FORCE]),
+        0.5 * (old.rubber_force + books.rubber_force),
         viscous_layer_heat(constants, state, new, dx),
         x / constants.rubber.layer_count,
-        books[SHARING],
+        books.sharing_weight,
     )
     lead_stored = 0.0
     if constants.lead.cores > 0.0:
-        released += lead_step(
-            constants.lead,
-            cells,
-            constants.lead_cells,
-            work.lead_modes,
-            state.temperature,
-            work.cells,
-            state.lead,
-            new.lead,
-            constants.heat_source,
-            dx,
-            dt,
-            ambient,
-        )
-        warmer = new.lead[LEAD_TEMPERATURE] - state.lead[LEAD_TEMPERATURE]
+        released += lead_step(constants, work, state, new, dx, dt, ambient)
+        warmer = new.branches[0].lead_temperature - state.branches[0].lead_temperature
         lead_stored = constants.lead.cores * constants.lead.capacity * warmer
     solve(work.cells)
     stored, ends, sides = balance(
         cells, constants.side_implicit, state.temperature, dt, ambient, work.cells
     )
     for i in range(len(state.temperature)):
-        new.temperature[i] = state.temperature[i] + work.cells[CHANGE, i]
-    books[HEAT_RELEASED] = old[HEAT_RELEASED] + released
-    books[RECOVERABLE] += recoverable
-    books[HEAT_LOST_ENDS] = old[HEAT_LOST_ENDS] + ends
-    books[HEAT_LOST_SIDES] = old[HEAT_LOST_SIDES] + sides
-    books[HEAT_STORED] = old[HEAT_STORED] + stored + lead_stored
-    books[LEAD_DEGC] = new.lead[LEAD_TEMPERATURE]
+        new.temperature[i] = state.temperature[i] + work.cells.change[i]
+    books.heat_released = old.heat_released + released
+    books.recoverable += recoverable
+    books.heat_lost_ends = old.heat_lost_ends + ends
+    books.heat_lost_sides = old.heat_lost_sides + sides
+    books.heat_stored = old.heat_stored + stored + lead_stored
+    books.lead_temperature = new.branches[0].lead_temperature
 
 
 @compiled
@@ -272,12 +235,12 @@ def step(
         TEMPERATURE_RUNAWAY.
     """
     rubber = constants.rubber
-    old, books = state.books, new.books
+    old, books = state.books[0], new.books[0]
     set_stiffness(rubber, constants.layer_cells, state.temperature, work.layers)
     if rubber.virgin:
         stiffen(rubber, state.layers, work.layers)
     rubber_force, tangent, mismatch, w, outcome = share(
-        rubber, constants.multiplicity, state.layers, work.layers, old[DISPLACEMENT], x, new.layers
+        rubber, constants.multiplicity, state.layers, work.layers, old.displacement, x, new.layers
     )
     if outcome != COMPLETED and outcome != SOFTENED:
         return rubber_force, tangent, outcome
@@ -286,19 +249,20 @@ def step(
     lead_force, viscous_force, slope, stored = beside_rubber(constants, state, new, x, dt)
     force = rubber_force + lead_force + viscous_force
 
-    books[TIME] = old[TIME] + dt
-    books[DISPLACEMENT] = x
-    books[FORCE] = force
-    books[RUBBER_FORCE] = rubber_force
-    books[LEAD_FORCE] = lead_force
-    books[VISCOUS_FORCE] = viscous_force
-    books[WORK_IN] = old[WORK_IN] + 0.5 * (old[FORCE] + force) * (x - old[DISPLACEMENT])
-    books[RECOVERABLE] = stored
-    books[MISMATCH] = mismatch
-    books[SHARING] = w
+    books.clock = old.clock + dt
+    books.displacement = x
+    books.force = force
+    books.rubber_force = rubber_force
+    books.lead_force = lead_force
+    books.viscous_force = viscous_force
+    books.work_in = old.work_in + 0.5 * (old.force + force) * (x - old.displacement)
+    books.recoverable = stored
+    books.layer_force_mismatch = mismatch
+    books.sharing_weight = w
     heat_step(constants, work, state, x, dt, ambient, new)
-    if not math.isfinite(books[HEAT_LOST_SIDES] + books[HEAT_RELEASED] + force):
+    if not math.isfinite(books.heat_lost_sides + books.heat_released + force):
         return force, tangent + slope, NOT_FINITE
-    if runs_away(constants.layer_cells, new.temperature):
+    melts = new.branches[0].lead_temperature > LEAD_MELTS
+    if melts or runs_away(constants.layer_cells, new.temperature):
         return force, tangent + slope, TEMPERATURE_RUNAWAY
     return force, tangent + slope, outcome

@@ -1,17 +1,19 @@
 """The plain records that pass through the step: constants, state, workspace, outcome.
 
 Units: kN, mm, s, degC, J = kN mm. `L` counts the rubber layers that the stack models (half of
-them when the stack is cut at its symmetry plane), `n` its heat cells. Few arrays with named
-rows, because every array handed to a compiled function costs nanoseconds.
+them when the stack is cut at its symmetry plane), `n` its heat cells. What is remembered of one
+thing stands in one row (`records.py`), since every array handed to a compiled function costs
+nanoseconds; what long loops run through, cells and scratch, stands in columns (measured).
 """
 
-from typing import Final, NamedTuple
+from typing import Annotated, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from thermobearing.core.records import Floats as Floats
+from thermobearing.core.records import Ints as Ints
+from thermobearing.core.records import Rows, rows
 
 # How Z is advanced (Rubber.integrator).
 EXACT: Final = 0
@@ -29,79 +31,117 @@ NOT_FINITE: Final = 3
 EULER_UNSTABLE: Final = 4
 TEMPERATURE_RUNAWAY: Final = 5
 
-# Rows of Constants.cells: exchange rates [1/s], then capacity of the whole bearing [kN mm/K].
-TO_PREVIOUS: Final = 0
-TO_NEXT: Final = 1
-END_LOSS: Final = 2  # to the ambient, through an end face
-SIDE_LOSS: Final = 3  # to the ambient, through the side
-CAPACITY: Final = 4
-# Conductance to all lead cores together, before 1/F(t+) and t+^{-1/3} [kN mm/(s K)].
-LEAD_END: Final = 5
-LEAD_SIDE: Final = 6
-BESIDE_LEAD: Final = 7  # height of lead beside the cell [mm]
+NEVER_MOVED: Final = 1e30  # Branches.idle of a virgin bearing: the first motion starts the clock
 
-# Columns of Constants.layer_cells.
-FIRST: Final = 0  # first rubber cell of the layer
-LAST: Final = 1  # one past its last
-UPPER_MIDDLE: Final = 2  # the two cells whose mean is the mid-thickness temperature
-LOWER_MIDDLE: Final = 3
 
-# Rows of State.layers.
-D: Final = 0  # displacement d_j [mm]
-Z: Final = 1  # hysteretic variable Z_j [mm]
-STORED: Final = 2  # recoverable energy of one layer [kN mm]
-FARTHEST: Final = 3  # largest |d_j| so far [mm]
-VIRGIN: Final = 4  # share of the virgin stiffness that is left, 1 to 0
-LAYER_ROWS: Final = 5
+class Cells(NamedTuple):
+    """The heat cells: exchange rates, and capacity counted for the whole bearing; all [n]."""
 
-# Rows of State.lead.
-LEAD_TEMPERATURE: Final = 0  # [degC]
-CORE_FORCE: Final = 1  # of one core [kN]
-MAXWELL_FORCE: Final = 2  # of the rate-dependent branch [kN]
-CLOCK: Final = 3  # time since the motion began [s]
-IDLE: Final = 4  # time since it stopped [s]
-NEVER_MOVED: Final = 1e30  # IDLE of a virgin bearing: the first motion starts the clock
-LEAD_ROWS: Final = 5  # then, for each end of a core, the terms y of Constants.lead_modes [K]
+    to_previous: Floats  # [1/s], as the next three
+    to_next: Floats
+    end_loss: Floats  # to the ambient, through an end face
+    side_loss: Floats  # to the ambient, through the side
+    capacity: Floats  # [kN mm/K]
+    beside_lead: Floats  # height of lead beside the cell [mm]
 
-# Rows of Constants.lead_modes.
-RESISTANCE: Final = 0  # a [K s/(kN mm)]
-RELAXATION: Final = 1  # tau [s]
-# Rows of Workspace.lead_modes, for the last dt.
-KEPT: Final = 0  # exp(-dt/tau)
-GAIN: Final = 1  # a (1 - exp(-dt/tau))
 
-# Rows of State.books.
-TIME: Final = 0  # [s]
-DISPLACEMENT: Final = 1  # of the bearing [mm]
-FORCE: Final = 2  # [kN]
-WORK_IN: Final = 3  # [kN mm], since the start, as all that follow
-HEAT_RELEASED: Final = 4
-RECOVERABLE: Final = 5  # stored now, not since the start
-HEAT_LOST_ENDS: Final = 6
-HEAT_LOST_SIDES: Final = 7
-HEAT_STORED: Final = 8
-MISMATCH: Final = 9  # largest |layer force - bearing force| of this step [kN]
-SHARING: Final = 10  # weight w of the mean-strain hardening in this step [0, 1]
-RUBBER_FORCE: Final = 11  # share of the rubber layers [kN]
-LEAD_FORCE: Final = 12  # share of all lead cores
-VISCOUS_FORCE: Final = 13  # share of the rate-dependent branch
-LEAD_DEGC: Final = 14  # lead temperature [degC]; 0 without lead
-BOOKS: Final = 15
+class LeadCell:
+    """A heat cell that touches lead: conductance to all cores together."""
 
-# Rows of Workspace.layers.
-ELASTIC: Final = 0  # alpha_0 e^{..} K_r at the layer's temperature [kN/mm]
-HYSTERETIC: Final = 1  # (1 - alpha_0) e^{..} K_r
-LAYER_FORCE: Final = 2  # at the present iterate [kN]
-TANGENT: Final = 3  # [kN/mm]
-TRIAL: Final = 4  # layer displacement at the present iterate [mm]
-DIRECTION: Final = 5  # Newton correction [mm]
-SLOPE: Final = 6  # dZ/dd
+    cell: int  # its number
+    end: float  # before 1/F(t+) [kN mm/(s K)], as the next
+    side: float  # before t+^{-1/3}
 
-# Rows of Workspace.cells.
-ELIMINATION: Final = 0
-PIVOT: Final = 1
-UPPER: Final = 2
-CHANGE: Final = 3  # right side, then temperature change [K]
+
+class LayerCells:
+    """Where a rubber layer lies in the stack of cells."""
+
+    first: int  # its first cell
+    last: int  # one past its last
+    upper_middle: int  # the two cells whose mean is the mid-thickness temperature
+    lower_middle: int
+
+
+class Mode:
+    """One term of the finite plate under a confined core (core/lead_ends.py)."""
+
+    resistance: float  # a [K s/(kN mm)]
+    relaxation: float  # tau [s]
+
+
+class Layer:
+    """What a rubber layer remembers."""
+
+    d: float  # displacement d_j [mm]
+    z: float  # hysteretic variable Z_j [mm]
+    stored: float  # recoverable energy of one layer [kN mm]
+    farthest: float  # largest |d_j| so far [mm]
+    virgin: float  # share of the virgin stiffness that is left, 1 to 0
+
+
+class Branches:
+    """What acts beside the rubber: lead cores, rate dependence."""
+
+    lead_temperature: float  # [degC]; 0 without lead
+    core_force: float  # of one core [kN]
+    maxwell_force: float  # of the rate-dependent branch [kN]
+    clock: float  # time since the motion began [s]
+    idle: float  # time since it stopped [s]
+
+
+class RubberBooks:
+    """What every bearing is asked for: energies since the start, but `recoverable` is now."""
+
+    clock: Annotated[float, "s", "time since the start"]
+    displacement: Annotated[float, "mm", "shear displacement of the bearing"]
+    force: Annotated[float, "kN", "restoring force, positive with positive displacement"]
+    work_in: Annotated[float, "kN mm", "mechanical work done on the bearing"]
+    heat_released: Annotated[float, "kN mm", "heat released in the rubber layers"]
+    recoverable: Annotated[float, "kN mm", "recoverable energy stored in the rubber layers"]
+    heat_lost_ends: Annotated[float, "kN mm", "heat lost through the end faces"]
+    heat_lost_sides: Annotated[float, "kN mm", "heat lost through the sides"]
+    heat_stored: Annotated[float, "kN mm", "heat stored in the bearing since the start"]
+    layer_force_mismatch: Annotated[
+        float, "kN", "largest difference of a layer law from the force"
+    ]  # of this step
+    sharing_weight: Annotated[float, "1", "weight of the mean strain in the hardening factor"]
+
+
+class Books(RubberBooks):
+    """And what is asked of a bearing with lead or rate dependence."""
+
+    rubber_force: Annotated[float, "kN", "share of the rubber layers in the force"]
+    lead_force: Annotated[float, "kN", "share of the lead cores in the force"]
+    viscous_force: Annotated[float, "kN", "share of the rate-dependent branch in the force"]
+    lead_temperature: Annotated[float, "degC", "temperature of the lead cores"]
+
+
+class LayerWork(NamedTuple):
+    """Scratch of the rubber layers; all [L]."""
+
+    elastic: Floats  # alpha_0 e^{..} K_r at the layer's temperature [kN/mm]
+    hysteretic: Floats  # (1 - alpha_0) e^{..} K_r
+    force: Floats  # at the present iterate [kN]
+    tangent: Floats  # [kN/mm]
+    trial: Floats  # layer displacement at the present iterate [mm]
+    direction: Floats  # Newton correction [mm]
+    slope: Floats  # dZ/dd
+
+
+class CellWork(NamedTuple):
+    """Scratch of the heat cells: factors of the matrix for the last dt, and the right side."""
+
+    elimination: Floats
+    pivot: Floats
+    upper: Floats
+    change: Floats  # right side, then temperature change [K]
+
+
+class ModeWork:
+    """A term of the finite plate for the last dt."""
+
+    kept: float  # exp(-dt/tau)
+    gain: float  # a (1 - exp(-dt/tau))
 
 
 class Rubber(NamedTuple):
@@ -157,10 +197,10 @@ class Constants(NamedTuple):
     lead: Lead
     viscous: Viscous
     multiplicity: Floats  # [L] layers of the bearing that each modelled layer stands for
-    layer_cells: Ints  # [L, 4]
-    cells: Floats  # [8, n]
-    lead_cells: Ints  # cells that touch lead
-    lead_modes: Floats  # [2, K] core end on a finite plate; K = 0 for the half-space formula
+    layer_cells: Rows[LayerCells]  # [L]
+    cells: Cells
+    lead_cells: Rows[LeadCell]  # those that touch lead
+    lead_modes: Rows[Mode]  # [K] core end on a finite plate; K = 0 for the half-space formula
     source_rise: float  # temperature rise of a layer per heat in one whole layer [K/(kN mm)]
     side_implicit: bool  # side loss in Crank-Nicolson (True) or explicit as printed (False)
     heat_source: int  # HEAT_FROM_WORK or HEAT_FROM_DISSIPATION
@@ -169,19 +209,51 @@ class Constants(NamedTuple):
 class State(NamedTuple):
     """Everything that does change. `new_state` makes one, `copy_state` saves one."""
 
-    layers: Floats  # [LAYER_ROWS, L]
+    layers: Rows[Layer]  # [L]
     temperature: Floats  # [n] cell temperatures [degC]
-    lead: Floats  # [LEAD_ROWS + K per end]
-    books: Floats  # [BOOKS]
+    branches: Rows[Branches]  # [1]
+    ends: Floats  # [K per core end] the terms y of Constants.lead_modes [K]
+    books: Rows[Books]  # [1]
 
 
 class Workspace(NamedTuple):
     """Scratch arrays of one run, and the factors of the heat matrix for the last dt."""
 
     factored_dt: Floats  # [1] dt that the factors belong to [s]; 0: none yet
-    layers: Floats  # [7, L]
-    cells: Floats  # [4, n]
-    lead_modes: Floats  # [2, K]
+    layers: LayerWork
+    cells: CellWork
+    lead_modes: Rows[ModeWork]  # [K]
+
+
+class Path(NamedTuple):
+    """Displacements to march through; arrays have one entry per step."""
+
+    x: Floats  # [mm]
+    dt: Floats  # [s]
+    ambient: Floats  # mean ambient temperature of the step [degC]
+    keep: NDArray[np.bool_]  # whether the end of the step is kept
+    settled: float  # stop once every cell is this close to the ambient [K]; 0 never stops early
+
+
+class Kept(NamedTuple):
+    """Room for the steps that are kept; arrays of layers and cells may have no columns."""
+
+    books: Rows[Books]  # [rows]
+    rubber: Floats  # [rows, L] temperatures at mid-thickness [degC]
+    layer_displacement: Floats  # [rows, L] d_j [mm]
+    hysteretic: Floats  # [rows, L] Z_j [mm]
+    cells: NDArray[np.floating]  # [rows, n] temperatures, single or double precision [degC]
+
+    def part(self, first: int, end: int) -> "Kept":
+        """The same rows from `first` to before `end`, not a copy."""
+        here = slice(first, end)
+        return Kept(
+            self.books[here],
+            self.rubber[here],
+            self.layer_displacement[here],
+            self.hysteretic[here],
+            self.cells[here],
+        )
 
 
 def new_state(
@@ -191,24 +263,30 @@ def new_state(
 
     The lead starts at the mean temperature of the cells between its ends, unless given.
     """
+    layers = len(constants.multiplicity)
     state = State(
-        np.zeros((LAYER_ROWS, len(constants.multiplicity))),
-        np.array(temperature, dtype=np.float64),
-        np.zeros(LEAD_ROWS + constants.lead_modes.shape[1] * len(constants.lead_cells)),
-        np.zeros(BOOKS),
+        layers=rows(Layer, layers),
+        temperature=np.array(temperature, dtype=np.float64),
+        branches=rows(Branches, 1),
+        ends=np.zeros(len(constants.lead_modes) * len(constants.lead_cells)),
+        books=rows(Books, 1),
     )
-    state.layers[VIRGIN] = 1.0
-    state.lead[IDLE] = NEVER_MOVED
+    state.layers["virgin"] = 1.0
+    state.branches["idle"] = NEVER_MOVED
     if constants.lead.cores > 0.0:
-        beside = constants.cells[BESIDE_LEAD]
+        beside = constants.cells.beside_lead
         mean = float(beside @ temperature / beside.sum())
-        state.lead[LEAD_TEMPERATURE] = mean if lead_temperature is None else lead_temperature
-    state.books[LEAD_DEGC] = state.lead[LEAD_TEMPERATURE]
+        lead = mean if lead_temperature is None else lead_temperature
+        state.branches["lead_temperature"] = state.books["lead_temperature"] = lead
     return state
 
 
 def new_workspace(constants: Constants) -> Workspace:
     """Scratch arrays for one run; never share them between threads."""
-    layers, cells = len(constants.multiplicity), constants.cells.shape[1]
-    modes = np.zeros_like(constants.lead_modes)
-    return Workspace(np.zeros(1), np.zeros((7, layers)), np.zeros((4, cells)), modes)
+    layers, cells = len(constants.multiplicity), len(constants.cells.capacity)
+    return Workspace(
+        factored_dt=np.zeros(1),
+        layers=LayerWork(*np.zeros((7, layers))),
+        cells=CellWork(*np.zeros((4, cells))),
+        lead_modes=rows(ModeWork, len(constants.lead_modes)),
+    )

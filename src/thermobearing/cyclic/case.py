@@ -17,7 +17,8 @@ from thermobearing.border.overrides import overridden, said_with_unit, updated
 from thermobearing.border.schema import Strict, in_unit, validated
 from thermobearing.border.toml import read_toml, split_sources, to_table, to_toml
 from thermobearing.border.units import with_unit
-from thermobearing.core.types import BOOKS
+from thermobearing.core.records import labels
+from thermobearing.core.types import Books
 from thermobearing.cyclic.protocol import CyclicTest, cyclic_test, survey
 from thermobearing.model.earlier import needs_full_stack
 from thermobearing.model.effort import too_much
@@ -102,7 +103,7 @@ class Case(Strict):
             )
         if not found:  # of a test that cannot be done the steps say nothing
             steps *= len(self.ambient)
-            row = BOOKS + cells * len(self.analysis.keep)
+            row = len(labels(Books)) + cells * len(self.analysis.keep)
             found += too_much(steps, cells, steps / self.analysis.keep_every * row)
         return found
 

@@ -6,6 +6,7 @@ different clocks: `clock(ambient, time)` then replaces the coordinate `time`. Sh
 are padded with NaN.
 """
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,28 +18,7 @@ from thermobearing.results.writing import as_attribute
 
 Floats = NDArray[np.float64]
 
-# Books of a kept row in order: name, unit, what it is.
-BOOKS: tuple[tuple[str, str, str], ...] = (
-    ("clock", "s", "time since the start"),
-    ("displacement", "mm", "shear displacement of the bearing"),
-    ("force", "kN", "restoring force, positive with positive displacement"),
-    ("work_in", "kN mm", "mechanical work done on the bearing"),
-    ("heat_released", "kN mm", "heat released in the rubber layers"),
-    ("recoverable", "kN mm", "recoverable energy stored in the rubber layers"),
-    ("heat_lost_ends", "kN mm", "heat lost through the end faces"),
-    ("heat_lost_sides", "kN mm", "heat lost through the sides"),
-    ("heat_stored", "kN mm", "heat stored in the bearing since the start"),
-    ("layer_force_mismatch", "kN", "largest difference of a layer law from the force"),
-    ("sharing_weight", "1", "weight of the mean strain in the hardening factor"),
-)
-# Further books of bearings with lead or rate dependence.
-BRANCHES: tuple[tuple[str, str, str], ...] = (
-    ("rubber_force", "kN", "share of the rubber layers in the force"),
-    ("lead_force", "kN", "share of the lead cores in the force"),
-    ("viscous_force", "kN", "share of the rate-dependent branch in the force"),
-    ("lead_temperature", "degC", "temperature of the lead cores"),
-)
-# Groups of further columns: variable, dimension, unit, what it is.
+# Groups of histories that may be kept besides: variable, dimension, unit, what it is.
 GROUPS: dict[str, tuple[str, str, str, str]] = {
     "rubber": ("rubber_temperature", "layer", "degC", "temperature at mid-thickness of the layer"),
     "layer_displacement": ("layer_displacement", "layer", "mm", "shear displacement of the layer"),
@@ -55,16 +35,16 @@ class StackLabels:
     thickness: Floats  # of the cells [mm]
     part: tuple[str, ...]
     layers: int
-    branches: bool  # lead or rate dependence beside the rubber
+    books: Sequence[tuple[str, str, str]]  # name, unit and meaning of what `RunRecord.books` holds
 
 
 @dataclass(frozen=True)
 class RunRecord:
-    """One run as plain arrays: `rows` holds the books, then the layer groups in their order."""
+    """One run as plain arrays, one row per kept step."""
 
     ambient: float  # at the start [degC]
-    rows: Floats
-    cells: NDArray[np.float32]  # cell temperatures of the kept steps, if asked for
+    books: Mapping[str, Floats]  # by name
+    groups: Mapping[str, NDArray[Any]]  # [steps, layers or cells] by name of GROUPS
     segment: NDArray[np.int32]
     cycle: NDArray[np.int32]
     initial: Floats  # cell temperatures [degC]
@@ -91,32 +71,29 @@ def build_dataset(
     ----------
     runs : in the order of the ambient temperatures.
     labels : of the stack.
-    groups : which of GROUPS the rows hold after the books.
+    groups : which of GROUPS were kept.
     area, total_rubber_thickness : for stress and strain [mm2, mm].
     attributes : provenance, kept in the dataset's attributes.
     """
-    length = max(len(run.rows) for run in runs)
-    clock = _stacked([run.rows[:, 0] for run in runs], length)
+    length = max(len(run.segment) for run in runs)
+    clock = _stacked([run.books["clock"] for run in runs], length)
     same = all(np.array_equal(clock[0], other) for other in clock)
     data: dict[str, Any] = {}
-    books = BOOKS + BRANCHES if labels.branches else BOOKS
-    for column, (name, unit, meaning) in enumerate(books):
+    meanings = {name: {"units": unit, "long_name": text} for name, unit, text in labels.books}
+    for name, attrs in meanings.items():
         if name != "clock" or not same:
-            values = _stacked([run.rows[:, column] for run in runs], length)
-            data[name] = (("ambient", "time"), values, {"units": unit, "long_name": meaning})
+            values = _stacked([run.books[name] for run in runs], length)
+            data[name] = (("ambient", "time"), values, attrs)
     data |= _derived(data, area, total_rubber_thickness)
-    column = len(books)
     for group in (name for name in GROUPS if name in groups):
         name, dimension, unit, meaning = GROUPS[group]
-        part = slice(column, column + labels.layers)
-        parts = [run.cells if group == "cells" else run.rows[:, part] for run in runs]
+        parts = [run.groups[group] for run in runs]
         attrs = {"units": unit, "long_name": meaning}
         data[name] = (("ambient", "time", dimension), _stacked(parts, length), attrs)
-        column += labels.layers
     data |= _per_run(runs, length)
     coordinates = _coordinates(runs, labels)
     if same:
-        coordinates["time"] = ("time", clock[0], {"units": "s", "long_name": BOOKS[0][2]})
+        coordinates["time"] = ("time", clock[0], meanings["clock"])
     return xr.Dataset(
         data,
         coords=coordinates,

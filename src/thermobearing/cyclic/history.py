@@ -7,23 +7,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from thermobearing.bearing.ambient import Ambient
-from thermobearing.core.march import march, write_row
+from thermobearing.core.march import keep_row, march
+from thermobearing.core.records import Floats, unset
 from thermobearing.core.types import (
-    BOOKS,
     COMPLETED,
-    RUBBER_FORCE,
     SOFTENED,
-    TIME,
+    Books,
     Constants,
+    Kept,
+    Path,
     State,
     new_state,
     new_workspace,
 )
 from thermobearing.cyclic.segments import Segment
-from thermobearing.model.outcomes import INTERRUPTED, NAMES
+from thermobearing.model.outcomes import INTERRUPTED, NAMES, NOT_PHYSICAL
+from thermobearing.model.physical import is_physical
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 CHUNK = 20_000  # steps between two looks at the progress bar and at Ctrl-C
 
 Progress = Callable[[int], None]
@@ -33,15 +33,11 @@ Progress = Callable[[int], None]
 class History:
     """What one run left behind: kept rows and how it ended.
 
-    `rows` has one row per kept step and one column per entry of `columns`, which counts
-    through books, layer temperatures, layer displacements and Z. `cells` holds the cell
-    temperatures of the same steps in single precision (a micro-kelvin is plenty, and the
-    cells are most of a long history); it has no columns if they were not asked for.
+    Cell temperatures are in single precision: a micro-kelvin is plenty, and the cells are most
+    of a long history.
     """
 
-    columns: Ints
-    rows: Floats
-    cells: NDArray[np.float32]
+    rows: Kept
     segment: NDArray[np.int32]
     cycle: NDArray[np.int32]
     initial: Floats  # cell temperatures at the start [degC]
@@ -54,22 +50,21 @@ class History:
 
     def cut(self) -> None:
         """Drop the room for rows that the run did not come to."""
-        self.rows, self.cells = self.rows[: self.kept], self.cells[: self.kept]
+        self.rows = self.rows.part(0, self.kept)
         self.segment, self.cycle = self.segment[: self.kept], self.cycle[: self.kept]
 
 
-def column_numbers(layers: int, groups: tuple[str, ...], *, branches: bool) -> Ints:
-    """Columns of a kept row for the chosen groups; the books are always kept.
-
-    Those of lead and rate dependence (`branches`) only where there are such.
-    """
-    ends = np.cumsum([0, BOOKS, layers, layers, layers])
-    names = ("books", "rubber", "layer_displacement", "hysteretic")
-    chosen = {"books", *groups}
-    parts = zip(names, ends[:-1], ends[1:], strict=True)
-    columns = [np.arange(a, b) for name, a, b in parts if name in chosen]
-    columns[0] = columns[0] if branches else np.arange(RUBBER_FORCE)
-    return np.concatenate(columns)
+def room_for(constants: Constants, count: int, groups: tuple[str, ...]) -> Kept:
+    """Rows for the books and the chosen groups; those of the others have no columns."""
+    layers, cells = len(constants.multiplicity), len(constants.cells.capacity)
+    wide = {name: layers if name in groups else 0 for name in Kept._fields}
+    return Kept(
+        books=unset(Books, count),
+        rubber=np.empty((count, wide["rubber"])),
+        layer_displacement=np.empty((count, wide["layer_displacement"])),
+        hysteretic=np.empty((count, wide["hysteretic"])),
+        cells=np.empty((count, cells if "cells" in groups else 0), dtype=np.float32),
+    )
 
 
 def has_branches(constants: Constants) -> bool:
@@ -110,12 +105,9 @@ def run_segments(
     """
     # One row more per segment: a rest that settles early keeps the step at which it does.
     room = 1 + sum(int(kept_steps(part, keep_every).sum()) + 1 for part in segments)
-    columns = column_numbers(len(constants.multiplicity), groups, branches=has_branches(constants))
     initial = np.array(initial, dtype=np.float64)
     run = History(
-        columns=columns,
-        rows=np.empty((room, len(columns))),
-        cells=np.empty((room, len(initial) if "cells" in groups else 0), dtype=np.float32),
+        rows=room_for(constants, room, groups),
         segment=np.zeros(room, dtype=np.int32),
         cycle=np.zeros(room, dtype=np.int32),
         initial=initial,
@@ -135,22 +127,16 @@ def run_segments(
 
 def _keep_start(constants: Constants, run: History) -> None:
     """First row: the virgin bearing at its initial temperatures."""
-    row = np.empty(BOOKS + 3 * len(constants.multiplicity))
-    write_row(constants.layer_cells, run.state, row)
-    run.rows[0] = row[run.columns]
-    run.cells[0] = run.initial[: run.cells.shape[1]]
+    keep_row(constants, run.state, run.rows, 0)
     run.kept = 1
 
 
 def _keep_end(constants: Constants, run: History) -> None:
     """Last row: where a run that was cut off stands, so that its books and profiles agree."""
     last = run.kept - 1
-    if run.rows[last, TIME] == run.state.books[TIME]:
+    if run.rows.books[last].clock == run.state.books[0].clock:
         return
-    row = np.empty(BOOKS + 3 * len(constants.multiplicity))
-    write_row(constants.layer_cells, run.state, row)
-    run.rows[run.kept] = row[run.columns]
-    run.cells[run.kept] = run.state.temperature[: run.cells.shape[1]]
+    keep_row(constants, run.state, run.rows, run.kept)
     run.segment[run.kept], run.cycle[run.kept] = run.segment[last], run.cycle[last]
     run.kept += 1
 
@@ -167,15 +153,15 @@ def _run_segment(
     """One segment in chunks; False when the run cannot go on."""
     work, spare = new_workspace(constants), new_state(constants, run.initial)
     keep = kept_steps(segment, keep_every)
-    row = np.empty(BOOKS + 3 * len(constants.multiplicity))
     for first in range(0, len(segment.x), CHUNK):
         part = slice(first, first + CHUNK)
         dt = np.ascontiguousarray(segment.dt[part])
+        air = ambient.means(run.state.books[0].clock, dt)
+        path = Path(segment.x[part], dt, air, keep[part], segment.settle)
+        room = run.rows.part(run.kept, len(run.segment))
         done, kept, outcome, softened, mismatch = march(
-            constants, work, run.state, spare,
-            segment.x[part], dt, ambient.means(float(run.state.books[TIME]), dt), keep[part],
-            segment.settle, run.columns, row, run.rows[run.kept :], run.cells[run.kept :],
-        )  # fmt: skip
+            constants, work, run.state, spare, path, room
+        )
         run.steps += done
         run.softened_steps += softened
         run.mismatch = max(run.mismatch, mismatch)
@@ -188,6 +174,9 @@ def _run_segment(
             progress(done)
         if outcome not in (COMPLETED, SOFTENED):
             run.outcome = NAMES[outcome]
+            return False
+        if not is_physical(constants, run.state):
+            run.outcome = NOT_PHYSICAL
             return False
         if done < len(dt):  # the rest settled
             break

@@ -4,7 +4,8 @@ import numpy as np
 
 import thermobearing
 from thermobearing.bearing.ambient import Ambient
-from thermobearing.core.types import CAPACITY, LEAD_DEGC
+from thermobearing.core.records import labels
+from thermobearing.core.types import Books, RubberBooks
 from thermobearing.cyclic.case import Case
 from thermobearing.cyclic.dataset import RunRecord, StackLabels, build_dataset
 from thermobearing.cyclic.history import History, has_branches
@@ -36,12 +37,13 @@ def warnings_of(case: Case, segments: list[Segment], climates: list[Ambient]) ->
 def stack_labels(model: BearingModel) -> StackLabels:
     """What the layers and cells of a run are; a single cell stands for the whole bearing."""
     stack, constants = model.stack, model.constants
-    layers, branches = len(constants.multiplicity), has_branches(constants)
-    if constants.cells.shape[1] == len(stack.part):
-        return StackLabels(stack.depth, stack.thickness, stack.part, layers, branches)
+    layers = len(constants.multiplicity)
+    books = labels(Books if has_branches(constants) else RubberBooks)
+    if len(constants.cells.capacity) == len(stack.part):
+        return StackLabels(stack.depth, stack.thickness, stack.part, layers, books)
     height = stack.thickness.sum()
     return StackLabels(
-        np.array([0.5 * height]), np.array([height]), ("whole bearing",), layers, branches
+        np.array([0.5 * height]), np.array([height]), ("whole bearing",), layers, books
     )
 
 
@@ -53,16 +55,17 @@ def label(
     histories: list[History],
 ) -> Result:
     """Names, units and provenance for what the runs left behind."""
+    what = stack_labels(model)
     records = [
         RunRecord(
             ambient=climate.at(0.0),
-            rows=history.rows,
-            cells=history.cells,
+            books={name: history.rows.books[name] for name, _, _ in what.books},
+            groups=history.rows._asdict(),
             segment=history.segment,
             cycle=history.cycle,
             initial=history.initial,
             final=history.state.temperature,
-            final_lead=float(history.state.books[LEAD_DEGC]) if case.bearing.lead else np.nan,
+            final_lead=history.state.books[0].lead_temperature if case.bearing.lead else np.nan,
             outcome=history.outcome,
             softened_steps=history.softened_steps,
             mismatch=history.mismatch,
@@ -86,7 +89,7 @@ def label(
         "citation": case.bearing.citation,
         "area_mm2": case.bearing.area,
         "total_rubber_thickness_mm": case.bearing.total_rubber_thickness,
-        "heat_capacity_kN_mm_per_K": constants.cells[CAPACITY].tolist(),
+        "heat_capacity_kN_mm_per_K": constants.cells.capacity.tolist(),
         "half_stack": int(model.stack.fold == 2),
         "segments": [
             {"kind": s.kind, "label": s.label, "amplitude_strain": s.amplitude_strain}

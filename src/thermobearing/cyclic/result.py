@@ -136,7 +136,7 @@ class Result:
                     work=float(work[run, where.stop - 1] - work[run, where.start]),
                 )
                 rows.append(self._row(float(ambient), self.segments[number], k, measures))
-        return pd.DataFrame(rows).assign(**self._temperatures(ends))
+        return pd.concat([pd.DataFrame(rows), pd.DataFrame(self._temperatures(ends))], axis=1)
 
     def _row(
         self, ambient: float, segment: dict[str, Any], cycle: int, m: CycleMeasures
@@ -176,7 +176,7 @@ class Result:
         `mechanical_residual` is (work in - heat released - recoverable) and
         `thermal_residual` (heat released - stored - lost), both over the largest of work, heat
         stored and heat lost; at least over 1e-6 kN mm (mechanical), and over what warms the
-        bearing by 1e-6 K (thermal), see `metrics.relative_residual`.
+        bearing by 1e-4 K (thermal), see `metrics.relative_residual`.
         """
         data = self.dataset
         capacity = np.asarray(from_attribute(data, "heat_capacity_kN_mm_per_K"))

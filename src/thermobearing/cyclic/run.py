@@ -15,7 +15,7 @@ import numpy as np
 
 from thermobearing.bearing.ambient import Ambient
 from thermobearing.bearing.model import Bearing
-from thermobearing.cyclic.case import Case, make_case
+from thermobearing.cyclic.case import Case, Group, make_case
 from thermobearing.cyclic.equivalent import bilinear_parameters
 from thermobearing.cyclic.history import History, run_segments
 from thermobearing.cyclic.label import label
@@ -23,8 +23,11 @@ from thermobearing.cyclic.protocol import CyclicTest
 from thermobearing.cyclic.result import Result
 from thermobearing.cyclic.segments import build_segments
 from thermobearing.cyclic.start import final_lead, final_profile, initial_temperatures
-from thermobearing.model.options import EndFace, build_model
+from thermobearing.model.constants import HeatSource, Integrator, LeadEnds
+from thermobearing.model.earlier import Model
+from thermobearing.model.options import EndFace, Stacked, build_model
 from thermobearing.model.outcomes import INTERRUPTED
+from thermobearing.model.stack import Scheme
 
 Progress = Callable[[int, int], None]
 
@@ -35,18 +38,18 @@ def run(
     ambient: float | Sequence[float] | Ambient = 23.0,
     *,
     dt: float | None = None,
-    scheme: str | None = None,
-    integrator: str | None = None,
-    heat_source: str | None = None,
-    lead_ends: str | None = None,
+    scheme: Scheme | None = None,
+    integrator: Integrator | None = None,
+    heat_source: HeatSource | None = None,
+    lead_ends: LeadEnds | None = None,
     upper_face: EndFace | None = None,
     lower_face: EndFace | None = None,
     initial: float | Sequence[float] | Result | None = None,
     initial_lead: float | None = None,
-    keep: Sequence[str] | None = None,
+    keep: Sequence[Group] | None = None,
     keep_every: int | None = None,
-    stack: str | None = None,
-    model: str | None = None,
+    stack: Stacked | None = None,
+    model: Model | None = None,
     progress: Progress | None = None,
 ) -> Result:
     """Put a bearing through a displacement-controlled test.
@@ -158,7 +161,7 @@ def run_case(
             model.constants,
             segments,
             climate,
-            initial_temperatures(case, model.constants.cells.shape[1], climate.at(0.0)),
+            initial_temperatures(case, len(model.constants.cells.capacity), climate.at(0.0)),
             initial_lead=case.initial_lead,
             keep_every=case.analysis.keep_every,
             groups=case.analysis.keep,

@@ -35,7 +35,9 @@ class BoundModel:
         return p.strength * p.initial / (p.initial - p.post_yield)
 
 
-def bound_models(table: pd.DataFrame, strain: float, rubber_thickness: float) -> list[BoundModel]:
+def bound_models(
+    table: pd.DataFrame, strain: float, total_rubber_thickness: float
+) -> list[BoundModel]:
     """The softest and the stiffest cycle of a table of factors as bilinear models.
 
     Softest and stiffest by K_eq over all temperatures and over first and heated cycles; peak
@@ -45,7 +47,7 @@ def bound_models(table: pd.DataFrame, strain: float, rubber_thickness: float) ->
     ----------
     table : of `temperature_factors`.
     strain : one of its strains.
-    rubber_thickness : total, of the bearing [mm], > 0.
+    total_rubber_thickness : of the bearing [mm], > 0.
 
     Returns
     -------
@@ -76,7 +78,7 @@ def bound_models(table: pd.DataFrame, strain: float, rubber_thickness: float) ->
     ordered = wide.reset_index().sort_values("K_eq").to_dict("records")
     found = []
     for name, row in (("lower", ordered[0]), ("upper", ordered[-1])):
-        model = backbone(float(row["K_eq"]), float(row["energy"]), strain * rubber_thickness)
+        model = backbone(float(row["K_eq"]), float(row["energy"]), strain * total_rubber_thickness)
         temperature = float(row["ambient_degC"])
         found.append(BoundModel(name, strain, str(row["basis"]), temperature, model))
     return found

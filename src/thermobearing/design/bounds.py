@@ -76,8 +76,8 @@ def bound(bearing: Bearing, name: str, temperature: float, strain: float) -> Bil
 
 def bounds_study(
     bearing: Bearing | str | Path,
-    motions: Any,
-    temperatures: Sequence[float] = AIR,
+    motion: Any,
+    ambient: Sequence[float] = AIR,
     *,
     strain: float = DESIGN_STRAIN,
     **options: Any,
@@ -91,8 +91,8 @@ def bounds_study(
     Parameters
     ----------
     bearing : a layered Bearing, a library name, or a TOML file.
-    motions : one or several names, files or tables as in an earthquake case.
-    temperatures : at which the coupled model runs [degC]; at least two.
+    motion : one or several names, files or tables as in an earthquake case.
+    ambient : temperatures at which the coupled model runs [degC]; at least two.
     strain : of the bilinear models.
     options : further keys of an earthquake case and its analysis.
 
@@ -109,14 +109,14 @@ def bounds_study(
     (4, True)
     """
     bearing = as_bearing(bearing)
-    cold, warm = min(temperatures), max(temperatures)
+    cold, warm = min(ambient), max(ambient)
     bounds = [bound(bearing, "lower", warm, strain), bound(bearing, "upper", cold, strain)]
-    common: dict[str, Any] = {"motions": motions, **options}
+    common: dict[str, Any] = {"motions": motion, **options}
     simple = make_earthquake_case(
         {"command": "bridge"}, "bounds", bearings=bounds, ambient=[warm], **common
     )
     whole = make_earthquake_case(
-        {"command": "bridge"}, "bounds", bearings=[bearing], ambient=list(temperatures), **common
+        {"command": "bridge"}, "bounds", bearings=[bearing], ambient=list(ambient), **common
     )
     bounded, coupled = run_earthquake(simple).table, run_earthquake(whole).table
     rows = []
@@ -137,7 +137,7 @@ def bounds_study(
                     "coupled_at_degC": float(values.idxmax()),
                     "envelope_over_coupled": ratio,
                     "verdict": verdict(ratio),
-                    **{f"coupled_{t:g}_degC": float(values[t]) for t in temperatures},
+                    **{f"coupled_{t:g}_degC": float(values[t]) for t in ambient},
                 }
             )
     return pd.DataFrame(rows)

@@ -2,7 +2,7 @@
 
     assume a displacement -> size -> analyse -> compare with what was found -> again
 
-Read `run_design` from the bottom of the loop upwards: one turn is `_turn`, and `_ended` says
+Read `run_design` from the bottom of the loop upwards: one turn is `one_turn`, and `_ended` says
 when to stop. `run_bounds` and `run_factors` gather what their parts (bounds.py,
 factors.py, scale.py) find into one report.
 """
@@ -74,7 +74,7 @@ def earthquake_of(case: DesignCase, bearing: BilinearBearing, stiffness: float) 
 
 
 @dataclass(frozen=True)
-class _Turn:
+class Turn:
     """One turn of the loop with all that it made."""
 
     round: Round
@@ -83,7 +83,7 @@ class _Turn:
     study: EarthquakeResult
 
 
-def _turn(case: DesignCase, number: int, assumed: float) -> _Turn:
+def one_turn(case: DesignCase, number: int, assumed: float) -> Turn:
     """Size for a displacement and analyse."""
     compound = load_compound(case.compound, case.compound_kind)
     size = size_bearing(assumed, bearing_weight(case), case.sizing)
@@ -118,7 +118,7 @@ def _turn(case: DesignCase, number: int, assumed: float) -> _Turn:
         ductility=ductility,
     )
     checks = checks_of(size, bearing_weight(case), found / thickness, ductility, case.sizing)
-    return _Turn(turn, checks, bearing, study)
+    return Turn(turn, checks, bearing, study)
 
 
 def _ended(case: DesignCase, rounds: list[Round], study: EarthquakeResult) -> tuple[str, str]:
@@ -177,7 +177,7 @@ def run_design(
     rounds: list[Round] = []
     assumed, gain, outcome = case.start, 1.0, ""
     while not outcome:
-        turn = _turn(case, len(rounds) + 1, assumed)
+        turn = one_turn(case, len(rounds) + 1, assumed)
         rounds.append(turn.round)
         if tell:
             tell(turn.round)
@@ -206,7 +206,7 @@ def run_design(
 def run_bounds(
     bearings: Sequence[Bearing | str | Path] = BEARINGS,
     motions: Sequence[Any] | None = None,
-    temperatures: Sequence[float] = AIR,
+    ambient: Sequence[float] = AIR,
     *,
     strain: float = DESIGN_STRAIN,
 ) -> BoundsReport:
@@ -217,7 +217,7 @@ def run_bounds(
     bearings : layered ones, library names or TOML files; the two of the bridge by default.
     motions : names, files or tables as in an earthquake case; the first motion of each type
         and ground by default.
-    temperatures : at which the coupled model runs [degC]; at least two different ones.
+    ambient : temperatures at which the coupled model runs [degC]; at least two different ones.
     strain : of the bilinear models, in [0.1, 3].
 
     Returns
@@ -234,14 +234,14 @@ def run_bounds(
     >>> report.paragraphs["shen-hdr-bridge"].split(":")[0]
     'shen-hdr-bridge'
     """
-    if len(set(temperatures)) < 2:
+    if len(set(ambient)) < 2:
         raise InputError("ambient: give at least two different temperatures")
     if not 0.1 <= strain <= 3.0:
         raise InputError(f"strain = {strain:g}: must be between 0.1 and 3")
     chosen = [item if isinstance(item, Bearing) else load_bearing(item) for item in bearings]
     shaken = first_motions() if motions is None else motions
     return BoundsReport(
-        {item.name: bounds_study(item, shaken, temperatures, strain=strain) for item in chosen}
+        {item.name: bounds_study(item, shaken, ambient, strain=strain) for item in chosen}
     )
 
 

@@ -15,6 +15,7 @@ from thermobearing.border.overrides import overridden
 from thermobearing.border.schema import Strict, in_unit, validated
 from thermobearing.border.toml import read_toml, split_sources, to_toml
 from thermobearing.cyclic.case import Temperature, each_once
+from thermobearing.cyclic.protocol import LONGEST
 from thermobearing.model.options import ModelOptions
 from thermobearing.motions.library import list_motions, load_motion
 from thermobearing.motions.record import GroundMotion
@@ -138,7 +139,11 @@ class EarthquakeCase(Strict):
             ]
         if self.weather is not None:
             try:
-                Ambient.from_csv(self.weather)
+                time = Ambient.from_csv(self.weather).time
+                if not 1.0 <= time[-1] - time[0] <= LONGEST:
+                    found.append(
+                        f"weather: lasts {time[-1] - time[0]:g} s; must be 1 to {LONGEST:g} s"
+                    )
             except InputError as error:
                 found += error.lines("weather")
         explicit = self.analysis.method == "predictor-corrector"

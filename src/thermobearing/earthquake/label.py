@@ -8,23 +8,8 @@ import xarray as xr
 
 import thermobearing
 from thermobearing.bearing.bilinear import BilinearBearing
-from thermobearing.core.types import (
-    DISPLACEMENT,
-    FORCE,
-    HEAT_LOST_ENDS,
-    HEAT_LOST_SIDES,
-    HEAT_RELEASED,
-    HEAT_STORED,
-    LEAD_DEGC,
-    LEAD_FORCE,
-    MISMATCH,
-    RECOVERABLE,
-    RUBBER_FORCE,
-    TIME,
-    VISCOUS_FORCE,
-    WORK_IN,
-    Floats,
-)
+from thermobearing.core.records import Floats, Rows, labels
+from thermobearing.core.types import Books
 from thermobearing.earthquake.case import EarthquakeCase
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.model.outcomes import INTERRUPTED
@@ -38,18 +23,10 @@ from thermobearing.structure.matrices import (
     unit,
 )
 from thermobearing.structure.run import SENTENCES, StructureHistory
-from thermobearing.structure.types import (
-    BEARINGS,
-    CLOCK,
-    DAMPING,
-    HINGES,
-    INPUT,
-    KINETIC,
-    SPRINGS,
-)
+from thermobearing.structure.types import MotionBooks
 
 if TYPE_CHECKING:
-    from thermobearing.earthquake.run import Task
+    from thermobearing.earthquake.task import Task
 
 MM_PER_M, KN_MM_PER_KN_M = 1e3, 1e3
 HISTORIES = (  # name, unit, long name
@@ -70,22 +47,14 @@ HISTORIES = (  # name, unit, long name
     ("pier_moment", "kN m", "moment of the first hinge"),
     ("lead_temperature", "degC", "temperature of the lead cores"),
 )
-ENERGIES = {
-    "input": INPUT,
-    "kinetic": KINETIC,
-    "damping": DAMPING,
-    "springs": SPRINGS,
-    "hinges": HINGES,
-    "bearings": BEARINGS,
-}
-BEARING_ENERGIES = {
-    "work_in": WORK_IN,
-    "heat_released": HEAT_RELEASED,
-    "recoverable": RECOVERABLE,
-    "heat_stored": HEAT_STORED,
-    "heat_lost_ends": HEAT_LOST_ENDS,
-    "heat_lost_sides": HEAT_LOST_SIDES,
-}
+BEARING_ENERGIES = (
+    "work_in",
+    "heat_released",
+    "recoverable",
+    "heat_stored",
+    "heat_lost_ends",
+    "heat_lost_sides",
+)
 
 
 def label_study(
@@ -131,42 +100,44 @@ def label_study(
 def _traces(task: "Task", history: StructureHistory) -> dict[str, Floats]:
     """Histories of one run, in the units of the dataset."""
     structure, report = task.case.structure, task.case.structure.report
-    books, bearing = history.get("books"), history.get("bearing0")
-    q, a = history.get("q"), history.get("a")
+    rows, bearing = history.rows, history.bearing()
+    q, a = rows.q, rows.a
     top = displacement_row(structure, report.pier, report.pier_top)
     base = displacement_row(structure, report.pier_base, report.pier_top)
     deck = unit(structure, f"{report.deck} x")
-    hinge = history.get("hinge0") if structure.hinges else np.full((len(q), 2), np.nan)
+    missing = np.full(len(q), np.nan)
     ground = task.shaking.ground[: len(q)] / MM_PER_M
     thickness = task.device.bearing.total_rubber_thickness
     heat = task.device.stack is not None
     lead = heat and task.device.constants.lead.cores > 0.0
     return {
-        "time": books[:, CLOCK],
+        "time": rows.books["clock"],
         "ground_acceleration": ground,
-        "bearing_displacement": bearing[:, DISPLACEMENT],
-        "bearing_strain": bearing[:, DISPLACEMENT] / thickness,
-        "bearing_force": bearing[:, FORCE],
-        "rubber_force": bearing[:, RUBBER_FORCE],
-        "lead_force": bearing[:, LEAD_FORCE],
-        "viscous_force": bearing[:, VISCOUS_FORCE],
+        "bearing_displacement": bearing["displacement"],
+        "bearing_strain": bearing["displacement"] / thickness,
+        "bearing_force": bearing["force"],
+        "rubber_force": bearing["rubber_force"],
+        "lead_force": bearing["lead_force"],
+        "viscous_force": bearing["viscous_force"],
         "bearing_speed": _speed(bearing),
-        "bearing_energy": bearing[:, WORK_IN],
+        "bearing_energy": bearing["work_in"],
         "pier_displacement": q @ (top - base),
         "pier_top_displacement": q @ top,
         "deck_displacement": q @ deck,
         "deck_acceleration": a @ deck / MM_PER_M + ground,
-        "pier_rotation": hinge[:, 0],
-        "pier_moment": hinge[:, 1] / KN_MM_PER_KN_M,
-        "lead_temperature": bearing[:, LEAD_DEGC] if lead else np.full(len(q), np.nan),
-        "rubber_temperature": history.get("layers0") if heat else np.empty((len(q), 0)),
+        "pier_rotation": history.hinge()["rotation"] if structure.hinges else missing,
+        "pier_moment": (
+            history.hinge()["moment"] / KN_MM_PER_KN_M if structure.hinges else missing
+        ),
+        "lead_temperature": bearing["lead_temperature"] if lead else missing,
+        "rubber_temperature": rows.layers[0] if heat else np.empty((len(q), 0)),
     }
 
 
-def _speed(bearing: Floats) -> Floats:
+def _speed(bearing: Rows[Books]) -> Floats:
     """Loading speed at the end of each step, on the clock of the modelled bearing [mm/s]."""
-    steps = np.maximum(np.diff(bearing[:, TIME]), np.finfo(float).tiny)
-    return np.concatenate([[0.0], np.diff(bearing[:, DISPLACEMENT]) / steps])
+    steps = np.maximum(np.diff(bearing["clock"]), np.finfo(float).tiny)
+    return np.concatenate([[0.0], np.diff(bearing["displacement"]) / steps])
 
 
 def _scalars(
@@ -176,9 +147,6 @@ def _scalars(
 
     def peak(name: str) -> Floats:
         return np.array([np.abs(trace[name]).max() for trace in traces])
-
-    def last(history: StructureHistory, which: int) -> float:
-        return float(history.get("books")[-1, which])
 
     outcomes = np.array([history.outcome for history in histories], dtype=str)
     found: list[tuple[str, Any, str]] = [
@@ -204,14 +172,15 @@ def _scalars(
     hinges = [task.case.structure.hinges for task in tasks]
     yields = np.array([h[0].yield_rotation if h else np.nan for h in hinges])
     found.append(("pier_ductility", peak("pier_rotation") / yields, "1"))
-    for name, which in ENERGIES.items():
-        values = np.array([last(history, which) for history in histories])
-        found.append((f"energy_{name}", values, "kN mm"))
-    for name, which in BEARING_ENERGIES.items():
-        values = np.array([history.get("bearing0")[-1, which] for history in histories])
-        start = np.array([history.get("bearing0")[0, which] for history in histories])
-        found.append((f"heat_{name}", values - start, "kN mm"))
-    mismatch = np.array([h.get("bearing0")[:, MISMATCH].max() for h in histories])
+    for label in labels(MotionBooks):
+        if label.unit == "kN mm":
+            ends = np.array([history.rows.books[label.name][-1] for history in histories])
+            found.append((f"energy_{label.name}", ends, label.unit))
+    for name in BEARING_ENERGIES:
+        columns = [history.bearing()[name] for history in histories]
+        values = np.array([column[-1] - column[0] for column in columns])
+        found.append((f"heat_{name}", values, "kN mm"))
+    mismatch = np.array([h.bearing()["layer_force_mismatch"].max() for h in histories])
     found.append(("layer_force_mismatch_max", mismatch, "kN"))
     return found
 

@@ -9,9 +9,9 @@ the same as in every other analysis (core/step.py).
 """
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -19,7 +19,8 @@ import numpy as np
 from thermobearing.bearing.ambient import Ambient
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.model import Bearing
-from thermobearing.core.types import Constants, Floats
+from thermobearing.border.errors import InputError
+from thermobearing.core.types import Floats
 from thermobearing.cyclic.equivalent import bilinear_parameters
 from thermobearing.cyclic.history import run_segments
 from thermobearing.cyclic.protocol import CyclicTest
@@ -27,13 +28,14 @@ from thermobearing.cyclic.segments import build_segments
 from thermobearing.earthquake.case import EarthquakeCase
 from thermobearing.earthquake.label import label_study
 from thermobearing.earthquake.result import EarthquakeResult
+from thermobearing.earthquake.task import Device, Shaking, Task
 from thermobearing.model.earlier import BilinearParameters, bilinear_constants
+from thermobearing.model.effort import study_too_much
 from thermobearing.model.options import build_model
-from thermobearing.model.stack import Stack
+from thermobearing.model.outcomes import NOT_PHYSICAL
 from thermobearing.motions.record import GroundMotion
 from thermobearing.structure.run import (
     Line,
-    Prepared,
     StructureHistory,
     prepare_structure,
     run_structure,
@@ -41,36 +43,7 @@ from thermobearing.structure.run import (
 
 Progress = Callable[[int, int], None]
 WORKERS = 2  # at least
-
-
-@dataclass(frozen=True)
-class Device:
-    """A bearing ready to be shaken; `stack` is None for a bilinear one, which has no heat."""
-
-    bearing: Bearing | BilinearBearing
-    constants: Constants
-    stack: Stack | None
-
-
-@dataclass(frozen=True)
-class Shaking:
-    """A ground motion at the ends of the steps: `ground` [mm/s2], `dt` [s]."""
-
-    motion: GroundMotion
-    dt: float
-    ground: Floats
-
-
-@dataclass(frozen=True)
-class Task:
-    """One run of a study; a plain record, so that any executor can carry it away."""
-
-    prepared: Prepared
-    device: Device
-    shaking: Shaking
-    ambient: float
-    start: tuple[Floats, float | None]
-    case: EarthquakeCase
+BLIND = np.zeros(1)  # temperature of a bilinear bearing, which has none: no rounding there [degC]
 
 
 def build_device(case: EarthquakeCase, bearing: Bearing | BilinearBearing) -> Device:
@@ -84,13 +57,11 @@ def build_device(case: EarthquakeCase, bearing: Bearing | BilinearBearing) -> De
     return Device(bearing, model.constants, model.stack)
 
 
-def build_shaking(case: EarthquakeCase, number: int) -> Shaking:
+def build_shaking(case: EarthquakeCase, number: int, motion: GroundMotion) -> Shaking:
     """A motion of the case, cut, scaled, and linear between its samples."""
-    chosen = case.motions[number]
-    motion = chosen.load()
     steps, dt = case.steps_of(motion)
     times = dt * np.arange(steps + 1)
-    ground = chosen.factor * np.interp(times, motion.time, motion.acceleration)
+    ground = case.motions[number].factor * np.interp(times, motion.time, motion.acceleration)
     return Shaking(motion, dt, ground)
 
 
@@ -100,16 +71,16 @@ def soaked(device: Device, weather: Ambient) -> tuple[Floats, float | None]:
     The bearing is at rest, at first uniform at the first ambient temperature. The same heat
     model as in motion, in growing steps.
     """
-    cells = device.constants.cells.shape[1]
+    cells = len(device.constants.cells.capacity)
     if device.stack is None:
-        return np.full(cells, weather.temperature[-1]), None
+        return BLIND, None
     start = float(weather.time[0])
     shifted = Ambient.series(weather.time - start, weather.temperature)
     rest = {"step": "rest", "duration": float(shifted.time[-1])}
     segments = build_segments(CyclicTest(dt=10.0, steps=[rest]), 1.0)
     initial = np.full(cells, weather.temperature[0])
     history = run_segments(device.constants, segments, shifted, initial, groups=())
-    lead = float(history.state.lead[0]) if device.constants.lead.cores > 0.0 else None
+    lead = history.state.branches[0].lead_temperature if device.constants.lead.cores > 0.0 else None
     return history.state.temperature, lead
 
 
@@ -123,7 +94,7 @@ def run_task(task: Task) -> StructureHistory:
         noise = lab.force_noise * np.random.default_rng(lab.seed).standard_normal(steps)
     temperature, lead = task.start
     line = Line(task.device.constants, temperature, lead, speed)
-    return run_structure(
+    history = run_structure(
         task.prepared,
         [line] * len(case.structure.bearings),
         shaking.ground,
@@ -133,21 +104,54 @@ def run_task(task: Task) -> StructureHistory:
         noise=noise,
         delay=0.0 if lab is None else lab.delay,
     )
+    if history.outcome == "completed" and largest_strain(task, history) > task.device.tears:
+        return replace(history, outcome=NOT_PHYSICAL)
+    return history
+
+
+def largest_strain(task: Task, history: StructureHistory) -> float:
+    """Of all bearing lines, either way."""
+    lines = range(len(task.case.structure.bearings))
+    peaks = [float(np.abs(history.bearing(b)["displacement"]).max()) for b in lines]
+    return max(peaks) / task.device.bearing.total_rubber_thickness
+
+
+def refuse_too_much(
+    case: EarthquakeCase, devices: Sequence[Device], motions: Sequence[GroundMotion]
+) -> None:
+    """InputError for a study that would take hours, or more memory than there is."""
+    lines, climates = len(case.structure.bearings), 1 if case.weather else len(case.ambient)
+    coordinates = 2.0 * len(case.structure.bodies)
+    runs = []
+    for device in devices:
+        layers, cells = len(device.constants.multiplicity), len(device.constants.cells.capacity)
+        # Some three iterations; elimination takes as long for a number as a cell for 15.
+        work = climates * (3.0 * lines * (cells + 5.0 * layers) + coordinates**3 / 15.0)
+        kept = climates * (20.0 + 3.0 * coordinates + lines * (20.0 + layers))
+        runs += [(float(case.steps_of(motion)[0]), work, kept) for motion in motions]
+    found = study_too_much(runs)
+    if found:
+        raise InputError(found, case.command)
 
 
 def build_tasks(case: EarthquakeCase) -> list[Task]:
     """All runs of a case: bearings, then motions, then ambient temperatures."""
     prepared = prepare_structure(case.structure, case.analysis.mass)
     devices = [build_device(case, bearing) for bearing in case.bearings]
-    shakings = [build_shaking(case, number) for number in range(len(case.motions))]
+    motions = [motion.load() for motion in case.motions]
+    refuse_too_much(case, devices, motions)
+    shakings = [build_shaking(case, number, motion) for number, motion in enumerate(motions)]
     weather = None if case.weather is None else Ambient.from_csv(case.weather)
     tasks = []
     for device in devices:
         if weather is not None:
             starts = [(float(weather.temperature[-1]), soaked(device, weather))]
         else:
-            cells = device.constants.cells.shape[1]
-            starts = [(value, (np.full(cells, value), None)) for value in case.ambient]
+            cells = len(device.constants.cells.capacity)
+            blind = device.stack is None
+            starts = [
+                (value, (BLIND if blind else np.full(cells, value), None)) for value in case.ambient
+            ]
         for shaking in shakings:
             tasks += [Task(prepared, device, shaking, air, start, case) for air, start in starts]
     return tasks

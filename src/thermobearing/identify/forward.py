@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from thermobearing.bearing.ambient import Ambient
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
-from thermobearing.core.types import BOOKS, FORCE, LEAD_DEGC
-from thermobearing.cyclic.history import column_numbers, has_branches, run_segments
+from thermobearing.core.types import Kept
+from thermobearing.cyclic.history import run_segments
 from thermobearing.cyclic.segments import Segment
 from thermobearing.identify.record import TestRecord
 from thermobearing.model.constants import with_parameters
@@ -173,6 +173,11 @@ def _grid(record: TestRecord, fine: bool) -> _Grid:
     )
 
 
+def at(rows: Kept, layer: int | None) -> Floats:
+    """Temperatures of a modelled layer, or of the lead for None [degC]."""
+    return rows.books["lead_temperature"] if layer is None else rows.rubber[:, layer]
+
+
 class ForwardModel:
     """One record, ready to be predicted for many bearings that differ in parameters only.
 
@@ -217,29 +222,26 @@ class ForwardModel:
         self._ambient = Ambient.constant(self._at)
         self._initial = np.full(len(self._stack.part), self._at)
         self._groups = ("rubber",) if record.places else ()
-        self._columns = self._thermocouples(bearing)
+        self._layers = self._thermocouples(bearing)
 
     @property
     def steps(self) -> int:
         """Time steps of one evaluation."""
         return len(self._grid.x)
 
-    def _thermocouples(self, bearing: Bearing) -> dict[str, int]:
-        """Column of the model's history for each thermocouple."""
-        layers = len(self._constants.multiplicity)
-        branches = has_branches(self._constants)
-        columns = column_numbers(layers, self._groups, branches=branches).tolist()
-        found = {}
+    def _thermocouples(self, bearing: Bearing) -> dict[str, int | None]:
+        """Modelled layer of each thermocouple, from the outside; None in lead."""
+        found: dict[str, int | None] = {}
         for title, place in self.record.places.items():
             if place == "lead":
                 if bearing.lead is None:
                     raise InputError(f"thermocouples.{title}: the bearing has no lead")
-                found[title] = columns.index(LEAD_DEGC)
+                found[title] = None
                 continue
             layer, count = int(place.split()[1]), bearing.geometry.rubber_layers
             if layer > count:
                 raise InputError(f"thermocouples.{title}: the bearing has {count} rubber layers")
-            found[title] = columns.index(BOOKS + min(layer, count + 1 - layer) - 1)
+            found[title] = min(layer, count + 1 - layer) - 1
         return found
 
     def run(self, bearing: Bearing) -> Prediction | None:
@@ -262,8 +264,8 @@ class ForwardModel:
         if history.outcome != "completed":
             return None
         return Prediction(
-            self._at_samples(history.rows[:, FORCE]),
-            {title: self._at_samples(history.rows[:, c]) for title, c in self._columns.items()},
+            self._at_samples(history.rows.books["force"]),
+            {title: self._at_samples(at(history.rows, j)) for title, j in self._layers.items()},
             history.outcome,
         )
 

@@ -5,18 +5,21 @@ from typing import Literal
 import numpy as np
 
 from thermobearing.bearing.model import Bearing
+from thermobearing.core.records import Floats, filled
 from thermobearing.core.types import (
     EULER,
     EXACT,
     HEAT_FROM_DISSIPATION,
     HEAT_FROM_WORK,
+    Cells,
     Constants,
-    Floats,
+    LayerCells,
     Lead,
+    LeadCell,
     Rubber,
     Viscous,
 )
-from thermobearing.model.lead_ends import NO_MODES, end_modes
+from thermobearing.model.lead_ends import end_modes, no_modes
 from thermobearing.model.stack import (
     MM_PER_M,
     Face,
@@ -54,28 +57,32 @@ def build_constants(
     make = conservative_rates if scheme == "conservative" else published_rates
     rates = make(stack, upper, lower)
     lead, end, side = _lead(bearing, stack, published=scheme == "published")
-    modes = NO_MODES
+    touching = np.flatnonzero(end + side)
+    modes = no_modes()
     if lead_ends == "finite-plate":
         modes = end_modes(bearing, 0.5 * float(stack.beside_lead.sum()))
+    upper_middle, lower_middle = stack.middles()
     return Constants(
         rubber=_rubber(bearing, integrator),
         lead=lead,
         viscous=_viscous(bearing, heats=scheme != "published"),
         multiplicity=stack.multiplicity,
-        layer_cells=np.column_stack([stack.first_cell, stack.last_cell, *stack.middles()]),
-        cells=np.array(
-            [
-                rates.to_previous,
-                rates.to_next,
-                rates.end_loss,
-                rates.side_loss,
-                stack.heat_capacity,
-                end,
-                side,
-                stack.beside_lead,
-            ]
+        layer_cells=filled(
+            LayerCells,
+            first=stack.first_cell,
+            last=stack.last_cell,
+            upper_middle=upper_middle,
+            lower_middle=lower_middle,
         ),
-        lead_cells=np.flatnonzero(end + side),
+        cells=Cells(
+            to_previous=rates.to_previous,
+            to_next=rates.to_next,
+            end_loss=rates.end_loss,
+            side_loss=rates.side_loss,
+            capacity=stack.heat_capacity,
+            beside_lead=stack.beside_lead,
+        ),
+        lead_cells=filled(LeadCell, cell=touching, end=end[touching], side=side[touching]),
         lead_modes=modes,
         source_rise=1.0
         / (

@@ -12,23 +12,19 @@ from typing import Literal
 import numpy as np
 
 from thermobearing.bearing.model import Bearing
+from thermobearing.core.records import Rows, filled, rows
 from thermobearing.core.types import (
-    BESIDE_LEAD,
-    CAPACITY,
-    END_LOSS,
     EXACT,
     HEAT_FROM_WORK,
-    LEAD_END,
-    LEAD_SIDE,
-    SIDE_LOSS,
-    TO_NEXT,
-    TO_PREVIOUS,
+    Cells,
     Constants,
+    LayerCells,
     Lead,
+    LeadCell,
     Rubber,
     Viscous,
 )
-from thermobearing.model.lead_ends import NO_MODES
+from thermobearing.model.lead_ends import no_modes
 from thermobearing.model.stack import MM_PER_M, Stack
 
 Model = Literal[
@@ -40,7 +36,6 @@ Model = Literal[
     "temperature-blind",
     "bilinear",
 ]
-EXCHANGES = [TO_PREVIOUS, TO_NEXT, END_LOSS, SIDE_LOSS, LEAD_END, LEAD_SIDE]
 UNCHANGING = 1e12  # factor on heat capacities that keeps a temperature where it is
 TIGHT = 1e6  # lead exchanges heat this fast with the single temperature [kN mm/(s K)]
 STIFFNESS_RATIO = 6.5  # K1/K2 of the bilinear model, usual in Japanese design of bridges
@@ -66,11 +61,9 @@ def adiabatic(constants: Constants) -> Constants:
 
     Constantinou et al. (2007), Eq. 2.4-2.6 of the source: no conduction to steel, ends or air.
     """
-    cells = constants.cells.copy()
-    cells[EXCHANGES] = 0.0
     lead = constants.lead._replace(end_conductance=0.0, side_conductance=0.0)
     return without_modes(constants)._replace(
-        cells=cells, lead=lead, lead_cells=np.empty(0, dtype=np.int64)
+        cells=unexchanging(constants.cells), lead=lead, lead_cells=rows(LeadCell, 0)
     )
 
 
@@ -83,14 +76,12 @@ def lumped(constants: Constants, stack: Stack) -> Constants:
     inside = np.array([name in ("rubber", "shim") for name in stack.part])
     capacity = float(stack.heat_capacity[inside].sum())
     layers = len(constants.multiplicity)
-    cells = np.zeros((len(constants.cells), 1))
-    cells[CAPACITY] = capacity
-    cells[-1] = constants.cells[-1].sum()
-    touching = np.zeros(0 if constants.lead.cores == 0.0 else 1, dtype=np.int64)
-    cells[LEAD_END] = TIGHT * len(touching)
+    touching = rows(LeadCell, 0 if constants.lead.cores == 0.0 else 1)
+    touching["end"] = TIGHT
+    cells = lone_cell(capacity, float(constants.cells.beside_lead.sum()))
     return without_modes(constants)._replace(
         cells=cells,
-        layer_cells=np.tile(np.array([0, 1, 0, 0], dtype=np.int64), (layers, 1)),
+        layer_cells=one_cell(layers),
         lead_cells=touching,
         source_rise=1.0 / capacity,
         side_implicit=True,
@@ -109,10 +100,27 @@ def lumped_with_losses(constants: Constants, bearing: Bearing, stack: Stack) -> 
     plates = (g.end_plate_thickness + g.sealing_plate_thickness) / m.steel.conductivity
     resistance = MM_PER_M * (0.5 * g.rubber_thickness / m.rubber.conductivity + plates)
     height = g.total_rubber_thickness + (g.rubber_layers - 1) * g.shim_thickness
-    capacity = one.cells[CAPACITY, 0]
-    one.cells[END_LOSS] = 2.0 * bearing.area / resistance / capacity
-    one.cells[SIDE_LOSS] = stack.side_film * stack.perimeter * height / capacity
+    capacity = one.cells.capacity[0]
+    one.cells.end_loss[:] = 2.0 * bearing.area / resistance / capacity
+    one.cells.side_loss[:] = stack.side_film * stack.perimeter * height / capacity
     return one
+
+
+def lone_cell(capacity: float, beside_lead: float) -> Cells:
+    """A single cell that exchanges no heat."""
+    none = [np.zeros(1) for _ in Cells._fields]
+    return Cells(*none)._replace(capacity=np.array([capacity]), beside_lead=np.array([beside_lead]))
+
+
+def unexchanging(cells: Cells) -> Cells:
+    """The same cells, without heat exchange between each other and with the ambient."""
+    none = np.zeros_like(cells.capacity)
+    return cells._replace(to_previous=none, to_next=none, end_loss=none, side_loss=none)
+
+
+def one_cell(layers: int) -> Rows[LayerCells]:
+    """Every layer has the temperature of the only cell."""
+    return filled(LayerCells, first=np.zeros(layers), last=1, upper_middle=0, lower_middle=0)
 
 
 def lead_alone(constants: Constants) -> Constants:
@@ -138,14 +146,14 @@ def bilinear(constants: Constants, parameters: BilinearParameters) -> Constants:
     A linear spring K_2 and, in parallel, an elastic and perfectly plastic one of strength Q_d
     and stiffness K_1 - K_2, which are the branches of the lead here.
     """
-    cells = constants.cells.copy()
-    cells[-1] = constants.cells[CAPACITY]  # the spring starts at the mean temperature
+    # The spring starts at the mean temperature.
+    cells = constants.cells._replace(beside_lead=constants.cells.capacity)
     plain = without_modes(constants)._replace(
         rubber=_backbone_rubber(constants.rubber.layer_count, parameters),
         lead=_backbone_spring(parameters, constants.lead.fold),
         viscous=constants.viscous._replace(stiffness=0.0),
         cells=cells,
-        lead_cells=np.empty(0, dtype=np.int64),
+        lead_cells=rows(LeadCell, 0),
     )
     return isothermal(plain)
 
@@ -167,17 +175,15 @@ def bilinear_constants(parameters: BilinearParameters) -> Constants:
     >>> constants.lead.cores
     1.0
     """
-    cells = np.zeros((BESIDE_LEAD + 1, 1))
-    cells[[CAPACITY, BESIDE_LEAD]] = UNCHANGING
     return Constants(
         rubber=_backbone_rubber(1.0, parameters),
         lead=_backbone_spring(parameters, 1.0),
         viscous=Viscous(0.0, 1.0, heats=False),
         multiplicity=np.ones(1),
-        layer_cells=np.array([[0, 1, 0, 0]], dtype=np.int64),
-        cells=cells,
-        lead_cells=np.empty(0, dtype=np.int64),
-        lead_modes=NO_MODES,
+        layer_cells=one_cell(1),
+        cells=lone_cell(UNCHANGING, UNCHANGING),
+        lead_cells=rows(LeadCell, 0),
+        lead_modes=no_modes(),
         source_rise=1.0 / UNCHANGING,
         side_implicit=True,
         heat_source=HEAT_FROM_WORK,
@@ -226,14 +232,13 @@ def _backbone_spring(parameters: BilinearParameters, fold: float) -> Lead:
 
 def without_modes(constants: Constants) -> Constants:
     """Lead on a half-space, as the earlier models have it, whatever `lead_ends` says."""
-    return constants._replace(lead_modes=NO_MODES)
+    return constants._replace(lead_modes=no_modes())
 
 
 def isothermal(constants: Constants) -> Constants:
     """Steel and rubber keep their temperature: the same with endless heat capacity."""
-    cells = constants.cells.copy()
-    cells[[TO_PREVIOUS, TO_NEXT, END_LOSS, SIDE_LOSS]] = 0.0
-    cells[CAPACITY] *= UNCHANGING
+    cells = unexchanging(constants.cells)
+    cells = cells._replace(capacity=cells.capacity * UNCHANGING)
     return constants._replace(cells=cells, source_rise=constants.source_rise / UNCHANGING)
 
 

@@ -1,11 +1,13 @@
 """How much an analysis is, known before it starts: what is too much is told, not waited for."""
 
 import math
+from collections.abc import Sequence
 
 MAX_STEPS = 20_000_000  # of all runs of an analysis
 # A step takes time in proportion to the cells of the stack, some 0.02 us each: half a minute.
 MAX_CELL_STEPS = 1.5e9
-MAX_KEPT = 2.5e8  # numbers in the histories of a result: 2 GB
+MAX_STUDY = 2e10  # the same of all runs of a study, which share the processors: some minutes
+MAX_KEPT = 5e8  # numbers in the histories of a result: 4 GB
 
 
 def too_much(steps: float, cells: int, kept: float) -> list[str]:
@@ -35,4 +37,29 @@ def too_much(steps: float, cells: int, kept: float) -> list[str]:
             f"keeps {kept:.3g} numbers; at most {MAX_KEPT:.3g} can be kept: give a keep_every "
             f"{math.ceil(kept / MAX_KEPT)} times as large, or keep fewer histories"
         ]
+    return []
+
+
+def study_too_much(runs: Sequence[tuple[float, float, float]]) -> list[str]:
+    """The same for a study.
+
+    Parameters
+    ----------
+    runs : of each run its steps, and the cells and kept numbers of one step.
+
+    Examples
+    --------
+    >>> study_too_much([(8000.0, 60.0, 50.0)] * 36)
+    []
+    """
+    change = "take a larger dt, cut the motions (duration), or make several studies"
+    longest = max(steps for steps, _, _ in runs)
+    work = sum(steps * cells for steps, cells, _ in runs)
+    kept = sum(steps * numbers for steps, _, numbers in runs)
+    if longest > MAX_STEPS:
+        return [f"a run makes {longest:.3g} steps; at most {MAX_STEPS} can be done: {change}"]
+    if work > MAX_STUDY:
+        return [f"makes {work:.3g} steps of a cell; at most {MAX_STUDY:.3g} can be done: {change}"]
+    if kept > MAX_KEPT:
+        return [f"keeps {kept:.3g} numbers; at most {MAX_KEPT:.3g} can be kept: {change}"]
     return []

@@ -159,7 +159,7 @@ class BearingElement:
         self, constants: Constants, ambient: float, initial: Any, initial_lead: float | None
     ) -> None:
         """Memory for the states, all at the start."""
-        cells = constants.cells.shape[1]
+        cells = len(constants.cells.capacity)
         self._ambient = float(check_temperature(ambient, "ambient"))
         start = ambient if initial is None else initial
         temperature = _of_cells("initial", start, cells)
@@ -204,7 +204,9 @@ class BearingElement:
 
     def save(self) -> State:
         """A copy of the committed state."""
-        return State(*(array.copy() for array in self._committed))
+        saved = new_state(self._constants, self._committed.temperature)
+        copy_state(self._committed, saved)
+        return saved
 
     def restore(self, saved: State) -> None:
         """Continue from a state that `save` returned."""

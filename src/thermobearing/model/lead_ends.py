@@ -18,13 +18,18 @@ import math
 import numpy as np
 
 from thermobearing.bearing.model import Bearing
-from thermobearing.core.types import Floats
+from thermobearing.core.records import Floats, Rows, filled, rows
+from thermobearing.core.types import Mode
 from thermobearing.model.stack import MM_PER_M
 
 RADIAL, AXIAL = 400, 200  # modes summed
 SHORTEST = 1e-3  # s: what settles faster counts as one term
 PER_DECADE = 2.0
-NO_MODES: Floats = np.zeros((2, 0))
+
+
+def no_modes() -> Rows[Mode]:
+    """For cores on a half-space."""
+    return rows(Mode, 0)
 
 
 def plate_modes(bearing: Bearing) -> Floats:
@@ -64,8 +69,8 @@ def lumped(modes: Floats) -> Floats:
     return np.array(found).T
 
 
-def end_modes(bearing: Bearing, half_height: float) -> Floats:
-    """[2, K] rows RESISTANCE and RELAXATION of one core and one end plate.
+def end_modes(bearing: Bearing, half_height: float) -> Rows[Mode]:
+    """[K] terms of one core and one end plate.
 
     Parameters
     ----------
@@ -75,4 +80,5 @@ def end_modes(bearing: Bearing, half_height: float) -> Floats:
     assert bearing.lead is not None
     plate, core = plate_modes(bearing), core_modes(bearing, half_height)
     plate[0] *= bearing.lead.end_spreading
-    return lumped(np.concatenate([plate, core], axis=1))
+    resistance, relaxation = lumped(np.concatenate([plate, core], axis=1))
+    return filled(Mode, resistance=resistance, relaxation=relaxation)

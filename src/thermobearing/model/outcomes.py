@@ -12,6 +12,7 @@ from thermobearing.core.types import (
 )
 
 INTERRUPTED: Final = "interrupted"
+NOT_PHYSICAL: Final = "not_physical"
 
 NAMES: Final = {
     COMPLETED: "completed",
@@ -35,8 +36,15 @@ SENTENCES: Final = {
         "The explicit Euler integration of Z ran away. Try a smaller dt, or integrator exact."
     ),
     "temperature_runaway": (
-        "A rubber layer left -273 to 1000 degC. Check stiffness, plan and heat capacity for their "
-        "units; with very stiff rubber, heat_source dissipation has this feedback while held."
+        "A rubber layer left -273 to 400 degC (it decomposes) or the lead reached 327 degC (it "
+        "melts): fewer cycles, a smaller amplitude or a slower motion. Check stiffness, plan and "
+        "heat capacity for their units; with very stiff rubber, heat_source dissipation has this "
+        "feedback while held."
+    ),
+    NOT_PHYSICAL: (
+        "A bearing was strained beyond 500 % (it tears), a plate left -273 to 1500 degC, or the "
+        "energy books do not close: no real bearing does that. Check stiffness, thicknesses, "
+        "conductivities and temperature coefficients for their units, and try a smaller dt."
     ),
     INTERRUPTED: "The run was interrupted; what had been computed until then was kept.",
 }

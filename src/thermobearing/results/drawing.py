@@ -93,12 +93,12 @@ def panels(
     return figure, list(axes.flat)
 
 
-def save_figure(figure: Figure, path: Path) -> None:
+def save_figure(figure: Figure, path: str | Path, dpi: int = DPI) -> None:
     """Write a figure as PNG with a palette, a third as large as one with a colour a point."""
     drawn = io.BytesIO()
-    figure.savefig(drawn, dpi=DPI, pil_kwargs={"compress_level": 1})
+    figure.savefig(drawn, dpi=dpi, pil_kwargs={"compress_level": 1})
     picture = Image.open(drawn).convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
-    picture.save(path, optimize=True, dpi=(DPI, DPI))
+    picture.save(path, optimize=True, dpi=(dpi, dpi))
 
 
 def style(ax: Axes) -> None:

@@ -1,12 +1,12 @@
 """A handful of equations, solved in place: compiled code here cannot call LAPACK."""
 
 from thermobearing.core.compile import compiled
-from thermobearing.core.types import Floats
+from thermobearing.core.records import Floats
 
 
 @compiled
-def solve_dense(matrix: Floats, vectors: Floats, row: int) -> bool:
-    """Gauss elimination with partial pivoting; row `row` of `vectors` becomes the solution.
+def solve_dense(matrix: Floats, vector: Floats) -> bool:
+    """Gauss elimination with partial pivoting; `vector` becomes the solution.
 
     The matrix is destroyed. Returns False if it is singular.
     """
@@ -21,15 +21,15 @@ def solve_dense(matrix: Floats, vectors: Floats, row: int) -> bool:
         if pivot != k:
             for j in range(n):
                 matrix[k, j], matrix[pivot, j] = matrix[pivot, j], matrix[k, j]
-            vectors[row, k], vectors[row, pivot] = vectors[row, pivot], vectors[row, k]
+            vector[k], vector[pivot] = vector[pivot], vector[k]
         for i in range(k + 1, n):
             ratio = matrix[i, k] / matrix[k, k]
             for j in range(k + 1, n):
                 matrix[i, j] -= ratio * matrix[k, j]
-            vectors[row, i] -= ratio * vectors[row, k]
+            vector[i] -= ratio * vector[k]
     for k in range(n - 1, -1, -1):
-        value = vectors[row, k]
+        value = vector[k]
         for j in range(k + 1, n):
-            value -= matrix[k, j] * vectors[row, j]
-        vectors[row, k] = value / matrix[k, k]
+            value -= matrix[k, j] * vector[j]
+        vector[k] = value / matrix[k, k]
     return True

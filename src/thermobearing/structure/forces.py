@@ -1,105 +1,84 @@
 """Restoring forces of a structure at trial coordinates: springs, hinges, bearings."""
 
-from typing import Any
-
 from thermobearing.core.compile import compiled
+from thermobearing.core.records import Floats, Rows
 from thermobearing.core.step import step
-from thermobearing.core.types import COMPLETED, DISPLACEMENT, SOFTENED, Floats
+from thermobearing.core.types import COMPLETED, SOFTENED
 from thermobearing.structure.takeda import takeda
-from thermobearing.structure.types import (
-    FORCE_FACTOR,
-    LENGTH_FACTOR,
-    MOMENT,
-    SPEED,
-    Motion,
-    System,
-)
+from thermobearing.structure.types import Bearings, Coordinate, LineFactors, Motion, System
 
 SHORTEST = 1e-6  # s: step of a bearing that is on its own clock and does not move
 
 
 @compiled
-def along(rows: Floats, row: int, vectors: Floats, of: int) -> float:
-    """Stretch or rotation of one connection at the coordinates `vectors[of]`."""
+def along(rows: Floats, row: int, points: Rows[Coordinate]) -> float:
+    """Stretch or rotation of one connection at the trial coordinates."""
     total = 0.0
     for i in range(rows.shape[1]):
-        total += rows[row, i] * vectors[of, i]
+        total += rows[row, i] * points[i].trial
     return total
 
 
 @compiled
-def spread(
-    rows: Floats,
-    row: int,
-    force: float,
-    stiffness: float,
-    vectors: Floats,
-    to: int,
-    tangent: Floats,
-) -> None:
+def spread(rows: Floats, row: int, force: float, stiffness: float, motion: Motion) -> None:
     """Add the force and stiffness of one connection to those of the coordinates."""
     for i in range(rows.shape[1]):
         if rows[row, i] != 0.0:
-            vectors[to, i] += rows[row, i] * force
+            motion.points[i].trial_restoring += rows[row, i] * force
             for j in range(rows.shape[1]):
-                tangent[i, j] += rows[row, i] * rows[row, j] * stiffness
+                motion.tangent[i, j] += rows[row, i] * rows[row, j] * stiffness
 
 
 @compiled
-def bearing_dt(line: Floats, b: int, dt: float, dx: float) -> float:
+def bearing_dt(line: LineFactors, dt: float, dx: float) -> float:
     """How long the modelled bearing takes for dx [mm]: earthquake time, or that of its actuator."""
-    if line[b, SPEED] == 0.0:
+    if line.speed == 0.0:
         return dt
-    moving: float = max(abs(dx) / line[b, SPEED], SHORTEST)
-    return moving
+    return max(abs(dx) / line.speed, SHORTEST)
 
 
 @compiled
-def set_stretches(system: System, motion: Motion, at: int) -> None:
+def set_stretches(system: System, motion: Motion) -> None:
     """Bearings follow the structure at once."""
-    for b in range(system.lines.shape[0]):
-        motion.stretches[b] = along(system.line_rows, b, motion.vectors, at)
+    for b in range(len(system.lines)):
+        motion.stretches[b] = along(system.line_rows, b, motion.points)
 
 
 @compiled
 def restoring(
-    system: System,
-    bearings: Any,
-    works: Any,
-    states: Any,
-    news: Any,
-    motion: Motion,
-    at: int,
-    to: int,
-    dt: float,
-    ambient: float,
-    noise: float,
+    system: System, bearings: Bearings, motion: Motion, dt: float, ambient: float, noise: float
 ) -> int:
-    """Restoring forces at the coordinates `vectors[at]`, into `vectors[to]`, and their tangent.
+    """Restoring forces at the trial coordinates, and their tangent.
 
     The bearing lines are at the stretches `motion.stretches`, which an actuator may delay.
-    Starts from the committed `states` and hinges, writes `news` and `trial_hinges`. `noise` is
-    added to the force of every modelled bearing [kN]. Returns an outcome of the coupled step.
+    Starts from the committed states and hinges, writes their trials. `noise` is added to the
+    force of every modelled bearing [kN]. Returns an outcome of the coupled step.
     """
-    vectors, tangent = motion.vectors, motion.tangent
-    n = tangent.shape[0]
+    points, n = motion.points, motion.tangent.shape[0]
     for i in range(n):
-        vectors[to, i] = 0.0
+        points[i].trial_restoring = 0.0
         for j in range(n):
-            tangent[i, j] = system.stiffness[i, j]
-            vectors[to, i] += system.stiffness[i, j] * vectors[at, j]
-    for h in range(system.hinges.shape[0]):
-        rotation = along(system.hinge_rows, h, vectors, at)
+            motion.tangent[i, j] = system.stiffness[i, j]
+            points[i].trial_restoring += system.stiffness[i, j] * points[j].trial
+    for h in range(len(system.hinges)):
+        rotation = along(system.hinge_rows, h, motion.points)
         slope = takeda(system.hinges, motion.hinges, h, rotation, motion.trial_hinges)
-        moment = motion.trial_hinges[h, MOMENT]
-        spread(system.hinge_rows, h, moment, slope, vectors, to, tangent)
-    for b in range(len(bearings)):
-        x = system.lines[b, LENGTH_FACTOR] * motion.stretches[b]
-        own_dt = bearing_dt(system.lines, b, dt, x - states[b].books[DISPLACEMENT])
-        force, slope, outcome = step(bearings[b], works[b], states[b], x, own_dt, ambient, news[b])
+        spread(system.hinge_rows, h, motion.trial_hinges.bends[h].moment, slope, motion)
+    for b in range(len(bearings.constants)):
+        line, state = system.lines[b], bearings.states[b]
+        x = line.length_factor * motion.stretches[b]
+        own_dt = bearing_dt(line, dt, x - state.books[0].displacement)
+        force, slope, outcome = step(
+            bearings.constants[b],
+            bearings.works[b],
+            state,
+            x,
+            own_dt,
+            ambient,
+            bearings.trials[b],
+        )
         if outcome != COMPLETED and outcome != SOFTENED:
             return outcome
-        factor = system.lines[b, FORCE_FACTOR]
-        slope *= factor * system.lines[b, LENGTH_FACTOR]
-        spread(system.line_rows, b, factor * (force + noise), slope, vectors, to, tangent)
+        slope *= line.force_factor * line.length_factor
+        spread(system.line_rows, b, line.force_factor * (force + noise), slope, motion)
     return COMPLETED

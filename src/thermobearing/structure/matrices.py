@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import eigh
+from scipy.linalg import LinAlgError, eigh
 
 from thermobearing.border.errors import InputError
 from thermobearing.core.types import Floats
@@ -178,7 +178,14 @@ def find_modes(mass: Floats, stiffness: Floats, where: str = "structure") -> Mod
     ------
     InputError : the structure is a mechanism: some motion meets no stiffness.
     """
-    values, shapes = eigh(stiffness, mass)
+    try:
+        values, shapes = eigh(stiffness, mass)
+    except LinAlgError:
+        raise InputError(
+            "some motion moves no mass; give every body that rotates a rotary_inertia, or masses "
+            "at two heights (and look for masses that differ by more than 1e12)",
+            where,
+        ) from None
     if values[0] <= 1e-12 * values[-1]:
         raise InputError("is a mechanism: some motion meets no stiffness", where)
     return Modes(np.sqrt(values), shapes)

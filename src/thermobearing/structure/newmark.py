@@ -5,46 +5,38 @@ iterations: every work is the trapezoidal sum of forces at the ends of steps, an
 the scheme is exact. beta = 1/6 (linear acceleration, the source's) does not.
 """
 
-from typing import Any
-
-import numpy as np
-from numpy.typing import NDArray
-
 from thermobearing.core.compile import compiled
-from thermobearing.core.types import COMPLETED, Floats
-from thermobearing.structure.books import add_books, commit, write_motion_row
+from thermobearing.core.types import COMPLETED
+from thermobearing.structure.books import add_books, commit, keep_motion
 from thermobearing.structure.dense import solve_dense
 from thermobearing.structure.forces import restoring, set_stretches
 from thermobearing.structure.types import (
     DIVERGED,
-    ITERATIONS,
+    FARTHEST,
     NO_EQUILIBRIUM,
-    PREDICTED_A,
-    PREDICTED_V,
-    RESIDUAL,
-    SUBSTEPS,
-    TRIAL,
-    TRIAL_RESTORING,
-    A,
+    Bearings,
     Motion,
-    Q,
+    MotionRows,
     Scheme,
+    Shaking,
     System,
-    V,
 )
 
-FARTHEST = 1e9  # a coordinate beyond this has diverged [mm or rad]
+MOST_ITERATIONS, GRACE = 100, 1000  # a step on average, after so many steps; usual are 3
 
 
 @compiled
 def start_motion(system: System, motion: Motion, ground: float) -> bool:
     """Acceleration at rest under the first ground acceleration."""
-    n = motion.tangent.shape[0]
+    points, n = motion.points, motion.tangent.shape[0]
     for i in range(n):
-        motion.vectors[A, i] = system.load[i] * ground
+        motion.unknowns[i] = system.load[i] * ground
         for j in range(n):
             motion.matrix[i, j] = system.mass[i, j]
-    return solve_dense(motion.matrix, motion.vectors, A)
+    solved = solve_dense(motion.matrix, motion.unknowns)
+    for i in range(n):
+        points[i].a = motion.unknowns[i]
+    return solved
 
 
 @compiled
@@ -54,25 +46,25 @@ def residual(system: System, motion: Motion, scheme: Scheme, dt: float, ground: 
     Each force is weighed with its own effective stiffness, since rotations and displacements
     have different units; the norm has the unit of the square root of an energy.
     """
-    vectors, n = motion.vectors, motion.tangent.shape[0]
+    points, unknowns, n = motion.points, motion.unknowns, motion.tangent.shape[0]
     by_a, by_v = 1.0 / (scheme.beta * dt * dt), scheme.gamma / (scheme.beta * dt)
     for i in range(n):
-        change = vectors[TRIAL, i] - vectors[Q, i]
-        a = by_a * (change - dt * vectors[V, i]) - (0.5 / scheme.beta - 1.0) * vectors[A, i]
-        vectors[PREDICTED_A, i] = a
-        vectors[PREDICTED_V, i] = vectors[V, i] + dt * (
-            (1.0 - scheme.gamma) * vectors[A, i] + scheme.gamma * a
+        change = points[i].trial - points[i].q
+        a = by_a * (change - dt * points[i].v) - (0.5 / scheme.beta - 1.0) * points[i].a
+        points[i].predicted_a = a
+        points[i].predicted_v = points[i].v + dt * (
+            (1.0 - scheme.gamma) * points[i].a + scheme.gamma * a
         )
     norm = 0.0
     for i in range(n):
-        r = system.load[i] * ground - vectors[TRIAL_RESTORING, i]
+        r = system.load[i] * ground - points[i].trial_restoring
         for j in range(n):
-            r -= system.mass[i, j] * vectors[PREDICTED_A, j]
-            r -= system.damping[i, j] * vectors[PREDICTED_V, j]
+            r -= system.mass[i, j] * points[j].predicted_a
+            r -= system.damping[i, j] * points[j].predicted_v
             motion.matrix[i, j] = (
                 motion.tangent[i, j] + by_a * system.mass[i, j] + by_v * system.damping[i, j]
             )
-        vectors[RESIDUAL, i] = r
+        unknowns[i] = r
         norm += r * r / abs(motion.matrix[i, i])
     return norm
 
@@ -80,10 +72,7 @@ def residual(system: System, motion: Motion, scheme: Scheme, dt: float, ground: 
 @compiled
 def newmark_step(
     system: System,
-    bearings: Any,
-    works: Any,
-    states: Any,
-    news: Any,
+    bearings: Bearings,
     motion: Motion,
     scheme: Scheme,
     dt: float,
@@ -95,14 +84,12 @@ def newmark_step(
 
     `scale` is the largest ground acceleration of the motion, which makes the tolerance relative.
     """
-    vectors, n = motion.vectors, motion.tangent.shape[0]
+    points, unknowns, n = motion.points, motion.unknowns, motion.tangent.shape[0]
     for i in range(n):
-        vectors[TRIAL, i] = vectors[Q, i] + dt * vectors[V, i] + 0.5 * dt * dt * vectors[A, i]
+        points[i].trial = points[i].q + dt * points[i].v + 0.5 * dt * dt * points[i].a
     for _ in range(scheme.iterations):
-        set_stretches(system, motion, TRIAL)
-        outcome = restoring(
-            system, bearings, works, states, news, motion, TRIAL, TRIAL_RESTORING, dt, ambient, 0.0
-        )
+        set_stretches(system, motion)
+        outcome = restoring(system, bearings, motion, dt, ambient, 0.0)
         if outcome != COMPLETED:
             return outcome
         norm = residual(system, motion, scheme, dt, ground)
@@ -110,14 +97,14 @@ def newmark_step(
         for i in range(n):
             force = scheme.tolerance * system.load[i] * scale
             limit += force * force / abs(motion.matrix[i, i])
-        motion.books[ITERATIONS] += 1.0
+        motion.books[0].iterations += 1.0
         if norm <= limit:
             return COMPLETED
-        if not solve_dense(motion.matrix, vectors, RESIDUAL):
+        if not solve_dense(motion.matrix, unknowns):
             return NO_EQUILIBRIUM
         for i in range(n):
-            vectors[TRIAL, i] += vectors[RESIDUAL, i]
-            if not abs(vectors[TRIAL, i]) < FARTHEST:
+            points[i].trial += unknowns[i]
+            if not abs(points[i].trial) < FARTHEST:
                 return DIVERGED
     return NO_EQUILIBRIUM
 
@@ -125,27 +112,22 @@ def newmark_step(
 @compiled
 def newmark_march(
     system: System,
-    bearings: Any,
-    works: Any,
-    states: Any,
-    spares: Any,
+    bearings: Bearings,
     motion: Motion,
     scheme: Scheme,
-    ground: Floats,
-    dt: float,
-    ambient: Floats,
-    keep: NDArray[np.bool_],
-    rows: Floats,
+    shaking: Shaking,
+    rows: MotionRows,
 ) -> tuple[int, int, int]:
-    """March through the ground acceleration [mm/s2], steps of dt [s].
+    """March through the ground acceleration.
 
     A step without equilibrium is cut in half, again and again up to `scheme.halvings` times;
     the ground acceleration is linear between its samples.
 
     Returns
     -------
-    steps done, rows written, outcome. `motion` and `states` hold the last good state.
+    steps done, rows written, outcome. `motion` and `bearings` hold the last good state.
     """
+    ground = shaking.ground
     scale = 0.0
     for k in range(len(ground)):
         scale = max(scale, abs(ground[k]))
@@ -158,22 +140,22 @@ def newmark_march(
         while done < whole:
             share = (done + part) / whole
             target = ground[k] + share * (ground[k + 1] - ground[k])
-            sub = dt * part / whole
-            outcome = newmark_step(
-                system, bearings, works, states, spares, motion, scheme, sub, target, ambient[k],
-                scale,
-            )  # fmt: skip
+            sub = shaking.dt * part / whole
+            air = shaking.ambient[k]
+            outcome = newmark_step(system, bearings, motion, scheme, sub, target, air, scale)
             if outcome == COMPLETED:
                 before = ground[k] + done / whole * (ground[k + 1] - ground[k])
-                add_books(system, motion, before, target, TRIAL)
-                commit(system, states, spares, motion, sub, TRIAL, TRIAL_RESTORING)
+                add_books(system, motion, before, target)
+                commit(system, bearings, motion, sub)
                 done += part
                 continue
             if part == 1:
                 return k, kept, outcome
+            if motion.books[0].iterations > MOST_ITERATIONS * (k + GRACE):
+                return k, kept, NO_EQUILIBRIUM
             part //= 2
-            motion.books[SUBSTEPS] += 1.0
-        if keep[k]:
-            write_motion_row(bearings, states, motion, rows, kept)
+            motion.books[0].substeps += 1.0
+        if shaking.keep[k]:
+            keep_motion(bearings, motion, rows, kept)
             kept += 1
     return len(ground) - 1, kept, outcome

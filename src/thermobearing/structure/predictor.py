@@ -6,36 +6,24 @@ the print are mended: Eq. 3.7 says Delta a_n for a_n, and Eq. 3.15-3.16 subtract
 Delta a_c dt/2 and beta Delta a_c dt^2.
 """
 
-from typing import Any
-
-import numpy as np
-from numpy.typing import NDArray
-
 from thermobearing.core.compile import compiled
-from thermobearing.core.types import COMPLETED, Floats
-from thermobearing.structure.books import add_books, commit, write_motion_row
+from thermobearing.core.records import Floats
+from thermobearing.core.types import COMPLETED
+from thermobearing.structure.books import add_books, commit, keep_motion
 from thermobearing.structure.dense import solve_dense
 from thermobearing.structure.forces import along, restoring
 from thermobearing.structure.types import (
-    COMMAND,
     DIVERGED,
-    LOAD,
+    FARTHEST,
     NO_EQUILIBRIUM,
-    PREDICTED_A,
-    PREDICTED_V,
-    RESIDUAL,
-    RESTORING,
-    TRIAL,
-    TRIAL_RESTORING,
-    A,
+    Actuators,
+    Bearings,
     Motion,
-    Q,
+    MotionRows,
     Scheme,
+    Shaking,
     System,
-    V,
 )
-
-FARTHEST = 1e9  # a coordinate beyond this has diverged [mm or rad]
 
 
 @compiled
@@ -62,22 +50,21 @@ def predict(
     dt: float,
     ground_change: float,
 ) -> bool:
-    """Delta a_p of Eq. 3.12 into row LOAD, the predicted displacement into row TRIAL."""
-    vectors, n = motion.vectors, motion.tangent.shape[0]
+    """Delta a_p of Eq. 3.12 into `load`, the predicted displacement into `trial`."""
+    points, unknowns, n = motion.points, motion.unknowns, motion.tangent.shape[0]
     for i in range(n):
         force = system.load[i] * ground_change
         for j in range(n):
             by_a = dt * system.damping[i, j] + 0.5 * dt * dt * stiffness[i, j]  # Eq. 3.10
-            force -= by_a * vectors[A, j] + dt * stiffness[i, j] * vectors[V, j]  # Eq. 3.11
-        vectors[LOAD, i] = force
+            force -= by_a * points[j].a + dt * stiffness[i, j] * points[j].v  # Eq. 3.11
+        unknowns[i] = force
     effective_mass(system, motion, stiffness, beta, dt)
-    if not solve_dense(motion.matrix, vectors, LOAD):
+    if not solve_dense(motion.matrix, unknowns):
         return False
     for i in range(n):
-        vectors[TRIAL, i] = (
-            vectors[Q, i]
-            + dt * vectors[V, i]
-            + dt * dt * (0.5 * vectors[A, i] + beta * vectors[LOAD, i])
+        points[i].load = unknowns[i]
+        points[i].trial = (
+            points[i].q + dt * points[i].v + dt * dt * (0.5 * points[i].a + beta * points[i].load)
         )
     return True
 
@@ -85,29 +72,30 @@ def predict(
 @compiled
 def correct(system: System, motion: Motion, stiffness: Floats, beta: float, dt: float) -> bool:
     """Acceleration, velocity and displacement with the measured force (Eq. 3.13-3.16)."""
-    vectors, n = motion.vectors, motion.tangent.shape[0]
+    points, unknowns, n = motion.points, motion.unknowns, motion.tangent.shape[0]
     for i in range(n):
-        force = vectors[TRIAL_RESTORING, i] - vectors[RESTORING, i]
+        force = points[i].trial_restoring - points[i].restoring
         for j in range(n):
-            force -= stiffness[i, j] * (vectors[TRIAL, j] - vectors[Q, j])
-        vectors[RESIDUAL, i] = force
+            force -= stiffness[i, j] * (points[j].trial - points[j].q)
+        unknowns[i] = force
     effective_mass(system, motion, stiffness, beta, dt)
-    if not solve_dense(motion.matrix, vectors, RESIDUAL):
+    if not solve_dense(motion.matrix, unknowns):
         return False
     for i in range(n):
-        change = vectors[LOAD, i] - vectors[RESIDUAL, i]
-        vectors[PREDICTED_A, i] = vectors[A, i] + change
-        vectors[PREDICTED_V, i] = vectors[V, i] + dt * (vectors[A, i] + 0.5 * change)
-        vectors[COMMAND, i] = vectors[TRIAL, i] - beta * dt * dt * vectors[RESIDUAL, i]
+        change = points[i].load - unknowns[i]
+        points[i].predicted_a = points[i].a + change
+        points[i].predicted_v = points[i].v + dt * (points[i].a + 0.5 * change)
+        points[i].trial = points[i].trial - beta * dt * dt * unknowns[i]
     return True
 
 
 @compiled
-def delayed(system: System, motion: Motion, commands: Floats, k: int, lag: float) -> None:
+def delayed(system: System, motion: Motion, actuators: Actuators, k: int) -> None:
     """Where the actuators are at the end of step k: where they were told to be `lag` steps ago."""
-    for b in range(system.lines.shape[0]):
-        commands[k + 1, b] = along(system.line_rows, b, motion.vectors, TRIAL)
-        place = max(k + 1 - lag, 0.0)
+    commands = actuators.commands
+    for b in range(len(system.lines)):
+        commands[k + 1, b] = along(system.line_rows, b, motion.points)
+        place = max(k + 1 - actuators.lag, 0.0)
         before = int(place)
         after = min(before + 1, k + 1)
         part = place - before
@@ -117,55 +105,37 @@ def delayed(system: System, motion: Motion, commands: Floats, k: int, lag: float
 @compiled
 def predictor_march(
     system: System,
-    bearings: Any,
-    works: Any,
-    states: Any,
-    spares: Any,
+    bearings: Bearings,
     motion: Motion,
     scheme: Scheme,
-    stiffness: Floats,
-    ground: Floats,
-    dt: float,
-    ambient: Floats,
-    noise: Floats,
-    commands: Floats,
-    lag: float,
-    keep: NDArray[np.bool_],
-    rows: Floats,
+    shaking: Shaking,
+    actuators: Actuators,
+    rows: MotionRows,
 ) -> tuple[int, int, int]:
     """March with one force per step, as with a specimen in the loop.
-
-    Parameters
-    ----------
-    stiffness : [n, n] of the predictor, initial stiffness of everything.
-    noise : [steps] added to the force of every modelled bearing [kN].
-    commands : [steps + 1, b] scratch: stretches that the actuators were told to reach; zeros.
-    lag : delay of the actuators, in steps, >= 0: the force is read where they were told to be then.
 
     Returns
     -------
     steps done, rows written, outcome.
     """
-    vectors, n = motion.vectors, motion.tangent.shape[0]
+    ground, dt, stiffness = shaking.ground, shaking.dt, actuators.stiffness
+    points, n = motion.points, motion.tangent.shape[0]
     kept = 0
     for k in range(len(ground) - 1):
         if not predict(system, motion, stiffness, scheme.beta, dt, ground[k + 1] - ground[k]):
             return k, kept, NO_EQUILIBRIUM
         for i in range(n):
-            if not abs(vectors[TRIAL, i]) < FARTHEST:
+            if not abs(points[i].trial) < FARTHEST:
                 return k, kept, DIVERGED
-        delayed(system, motion, commands, k, lag)
-        outcome = restoring(
-            system, bearings, works, states, spares, motion, TRIAL, TRIAL_RESTORING, dt,
-            ambient[k], noise[k],
-        )  # fmt: skip
+        delayed(system, motion, actuators, k)
+        outcome = restoring(system, bearings, motion, dt, shaking.ambient[k], actuators.noise[k])
         if outcome != COMPLETED:
             return k, kept, outcome
         if not correct(system, motion, stiffness, scheme.beta, dt):
             return k, kept, NO_EQUILIBRIUM
-        add_books(system, motion, ground[k], ground[k + 1], COMMAND)
-        commit(system, states, spares, motion, dt, COMMAND, TRIAL_RESTORING)
-        if keep[k]:
-            write_motion_row(bearings, states, motion, rows, kept)
+        add_books(system, motion, ground[k], ground[k + 1])
+        commit(system, bearings, motion, dt)
+        if shaking.keep[k]:
+            keep_motion(bearings, motion, rows, kept)
             kept += 1
     return len(ground) - 1, kept, COMPLETED

@@ -6,15 +6,11 @@ from typing import Literal
 
 import numpy as np
 
-from thermobearing.core.types import (
-    BOOKS,
-    Constants,
-    Floats,
-    State,
-    new_state,
-    new_workspace,
-)
-from thermobearing.model.outcomes import NAMES
+from thermobearing.core.records import Floats, Rows, rows
+from thermobearing.core.types import Books, Constants, State, new_state, new_workspace
+from thermobearing.model.outcomes import NAMES, NOT_PHYSICAL
+from thermobearing.model.physical import is_physical
+from thermobearing.structure.books import keep_motion
 from thermobearing.structure.matrices import (
     Matrices,
     Modes,
@@ -27,19 +23,21 @@ from thermobearing.structure.matrices import (
 from thermobearing.structure.model import MassModel, Structure
 from thermobearing.structure.newmark import newmark_march, start_motion
 from thermobearing.structure.predictor import predictor_march
-from thermobearing.structure.takeda import NEVER_TURNED
+from thermobearing.structure.takeda import straight_hinges
 from thermobearing.structure.types import (
     DIVERGED,
-    HIGHEST,
-    HINGE_STATE,
-    LOWEST,
-    MOTION_BOOKS,
     NO_EQUILIBRIUM,
-    TURNED_HIGH,
-    TURNED_LOW,
-    VECTORS,
+    Actuators,
+    Bearings,
+    Bend,
+    Coordinate,
+    Hinge,
+    LineFactors,
     Motion,
+    MotionBooks,
+    MotionRows,
     Scheme,
+    Shaking,
     System,
 )
 
@@ -87,19 +85,22 @@ class Line:
 
 @dataclass
 class StructureHistory:
-    """Kept rows of one run; the columns by name are in `columns`."""
+    """Kept rows of one run, the start first."""
 
-    rows: Floats
-    columns: dict[str, slice]
+    rows: MotionRows
     states: Sequence[State]
     outcome: str = "completed"
     steps: int = 0
     iterations: int = 0
     substeps: int = 0
 
-    def get(self, name: str) -> Floats:
-        """[kept, width] columns of one kind."""
-        return self.rows[:, self.columns[name]]
+    def bearing(self, line: int = 0) -> Rows[Books]:
+        """Books of the modelled bearing of a line."""
+        return self.rows.bearings[:, line]
+
+    def hinge(self, number: int = 0) -> Rows[Bend]:
+        """Rotation and moment of a hinge."""
+        return self.rows.hinges[:, number]
 
 
 @dataclass(frozen=True)
@@ -127,54 +128,56 @@ def prepare_structure(structure: Structure, mass_model: MassModel = "consistent"
 def build_system(prepared: Prepared, lines: Sequence[Line]) -> System:
     """The structure as the compiled integration wants it."""
     structure, matrices = prepared.structure, prepared.matrices
-    hinges = [
-        [h.stiffness, h.yield_rotation, h.hardening_ratio, h.unloading_exponent]
-        for h in structure.hinges
-    ]
-    factors = [
-        [given.count / given.scale**2, given.scale, line.speed]
-        for given, line in zip(structure.bearings, lines, strict=True)
-    ]
+    hinges = rows(Hinge, len(structure.hinges))
+    for h, hinge in enumerate(structure.hinges):
+        hinges[h].initial = hinge.stiffness
+        hinges[h].yield_rotation = hinge.yield_rotation
+        hinges[h].hardening = hinge.hardening_ratio
+        hinges[h].unloading = hinge.unloading_exponent
+    factors = rows(LineFactors, len(lines))
+    for b, (given, line) in enumerate(zip(structure.bearings, lines, strict=True)):
+        factors[b].force_factor = given.count / given.scale**2
+        factors[b].length_factor = given.scale
+        factors[b].speed = line.speed
     return System(
         mass=np.ascontiguousarray(matrices.mass),
         damping=np.ascontiguousarray(prepared.damping),
         stiffness=np.ascontiguousarray(matrices.springs),
         load=matrices.load,
         hinge_rows=np.ascontiguousarray(matrices.hinge_rows),
-        hinges=np.reshape(np.array(hinges, dtype=np.float64), (len(hinges), 4)),
+        hinges=hinges,
         line_rows=np.ascontiguousarray(matrices.line_rows),
-        lines=np.array(factors),
+        lines=factors,
     )
 
 
 def new_motion(system: System) -> Motion:
     """At rest, hinges never bent."""
-    n, hinges = len(system.load), np.zeros((len(system.hinges), HINGE_STATE))
-    hinges[:, HIGHEST], hinges[:, LOWEST] = system.hinges[:, 1], -system.hinges[:, 1]
-    hinges[:, TURNED_HIGH], hinges[:, TURNED_LOW] = NEVER_TURNED, -NEVER_TURNED
+    n = len(system.load)
     return Motion(
-        vectors=np.zeros((VECTORS, n)),
+        points=rows(Coordinate, n),
+        unknowns=np.zeros(n),
         matrix=np.zeros((n, n)),
         tangent=np.zeros((n, n)),
-        hinges=hinges,
-        trial_hinges=hinges.copy(),
+        hinges=straight_hinges(system.hinges),
+        trial_hinges=straight_hinges(system.hinges),
         stretches=np.zeros(len(system.lines)),
-        books=np.zeros(MOTION_BOOKS),
+        books=rows(MotionBooks, 1),
     )
 
 
-def row_columns(system: System, lines: Sequence[Line]) -> dict[str, slice]:
-    """Where `write_motion_row` puts what: books, q, v, a, hinge0, bearing0, layers0, ..."""
+def room_for(system: System, bearings: Bearings, count: int) -> MotionRows:
+    """Rows to keep the states of a structure and its bearings in."""
     n = len(system.load)
-    widths = {"books": MOTION_BOOKS, "q": n, "v": n, "a": n}
-    widths |= {f"hinge{h}": 2 for h in range(len(system.hinges))}
-    for b, line in enumerate(lines):
-        widths |= {f"bearing{b}": BOOKS, f"layers{b}": len(line.constants.multiplicity)}
-    ends = np.cumsum([0, *widths.values()])
-    return {
-        name: slice(int(start), int(end))
-        for name, start, end in zip(widths, ends[:-1], ends[1:], strict=True)
-    }
+    return MotionRows(
+        books=rows(MotionBooks, count),
+        q=np.zeros((count, n)),
+        v=np.zeros((count, n)),
+        a=np.zeros((count, n)),
+        hinges=rows(Bend, count, len(system.hinges)),
+        bearings=rows(Books, count, len(system.lines)),
+        layers=tuple(np.zeros((count, len(one.multiplicity))) for one in bearings.constants),
+    )
 
 
 def run_structure(
@@ -207,41 +210,47 @@ def run_structure(
     """
     system = build_system(prepared, lines)
     motion = new_motion(system)
-    constants = tuple(line.constants for line in lines)
-    works = tuple(new_workspace(item) for item in constants)
-    states, spares = (
+    states, trials = (
         tuple(new_state(line.constants, line.temperature, line.lead) for line in lines)
         for _ in range(2)
+    )
+    bearings = Bearings(
+        constants=tuple(line.constants for line in lines),
+        works=tuple(new_workspace(line.constants) for line in lines),
+        states=states,
+        trials=trials,
     )
     steps = len(ground) - 1
     keep = np.zeros(steps, dtype=np.bool_)
     keep[keep_every - 1 :: keep_every] = True
     keep[-1] = True
-    columns = row_columns(system, lines)
-    rows = np.zeros((1 + int(keep.sum()), max(part.stop for part in columns.values())))
-    for b, line in enumerate(lines):
-        start = new_state(line.constants, line.temperature, line.lead)
-        rows[0, columns[f"bearing{b}"]] = start.books
-        middles = line.temperature[line.constants.layer_cells[:, 2:]]
-        rows[0, columns[f"layers{b}"]] = middles.mean(axis=1)
+    kept_rows = room_for(system, bearings, 1 + int(keep.sum()))
     start_motion(system, motion, ground[0])
-    rows[0, columns["a"]] = motion.vectors[2]
-    history = StructureHistory(rows, columns, states)
+    keep_motion(bearings, motion, kept_rows, 0)
     scheme = Scheme(BETA[method], GAMMA, TOLERANCE, ITERATIONS, HALVINGS)
+    shaking = Shaking(ground, dt, ambient, keep)
+    after = kept_rows.part(1, len(keep) + 1)
     if method == "predictor-corrector":
-        errors = np.zeros(steps) if noise is None else noise
-        commands = np.zeros((steps + 1, len(lines)))
-        stiffness = np.ascontiguousarray(prepared.predictor)
+        actuators = Actuators(
+            stiffness=np.ascontiguousarray(prepared.predictor),
+            noise=np.zeros(steps) if noise is None else noise,
+            commands=np.zeros((steps + 1, len(lines))),
+            lag=delay / dt,
+        )
         done, kept, outcome = predictor_march(
-            system, constants, works, states, spares, motion, scheme, stiffness, ground, dt,
-            ambient, errors, commands, delay / dt, keep, rows[1:],
-        )  # fmt: skip
+            system, bearings, motion, scheme, shaking, actuators, after
+        )
     else:
-        done, kept, outcome = newmark_march(
-            system, constants, works, states, spares, motion, scheme, ground, dt, ambient, keep,
-            rows[1:],
-        )  # fmt: skip
-    history.steps, history.rows = int(done), rows[: 1 + kept]
-    history.outcome = OUTCOMES[int(outcome)]
-    history.iterations, history.substeps = int(motion.books[-2]), int(motion.books[-1])
-    return history
+        done, kept, outcome = newmark_march(system, bearings, motion, scheme, shaking, after)
+    books, named = motion.books[0], OUTCOMES[int(outcome)]
+    alike = zip([line.constants for line in lines], states, strict=True)
+    if named == "completed" and not all(is_physical(*one) for one in alike):
+        named = NOT_PHYSICAL
+    return StructureHistory(
+        rows=kept_rows.part(0, 1 + kept),
+        states=states,
+        outcome=named,
+        steps=int(done),
+        iterations=int(books.iterations),
+        substeps=int(books.substeps),
+    )

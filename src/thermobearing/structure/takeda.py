@@ -8,71 +8,63 @@ along them exactly.
 """
 
 from thermobearing.core.compile import compiled
-from thermobearing.core.types import Floats
-from thermobearing.structure.types import (
-    HARDENING,
-    HIGHEST,
-    HINGE_STATE,
-    INITIAL,
-    LOWEST,
-    MOMENT,
-    ROTATION,
-    TURNED_HIGH,
-    TURNED_HIGH_MOMENT,
-    TURNED_LOW,
-    TURNED_LOW_MOMENT,
-    UNLOADING,
-    YIELD,
-)
+from thermobearing.core.records import Rows, rows
+from thermobearing.structure.types import ABOVE, BELOW, Bend, Hinge, HingeState, Side
 
 NEVER_TURNED = 1e30
 
 
+def straight_hinges(hinges: Rows[Hinge]) -> HingeState:
+    """Hinges that were never bent."""
+    state = HingeState(rows(Bend, len(hinges)), rows(Side, len(hinges), 2))
+    for h in range(len(hinges)):
+        for side, sign in ((ABOVE, 1.0), (BELOW, -1.0)):
+            state.sides[h, side].farthest = sign * hinges[h].yield_rotation
+            state.sides[h, side].turned = sign * NEVER_TURNED
+    return state
+
+
 @compiled
-def backbone(hinges: Floats, h: int, rotation: float) -> float:
+def backbone(hinge: Hinge, rotation: float) -> float:
     """Moment on the backbone at a positive rotation [kN mm]."""
-    first = hinges[h, INITIAL] * min(rotation, hinges[h, YIELD])
-    beyond = max(rotation - hinges[h, YIELD], 0.0)
-    moment: float = first + hinges[h, HARDENING] * hinges[h, INITIAL] * beyond
-    return moment
+    first = hinge.initial * min(rotation, hinge.yield_rotation)
+    beyond = max(rotation - hinge.yield_rotation, 0.0)
+    return first + hinge.hardening * hinge.initial * beyond
 
 
 @compiled
-def unloading_stiffness(hinges: Floats, h: int, farthest: float) -> float:
+def unloading_stiffness(hinge: Hinge, farthest: float) -> float:
     """K_0 (theta_y/theta_max)^exponent [kN mm/rad], never softer than the secant: unloading
     further than the origin would leave the rules.
     """
-    ratio = hinges[h, YIELD] / farthest
-    degraded: float = hinges[h, INITIAL] * ratio ** hinges[h, UNLOADING]
-    return max(degraded, backbone(hinges, h, farthest) / farthest)
+    ratio = hinge.yield_rotation / farthest
+    degraded: float = hinge.initial * ratio**hinge.unloading
+    return max(degraded, backbone(hinge, farthest) / farthest)
 
 
 @compiled
-def takeda(hinges: Floats, old: Floats, h: int, rotation: float, new: Floats) -> float:
+def takeda(hinges: Rows[Hinge], old: HingeState, h: int, rotation: float, new: HingeState) -> float:
     """Moment of hinge h at a rotation [rad], written with the rest into `new`; its tangent.
 
     Negative motion is the mirror image of positive motion: `sign` turns the state over.
     """
-    for k in range(HINGE_STATE):
-        new[h, k] = old[h, k]
-    here: float = old[h, ROTATION]
-    moment: float = old[h, MOMENT]
+    hinge = hinges[h]
+    new.sides[h, ABOVE] = old.sides[h, ABOVE]
+    new.sides[h, BELOW] = old.sides[h, BELOW]
+    new.bends[h] = old.bends[h]
+    here = old.bends[h].rotation
+    moment = old.bends[h].moment
     if rotation == here:
-        return unloading_stiffness(hinges, h, hinges[h, YIELD])
-    sign = 1.0 if rotation > here else -1.0
-    ahead, ahead_turned, ahead_moment = HIGHEST, TURNED_HIGH, TURNED_HIGH_MOMENT
-    back, back_turned, back_moment = LOWEST, TURNED_LOW, TURNED_LOW_MOMENT
-    if sign < 0.0:
-        ahead, ahead_turned, ahead_moment = LOWEST, TURNED_LOW, TURNED_LOW_MOMENT
-        back, back_turned, back_moment = HIGHEST, TURNED_HIGH, TURNED_HIGH_MOMENT
+        return unloading_stiffness(hinge, hinge.yield_rotation)
+    sign, ahead, back = (1.0, ABOVE, BELOW) if rotation > here else (-1.0, BELOW, ABOVE)
     t, m, end = sign * here, sign * moment, sign * rotation
-    farthest = sign * old[h, ahead]
+    farthest = sign * old.sides[h, ahead].farthest
     slope = 0.0
     if m < 0.0:  # unloading from the other side
-        if abs(old[h, back_turned]) == NEVER_TURNED:
-            new[h, back_turned] = here
-            new[h, back_moment] = moment
-        slope = unloading_stiffness(hinges, h, -sign * old[h, back])
+        if abs(old.sides[h, back].turned) == NEVER_TURNED:
+            new.sides[h, back].turned = here
+            new.sides[h, back].turned_moment = moment
+        slope = unloading_stiffness(hinge, -sign * old.sides[h, back].farthest)
         zero = t - m / slope
         if end <= zero:
             m += slope * (end - t)
@@ -80,26 +72,26 @@ def takeda(hinges: Floats, old: Floats, h: int, rotation: float, new: Floats) ->
         else:
             t, m = zero, 0.0
     if t < end:
-        new[h, back_turned] = -sign * NEVER_TURNED
-        turned = sign * old[h, ahead_turned]
+        new.sides[h, back].turned = -sign * NEVER_TURNED
+        turned = sign * old.sides[h, ahead].turned
         if abs(turned) < NEVER_TURNED and turned > t:  # back to where it turned
-            slope = (sign * old[h, ahead_moment] - m) / (turned - t)
+            slope = (sign * old.sides[h, ahead].turned_moment - m) / (turned - t)
             stop = min(end, turned)
             m += slope * (stop - t)
             t = stop
         if t < end and t < farthest:  # towards the farthest point
-            slope = (backbone(hinges, h, farthest) - m) / (farthest - t)
+            slope = (backbone(hinge, farthest) - m) / (farthest - t)
             stop = min(end, farthest)
             m += slope * (stop - t)
             t = stop
         if t < end:
-            slope = hinges[h, HARDENING] * hinges[h, INITIAL]
-            m = backbone(hinges, h, end)
+            slope = hinge.hardening * hinge.initial
+            m = backbone(hinge, end)
             t = end
-        if sign * new[h, ahead] < t:
-            new[h, ahead] = sign * t
+        if sign * new.sides[h, ahead].farthest < t:
+            new.sides[h, ahead].farthest = sign * t
         if not abs(turned) < NEVER_TURNED or t >= turned:
-            new[h, ahead_turned] = sign * NEVER_TURNED
-    new[h, ROTATION] = rotation
-    new[h, MOMENT] = sign * m
+            new.sides[h, ahead].turned = sign * NEVER_TURNED
+    new.bends[h].rotation = rotation
+    new.bends[h].moment = sign * m
     return slope

@@ -4,61 +4,83 @@ Units: kN, mm, s; mass in kN s2/mm, rotations in rad, moments in kN mm. `n` coor
 hinges, `b` bearing lines.
 """
 
-from typing import Final, NamedTuple
+from typing import Annotated, Final, NamedTuple
 
-from thermobearing.core.types import Floats
+import numpy as np
+from numpy.typing import NDArray
 
-# Columns of System.hinges.
-INITIAL: Final = 0  # stiffness K_0 [kN mm/rad]
-YIELD: Final = 1  # yield rotation [rad]
-HARDENING: Final = 2  # stiffness beyond yield over K_0
-UNLOADING: Final = 3  # exponent of the unloading stiffness, K_0 (theta_y/theta_max)^exponent
-
-# Columns of a hinge state.
-ROTATION: Final = 0
-MOMENT: Final = 1
-HIGHEST: Final = 2  # largest rotation so far, at least the yield rotation
-LOWEST: Final = 3  # smallest, at most minus the yield rotation
-TURNED_HIGH: Final = 4  # rotation and moment where it last turned back, above
-TURNED_HIGH_MOMENT: Final = 5
-TURNED_LOW: Final = 6  # below
-TURNED_LOW_MOMENT: Final = 7
-HINGE_STATE: Final = 8
-
-# Columns of System.lines.
-FORCE_FACTOR: Final = 0  # force in the structure over force of the modelled bearing
-LENGTH_FACTOR: Final = 1  # displacement of the modelled bearing over that in the structure
-SPEED: Final = 2  # of a bearing that lives on its own clock [mm/s]; 0: earthquake time
-
-# Rows of Motion.vectors.
-Q: Final = 0
-V: Final = 1
-A: Final = 2
-RESTORING: Final = 3  # forces of springs, hinges and bearings on the coordinates
-TRIAL: Final = 4
-RESIDUAL: Final = 5
-TRIAL_RESTORING: Final = 6
-PREDICTED_V: Final = 7
-PREDICTED_A: Final = 8
-LOAD: Final = 9
-COMMAND: Final = 10  # coordinates of the last command (predictor-corrector)
-VECTORS: Final = 11
-
-# Entries of Motion.books, energies since the start [kN mm].
-CLOCK: Final = 0  # [s]
-INPUT: Final = 1  # of the ground, on motion relative to it
-KINETIC: Final = 2  # now
-DAMPING: Final = 3
-SPRINGS: Final = 4  # stored in linear springs now
-HINGES: Final = 5  # work done on hinges, partly recoverable
-BEARINGS: Final = 6  # work done on bearings, as the structure feels it
-ITERATIONS: Final = 7
-SUBSTEPS: Final = 8
-MOTION_BOOKS: Final = 9
+from thermobearing.core.records import Floats, Rows
+from thermobearing.core.types import Books, Constants, State, Workspace
 
 # Outcomes beside those of the coupled step (core/types.py).
 NO_EQUILIBRIUM: Final = 20
 DIVERGED: Final = 21
+
+FARTHEST: Final = 1e9  # a coordinate beyond this has diverged [mm or rad]
+
+# Columns of HingeState.sides.
+ABOVE: Final = 0  # positive rotations
+BELOW: Final = 1
+
+
+class Hinge:
+    """Numbers of a hinge."""
+
+    initial: float  # stiffness K_0 [kN mm/rad]
+    yield_rotation: float  # [rad]
+    hardening: float  # stiffness beyond yield over K_0
+    unloading: float  # exponent of the unloading stiffness, K_0 (theta_y/theta_max)^exponent
+
+
+class Bend:
+    """Where a hinge is."""
+
+    rotation: float  # [rad]
+    moment: float  # [kN mm]
+
+
+class Side:
+    """What a hinge remembers of one direction."""
+
+    farthest: float  # rotation so far, with its sign; at least the yield rotation
+    turned: float  # rotation and moment where it last turned back
+    turned_moment: float
+
+
+class LineFactors:
+    """Between the structure and the bearing that is modelled for a line."""
+
+    force_factor: float  # force in the structure over force of the modelled bearing
+    length_factor: float  # displacement of the modelled bearing over that in the structure
+    speed: float  # of a bearing that lives on its own clock [mm/s]; 0: earthquake time
+
+
+class Coordinate:
+    """Where the structure is in one of its coordinates, and where a trial takes it."""
+
+    q: float
+    v: float
+    a: float
+    restoring: float  # force of springs, hinges and bearings
+    trial: float  # q at the end of the step, as all that follow
+    trial_restoring: float
+    predicted_v: float
+    predicted_a: float
+    load: float  # Delta a_p of the predictor
+
+
+class MotionBooks:
+    """Energies since the start, and what the integration took."""
+
+    clock: Annotated[float, "s", "time since the start"]
+    input: Annotated[float, "kN mm", "work of the ground, on motion relative to it"]
+    kinetic: Annotated[float, "kN mm", "kinetic energy now"]
+    damping: Annotated[float, "kN mm", "work of damping"]
+    springs: Annotated[float, "kN mm", "energy stored in linear springs now"]
+    hinges: Annotated[float, "kN mm", "work done on hinges, partly recoverable"]
+    bearings: Annotated[float, "kN mm", "work done on bearings, as the structure feels it"]
+    iterations: Annotated[float, "1", "iterations of Newton's method"]
+    substeps: Annotated[float, "1", "halvings of a step"]
 
 
 class System(NamedTuple):
@@ -69,21 +91,38 @@ class System(NamedTuple):
     stiffness: Floats  # [n, n] of the linear springs
     load: Floats  # [n] force on each coordinate per ground acceleration, with its sign
     hinge_rows: Floats  # [h, n] rotation of a hinge per coordinate
-    hinges: Floats  # [h, 4]
+    hinges: Rows[Hinge]  # [h]
     line_rows: Floats  # [b, n] stretch of a bearing line per coordinate
-    lines: Floats  # [b, 3]
+    lines: Rows[LineFactors]  # [b]
+
+
+class Bearings(NamedTuple):
+    """The modelled bearing of each line, where it is, and where a trial takes it; all [b]."""
+
+    constants: tuple[Constants, ...]
+    works: tuple[Workspace, ...]
+    states: tuple[State, ...]
+    trials: tuple[State, ...]
+
+
+class HingeState(NamedTuple):
+    """Where the hinges are, and what they remember."""
+
+    bends: Rows[Bend]  # [h]
+    sides: Rows[Side]  # [h, 2]
 
 
 class Motion(NamedTuple):
     """Where the structure is, and scratch of the integration."""
 
-    vectors: Floats  # [VECTORS, n]
+    points: Rows[Coordinate]  # [n]
+    unknowns: Floats  # [n] right side, then solution of the equations
     matrix: Floats  # [n, n] effective tangent, destroyed by the solution
     tangent: Floats  # [n, n]
-    hinges: Floats  # [h, HINGE_STATE]
-    trial_hinges: Floats  # [h, HINGE_STATE]
+    hinges: HingeState
+    trial_hinges: HingeState
     stretches: Floats  # [b] of the bearing lines at the trial [mm]
-    books: Floats  # [MOTION_BOOKS]
+    books: Rows[MotionBooks]  # [1]
 
 
 class Scheme(NamedTuple):
@@ -94,3 +133,46 @@ class Scheme(NamedTuple):
     tolerance: float  # of the residual, over the largest inertia force
     iterations: int  # Newton steps before a step is cut in half
     halvings: int  # largest number of halvings
+
+
+class Shaking(NamedTuple):
+    """What a structure is exposed to."""
+
+    ground: Floats  # [steps + 1] acceleration at the ends of steps [mm/s2], linear between
+    dt: float  # of the steps [s]
+    ambient: Floats  # [steps] mean ambient temperature [degC]
+    keep: NDArray[np.bool_]  # [steps] whether the end of the step is kept
+
+
+class Actuators(NamedTuple):
+    """A specimen in the loop: what predicts, and what is imperfect (predictor-corrector)."""
+
+    stiffness: Floats  # [n, n] of the predictor, initial stiffness of everything
+    noise: Floats  # [steps] added to the force of every modelled bearing [kN]
+    commands: Floats  # [steps + 1, b] scratch: stretches to reach; zeros
+    lag: float  # delay, in steps, >= 0: the force is read where they were told to be then
+
+
+class MotionRows(NamedTuple):
+    """Room for the steps that are kept."""
+
+    books: Rows[MotionBooks]  # [rows]
+    q: Floats  # [rows, n]
+    v: Floats
+    a: Floats
+    hinges: Rows[Bend]  # [rows, h]
+    bearings: Rows[Books]  # [rows, b]
+    layers: tuple[Floats, ...]  # [b] of [rows, L]: temperatures at mid-thickness [degC]
+
+    def part(self, first: int, end: int) -> "MotionRows":
+        """The same rows from `first` to before `end`, not a copy."""
+        here = slice(first, end)
+        return MotionRows(
+            self.books[here],
+            self.q[here],
+            self.v[here],
+            self.a[here],
+            self.hinges[here],
+            self.bearings[here],
+            tuple(layers[here] for layers in self.layers),
+        )

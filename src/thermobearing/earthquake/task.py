@@ -1,0 +1,47 @@
+"""One run of a study as data: a device, a shaking, and where they start."""
+
+from dataclasses import dataclass
+
+from thermobearing.bearing.bilinear import BilinearBearing
+from thermobearing.bearing.model import Bearing
+from thermobearing.core.types import Constants, Floats
+from thermobearing.cyclic.protocol import LARGEST_STRAIN
+from thermobearing.earthquake.case import EarthquakeCase
+from thermobearing.model.stack import Stack
+from thermobearing.motions.record import GroundMotion
+from thermobearing.structure.run import Prepared
+
+
+@dataclass(frozen=True)
+class Device:
+    """A bearing ready to be shaken; `stack` is None for a bilinear one, which has no heat."""
+
+    bearing: Bearing | BilinearBearing
+    constants: Constants
+    stack: Stack | None
+
+    @property
+    def tears(self) -> float:
+        """Strain beyond which nothing is left to be modelled; a design may begin far off."""
+        return LARGEST_STRAIN if self.stack is not None else 100.0
+
+
+@dataclass(frozen=True)
+class Shaking:
+    """A ground motion at the ends of the steps: `ground` [mm/s2], `dt` [s]."""
+
+    motion: GroundMotion
+    dt: float
+    ground: Floats
+
+
+@dataclass(frozen=True)
+class Task:
+    """One run of a study; a plain record, so that any executor can carry it away."""
+
+    prepared: Prepared
+    device: Device
+    shaking: Shaking
+    ambient: float
+    start: tuple[Floats, float | None]
+    case: EarthquakeCase

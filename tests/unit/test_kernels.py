@@ -1,0 +1,199 @@
+"""What compiled code is made of: its cache key, and its records."""
+
+import ast
+import errno
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.testing import assert_array_equal
+
+import thermobearing
+from thermobearing.core import types
+from thermobearing.core.compile import cache_directory, kernel_files
+from thermobearing.core.records import filled, labels, row_type, rows
+from thermobearing.core.types import Books, LayerCells, RubberBooks
+from thermobearing.structure import types as structure_types
+
+PACKAGE = Path(thermobearing.__file__).parent
+
+
+def is_kernel(node: ast.AST) -> bool:
+    return isinstance(node, ast.FunctionDef) and any(
+        isinstance(decorator, ast.Name) and decorator.id == "compiled"
+        for decorator in node.decorator_list
+    )
+
+
+def taken_from(tree: ast.Module) -> dict[str, Path]:
+    """File of the package that each imported name comes from."""
+    found = {}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("thermobearing."):
+            path = PACKAGE.parent / f"{str(node.module).replace('.', '/')}.py"
+            found |= {alias.asname or alias.name: path for alias in node.names}
+    return found
+
+
+def test_cache_key_covers_all_that_kernels_use() -> None:
+    """Every file with a kernel, and every file a kernel takes a name from."""
+    covered = set(kernel_files())
+    assert all(path.is_file() for path in covered)
+    kernels = 0
+    for path in PACKAGE.rglob("*.py"):
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        imported = taken_from(tree)
+        for node in filter(is_kernel, ast.walk(tree)):
+            kernels += 1
+            assert path in covered, f"{path.name} has a kernel, but is not in KERNELS"
+            names = {part.id for part in ast.walk(node) if isinstance(part, ast.Name)}
+            for name in names & set(imported):
+                assert imported[name] in covered, f"{path.name} takes {name} from {imported[name]}"
+    assert kernels > 40
+
+
+def test_cache_key_leaves_out_what_has_no_kernels() -> None:
+    """An edit there must not compile everything again."""
+    names = {path.relative_to(PACKAGE).parts[-2:] for path in kernel_files()}
+    assert ("core", "step.py") in names
+    assert ("structure", "newmark.py") in names
+    for other in ("run.py", "model.py", "matrices.py", "readers.py"):
+        assert not [parts for parts in names if parts[-1] == other]
+
+
+def record_classes() -> list[type]:
+    """Those that rows are made of: classes with annotations only."""
+    found = [
+        value
+        for module in (types, structure_types)
+        for value in vars(module).values()
+        if isinstance(value, type) and value.__module__ == module.__name__
+    ]
+    return [value for value in found if not issubclass(value, tuple)]
+
+
+@pytest.mark.parametrize("record", record_classes(), ids=lambda record: record.__name__)
+def test_a_name_of_a_record_is_not_hidden_by_numpy(record: type) -> None:
+    """Plain Python looks names up in numpy's own record first."""
+    names = row_type(record).names
+    assert names
+    assert [name for name in names if hasattr(np.void, name)] == []
+    assert row_type(record).itemsize == 8 * len(names)
+
+
+def test_books_of_rubber_come_first() -> None:
+    """A bearing without lead and rate dependence is asked for the first of the same books."""
+    first = labels(RubberBooks)
+    assert labels(Books)[: len(first)] == first
+    assert [label.name for label in labels(Books)] == list(row_type(Books).names or ())
+
+
+def test_a_record_needs_all_its_columns() -> None:
+    places = filled(LayerCells, first=[3, 5], last=[5, 7], upper_middle=0, lower_middle=1)
+    assert len(places) == 2
+    assert (places[1].first, places[1].lower_middle) == (5, 1)
+    with pytest.raises(AssertionError, match="LayerCells"):
+        filled(LayerCells, first=[3, 5])
+
+
+def test_rows_are_views_and_copies_are_not() -> None:
+    books = rows(Books, 3)
+    books[1].force = 2.0
+    part = books[1:]
+    part[0].force = 3.0
+    assert_array_equal(books["force"], [0.0, 3.0, 0.0])
+    part.copy()[0].force = 4.0
+    assert books[1].force == 3.0
+
+
+def found_with(monkeypatch: pytest.MonkeyPatch, **variables: str | None) -> Path | None:
+    """The folder for machine code in another environment."""
+    for name in ("NUMBA_CACHE_DIR", "XDG_CACHE_HOME"):
+        monkeypatch.delenv(name, raising=False)
+    for name, value in variables.items():
+        if value is not None:
+            monkeypatch.setenv(name, value)
+    return cache_directory.__wrapped__()
+
+
+def test_machine_code_goes_to_the_folder_of_the_user(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    given = found_with(monkeypatch, NUMBA_CACHE_DIR=str(tmp_path / "given"))
+    usual = found_with(monkeypatch, XDG_CACHE_HOME=str(tmp_path / "cache"))
+    assert given is not None
+    assert given.parent == tmp_path / "given"
+    assert usual is not None
+    assert usual.parent == tmp_path / "cache" / "thermobearing"
+    assert list(usual.iterdir()) == []  # the trial leaves nothing
+
+
+def test_no_home_means_no_folder(monkeypatch: pytest.MonkeyPatch) -> None:
+    def none() -> Path:
+        raise RuntimeError("Could not determine home directory.")
+
+    monkeypatch.setattr(Path, "home", none)
+    assert found_with(monkeypatch) is None
+    assert found_with(monkeypatch, XDG_CACHE_HOME="not/absolute") is None
+
+
+def test_read_only_or_full_folder_is_not_used(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert found_with(monkeypatch, NUMBA_CACHE_DIR="/proc/none") is None
+    (tmp_path / "file").write_text("")
+    assert found_with(monkeypatch, NUMBA_CACHE_DIR=str(tmp_path / "file")) is None
+
+    def full(*_: int) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(os, "posix_fallocate", full)
+    assert found_with(monkeypatch, NUMBA_CACHE_DIR=str(tmp_path / "cache")) is None
+
+
+COMPILES = """
+import sys
+from pathlib import Path
+import numpy as np
+from thermobearing.core.heat import solve
+from thermobearing.core.types import CellWork
+room = CellWork(*(np.ones(3) for _ in CellWork._fields))
+print("ready", flush=True)
+sys.stdin.readline()
+solve(room)
+print(room.change.tolist())
+"""
+
+
+def test_two_processes_compile_the_same_kernel_at_once(tmp_path: Path) -> None:
+    """Both end well and alike, and the machine code that is left can be loaded."""
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
+
+    def start() -> subprocess.Popen[str]:
+        return subprocess.Popen(
+            [sys.executable, "-c", COMPILES],
+            env=environment,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+
+    def answers(processes: list[subprocess.Popen[str]]) -> list[str]:
+        for process in processes:
+            assert process.stdout is not None
+            assert process.stdout.readline() == "ready\n"
+        for process in processes:
+            assert process.stdin is not None
+            process.stdin.write("now\n")
+            process.stdin.flush()
+        told = [process.communicate()[0] for process in processes]
+        assert [process.returncode for process in processes] == [0] * len(processes)
+        return told
+
+    first = answers([start(), start()])
+    later = answers([start()])
+    assert len({*first, *later}) == 1
+    assert list(tmp_path.rglob("*.nbi"))

@@ -1,0 +1,187 @@
+"""The compiled functions by hand, one at a time; short enough to run as plain Python too."""
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import thermobearing as tb
+from tests import tolerances as tol
+from thermobearing.core.hysteresis import euler_increment, exact_increment
+from thermobearing.core.lead import core_force, core_heat
+from thermobearing.core.sharing import force_and_tangent
+from thermobearing.core.step import recoverable_energy
+from thermobearing.core.types import HEAT_FROM_DISSIPATION, HEAT_FROM_WORK
+from thermobearing.core.viscous import maxwell
+from thermobearing.model.options import ModelOptions, build_model
+
+HDR, LHDR = tb.load_bearing("shen-hdr-specimen"), tb.load_bearing("shen-lhdr-specimen")
+RUBBER = build_model(HDR).constants.rubber
+LEAD = build_model(LHDR).constants.lead._replace(softening=0.0069)
+D_Y = 0.8  # [mm]
+
+
+def integrated(z: float, increment: float, curvature: float) -> float:
+    """Z by Runge and Kutta from dZ = dd - beta |dd Z| Z - gamma dd Z^2, Eq. 4.35."""
+    total, difference = 1.0 / D_Y**2, curvature  # beta + gamma, beta - gamma
+    beta, gamma = 0.5 * (total + difference), 0.5 * (total - difference)
+    sign, steps = math.copysign(1.0, increment), 2000
+    h = increment / steps
+
+    def slope(z: float) -> float:
+        return 1.0 - beta * abs(z) * z * sign - gamma * z * z
+
+    for _ in range(steps):
+        a = slope(z)
+        b = slope(z + 0.5 * h * a)
+        c = slope(z + 0.5 * h * b)
+        z += h * (a + 2.0 * b + 2.0 * c + slope(z + h * c)) / 6.0
+    return z
+
+
+@pytest.mark.parametrize("shape", [-0.7, 0.4, 1.0, 2.5])
+@pytest.mark.parametrize("z", [-0.6, 0.0, 0.5])
+@pytest.mark.parametrize("increment", [-1.5, -0.2, 0.3, 2.0])
+def test_exact_increment_solves_its_equation(shape: float, z: float, increment: float) -> None:
+    """Loading, unloading, and through zero; for every kind of curvature."""
+    curvature = (1.0 - shape) / ((1.0 + shape) * D_Y**2)
+    found, slope = exact_increment(z, increment, D_Y, curvature)
+    assert_allclose(found, integrated(z, increment, curvature), atol=tol.RUNGE_KUTTA)
+    step = math.copysign(1e-6, increment)
+    ahead, _ = exact_increment(z, increment + step, D_Y, curvature)
+    assert_allclose((ahead - found) / step, slope, atol=1e-5)
+
+
+def test_euler_increment_by_hand() -> None:
+    """Loading loses z^2/d_y^2 of the slope, unloading gains c z^2; mirrored downwards."""
+    for sign in (1.0, -1.0):
+        z, slope = euler_increment(sign * 0.4, sign * 0.1, D_Y, 3.0)
+        assert_allclose([sign * z, slope], [0.4 + 0.1 * 0.75, 0.75])
+        z, slope = euler_increment(-sign * 0.4, sign * 0.1, D_Y, 3.0)
+        assert_allclose([sign * z, slope], [-0.4 + 0.1 * 1.48, 1.48])
+
+
+def test_maxwell_branch_by_hand() -> None:
+    """K_v = 2 kN/mm, tau = 0.5 s; held, and moved by 3 mm in 0.1 s."""
+    decay = math.exp(-0.2)
+    assert_allclose(maxwell(2.0, 0.5, 7.0, 0.0, 0.1)[0], 7.0 * decay)
+    force, tangent = maxwell(2.0, 0.5, 7.0, 3.0, 0.1)
+    assert_allclose(tangent, 2.0 * 0.5 / 0.1 * (1.0 - decay))
+    assert_allclose(force, 7.0 * decay + 3.0 * tangent)
+
+
+@pytest.mark.parametrize("w", [0.0, 0.4, 1.0])
+def test_force_of_a_layer_by_hand(w: float) -> None:
+    """f = ke d + (1 + B s^2) kh Z, s between d and the mean; and its derivative."""
+    ke, kh, d, z, slope, mean = 2.0, 15.0, 6.0, -0.5, 0.9, 5.0
+    s = (1.0 - w) * d + w * mean
+    force, tangent = force_and_tangent(RUBBER, ke, kh, d, z, slope, mean, w)
+    assert_allclose(force, ke * d + (1.0 + RUBBER.hardening * s**2) * kh * z, rtol=tol.LOOP)
+    step = 1e-6
+    ahead, _ = force_and_tangent(RUBBER, ke, kh, d + step, z + slope * step, slope, mean, w)
+    assert_allclose((ahead - force) / step, tangent, rtol=1e-5)
+    stored = recoverable_energy(RUBBER, ke, kh, d, z, mean, w)
+    wanted = 0.5 * ke * d**2 + 0.5 * (1.0 + RUBBER.hardening * s**2) * kh * z**2
+    assert_allclose(stored, wanted, rtol=tol.LOOP)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_explicit_euler_that_runs_away_is_noticed_on_both_sides(sign: float) -> None:
+    element = tb.BearingElement(HDR, -20.0, integrator="euler")
+    assert element.set_trial(sign * 90.0, 1.0).outcome == "euler_unstable"
+    assert element.set_trial(sign * 1.0, 1.0).outcome == "completed"
+
+
+@pytest.mark.parametrize("air", [-4000.0, 9000.0])
+def test_layers_colder_or_hotter_than_rubber_can_be(air: float) -> None:
+    element = tb.BearingElement(HDR, 20.0)
+    assert element.set_trial(0.0, 3600.0, ambient=air).outcome == "temperature_runaway"
+
+
+@pytest.mark.parametrize("source", [HEAT_FROM_WORK, HEAT_FROM_DISSIPATION])
+def test_core_of_lead_by_hand(source: int) -> None:
+    """Elastic, yielding; warm lead is weaker; the tangent is the slope, in both directions."""
+    k, q = LEAD.stiffness, LEAD.strength
+    at = LEAD.reference_temperature
+    assert core_force(LEAD, source, at, 1.0, 0.1) == (1.0 + 0.1 * k, k)
+    for sign in (1.0, -1.0):
+        for before in (0.0, 0.5 * q, -q):
+            force, tangent = core_force(LEAD, source, at, before, sign * 8.0)
+            assert 0.8 * q < sign * force <= q  # warmed by its own work
+            step = sign * 1e-5
+            ahead, _ = core_force(LEAD, source, at, before, sign * 8.0 + step)
+            assert_allclose((ahead - force) / step, tangent, rtol=1e-4)
+    warm, _ = core_force(LEAD, source, at + 100.0, 0.0, 8.0)
+    cold, _ = core_force(LEAD, source, at, 0.0, 8.0)
+    assert_allclose(warm / cold, math.exp(-0.69), rtol=0.02)
+
+
+def test_heat_of_a_core_by_hand() -> None:
+    """Elastic loading gives its work back; yielding at constant force turns all into heat."""
+    k = LEAD.stiffness
+    assert_allclose(core_heat(LEAD, HEAT_FROM_WORK, 0.0, 2.0 * k, 2.0), 2.0 * k)
+    assert_allclose(core_heat(LEAD, HEAT_FROM_DISSIPATION, 0.0, 2.0 * k, 2.0), 0.0, atol=1e-12)
+    for source in (HEAT_FROM_WORK, HEAT_FROM_DISSIPATION):
+        assert_allclose(core_heat(LEAD, source, 9.0, 9.0, 4.0), 36.0)
+
+
+@pytest.mark.parametrize("source", ["work", "dissipation"])
+def test_books_of_a_few_coarse_steps_close(source: str) -> None:
+    """Rubber, lead and rate dependence, out and back and out again in steps of 5 mm."""
+    ramps = [{"step": "ramp", "to": f"{x} mm", "speed": "100 mm/s"} for x in (30, -20, 45)]
+    test = tb.cyclic.CyclicTest(dt=0.05, steps=[*ramps, {"step": "rest", "duration": 2.0}])
+    books = tb.run(LHDR, test, -20.0, heat_source=source).energy.iloc[0]
+    for kind in ("mechanical", "thermal"):
+        assert abs(books[f"{kind}_residual"]) < tol.ENERGY_BOOKS
+    assert (books["recoverable_kN_mm"] == 0.0) == (source == "work")
+
+
+def test_heat_of_one_long_step_is_booked_as_it_was_lost() -> None:
+    """A warm bearing at rest; a film on its ends, its sides in the wind, one step of 10 s."""
+    test = tb.cyclic.CyclicTest(dt=10.0, steps=[{"step": "rest", "duration": 10.0}])
+    face = tb.model.EndFace(film=30.0)
+    result = tb.run(HDR, test, -20.0, initial=20.0, upper_face=face, lower_face=face)
+    assert int(result["steps"].sum()) == 1
+    books = result.energy.iloc[0]
+    assert books["heat_lost_ends_kN_mm"] > 0.0
+    assert abs(books["thermal_residual"]) < tol.ENERGY_BOOKS
+
+
+@pytest.mark.parametrize("published", [False, True])
+def test_side_loss_of_one_step(published: bool) -> None:
+    """Explicit as printed: with the temperatures before; Crank-Nicolson: with their means."""
+    options = ModelOptions(scheme="published" if published else "conservative")
+    model = build_model(HDR, options)
+    rest = {"step": "rest", "duration": 10.0}
+    test = tb.cyclic.CyclicTest(dt=10.0, steps=[rest])
+    result = tb.run(HDR, test, -20.0, initial=20.0, scheme=options.scheme)
+    before, after = (result[f"{when}_temperature"].values[0] for when in ("initial", "final"))
+    above = (before if published else 0.5 * (before + after)) + 20.0
+    stack, heat = model.stack, result.dataset.attrs["heat_capacity_kN_mm_per_K"]
+    capacity = np.array([float(part) for part in heat.strip("[]").split(",")])
+    if published:  # 4 h/(a c rho) with the c rho of rubber, in every cell
+        rate = HDR.materials.side_film * 1e-6 * 960.0 / HDR.area
+        rates = np.full(len(capacity), rate / HDR.materials.rubber.volumetric_heat)
+    else:
+        rates = HDR.materials.side_film * 1e-6 * 960.0 * stack.thickness * stack.fold / capacity
+    lost = result.energy.iloc[0]["heat_lost_sides_kN_mm"]
+    assert_allclose(lost, 10.0 * float(capacity @ (rates * above)), rtol=tol.BASELINE)
+
+
+def test_histories_are_the_same_however_many_steps_were_done() -> None:
+    """An odd number of steps leaves the last state in the other record."""
+    for counts in ((1, 2), (2, 1), (1, 1, 1)):
+        steps = [
+            {"step": "ramp", "to": f"{3 * n} mm", "duration": f"{0.1 * (n - m)} s"}
+            for m, n in pairwise(np.cumsum([0, *counts]).tolist())
+        ]
+        test = tb.cyclic.CyclicTest(dt=0.1, steps=steps)
+        result = tb.run(HDR, test, 0.0)
+        assert_allclose(result["displacement"].values[0], [0.0, 3.0, 6.0, 9.0], rtol=tol.RAMP)
+        whole = tb.cyclic.CyclicTest(
+            dt=0.1, steps=[{"step": "ramp", "to": "9 mm", "duration": "0.3 s"}]
+        )
+        expected = tb.run(HDR, whole, 0.0)["force"].values[0]
+        assert_allclose(result["force"].values[0], expected, rtol=1e-9)
