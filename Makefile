@@ -10,7 +10,7 @@ WORKERS ?= auto
 
 LOWEST := .venv-minimum
 
-.PHONY: fuzz mutants help demo test test-minimum bench lint docs clean
+.PHONY: help demo test test-minimum fuzz mutants bench lint docs clean
 
 help:
 	@echo "make demo   install, and run the default cyclic test into ./demo"

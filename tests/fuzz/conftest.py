@@ -1,9 +1,18 @@
-"""Counts of the fuzz at the end, whichever process they were made in."""
+"""Counts of the fuzz at the end, whichever process they were made in; one seed for all."""
+
+import os
+import random
 
 import pytest
 
 KEY = "fuzz"
+COUNT, SEED = "THERMOBEARING_FUZZ", "THERMOBEARING_FUZZ_SEED"
 ROWS: list[tuple[str, dict[str, int]]] = []
+
+
+def pytest_configure() -> None:
+    """Before the workers of pytest-xdist start, which inherit it."""
+    os.environ.setdefault(SEED, str(random.randrange(2**32)))
 
 
 def pytest_runtest_logreport(report: pytest.TestReport) -> None:
@@ -17,6 +26,8 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
         return
     names = ("clean error", "completed", "typed outcome", "FAILED", "faults", "ms")
     terminalreporter.section("fuzz: how the examples ended")
+    if COUNT in os.environ:
+        terminalreporter.write_line(f"{COUNT}={os.environ[COUNT]} {SEED}={os.environ[SEED]}")
     terminalreporter.write_line(f"{'':28}" + "".join(f"{name:>14}" for name in names))
     total = dict.fromkeys(names, 0)
     for border, counts in [*sorted(ROWS), ("all", total)]:

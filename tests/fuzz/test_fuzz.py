@@ -6,7 +6,6 @@ with an example, and kept whole in the folder THERMOBEARING_FUZZ_KEEP if that is
 """
 
 import os
-import random
 import time
 from pathlib import Path
 from typing import Any
@@ -19,14 +18,13 @@ import thermobearing.earthquake.case
 import thermobearing.identify.search
 import thermobearing.model.effort
 import thermobearing.motions.matching
+from tests.fuzz import conftest
 from tests.fuzz.borders import Border, library_borders
 from tests.fuzz.commands import command_borders
-from tests.fuzz.conftest import KEY
 from tests.fuzz.judge import Example, Tally
 
 USUAL = 2300  # some of which come out alike, and are tried once
-COUNT = int(os.environ.get("THERMOBEARING_FUZZ", USUAL))
-SEED = int(os.environ.get("THERMOBEARING_FUZZ_SEED", random.randrange(2**32)))
+COUNT = int(os.environ.get(conftest.COUNT, USUAL))
 BORDERS = [*library_borders(), *command_borders()]
 # The limits of the package, lowered: what they let through is then tried in milliseconds.
 LIMITS: list[tuple[Any, str, float]] = [
@@ -67,13 +65,12 @@ def test_every_example_ends(border: Border, tmp_path: Path, request: pytest.Fixt
     )
     test = chosen(given(border.examples)(each))
     if COUNT != USUAL:
-        print(f"THERMOBEARING_FUZZ={COUNT} THERMOBEARING_FUZZ_SEED={SEED}")
-        test = seed(SEED)(test)
+        test = seed(int(os.environ[conftest.SEED]))(test)
     begin = time.process_time()
     test()
     spent = round(1000 * (time.process_time() - begin))
     row = (border.name, {**tally.ends, "faults": len(tally.faults), "ms": spent})
-    request.node.user_properties.append((KEY, row))
+    request.node.user_properties.append((conftest.KEY, row))
     assert not tally.faults, tally.told()
 
 

@@ -18,14 +18,21 @@ from tests.unit.inputs import (
 )
 from thermobearing.bearing.bilinear import load_bilinear
 from thermobearing.border import errors, tables
+from thermobearing.border.errors import InputError
 from thermobearing.border.toml import DEEPEST
 from thermobearing.border.units import parse_quantity
 from thermobearing.commands.check import describe_file
 from thermobearing.design.case import load_design_case
+from thermobearing.design.factors import chosen_cycles, temperature_factors
+from thermobearing.design.scale import scaled_bearing
 from thermobearing.earthquake.case import load_earthquake_case, make_earthquake_case
+from thermobearing.identify.case import make_identify_case
 from thermobearing.identify.parameters import parameter_set
-from thermobearing.identify.record import load_test
+from thermobearing.identify.record import load_test, record_from_arrays
+from thermobearing.motions.jra import standard_spectrum
 from thermobearing.motions.library import load_motion
+from thermobearing.motions.spectrum import response_spectrum
+from thermobearing.results.metrics import measure_history
 from thermobearing.structure.model import load_structure
 
 LOADERS: list[Callable[[Path], Any]] = [
@@ -178,3 +185,55 @@ def test_cycles_in_digits_that_are_none(tmp_path: Path) -> None:
 def test_tie_by_what_is_no_number(tie: str) -> None:
     bearing = tb.load_bearing("shen-hdr-specimen")
     told(lambda: parameter_set(bearing, ["K_r", tie], [0]), f'"{tie}"', "multiplied")
+
+
+SPECIMEN_TEST = record_from_arrays(*np.array([[0, 1, 2], [0, 1, 0], [0, 2, 0]]), 23.0)
+
+
+@pytest.mark.parametrize(
+    ("call", "pieces"),
+    [
+        (lambda: record_from_arrays(1.0, 2.0, "x", 23.0), ["test: force", "list of numbers"]),
+        (lambda: record_from_arrays([0, 1], [0, 1e300], [0, 1], 0), ["displacement: 1e+300"]),
+        (lambda: record_from_arrays([0, 1], [0, 1], [0, np.nan], 0), ["force: nan at place 2"]),
+        (lambda: record_from_arrays([0, 1], [0, 1], [0, 1], [23.0]), ["test: ambient"]),
+        (lambda: tb.Ambient.series([0, 10**400], [0, 1]), ["two lists of numbers"]),
+        (lambda: tb.Ambient.constant([5.0]), ["expected a temperature"]),
+        (lambda: scaled_bearing("shen-hdr-specimen", [0.5]), ["factor = [0.5]"]),
+        (lambda: measure_history([0, 1e300], [0, 1], area=1.0, total_rubber_thickness=1.0),
+         ["displacement reaches 1e+300"]),
+        (lambda: temperature_factors("shen-hdr-specimen", reference_temperature=0, strains=9.0),
+         ["strains = 9.0"]),
+        (lambda: chosen_cycles(2.5), ["cycles = [2.5]"]),
+        (lambda: make_identify_case(SPECIMEN_TEST, "shen-hdr-specimen", loss=3), ["loss"]),
+        (lambda: make_identify_case(SPECIMEN_TEST, "shen-hdr-specimen", seed=-1), ["seed = -1"]),
+        (lambda: make_identify_case(SPECIMEN_TEST, "shen-hdr-specimen", starts=10**6),
+         ["starts = 1000000", "from 1 to 100"]),
+        (lambda: make_identify_case(SPECIMEN_TEST, "shen-hdr-specimen", evaluations=10**400),
+         ["evaluations", "from 1 to 1000000"]),
+        (lambda: standard_spectrum("II", "I", [1e-300]), ["periods"]),
+        (lambda: response_spectrum(tb.load_motion("jra-ii-i-1"), "x"), ["periods", "numbers"]),
+    ],
+    ids=range(16),
+)  # fmt: skip
+def test_python_arguments_of_another_kind(call: Callable[[], Any], pieces: list[str]) -> None:
+    told(call, *pieces)
+
+
+def test_one_number_stands_for_a_list_of_one() -> None:
+    options = {"reference_temperature": 0.0, "strains": 1.0, "temperatures": 0.0, "cycles": 1}
+    assert len(temperature_factors("shen-hdr-specimen", **options)) == 15  # type: ignore[arg-type]
+
+
+def test_messages_do_not_move_the_cursor(tmp_path: Path) -> None:
+    """Nor do they hold what cannot be printed; Japanese is no such thing."""
+    path = tmp_path / "免震.toml"
+    path.write_text('kind = "\\u001b[2J"\nname = "\\u202e"')
+    with pytest.raises(InputError) as caught:
+        tb.load_bearing(path)
+    assert "免震.toml" in str(caught.value)
+    assert r"\x1b[2J" in str(caught.value)
+    assert "\x1b" not in str(caught.value)
+    done = command("cyclic", "--dt", 0.1, "-o", "case\udc80.toml" * 40, "-q")
+    assert done.exit_code == 2
+    assert r"case\udc80.toml" in done.stderr

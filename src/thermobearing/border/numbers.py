@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from thermobearing.border.errors import InputError, shortened
+from thermobearing.border.units import HUGEST
 
 LARGEST = int(np.finfo(np.float64).max)
 Floats = NDArray[np.float64]
@@ -48,7 +49,7 @@ def number_list(values: Any, what: str) -> Floats:
 
     Raises
     ------
-    InputError : it is something else, empty, nested, or holds what is not finite.
+    InputError : it is something else, empty, nested, or holds what is not finite or too large.
 
     Examples
     --------
@@ -64,4 +65,7 @@ def number_list(values: Any, what: str) -> Floats:
     if not np.isfinite(found).all():
         at = int(np.argmin(np.isfinite(found)))
         raise InputError(f"{what}: {found[at]:g} at place {at + 1} is not finite")
+    if float(np.abs(found).max()) > HUGEST:
+        at = int(np.abs(found).argmax())
+        raise InputError(f"{what}: {found[at]:g} at place {at + 1} is more than {HUGEST:g}")
     return found

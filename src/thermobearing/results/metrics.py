@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from thermobearing.border.errors import InputError
+from thermobearing.border.units import HUGEST
 
 Floats = NDArray[np.float64]
 
@@ -243,6 +244,8 @@ def _histories(displacement: Floats, force: Floats) -> tuple[Floats, Floats]:
         if not np.isfinite(values).all():
             at = int(np.argmin(np.isfinite(values)))
             raise InputError(f"{name} is {values[at]} at point {at + 1}; must be finite")
+        if len(values) and float(np.abs(values).max()) > HUGEST:
+            raise InputError(f"{name} reaches {np.abs(values).max():g}, more than {HUGEST:g}")
     return d, f
 
 
