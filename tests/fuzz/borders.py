@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -18,17 +19,20 @@ from thermobearing.border.units import parse_quantity
 from thermobearing.commands.check import describe_file
 from thermobearing.cyclic.case import load_case, make_case
 from thermobearing.cyclic.protocol import survey
-from thermobearing.design.case import load_design_case
+from thermobearing.design.case import load_design_case, make_design_case
+from thermobearing.design.factors import temperature_factors
 from thermobearing.design.scale import scaled_bearing
 from thermobearing.earthquake.case import load_earthquake_case, make_earthquake_case
+from thermobearing.identify.case import make_identify_case
 from thermobearing.identify.checks import check_test
 from thermobearing.identify.parameters import parameter_set
-from thermobearing.identify.record import load_test, record_from_arrays
+from thermobearing.identify.record import TestRecord, load_test, record_from_arrays
 from thermobearing.motions import process
 from thermobearing.motions.jra import standard_spectrum
 from thermobearing.motions.measures import measure_motion
 from thermobearing.motions.readers import read_motion
 from thermobearing.motions.record import GroundMotion
+from thermobearing.motions.run import make_motion_case
 from thermobearing.motions.spectrum import response_spectrum
 from thermobearing.results.metrics import measure_history
 from thermobearing.structure.model import load_structure
@@ -272,9 +276,19 @@ RUN_OPTIONS = (
     "ambient", "dt", "scheme", "integrator", "heat_source", "lead_ends", "upper_face", "initial",
     "initial_lead", "keep", "keep_every", "stack", "model", "test", "bearing",
 )  # fmt: skip
+DESIGN_OPTIONS = ("start", "weight", "compound", "compound_kind", "tolerance", "dt", "motions")
+FIT_OPTIONS = ("method", "seed", "starts", "loss", "evaluations", "free", "bounds")
+FACTOR_OPTIONS = ("temperatures", "strains", "period", "cycles", "scheme")
 TEST_OPTIONS = ("strain", "cycles", "wave", "speed", "rest", "closing_strain", "dt")
 STUDY_OPTIONS = ("bearings", "motions", "ambient", "weather", "duration", "dt", "method", "mass",
                  "structure", "scheme", "laboratory", "keep_every", "zzz")  # fmt: skip
+
+
+@cache
+def _record() -> TestRecord:
+    """A test of two cycles."""
+    t = np.linspace(0.0, 2.0, 81)
+    return record_from_arrays(t, 30.0 * np.sin(np.pi * t), 60.0 * np.sin(np.pi * t + 0.2), 23.0)
 
 
 @st.composite
@@ -282,9 +296,10 @@ def _arguments(draw: st.DrawFn) -> Example:
     """Arguments of Python functions."""
     name = draw(
         st.sampled_from(
-            ["case", "cyclic_test", "study", "series", "arrays", "parameters", "scaled", "face"]
+            ["case", "cyclic_test", "study", "design", "fit", "motion", "factors", "series",
+             "arrays", "parameters", "scaled", "face"]
         )
-    )
+    )  # fmt: skip
     one, two = draw(_values()), draw(_values())
 
     def options(names: tuple[str, ...]) -> dict[str, Any]:
@@ -300,6 +315,18 @@ def _arguments(draw: st.DrawFn) -> Example:
     elif name == "study":
         given = {"duration": 0.1, **options(STUDY_OPTIONS)}
         call = lambda: make_earthquake_case({"command": "bridge"}, "bridge()", **given)  # noqa: E731
+    elif name == "design":
+        given = options(DESIGN_OPTIONS)
+        call = lambda: make_design_case({}, "design", **given)  # noqa: E731
+    elif name == "fit":
+        given = options(FIT_OPTIONS)
+        call = lambda: make_identify_case(_record(), "shen-hdr-specimen", **given)  # noqa: E731
+    elif name == "motion":
+        given = options(("kind", "ground", "seed", "record", "dt", "zone_factor", "component"))
+        call = lambda: make_motion_case(**given)  # noqa: E731
+    elif name == "factors":
+        given = {"reference_temperature": one, **options(FACTOR_OPTIONS)}
+        call = lambda: temperature_factors("shen-hdr-specimen", **given)  # noqa: E731
     else:
         given = {"one": one, "two": two}
         specimen = tb.load_bearing("shen-hdr-specimen")

@@ -142,7 +142,7 @@ def _check_refused(words: list[str], done: Result, new: set[str]) -> None:
     """A refusal is told on stderr and leaves nothing, but for the report of refused tests."""
     if "--check" in words and any(name.endswith("summary.json") for name in new):
         return
-    assert done.stderr.strip(), "status 2 without a word"
+    assert done.output.strip(), "status 2 without a word"
     assert not new, f"refused, and left {sorted(new)[:5]}"
 
 
@@ -220,7 +220,7 @@ def command_borders() -> list[Border]:
     looked = ["show", "spectrum"]
     return [
         Border("command", st.one_of(*files.values()), 60),
-        Border("command cyclic", _command(["cyclic"], CYCLIC, case), 40),
+        Border("command cyclic", _command(["cyclic"], CYCLIC, case), 32),
         Border("command bridge", _command(["bridge"], BRIDGE, study), 16),
         Border("command bridge, no case", _command(["bridge"], BRIDGE, _no_file(), ONE_RUN), 10),
         Border("command hybrid", _command(["hybrid"], HYBRID, study), 16),

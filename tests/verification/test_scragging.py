@@ -72,10 +72,10 @@ def test_memory_follows_its_equations(measured: Recorder) -> None:
     for value in x[1:]:
         outcome = step(constants, work, state, float(value), 0.005, 23.0, new)[2]
         assert outcome in (COMPLETED, SOFTENED)
-        assert np.all(new.layers.farthest >= state.layers.farthest)
-        assert np.all((new.layers.virgin > 0.0) & (new.layers.virgin <= 1.0))
-        assert np.all(new.layers.farthest >= np.abs(new.layers.d) - 1e-12)
-        result_of.append(new.layers.virgin.mean())
+        assert np.all(new.layers["farthest"] >= state.layers["farthest"])
+        assert np.all((new.layers["virgin"] > 0.0) & (new.layers["virgin"] <= 1.0))
+        assert np.all(new.layers["farthest"] >= np.abs(new.layers["d"]) - 1e-12)
+        result_of.append(new.layers["virgin"].mean())
         state, new = new, state
     after = np.array(result_of)
     end = 299 + 600 * np.arange(5) - 1
@@ -148,15 +148,15 @@ def test_a_trial_that_is_not_committed_wears_nothing() -> None:
     element.set_trial(60.0, 0.01, 23.0)
     element.set_trial(10.0, 0.01, 23.0)
     element.commit()
-    assert element.state.layers.farthest.max() < 3.0
+    assert element.state.layers["farthest"].max() < 3.0
     saved = element.save()
     element.set_trial(-50.0, 0.01, 23.0)
     element.commit()
     element.restore(saved)
     assert_array_equal(element.state.layers, saved.layers)
     element.revert_to_start()
-    assert np.all(element.state.layers.virgin == 1.0)
-    assert np.all(element.state.layers.farthest == 0.0)
+    assert np.all(element.state.layers["virgin"] == 1.0)
+    assert np.all(element.state.layers["farthest"] == 0.0)
 
 
 def test_convergence_with_the_step(measured: Recorder) -> None:
@@ -197,5 +197,5 @@ def test_each_layer_has_its_own_memory() -> None:
     for x in np.linspace(0.0, 45.0, 100):
         element.set_trial(float(x), 0.01, -30.0)
         element.commit()
-    farthest = element.state.layers.farthest
+    farthest = element.state.layers["farthest"]
     assert farthest[0] < farthest[1] < farthest[2]

@@ -15,14 +15,14 @@ from thermobearing.border.units import CUBIC_MM_PER_CUBIC_M, NEWTON_PER_KILONEWT
 # Every range is that of real bearings with a factor of ten or more on either side: what lies
 # outside is a slip in a unit or an exponent, and the model would make nonsense of it.
 PlanSize = Annotated[float, in_unit("mm"), Field(ge=1, le=1e5)]  # bearings are 50 mm to 2 m
-Thickness = Annotated[float, in_unit("mm"), Field(ge=0.01, le=1e4)]  # sheets of 0.5 to 100 mm
+Thickness = Annotated[float, in_unit("mm"), Field(ge=0.05, le=1e3)]  # 0.5 to 100 mm
 Stiffness = Annotated[float, in_unit("kN/mm"), Field(ge=1e-4, le=1e6)]  # 0.5 to 4000 kN/mm
 # Stiffness of rubber changes by exp(m_T (T - T_0)/100); identified are -0.3 to -2.2, and rubber
 # that stiffens by its entropy when warm has up to +0.3.
 TemperatureCoefficient = Annotated[float, Field(ge=-20, le=5)]
 SOFTEST, HARDEST = 1e-3, 1e4  # modulus K_r t_r / A [MPa]; rubber has 0.2 to 20
 EARLIEST, LATEST = 1e-3, 10.0  # yield strain d_y / t_r; identified are 0.06 to 0.5
-THINNEST_SEALING = 0.01  # [mm]
+THINNEST_SEALING = 0.05  # [mm]
 
 
 class SquarePlan(Strict):
@@ -107,7 +107,7 @@ class Geometry(Strict):
     rubber_thickness: Thickness
     shim_thickness: Thickness
     end_plate_thickness: Thickness
-    sealing_plate_thickness: Annotated[float, in_unit("mm"), Field(ge=0, le=1e4)] = 0.0
+    sealing_plate_thickness: Annotated[float, in_unit("mm"), Field(ge=0, le=1e3)] = 0.0
 
     @field_validator("sealing_plate_thickness")
     @classmethod
@@ -135,9 +135,9 @@ class Geometry(Strict):
 class Material(Strict):
     """Thermal properties of one material, constant with temperature (assumption 3 of 4.2.2)."""
 
-    conductivity: Annotated[float, in_unit("W/(m K)"), Field(ge=1e-3, le=1e4)]  # air to diamond
-    specific_heat: Annotated[float, in_unit("J/(kg K)"), Field(ge=10, le=1e5)]  # 130 to 4200
-    density: Annotated[float, in_unit("kg/m^3"), Field(ge=10, le=1e6)]  # 900 to 11 300
+    conductivity: Annotated[float, in_unit("W/(m K)"), Field(ge=1e-3, le=1e3)]  # 0.1 to 60
+    specific_heat: Annotated[float, in_unit("J/(kg K)"), Field(ge=10, le=5e4)]  # 130 to 4200
+    density: Annotated[float, in_unit("kg/m^3"), Field(ge=50, le=2e5)]  # 900 to 11 300
 
     @property
     def volumetric_heat(self) -> float:

@@ -80,7 +80,7 @@ def is_file(path: Path) -> bool:
 
 def closest(name: str, known: Iterable[str]) -> str:
     """A clause '; did you mean "..."?' with the closest known name, or nothing."""
-    close = difflib.get_close_matches(name, sorted(known), n=1, cutoff=0.6)
+    close = difflib.get_close_matches(str(name), sorted(known), n=1, cutoff=0.6)
     return f'; did you mean "{close[0]}"?' if close else ""
 
 

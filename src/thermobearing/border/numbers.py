@@ -1,5 +1,6 @@
 """Numbers that Python functions are given: of a kind that can be counted with, or refused."""
 
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,19 @@ def is_number(value: Any) -> bool:
     if isinstance(value, bool) or not isinstance(value, int | float | np.integer | np.floating):
         return False
     return isinstance(value, float | np.floating) or abs(int(value)) <= LARGEST
+
+
+def one_or_several(given: Any) -> list[Any]:
+    """The items of a list, or the one thing that was given alone.
+
+    Examples
+    --------
+    >>> one_or_several(3), one_or_several((3, 4)), one_or_several("ab")
+    ([3], [3, 4], ['ab'])
+    """
+    if isinstance(given, Iterable) and not isinstance(given, str | bytes | Mapping):
+        return list(given)
+    return [given]
 
 
 def number_list(values: Any, what: str) -> Floats:

@@ -246,6 +246,8 @@ def _sentence(model: type[BaseModel], item: ErrorDetails) -> str:
         message = "must be a list"
     elif kind == "too_short":
         message = f"must have at least {item['ctx']['min_length']} entry"
+    elif kind == "too_long":
+        message = f"must have at most {item['ctx']['max_length']} entries"
     elif kind == "string_type":
         message = "must be text"
     elif kind in ("bool_type", "bool_parsing"):

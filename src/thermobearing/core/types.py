@@ -1,8 +1,9 @@
 """The plain records that pass through the step: constants, state, workspace, outcome.
 
 Units: kN, mm, s, degC, J = kN mm. `L` counts the rubber layers that the stack models (half of
-them when the stack is cut at its symmetry plane), `n` its heat cells. What belongs together
-stands in one row (`records.py`): every array handed to a compiled function costs nanoseconds.
+them when the stack is cut at its symmetry plane), `n` its heat cells. What is remembered of one
+thing stands in one row (`records.py`), since every array handed to a compiled function costs
+nanoseconds; what long loops run through, cells and scratch, stands in columns (measured).
 """
 
 from typing import Annotated, Final, NamedTuple

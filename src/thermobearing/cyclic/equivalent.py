@@ -23,7 +23,6 @@ from thermobearing.results.metrics import CycleMeasures, measure_cycle
 DESIGN_STRAIN = 1.75  # usual in Japanese qualification tests
 FATTEST = 0.6  # damping ratio; 2/pi = 0.64 is that of a rectangle
 CYCLE = 3  # the cycle that standards measure
-DT = 0.005  # [s]
 MOST_STEPS = 5000  # in a quarter of a cycle, which a slow test of a large bearing would exceed
 
 
@@ -73,9 +72,9 @@ def isothermal_cycle(
     adiabatic = EndFace(eta=1.0)
     model = build_model(bearing, ModelOptions(upper_face=adiabatic, lower_face=adiabatic))
     rubber = bearing.total_rubber_thickness
+    test = cyclic_test(strain=[strain], cycles=CYCLE, speed=speed, closing_strain=None)
     quarter = strain * rubber / speed
-    dt = max(DT, quarter / MOST_STEPS)
-    test = cyclic_test(strain=[strain], cycles=CYCLE, speed=speed, closing_strain=None, dt=dt)
+    test = test.model_copy(update={"dt": max(test.dt, quarter / MOST_STEPS)})
     at = bearing.hysteresis.reference_temperature if temperature is None else temperature
     history = run_segments(
         isothermal(model.constants),

@@ -18,6 +18,7 @@ Floats = NDArray[np.float64]
 
 ROUNDING = 5.0  # mm: plans are made in such steps
 TRIES = 60
+MOST_LAYERS = 200  # of any bearing
 
 
 @dataclass(frozen=True)
@@ -94,7 +95,8 @@ def equal_bearing(
 
     Raises
     ------
-    InputError : the plan is not square, or no plan between the lead and 5 m has that stiffness.
+    InputError : a number out of range, a plan that is not square, more than 200 layers, or no plan
+        between the lead and 5 m has that stiffness.
 
     Examples
     --------
@@ -103,10 +105,22 @@ def equal_bearing(
     (480.0, 6)
     """
     template = as_bearing(template, "template")
+    for name, value, high in (
+        ("stiffness", stiffness, 1e6),
+        ("displacement", displacement, 1e5),
+        ("design_strain", design_strain, 5.0),
+    ):
+        if isinstance(value, bool | str) or not 1e-6 <= value <= high:
+            raise InputError(f"{name} = {value!r}: must be a number from 1e-06 to {high:g}")
     if template.geometry.plan.shape != "square":
         raise InputError(f"{template.name}: only square plans are scaled")
     thickness = template.geometry.rubber_thickness
     layers = max(1, math.ceil(displacement / (design_strain * thickness) - 1e-9))
+    if layers > MOST_LAYERS:
+        raise InputError(
+            f"a displacement of {displacement:g} mm takes {layers} layers of {thickness:g} mm; at "
+            f"most {MOST_LAYERS} make sense"
+        )
     strain = displacement / (layers * thickness)
     low, high = math.sqrt(1.02 * template.lead_area) + ROUNDING, 5000.0
     softest, stiffest = (_stiffness(template, side, layers, strain) for side in (low, high))

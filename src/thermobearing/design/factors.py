@@ -13,7 +13,7 @@ from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError, nearest
 from thermobearing.border.library import data_path
-from thermobearing.border.numbers import is_number
+from thermobearing.border.numbers import is_number, one_or_several
 from thermobearing.border.schema import Strict, validated
 from thermobearing.border.toml import read_toml
 from thermobearing.cyclic.protocol import CyclicTest
@@ -105,11 +105,11 @@ def chosen_cycles(cycles: str | Sequence[int]) -> tuple[int, ...]:
         if cycles not in PRESETS:
             raise InputError(f'cycles = "{cycles}"{nearest(cycles, list(PRESETS))}')
         return PRESETS[cycles]
-    numbers = tuple(cycles)
+    numbers = one_or_several(cycles)
     if not numbers or not all(
         isinstance(n, int | np.integer) and 1 <= n <= MOST_CYCLES for n in numbers
     ):
-        raise InputError(f"cycles = {list(numbers)}: give whole numbers from 1 to {MOST_CYCLES}")
+        raise InputError(f"cycles = {numbers}: give whole numbers from 1 to {MOST_CYCLES}")
     return tuple(sorted({int(n) for n in numbers}))
 
 
@@ -163,6 +163,7 @@ def temperature_factors(
     several = bearing if isinstance(bearing, list | tuple) else [bearing]
     bearings = [as_bearing(item) for item in several]
     numbers = chosen_cycles(cycles)
+    temperatures, strains = one_or_several(temperatures), one_or_several(strains)
     _check(bearings, reference_temperature, temperatures, strains, period)
     air = list(dict.fromkeys([float(reference_temperature), *(float(t) for t in temperatures)]))
     tables = [
@@ -235,7 +236,7 @@ def _check(
     period: float,
 ) -> None:
     """All faults at once."""
-    problems = []
+    problems: list[str] = []
     if not bearings:
         problems.append("bearing: give one or more layered bearings")
     for name, values, low, high, unit in (

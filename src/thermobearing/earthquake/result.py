@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from thermobearing.results.metrics import LEAST_ENERGY
+from thermobearing.results.metrics import LEAST_ENERGY, LEAST_HEAT
 from thermobearing.results.writing import from_attribute
 
 if TYPE_CHECKING:
@@ -100,7 +100,8 @@ class EarthquakeResult:
 
         `structure_residual`: (input - kinetic - damping - springs - hinges - bearings) / input.
         `mechanical_residual`, `thermal_residual`: of the bearing, over its work (the thermal one
-        over its heat stored or lost where that is more). All are relative to at least 1e-6 kN mm.
+        over its heat stored or lost where that is more). They are relative to at least 1e-6 kN mm,
+        the thermal one to at least 1 kN mm, see `metrics.relative_residual`.
         """
         data = self.dataset
         frame = pd.DataFrame({f"{n}_kN_mm": data[f"energy_{n}"].values for n in STRUCTURE})
@@ -117,7 +118,7 @@ class EarthquakeResult:
         unbalanced, unheated = work - released - recoverable, released - stored - lost
         moved = work.abs().clip(lower=LEAST_ENERGY)
         frame["mechanical_residual"] = unbalanced / moved
-        heat = np.maximum(stored.abs(), lost.abs())
+        heat = np.maximum(np.maximum(stored.abs(), lost.abs()), LEAST_HEAT)
         frame["thermal_residual"] = unheated / np.maximum(moved, heat)
         return frame
 

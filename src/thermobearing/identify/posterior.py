@@ -22,6 +22,7 @@ Floats = NDArray[np.float64]
 
 WALKERS_PER = 3  # walkers for each parameter
 LOW, HIGH = 0.025, 0.975
+MOST_STEPS = 100_000  # of a walker
 
 
 @dataclass(frozen=True)
@@ -163,7 +164,7 @@ def posterior_samples(
     Parameters
     ----------
     found : a fit.
-    steps : of each walker, after `burn` that are thrown away; both >= 1.
+    steps : of each walker, 1 to 100 000, after `burn` that are thrown away (0 to 100 000).
     seed : of the walkers, >= 0.
 
     Returns
@@ -172,8 +173,10 @@ def posterior_samples(
 
     Raises
     ------
-    InputError : emcee is not installed.
+    InputError : emcee is not installed; steps out of range.
     """
+    if not (1 <= steps <= MOST_STEPS and 0 <= burn <= MOST_STEPS):
+        raise InputError(f"steps = {steps}, burn = {burn}: must be 1 and 0 to {MOST_STEPS}")
     try:
         import emcee
     except ImportError:

@@ -59,12 +59,12 @@ def identify_bearing(
         (Gandomi & Alavi 2012) or "differential-evolution"; the last two end with least
         squares unless `polish` is False.
     seed : of all random numbers.
-    starts : least squares from so many points, >= 1; the first comes from the loops.
+    starts : least squares from so many points, 1 to 100; the first comes from the loops.
     loss : "linear", or a robust one of scipy: "soft_l1", "huber", "cauchy".
     temperatures : fit the thermocouples too.
     blind : start from the loops; False starts from the bearing's own values.
     polish : end with least squares.
-    evaluations : budget of krill herd or differential evolution.
+    evaluations : budget of krill herd or differential evolution, 1 to a million.
 
     Returns
     -------

@@ -49,11 +49,11 @@ def synthetic_record(
     bearing : what is "tested": a Bearing, a library name, or a TOML file.
     ambient : [degC].
     test : what is done; Table 3.4 by default (sine waves for bearings with lead).
-    noise : standard deviation of the force, relative to its peak.
+    noise : standard deviation of the force, relative to its peak, 0 to 10.
     memory : correlation of the noise from sample to sample, in [0, 1); 0 is white.
-    sampling : [Hz]; ends of legs are recorded besides.
-    first_cycle : factor on the force of the first cycle of each amplitude: an error of the
-        law put in on purpose, like scragging.
+    sampling : [Hz], 1e-6 to 1e6; ends of legs are recorded besides.
+    first_cycle : factor on the force of the first cycle of each amplitude, 0.1 to 10: an error
+        of the law put in on purpose, like scragging.
     seed : of the noise.
 
     Returns
@@ -62,7 +62,7 @@ def synthetic_record(
 
     Raises
     ------
-    InputError : `memory` out of range, or the simulation ended early.
+    InputError : a number out of range, or the simulation ended early.
 
     Examples
     --------
@@ -74,6 +74,13 @@ def synthetic_record(
 
     if not 0.0 <= memory < 1.0:
         raise InputError(f"memory = {memory}: must be at least 0 and less than 1")
+    for name, value, low, high, unit in (
+        ("noise", noise, 0.0, 10.0, ""),
+        ("sampling", sampling, 1e-6, 1e6, " Hz"),
+        ("first_cycle", first_cycle, 0.1, 10.0, ""),
+    ):
+        if not low <= value <= high:
+            raise InputError(f"{name} = {value}: must be {low:g} to {high:g}{unit}")
     bearing = as_bearing(bearing)
     wave: Literal["triangular", "sine"] = "triangular" if bearing.lead is None else "sine"
     result = run(bearing, test or cyclic_test(wave=wave), ambient=ambient, keep=[])

@@ -19,7 +19,8 @@ FIT_FROM, FIT_TO = 0.5, 0.9  # part of the loading branch that gives K_d, of the
 # millimetres are rounded by less than 1e-8 kN mm; temperatures near 100 degC by 1.4e-14 K a
 # step, so that a million steps may lose what warms the bearing by 1e-8 K.
 LEAST_ENERGY = 1e-6  # [kN mm]
-LEAST_WARMING = 1e-4  # [K], of the whole bearing: 1 kN mm for one of 200 mm
+LEAST_WARMING = 1e-4  # [K], of the whole bearing: 1 kN mm for one of 240 mm
+LEAST_HEAT = 1.0  # [kN mm], the same where the heat capacity is not known
 FEWEST_POINTS = 8  # in a cycle that is measured; 5 (zeros and peaks) where its work is known
 
 

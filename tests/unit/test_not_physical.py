@@ -1,0 +1,137 @@
+"""What cannot be true ends with a typed outcome and a sentence that says what to try."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import thermobearing as tb
+from tests import tolerances as tol
+from tests.unit.inputs import changed_table, cyclic, last_line, quick_case, specimen_table
+from tests.verification.models import assembled, specimen
+from thermobearing.bearing.library import bearing_from_table
+from thermobearing.core.step import HOTTEST, LEAD_MELTS
+from thermobearing.core.types import (
+    HEAT_RELEASED,
+    HEAT_STORED,
+    RECOVERABLE,
+    WORK_IN,
+    new_state,
+)
+from thermobearing.model.outcomes import NOT_PHYSICAL, SENTENCES
+from thermobearing.model.physical import LEAST, MISSING, STEEL_MELTS, is_physical
+
+FAST = tb.CyclicTest(
+    steps=[{"step": "cycles", "strain": 1.5, "wave": "sine", "period": 1.0, "count": 60}]
+)
+
+
+def test_lead_does_not_heat_beyond_its_melting_point() -> None:
+    """Without softening a core goes on heating; what was computed until it melts is kept."""
+    table = tb.load_bearing("shen-lhdr-specimen").model_dump()
+    table["lead"]["softening"] = 0.0
+    result = tb.run(bearing_from_table(table_of(table), "lead"), FAST, ambient=23.0)
+    assert result.outcome == "temperature_runaway"
+    hottest = float(result["lead_temperature"].max())
+    assert 0.95 * LEAD_MELTS < hottest <= LEAD_MELTS
+    assert "melts" in SENTENCES[result.outcome]
+
+
+def test_rubber_does_not_heat_beyond_its_decomposition() -> None:
+    blind = dict.fromkeys(
+        (f"hysteresis.{name}_temperature_coefficient" for name in ("elastic", "hysteretic")), 0.0
+    )
+    changes = {"hysteresis.layer_stiffness": "500 kN/mm", **blind}
+    table = changed_table(specimen_table(), changes)
+    result = tb.run(bearing_from_table(table, "stiff"), FAST, ambient=23.0)
+    assert result.outcome == "temperature_runaway"
+    assert 200.0 < float(result["rubber_temperature"].max()) <= HOTTEST
+    assert "decomposes" in SENTENCES[result.outcome]
+
+
+def table_of(dump: dict[str, Any]) -> dict[str, Any]:
+    """A dumped bearing as a table with units, for `bearing_from_table`."""
+    from thermobearing.bearing.model import Bearing
+    from thermobearing.border.schema import validated
+    from thermobearing.cyclic.case import to_table
+
+    return to_table(validated(Bearing, dump, "dump", from_file=False))
+
+
+@pytest.mark.parametrize(
+    ("work", "released", "recoverable", "stored", "fits"),
+    [
+        (1e3, 900.0, 100.0, 900.0, True),
+        (1e3, 900.0, 100.0 + 0.9 * MISSING * 1e3, 900.0, True),
+        (1e3, 900.0, 100.0 + 1.1 * MISSING * 1e3, 900.0, False),  # mechanical books
+        (1e3, 900.0, 100.0, 900.0 + 1.1 * MISSING * 1e3, False),  # thermal books
+        (0.0, 0.0, 0.0, 0.9 * MISSING * LEAST, True),  # next to nothing is missing
+        (np.nan, 0.0, 0.0, 0.0, False),
+    ],
+)
+def test_books_that_do_not_close(
+    work: float, released: float, recoverable: float, stored: float, fits: bool
+) -> None:
+    constants = assembled(specimen())
+    state = new_state(constants, np.full(19, 23.0))
+    assert is_physical(constants, state)
+    state.books[[WORK_IN, HEAT_RELEASED, RECOVERABLE, HEAT_STORED]] = (
+        work, released, recoverable, stored,
+    )  # fmt: skip
+    assert is_physical(constants, state) is fits
+    # The printed bookkeeping has gaps by itself.
+    published = assembled(specimen(), scheme="published")
+    assert is_physical(published, state)
+
+
+@pytest.mark.parametrize("temperature", [-273.2, STEEL_MELTS + 1.0, np.nan])
+def test_plates_have_possible_temperatures(temperature: float) -> None:
+    constants = assembled(specimen())
+    state = new_state(constants, np.full(19, 23.0))
+    state.temperature[0] = temperature
+    assert not is_physical(constants, state)
+
+
+def test_a_run_that_is_not_physical_says_so(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A typed outcome, exit status 3, and what was computed until then; here steel melts early."""
+    monkeypatch.setattr("thermobearing.model.physical.STEEL_MELTS", 20.0)
+    done = cyclic(quick_case(tmp_path / "case.toml", ambient="23 degC"), "-o", tmp_path / "out",
+                  "--json")  # fmt: skip
+    said = last_line(done)
+    assert (said["outcome"], done.exit_code) == (NOT_PHYSICAL, 3)
+    assert "no real bearing" in done.stderr
+    assert np.isfinite(tb.load_result(tmp_path / "out")["force"]).all()
+
+
+@pytest.mark.parametrize("dt", [0.005, 1.0, 10.0])
+def test_a_rest_does_not_ring(dt: float) -> None:
+    """Long first steps would throw a plate from one side of the ambient temperature to the other.
+
+    42 degC were reached on the way from -20 to 23 degC.
+    """
+    rest = tb.CyclicTest(dt=dt, steps=[{"step": "rest", "duration": 4500.0}])
+    result = tb.run("shen-hdr-bridge", rest, 23.0, initial=-20.0)
+    assert float(result["temperature"].min()) >= -20.0
+    assert float(result["temperature"].max()) <= 23.0
+
+
+def test_a_bearing_that_would_tear_in_an_earthquake() -> None:
+    """Beyond 500 %, where a test may not go either."""
+    motion = {"name": "jra-ii-i-1", "factor": 8.0}
+    study = tb.bridge("shen-hdr-bridge", motion, 23, duration=15)
+    assert float(study["bearing_strain_max"][0]) > 5.0
+    assert study.outcome == NOT_PHYSICAL
+    assert "500 %" in study.sentence
+    assert json.dumps(study.summary(), allow_nan=True)
+
+
+def test_a_bilinear_bearing_has_no_heat_to_lose() -> None:
+    """Its endless heat capacity times the rounding of a temperature came to kN mm a step."""
+    motion = {"name": "jra-ii-i-1", "factor": 0.02}
+    study = tb.bridge("shen-bilinear-bridge", motion, [-20.0, 23.0], duration=5)
+    assert study.energy["thermal_residual"].abs().max() < tol.ENERGY_BOOKS
+    assert study["bearing_force"].values[0].tolist() == study["bearing_force"].values[1].tolist()
