@@ -123,7 +123,7 @@ def test_bad_record_is_refused_with_a_sentence(
 def test_files_that_cannot_be_read(tmp_path: Path) -> None:
     for path, piece in (
         (tmp_path / "none.at2", "no such file"),
-        (tmp_path, "cannot be read"),
+        (tmp_path, "is a directory, not a file"),
         (files.write(tmp_path / "b.csv", "t_s\0"), "null bytes"),
     ):
         with pytest.raises(InputError, match=piece):

@@ -31,6 +31,7 @@ def test_fails_as_expected():
 """
 WHOLE_FILE = 'import pytest\npytest.importorskip("no_such_package")\n'
 ALONE = {"CI": "true", "THERMOBEARING_MEASURED": "measured.json"}
+ALONE["PYTHONPATH"] = str(ROOT)  # what conftest.py takes from the other tests
 ALONE["PYTEST_DISABLE_PLUGIN_AUTOLOAD"] = "1"  # the others would take most of the time
 FOUND = ["test_sample.py::test_skips", "test_whole.py"]
 ROWS = [

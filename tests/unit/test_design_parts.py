@@ -59,7 +59,7 @@ def test_one_turn_of_the_loop(
     assumed: float, rules: dict[str, Any], factor: float, effective: float, analysed: list[Any]
 ) -> None:
     """Stiffness, damping and the bilinear model are those of the effective displacement."""
-    turn = run._turn(case_of(effective_displacement_factor=factor, sizing=rules), 3, assumed)
+    turn = run.one_turn(case_of(effective_displacement_factor=factor, sizing=rules), 3, assumed)
     found, size = turn.round, turn.round.size
     thickness = size.total_rubber_thickness
     wanted = equivalent_stiffness(G8, size.area, thickness, effective)
@@ -84,7 +84,7 @@ def test_strain_beyond_the_curves_is_held_at_their_end(
     """Sizes keep the design strain, so only other curves can be left at their upper end."""
     curves = run.load_curves().model_copy(update={"largest_strain": 1.0})
     monkeypatch.setattr(run, "load_curves", lambda: curves)
-    found = run._turn(case_of(), 1, 178.0).round
+    found = run.one_turn(case_of(), 1, 178.0).round
     wanted = equivalent_stiffness(G8, found.size.area, 112.0, 112.0)
     assert found.stiffness == pytest.approx(wanted, rel=tol.LOOP)
 
@@ -98,7 +98,7 @@ def turns(monkeypatch: pytest.MonkeyPatch, answer: Any) -> None:
         study = SimpleNamespace(outcome="completed")
         return SimpleNamespace(round=one, checks=[], bearing=None, study=study)
 
-    monkeypatch.setattr(run, "_turn", turn)
+    monkeypatch.setattr(run, "one_turn", turn)
 
 
 def test_loop_takes_what_it_found(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -10,16 +10,19 @@ import thermobearing as tb
 from tests.unit.inputs import SPECIMEN, assert_told
 from tests.verification.structures import real_bearing, shaken
 from thermobearing.cyclic.equivalent import MOST_STEPS, isothermal_cycle
-from thermobearing.cyclic.protocol import MAX_CYCLES, build_segments, survey
+from thermobearing.cyclic.protocol import MAX_CYCLES, survey
+from thermobearing.cyclic.segments import build_segments
 from thermobearing.identify.synthetic import synthetic_record
 from thermobearing.model.effort import MAX_CELL_STEPS, MAX_KEPT, MAX_STEPS, study_too_much, too_much
 from thermobearing.structure import newmark
 
+HDR = "shen-hdr-bridge"
+
 RUBBER = 30.0
 
 
-def steps(*given: dict[str, Any], **options: Any) -> tb.CyclicTest:
-    return tb.CyclicTest(steps=list(given), **options)
+def steps(*given: dict[str, Any], **options: Any) -> tb.cyclic.CyclicTest:
+    return tb.cyclic.CyclicTest(steps=list(given), **options)
 
 
 def cycles(**changes: Any) -> dict[str, Any]:
@@ -39,7 +42,7 @@ COUNTED = {
 
 
 @pytest.mark.parametrize("test", COUNTED.values(), ids=COUNTED)
-def test_steps_are_known_before_they_are_made(test: tb.CyclicTest) -> None:
+def test_steps_are_known_before_they_are_made(test: tb.cyclic.CyclicTest) -> None:
     _, counted = survey(test, RUBBER)
     made = sum(len(segment.x) for segment in build_segments(test, RUBBER))
     assert made <= counted + 8.0
@@ -49,42 +52,70 @@ def test_steps_are_known_before_they_are_made(test: tb.CyclicTest) -> None:
 @pytest.mark.parametrize(
     ("make", "pieces"),
     [
-        (lambda: tb.run(SPECIMEN, steps(cycles(count=20_000), cycles(count=1))),
-         ["test.", f"20001 cycles; at most {MAX_CYCLES}"]),
-        (lambda: tb.run(SPECIMEN, steps(*[{"step": "rest", "duration": 1e8}] * 200)),
-         ["3.34e+07 steps", f"at most {MAX_STEPS}"]),
-        (lambda: tb.run(SPECIMEN, steps(cycles(count=20_000)), [-20, 0, 23]),
-         ["2.4e+07 steps in all", "fewer ambient temperatures"]),
-        (lambda: tb.run(large_stack(), steps(cycles(count=10_000), dt=0.002)),
-         ["1e+07 steps of 4", "fewer cells"]),
-        (lambda: tb.run(SPECIMEN, steps(cycles(count=20_000), dt=0.002)),
-         ["numbers", "keep_every", "times as large"]),
+        (
+            lambda: tb.run(SPECIMEN, steps(cycles(count=20_000), cycles(count=1))),
+            ["test.", f"20001 cycles; at most {MAX_CYCLES}"],
+        ),
+        (
+            lambda: tb.run(SPECIMEN, steps(*[{"step": "rest", "duration": 1e8}] * 200)),
+            ["3.34e+07 steps", f"at most {MAX_STEPS}"],
+        ),
+        (
+            lambda: tb.run(SPECIMEN, steps(cycles(count=20_000)), [-20, 0, 23]),
+            ["2.4e+07 steps in all", "fewer ambient temperatures"],
+        ),
+        (
+            lambda: tb.run(large_stack(), steps(cycles(count=10_000), dt=0.002)),
+            ["1e+07 steps of 4", "fewer cells"],
+        ),
+        (
+            lambda: tb.run(SPECIMEN, steps(cycles(count=20_000), dt=0.002)),
+            ["numbers", "keep_every", "times as large"],
+        ),
         (lambda: tb.run(SPECIMEN, steps(*[cycles()] * 10_001)), ["steps", "at most 10000 entries"]),
-        (lambda: tb.run(SPECIMEN, steps(cycles()), list(np.linspace(-50, 50, 1001))),
-         ["ambient", "at most 1000 entries"]),
-        (lambda: tb.bridge("shen-hdr-bridge", "jra-ii-i-1", 0, dt=1e-6),
-         ["a run makes 5e+07 steps", "larger dt"]),
-        (lambda: tb.bridge("shen-hdr-bridge", "jra-ii-i-1", 0, duration=0.001),
-         ["duration = 0.001 s", "shorter than a time step of 0.005 s"]),
-        (lambda: tb.bridge("shen-hdr-bridge", "jra-ii-i-1", np.linspace(-50, 50, 1000)),
-         ["keeps", "several studies"]),
-        (lambda: tb.identify_bearing([RECORD], SPECIMEN, starts=10**9),
-         ["starts = 1000000000", "at most 100"]),
-        (lambda: tb.identify_bearing([RECORD], SPECIMEN, method="krill-herd", evaluations=10**9),
-         ["evaluations = 1000000000", "at most 1000000"]),
-        (lambda: tb.equal_bearing("shen-hdr-bridge", 2.0, 5e4), ["1681 layers", "at most 200"]),
-        (lambda: tb.equal_bearing("shen-hdr-bridge", float("nan"), 200), ["stiffness = nan"]),
+        (
+            lambda: tb.run(SPECIMEN, steps(cycles()), list(np.linspace(-50, 50, 1001))),
+            ["ambient", "at most 1000 entries"],
+        ),
+        (
+            lambda: tb.bridge("shen-hdr-bridge", "jra-ii-i-1", 0, dt=1e-6),
+            ["makes 5e+07 steps", "larger dt"],
+        ),
+        (
+            lambda: tb.bridge("shen-hdr-bridge", "jra-ii-i-1", 0, duration=0.001),
+            ["duration = 0.001 s", "shorter than a step"],
+        ),
+        (
+            lambda: tb.bridge("shen-hdr-bridge", "jra-ii-i-1", np.linspace(-50, 50, 1000)),
+            ["keeps", "several studies"],
+        ),
+        (
+            lambda: tb.identify_bearing([RECORD], SPECIMEN, starts=10**9),
+            ["starts = 1000000000", "from 1 to 100"],
+        ),
+        (
+            lambda: tb.identify_bearing([RECORD], SPECIMEN, method="krill-herd", evaluations=10**9),
+            ["evaluations = 1000000000", "from 1 to 1000000"],
+        ),
+        (
+            lambda: tb.design.equal_bearing("shen-hdr-bridge", 2.0, 5e4),
+            ["1681 layers", "at most 200"],
+        ),
+        (
+            lambda: tb.design.equal_bearing("shen-hdr-bridge", float("nan"), 200),
+            ["stiffness = nan"],
+        ),
         (lambda: synthetic_record(SPECIMEN, 23.0, sampling=0.0), ["sampling = 0.0"]),
     ],
     ids=range(15),
-)  # fmt: skip
+)
 def test_too_much_is_told(
     make: Callable[[], Any], pieces: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def never(*_: Any, **__: Any) -> None:
         pytest.fail("it was begun")
 
-    for place in ("simulate.run_segments", "earthquake.run_structure"):
+    for place in ("cyclic.run.run_segments", "earthquake.run.run_structure"):
         monkeypatch.setattr(f"thermobearing.{place}", never)
     with pytest.raises(tb.InputError) as caught:
         make()
@@ -94,7 +125,7 @@ def test_too_much_is_told(
 RECORD = synthetic_record(SPECIMEN, 23.0, steps(cycles(count=2)))
 
 
-def large_stack() -> tb.Bearing:
+def large_stack() -> tb.bearing.Bearing:
     """A hundred layers of two cells in the half stack."""
     bearing = tb.load_bearing(SPECIMEN)
     geometry = bearing.geometry.model_copy(update={"rubber_layers": 200})
@@ -116,7 +147,7 @@ def test_a_cycle_without_heat_has_a_bounded_number_of_steps(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """A bearing of metres at 30 mm/s took millions of steps to find its bilinear model."""
-    from thermobearing import equivalent
+    from thermobearing.cyclic import equivalent
 
     lengths = []
     run_segments = equivalent.run_segments
@@ -127,7 +158,7 @@ def test_a_cycle_without_heat_has_a_bounded_number_of_steps(
 
     monkeypatch.setattr(equivalent, "run_segments", counted)
     small, large = (
-        isothermal_cycle(tb.scaled_bearing("shen-hdr-bridge", factor), 1.75)
+        isothermal_cycle(tb.design.scaled_bearing("shen-hdr-bridge", factor), 1.75)
         for factor in (1.0, 100.0)
     )
     assert lengths[0] < lengths[1] <= 3 * 4 * MOST_STEPS

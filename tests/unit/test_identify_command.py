@@ -123,7 +123,7 @@ def test_bad_tests_write_nothing_and_say_why(folder: Path, tmp_path: Path) -> No
         (["--free", "K_x"], "no parameter"),
         (["--method", "annealing"], "least-squares"),
         (["--loss", "cubic"], "soft_l1"),
-        (["--starts", "0"], "at least 1"),
+        (["--starts", "0"], "from 1 to"),
         (["--start", "nobody"], "no bearing"),
         (["--bearing", "nobody"], "no bearing"),
         (["--predict", "400"], "between -100 and 100"),

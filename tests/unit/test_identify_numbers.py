@@ -269,9 +269,8 @@ def test_thermocouples_of_the_lower_half_read_its_mirror_image() -> None:
     record = replace(
         sines((10.0,)), places=places, temperatures={name: np.zeros(count) for name in places}
     )
-    columns = ForwardModel(record, HDR)._columns
-    first = columns["T1"]
-    assert [columns[f"T{k}"] - first for k in range(1, 7)] == [0, 1, 2, 2, 1, 0]
+    layers = ForwardModel(record, HDR)._layers
+    assert [layers[f"T{k}"] for k in range(1, 7)] == [0, 1, 2, 2, 1, 0]
 
 
 @pytest.mark.parametrize("duration", [0.3, 7.0, 3600.0])

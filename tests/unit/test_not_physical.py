@@ -13,17 +13,11 @@ from tests.unit.inputs import changed_table, cyclic, last_line, quick_case, spec
 from tests.verification.models import assembled, specimen
 from thermobearing.bearing.library import bearing_from_table
 from thermobearing.core.step import HOTTEST, LEAD_MELTS
-from thermobearing.core.types import (
-    HEAT_RELEASED,
-    HEAT_STORED,
-    RECOVERABLE,
-    WORK_IN,
-    new_state,
-)
+from thermobearing.core.types import new_state
 from thermobearing.model.outcomes import NOT_PHYSICAL, SENTENCES
 from thermobearing.model.physical import LEAST, MISSING, STEEL_MELTS, is_physical
 
-FAST = tb.CyclicTest(
+FAST = tb.cyclic.CyclicTest(
     steps=[{"step": "cycles", "strain": 1.5, "wave": "sine", "period": 1.0, "count": 60}]
 )
 
@@ -55,7 +49,7 @@ def table_of(dump: dict[str, Any]) -> dict[str, Any]:
     """A dumped bearing as a table with units, for `bearing_from_table`."""
     from thermobearing.bearing.model import Bearing
     from thermobearing.border.schema import validated
-    from thermobearing.cyclic.case import to_table
+    from thermobearing.border.toml import to_table
 
     return to_table(validated(Bearing, dump, "dump", from_file=False))
 
@@ -77,9 +71,9 @@ def test_books_that_do_not_close(
     constants = assembled(specimen())
     state = new_state(constants, np.full(19, 23.0))
     assert is_physical(constants, state)
-    state.books[[WORK_IN, HEAT_RELEASED, RECOVERABLE, HEAT_STORED]] = (
-        work, released, recoverable, stored,
-    )  # fmt: skip
+    books = state.books[0]
+    books.work_in, books.heat_released = work, released
+    books.recoverable, books.heat_stored = recoverable, stored
     assert is_physical(constants, state) is fits
     # The printed bookkeeping has gaps by itself.
     published = assembled(specimen(), scheme="published")
@@ -99,8 +93,8 @@ def test_a_run_that_is_not_physical_says_so(
 ) -> None:
     """A typed outcome, exit status 3, and what was computed until then; here steel melts early."""
     monkeypatch.setattr("thermobearing.model.physical.STEEL_MELTS", 20.0)
-    done = cyclic(quick_case(tmp_path / "case.toml", ambient="23 degC"), "-o", tmp_path / "out",
-                  "--json")  # fmt: skip
+    case = quick_case(tmp_path / "case.toml", ambient="23 degC")
+    done = cyclic(case, "-o", tmp_path / "out", "--json")
     said = last_line(done)
     assert (said["outcome"], done.exit_code) == (NOT_PHYSICAL, 3)
     assert "no real bearing" in done.stderr
@@ -113,7 +107,7 @@ def test_a_rest_does_not_ring(dt: float) -> None:
 
     42 degC were reached on the way from -20 to 23 degC.
     """
-    rest = tb.CyclicTest(dt=dt, steps=[{"step": "rest", "duration": 4500.0}])
+    rest = tb.cyclic.CyclicTest(dt=dt, steps=[{"step": "rest", "duration": 4500.0}])
     result = tb.run("shen-hdr-bridge", rest, 23.0, initial=-20.0)
     assert float(result["temperature"].min()) >= -20.0
     assert float(result["temperature"].max()) <= 23.0

@@ -26,6 +26,8 @@ Amplitude = Annotated[float, in_unit("mm"), Field(ge=1e-6, le=1e5)]
 Speed = Annotated[float, in_unit("mm/s"), Field(ge=1e-6, le=1e6)]  # creep in a night to impact
 
 REST_GROWTH = 1.05  # each step of a rest against the one before
+FEWEST_STEPS = 2  # in a quarter of a cycle: fewer make no loop
+REST_START = 0.1  # first step of a rest, at most: what a plate needs to even out [s]
 REST_STEPS = 100  # no step of a rest is longer than this part of it
 SETTLE_LIMIT = 14 * 24 * 3600.0  # "until within" gives up after two weeks [s]
 MAX_CYCLES, MAX_PARTS = 20_000, 10_000  # of one test: more is surely a slip
@@ -125,7 +127,7 @@ class Rest(Strict):
 
     def count(self, dt: float) -> float:
         """Number of steps, or a few more: those that grow, and those that do not."""
-        longest, shortest = self.longest_step(dt), min(dt, self.span)
+        longest, shortest = self.longest_step(dt), min(dt, self.span, REST_START)
         return math.log(longest / shortest) / math.log(REST_GROWTH) + self.span / longest + 2.0
 
 
@@ -167,7 +169,7 @@ def _step_faults(
     faults, steps, end, peak, where = [], 0.0, at, 0.0, ""
     if isinstance(step, Cycles):
         steps = sum(
-            4.0 * count * max(1.0, quarter / dt)
+            4.0 * count * max(FEWEST_STEPS, quarter / dt)
             for count, quarter in zip((step.count, 1), step.quarters(rubber), strict=False)
         )
         end, peak = 0.0, step.size(rubber)

@@ -9,7 +9,9 @@ from numpy.typing import NDArray
 
 from thermobearing.border.errors import InputError
 from thermobearing.cyclic.protocol import (
+    FEWEST_STEPS,
     REST_GROWTH,
+    REST_START,
     TINY,
     Cycles,
     CyclicTest,
@@ -20,8 +22,6 @@ from thermobearing.cyclic.protocol import (
     survey,
 )
 from thermobearing.cyclic.recording import read_recording
-
-FEWEST_STEPS = 2  # in a quarter of a cycle: fewer make no loop
 
 
 @dataclass(frozen=True)
@@ -89,7 +89,7 @@ def _ramp(step: Ramp, rubber: float, dt: float, start: float) -> Segment:
 
 def _rest(step: Rest, dt: float, start: float) -> Segment:
     duration, longest = step.span, step.longest_step(dt)
-    steps = [min(dt, duration)]
+    steps = [min(dt, duration, REST_START)]
     left = duration - steps[0]
     while left > 0.0:
         size = min(steps[-1] * REST_GROWTH, longest)
