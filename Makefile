@@ -10,12 +10,13 @@ WORKERS ?= auto
 
 LOWEST := .venv-minimum
 
-.PHONY: help demo test test-minimum bench lint docs clean
+.PHONY: fuzz mutants help demo test test-minimum bench lint docs clean
 
 help:
 	@echo "make demo   install, and run the default cyclic test into ./demo"
 	@echo "make test   all tests, on all cores (WORKERS=0: in one process)"
 	@echo "make test-minimum   unit tests with the lowest versions of all that is needed"
+	@echo "make fuzz   hostile input, 100 000 examples (FUZZ=motions: a part)"
 	@echo "make mutants  small errors put into the code: do the tests notice? (RANDOM=40 SEED=1: by chance)"
 	@echo "make bench  speed, accuracy and memory, each beside its target"
 	@echo "make lint   ruff, mypy, import contracts"
@@ -49,6 +50,11 @@ test-minimum: pyproject.toml
 	$(PYTHON) tests/minimum.py > $(LOWEST)/lowest.txt
 	$(LOWEST)/bin/python -m pip install --quiet $(addprefix -c ,$(CONSTRAINTS)) -e ".[test]"
 	$(LOWEST)/bin/python -m pytest --numprocesses $(WORKERS) tests/unit
+
+# Of 100 000 examples, or of a part: make fuzz FUZZ=motions COUNT=20000 FUZZ_SEED=1
+fuzz: $(TESTS)
+	THERMOBEARING_FUZZ=$(or $(COUNT),100000) $(if $(FUZZ_SEED),THERMOBEARING_FUZZ_SEED=$(FUZZ_SEED)) \
+	  $(BIN)/python -m pytest --numprocesses $(WORKERS) tests/fuzz $(if $(FUZZ),-k $(FUZZ))
 
 mutants: $(TESTS)
 	$(BIN)/python -m tests.mutants $(if $(RANDOM),--random $(RANDOM) --seed $(or $(SEED),1))

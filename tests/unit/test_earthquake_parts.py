@@ -1,6 +1,7 @@
 """Parts of an earthquake study by hand: motions, weather, noise, models of bearings."""
 
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -55,11 +56,11 @@ def test_motion_is_scaled_cut_and_met_at_every_sample() -> None:
     motion = tb.load_motion("jra-ii-i-1")  # samples every 10 ms
     table = {"name": "jra-ii-i-1", "factor": 0.5}
     for dt, parts in ((0.01, 1), (0.02, 1), (0.005, 2), (0.004, 3), (0.0034, 3)):
-        shaking = run.build_shaking(case_of(motions=[table], dt=dt, duration=2.0), 0)
+        shaking = run.build_shaking(case_of(motions=[table], dt=dt, duration=2.0), 0, motion)
         assert shaking.dt == pytest.approx(0.01 / parts)
         assert len(shaking.ground) == 200 * parts + 1
         assert_allclose(shaking.ground[::parts], 0.5 * motion.acceleration[:201], rtol=tol.LOOP)
-    whole = run.build_shaking(case_of(duration=1e4), 0)
+    whole = run.build_shaking(case_of(duration=1e4), 0, motion)
     assert len(whole.ground) == 2 * (len(motion.acceleration) - 1) + 1
 
 
@@ -68,8 +69,9 @@ def test_laboratory_by_hand(mode: str, speed: float, monkeypatch: pytest.MonkeyP
     """Noise with the standard deviation that was asked for; a clock of its own in pd only."""
     asked: dict[str, Any] = {}
 
-    def fake(prepared: Any, lines: Any, ground: Any, dt: float, air: Any, **options: Any) -> None:
+    def fake(prepared: Any, lines: Any, ground: Any, dt: float, air: Any, **options: Any) -> Any:
         asked.update(options, lines=lines, air=air)
+        return SimpleNamespace(outcome="interrupted")
 
     monkeypatch.setattr(run, "run_structure", fake)
     lab = {"mode": mode, "speed": "25 mm/s", "force_noise": "3 kN", "seed": 4, "delay": "8 ms"}

@@ -126,7 +126,7 @@ def test_numbers_of_lead_and_rate(clock: str) -> None:
 
 def test_one_temperature_loses_heat_through_both_ends_and_the_sides() -> None:
     """Eq. 2.12, first step of a rest at -20 degC; half a layer and the plate to each end."""
-    dt = 0.5
+    dt = 0.1
     test = tb.cyclic.CyclicTest(dt=dt, steps=[{"step": "rest", "duration": dt}])
     result = tb.run(HDR, test, -20.0, initial=20.0, model="single-temperature")
     resistance = 1e3 * (2.5 / RUBBER.conductivity + 25.0 / STEEL.conductivity)

@@ -20,7 +20,9 @@ from thermobearing.commands.common import (
 )
 
 if TYPE_CHECKING:
+    from thermobearing.bearing.model import Bearing
     from thermobearing.identify.checks import CheckReport
+    from thermobearing.identify.record import TestRecord
 
 
 @reported
@@ -64,13 +66,32 @@ def identify(
     quiet: Quiet = False,
 ) -> int:
     """Identify a bearing's parameters from cyclic tests, with their uncertainty."""
-    from thermobearing.identify.case import bearing_of, make_identify_case
-    from thermobearing.identify.checks import check_test
-    from thermobearing.identify.files import save_checks
+    from thermobearing.identify.case import make_identify_case
     from thermobearing.identify.posterior import forecast
-    from thermobearing.identify.record import load_test
     from thermobearing.identify.run import run_identify
-    from thermobearing.identify.screen import print_checks, print_identification
+    from thermobearing.identify.screen import print_identification
+
+    records, bearing, target = _read(tests, start, check, output, force)
+    if check or bearing is None:
+        return _look_over(records, bearing, target, force, no_figures, as_json, quiet)
+    names = [name.strip() for name in free.split(",")] if free is not None else None
+    search = {"method": method, "seed": seed, "starts": starts, "evaluations": evaluations}
+    how = {"loss": loss, "temperatures": temperatures, "blind": not from_start, "polish": polish}
+    found = run_identify(make_identify_case(records, bearing, free=names, **search, **how))
+    wanted = posterior or predict
+    drawn = forecast(found, predict or [], posterior=posterior, seed=seed) if wanted else None
+    found.save(target, force=force, figures=not no_figures, forecast=drawn)
+    if not quiet:
+        print_identification(found)
+    return written(found.outcome, found.sentence, target, as_json=as_json, quiet=quiet)
+
+
+def _read(
+    tests: list[Path], start: str | None, check: bool, output: Path | None, force: bool
+) -> "tuple[list[TestRecord], Bearing | None, Path]":
+    """Tests, their bearing, and where the result goes, which is free to be written."""
+    from thermobearing.identify.case import bearing_of
+    from thermobearing.identify.record import load_test
     from thermobearing.results.directory import check_target
 
     records = [load_test(path) for path in tests]
@@ -83,33 +104,29 @@ def identify(
     kind = "check" if check else "identify"
     target = output or Path(f"{kind}-" + re.sub(r"[^\w.+-]+", "-", records[0].name))
     check_target(target, force=force)
-    if check or bearing is None:
-        reports = [check_test(record, bearing) for record in records]
-        save_checks(reports, target, force=force, figures=not no_figures)
-        if not quiet:
-            print_checks(reports)
-            typer.echo(f"written: {target}")
-        return _checked(reports, target, as_json)
-    case = make_identify_case(
-        records,
-        bearing,
-        free=[name.strip() for name in free.split(",")] if free is not None else None,
-        method=method,
-        seed=seed,
-        starts=starts,
-        loss=loss,
-        temperatures=temperatures,
-        blind=not from_start,
-        polish=polish,
-        evaluations=evaluations,
-    )
-    found = run_identify(case)
-    wanted = posterior or predict
-    drawn = forecast(found, predict or [], posterior=posterior, seed=seed) if wanted else None
-    found.save(target, force=force, figures=not no_figures, forecast=drawn)
+    return records, bearing, target
+
+
+def _look_over(
+    records: "list[TestRecord]",
+    bearing: "Bearing | None",
+    target: Path,
+    force: bool,
+    no_figures: bool,
+    as_json: bool,
+    quiet: bool,
+) -> int:
+    """The findings of the tests, without a fit."""
+    from thermobearing.identify.checks import check_test
+    from thermobearing.identify.files import save_checks
+    from thermobearing.identify.screen import print_checks
+
+    reports = [check_test(record, bearing) for record in records]
+    save_checks(reports, target, force=force, figures=not no_figures)
     if not quiet:
-        print_identification(found)
-    return written(found.outcome, found.sentence, target, as_json=as_json, quiet=quiet)
+        print_checks(reports)
+        typer.echo(f"written: {target}")
+    return _checked(reports, target, as_json)
 
 
 def _checked(reports: "list[CheckReport]", target: Path, as_json: bool) -> int:

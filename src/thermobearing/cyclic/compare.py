@@ -16,7 +16,7 @@ def comparable_models(case: Case) -> list[Model]:
 
 
 def compare_models(case: Case) -> dict[str, Result]:
-    """Results of all models by name; the first is the multi-layer one.
+    """Results of models by name, the multi-layer one first; without those that ended early.
 
     Parameters
     ----------
@@ -44,5 +44,7 @@ def compare_models(case: Case) -> dict[str, Result]:
         analysis = case.analysis.model_copy(
             update={"model": model, "scheme": "conservative", "stack": "auto"}
         )
-        results[model] = run_case(case.model_copy(update={"analysis": analysis}))
+        result = run_case(case.model_copy(update={"analysis": analysis}))
+        if result.outcome == "completed" or not results:  # lead without losses may melt
+            results[model] = result
     return results

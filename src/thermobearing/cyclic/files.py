@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from thermobearing.border.errors import InputError
 from thermobearing.cyclic.result import Result
 from thermobearing.results.directory import (
     COMPARISON,
@@ -108,4 +109,7 @@ def load_cyclic(path: str | Path) -> Result:
     ------
     InputError : there is no readable result of a cyclic test at that path.
     """
+    dataset = read_dataset(path, ("case",))
+    if "structure" in dataset.attrs:
+        raise InputError("is the result of an earthquake study, not of a test", str(path))
     return Result(read_dataset(path, ("bearing", "case", "segments")))
