@@ -106,6 +106,7 @@ def test_unusable_target(
     done = cyclic(case, "-o", target, "--force", "--json")
     assert done.exit_code == 2
     assert words in last_line(done)["message"]
+    assert last_line(done)["outcome"] == "not_written"
     assert done.stderr == f"thermobearing: {last_line(done)['message']}\n"
     assert content(tmp_path) == before
 
