@@ -196,3 +196,14 @@ def test_equivalent_model_is_that_of_the_temperature_asked_for() -> None:
 def test_wave_of_table_3_4_depends_on_the_lead(name: str, wave: str) -> None:
     case = make_case({}, "test", bearing=name)
     assert {step.wave for step in case.test.steps if step.step == "cycles"} == {wave}
+
+
+def test_largest_mismatch_of_a_run_is_that_of_its_worst_step() -> None:
+    """Far and cold: hardening is shared on the way back, and no more at the end."""
+    sine = {"step": "cycles", "strain": 3.0, "wave": "sine", "period": 4.0, "count": 1}
+    rest = {"step": "rest", "duration": 1.0}
+    result = tb.run(HDR, tb.cyclic.CyclicTest(dt=0.05, steps=[sine, rest]), -40.0)
+    steps = result["layer_force_mismatch"].values[0]
+    worst = float(result["layer_force_mismatch_max"].values[0])
+    assert worst == steps.max() > 10.0 * steps[-1]
+    assert int(result["softened_steps"].values[0]) == int((result["sharing_weight"] > 0.0).sum())
