@@ -41,6 +41,9 @@ HALF_SHIM = 1e-2  # of the peak force, and K; 2e-5 and 6e-3 measured
 MIRROR = 1e-9  # K and mm: elimination runs from one end, so not to the bit
 SOFTENED_PEAK = 5e-4  # between dt = 10, 5 and 2.5 ms; 1.2e-4 measured
 SOFTENED_WORK = 1e-3  # the same; 3.4e-4 measured
+SOFTENED_TANGENT = 1e-3  # 90 % of softened steps; 5e-7 measured, 0.2 to 1.1 without dw/dx
+FIRST_ORDER = 0.6  # left of the rms difference by halving the step: 0.499 measured, 0.5 in theory
+MOVED = 4.0  # a sample over the change of a parameter: 0.95 measured, 1600 with jumps
 HALVED = 0.7  # what halving the step must leave of a first-order difference (0.5 in theory)
 
 # --- Energy books ------------------------------------------------------------------------
@@ -202,7 +205,6 @@ NOISE_FREE_STRENGTH = 1e-4  # 2e-5 with coarse steps of the fit; 1.3e-3 with ano
 
 # --- Single numbers ------------------------------------------------------------------------
 SIMILAR = 1e-8  # the same cycle at another size: rounding, and steps of another length
-SOFTENED_TANGENT = 1e-4  # 1e-5 measured, where the tangent is 0.3 kN/mm: rounding of the forces
 LOSS_SLOPE = 1e-6  # central difference of a smooth function, steps of 1e-5
 
 # --- Golden files --------------------------------------------------------------------------

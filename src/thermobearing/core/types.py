@@ -163,7 +163,8 @@ class Rubber(NamedTuple):
     mullins_amplitude: float  # a
     mullins_decay: float  # c
     mullins_renewal: float  # l
-    sharing_margin: float  # smallest layer tangent left alone, relative to alpha_0 e^{..} K_r
+    sharing_start: float  # layer tangent / (alpha_0 e^{..} K_r) below which w leaves zero
+    sharing_full: float  # and at which it is one
 
 
 class Lead(NamedTuple):

@@ -35,7 +35,7 @@ LeadEnds = Literal["half-space", "finite-plate"]
 
 KELVIN_COEFFICIENT_SCALE = 100.0  # Eq. 4.34 divides T - 23 by 100
 SIDE_FLUX = 0.785  # of the flux from a core into the plates around it, Eq. 5.4
-SHARING_MARGIN = 0.2  # see docs/theory.md, "When a layer softens"
+SHARING_START, SHARING_FULL = 0.2, -0.2  # see docs/theory.md, "When a layer softens"
 
 
 def build_constants(
@@ -171,5 +171,6 @@ def _rubber(bearing: Bearing, integrator: Integrator) -> Rubber:
         mullins_amplitude=virgin.mullins_amplitude if virgin else 0.0,
         mullins_decay=virgin.mullins_decay if virgin else 1.0,
         mullins_renewal=virgin.mullins_renewal if virgin else 1.0,
-        sharing_margin=SHARING_MARGIN,
+        sharing_start=SHARING_START,
+        sharing_full=SHARING_FULL,
     )

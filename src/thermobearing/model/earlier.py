@@ -209,7 +209,8 @@ def _backbone_rubber(count: float, parameters: BilinearParameters) -> Rubber:
         mullins_amplitude=0.0,
         mullins_decay=1.0,
         mullins_renewal=1.0,
-        sharing_margin=0.0,
+        sharing_start=0.0,
+        sharing_full=-1.0,
     )
 
 
