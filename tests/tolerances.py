@@ -46,6 +46,10 @@ FIRST_ORDER = 0.6  # left of the rms difference by halving the step: 0.499 measu
 MOVED = 4.0  # a sample over the change of a parameter: 0.95 measured, 1600 with jumps
 HALVED = 0.7  # what halving the step must leave of a first-order difference (0.5 in theory)
 
+# --- Cells -------------------------------------------------------------------------------
+CELLS_ESTIMATE = 0.25  # of the next finer estimate, from a quarter; 0.1 measured, two cells are few
+CELLS_ENOUGH = 0.01  # of stiffness, energy and rise of the reference test
+
 # --- Energy books ------------------------------------------------------------------------
 ENERGY_BOOKS = 1e-10  # of the work: what the specification promises; below 1e-14 measured
 CLOSED_CYCLE = 1e-9  # of the work of a cycle: Z forgets its start as exp(-path / d_y)

@@ -194,11 +194,15 @@ def check(
     file: Annotated[Path, typer.Argument(help="A bearing or a case, in TOML.")],
     as_json: AsJson = False,
 ) -> int:
-    """Validate a file without running it, and say what was understood."""
-    from thermobearing.commands.check import describe_file
+    """Validate a file without running it, and say what was understood.
+
+    Of a bearing also what its heat cells cost in accuracy, by a short test on it.
+    """
+    from thermobearing.commands.check import cells_facts, describe_file
     from thermobearing.results.screen import print_facts
 
     kind, facts = describe_file(file)
+    facts |= cells_facts(file) if kind == "bearing" else {}
     print_facts(f"{file}: a valid {kind}", facts)
     if as_json:
         echo_json({"outcome": "valid", "kind": kind, "file": str(file)})

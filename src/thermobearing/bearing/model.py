@@ -231,12 +231,23 @@ class RateDependence(Strict):
 
 
 class Cells(Strict):
-    """Heat cells through the thickness of one part each."""
+    """Heat cells through the thickness of one part each.
 
-    end_plate: Annotated[int, Field(ge=1, le=1000)]
-    rubber: Annotated[int, Field(ge=1, le=1000)]
-    shim: Annotated[int, Field(ge=1, le=1000)]
+    The source has two in a rubber layer and one in a shim; with so few the middle of a layer is
+    too cold (docs/theory.md). The defaults are for every other bearing; even numbers, so that a
+    half stack ends between two cells.
+    """
+
+    end_plate: Annotated[int, Field(ge=1, le=1000)] = 10
+    rubber: Annotated[int, Field(ge=1, le=1000)] = 6
+    shim: Annotated[int, Field(ge=1, le=1000)] = 2
     sealing_plate: Annotated[int, Field(ge=1, le=1000)] = 10
+
+    def enough(self) -> "Cells":
+        """The same with no part coarser than the defaults."""
+        least = Cells()
+        names = type(self).model_fields
+        return Cells(**{name: max(getattr(self, name), getattr(least, name)) for name in names})
 
 
 class Bearing(Strict):
@@ -260,7 +271,7 @@ class Bearing(Strict):
     scragging: Scragging | None = None
     lead: LeadCores | None = None
     rate: RateDependence | None = None
-    cells: Cells
+    cells: Cells = Cells()
     _sources: dict[str, str] = PrivateAttr(default_factory=dict)
 
     @model_validator(mode="after")
