@@ -48,6 +48,7 @@ HALVED = 0.7  # what halving the step must leave of a first-order difference (0.
 
 # --- Cells -------------------------------------------------------------------------------
 CELLS_ESTIMATE = 0.25  # of the next finer estimate, from a quarter; 0.1 measured, two cells are few
+TABLE_SLOPE = 1e-3  # 1/K: change of slope over 0.05 K; 1e-4 measured, 2e-2 with straight pieces
 CELLS_ENOUGH = 0.01  # of stiffness, energy and rise of the reference test
 
 # --- Energy books ------------------------------------------------------------------------

@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, PrivateAttr, field_validator, model_validator
 
+from thermobearing.bearing.temperature import TemperatureLaw
 from thermobearing.border.schema import Strict, in_unit
 from thermobearing.border.units import CUBIC_MM_PER_CUBIC_M, NEWTON_PER_KILONEWTON
 
@@ -256,7 +257,8 @@ class Bearing(Strict):
     Attributes
     ----------
     name, kind, description, citation : what it is and where its numbers come from.
-    geometry, materials, hysteresis, scragging, lead, rate, cells : see those classes;
+    geometry, materials, hysteresis, temperature_law, scragging, lead, rate, cells : see those
+        classes; `temperature_law` is None where nothing but m_T and n_T is stated,
         `scragging` is None for rubber that has worked already, `lead` without lead cores,
         `rate` without rate dependence.
     """
@@ -268,6 +270,7 @@ class Bearing(Strict):
     geometry: Geometry
     materials: Materials
     hysteresis: RubberHysteresis
+    temperature_law: TemperatureLaw | None = None
     scragging: Scragging | None = None
     lead: LeadCores | None = None
     rate: RateDependence | None = None

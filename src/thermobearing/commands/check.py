@@ -119,5 +119,16 @@ def bearing_facts(bearing: Bearing) -> dict[str, str]:
         "plan": f"{g.plan.shape}, {bearing.area:g} mm2",
         "rubber": f"{g.rubber_layers} x {g.rubber_thickness:g} = {g.total_rubber_thickness:g} mm",
         "shape factors": f"S1 = {g.first_shape_factor:.3g}, S2 = {g.second_shape_factor:.3g}",
+        "temperatures": _range(bearing),
         "cells": f"{len(half.part)} in the half stack, {len(full.part)} in the full one",
     }
+
+
+def _range(bearing: Bearing) -> str:
+    """Where the temperature law is known."""
+    law = bearing.temperature_law
+    if law is None or law.range is None:
+        return "the range of the temperature law is not stated (temperature_law)"
+    low, high = law.range
+    table = f", a table of {len(law.temperatures)} times m_T and n_T" if law.temperatures else ""
+    return f"law identified at {low:g} to {high:g} degC{table}"

@@ -24,6 +24,7 @@ from thermobearing.core.types import (
     SOFTENED,
     TEMPERATURE_RUNAWAY,
     Constants,
+    LawPiece,
     Layer,
     LayerCells,
     LayerWork,
@@ -56,16 +57,37 @@ def runs_away(layer_cells: Rows[LayerCells], temperature: Floats) -> bool:
 
 
 @compiled
+def tabled(law: Rows[LawPiece], temperature: float) -> tuple[float, float]:
+    """Logarithms of the factors of the temperature table on the two stiffness terms."""
+    k = 0
+    while k + 1 < len(law) and temperature >= law[k + 1].lowest:
+        k += 1
+    p = law[k]
+    t = temperature - p.origin
+    elastic = p.elastic_0 + t * (p.elastic_1 + t * (p.elastic_2 + t * p.elastic_3))
+    hysteretic = p.hysteretic_0 + t * (p.hysteretic_1 + t * (p.hysteretic_2 + t * p.hysteretic_3))
+    return elastic, hysteretic
+
+
+@compiled
 def set_stiffness(
-    rubber: Rubber, layer_cells: Rows[LayerCells], temperature: Floats, work: LayerWork
+    rubber: Rubber,
+    law: Rows[LawPiece],
+    layer_cells: Rows[LayerCells],
+    temperature: Floats,
+    work: LayerWork,
 ) -> None:
     """The two stiffness terms of Eq. 4.34 at each layer's temperature."""
     for j in range(len(work.trial)):
-        warmer = layer_temperature(layer_cells, temperature, j) - rubber.reference_temperature
-        work.elastic[j] = rubber.elastic_stiffness * math.exp(rubber.elastic_exponent * warmer)
-        work.hysteretic[j] = rubber.hysteretic_stiffness * math.exp(
-            rubber.hysteretic_exponent * warmer
-        )
+        t = layer_temperature(layer_cells, temperature, j)
+        elastic = rubber.elastic_exponent * (t - rubber.reference_temperature)
+        hysteretic = rubber.hysteretic_exponent * (t - rubber.reference_temperature)
+        if len(law) > 0:
+            more = tabled(law, t)
+            elastic += more[0]
+            hysteretic += more[1]
+        work.elastic[j] = rubber.elastic_stiffness * math.exp(elastic)
+        work.hysteretic[j] = rubber.hysteretic_stiffness * math.exp(hysteretic)
 
 
 @compiled
@@ -236,7 +258,7 @@ def step(
     """
     rubber = constants.rubber
     old, books = state.books[0], new.books[0]
-    set_stiffness(rubber, constants.layer_cells, state.temperature, work.layers)
+    set_stiffness(rubber, constants.law, constants.layer_cells, state.temperature, work.layers)
     if rubber.virgin:
         stiffen(rubber, state.layers, work.layers)
     rubber_force, tangent, mismatch, w, outcome = share(

@@ -69,6 +69,21 @@ class Mode:
     relaxation: float  # tau [s]
 
 
+class LawPiece:
+    """A piece of the temperature table: cubics in T - origin for the logarithms of two factors."""
+
+    lowest: float  # where the piece begins [degC]
+    origin: float  # [degC]
+    elastic_0: float  # on alpha_0 K_r, by power of T - origin
+    elastic_1: float
+    elastic_2: float
+    elastic_3: float
+    hysteretic_0: float  # on (1 - alpha_0) K_r
+    hysteretic_1: float
+    hysteretic_2: float
+    hysteretic_3: float
+
+
 class Layer:
     """What a rubber layer remembers."""
 
@@ -197,6 +212,7 @@ class Constants(NamedTuple):
     rubber: Rubber
     lead: Lead
     viscous: Viscous
+    law: Rows[LawPiece]  # table of the temperature law, beside the exponents; empty for none
     multiplicity: Floats  # [L] layers of the bearing that each modelled layer stands for
     layer_cells: Rows[LayerCells]  # [L]
     cells: Cells

@@ -69,6 +69,12 @@ class EarthquakeResult:
         return str(from_attribute(self.dataset, "sentences").get(self.outcome, ""))
 
     @property
+    def warnings(self) -> list[str]:
+        """What a user should know about the study, in sentences."""
+        told = "warnings" in self.dataset.attrs  # results of 0.1 have none
+        return list(from_attribute(self.dataset, "warnings")) if told else []
+
+    @property
     def table(self) -> pd.DataFrame:
         """One row per run: bearing, motion, ambient temperature, peaks, outcome.
 
@@ -170,6 +176,7 @@ class EarthquakeResult:
             "scheme": attrs["scheme"],
             "version": attrs["version"],
             "outcome": self.outcome,
+            "warnings": self.warnings,
             "periods_s": _numbers(attrs.get("periods_s", [])),
             "damping_ratios": _numbers(attrs.get("damping_ratios", [])),
             "initial_periods_s": {

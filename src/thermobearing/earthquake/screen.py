@@ -20,6 +20,8 @@ def print_study(result: EarthquakeResult) -> None:
     periods = ", ".join(f"{float(value):.3f}" for value in attrs.get("periods_s", []))
     ratios = ", ".join(f"{float(value):.1%}" for value in attrs.get("damping_ratios", []))
     console.print(f"periods {periods} s with equivalent stiffness; damping ratios {ratios}")
+    for warning in result.warnings:
+        console.print(f"[yellow]warning: {escape(warning)}[/yellow]")
     table = result.table
     for name in dict.fromkeys(table["bearing"]):
         console.print(_table(name, table[table["bearing"] == name]))

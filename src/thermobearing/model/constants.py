@@ -28,6 +28,7 @@ from thermobearing.model.stack import (
     conservative_rates,
     published_rates,
 )
+from thermobearing.model.temperature import law_pieces
 
 Integrator = Literal["exact", "euler"]
 HeatSource = Literal["work", "dissipation"]
@@ -66,6 +67,7 @@ def build_constants(
         rubber=_rubber(bearing, integrator),
         lead=lead,
         viscous=_viscous(bearing, heats=scheme != "published"),
+        law=law_pieces(bearing.temperature_law),
         multiplicity=stack.multiplicity,
         layer_cells=filled(
             LayerCells,
