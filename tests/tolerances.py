@@ -44,6 +44,7 @@ SOFTENED_WORK = 1e-3  # the same; 3.4e-4 measured
 SOFTENED_TANGENT = 1e-3  # 90 % of softened steps; 5e-7 measured, 0.2 to 1.1 without dw/dx
 FIRST_ORDER = 0.6  # left of the rms difference by halving the step: 0.499 measured, 0.5 in theory
 MOVED = 4.0  # a sample over the change of a parameter: 0.95 measured, 1600 with jumps
+CHORD = 1e-4  # of the least slope, from forces of two steps; 3e-5 measured
 HALVED = 0.7  # what halving the step must leave of a first-order difference (0.5 in theory)
 
 # --- Cells -------------------------------------------------------------------------------

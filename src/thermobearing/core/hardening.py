@@ -3,8 +3,13 @@
     f = ke d + (1 + B s^2) kh Z,   s = (1 - w) d + w x/N,   B = b/t_r^2
 
 w = 0 is the print. Where a strained layer unloads, d and Z have opposite signs, and the hardening
-makes the layer tangent small or negative; there w goes to 1 (sharing.py says why).
+makes the layer tangent small or negative; there w goes to 1 (sharing.py says why). With
+`monotone` the law itself is changed there, and there only: B s^2 goes on as a straight line from
+the strain where its slope could take more than 1 - `sharing_start` of ke. Every tangent is then
+at least `sharing_start` ke, and w stays 0.
 """
+
+import math
 
 from thermobearing.core.compile import compiled
 from thermobearing.core.hysteresis import euler_increment, exact_increment
@@ -13,13 +18,25 @@ from thermobearing.core.types import EULER, Layer, LayerWork, Rubber
 
 
 @compiled
+def strain_factor(rubber: Rubber, ke: float, kh: float, s: float, z: float) -> tuple[float, float]:
+    """B s^2 and its derivative by s, or what stands for them where s and Z differ in sign."""
+    b = rubber.hardening
+    if rubber.monotone and s * z < 0.0:
+        steepest = (1.0 - rubber.sharing_start) * ke / (kh * rubber.yield_displacement)
+        if 2.0 * b * abs(s) > steepest:
+            return steepest * (abs(s) - 0.25 * steepest / b), math.copysign(steepest, s)
+    return b * s * s, 2.0 * b * s
+
+
+@compiled
 def force_and_tangent(
     rubber: Rubber, ke: float, kh: float, d: float, z: float, slope: float, mean: float, w: float
 ) -> tuple[float, float]:
     """Layer force [kN] and tangent [kN/mm] from d, Z and dZ/dd (Eq. 4.34, hardening at s)."""
     s = (1.0 - w) * d + w * mean
-    hardening = 1.0 + rubber.hardening * s * s
-    by_strain = 2.0 * rubber.hardening * s * (1.0 - w) * z
+    more, by_s = strain_factor(rubber, ke, kh, s, z)
+    hardening = 1.0 + more
+    by_strain = by_s * (1.0 - w) * z
     return ke * d + hardening * kh * z, ke + kh * (hardening * slope + by_strain)
 
 
@@ -56,6 +73,8 @@ def margin(rubber: Rubber, ke: float, kh: float, layer: Layer, step: float) -> t
 def weight(rubber: Rubber, old: Rows[Layer], work: LayerWork, step: float) -> tuple[float, float]:
     """w, and its derivative by the increment `step` of all layers [1/mm]."""
     smallest, rate = 1.0, 0.0
+    if rubber.monotone:
+        return 0.0, 0.0
     for j in range(len(old)):
         value, by = margin(rubber, work.elastic[j], work.hysteretic[j], old[j], step)
         if value < smallest:

@@ -11,6 +11,7 @@ equal-force sharing of x, heat of the layers (Eq. 4.22), conduction, and the ene
 import math
 
 from thermobearing.core.compile import compiled
+from thermobearing.core.hardening import strain_factor
 from thermobearing.core.heat import balance, factor, right_side, solve
 from thermobearing.core.lead import core_force, lead_step
 from thermobearing.core.lead_ends import factor_modes
@@ -96,7 +97,8 @@ def recoverable_energy(
 ) -> float:
     """Energy one layer would give back: 1/2 ke d^2 + 1/2 (1 + B s^2) kh Z^2 [kN mm]."""
     s = (1.0 - w) * d + w * mean
-    return 0.5 * (ke * d * d + (1.0 + rubber.hardening * s * s) * kh * z * z)
+    hardening, _ = strain_factor(rubber, ke, kh, s, z)
+    return 0.5 * (ke * d * d + (1.0 + hardening) * kh * z * z)
 
 
 @compiled

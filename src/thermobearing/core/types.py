@@ -169,6 +169,7 @@ class Rubber(NamedTuple):
     hysteretic_exponent: float  # n_T / 100 [1/K]
     reference_temperature: float  # 23 degC in Eq. 4.34
     hardening: float  # b / t_r^2 [1/mm2]
+    monotone: bool  # whether unloading is monotone (core/hardening.py)
     yield_displacement: float  # d_y [mm]
     unloading_curvature: float  # beta - gamma = (1 - s) / ((1 + s) d_y^2) [1/mm2]
     integrator: int  # EXACT or EULER

@@ -108,10 +108,7 @@ def label(
             {"kind": s.kind, "label": s.label, "amplitude_strain": s.amplitude_strain}
             for s in segments
         ],
-        "warnings": [
-            *warnings_of(case, segments, climates),
-            *extrapolated(case, climates, histories),
-        ],
+        "warnings": warnings_of(case, segments, climates) + extrapolated(case, climates, histories),
         "sentences": SENTENCES | SHARING_SENTENCES,
     }
     return Result(

@@ -12,7 +12,7 @@ from thermobearing.border.errors import InputError, nearest
 from thermobearing.earthquake.case import Command, Laboratory, Motion, make_earthquake_case
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.earthquake.run import Progress, run_earthquake
-from thermobearing.model.constants import HeatSource, Integrator, LeadEnds
+from thermobearing.model.constants import Hardening, HeatSource, Integrator, LeadEnds
 from thermobearing.model.earlier import Model
 from thermobearing.model.options import EndFace, Stacked
 from thermobearing.model.stack import Scheme
@@ -36,6 +36,7 @@ def bridge(
     mass: MassModel | None = None,
     scheme: Scheme | None = None,
     integrator: Integrator | None = None,
+    hardening: Hardening | None = None,
     heat_source: HeatSource | None = None,
     lead_ends: LeadEnds | None = None,
     upper_face: EndFace | None = None,
@@ -66,6 +67,7 @@ def bridge(
     mass : "consistent" (default) or "published".
     scheme : "conservative" (default) or "published" heat scheme.
     integrator : "exact" (default) or "euler" integration of Z.
+    hardening : "printed" (default, Eq. 4.34), or "monotone": unloading that never goes up.
     heat_source : "work" (Eq. 4.22) or "dissipation"; by default dissipation for natural rubber
         (LRB), which gives its elastic work back, and work for the others.
     lead_ends : "half-space" (default, Eq. 5.5) or "finite-plate", for confined lead cores.
@@ -109,6 +111,7 @@ def bridge(
         mass=mass,
         scheme=scheme,
         integrator=integrator,
+        hardening=hardening,
         heat_source=heat_source,
         lead_ends=lead_ends,
         upper_face=upper_face,
@@ -133,6 +136,7 @@ def hybrid(
     mass: MassModel | None = None,
     scheme: Scheme | None = None,
     integrator: Integrator | None = None,
+    hardening: Hardening | None = None,
     heat_source: HeatSource | None = None,
     lead_ends: LeadEnds | None = None,
     upper_face: EndFace | None = None,
@@ -159,7 +163,7 @@ def hybrid(
         of the actuator, `force_noise` (standard deviation of the measured force) and its
         `seed`; numbers as text with their unit.
     weather, duration, dt, mass, scheme, integrator : as of `bridge`.
-    heat_source, lead_ends, upper_face, lower_face, stack, model : as of `bridge`.
+    hardening, heat_source, lead_ends, upper_face, lower_face, stack, model : as of `bridge`.
     keep_every, executor, progress, misspelt : as of `bridge`.
 
     Returns
@@ -193,6 +197,7 @@ def hybrid(
         mass=mass,
         scheme=scheme,
         integrator=integrator,
+        hardening=hardening,
         heat_source=heat_source,
         lead_ends=lead_ends,
         upper_face=upper_face,

@@ -31,6 +31,7 @@ from thermobearing.model.stack import (
 from thermobearing.model.temperature import law_pieces
 
 Integrator = Literal["exact", "euler"]
+Hardening = Literal["printed", "monotone"]
 HeatSource = Literal["work", "dissipation"]
 LeadEnds = Literal["half-space", "finite-plate"]
 
@@ -49,6 +50,7 @@ def build_constants(
     integrator: Integrator = "exact",
     heat_source: HeatSource = "work",
     lead_ends: LeadEnds = "half-space",
+    hardening: Hardening = "printed",
 ) -> Constants:
     """The numbers one coupled step needs, from a bearing and its stack.
 
@@ -64,7 +66,7 @@ def build_constants(
         modes = end_modes(bearing, 0.5 * float(stack.beside_lead.sum()))
     upper_middle, lower_middle = stack.middles()
     return Constants(
-        rubber=_rubber(bearing, integrator),
+        rubber=_rubber(bearing, integrator, monotone=hardening == "monotone"),
         lead=lead,
         viscous=_viscous(bearing, heats=scheme != "published"),
         law=law_pieces(bearing.temperature_law),
@@ -106,7 +108,7 @@ def with_parameters(constants: Constants, bearing: Bearing, stack: Stack) -> Con
     integrator: Integrator = "euler" if constants.rubber.integrator == EULER else "exact"
     lead, _, _ = _lead(bearing, stack, published=constants.lead.published)
     return constants._replace(
-        rubber=_rubber(bearing, integrator),
+        rubber=_rubber(bearing, integrator, monotone=constants.rubber.monotone),
         lead=lead,
         viscous=_viscous(bearing, heats=constants.viscous.heats),
     )
@@ -152,7 +154,7 @@ def _viscous(bearing: Bearing, *, heats: bool) -> Viscous:
     return Viscous(bearing.rate.stiffness, bearing.rate.damping / bearing.rate.stiffness, heats)
 
 
-def _rubber(bearing: Bearing, integrator: Integrator) -> Rubber:
+def _rubber(bearing: Bearing, integrator: Integrator, *, monotone: bool) -> Rubber:
     """Numbers of one rubber layer (Eq. 4.34-4.37)."""
     h, virgin = bearing.hysteresis, bearing.scragging
     return Rubber(
@@ -163,6 +165,7 @@ def _rubber(bearing: Bearing, integrator: Integrator) -> Rubber:
         hysteretic_exponent=h.hysteretic_temperature_coefficient / KELVIN_COEFFICIENT_SCALE,
         reference_temperature=h.reference_temperature,
         hardening=h.hardening / bearing.geometry.rubber_thickness**2,
+        monotone=monotone,
         yield_displacement=h.yield_displacement,
         unloading_curvature=(1.0 - h.shape) / ((1.0 + h.shape) * h.yield_displacement**2),
         integrator=EULER if integrator == "euler" else EXACT,

@@ -205,6 +205,7 @@ def _backbone_rubber(count: float, parameters: BilinearParameters) -> Rubber:
         hysteretic_exponent=0.0,
         reference_temperature=0.0,
         hardening=0.0,
+        monotone=False,
         yield_displacement=1.0,
         unloading_curvature=0.0,
         integrator=EXACT,
