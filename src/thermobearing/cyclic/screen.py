@@ -63,6 +63,9 @@ def print_comparison(results: dict[str, Result]) -> None:
     for row in rows[names].itertuples(index=False):
         table.add_row(*(v if isinstance(v, str) else f"{v:.3g}" for v in row))
     Console().print(table)
+    for row in rows[rows["outcome"] != "completed"].to_dict("records"):
+        about = f"{row['model']} at {row['ambient_degC']:g} degC ended early: {row['outcome']}"
+        Console().print(f"[yellow]{about}; its errors are those until then[/yellow]")
 
 
 def _layer_title(name: str) -> str:
