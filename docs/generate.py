@@ -88,6 +88,19 @@ empirical number is `lead.end_spreading`: 0.8 with sealing plates (chosen on the
 in the others), 1 without. The formula stays the default, because it is the source's; take the
 finite plate whenever the temperature of confined lead matters, as it does when its strength
 depends on it. For unconfined cores there is no better closure here yet."""
+FACTORS_TEXT = """## Temperature factors beside published ones
+
+The rows "over 20 degC" and "published" above. The natural rubber bearing (`lrb-example`) stays below
+what codes give for low damping rubber, everywhere: their tables count hours of cold, in which
+rubber goes on stiffening and crystallises, and this model does not. The high damping rubbers go
+beyond the tables, K_d of the LHDR bearing at -30 degC beyond every one of them. Three things make
+that. The dissertation's compounds do change that much: m_T of its LHDR rubber alone is a factor of
+exp(0.5 x 1.92) from 20 to -30 degC. Its laws were identified from -20 to 23 degC; beyond they are
+extrapolated, while the maker's measured table grows less in the cold and flattens in the
+warm, and no test says how these compounds do. And K_d is taken from 50 to 90 % of the peak, where
+these bearings harden: the hardening is hysteretic and carries n_T, which is larger still. The
+third cycle lies below the first by its own heat. Take factors of a compound from tests of
+that compound at the temperatures that matter."""
 BENCH_IN_README = (
     "coupled_step",
     "whole_test",
@@ -163,6 +176,7 @@ def verification_text(measured: list[dict[str, str]], bench: dict[str, Any]) -> 
                 "(each asserts its limit), the second what `make bench` measured.",
                 table(["what", "measured", "limit", "test"], test_rows(measured)),
                 FE_TEXT,
+                FACTORS_TEXT,
                 LEAD_TEXT,
                 PIER_TEXT,
                 SOURCE_TEXT,

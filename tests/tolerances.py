@@ -151,6 +151,7 @@ TABLE_H_B = 5e-5  # printed with four digits
 BACKBONE = 2e-3  # of peak and area: corners of the loop fall between 4000 points
 DESIGN_START = 0.02  # between starts of 50 to 400 mm, as asked; 0.5 % measured
 EQUAL_STIFFNESS = 0.01  # plans in steps of 5 mm
+HEATED_FACTOR = 1.03  # factors of the third cycle over those of the first; K_d of the LRB 1.02
 HEATED_PEAK = 0.1  # softer in the third cycle of a layered bearing, by its own heat; 7 % measured
 
 STEEL01 = 1e-9  # of the yield force: OpenSees' bilinear material is ours
