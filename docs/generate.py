@@ -90,8 +90,8 @@ finite plate whenever the temperature of confined lead matters, as it does when 
 depends on it. For unconfined cores there is no better closure here yet."""
 FACTORS_TEXT = """## Temperature factors beside published ones
 
-The rows "over 20 degC" and "published" above. The natural rubber bearing (`lrb-example`) stays below
-what codes give for low damping rubber, everywhere: their tables count hours of cold, in which
+The rows "over 20 degC" and "published" above. The natural rubber bearing (`lrb-example`) stays
+below what codes give for low damping rubber, everywhere: their tables count hours of cold, in which
 rubber goes on stiffening and crystallises, and this model does not. The high damping rubbers go
 beyond the tables, K_d of the LHDR bearing at -30 degC beyond every one of them. Three things make
 that. The dissertation's compounds do change that much: m_T of its LHDR rubber alone is a factor of

@@ -187,7 +187,7 @@ def test_specimen_temperatures_do_not_carry_over(measured: Recorder) -> None:
 
 @pytest.mark.parametrize("name", ["shen-hdr-bridge", "shen-lhdr-bridge", "lrb-example"])
 def test_beside_published_factors(name: str, measured: Recorder) -> None:
-    """Colder is stiffer, heated less so; what codes say is told beside it (docs: why they differ)."""
+    """Colder is stiffer, heated less so; docs/verification.md says why codes differ."""
     air = [-30.0, -10.0, 0.0, 40.0]
     table = temperature_factors(
         name, reference_temperature=20.0, temperatures=air, strains=[1.0], cycles="3"
