@@ -190,7 +190,7 @@ def test_symmetric_input_symmetric_output() -> None:
         (one.hinge()["moment"], other.hinge()["moment"]),
     ):
         assert_allclose(back, -there, atol=1e-12 * np.abs(there).max())
-    assert_allclose(other.rows.layers[0], one.rows.layers[0], rtol=tol.LOOP)
+    assert_allclose(other.layers(), one.layers(), rtol=tol.LOOP)
 
 
 def test_similitude_of_the_specimen() -> None:
@@ -224,7 +224,7 @@ def test_pseudo_dynamic_specimen_has_its_own_clock() -> None:
     assert bearing[-1].clock > 2.0 * slow.rows.books[-1].clock
     _, fast = shaken("hybrid-pier", constants, ground, DT, method="predictor-corrector")
     assert_allclose(fast.bearing()["clock"], fast.rows.books["clock"], atol=1e-9)
-    warm = [float(h.rows.layers[0][:, 0].max()) for h in (slow, fast)]
+    warm = [float(h.layers()[:, 0].max()) for h in (slow, fast)]
     assert warm[0] < warm[1]  # more time to cool
 
 
