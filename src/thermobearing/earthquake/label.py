@@ -196,6 +196,7 @@ def _attributes(
         "title": case.structure.description or case.structure.name,
         "mass": case.analysis.mass,
         "method": case.analysis.method,
+        "damping": case.analysis.damping or case.structure.damping.kind,
         "scheme": case.analysis.scheme,
         "mode": case.laboratory.mode if case.laboratory else "",
         "version": thermobearing.__version__,

@@ -11,6 +11,7 @@ from thermobearing.core.types import Books, Constants, State
 from thermobearing.model.outcomes import NAMES, NOT_PHYSICAL
 from thermobearing.model.physical import is_physical
 from thermobearing.structure.books import keep_motion
+from thermobearing.structure.damping import build_damping, ratios_of
 from thermobearing.structure.lines import Bearings, build_bearings
 from thermobearing.structure.matrices import (
     Matrices,
@@ -19,9 +20,8 @@ from thermobearing.structure.matrices import (
     find_modes,
     hinge_stiffness,
     line_stiffness,
-    rayleigh,
 )
-from thermobearing.structure.model import MassModel, Structure
+from thermobearing.structure.model import Damping, DampingKind, MassModel, Structure
 from thermobearing.structure.newmark import newmark_march, start_motion
 from thermobearing.structure.predictor import predictor_march
 from thermobearing.structure.takeda import straight_hinges
@@ -122,14 +122,27 @@ class Prepared:
     predictor: Floats = field(repr=False)  # [n, n] stiffness of the predictor
 
 
-def prepare_structure(structure: Structure, mass_model: MassModel = "consistent") -> Prepared:
-    """Matrices, modes and damping of a structure."""
+def prepare_structure(
+    structure: Structure,
+    mass_model: MassModel = "consistent",
+    damping: DampingKind | None = None,
+) -> Prepared:
+    """Matrices, modes and damping of a structure.
+
+    Parameters
+    ----------
+    structure : from `load_structure`.
+    mass_model : see `build_matrices`.
+    damping : another kind than the structure's, with the defaults of that kind.
+    """
+    if damping is not None and damping != structure.damping.kind:
+        structure = structure.model_copy(update={"damping": Damping(kind=damping)})
     matrices = build_matrices(structure, mass_model)
     stiffness = matrices.springs + hinge_stiffness(structure, matrices)
     stiffness = stiffness + line_stiffness(structure, matrices)
     modes = find_modes(matrices.mass, stiffness, structure.name)
-    damping, ratios = rayleigh(structure, matrices, modes)
-    return Prepared(structure, matrices, modes, damping, ratios, stiffness)
+    matrix = build_damping(structure, matrices, modes)
+    return Prepared(structure, matrices, modes, matrix, ratios_of(matrix, modes), stiffness)
 
 
 def build_system(prepared: Prepared, lines: Sequence[Line]) -> System:
