@@ -33,7 +33,7 @@ COLUMNS = {  # of the table: name in the dataset, factor
     "pier_top_displacement_max_mm": ("pier_top_displacement_max", 1.0),
     "pier_displacement_residual_mm": ("pier_displacement_residual", 1.0),
 }
-# Of the input. In the default study, bearings of runs below it move 13 to 18 % farther without
+# Of the input. In the default study, bearings of runs below it move 13 to 19 % farther without
 # viscous damping, those of runs above it 12 to 200 %: there the assumed ratios count as much as
 # the bearing.
 LARGEST_DAMPING_SHARE = 0.25
