@@ -20,6 +20,7 @@ from thermobearing.model.options import ModelOptions
 from thermobearing.motions.library import list_motions, load_motion
 from thermobearing.motions.record import GroundMotion
 from thermobearing.structure.model import (
+    DampingKind,
     MassModel,
     Structure,
     list_structures,
@@ -76,11 +77,12 @@ class Laboratory(Strict):
 
 
 class Stepping(Strict):
-    """How the structure is led through time."""
+    """How the structure is led through time; `damping` as the structure says, unless given."""
 
     dt: Annotated[float, in_unit("s"), Field(ge=1e-6, le=0.1)] = 0.005
     method: Method = "average-acceleration"
     mass: MassModel = "consistent"
+    damping: DampingKind | None = None
 
 
 class EarthquakeAnalysis(ModelOptions, Stepping):

@@ -16,7 +16,7 @@ from thermobearing.model.constants import HeatSource, Integrator, LeadEnds
 from thermobearing.model.earlier import Model
 from thermobearing.model.options import EndFace, Stacked
 from thermobearing.model.stack import Scheme
-from thermobearing.structure.model import MassModel, Structure
+from thermobearing.structure.model import DampingKind, MassModel, Structure
 from thermobearing.structure.run import Method
 
 T = TypeVar("T")
@@ -34,6 +34,7 @@ def bridge(
     dt: float | None = None,
     method: Method | None = None,
     mass: MassModel | None = None,
+    damping: DampingKind | None = None,
     scheme: Scheme | None = None,
     integrator: Integrator | None = None,
     heat_source: HeatSource | None = None,
@@ -64,6 +65,8 @@ def bridge(
     dt : largest time step [s], in [1e-6, 0.1]; 0.005 by default.
     method : "average-acceleration" (default), "linear-acceleration" or "predictor-corrector".
     mass : "consistent" (default) or "published".
+    damping : "modal", "rayleigh", "element", "none" or "source"; by default what the structure
+        says (pier-p1 and your own: modal; hybrid-pier: source).
     scheme : "conservative" (default) or "published" heat scheme.
     integrator : "exact" (default) or "euler" integration of Z.
     heat_source : "work" (Eq. 4.22) or "dissipation"; by default dissipation for natural rubber
@@ -107,6 +110,7 @@ def bridge(
         dt=dt,
         method=method,
         mass=mass,
+        damping=damping,
         scheme=scheme,
         integrator=integrator,
         heat_source=heat_source,
@@ -131,6 +135,7 @@ def hybrid(
     dt: float | None = None,
     method: Method | None = None,
     mass: MassModel | None = None,
+    damping: DampingKind | None = None,
     scheme: Scheme | None = None,
     integrator: Integrator | None = None,
     heat_source: HeatSource | None = None,
@@ -158,7 +163,7 @@ def hybrid(
         at `speed`, "10 mm/s" by default, and the specimen lives on that slower clock), `delay`
         of the actuator, `force_noise` (standard deviation of the measured force) and its
         `seed`; numbers as text with their unit.
-    weather, duration, dt, mass, scheme, integrator : as of `bridge`.
+    weather, duration, dt, mass, damping, scheme, integrator : as of `bridge`.
     heat_source, lead_ends, upper_face, lower_face, stack, model : as of `bridge`.
     keep_every, executor, progress, misspelt : as of `bridge`.
 
@@ -191,6 +196,7 @@ def hybrid(
         dt=dt,
         method=method,
         mass=mass,
+        damping=damping,
         scheme=scheme,
         integrator=integrator,
         heat_source=heat_source,
