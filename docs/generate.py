@@ -32,7 +32,7 @@ IN_README = (
     "pier-p1, bilinear bearings, force against OpenSees: peak, whole history",
     "energy books of pier P1, shen-lhdr-bridge, average-acceleration, of the input",
     "first period of pier-p1, published mass",
-    "lead, bridge, 175 %, 200 mm/s: largest error, half-space and finite plate",
+    "lead confined, bridge, 175 %: largest error, half-space and finite plates",
     "NRMSE of the real HDR test, with scragging",
     "energy errors of its cycles, with scragging",
     "K_B of G8 at 178 mm, 600 x 600 mm, 112 mm",
@@ -89,8 +89,8 @@ thin and thick layers, slender and stout cores, one and four, natural rubber and
 35 K. The finite elements get the rubber's own heat too: it moves the lead by the layers' temperature beside
 it, which the cells have. Two numbers are empirical: `lead.end_spreading` of confined cores (0.8 with sealing plates,
 chosen on the first case, kept in the others, 1 without), and 0.3 for what end plate and sealing plate feel of
-each other's heat where the core touches both. In that last case a stout core is held too cold (3.5 of
-137 K for 180 mm and 20 mm of sealing plate, the strength 2 % too high).
+each other's heat where the core touches both. In that last case a stout core is held too cold (3.9 of
+138 K for 180 mm and 20 mm of sealing plate, an exponential strength 3 % too high).
 
 What the change of the default did, at -20 degC, 175 %, 0.5 Hz, eleven cycles, ten minutes, eleven cycles, and
 in jra-ii-i-1 (`python -m benchmarks.lead_defaults`; energy of single cycles):
