@@ -15,7 +15,7 @@ import math
 from thermobearing.core.compile import compiled
 from thermobearing.core.heat import balance, factor, right_side, solve
 from thermobearing.core.lead import core_force, lead_step
-from thermobearing.core.lead_ends import factor_modes
+from thermobearing.core.lead_ends import factor_ports
 from thermobearing.core.records import Floats, Rows
 from thermobearing.core.scragging import stiffen, wear
 from thermobearing.core.sharing import share
@@ -35,9 +35,6 @@ from thermobearing.core.types import (
 )
 from thermobearing.core.viscous import maxwell
 
-ABSOLUTE_ZERO, HOTTEST = -273.15, 400.0  # [degC]; rubber decomposes
-LEAD_MELTS = 327.5  # [degC]
-
 
 @compiled
 def layer_temperature(layer_cells: Rows[LayerCells], temperature: Floats, j: int) -> float:
@@ -48,11 +45,14 @@ def layer_temperature(layer_cells: Rows[LayerCells], temperature: Floats, j: int
 
 
 @compiled
-def runs_away(layer_cells: Rows[LayerCells], temperature: Floats) -> bool:
-    """Whether a rubber layer is colder than possible or hotter than rubber can be."""
-    for j in range(len(layer_cells)):
-        t = layer_temperature(layer_cells, temperature, j)
-        if t < ABSOLUTE_ZERO or t > HOTTEST:
+def runs_away(constants: Constants, state: State) -> bool:
+    """Whether a rubber layer is colder than possible or decomposes, or the lead melts."""
+    limits = constants.limits
+    if state.branches[0].lead_temperature > limits.lead:
+        return True
+    for j in range(len(constants.layer_cells)):
+        t = layer_temperature(constants.layer_cells, state.temperature, j)
+        if t < limits.coldest or t > limits.rubber:
             return True
     return False
 
@@ -175,7 +175,7 @@ def heat_step(
     dx = x - old.displacement
     if work.factored_dt[0] != dt:
         factor(cells, constants.side_implicit, dt, work.cells)
-        factor_modes(constants.lead_modes, dt, work.lead_modes)
+        factor_ports(constants, work, dt)
         work.factored_dt[0] = dt
     right_side(cells, state.temperature, dt, ambient, work.cells)
     released, recoverable = add_layer_heat(
@@ -263,8 +263,7 @@ def settle(
     heat_step(constants, work, state, x, dt, ambient, new)
     if not math.isfinite(books.heat_lost_sides + books.heat_released):
         return NOT_FINITE
-    melts = new.branches[0].lead_temperature > LEAD_MELTS
-    if melts or runs_away(constants.layer_cells, new.temperature):
+    if runs_away(constants, new):
         return TEMPERATURE_RUNAWAY
     return COMPLETED
 
