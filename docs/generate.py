@@ -14,6 +14,8 @@ from typing import Any
 
 DOCS = Path(__file__).parent
 README = DOCS.parent / "README.md"
+TEXTS = DOCS / "texts"  # written by hand, between the tables of verification.md
+SECTIONS = ("one_dimension", "factors", "lead", "structures", "source")
 MEASURED, BENCH = DOCS / "measured.json", DOCS / "bench.json"
 
 # Rows of the README, by the names that tests and benches give their numbers.
@@ -39,126 +41,6 @@ IN_README = (
     "design loop from 50, 100, 200, 400 mm: displacement, rounds",
     "inner-layer rise, published over conservative, -20 degC, 250 %",
 )
-LEAD_TEXT = """## Lead core against OpenSees
-
-Heating agrees. LeadRubberX cools at half the rate of its own equations, and its clock counts from
-the domain's time zero instead of the start of the motion. Drawn by
-`python -m benchmarks.opensees_lead_figure OUT.png`.
-
-![Lead temperature, OpenSees beside this package](figures/opensees_lead.png)"""
-PIER_TEXT = """## Structures against OpenSees
-
-Both structures with linear and bilinear bearings, 20 s of a Level 2 motion. Drawn by
-`python -m benchmarks.opensees_pier_figure OUT.png`.
-
-![Histories of pier P1, OpenSees beside this package](figures/opensees_pier.png)"""
-SOURCE_TEXT = """## The bridge beside the source
-
-Colder means less strain, more pier displacement and less energy in the bearing on every motion
-tried, the four built-in ones and the real records above. "More force" does not hold everywhere:
-where the warm bearing is strained beyond about 165 % it hardens, and where the pier yields in
-the cold it caps the force.
-
-The source's ductilities (about 1 at 23, up to 3 at -20 degC) and its energy drop at 0 degC
-(-9.3 %) are not met with the printed numbers, whichever mass matrix and damping is used. The rows
-"rocking spring ten times as stiff" and "no damping but hysteresis" show what would: a foundation
-that hardly rocks, or no viscous damping. With the printed ground springs most of the pier's
-displacement is rocking, which has 10 %: with the source's Rayleigh damping (`--damping source`)
-that makes 6 % of the first mode, by the default (modal, without the bearings) 2.8 %. The energy
-drop at -20 degC (-56.1 %) is met within a few per cent: -55.5 % by default, -59.2 % with the
-source's.
-
-| LHDR, stand-in for II-I-1, consistent mass | `source` (before) | `modal` (default) | printed |
-|---|---|---|---|
-| ductility at 23, 0, -20 degC | 0.53, 0.65, 0.85 | 0.54, 0.67, 0.89 | about 1, up to 3 |
-| energy at 0, -20 degC against 23 degC | -25.7, -59.2 % | -21.7, -55.5 % | -9.3, -56.1 % |
-
-The hybrid test (chapters 3 to 5) is computed with the source's damping, 5 % in both modes; nothing
-of it changed."""
-FE_TEXT = """## Is one dimension good enough?
-
-The rows "against finite elements" above compare layers and lead with an axisymmetric solution
-that gets the heat of our own run. In the layers of both specimens the conservative scheme is
-good, and practically all of its error in the HDR specimen is the two cells of a layer, which miss
-the middle of its parabola (`cells.rubber = 8` mends that). `published` has the lead far too cold
-(P4) and the inside too hot while it cools (P1); a single temperature is too low inside and too
-high outside.
-
-The source's formula for the heat that leaves lead (`lead_ends = "half-space"`) is the weak part. With
-p = 1/2 it suits the confined core of the specimen at the end of a loading, but the lead runs low while
-it cools, and the taller core of the bridge bearing runs low by a fifth of its rise: what is missing is
-the core's own conduction and the finite plate. Neither the clock, nor another p, nor the exact
-superposition of the half-space response mends this. Cores in touch with the shims are left too hot
-while loaded, and worse when loaded again, since a long rest starts the clock anew;
-`surface_ratio = 0.7` cures one instant only.
-
-`lead_ends = "finite-plate"`, the default, needs neither p nor clock ([theory.md](theory.md)). The rows "largest
-error, half-space and finite plates" compare both over a loading, two minutes of rest, the same loading and
-ten minutes of rest, for confined cores, with films and with faces held, and for cores in touch with shims:
-thin and thick layers, slender and stout cores, one and four, natural rubber and rubber that heats itself by
-35 K. The finite elements get the rubber's own heat too: it moves the lead by the layers' temperature beside
-it, which the cells have. Two numbers are empirical: `lead.end_spreading` of confined cores (0.8 with sealing plates,
-chosen on the first case, kept in the others, 1 without), and 0.3 for what end plate and sealing plate feel of
-each other's heat where the core touches both. In that last case a stout core is held too cold (3.9 of
-138 K for 180 mm and 20 mm of sealing plate, an exponential strength 3 % too high).
-
-What the change of the default did, at -20 degC, 175 %, 0.5 Hz, eleven cycles, ten minutes, eleven cycles, and
-in jra-ii-i-1 (`python -m benchmarks.lead_defaults`; energy of single cycles):
-
-| | half-space (old) | finite plates (new) | change |
-|---|---|---|---|
-| shen-lhdr-specimen, cycle 11: lead, degC | 121.3 | 121.7 | +0.4 |
-| shen-lhdr-specimen, cycle 11: Q_d, kN | 103 | 103 | -0.00027 |
-| shen-lhdr-specimen, cycle 11: energy, kJ | 21.75 | 21.75 | -6.9e-05 |
-| shen-lhdr-specimen, cycle 12: lead, degC | -2.703 | -2.718 | -0.014 |
-| shen-lhdr-specimen, cycle 12: Q_d, kN | 125.9 | 125.8 | -0.0076 |
-| shen-lhdr-specimen, cycle 12: energy, kJ | 27.61 | 27.61 | -0.0015 |
-| shen-lhdr-specimen, cycle 22: lead, degC | 122.1 | 122.5 | +0.44 |
-| shen-lhdr-specimen, cycle 22: Q_d, kN | 97.17 | 97.17 | -0.0022 |
-| shen-lhdr-specimen, cycle 22: energy, kJ | 20.09 | 20.08 | -0.00041 |
-| shen-lhdr-bridge, cycle 11: lead, degC | 222.1 | 223.3 | +1.2 |
-| shen-lhdr-bridge, cycle 11: Q_d, kN | 230.9 | 230.9 | -4.7e-08 |
-| shen-lhdr-bridge, cycle 11: energy, kJ | 173.8 | 173.8 | -3.4e-08 |
-| shen-lhdr-bridge, cycle 12: lead, degC | 12.63 | 34.94 | +22 |
-| shen-lhdr-bridge, cycle 12: Q_d, kN | 304.1 | 304.6 | +0.44 |
-| shen-lhdr-bridge, cycle 12: energy, kJ | 230.3 | 230.5 | +0.23 |
-| shen-lhdr-bridge, cycle 22: lead, degC | 229.4 | 252.3 | +23 |
-| shen-lhdr-bridge, cycle 22: Q_d, kN | 208.5 | 208.6 | +0.1 |
-| shen-lhdr-bridge, cycle 22: energy, kJ | 152.5 | 152.5 | +0.046 |
-| lrb-example, cycle 11: lead, degC | 163.1 | 152.9 | -10 |
-| lrb-example, cycle 11: Q_d, kN | 66.72 | 71.48 | +4.8 |
-| lrb-example, cycle 11: energy, kJ | 73.53 | 78.52 | +5 |
-| lrb-example, cycle 12: lead, degC | 18.48 | 24.15 | +5.7 |
-| lrb-example, cycle 12: Q_d, kN | 189.1 | 181.1 | -8 |
-| lrb-example, cycle 12: energy, kJ | 203.7 | 195.6 | -8.1 |
-| lrb-example, cycle 22: lead, degC | 164 | 157.1 | -6.9 |
-| lrb-example, cycle 22: Q_d, kN | 66.32 | 69.43 | +3.1 |
-| lrb-example, cycle 22: energy, kJ | 73.09 | 76.32 | +3.2 |
-| pier P1 on shen-lhdr-bridge: lead, degC | -14.01 | -14.14 | -0.13 |
-| pier P1 on shen-lhdr-bridge: bearing displacement, mm | 47.38 | 47.38 | -9.7e-12 |
-| pier P1 on shen-lhdr-bridge: energy in the bearing, kJ | 45.51 | 45.51 | +3.9e-12 |
-| pier P1 on shen-lhdr-bridge: pier ductility | 0.8946 | 0.8946 | -1.2e-14 |
-| pier P1 on lrb-example: lead, degC | -0.4786 | -2.156 | -1.7 |
-| pier P1 on lrb-example: bearing displacement, mm | 221.9 | 221.6 | -0.28 |
-| pier P1 on lrb-example: energy in the bearing, kJ | 117.3 | 116.8 | -0.57 |
-| pier P1 on lrb-example: pier ductility | 0.6991 | 0.6994 | +0.00027 |
-
-The lead of the LHDR bearings has constant strength (softening 0): there its temperature is nearly all that
-changes. In lrb-example, whose lead softens, the formula had Q_d 7 % low after eleven cycles and 4 % high in
-the first cycle after the rest."""
-FACTORS_TEXT = """## Temperature factors beside published ones
-
-The rows "over 20 degC" and "published" above. The natural rubber bearing (`lrb-example`) stays
-below what codes give for low damping rubber, everywhere: their tables count hours of cold, in which
-rubber goes on stiffening and crystallises, and this model does not. The high damping rubbers go
-beyond the tables, K_d of the LHDR bearing at -30 degC beyond every one of them. Three things make
-that. The dissertation's compounds do change that much: m_T of its LHDR rubber alone is a factor of
-exp(0.5 x 1.92) from 20 to -30 degC. Its laws were identified from -20 to 23 degC; beyond they are
-extrapolated, while the maker's measured table grows less in the cold and flattens in the
-warm, and no test says how these compounds do. And K_d is taken from 50 to 90 % of the peak, where
-these bearings harden: the hardening is hysteretic and carries n_T, which is larger still. The
-third cycle lies below the first by its own heat. Take factors of a compound from tests of
-that compound at the temperatures that matter."""
 BENCH_IN_README = (
     "coupled_step",
     "whole_test",
@@ -233,11 +115,7 @@ def verification_text(measured: list[dict[str, str]], bench: dict[str, Any]) -> 
                 "Written by `make docs`; do not edit. The first table is what the tests measured "
                 "(each asserts its limit), the second what `make bench` measured.",
                 table(["what", "measured", "limit", "test"], test_rows(measured)),
-                FE_TEXT,
-                FACTORS_TEXT,
-                LEAD_TEXT,
-                PIER_TEXT,
-                SOURCE_TEXT,
+                *((TEXTS / f"{name}.md").read_text(encoding="utf-8").strip() for name in SECTIONS),
                 f"## Benches\n\n{about}",
                 table(["what", "measured", "target", "met"], bench_rows(bench)),
             ]

@@ -68,6 +68,7 @@ def work_of(kind: Kind, m: int) -> Workspace:
             layers.slope,
         ),
         work.cells,
+        work.lead_ports,
         work.lead_modes,
     )
 
