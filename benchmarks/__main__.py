@@ -24,6 +24,7 @@ ITEMS = {
     "first_run": "Waiting",
     "integrator": "Accuracy",
     "step_halving": "Accuracy",
+    "softening": "Accuracy",
     "finite_elements": "One dimension",
     "energy": "Energy books",
     "memory": "Memory",

@@ -41,7 +41,16 @@ HALF_SHIM = 1e-2  # of the peak force, and K; 2e-5 and 6e-3 measured
 MIRROR = 1e-9  # K and mm: elimination runs from one end, so not to the bit
 SOFTENED_PEAK = 5e-4  # between dt = 10, 5 and 2.5 ms; 1.2e-4 measured
 SOFTENED_WORK = 1e-3  # the same; 3.4e-4 measured
+SOFTENED_TANGENT = 1e-3  # 90 % of softened steps; 5e-7 measured, 0.2 to 1.1 without dw/dx
+FIRST_ORDER = 0.6  # left of the rms difference by halving the step: 0.499 measured, 0.5 in theory
+MOVED = 4.0  # a sample over the change of a parameter: 0.95 measured, 1600 with jumps
+CHORD = 1e-4  # of the least slope, from forces of two steps; 3e-5 measured
 HALVED = 0.7  # what halving the step must leave of a first-order difference (0.5 in theory)
+
+# --- Cells -------------------------------------------------------------------------------
+CELLS_ESTIMATE = 0.25  # of the next finer estimate, from a quarter; 0.1 measured, two cells are few
+TABLE_SLOPE = 1e-3  # 1/K: change of slope over 0.05 K; 1e-4 measured, 2e-2 with straight pieces
+CELLS_ENOUGH = 0.01  # of stiffness, energy and rise of the reference test
 
 # --- Energy books ------------------------------------------------------------------------
 ENERGY_BOOKS = 1e-10  # of the work: what the specification promises; below 1e-14 measured
@@ -207,7 +216,6 @@ NOISE_FREE_STRENGTH = 1e-4  # 2e-5 with coarse steps of the fit; 1.3e-3 with ano
 
 # --- Single numbers ------------------------------------------------------------------------
 SIMILAR = 1e-8  # the same cycle at another size: rounding, and steps of another length
-SOFTENED_TANGENT = 1e-4  # 1e-5 measured, where the tangent is 0.3 kN/mm: rounding of the forces
 LOSS_SLOPE = 1e-6  # central difference of a smooth function, steps of 1e-5
 
 # --- Golden files --------------------------------------------------------------------------

@@ -104,6 +104,7 @@ def cyclic(
     dt: Annotated[float | None, typer.Option(help="Largest time step in motion [s].")] = None,
     scheme: Annotated[str | None, typer.Option(help="conservative or published.")] = None,
     integrator: Annotated[str | None, typer.Option(help="exact or euler.")] = None,
+    hardening: Annotated[str | None, typer.Option(help="printed or monotone.")] = None,
     heat_source: Annotated[str | None, typer.Option(help="work or dissipation.")] = None,
     lead_ends: Annotated[str | None, typer.Option(help="finite-plate or half-space.")] = None,
     model: Annotated[str | None, typer.Option(help="An earlier model, see docs/theory.md.")] = None,
@@ -128,6 +129,7 @@ def cyclic(
         "dt": dt,
         "scheme": scheme,
         "integrator": integrator,
+        "hardening": hardening,
         "heat_source": heat_source,
         "lead_ends": lead_ends,
         "model": model,
@@ -194,11 +196,15 @@ def check(
     file: Annotated[Path, typer.Argument(help="A bearing or a case, in TOML.")],
     as_json: AsJson = False,
 ) -> int:
-    """Validate a file without running it, and say what was understood."""
-    from thermobearing.commands.check import describe_file
+    """Validate a file without running it, and say what was understood.
+
+    Of a bearing also what its heat cells cost in accuracy, by a short test on it.
+    """
+    from thermobearing.commands.check import cells_facts, describe_file
     from thermobearing.results.screen import print_facts
 
     kind, facts = describe_file(file)
+    facts |= cells_facts(file) if kind == "bearing" else {}
     print_facts(f"{file}: a valid {kind}", facts)
     if as_json:
         echo_json({"outcome": "valid", "kind": kind, "file": str(file)})

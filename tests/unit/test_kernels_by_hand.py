@@ -9,9 +9,9 @@ from numpy.testing import assert_allclose
 
 import thermobearing as tb
 from tests import tolerances as tol
+from thermobearing.core.hardening import force_and_tangent
 from thermobearing.core.hysteresis import euler_increment, exact_increment
 from thermobearing.core.lead import core_force, core_heat
-from thermobearing.core.sharing import force_and_tangent
 from thermobearing.core.step import recoverable_energy
 from thermobearing.core.types import HEAT_FROM_DISSIPATION, HEAT_FROM_WORK
 from thermobearing.core.viscous import maxwell

@@ -97,13 +97,14 @@ PLANS = {
 }
 OF_ENDS = "lead.end_spreading"  # of confined cores on finite plates only
 OF_FORMULA = "lead.surface_ratio"  # of lead on a half-space only
+OF_RANGE = "temperature_law"  # what is said beyond it: verification/test_temperature_law.py
 OF_LEAD = ("lead", "rate", "materials.lead", "geometry.sealing", "cells.sealing")
 KEYS = [
     pytest.param(shape, key, id=f"{shape}-{key}")
     for shape, bearing in PLANS.items()
     for key, _ in numbers_of(bearing)
     if key.startswith("geometry.plan")
-    or (shape == "square" and not key.startswith(OF_LEAD))
+    or (shape == "square" and not key.startswith((*OF_LEAD, OF_RANGE)))
     or (shape == "virgin" and key.startswith("scragging"))
     or (shape == "lead" and key.startswith(OF_LEAD) and key not in (OF_ENDS, OF_FORMULA))
 ]
@@ -178,6 +179,7 @@ def test_options(plain: tb.cyclic.Result, option: str) -> None:
 def test_every_option_of_a_case_was_tried() -> None:
     """A new option must come with a row above."""
     elsewhere = {"bearing", "test", "ambient_series", "analysis", "initial_lead", "lead_ends"}
+    elsewhere |= {"hardening"}  # acts at larger strains: verification/test_monotone.py
     assert {*Analysis.model_fields, *Case.model_fields} - elsewhere <= set(OPTIONS)
 
 

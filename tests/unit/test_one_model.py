@@ -131,11 +131,12 @@ FULL_PROFILE = np.linspace(-10.0, 20.0, 86).tolist()  # a temperature for each c
     ("bearing", "given"),
     [
         (HDR, {"scheme": "published", "integrator": "euler", "upper_face": EndFace(film=5.0)}),
+        (HDR, {"hardening": "monotone"}),
         (HDR, {"stack": "full", "initial": FULL_PROFILE, "heat_source": "dissipation"}),
         ("shen-lhdr-specimen", {"model": "single-temperature", "lower_face": EndFace(eta=1.0)}),
         ("shen-lhdr-specimen", {"initial_lead": 60.0, "lead_ends": "finite-plate"}),
     ],
-    ids=["published", "full height", "one temperature", "lead"],
+    ids=["published", "monotone", "full height", "one temperature", "lead"],
 )
 def test_element_with_options_is_the_run(bearing: str, given: dict[str, Any]) -> None:
     result = tb.run(bearing, SHORT, ambient=0.0, **given)

@@ -25,6 +25,7 @@ VALUES: dict[str, Any] = {
     "damping": "element",
     "scheme": "published",
     "integrator": "euler",
+    "hardening": "monotone",
     "heat_source": "dissipation",
     "lead_ends": "finite-plate",
     "upper_face": EndFace(eta=1.5),

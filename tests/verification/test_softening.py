@@ -9,8 +9,11 @@ from tests.tolerances import (
     ADDS_UP,
     BOUND_ROUNDING,
     EQUAL_FORCE,
+    FIRST_ORDER,
     HALVED,
+    MOVED,
     SOFTENED_PEAK,
+    SOFTENED_TANGENT,
     SOFTENED_WORK,
 )
 from tests.verification.models import (
@@ -23,10 +26,25 @@ from tests.verification.models import (
     smooth_history,
     specimen,
 )
+from tests.verification.softened import (
+    continuity,
+    cycles_of,
+    halving_errors,
+    moved_by_a_parameter,
+)
+from thermobearing.bearing.library import load_bearing
 from thermobearing.core.types import COMPLETED, SOFTENED
 
 TEMPERATURES = (-60.0, -40.0, -20.0, 0.0, 23.0, 60.0)
 STRAINS = (0.5, 1.0, 2.0, 2.5, 3.0, 3.5)
+COLD = (
+    ("shen-hdr-specimen", -20.0, 2.5),
+    ("shen-hdr-specimen", -40.0, 3.0),
+    ("shen-hdr-specimen", -60.0, 3.5),
+    ("shen-lhdr-specimen", -20.0, 2.5),
+    ("shen-lhdr-specimen", -40.0, 3.0),
+    ("shen-lhdr-specimen", -60.0, 3.5),
+)
 
 
 @pytest.mark.parametrize(("dt", "steps"), [(1e-4, 2000), (5e-3, 1000), (5e-2, 250)])
@@ -86,16 +104,51 @@ def test_softened_runs_converge_with_the_time_step() -> None:
         assert abs(values[2] - values[1]) < HALVED * abs(values[1] - values[0])
 
 
-def test_mismatch_is_told_as_it_is(measured: Recorder) -> None:
+@pytest.mark.parametrize(("name", "temperature", "strain"), COLD)
+def test_force_is_continuous_within_a_step_and_the_tangent_its_slope(
+    name: str, temperature: float, strain: float, measured: Recorder
+) -> None:
+    """Trial displacements in every softened step; the weight moves with x, and the tangent too."""
+    seen = continuity(load_bearing(name), temperature, strain, dt=20e-3)
+    assert seen.softened > 60
+    given = f"{name}, {temperature:g} degC, {100.0 * strain:g} %"
+    measured(f"jumps of F(x) inside softened steps, {given}", str(len(seen.jumps)), "0")
+    error = seen.tangent_quantile
+    measured(f"tangent in 90 % of them, {given}", error, f"{SOFTENED_TANGENT:g}")
+    assert len(seen.jumps) == 0
+    assert error < SOFTENED_TANGENT
+
+
+def test_a_small_change_of_a_parameter_moves_samples_a_little() -> None:
+    """Of the coldest and farthest case: a fit needs forces that are smooth in the parameters."""
+    name, temperature, strain = COLD[-1]
+    moved = moved_by_a_parameter(load_bearing(name), temperature, strain, change=2.5e-5)
+    print(f"largest change of a sample by 2.5e-5 of a parameter: {moved:.1e} of the peak")
+    assert 0.0 < moved < MOVED * 2.5e-5
+
+
+def test_the_coldest_case_converges_with_the_time_step() -> None:
+    name, temperature, strain = COLD[-1]
+    errors = halving_errors(load_bearing(name), temperature, strain, (10e-3, 5e-3, 2.5e-3))
+    print(f"rms of the force between dt = 10, 5 and 2.5 ms: {errors} of the peak")
+    assert errors[1] < FIRST_ORDER * errors[0]
+
+
+@pytest.mark.parametrize(("name", "temperature", "strain"), COLD)
+def test_mismatch_is_told_as_it_is(
+    name: str, temperature: float, strain: float, measured: Recorder
+) -> None:
     """In softened steps too, the reported mismatch is the distance from the printed law."""
-    run = cold_run(5e-3)
-    force = run.books["force"]
-    apart = np.abs(layer_forces(specimen(), run) - force[:, None]).max(axis=1)
+    bearing = load_bearing(name)
+    run = cycles_of(bearing, temperature, strain, 5e-3)
+    rubber, force = run.books["rubber_force"], run.books["force"]
+    apart = np.abs(layer_forces(bearing, run) - rubber[:, None]).max(axis=1)
     soft = run.books["sharing_weight"] > 0.0
     assert run.softened == np.count_nonzero(soft) > 0
     peak = np.abs(force).max()
     text = f"{apart.max():.2f} kN of {peak:.0f} kN"
-    measured("softened layers, -40 degC, 300 %: layer law at most this far from F", text, "told")
+    given = f"{name}, {temperature:g} degC, {100.0 * strain:g} %, five cycles"
+    measured(f"softened layers, {given}: layer law at most this far from F", text, "told")
     assert_allclose(run.books["layer_force_mismatch"], apart, rtol=0.0, atol=EQUAL_FORCE * peak)
     assert_allclose(apart[~soft], 0.0, rtol=0.0, atol=EQUAL_FORCE * peak)
 

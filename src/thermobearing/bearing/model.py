@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, PrivateAttr, field_validator, model_validator
 
+from thermobearing.bearing.temperature import TemperatureLaw
 from thermobearing.border.schema import Strict, in_unit
 from thermobearing.border.units import CUBIC_MM_PER_CUBIC_M, NEWTON_PER_KILONEWTON
 
@@ -232,12 +233,23 @@ class RateDependence(Strict):
 
 
 class Cells(Strict):
-    """Heat cells through the thickness of one part each."""
+    """Heat cells through the thickness of one part each.
 
-    end_plate: Annotated[int, Field(ge=1, le=1000)]
-    rubber: Annotated[int, Field(ge=1, le=1000)]
-    shim: Annotated[int, Field(ge=1, le=1000)]
+    The source has two in a rubber layer and one in a shim; with so few the middle of a layer is
+    too cold (docs/theory.md). The defaults are for every other bearing; even numbers, so that a
+    half stack ends between two cells.
+    """
+
+    end_plate: Annotated[int, Field(ge=1, le=1000)] = 10
+    rubber: Annotated[int, Field(ge=1, le=1000)] = 6
+    shim: Annotated[int, Field(ge=1, le=1000)] = 2
     sealing_plate: Annotated[int, Field(ge=1, le=1000)] = 10
+
+    def enough(self) -> "Cells":
+        """The same with no part coarser than the defaults."""
+        least = Cells()
+        names = type(self).model_fields
+        return Cells(**{name: max(getattr(self, name), getattr(least, name)) for name in names})
 
 
 class Bearing(Strict):
@@ -246,7 +258,8 @@ class Bearing(Strict):
     Attributes
     ----------
     name, kind, description, citation : what it is and where its numbers come from.
-    geometry, materials, hysteresis, scragging, lead, rate, cells : see those classes;
+    geometry, materials, hysteresis, temperature_law, scragging, lead, rate, cells : see those
+        classes; `temperature_law` is None where nothing but m_T and n_T is stated,
         `scragging` is None for rubber that has worked already, `lead` without lead cores,
         `rate` without rate dependence.
     """
@@ -258,10 +271,11 @@ class Bearing(Strict):
     geometry: Geometry
     materials: Materials
     hysteresis: RubberHysteresis
+    temperature_law: TemperatureLaw | None = None
     scragging: Scragging | None = None
     lead: LeadCores | None = None
     rate: RateDependence | None = None
-    cells: Cells
+    cells: Cells = Cells()
     _sources: dict[str, str] = PrivateAttr(default_factory=dict)
 
     @model_validator(mode="after")

@@ -5,8 +5,10 @@ from pathlib import Path
 from thermobearing.bearing.bilinear import BilinearBearing, load_bilinear
 from thermobearing.bearing.library import load_bearing
 from thermobearing.bearing.model import Bearing
+from thermobearing.border.errors import InputError
 from thermobearing.border.toml import read_toml, split_sources
 from thermobearing.cyclic.case import load_case
+from thermobearing.cyclic.discretisation import REFERENCE, TOLERABLE, cells_error
 from thermobearing.cyclic.segments import build_segments
 from thermobearing.earthquake.case import EarthquakeCase, load_earthquake_case
 from thermobearing.model.stack import build_stack
@@ -45,6 +47,27 @@ def describe_file(path: Path) -> tuple[str, dict[str, str]]:
         "duration": f"{until}{time:g} s in {until}{steps} steps a run",
         "scheme": f"{case.analysis.scheme}, {case.analysis.integrator} integrator",
     }
+
+
+def cells_facts(path: Path) -> dict[str, str]:
+    """What the heat cells of a bearing's layers cost in accuracy, by a short test on it."""
+    try:
+        found = cells_error(load_bearing(path))
+    except InputError:
+        return {"their error": "not known: twice as many cells are more than a run can have"}
+    if found is None:
+        return {"their error": f"not known: {REFERENCE} do not run to their end"}
+    facts = {
+        "their error": f"G {100.0 * found.stiffness:+.1f} %, energy {100.0 * found.energy:+.1f} %, "
+        f"hottest layer {found.warming:+.1f} of {found.rise:.1f} K",
+        "estimated in": f"{REFERENCE}, the last, from twice as many cells",
+    }
+    if not found.enough:
+        facts["advice"] = (
+            f"{found.cells} cells a layer are few; cells.rubber = {found.advised}, shim = 2 would "
+            f"leave about {100.0 * TOLERABLE:g} %"
+        )
+    return facts
 
 
 def earthquake_facts(case: EarthquakeCase) -> dict[str, str]:
@@ -97,5 +120,16 @@ def bearing_facts(bearing: Bearing) -> dict[str, str]:
         "plan": f"{g.plan.shape}, {bearing.area:g} mm2",
         "rubber": f"{g.rubber_layers} x {g.rubber_thickness:g} = {g.total_rubber_thickness:g} mm",
         "shape factors": f"S1 = {g.first_shape_factor:.3g}, S2 = {g.second_shape_factor:.3g}",
+        "temperatures": _range(bearing),
         "cells": f"{len(half.part)} in the half stack, {len(full.part)} in the full one",
     }
+
+
+def _range(bearing: Bearing) -> str:
+    """Where the temperature law is known."""
+    law = bearing.temperature_law
+    if law is None or law.range is None:
+        return "the range of the temperature law is not stated (temperature_law)"
+    low, high = law.range
+    table = f", a table of {len(law.temperatures)} times m_T and n_T" if law.temperatures else ""
+    return f"law identified at {low:g} to {high:g} degC{table}"

@@ -14,16 +14,18 @@ through one by one). The rule used there, and only there:
 
 between the layer's own displacement (w = 0) and the mean one (w = 1). The tangent becomes
 ke + (1 + B s^2) kh Z' + (1 - w) 2 B s kh Z, which is positive for every layer at w = 1
-(Z' >= 0), so the sharing is unique however cold or strained the bearing is. w is the
-smallest weight that keeps every layer tangent above `sharing_margin` times ke; it leaves
-zero and returns to zero continuously. All layers still carry one force F, so the work
-F dd_j of the layers adds up to F dx and the energy books need no extra term; the price is
+(Z' >= 0), so the sharing is unique however cold or strained the bearing is. w is a smooth
+function of the smallest layer tangent that equal increments x/N would give: 0 above
+`sharing_start` times ke, 1 below `sharing_full` times ke. It asks for no solution, so force
+and tangent are continuous in x, and dw/dx is known. All layers still carry one force F, so the
+work F dd_j of the layers adds up to F dx and the energy books need no extra term; the price is
 the difference between F and the force of the unmodified layer law, reported as the mismatch.
 """
 
 import math
 
 from thermobearing.core.compile import compiled
+from thermobearing.core.hardening import force_and_tangent, weight
 from thermobearing.core.hysteresis import euler_increment, exact_increment, hysteretic_slope
 from thermobearing.core.records import Floats, Rows
 from thermobearing.core.types import (
@@ -43,19 +45,7 @@ ALL_NEWTON = 60
 LINE_SEARCH = 30
 LAST_CORRECTION = 1e-6  # relative force difference that one more correction squares away
 NO_MOTION = 1e-12  # correction, relative to d_y, too small for its direction to matter
-ESCALATIONS = 6  # halvings of (1 - w) before w = 1 is taken
 EULER_LIMIT = 4.0  # |Z| / d_y beyond which explicit Euler has clearly lost its way
-
-
-@compiled
-def force_and_tangent(
-    rubber: Rubber, ke: float, kh: float, d: float, z: float, slope: float, mean: float, w: float
-) -> tuple[float, float]:
-    """Layer force [kN] and tangent [kN/mm] from d, Z and dZ/dd (Eq. 4.34, hardening at s)."""
-    s = (1.0 - w) * d + w * mean
-    hardening = 1.0 + rubber.hardening * s * s
-    by_strain = 2.0 * rubber.hardening * s * (1.0 - w) * z
-    return ke * d + hardening * kh * z, ke + kh * (hardening * slope + by_strain)
 
 
 @compiled
@@ -96,18 +86,6 @@ def evaluate(
         new[j].z = z
         smallest = min(smallest, tangent / ke)
     return smallest
-
-
-@compiled
-def weight_for_margin(rubber: Rubber, work: LayerWork, new: Rows[Layer]) -> float:
-    """Smallest w that lifts each layer tangent, evaluated at w = 0, to the margin."""
-    w = 0.0
-    for j in range(len(work.trial)):
-        softening = -2.0 * rubber.hardening * work.trial[j] * work.hysteretic[j] * new[j].z
-        short = rubber.sharing_margin * work.elastic[j] - work.tangent[j]
-        if softening > 0.0 and short > 0.0:
-            w = max(w, short / softening)
-    return min(w, 1.0)
 
 
 @compiled
@@ -182,6 +160,22 @@ def common_force(
         apart = max(apart, abs(difference))
         work.direction[j] = difference / work.tangent[j]
     return force, (1.0 + by_mean / rubber.layer_count) / compliance, apart
+
+
+@compiled
+def force_by_weight(
+    rubber: Rubber, multiplicity: Floats, work: LayerWork, new: Rows[Layer], x: float, w: float
+) -> float:
+    """Derivative of the common force by w [kN]."""
+    mean = x / rubber.layer_count
+    compliance, by_w = 0.0, 0.0
+    for j in range(len(work.trial)):
+        flexibility = multiplicity[j] / work.tangent[j]
+        compliance += flexibility
+        s = (1.0 - w) * work.trial[j] + w * mean
+        by_s = 2.0 * rubber.hardening * s * work.hysteretic[j] * new[j].z
+        by_w += flexibility * by_s * (mean - work.trial[j])
+    return by_w / compliance
 
 
 @compiled
@@ -279,13 +273,33 @@ def tangent_trial(
         work.trial[j] = d
         work.force[j] = force
         work.tangent[j] = tangent
-        healthy = healthy and tangent >= rubber.sharing_margin * work.elastic[j]
+        healthy = healthy and tangent >= rubber.sharing_start * work.elastic[j]
     if not healthy:
         return uniform_trial(rubber, old, work, step, mean, 0.0, new)
     common_force(rubber, multiplicity, work, new, x, 0.0)
     for j in range(len(old)):
         work.trial[j] += work.direction[j]
     return evaluate(rubber, old, work, mean, 0.0, new)
+
+
+@compiled
+def solved(
+    rubber: Rubber,
+    multiplicity: Floats,
+    old: Rows[Layer],
+    work: LayerWork,
+    x: float,
+    step: float,
+    w: float,
+    new: Rows[Layer],
+) -> tuple[float, float, float, int]:
+    """Equal layer forces at fixed w from the start of a step; returns what `newton` does."""
+    if w > 0.0:
+        mean = x / rubber.layer_count
+        smallest = uniform_trial(rubber, old, work, step, mean, w, new)
+    else:
+        smallest = tangent_trial(rubber, multiplicity, old, work, x, step, new)
+    return newton(rubber, multiplicity, old, work, x, w, new, smallest)
 
 
 @compiled
@@ -314,22 +328,17 @@ def share(
 
     Returns the bearing force [kN], the tangent [kN/mm], the mismatch [kN], w and the outcome.
     """
-    mean = x / rubber.layer_count
     step = (x - x_old) / rubber.layer_count
-    w = 0.0
-    smallest = tangent_trial(rubber, multiplicity, old, work, x, step, new)
-    if smallest < rubber.sharing_margin:
-        w = weight_for_margin(rubber, work, new)
-        smallest = evaluate(rubber, old, work, mean, w, new)
-    force, tangent, smallest, outcome = newton(rubber, multiplicity, old, work, x, w, new, smallest)
-    escalation = 0
-    while w < 1.0 and (outcome != COMPLETED or smallest < 0.5 * rubber.sharing_margin):
-        escalation += 1
-        w = 0.5 * (1.0 + w) if escalation < ESCALATIONS else 1.0
-        smallest = uniform_trial(rubber, old, work, step, mean, w, new)
-        force, tangent, smallest, outcome = newton(
-            rubber, multiplicity, old, work, x, w, new, smallest
-        )
+    w, rate = weight(rubber, old, work, step)
+    force, tangent, outcome = 0.0, 0.0, NOT_CONVERGED
+    for _ in range(2):
+        force, tangent, smallest, outcome = solved(rubber, multiplicity, old, work, x, step, w, new)
+        if w == 1.0 or (outcome == COMPLETED and smallest > 0.0):
+            break
+        w, rate = 1.0, 0.0  # layers so unlike that equal increments say nothing: always unique
+    if rate != 0.0:
+        by_w = force_by_weight(rubber, multiplicity, work, new, x, w)
+        tangent += by_w * rate / rubber.layer_count
     if outcome != COMPLETED:
         return force, tangent, 0.0, w, outcome
     for j in range(len(old)):

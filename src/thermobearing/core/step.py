@@ -13,6 +13,7 @@ may `move` as often as it takes between one `begin` and one `settle`.
 import math
 
 from thermobearing.core.compile import compiled
+from thermobearing.core.hardening import strain_factor
 from thermobearing.core.heat import balance, factor, right_side, solve
 from thermobearing.core.lead import core_force, lead_step
 from thermobearing.core.lead_ends import factor_ports
@@ -26,6 +27,7 @@ from thermobearing.core.types import (
     SOFTENED,
     TEMPERATURE_RUNAWAY,
     Constants,
+    LawPiece,
     Layer,
     LayerCells,
     LayerWork,
@@ -58,16 +60,37 @@ def runs_away(constants: Constants, state: State) -> bool:
 
 
 @compiled
+def tabled(law: Rows[LawPiece], temperature: float) -> tuple[float, float]:
+    """Logarithms of the factors of the temperature table on the two stiffness terms."""
+    k = 0
+    while k + 1 < len(law) and temperature >= law[k + 1].lowest:
+        k += 1
+    p = law[k]
+    t = temperature - p.origin
+    elastic = p.elastic_0 + t * (p.elastic_1 + t * (p.elastic_2 + t * p.elastic_3))
+    hysteretic = p.hysteretic_0 + t * (p.hysteretic_1 + t * (p.hysteretic_2 + t * p.hysteretic_3))
+    return elastic, hysteretic
+
+
+@compiled
 def set_stiffness(
-    rubber: Rubber, layer_cells: Rows[LayerCells], temperature: Floats, work: LayerWork
+    rubber: Rubber,
+    law: Rows[LawPiece],
+    layer_cells: Rows[LayerCells],
+    temperature: Floats,
+    work: LayerWork,
 ) -> None:
     """The two stiffness terms of Eq. 4.34 at each layer's temperature."""
     for j in range(len(work.trial)):
-        warmer = layer_temperature(layer_cells, temperature, j) - rubber.reference_temperature
-        work.elastic[j] = rubber.elastic_stiffness * math.exp(rubber.elastic_exponent * warmer)
-        work.hysteretic[j] = rubber.hysteretic_stiffness * math.exp(
-            rubber.hysteretic_exponent * warmer
-        )
+        t = layer_temperature(layer_cells, temperature, j)
+        elastic = rubber.elastic_exponent * (t - rubber.reference_temperature)
+        hysteretic = rubber.hysteretic_exponent * (t - rubber.reference_temperature)
+        if len(law) > 0:
+            more = tabled(law, t)
+            elastic += more[0]
+            hysteretic += more[1]
+        work.elastic[j] = rubber.elastic_stiffness * math.exp(elastic)
+        work.hysteretic[j] = rubber.hysteretic_stiffness * math.exp(hysteretic)
 
 
 @compiled
@@ -76,7 +99,8 @@ def recoverable_energy(
 ) -> float:
     """Energy one layer would give back: 1/2 ke d^2 + 1/2 (1 + B s^2) kh Z^2 [kN mm]."""
     s = (1.0 - w) * d + w * mean
-    return 0.5 * (ke * d * d + (1.0 + rubber.hardening * s * s) * kh * z * z)
+    hardening, _ = strain_factor(rubber, ke, kh, s, z)
+    return 0.5 * (ke * d * d + (1.0 + hardening) * kh * z * z)
 
 
 @compiled
@@ -211,7 +235,7 @@ def heat_step(
 def begin(constants: Constants, work: Workspace, state: State) -> None:
     """Stiffness of every layer for a step from `state`, into `work`."""
     rubber = constants.rubber
-    set_stiffness(rubber, constants.layer_cells, state.temperature, work.layers)
+    set_stiffness(rubber, constants.law, constants.layer_cells, state.temperature, work.layers)
     if rubber.virgin:
         stiffen(rubber, state.layers, work.layers)
 

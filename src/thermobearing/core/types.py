@@ -75,6 +75,21 @@ class Mode:
     other_weight: float
 
 
+class LawPiece:
+    """A piece of the temperature table: cubics in T - origin for the logarithms of two factors."""
+
+    lowest: float  # where the piece begins [degC]
+    origin: float  # [degC]
+    elastic_0: float  # on alpha_0 K_r, by power of T - origin
+    elastic_1: float
+    elastic_2: float
+    elastic_3: float
+    hysteretic_0: float  # on (1 - alpha_0) K_r
+    hysteretic_1: float
+    hysteretic_2: float
+    hysteretic_3: float
+
+
 class Layer:
     """What a rubber layer remembers."""
 
@@ -168,6 +183,7 @@ class Rubber(NamedTuple):
     hysteretic_exponent: float  # n_T / 100 [1/K]
     reference_temperature: float  # 23 degC in Eq. 4.34
     hardening: float  # b / t_r^2 [1/mm2]
+    monotone: bool  # whether unloading is monotone (core/hardening.py)
     yield_displacement: float  # d_y [mm]
     unloading_curvature: float  # beta - gamma = (1 - s) / ((1 + s) d_y^2) [1/mm2]
     integrator: int  # EXACT or EULER
@@ -177,7 +193,8 @@ class Rubber(NamedTuple):
     mullins_amplitude: float  # a
     mullins_decay: float  # c
     mullins_renewal: float  # l
-    sharing_margin: float  # smallest layer tangent left alone, relative to alpha_0 e^{..} K_r
+    sharing_start: float  # layer tangent / (alpha_0 e^{..} K_r) below which w leaves zero
+    sharing_full: float  # and at which it is one
 
 
 class Lead(NamedTuple):
@@ -218,6 +235,7 @@ class Constants(NamedTuple):
     rubber: Rubber
     lead: Lead
     viscous: Viscous
+    law: Rows[LawPiece]  # table of the temperature law, beside the exponents; empty for none
     multiplicity: Floats  # [L] layers of the bearing that each modelled layer stands for
     layer_cells: Rows[LayerCells]  # [L]
     cells: Cells

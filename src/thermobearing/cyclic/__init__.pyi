@@ -3,6 +3,8 @@ from .case import Case as Case
 from .case import load_case as load_case
 from .case import make_case as make_case
 from .compare import compare_models as compare_models
+from .discretisation import CellsError as CellsError
+from .discretisation import cells_error as cells_error
 from .equivalent import bilinear_parameters as bilinear_parameters
 from .protocol import CyclicTest as CyclicTest
 from .protocol import cyclic_test as cyclic_test

@@ -11,8 +11,10 @@ from thermobearing.cyclic.dataset import RunRecord, StackLabels, build_dataset
 from thermobearing.cyclic.history import History, has_branches
 from thermobearing.cyclic.result import Result
 from thermobearing.cyclic.segments import Segment, longest_layer_increment
+from thermobearing.model.earlier import BLIND
 from thermobearing.model.options import BearingModel
 from thermobearing.model.outcomes import SENTENCES, SHARING_SENTENCES
+from thermobearing.model.temperature import outside_law
 
 
 def warnings_of(case: Case, segments: list[Segment], climates: list[Ambient]) -> list[str]:
@@ -32,6 +34,17 @@ def warnings_of(case: Case, segments: list[Segment], climates: list[Ambient]) ->
             "smaller dt"
         )
     return found
+
+
+def extrapolated(case: Case, climates: list[Ambient], histories: list[History]) -> list[str]:
+    """Whether rubber left the range of its temperature law, where the model has one."""
+    if case.analysis.model in BLIND:
+        return []
+    runs = [
+        (f"{climate.at(0.0):g} degC", history.rows.books["clock"], np.asarray(history.rows.rubber))
+        for climate, history in zip(climates, histories, strict=False)
+    ]
+    return outside_law(case.bearing.name, case.bearing.temperature_law, runs)
 
 
 def stack_labels(model: BearingModel) -> StackLabels:
@@ -95,7 +108,7 @@ def label(
             {"kind": s.kind, "label": s.label, "amplitude_strain": s.amplitude_strain}
             for s in segments
         ],
-        "warnings": warnings_of(case, segments, climates),
+        "warnings": warnings_of(case, segments, climates) + extrapolated(case, climates, histories),
         "sentences": SENTENCES | SHARING_SENTENCES,
     }
     return Result(

@@ -23,7 +23,7 @@ from thermobearing.cyclic.protocol import CyclicTest
 from thermobearing.cyclic.result import Result
 from thermobearing.cyclic.segments import build_segments
 from thermobearing.cyclic.start import final_lead, final_profile, initial_temperatures
-from thermobearing.model.constants import HeatSource, Integrator, LeadEnds
+from thermobearing.model.constants import Hardening, HeatSource, Integrator, LeadEnds
 from thermobearing.model.earlier import Model
 from thermobearing.model.options import EndFace, Stacked, build_model
 from thermobearing.model.outcomes import INTERRUPTED
@@ -40,6 +40,7 @@ def run(
     dt: float | None = None,
     scheme: Scheme | None = None,
     integrator: Integrator | None = None,
+    hardening: Hardening | None = None,
     heat_source: HeatSource | None = None,
     lead_ends: LeadEnds | None = None,
     upper_face: EndFace | None = None,
@@ -63,6 +64,7 @@ def run(
     dt : largest time step while the bearing moves [s], in [1e-6, 10].
     scheme : "conservative" (default) or "published" heat scheme.
     integrator : "exact" (default) or "euler" integration of Z.
+    hardening : "printed" (default, Eq. 4.34), or "monotone": unloading that never goes up.
     heat_source : "work" (Eq. 4.22) or "dissipation"; by default that of the bearing, dissipation
         for natural rubber (LRB), else work.
     lead_ends : how lead passes heat to steel: "finite-plate" (default) or "half-space"
@@ -105,6 +107,7 @@ def run(
         "dt": dt,
         "scheme": scheme,
         "integrator": integrator,
+        "hardening": hardening,
         "heat_source": heat_source,
         "lead_ends": lead_ends,
         "stack": stack,

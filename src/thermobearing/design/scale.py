@@ -23,7 +23,8 @@ def scaled_bearing(bearing: Bearing | str | Path, factor: float) -> Bearing:
 
     Under the same strain history in the same time, forces go with the factor squared and
     displacements with the factor, so stiffnesses go with the factor (K_r, K_l, K_v, c_v), d_y
-    with the factor; stresses, strains and coefficients stay.
+    with the factor; stresses, strains and coefficients stay. The new bearing has at least as many
+    heat cells as a file without the table `cells`.
 
     Parameters
     ----------
@@ -67,6 +68,7 @@ def scaled_bearing(bearing: Bearing | str | Path, factor: float) -> Bearing:
         "description": f"{bearing.name} with all lengths times {factor:.4g}",
         "geometry": geometry,
         "hysteresis": hysteresis,
+        "cells": bearing.cells.enough(),
     }
     if bearing.lead is not None:
         update["lead"] = bearing.lead.model_copy(

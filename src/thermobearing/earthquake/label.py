@@ -12,8 +12,10 @@ from thermobearing.core.records import Floats, Rows, labels
 from thermobearing.core.types import Books
 from thermobearing.earthquake.case import EarthquakeCase
 from thermobearing.earthquake.result import EarthquakeResult
+from thermobearing.model.earlier import BLIND
 from thermobearing.model.outcomes import INTERRUPTED
 from thermobearing.model.outcomes import SENTENCES as RUN_SENTENCES
+from thermobearing.model.temperature import outside_law
 from thermobearing.results.writing import as_attribute
 from thermobearing.structure.matrices import (
     displacement_row,
@@ -92,7 +94,7 @@ def label_study(
             "ambient": ("run", np.array([task.ambient for task in tasks]), {"units": "degC"}),
             "layer": np.arange(1, layers + 1),
         },
-        attrs=_attributes(case, tasks, histories),
+        attrs=_attributes(case, tasks, histories) | _warnings(tasks, traces),
     )
     return EarthquakeResult(dataset)
 
@@ -217,6 +219,26 @@ def _attributes(
         attrs[f"initial_periods_s:{name}"] = list(_initial_periods(task))
         attrs[f"bilinear:{name}"] = int(isinstance(task.device.bearing, BilinearBearing))
     return attrs
+
+
+def _warnings(tasks: Sequence["Task"], traces: list[dict[str, Floats]]) -> dict[str, Any]:
+    """Bearings whose rubber left the range of its temperature law."""
+    found: list[str] = []
+    for bearing in {task.device.bearing.name: task.device.bearing for task in tasks}.values():
+        if isinstance(bearing, BilinearBearing):
+            continue
+        runs = [
+            (
+                f"{task.shaking.motion.name}, {task.ambient:g} degC",
+                trace["time"],
+                trace["rubber_temperature"],
+            )
+            for task, trace in zip(tasks, traces, strict=True)
+            if task.device.bearing.name == bearing.name
+        ]
+        blind = tasks[0].case.analysis.model in BLIND
+        found += [] if blind else outside_law(bearing.name, bearing.temperature_law, runs)
+    return {"warnings": as_attribute(found)}
 
 
 def _initial_periods(task: "Task") -> Floats:

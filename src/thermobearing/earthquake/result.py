@@ -105,15 +105,18 @@ class EarthquakeResult:
     @property
     def warnings(self) -> list[str]:
         """What a reader must know before using the numbers."""
+        told = "warnings" in self.dataset.attrs  # results of 0.1 have none
+        said = list(from_attribute(self.dataset, "warnings")) if told else []
         shares = self.table["damping_of_input"].to_numpy()
         much, kind = shares > LARGEST_DAMPING_SHARE, self.dataset.attrs["damping"]
         if not much.any():
-            return []
+            return said
         return [
+            *said,
             f"viscous damping ({kind}) takes more than {LARGEST_DAMPING_SHARE:.0%} of the input "
             f"energy in {much.sum()} of {len(shares)} runs, at most {shares.max():.0%}: there the "
             "results rest on the assumed damping ratios as much as on the bearings; compare "
-            'damping = "none"'
+            'damping = "none"',
         ]
 
     @property
@@ -192,13 +195,13 @@ class EarthquakeResult:
             "scheme": attrs["scheme"],
             "version": attrs["version"],
             "outcome": self.outcome,
+            "warnings": self.warnings,
             "periods_s": _numbers(attrs.get("periods_s", [])),
             "damping": attrs["damping"],
             "damping_ratios": _numbers(attrs.get("damping_ratios", [])),
             "initial_periods_s": {
                 name: _numbers(attrs[f"initial_periods_s:{name}"]) for name in names
             },
-            "warnings": self.warnings,
             "runs": runs,
         }
 

@@ -12,7 +12,7 @@ from thermobearing.border.errors import InputError, nearest
 from thermobearing.earthquake.case import Command, Laboratory, Motion, make_earthquake_case
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.earthquake.run import Progress, run_earthquake
-from thermobearing.model.constants import HeatSource, Integrator, LeadEnds
+from thermobearing.model.constants import Hardening, HeatSource, Integrator, LeadEnds
 from thermobearing.model.earlier import Model
 from thermobearing.model.options import EndFace, Stacked
 from thermobearing.model.stack import Scheme
@@ -37,6 +37,7 @@ def bridge(
     damping: DampingKind | None = None,
     scheme: Scheme | None = None,
     integrator: Integrator | None = None,
+    hardening: Hardening | None = None,
     heat_source: HeatSource | None = None,
     lead_ends: LeadEnds | None = None,
     upper_face: EndFace | None = None,
@@ -69,6 +70,7 @@ def bridge(
         says (pier-p1 and your own: modal; hybrid-pier: source).
     scheme : "conservative" (default) or "published" heat scheme.
     integrator : "exact" (default) or "euler" integration of Z.
+    hardening : "printed" (default, Eq. 4.34), or "monotone": unloading that never goes up.
     heat_source : "work" (Eq. 4.22) or "dissipation"; by default dissipation for natural rubber
         (LRB), which gives its elastic work back, and work for the others.
     lead_ends : how lead passes heat to steel: "finite-plate" (default) or "half-space"
@@ -114,6 +116,7 @@ def bridge(
         damping=damping,
         scheme=scheme,
         integrator=integrator,
+        hardening=hardening,
         heat_source=heat_source,
         lead_ends=lead_ends,
         upper_face=upper_face,
@@ -139,6 +142,7 @@ def hybrid(
     damping: DampingKind | None = None,
     scheme: Scheme | None = None,
     integrator: Integrator | None = None,
+    hardening: Hardening | None = None,
     heat_source: HeatSource | None = None,
     lead_ends: LeadEnds | None = None,
     upper_face: EndFace | None = None,
@@ -165,7 +169,7 @@ def hybrid(
         of the actuator, `force_noise` (standard deviation of the measured force) and its
         `seed`; numbers as text with their unit.
     weather, duration, dt, mass, damping, scheme, integrator : as of `bridge`.
-    heat_source, lead_ends, upper_face, lower_face, stack, model : as of `bridge`.
+    hardening, heat_source, lead_ends, upper_face, lower_face, stack, model : as of `bridge`.
     keep_every, executor, progress, misspelt : as of `bridge`.
 
     Returns
@@ -200,6 +204,7 @@ def hybrid(
         damping=damping,
         scheme=scheme,
         integrator=integrator,
+        hardening=hardening,
         heat_source=heat_source,
         lead_ends=lead_ends,
         upper_face=upper_face,

@@ -9,8 +9,10 @@ import numpy as np
 import tomli_w
 
 import thermobearing
+from thermobearing.bearing.temperature import TemperatureLaw
 from thermobearing.border.toml import to_table
 from thermobearing.identify.checks import CheckReport, checks_summary
+from thermobearing.identify.kinds import M_T, N_T
 from thermobearing.identify.posterior import Forecast, Samples
 from thermobearing.identify.result import Identification
 from thermobearing.results.directory import (
@@ -157,7 +159,11 @@ def bearing_table(found: Identification) -> dict[str, Any]:
         "description": f"{found.bearing.description} (identified from tests)".strip(),
         "citation": f"thermobearing {thermobearing.__version__} identify, {found.method}; {fitted}",
     }
-    table = to_table(found.bearing.model_copy(update=named))
+    law = _range_of_law(found)
+    if law is not found.bearing.temperature_law:
+        keys = ("temperature_law.coldest", "temperature_law.warmest")
+        sources |= dict.fromkeys(keys, "air of the tests; the rubber itself was warmer")
+    table = to_table(found.bearing.model_copy(update=named | {"temperature_law": law}))
     for key, source in sources.items():
         *tables, name = key.split(".")
         inner: Any = table
@@ -166,6 +172,22 @@ def bearing_table(found: Identification) -> dict[str, Any]:
         if name in inner and name not in named and not isinstance(inner[name], dict):
             inner[name] = {"value": inner[name], "source": source}
     return table
+
+
+def _range_of_law(found: Identification) -> TemperatureLaw | None:
+    """Where the fitted temperature law is known: the air of the tests, where m_T or n_T were free.
+
+    Tests at one temperature fix none; the rubber was warmer, but no test says how much.
+    """
+    law = found.bearing.temperature_law
+    if not {M_T, N_T} & set(found.uncertainty.estimates):
+        return law
+    ambients = [record.ambient for record in found.records]
+    low, high = min(ambients), max(ambients)
+    known = {"coldest": low, "warmest": high} if high > low else {"coldest": None, "warmest": None}
+    if law is None or law.temperatures is None:
+        return TemperatureLaw(**known) if high > low else None
+    return law.model_copy(update=known)
 
 
 def _sources(found: Identification) -> dict[str, str]:

@@ -28,14 +28,16 @@ from thermobearing.model.stack import (
     conservative_rates,
     published_rates,
 )
+from thermobearing.model.temperature import law_pieces
 
 Integrator = Literal["exact", "euler"]
+Hardening = Literal["printed", "monotone"]
 HeatSource = Literal["work", "dissipation"]
 LeadEnds = Literal["half-space", "finite-plate"]
 
 KELVIN_COEFFICIENT_SCALE = 100.0  # Eq. 4.34 divides T - 23 by 100
 SIDE_FLUX = 0.785  # of the flux from a core into the plates around it, Eq. 5.4
-SHARING_MARGIN = 0.2  # see docs/theory.md, "When a layer softens"
+SHARING_START, SHARING_FULL = 0.2, -0.2  # see docs/theory.md, "When a layer softens"
 
 
 def build_constants(
@@ -48,6 +50,7 @@ def build_constants(
     integrator: Integrator = "exact",
     heat_source: HeatSource = "work",
     lead_ends: LeadEnds = "half-space",
+    hardening: Hardening = "printed",
 ) -> Constants:
     """The numbers one coupled step needs, from a bearing and its stack.
 
@@ -62,9 +65,10 @@ def build_constants(
         network = lead_network(bearing, stack, upper, lower)
     upper_middle, lower_middle = stack.middles()
     return Constants(
-        rubber=_rubber(bearing, integrator),
+        rubber=_rubber(bearing, integrator, monotone=hardening == "monotone"),
         lead=lead,
         viscous=_viscous(bearing, heats=scheme != "published"),
+        law=law_pieces(bearing.temperature_law),
         multiplicity=stack.multiplicity,
         layer_cells=filled(
             LayerCells,
@@ -105,7 +109,7 @@ def with_parameters(constants: Constants, bearing: Bearing, stack: Stack) -> Con
     integrator: Integrator = "euler" if constants.rubber.integrator == EULER else "exact"
     lead, _, _ = _lead(bearing, stack, published=constants.lead.published)
     return constants._replace(
-        rubber=_rubber(bearing, integrator),
+        rubber=_rubber(bearing, integrator, monotone=constants.rubber.monotone),
         lead=lead,
         viscous=_viscous(bearing, heats=constants.viscous.heats),
     )
@@ -151,7 +155,7 @@ def _viscous(bearing: Bearing, *, heats: bool) -> Viscous:
     return Viscous(bearing.rate.stiffness, bearing.rate.damping / bearing.rate.stiffness, heats)
 
 
-def _rubber(bearing: Bearing, integrator: Integrator) -> Rubber:
+def _rubber(bearing: Bearing, integrator: Integrator, *, monotone: bool) -> Rubber:
     """Numbers of one rubber layer (Eq. 4.34-4.37)."""
     h, virgin = bearing.hysteresis, bearing.scragging
     return Rubber(
@@ -162,6 +166,7 @@ def _rubber(bearing: Bearing, integrator: Integrator) -> Rubber:
         hysteretic_exponent=h.hysteretic_temperature_coefficient / KELVIN_COEFFICIENT_SCALE,
         reference_temperature=h.reference_temperature,
         hardening=h.hardening / bearing.geometry.rubber_thickness**2,
+        monotone=monotone,
         yield_displacement=h.yield_displacement,
         unloading_curvature=(1.0 - h.shape) / ((1.0 + h.shape) * h.yield_displacement**2),
         integrator=EULER if integrator == "euler" else EXACT,
@@ -172,5 +177,6 @@ def _rubber(bearing: Bearing, integrator: Integrator) -> Rubber:
         mullins_amplitude=virgin.mullins_amplitude if virgin else 0.0,
         mullins_decay=virgin.mullins_decay if virgin else 1.0,
         mullins_renewal=virgin.mullins_renewal if virgin else 1.0,
-        sharing_margin=SHARING_MARGIN,
+        sharing_start=SHARING_START,
+        sharing_full=SHARING_FULL,
     )

@@ -27,6 +27,7 @@ from thermobearing.core.types import (
 )
 from thermobearing.model.limits import limits_of_a_step
 from thermobearing.model.stack import MM_PER_M, Stack
+from thermobearing.model.temperature import no_table
 
 Model = Literal[
     "multi-layer",
@@ -37,6 +38,7 @@ Model = Literal[
     "temperature-blind",
     "bilinear",
 ]
+BLIND = ("temperature-blind", "bilinear")  # the rubber's stiffness has no temperature
 UNCHANGING = 1e12  # factor on heat capacities that keeps a temperature where it is
 TIGHT = 1e6  # lead exchanges heat this fast with the single temperature [kN mm/(s K)]
 STIFFNESS_RATIO = 6.5  # K1/K2 of the bilinear model, usual in Japanese design of bridges
@@ -138,7 +140,8 @@ def temperature_blind(constants: Constants) -> Constants:
     Eq. 4.34 with m_T = n_T = 0, lead of constant strength. Temperatures are still computed.
     """
     rubber = constants.rubber._replace(elastic_exponent=0.0, hysteretic_exponent=0.0)
-    return constants._replace(rubber=rubber, lead=constants.lead._replace(softening=0.0))
+    lead = constants.lead._replace(softening=0.0)
+    return constants._replace(rubber=rubber, lead=lead, law=no_table())
 
 
 def bilinear(constants: Constants, parameters: BilinearParameters) -> Constants:
@@ -153,6 +156,7 @@ def bilinear(constants: Constants, parameters: BilinearParameters) -> Constants:
         rubber=_backbone_rubber(constants.rubber.layer_count, parameters),
         lead=_backbone_spring(parameters, constants.lead.fold),
         viscous=constants.viscous._replace(stiffness=0.0),
+        law=no_table(),
         cells=cells,
         lead_cells=rows(LeadCell, 0),
     )
@@ -177,6 +181,7 @@ def bilinear_constants(parameters: BilinearParameters) -> Constants:
     1.0
     """
     return Constants(
+        law=no_table(),
         rubber=_backbone_rubber(1.0, parameters),
         lead=_backbone_spring(parameters, 1.0),
         viscous=Viscous(0.0, 1.0, heats=False),
@@ -203,6 +208,7 @@ def _backbone_rubber(count: float, parameters: BilinearParameters) -> Rubber:
         hysteretic_exponent=0.0,
         reference_temperature=0.0,
         hardening=0.0,
+        monotone=False,
         yield_displacement=1.0,
         unloading_curvature=0.0,
         integrator=EXACT,
@@ -212,7 +218,8 @@ def _backbone_rubber(count: float, parameters: BilinearParameters) -> Rubber:
         mullins_amplitude=0.0,
         mullins_decay=1.0,
         mullins_renewal=1.0,
-        sharing_margin=0.0,
+        sharing_start=0.0,
+        sharing_full=-1.0,
     )
 
 

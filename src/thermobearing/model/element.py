@@ -28,7 +28,7 @@ from thermobearing.core.types import (
     new_state,
     new_workspace,
 )
-from thermobearing.model.constants import HeatSource, Integrator, LeadEnds
+from thermobearing.model.constants import Hardening, HeatSource, Integrator, LeadEnds
 from thermobearing.model.earlier import Model
 from thermobearing.model.options import EndFace, ModelOptions, Stacked, build_model
 from thermobearing.model.outcomes import NAMES
@@ -66,6 +66,7 @@ class BearingElement:
     initial_lead : lead temperature at the start [degC]; that of the cells beside it by default.
     scheme : "conservative" (default) or "published" heat scheme.
     integrator : "exact" (default) or "euler" integration of Z.
+    hardening : "printed" (default, Eq. 4.34), or "monotone": unloading that never goes up.
     heat_source : "work" (Eq. 4.22) or "dissipation"; by default dissipation for natural rubber
         (LRB), which gives its elastic work back, and work for the others.
     lead_ends : how lead passes heat to steel: "finite-plate" (default) or "half-space"
@@ -97,6 +98,7 @@ class BearingElement:
         initial_lead: float | None = None,
         scheme: Scheme | None = None,
         integrator: Integrator | None = None,
+        hardening: Hardening | None = None,
         heat_source: HeatSource | None = None,
         lead_ends: LeadEnds | None = None,
         upper_face: EndFace | None = None,
@@ -108,6 +110,7 @@ class BearingElement:
         given = {
             "scheme": scheme,
             "integrator": integrator,
+            "hardening": hardening,
             "heat_source": heat_source,
             "lead_ends": lead_ends,
             "upper_face": upper_face,

@@ -14,7 +14,13 @@ from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
 from thermobearing.border.schema import Strict, in_unit
 from thermobearing.core.types import Constants
-from thermobearing.model.constants import HeatSource, Integrator, LeadEnds, build_constants
+from thermobearing.model.constants import (
+    Hardening,
+    HeatSource,
+    Integrator,
+    LeadEnds,
+    build_constants,
+)
 from thermobearing.model.earlier import (
     BilinearParameters,
     apply_model,
@@ -65,6 +71,8 @@ class ModelOptions(Strict):
     model : "multi-layer" (default), or an earlier model to compare with (model/earlier.py).
     scheme : "conservative" (default) or "published" heat scheme.
     integrator : "exact" (default) or "euler" integration of Z.
+    hardening : "printed" (default, Eq. 4.34), or "monotone": the same where d and Z have one sign,
+        the whole loading branch, and unloading that never goes up (core/hardening.py).
     heat_source : "work" (Eq. 4.22) or "dissipation"; None for that of the bearing, see
         `default_heat_source`.
     lead_ends : how lead passes heat to steel: "finite-plate" (default: plates of finite
@@ -78,6 +86,7 @@ class ModelOptions(Strict):
     model: ModelName = "multi-layer"
     scheme: Scheme = "conservative"
     integrator: Integrator = "exact"
+    hardening: Hardening = "printed"
     heat_source: HeatSource | None = None
     lead_ends: LeadEnds | None = None
     stack: Stacked = "auto"
@@ -194,6 +203,7 @@ def build_model(
         integrator=options.integrator,
         heat_source=options.heat_source or default_heat_source(bearing),
         lead_ends=options.lead_ends or "half-space",
+        hardening=options.hardening,
     )
     if options.model == "bilinear" and backbone is None:
         raise InputError('model "bilinear" is for tests and earthquakes; give bilinear constants')

@@ -1,0 +1,88 @@
+"""The hardening term of a layer (Eq. 4.34), and at which strain it is taken.
+
+    f = ke d + (1 + B s^2) kh Z,   s = (1 - w) d + w x/N,   B = b/t_r^2
+
+w = 0 is the print. Where a strained layer unloads, d and Z have opposite signs, and the hardening
+makes the layer tangent small or negative; there w goes to 1 (sharing.py says why). With
+`monotone` the law itself is changed there, and there only: B s^2 goes on as a straight line from
+the strain where its slope could take more than 1 - `sharing_start` of ke. Every tangent is then
+at least `sharing_start` ke, and w stays 0.
+"""
+
+import math
+
+from thermobearing.core.compile import compiled
+from thermobearing.core.hysteresis import euler_increment, exact_increment
+from thermobearing.core.records import Rows
+from thermobearing.core.types import EULER, Layer, LayerWork, Rubber
+
+
+@compiled
+def strain_factor(rubber: Rubber, ke: float, kh: float, s: float, z: float) -> tuple[float, float]:
+    """B s^2 and its derivative by s, or what stands for them where s and Z differ in sign."""
+    b = rubber.hardening
+    if rubber.monotone and s * z < 0.0:
+        steepest = (1.0 - rubber.sharing_start) * ke / (kh * rubber.yield_displacement)
+        if 2.0 * b * abs(s) > steepest:
+            return steepest * (abs(s) - 0.25 * steepest / b), math.copysign(steepest, s)
+    return b * s * s, 2.0 * b * s
+
+
+@compiled
+def force_and_tangent(
+    rubber: Rubber, ke: float, kh: float, d: float, z: float, slope: float, mean: float, w: float
+) -> tuple[float, float]:
+    """Layer force [kN] and tangent [kN/mm] from d, Z and dZ/dd (Eq. 4.34, hardening at s)."""
+    s = (1.0 - w) * d + w * mean
+    more, by_s = strain_factor(rubber, ke, kh, s, z)
+    hardening = 1.0 + more
+    by_strain = by_s * (1.0 - w) * z
+    return ke * d + hardening * kh * z, ke + kh * (hardening * slope + by_strain)
+
+
+@compiled
+def margin(rubber: Rubber, ke: float, kh: float, layer: Layer, step: float) -> tuple[float, float]:
+    """Layer tangent / ke at w = 0 after the increment `step`, and its derivative [1/mm].
+
+    Z' is that of motion towards larger |Z| whichever way the layer moves, so that the margin is
+    a function of d and Z alone and does not jump where the motion turns. 1 where d and Z have
+    one sign: hardening only stiffens there.
+    """
+    b, d_y = rubber.hardening, rubber.yield_displacement
+    sigma = 1.0 if step >= 0.0 else -1.0
+    loading = sigma * layer.d >= 0.0 and sigma * layer.z >= 0.0
+    d = layer.d + step
+    harmless = 2.0 * b * abs(d) * kh * d_y <= (1.0 - rubber.sharing_start) * ke
+    if loading or harmless:
+        return 1.0, 0.0
+    if rubber.integrator == EULER:
+        z, by = euler_increment(layer.z, step, d_y, rubber.unloading_curvature)
+    else:
+        z, by = exact_increment(layer.z, step, d_y, rubber.unloading_curvature)
+    if d * z >= 0.0:
+        return 1.0, 0.0
+    slope = 1.0 - (z / d_y) * (z / d_y)
+    by_slope = -2.0 * z * by / (d_y * d_y)
+    hardening = 1.0 + b * d * d
+    value = 1.0 + kh / ke * (hardening * slope + 2.0 * b * d * z)
+    rate = kh / ke * (2.0 * b * (d * slope + z + d * by) + hardening * by_slope)
+    return value, rate
+
+
+@compiled
+def weight(rubber: Rubber, old: Rows[Layer], work: LayerWork, step: float) -> tuple[float, float]:
+    """w, and its derivative by the increment `step` of all layers [1/mm]."""
+    smallest, rate = 1.0, 0.0
+    if rubber.monotone:
+        return 0.0, 0.0
+    for j in range(len(old)):
+        value, by = margin(rubber, work.elastic[j], work.hysteretic[j], old[j], step)
+        if value < smallest:
+            smallest, rate = value, by
+    width = rubber.sharing_start - rubber.sharing_full
+    t = (rubber.sharing_start - smallest) / width
+    if t <= 0.0:
+        return 0.0, 0.0
+    if t >= 1.0:
+        return 1.0, 0.0
+    return t * t * (3.0 - 2.0 * t), -6.0 * t * (1.0 - t) / width * rate

@@ -1,0 +1,196 @@
+"""A table beside the exponents of Eq. 4.34, the stated range, and what is said beyond it."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import thermobearing as tb
+from tests.conftest import Recorder
+from tests.tolerances import ISOTHERMAL_FORCE, LOOP, TABLE_SLOPE
+from tests.verification.models import Run, assembled, changed, marched, sine, specimen
+from thermobearing.bearing.model import Bearing
+from thermobearing.bearing.temperature import TemperatureLaw
+from thermobearing.commands.check import bearing_facts
+from thermobearing.core.step import tabled
+from thermobearing.model.constants import with_parameters
+from thermobearing.model.stack import build_stack
+from thermobearing.model.temperature import law_pieces
+
+# G_eq over that at 20 degC, measured, of a high damping rubber for buildings (Toyo, G0.35).
+MEASURED = {-20: 1.47, -10: 1.22, 0: 1.14, 10: 1.05, 20: 1.00, 30: 0.99, 40: 0.93}
+NO_EXPONENTS = {"elastic_temperature_coefficient": 0.0, "hysteretic_temperature_coefficient": 0.0}
+
+
+def tabled_bearing(elastic: Any, hysteretic: Any, temperatures: Any = tuple(MEASURED)) -> Bearing:
+    """The specimen with a table that is the whole law."""
+    law = TemperatureLaw(
+        temperatures=[float(t) for t in temperatures],
+        elastic=[float(f) for f in elastic],
+        hysteretic=[float(f) for f in hysteretic],
+    )
+    return changed(specimen(), hysteresis=NO_EXPONENTS).model_copy(update={"temperature_law": law})
+
+
+def cycles(bearing: Bearing, temperature: float) -> Run:
+    """Two cycles of 150 %."""
+    x = sine(bearing, strain=1.5, period=4.0, cycles=2, dt=5e-3)
+    return marched(assembled(bearing), x, 5e-3, temperature, temperature)
+
+
+@pytest.mark.parametrize("temperature", [-45.0, -13.0, 23.0, 38.0])
+def test_a_table_of_the_exponential_law_is_that_law(temperature: float) -> None:
+    """Inside the table and beyond both ends: a straight line of the logarithm goes on straight."""
+    h = specimen().hysteresis
+    warmer = (np.array(list(MEASURED)) - h.reference_temperature) / 100.0
+    elastic = np.exp(h.elastic_temperature_coefficient * warmer)
+    hysteretic = np.exp(h.hysteretic_temperature_coefficient * warmer)
+    found = cycles(tabled_bearing(elastic, hysteretic), temperature)
+    wanted = cycles(specimen(), temperature)
+    force = wanted.books["force"]
+    atol = ISOTHERMAL_FORCE * np.abs(force).max()
+    assert_allclose(found.books["force"], force, rtol=0.0, atol=atol)
+
+
+def test_table_is_met_and_monotone_and_smooth_between() -> None:
+    factors = list(MEASURED.values())
+    law = tabled_bearing(factors, np.square(factors)).temperature_law
+    pieces = law_pieces(law)
+    at = np.linspace(-40.0, 60.0, 2001)
+    elastic, hysteretic = np.array([tabled(pieces, t) for t in at]).T
+    for t, factor in MEASURED.items():
+        assert_allclose(np.exp(tabled(pieces, float(t))), [factor, factor**2], rtol=LOOP)
+    assert (np.diff(elastic) < 0.0).all()  # the table falls everywhere
+    assert_allclose(hysteretic, 2.0 * elastic, rtol=LOOP, atol=LOOP)
+    slope = np.diff(elastic) / np.diff(at)
+    assert np.abs(np.diff(slope)).max() < TABLE_SLOPE  # no kink where two pieces meet
+    assert_allclose(np.diff(slope[at[:-1] < -20.05]), 0.0, atol=LOOP)  # straight beyond the ends
+    assert_allclose(np.diff(slope[at[:-1] > 40.0]), 0.0, atol=LOOP)
+
+
+def test_stiffness_is_that_of_the_table() -> None:
+    """At one temperature: the bearing whose K_r is multiplied by the factor, to rounding."""
+    at, factor = 40.0, MEASURED[40]
+    # Heat that no temperature feels: the first steps, before the rubber warms.
+    found = cycles(tabled_bearing(MEASURED.values(), MEASURED.values()), at)
+    h = specimen().hysteresis
+    softer = changed(
+        specimen(), hysteresis=NO_EXPONENTS | {"layer_stiffness": factor * h.layer_stiffness}
+    )
+    assert_allclose(found.books["force"][0], cycles(softer, at).books["force"][0], rtol=LOOP)
+
+
+def test_the_exponential_law_is_too_soft_when_warm(measured: Recorder) -> None:
+    """Against the measured table: the specimen's law at 40 degC, relative to 20 degC."""
+    strain = {"strain": [1.75], "cycles": 1}
+    warm, usual = (
+        tb.run("shen-hdr-specimen", tb.cyclic_test(**strain), t).cycles["G_eq_MPa"].iloc[0]
+        for t in (40.0, 20.0)
+    )
+    off = float(warm / usual / MEASURED[40] - 1.0)
+    measured("G_eq at 40 over 20 degC, law against a measured table", f"{100 * off:+.0f} %", "told")
+    assert -0.25 < off < -0.10
+
+
+def test_parameters_of_a_fit_leave_the_table_alone() -> None:
+    bearing = tabled_bearing(MEASURED.values(), MEASURED.values())
+    constants = assembled(bearing)
+    other = changed(bearing, hysteresis={"hysteretic_temperature_coefficient": -1.0})
+    again = with_parameters(constants, other, build_stack(bearing, half=True))
+    assert again.law is constants.law
+    assert again.rubber.hysteretic_exponent == -0.01
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"coldest": 0.0}, "give both coldest and warmest"),
+        ({"coldest": 10.0, "warmest": 0.0}, "coldest must be below warmest"),
+        ({"temperatures": [0.0, 1.0]}, "a table needs temperatures, elastic and hysteretic"),
+        ({"temperatures": [1.0, 0.0], "elastic": [1.0, 1.0], "hysteretic": [1.0, 1.0]}, "grow"),
+        ({"temperatures": [0.0, 1.0], "elastic": [1.0], "hysteretic": [1.0, 1.0]}, "equally long"),
+        ({"temperatures": [0.0, 1.0], "elastic": [1.0, 0.0], "hysteretic": [1.0, 1.0]}, "0.001"),
+    ],
+)
+def test_a_broken_law_is_told(given: dict[str, Any], said: str) -> None:
+    with pytest.raises(tb.InputError, match=said):
+        TemperatureLaw(**given)
+
+
+def test_extrapolation_is_said() -> None:
+    """Colder than the tests; warmer, since the rubber heats up; and nothing in between."""
+    test = tb.cyclic_test(strain=[1.75], cycles=3)
+    cold = tb.run("shen-hdr-specimen", test, [-30.0, 0.0])
+    assert len(cold.warnings) == 1
+    assert "identified at -20 to 34 degC" in cold.warnings[0]
+    assert "in 1 run, where rubber layers are at -30.0 to " in cold.warnings[0]
+    assert "(-30 degC)" in cold.warnings[0]
+    assert cold.summary()["warnings"] == cold.warnings
+    layers, time = cold["rubber_temperature"].values[0], cold.time(0)
+    outside = np.diff(time, prepend=time[0])[(layers < -20.1).any(axis=1)].sum()
+    assert f"at most {outside:.3g} s" in cold.warnings[0]
+    assert "at 34 to " not in cold.warnings[0]
+    assert tb.run("shen-hdr-specimen", test, [-20.0, 0.0]).warnings == []
+    assert tb.run("shen-hdr-specimen", test, -30.0, model="temperature-blind").warnings == []
+    warm = tb.run("shen-hdr-specimen", test, 32.0)
+    assert "in 1 run, where rubber layers are at 32.0 to " in warm.warnings[0]
+
+
+def test_extrapolation_is_said_of_earthquakes(capsys: pytest.CaptureFixture[str]) -> None:
+    from thermobearing.earthquake.screen import print_study
+
+    study = tb.bridge("shen-hdr-bridge", "jra-ii-i-1", [23.0, -30.0], duration=1.0)
+    assert len(study.warnings) == 1
+    assert "outside for at most 1 s (jra-ii-i-1, -30 degC)" in study.warnings[0]
+    assert study.summary()["warnings"] == study.warnings
+    print_study(study)
+    assert "the temperature law was identified" in capsys.readouterr().out
+    assert tb.bridge("shen-bilinear-bridge", "jra-ii-i-1", -30.0, duration=0.5).warnings == []
+
+
+def test_check_tells_the_range() -> None:
+    def said(bearing: Bearing) -> str:
+        return bearing_facts(bearing)["temperatures"]
+
+    assert said(specimen()) == "law identified at -20 to 34 degC"
+    assert said(tb.load_bearing("lrb-example")).startswith(
+        "the range of the temperature law is not"
+    )
+    table = tabled_bearing(MEASURED.values(), MEASURED.values())
+    assert said(table) == "law identified at -20 to 40 degC, a table of 7 times m_T and n_T"
+
+
+def test_a_table_in_a_file(tmp_path: Path) -> None:
+    """Units on every temperature, kept when it is written again."""
+    from thermobearing.border.toml import to_table
+
+    source = Path(tb.__file__).parent / "data/bearings/shen-hdr-specimen.toml"
+    table = '[temperature_law]\ntemperatures = ["-20 degC", "313.15 K"]\nelastic = [1.4, 0.9]\n'
+    head, tail = source.read_text().split("[temperature_law]")
+    rest = tail[tail.index("[cells]") :]
+    path = tmp_path / "mine.toml"
+    path.write_text(f"{head}{table}hysteretic = [2.0, 0.8]\n{rest}")
+    law = tb.load_bearing(path).temperature_law
+    assert law is not None
+    assert law.range == (-20.0, 40.0)
+    assert to_table(tb.load_bearing(path))["temperature_law"]["elastic"] == [1.4, 0.9]
+
+
+def test_a_fit_states_the_range_of_its_own_tests() -> None:
+    """Of two temperatures where n_T was free; that of the template where it was not."""
+    from thermobearing.identify.files import bearing_table
+
+    test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
+    records = [
+        tb.identify.synthetic_record(specimen(), ambient, test, noise=0.0)
+        for ambient in (-10.0, 15.0)
+    ]
+    options: dict[str, Any] = {"starts": 1, "blind": False}
+    free = tb.identify_bearing(records, specimen(), free=["n_T"], **options)
+    law = bearing_table(free)["temperature_law"]
+    assert (law["coldest"]["value"], law["warmest"]["value"]) == ("-10.0 degC", "15.0 degC")
+    assert law["warmest"]["source"].startswith("air of the tests")
+    held = tb.identify_bearing(records, specimen(), free=["K_r"], **options)
+    assert bearing_table(held)["temperature_law"]["warmest"]["value"] == "34.0 degC"
