@@ -55,10 +55,8 @@ def begin_bearings(bearings: Bearings) -> None:
 
 
 @compiled
-def settle_bearings(
-    system: System, bearings: Bearings, motion: Motion, dt: float, ambient: float
-) -> int:
-    """Heat and books of the bearings' trials at `motion.stretches`, once they are accepted.
+def settle_bearings(bearings: Bearings, ambient: float) -> int:
+    """Heat and books of the bearings' last trials, once they are accepted.
 
     Returns an outcome of the coupled step.
     """
@@ -66,11 +64,8 @@ def settle_bearings(
         kind = bearings[k]
         for m in range(len(kind.lines)):
             state, work = state_of(kind.states, m), work_of(kind, m)
-            trial = state_of(kind.trials, m)
-            line, b = system.lines[kind.lines[m]], kind.lines[m]
-            dx = line.length_factor * motion.stretches[b] - state.books[0].displacement
-            own_dt = bearing_dt(line, dt, dx)
-            outcome = settle(kind.constants, work, state, own_dt, ambient, trial)
+            trial, dt = state_of(kind.trials, m), kind.durations[m]
+            outcome = settle(kind.constants, work, state, dt, ambient, trial)
             if outcome != COMPLETED:
                 return outcome
     return COMPLETED
@@ -89,6 +84,7 @@ def move_bearings(
             line, b = system.lines[kind.lines[m]], kind.lines[m]
             x = line.length_factor * motion.stretches[b]
             own_dt = bearing_dt(line, dt, x - state.books[0].displacement)
+            kind.durations[m] = own_dt
             force, slope, outcome = move(kind.constants, work, state, x, own_dt, trial)
             if outcome != COMPLETED and outcome != SOFTENED:
                 return outcome

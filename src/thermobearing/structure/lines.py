@@ -30,6 +30,7 @@ class Kind(NamedTuple):
 
     constants: Constants
     lines: Ints  # [m] their numbers in the structure
+    durations: Floats  # [m] of the trial, on the bearing's own clock [s]
     work: Workspace
     elastic: Floats  # [m, L] of LayerWork: it lasts from the first trial of a step to its end
     hysteretic: Floats  # [m, L]
@@ -102,5 +103,6 @@ def build_bearings(
         )
         elastic, hysteretic = np.zeros((2, len(numbers), len(one.multiplicity)))
         work = new_workspace(one)
-        found.append(Kind(one, np.array(numbers), work, elastic, hysteretic, states, trials))
+        lines, durations = np.array(numbers), np.zeros(len(numbers))
+        found.append(Kind(one, lines, durations, work, elastic, hysteretic, states, trials))
     return tuple(found)
