@@ -113,7 +113,7 @@ FE_LEAD = 2.5  # K of 73 K: the half-space formula with p = 1/2
 FE_CELLS = 0.15  # K of 24 K, eight cells a layer; 0.09 measured
 FE_MODE = 1e-5  # of the peak: biquadratic, 16 x 8 elements, 200 steps; 1e-6 measured
 KERNEL_LEAD = 1.5  # K of 57 to 217 K, at any time; 1.2 measured
-KERNEL_SEALED = 4.5  # K of 35 to 137 K, with sealing plates that the core touches; 3.7 measured
+KERNEL_SEALED = 2.0  # K of 35 to 136 K, with sealing plates that the core touches; 1.5 measured
 ENDS_STEP = 0.02  # K of 80 K when 2.5 ms steps are halved
 ENDS_RINGING = 0.01  # K of 80 K after 300 steps of 100 to 10 000 s; 2 mK measured
 ENDS_HALF_SHIM = 0.01  # K of 80 K: the middle shim as one cell or as half a cell; 4 mK measured

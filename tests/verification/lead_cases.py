@@ -90,6 +90,7 @@ SEALED = {
     "specimen": Case(touching(SPECIMEN, True), 1.0, 10, 2.0),
     "bridge": Case(touching(BRIDGE, True), 1.75, 5, 3.0),
     "900/180, 20 mm": Case(sealed(lead_rubber(*LARGE), 20.0), 1.0, 10, 2.0),
+    "500/60, 15 mm": Case(sealed(lead_rubber(*SLENDER), 15.0), 1.0, 10, 2.0),
 }
 
 

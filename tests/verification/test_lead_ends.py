@@ -16,7 +16,7 @@ from tests.verification.models import assembled, changed
 from thermobearing.core.step import step
 from thermobearing.core.types import new_state, new_workspace
 from thermobearing.model import lead_impedance as way
-from thermobearing.model.lead_ends import core_of, end_impedance, side_of
+from thermobearing.model.lead_ends import core_of, end_of, side_of
 from thermobearing.model.stack import Face, build_stack
 
 
@@ -78,7 +78,7 @@ def test_few_terms_are_enough(name: str, measured: Recorder) -> None:
     bearing = touching(name, True)
     stack = build_stack(bearing, half=True)
     core = core_of(bearing, stack)
-    end, side = end_impedance(bearing, core, math.inf), side_of(bearing, stack, core).impedance
+    (end, _), side = end_of(bearing, core, math.inf), side_of(bearing, stack, core).impedance
     worst = 0.0
     for impedance in (end, side):
         a, tau = way.fitted(impedance)

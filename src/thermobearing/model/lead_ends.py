@@ -38,9 +38,6 @@ from thermobearing.model.stack import Face, Stack, film_at_face
 Term = tuple[float, float, int, float, int, float]
 
 COMMON = 2  # modes of the core that act on ends and side
-# Of end plate and sealing plate around one foot: how much of the smaller impedance each feels of
-# the other's heat. By finite elements, as `end_spreading` (docs/verification.md).
-FELT = 0.3
 
 
 @dataclass(frozen=True)
@@ -135,21 +132,33 @@ def side_of(bearing: Bearing, stack: Stack, core: Core) -> Side:
     return Side(shims, shares, impedance, felt, uneven[:, None] * per_height)
 
 
-def end_impedance(bearing: Bearing, core: Core, film: float) -> Floats:
-    """End of a core, or its foot, less the plates around it (mean over the plan)."""
+def end_of(bearing: Bearing, core: Core, film: float) -> tuple[Floats, Floats]:
+    """End of a core, or its foot: less the plates around it, and [AXIAL] of the core's modes.
+
+    A foot gives heat to the end plate through its end and to the sealing plate through its
+    wall: there in the half that is nearer to the middle, from where the heat comes.
+    """
     g, m, lead = bearing.geometry, bearing.materials, bearing.lead
     assert lead is not None
     assert m.lead is not None
-    sealed = g.sealing_plate_thickness > 0.0
-    below = None if sealed else (m.rubber, g.rubber_thickness, g.shim_thickness)
-    plate = disc_on_plate(m.steel, g.end_plate_thickness, film, core.radius, core.plan, below)
+    below = (m.rubber, g.rubber_thickness, g.shim_thickness)
+    plate = disc_on_plate(
+        m.steel,
+        g.end_plate_thickness,
+        film,
+        core.radius,
+        core.plan,
+        None if g.sealing_plate_thickness > 0.0 else below,
+    )
     if core.foot == 0.0:
-        return lead.end_spreading * plate
+        return lead.end_spreading * plate, np.ones(AXIAL)
     heat = fin_heat(m.steel, core.foot, m.rubber, g.rubber_thickness, faces=1)
     around = fin(m.steel, core.foot, heat, core.radius, core.plan)
     around += core_to_wall(m.lead, core.foot, core.radius)
-    common = FELT * np.minimum(plate, around)
-    return (plate * around - common**2) / (plate + around - 2.0 * common)
+    down = float(np.median(around / (plate + around)))  # of the heat, through the end
+    n, part = np.arange(1, AXIAL + 1), core.foot / core.half
+    wall = np.cos(0.75 * np.pi * n * part) * np.sinc(0.25 * n * part)
+    return plate * around / (plate + around), down + (1.0 - down) * wall
 
 
 def end_cells(stack: Stack, core: Core) -> list[Any]:
@@ -197,10 +206,9 @@ def lead_network(bearing: Bearing, stack: Stack, upper: Face, lower: Face | None
     first = 0 if side is None else 1
     beside = 0.0 if side is None else side.beside
     modes = core_modes(material, core.half, core.radius, beside)
-    at_end = np.sinc(np.arange(1, AXIAL + 1) * core.foot / core.half)
     faces = [upper] if lower is None else [upper, lower]
     for end, (touched, face) in enumerate(zip(end_cells(stack, core), faces, strict=True)):
-        own = end_impedance(bearing, core, film_at_face(face, stack, 0))
+        own, at_end = end_of(bearing, core, film_at_face(face, stack, 0))
         cells += [(cell, first + end, 1.0 / len(touched)) for cell in touched]
         terms += end_terms(own, modes, at_end, side, first + end, stack.fold)
     cell, port, share = np.array(cells).T
