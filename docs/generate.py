@@ -74,26 +74,27 @@ the middle of its parabola (`cells.rubber = 8` mends that). `published` has the 
 (P4) and the inside too hot while it cools (P1); a single temperature is too low inside and too
 high outside.
 
-The source's formula for the heat that leaves lead (`lead_ends = "half-space"`) is the weak part. With
-p = 1/2 it suits the confined core of the specimen at the end of a loading, but the lead runs low while
-it cools, and the taller core of the bridge bearing runs low by a fifth of its rise: what is missing is
-the core's own conduction and the finite plate. Neither the clock, nor another p, nor the exact
-superposition of the half-space response mends this. Cores in touch with the shims are left too hot
-while loaded, and worse when loaded again, since a long rest starts the clock anew;
-`surface_ratio = 0.7` cures one instant only.
+The source's formula for the heat that leaves lead (`lead_ends = "half-space"`) is the weak part.
+With p = 1/2 it suits the confined core of the specimen at the end of a loading, but the lead
+runs low while it cools, and the taller core of the bridge bearing runs low by a fifth of its
+rise: what is missing is the core's own conduction and the finite plate. Neither the clock, nor
+another p, nor the exact superposition of the half-space response mends this. Cores in touch with
+the shims are left too hot while loaded, and worse when loaded again, since a long rest starts
+the clock anew; `surface_ratio = 0.7` cures one instant only.
 
-`lead_ends = "finite-plate"`, the default, needs neither p nor clock ([theory.md](theory.md)). The rows "largest
-error, half-space and finite plates" compare both over a loading, two minutes of rest, the same loading and
-ten minutes of rest, for confined cores, with films and with faces held, and for cores in touch with shims:
-thin and thick layers, slender and stout cores, one and four, natural rubber and rubber that heats itself by
-35 K. The finite elements get the rubber's own heat too: it moves the lead by the layers' temperature beside
-it, which the cells have. One number is empirical: `lead.end_spreading` of
-confined cores (0.8 with sealing plates, chosen on the first case, kept in the others, 1 without). Ten round
-bearings drawn at random, 400 to 1300 mm, with one core or four (`python -m benchmarks.lead_drawn`), were looked at
-last: -1.5 to +1.0 K of 76 to 123 K, where the formula errs by -12 to +39 K.
+`lead_ends = "finite-plate"`, the default, needs neither p nor clock ([theory.md](theory.md)).
+The rows "largest error, half-space and finite plates" compare both over a loading, two minutes
+of rest, the same loading and ten minutes of rest, for confined cores, with films and with faces
+held, and for cores in touch with shims: thin and thick layers, slender and stout cores, one and
+four, natural rubber and rubber that heats itself by 35 K. The finite elements get the rubber's
+own heat too: it moves the lead by the layers' temperature beside it, which the cells have. One
+number is empirical: `lead.end_spreading` of confined cores (0.8 with sealing plates, chosen on
+the first case, kept in the others, 1 without). Ten round bearings drawn at random, 400 to 1300
+mm, with one core or four (`python -m benchmarks.lead_drawn`), were looked at last: -1.5 to +1.0
+K of 76 to 123 K, where the formula errs by -12 to +39 K.
 
-What the change of the default did, at -20 degC, 175 %, 0.5 Hz, eleven cycles, ten minutes, eleven cycles, and
-in jra-ii-i-1 (`python -m benchmarks.lead_defaults`; energy of single cycles):
+What the change of the default did, at -20 degC, 175 %, 0.5 Hz, eleven cycles, ten minutes,
+eleven cycles, and in jra-ii-i-1 (`python -m benchmarks.lead_defaults`; energy of single cycles):
 
 | | half-space (old) | finite plates (new) | change |
 |---|---|---|---|
@@ -133,9 +134,9 @@ in jra-ii-i-1 (`python -m benchmarks.lead_defaults`; energy of single cycles):
 | pier P1 on lrb-example: energy in the bearing, kJ | 117.3 | 116.8 | -0.57 |
 | pier P1 on lrb-example: pier ductility | 0.6991 | 0.6994 | +0.00027 |
 
-The lead of the LHDR bearings has constant strength (softening 0): there its temperature is nearly all that
-changes. In lrb-example, whose lead softens, the formula had Q_d 7 % low after eleven cycles and 4 % high in
-the first cycle after the rest."""
+The lead of the LHDR bearings has constant strength (softening 0): there its temperature is
+nearly all that changes. In lrb-example, whose lead softens, the formula had Q_d 7 % low after
+eleven cycles and 4 % high in the first cycle after the rest."""
 BENCH_IN_README = (
     "coupled_step",
     "whole_test",
