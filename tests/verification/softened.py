@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -11,8 +12,10 @@ from thermobearing.core.march import copy_state
 from thermobearing.core.records import Floats
 from thermobearing.core.step import step
 from thermobearing.core.types import SOFTENED, Constants, State, new_state, new_workspace
+from thermobearing.model.constants import Hardening
 
-PERIOD = 4.0  # of the sine [s]
+PERIOD, SLOW = 4.0, 12.0  # of the sine [s]; slow is 30 mm/s at 300 %, the speed of Table 3.4
+CYCLES = 5
 CUTS = 12  # trial displacements in one step
 SUSPECT = 2e-4  # change of force between two of them, of the peak, that is looked into
 CLOSED = 1e-6  # of the peak: an interval of trial displacements with less holds no jump
@@ -68,7 +71,7 @@ class Continuity:
 
 
 def continuity(
-    bearing: Bearing, temperature: float, strain: float, *, dt: float, cycles: float = 5.0
+    bearing: Bearing, temperature: float, strain: float, *, dt: float, period: float = PERIOD
 ) -> Continuity:
     """Is the force a continuous function of x within each step, and the tangent its slope?
 
@@ -76,7 +79,7 @@ def continuity(
     its end; where the force changes much between two, halving finds out whether it jumps.
     """
     trials = Trials(assembled(bearing), temperature, dt)
-    x = sine(bearing, strain=strain, period=PERIOD, cycles=cycles, dt=dt)
+    x = sine(bearing, strain=strain, period=period, cycles=CYCLES, dt=dt)
     new, softened, peak = new_state(trials.constants, trials.state.temperature), 0, 0.0
     jumps, errors = [], []
     for before, target in zip([0.0, *x], x, strict=False):
@@ -95,17 +98,25 @@ def continuity(
     return Continuity(len(x), softened, found / peak, np.array(errors))
 
 
-def cycles_of(bearing: Bearing, temperature: float, strain: float, dt: float) -> Run:
+def cycles_of(
+    bearing: Bearing,
+    temperature: float,
+    strain: float,
+    dt: float,
+    *,
+    period: float = PERIOD,
+    hardening: Hardening = "printed",
+) -> Run:
     """Five sine cycles."""
-    x = sine(bearing, strain=strain, period=PERIOD, cycles=5, dt=dt)
-    return marched(assembled(bearing), x, dt, temperature, temperature)
+    x = sine(bearing, strain=strain, period=period, cycles=CYCLES, dt=dt)
+    return marched(assembled(bearing, hardening=hardening), x, dt, temperature, temperature)
 
 
 def halving_errors(
-    bearing: Bearing, temperature: float, strain: float, steps: tuple[float, ...]
+    bearing: Bearing, temperature: float, strain: float, steps: tuple[float, ...], **how: Any
 ) -> Floats:
     """Rms difference of the forces from one time step to the next finer, of the peak force."""
-    runs = [cycles_of(bearing, temperature, strain, dt) for dt in steps]
+    runs = [cycles_of(bearing, temperature, strain, dt, **how) for dt in steps]
     every = [round(steps[0] / dt) for dt in steps]
     forces = [run.books["force"][each - 1 :: each] for run, each in zip(runs, every, strict=True)]
     peak = np.abs(forces[-1]).max()
@@ -114,7 +125,7 @@ def halving_errors(
 
 
 def moved_by_a_parameter(
-    bearing: Bearing, temperature: float, strain: float, *, change: float = 2.5e-5, dt: float = 5e-3
+    bearing: Bearing, temperature: float, strain: float, *, change: float = 2.5e-5, **how: Any
 ) -> float:
     """Largest change of a force sample, of the peak, when b, n_T, d_y or K_r changes by that."""
     names = (
@@ -123,10 +134,11 @@ def moved_by_a_parameter(
         "yield_displacement",
         "layer_stiffness",
     )
-    force = cycles_of(bearing, temperature, strain, dt).books["force"]
+    force = cycles_of(bearing, temperature, strain, 5e-3, **how).books["force"]
     largest = 0.0
     for name in names:
         value = getattr(bearing.hysteresis, name) * (1.0 + change)
-        other = cycles_of(changed(bearing, hysteresis={name: value}), temperature, strain, dt)
+        moved = changed(bearing, hysteresis={name: value})
+        other = cycles_of(moved, temperature, strain, 5e-3, **how)
         largest = max(largest, float(np.abs(other.books["force"] - force).max()))
     return largest / float(np.abs(force).max())

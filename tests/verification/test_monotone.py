@@ -6,9 +6,9 @@ from numpy.testing import assert_allclose
 
 import thermobearing as tb
 from tests.conftest import Recorder
-from tests.tolerances import CHORD, ENERGY_BOOKS, EQUAL_FORCE, TANGENT_BEARING
+from tests.tolerances import CHORD, ENERGY_BOOKS, EQUAL_FORCE, FIRST_ORDER, TANGENT_BEARING
 from tests.verification.models import assembled, changed, marched, sine, smooth_history, specimen
-from tests.verification.softened import Trials
+from tests.verification.softened import SLOW, Trials, halving_errors
 from tests.verification.test_softening import COLD, STRAINS, TEMPERATURES
 from thermobearing.bearing.model import Bearing
 from thermobearing.core.hardening import force_and_tangent, strain_factor
@@ -107,6 +107,15 @@ def test_tangent_is_the_derivative_of_the_force() -> None:
             errors.append(abs(tangent / slope - 1.0))
         copy_state(new, trials.state)
     assert np.quantile(errors, 0.9) < TANGENT_BEARING  # a layer may pass Z = 0 in between
+
+
+def test_the_coldest_slow_case_converges_with_the_time_step() -> None:
+    """Where the printed law does not: -60 degC, 350 %, at the speed of Table 3.4."""
+    name, temperature, strain = COLD[-1]
+    how = {"period": SLOW, "hardening": "monotone"}
+    steps = (10e-3, 5e-3, 2.5e-3)
+    errors = halving_errors(tb.load_bearing(name), temperature, strain, steps, **how)
+    assert errors[1] < FIRST_ORDER * errors[0]
 
 
 def test_what_it_changes(measured: Recorder) -> None:
