@@ -8,7 +8,9 @@ from numpy.typing import NDArray
 
 import thermobearing as tb
 from benchmarks.rows import Row, at_least, at_most, plain
+from thermobearing.identify.assumed import groups_of, shifted, usual_groups
 from thermobearing.identify.krill import krill_herd
+from thermobearing.identify.parameters import default_free, with_values
 from thermobearing.identify.record import TestRecord
 from thermobearing.identify.result import Identification
 from thermobearing.identify.run import identify_bearing
@@ -17,7 +19,7 @@ from thermobearing.identify.synthetic import forgotten, synthetic_record
 Floats = NDArray[np.float64]
 
 AMBIENTS = (-20.0, 0.0, 23.0)  # [degC]
-SEEDS, PROBLEMS = 10, 80
+SEEDS, PROBLEMS, FILES = 10, 80, 20
 BUDGET = 1000  # evaluations of each method in the table
 MEMORY = 0.8  # of the correlated noise
 LIMITS = {"HDR": 15.0, "LHDR": 40.0}  # [s], three tests on two cores
@@ -81,6 +83,54 @@ def coverage(memory: float) -> Row:
     kind = f"noise of correlation {memory:g}" if memory else "white noise"
     what = f"95 % intervals that hold the truth, {PROBLEMS} HDR problems, {kind}"
     return Row(what, share, "%", "85 to 99 %", 85.0 <= share <= 99.0)
+
+
+def file_off(kind: str) -> Row:
+    """Share of intervals that hold the truth, when what is not free is off as its source says."""
+    bearing = tb.load_bearing(NAMES[kind])
+    inside = []
+    for seed in range(FILES):
+        truth = with_another_file(bearing, seed)
+        found = identify_bearing(tests_of(truth, 300 + seed), bearing, starts=1)
+        inside += [
+            item.lower <= true_value(truth, key) <= item.upper
+            for key, item in found.uncertainty.estimates.items()
+        ]
+    share = 100.0 * float(np.mean(inside))
+    what = f"the same, {FILES} {kind} problems, white noise, fixed values off by their uncertainty"
+    return Row(what, share, "%", "85 to 99 %", 85.0 <= share <= 99.0)
+
+
+def with_another_file(bearing: tb.bearing.Bearing, seed: int) -> tb.bearing.Bearing:
+    """A bearing whose numbers that a fit takes from the file are off, by chance."""
+    rng = np.random.default_rng(seed)
+    for group in groups_of(bearing, default_free(bearing, AMBIENTS), usual_groups()):
+        off = float(np.clip(rng.normal(), -2.4, 2.4))
+        bearing = shifted(bearing, group, abs(off) if group.name == "E2" else off)
+    return bearing
+
+
+def yield_stress() -> list[Row]:
+    """LHDR whose lead is not that of the file, with the yield stress free and fixed."""
+    bearing = tb.load_bearing(NAMES["LHDR"])
+    fixed = [k for k in default_free(bearing, AMBIENTS) if k != "lead.yield_stress"]
+    rows = []
+    for name, free in (("free", None), ("fixed", fixed)):
+        errors, scores = [], []
+        for value in (10.0, 11.0, 13.0, 14.0):
+            truth = with_values(bearing, {"lead.yield_stress": value})
+            records = tests_of(truth, round(value))
+            for item in identify_bearing(
+                records, bearing, free=free, starts=1
+            ).uncertainty.estimates.values():
+                true = true_value(truth, item.parameter.kind.key)
+                if true:
+                    errors.append(abs(item.value / true - 1.0))
+                    scores.append(abs(item.value - true) / item.stderr_of_tests)
+        note = f"at most {max(scores):.1f} standard errors of the tests"
+        what = f"LHDR, lead of 10 to 14 MPa, 12 in the file, {name}: largest error"
+        rows.append(plain(what, 100.0 * max(errors), "%", note=note))
+    return rows
 
 
 def model_error() -> list[Row]:
@@ -172,6 +222,9 @@ def rows() -> list[Row]:
         *recovery("LHDR"),
         coverage(0.0),
         coverage(MEMORY),
+        file_off("HDR"),
+        file_off("LHDR"),
+        *yield_stress(),
         *model_error(),
         *known_functions(),
         *methods(),

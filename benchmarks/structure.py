@@ -21,7 +21,7 @@ from thermobearing.structure.run import Line, prepare_structure, run_structure
 
 STRUCTURE, BEARING, MOTION, LINE = "pier-p1", "shen-lhdr-bridge", "jra-ii-i-1", 5
 DT, DURATION, AMBIENT = 0.005, 40.0, -20.0
-LIMIT_MS, LIMIT_RATIO, LIMIT_STUDY = 40.0, 30.0, 6.0
+LIMIT_MS, LIMIT_RATIO, LIMIT_STUDY = 40.0, 100.0, 6.0
 THEIRS = "OpenSees, pier P1 on LeadRubberX with lead heating"
 
 
@@ -76,5 +76,7 @@ def rows() -> list[Row]:
     return [
         *found,
         plain(THEIRS, slow, "ms", note),
-        at_least("ratio of the two", slow / again, LIMIT_RATIO, note=f"ours {again:.1f} ms"),
+        at_least(
+            "ratio of the two, pier P1", slow / again, LIMIT_RATIO, note=f"ours {again:.1f} ms"
+        ),
     ]

@@ -14,6 +14,8 @@ from typing import Any
 
 DOCS = Path(__file__).parent
 README = DOCS.parent / "README.md"
+TEXTS = DOCS / "texts"  # written by hand, between the tables of verification.md
+SECTIONS = ("one_dimension", "factors", "lead", "structures", "source")
 MEASURED, BENCH = DOCS / "measured.json", DOCS / "bench.json"
 
 # Rows of the README, by the names that tests and benches give their numbers.
@@ -32,62 +34,13 @@ IN_README = (
     "pier-p1, bilinear bearings, force against OpenSees: peak, whole history",
     "energy books of pier P1, shen-lhdr-bridge, average-acceleration, of the input",
     "first period of pier-p1, published mass",
-    "lead, bridge, 175 %, 200 mm/s: largest error, half-space and finite plate",
+    "lead confined, bridge, 175 %: largest error, half-space and finite plates",
     "NRMSE of the real HDR test, with scragging",
     "energy errors of its cycles, with scragging",
     "K_B of G8 at 178 mm, 600 x 600 mm, 112 mm",
     "design loop from 50, 100, 200, 400 mm: displacement, rounds",
     "inner-layer rise, published over conservative, -20 degC, 250 %",
 )
-LEAD_TEXT = """## Lead core against OpenSees
-
-Heating agrees. LeadRubberX cools at half the rate of its own equations, and its clock counts from
-the domain's time zero instead of the start of the motion. Drawn by
-`python -m benchmarks.opensees_lead_figure OUT.png`.
-
-![Lead temperature, OpenSees beside this package](figures/opensees_lead.png)"""
-PIER_TEXT = """## Structures against OpenSees
-
-Both structures with linear and bilinear bearings, 20 s of a Level 2 motion. Drawn by
-`python -m benchmarks.opensees_pier_figure OUT.png`.
-
-![Histories of pier P1, OpenSees beside this package](figures/opensees_pier.png)"""
-SOURCE_TEXT = """## The bridge beside the source
-
-Colder means less strain, more pier displacement and less energy in the bearing on every motion
-tried, the four built-in ones and the real records above. "More force" does not hold everywhere:
-where the warm HDR bearing is strained beyond about 165 % it hardens, and where the pier yields in
-the cold it caps the force.
-
-The source's ductilities (about 1 at 23, up to 3 at -20 degC) and its energy drop at 0 degC
-(-9.3 %) are not met with the printed numbers, whichever mass matrix is used. The rows "rocking
-spring ten times as stiff" and "no damping but hysteresis" show what would: a foundation that
-hardly rocks, or no Rayleigh damping of the first mode. With the printed ground springs most of the
-pier's displacement is rocking, and their 10 % damping gives the first mode 6 %. The energy drop
-at -20 degC (-56.1 %) is met within a few per cent."""
-FE_TEXT = """## Is one dimension good enough?
-
-The rows "against finite elements" above compare layers and lead with an axisymmetric solution
-that gets the heat of our own run. In the layers of both specimens the conservative scheme is
-good, and practically all of its error in the HDR specimen is the two cells of a layer, which miss
-the middle of its parabola (`cells.rubber = 8` mends that). `published` has the lead far too cold
-(P4) and the inside too hot while it cools (P1); a single temperature is too low inside and too
-high outside.
-
-The lead-to-plate formula is the weak part. With p = 1/2 it suits the confined core of the
-specimen at the end of a loading, but the lead runs low while it cools, and the taller core of the
-bridge bearing runs low by a fifth of its rise: what is missing is the core's own conduction and
-the finite plate. Neither the clock, nor another p, nor the exact superposition of the half-space
-response mends this. Without confinement the formula for the wall leaves the lead too hot after
-loading; `surface_ratio = 0.7` cures that instant only, at the price of the cooling.
-
-`lead_ends = "finite-plate"` holds both, for confined cores: a kernel of about ten exponentials
-instead of the formula, without p and without a clock ([theory.md](theory.md)). The rows "largest
-error, half-space and finite plate" compare both at every time of loading and cooling. Its one
-empirical number is `lead.end_spreading`: 0.8 with sealing plates (chosen on the first case, kept
-in the others), 1 without. The formula stays the default, because it is the source's; take the
-finite plate whenever the temperature of confined lead matters, as it does when its strength
-depends on it. For unconfined cores there is no better closure here yet."""
 BENCH_IN_README = (
     "coupled_step",
     "whole_test",
@@ -162,10 +115,7 @@ def verification_text(measured: list[dict[str, str]], bench: dict[str, Any]) -> 
                 "Written by `make docs`; do not edit. The first table is what the tests measured "
                 "(each asserts its limit), the second what `make bench` measured.",
                 table(["what", "measured", "limit", "test"], test_rows(measured)),
-                FE_TEXT,
-                LEAD_TEXT,
-                PIER_TEXT,
-                SOURCE_TEXT,
+                *((TEXTS / f"{name}.md").read_text(encoding="utf-8").strip() for name in SECTIONS),
                 f"## Benches\n\n{about}",
                 table(["what", "measured", "target", "met"], bench_rows(bench)),
             ]

@@ -112,12 +112,16 @@ FE_LAYER = 2.5  # K of 20 to 30 K after loading: two cells a layer, flux of the 
 FE_LEAD = 2.5  # K of 73 K: the half-space formula with p = 1/2
 FE_CELLS = 0.15  # K of 24 K, eight cells a layer; 0.09 measured
 FE_MODE = 1e-5  # of the peak: biquadratic, 16 x 8 elements, 200 steps; 1e-6 measured
-KERNEL_LEAD = 1.2  # K of 65 to 113 K, at any time; 0.8 measured
+KERNEL_LEAD = 1.5  # K of 57 to 217 K, at any time; 1.2 measured
+KERNEL_SEALED = 2.0  # K of 35 to 136 K, with sealing plates that the core touches; 1.5 measured
 ENDS_STEP = 0.02  # K of 80 K when 2.5 ms steps are halved
 ENDS_RINGING = 0.01  # K of 80 K after 300 steps of 100 to 10 000 s; 2 mK measured
+ENDS_HALF_SHIM = 0.01  # K of 80 K: the middle shim as one cell or as half a cell; 4 mK measured
 ENDS_EXCESS = 1e-3  # of the excess: conduction of the plate cell within a step of 0.1 ms
 ENDS_LOST = 1e-6  # of the heat: what has reached the ambient within 5 ms
-KERNEL_SUM = 5e-3  # 400 x 200 modes; 3.4e-3 is left out of the plate's
+KERNEL_STEADY = 5e-3  # 400 or 200 modes; the lowest frequency is 1e-5 1/s, not zero
+KERNEL_FIT = 0.02  # of the impedance, at any frequency: two terms a decade
+KERNEL_VOLUMES = 2e-3  # 400 volumes
 FE_MESH = 0.1  # K between two meshes and steps: well below what is compared
 
 # --- Earlier models ----------------------------------------------------------------------
@@ -160,6 +164,7 @@ TABLE_H_B = 5e-5  # printed with four digits
 BACKBONE = 2e-3  # of peak and area: corners of the loop fall between 4000 points
 DESIGN_START = 0.02  # between starts of 50 to 400 mm, as asked; 0.5 % measured
 EQUAL_STIFFNESS = 0.01  # plans in steps of 5 mm
+HEATED_FACTOR = 1.03  # factors of the third cycle over those of the first; K_d of the LRB 1.02
 HEATED_PEAK = 0.1  # softer in the third cycle of a layered bearing, by its own heat; 7 % measured
 
 STEEL01 = 1e-9  # of the yield force: OpenSees' bilinear material is ours

@@ -106,7 +106,7 @@ def cyclic(
     integrator: Annotated[str | None, typer.Option(help="exact or euler.")] = None,
     hardening: Annotated[str | None, typer.Option(help="printed or monotone.")] = None,
     heat_source: Annotated[str | None, typer.Option(help="work or dissipation.")] = None,
-    lead_ends: Annotated[str | None, typer.Option(help="half-space or finite-plate.")] = None,
+    lead_ends: Annotated[str | None, typer.Option(help="finite-plate or half-space.")] = None,
     model: Annotated[str | None, typer.Option(help="An earlier model, see docs/theory.md.")] = None,
     compare: Annotated[bool, typer.Option("--compare", help="Earlier models beside it.")] = False,
     keep_every: Annotated[int | None, typer.Option(help="Keep every n-th step.")] = None,

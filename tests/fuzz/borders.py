@@ -281,7 +281,7 @@ FIT_OPTIONS = ("method", "seed", "starts", "loss", "evaluations", "free", "bound
 FACTOR_OPTIONS = ("temperatures", "strains", "period", "cycles", "scheme")
 TEST_OPTIONS = ("strain", "cycles", "wave", "speed", "rest", "closing_strain", "dt")
 STUDY_OPTIONS = ("bearings", "motions", "ambient", "weather", "duration", "dt", "method", "mass",
-                 "structure", "scheme", "laboratory", "keep_every", "zzz")  # fmt: skip
+                 "damping", "structure", "scheme", "laboratory", "keep_every", "zzz")  # fmt: skip
 
 
 @cache

@@ -44,6 +44,7 @@ STUDY: dict[str, Values] = {
     "--structure": some("pier-p1", "hybrid-pier", "structure.toml"),
     "--method": some("linear-acceleration", "predictor-corrector"), "--dt": some("0.01", "0.02"),
     "--duration": some("0.1", "0.3"),
+    "--damping": some("modal", "rayleigh", "element", "none", "source"),
 }  # fmt: skip
 BRIDGE = STUDY | {"--mass": some("consistent", "published"), "--weather": some("night.csv")}
 HYBRID = STUDY | {

@@ -57,6 +57,20 @@ def bilinear_bearings() -> st.SearchStrategy[Table]:
 
 
 @st.composite
+def damping(draw: st.DrawFn) -> Table:
+    """Each kind, with and without its numbers; some of them a chain of few bodies does not have."""
+    kind = draw(st.sampled_from(["modal", "rayleigh", "element", "none", "source"]))
+    table: Table = {} if kind == "modal" and draw(st.booleans()) else {"kind": kind}
+    ratio = between(0.0, 0.1)
+    if kind in ("modal", "source") and table and draw(st.booleans()):
+        table["ratios"] = [draw(ratio)] if kind == "modal" else [draw(ratio), draw(ratio)]
+    if kind == "rayleigh" and draw(st.booleans()):
+        table["modes"] = draw(st.sampled_from([[1], [2], [1, 2], [2, 1], [1, 3]]))
+        table["ratios"] = [draw(ratio) for _ in table["modes"]]
+    return table
+
+
+@st.composite
 def structures(draw: st.DrawFn) -> Table:
     """One of the library, or a chain of one to four bodies on springs."""
     if draw(st.booleans()):
@@ -91,7 +105,7 @@ def structures(draw: st.DrawFn) -> Table:
                 "equivalent_stiffness": draw(quantities(0.5, 5, "kN/mm")),
             }
         ],
-        "damping": {"ratios": [0.02, 0.05]} if draw(st.booleans()) else {},
+        "damping": draw(damping()),
         "report": {"deck": names[-1], "pier": names[0], "pier_top": "1 m"},
     }
 
@@ -199,6 +213,9 @@ def earthquake_cases(draw: st.DrawFn) -> Table:
         methods = ["average-acceleration", "linear-acceleration", "predictor-corrector"]
         table["analysis"]["method"] = draw(st.sampled_from(methods))
         table["analysis"]["mass"] = draw(st.sampled_from(["consistent", "published"]))
+    if draw(st.booleans()):
+        kinds = ["modal", "rayleigh", "element", "none", "source"]
+        table["analysis"]["damping"] = draw(st.sampled_from(kinds))
     return table
 
 

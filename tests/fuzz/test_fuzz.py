@@ -14,7 +14,6 @@ import pytest
 from hypothesis import HealthCheck, Phase, given, seed, settings
 
 import thermobearing.cyclic.protocol
-import thermobearing.earthquake.case
 import thermobearing.identify.search
 import thermobearing.model.effort
 import thermobearing.motions.matching
@@ -32,7 +31,6 @@ LIMITS: list[tuple[Any, str, float]] = [
     (thermobearing.model.effort, "MAX_CELL_STEPS", 2e6),
     (thermobearing.model.effort, "MAX_KEPT", 1e6),
     (thermobearing.cyclic.protocol, "MAX_STEPS", 20_000),
-    (thermobearing.earthquake.case, "MOST_STEPS", 12_000),
     (thermobearing.motions.matching, "MOST_ROUNDS", 2),
     (thermobearing.identify.search, "MOST_STEPS", 2),
     (thermobearing.identify.search, "POLISH_STEPS", 2),

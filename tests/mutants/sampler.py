@@ -163,9 +163,9 @@ class Copy:
 
 
 def _failures(said: str) -> list[str]:
-    """Test functions that failed, in their order."""
+    """Tests that failed, in their order."""
     found = [
-        line.split(" ")[1].split("[")[0]
+        line.partition(" ")[2].partition(" - ")[0]
         for line in said.splitlines()
         if line.startswith(("FAILED ", "ERROR "))
     ]

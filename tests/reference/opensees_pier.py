@@ -1,7 +1,7 @@
 """The structures of this package in OpenSees: linear and bilinear bearings, or LeadRubberX.
 
 Units N, m, s, kg inside; kN, mm, s outside. Rigid bodies are stiff beams, hinges and springs
-zero-length elements; damping is the same a M + b K' (stiffness part on springs and hinges only).
+zero-length elements; damping is the source's a M + b K' (stiffness part on springs and hinges).
 """
 
 from collections.abc import Callable

@@ -53,7 +53,7 @@ WRITTEN = {
     "bridge-natural-rubber": f"bridge --bearing {LRB} --motion shake.csv --ambient -20 "
     "--method linear-acceleration --mass published --duration 3",
     "bridge-predictor": f"bridge --bearing {BRIDGE} --motion jra-ii-i-1 --ambient -20 "
-    "--method predictor-corrector --duration 6",
+    "--method predictor-corrector --damping source --duration 6",
     "bridge-weather": "bridge weather.toml",
     "hybrid": f"hybrid --bearing {LHDR} --motion shake.csv --ambient 0 --delay 0.013",
     "hybrid-slow": "hybrid laboratory.toml",

@@ -337,12 +337,7 @@ CASES: list[Row] = [
     (
         "finite plates without lead",
         {"analysis": {"lead_ends": "finite-plate"}},
-        ["analysis.lead_ends", "confined lead cores"],
-    ),
-    (
-        "finite plates under a core that is not confined",
-        {"bearing": "lrb-example", "analysis": {"lead_ends": "finite-plate"}},
-        ["analysis.lead_ends", "lead.confined = true"],
+        ["analysis.lead_ends", "a bearing with lead"],
     ),
     (
         "finite plates as published",

@@ -277,11 +277,6 @@ BAD: list[Row] = [
     ("misspelt mode", {"laboratory": {"mode": "real"}}, ["laboratory.mode", "'rt' or 'pd'"]),
     ("negative noise", {"laboratory": {"force_noise": "-1 kN"}}, ["force_noise", "at least 0"]),
     ("unknown command", {"command": "tunnel"}, ["command = 'tunnel'", '"hybrid"']),
-    (
-        "finite plates under unconfined cores",
-        {"bearings": ["lrb-example"], "analysis": {"lead_ends": "finite-plate"}},
-        ["analysis.lead_ends", "lrb-example"],
-    ),
     ("no bodies", structure(bodies=[]), ["structure.bodies", "at least 1"]),
     ("unknown body", structure(**{"report.deck": "dek"}), ['"dek"', '"deck"?']),
     ("body on nothing", structure(bodies=[{"name": "deck"}]), ["moves = true"]),

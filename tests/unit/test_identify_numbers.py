@@ -26,11 +26,12 @@ from thermobearing.identify.kinds import (
     Kind,
 )
 from thermobearing.identify.krill import krill_herd
+from thermobearing.identify.linear import half_cycles
 from thermobearing.identify.parameters import Parameter, ParameterSet, parameter_set
 from thermobearing.identify.problem import LOST, Problem, robust_weights, sample_weights
 from thermobearing.identify.record import TestRecord, record_from_arrays
 from thermobearing.identify.start import _with_temperature
-from thermobearing.identify.uncertainty import _blocks, _remedy, estimate
+from thermobearing.identify.uncertainty import _remedy, estimate
 
 HDR = tb.load_bearing("shen-hdr-specimen")
 POINTS = 200  # of a cycle
@@ -202,10 +203,10 @@ def linear_problem(sizes: tuple[float, float]) -> tuple[Any, np.ndarray]:
 
 def test_intervals_are_those_of_student() -> None:
     problem, best = linear_problem((1.0, 0.5))
-    found = estimate(problem, best)
+    found = estimate(problem, best, [])
     sigma = np.sqrt(np.diag(found.covariance))
     record = problem.records[0]
-    blocks = len(np.unique(_blocks(record)))
+    blocks = len(np.unique(half_cycles(record)))
     assert blocks >= 23  # half cycles
     wide = float(student.ppf(0.975, blocks - 2))
     K, b = found.estimates[K_R], found.estimates[HARDENING]
@@ -231,7 +232,7 @@ def test_intervals_are_those_of_student() -> None:
 @pytest.mark.parametrize("place", [0.001, 0.999])
 def test_both_bounds_are_noticed(place: float) -> None:
     problem, best = linear_problem((1.0, 0.5))
-    found = estimate(problem, np.array([best[0], place]))
+    found = estimate(problem, np.array([best[0], place]), [])
     assert found.estimates[HARDENING].at_bound
     assert not found.estimates[K_R].at_bound
     assert any("ended at a bound" in text for text in found.warnings)

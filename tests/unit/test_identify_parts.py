@@ -33,7 +33,7 @@ def test_symbols_and_keys_name_the_same() -> None:
 
 def test_values_come_back_from_the_cube() -> None:
     found = parameter_set(LHDR, None, [-20.0, 23.0])
-    assert len(found.free) == 10
+    assert len(found.free) == 11
     for key, value in found.values(found.start).items():
         table, name = key.split(".")
         assert_allclose(value, getattr(getattr(LHDR, table), name), rtol=tol.CONVERSION)

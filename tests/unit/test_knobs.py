@@ -95,7 +95,8 @@ PLANS = {
     "circular": with_plan(shape="circular", diameter=270.0),
     "lead": with_lead(),
 }
-OF_ENDS = "lead.end_spreading"  # for lead on finite plates only
+OF_ENDS = "lead.end_spreading"  # of confined cores on finite plates only
+OF_FORMULA = "lead.surface_ratio"  # of lead on a half-space only
 OF_RANGE = "temperature_law"  # what is said beyond it: verification/test_temperature_law.py
 OF_LEAD = ("lead", "rate", "materials.lead", "geometry.sealing", "cells.sealing")
 KEYS = [
@@ -105,7 +106,7 @@ KEYS = [
     if key.startswith("geometry.plan")
     or (shape == "square" and not key.startswith((*OF_LEAD, OF_RANGE)))
     or (shape == "virgin" and key.startswith("scragging"))
-    or (shape == "lead" and key.startswith(OF_LEAD) and key != OF_ENDS)
+    or (shape == "lead" and key.startswith(OF_LEAD) and key not in (OF_ENDS, OF_FORMULA))
 ]
 
 
@@ -119,9 +120,9 @@ def results() -> dict[str, tb.cyclic.Result]:
 
 def test_keys_are_all_there() -> None:
     names = {param.values[1] for param in KEYS}
-    # 23 of the square one, the sizes of the other plans, 14 of lead and rate dependence, 5 of
+    # 23 of the square one, the sizes of the other plans, 13 of lead and rate dependence, 5 of
     # virgin rubber
-    assert len(names) == 45
+    assert len(names) == 44
     assert {"hysteresis.reference_temperature", "cells.shim", "materials.side_film"} <= names
 
 
@@ -184,12 +185,11 @@ def test_every_option_of_a_case_was_tried() -> None:
 
 def test_choices_of_lead(results: dict[str, tb.cyclic.Result]) -> None:
     table = with_lead().model_dump()
-    for choice in ({"confined": True}, {"clock": "steel"}):
-        changed = validated(
-            Bearing, table | {"lead": table["lead"] | choice}, "table", from_file=False
-        )
-        other = tb.run(changed, TEST, ambient=-10, upper_face=FACE, lower_face=FACE)
-        assert differ(results["lead"], other)
+    changed = validated(
+        Bearing, table | {"lead": table["lead"] | {"confined": True}}, "table", from_file=False
+    )
+    other = tb.run(changed, TEST, ambient=-10, upper_face=FACE, lower_face=FACE)
+    assert differ(results["lead"], other)
     other = tb.run(
         with_lead(), TEST, ambient=-10, upper_face=FACE, lower_face=FACE, initial_lead=30.0
     )
@@ -197,17 +197,26 @@ def test_choices_of_lead(results: dict[str, tb.cyclic.Result]) -> None:
 
 
 def test_lead_on_finite_plates() -> None:
-    """The option, and the numbers that only it uses; p and clock no longer matter."""
+    """The default and the formula: each has numbers that only it uses."""
     bearing = tb.load_bearing("shen-lhdr-specimen")
+    table = bearing.model_dump()
+    clock = validated(
+        Bearing, table | {"lead": table["lead"] | {"clock": "lead"}}, "table", from_file=False
+    )
     run_of = {
         ends: tb.run(bearing, TEST, ambient=-10, lead_ends=ends)
         for ends in ("half-space", "finite-plate")
     }
-    plain = run_of["finite-plate"]
-    assert differ(run_of["half-space"], plain)
-    for key, matters in ((OF_ENDS, True), ("lead.surface_ratio", False)):
-        other = tb.run(perturbed(bearing, key), TEST, ambient=-10, lead_ends="finite-plate")
-        assert differ(plain, other) == matters
+    assert differ(*run_of.values())
+    assert not differ(run_of["finite-plate"], tb.run(bearing, TEST, ambient=-10))
+    for ends, plain in run_of.items():
+        for changed, of in (
+            (perturbed(bearing, OF_ENDS), "finite-plate"),
+            (perturbed(bearing, OF_FORMULA), "half-space"),
+            (clock, "half-space"),
+        ):
+            other = tb.run(changed, TEST, ambient=-10, lead_ends=ends)
+            assert differ(plain, other) == (ends == of)
 
 
 def test_keeping_less_changes_no_measure() -> None:

@@ -12,11 +12,12 @@ from tests import tolerances as tol
 from tests.unit.inputs import changed_table, cyclic, last_line, quick_case, specimen_table
 from tests.verification.models import assembled, specimen
 from thermobearing.bearing.library import bearing_from_table
-from thermobearing.core.step import HOTTEST, LEAD_MELTS
 from thermobearing.core.types import new_state
+from thermobearing.model.limits import temperature_limits
 from thermobearing.model.outcomes import NOT_PHYSICAL, SENTENCES
-from thermobearing.model.physical import LEAST, MISSING, STEEL_MELTS, is_physical
+from thermobearing.model.physical import LEAST, MISSING, is_physical
 
+LIMITS = temperature_limits()
 FAST = tb.cyclic.CyclicTest(
     steps=[{"step": "cycles", "strain": 1.5, "wave": "sine", "period": 1.0, "count": 60}]
 )
@@ -29,8 +30,10 @@ def test_lead_does_not_heat_beyond_its_melting_point() -> None:
     result = tb.run(bearing_from_table(table_of(table), "lead"), FAST, ambient=23.0)
     assert result.outcome == "temperature_runaway"
     hottest = float(result["lead_temperature"].max())
-    assert 0.95 * LEAD_MELTS < hottest <= LEAD_MELTS
+    assert 0.95 * LIMITS.lead_melts < hottest <= LIMITS.lead_melts
     assert "melts" in SENTENCES[result.outcome]
+    for limit in (LIMITS.absolute_zero, LIMITS.rubber_decomposes, LIMITS.lead_melts):
+        assert str(int(limit)) in SENTENCES[result.outcome]
 
 
 def test_rubber_does_not_heat_beyond_its_decomposition() -> None:
@@ -41,7 +44,7 @@ def test_rubber_does_not_heat_beyond_its_decomposition() -> None:
     table = changed_table(specimen_table(), changes)
     result = tb.run(bearing_from_table(table, "stiff"), FAST, ambient=23.0)
     assert result.outcome == "temperature_runaway"
-    assert 200.0 < float(result["rubber_temperature"].max()) <= HOTTEST
+    assert 200.0 < float(result["rubber_temperature"].max()) <= LIMITS.rubber_decomposes
     assert "decomposes" in SENTENCES[result.outcome]
 
 
@@ -80,7 +83,7 @@ def test_books_that_do_not_close(
     assert is_physical(published, state)
 
 
-@pytest.mark.parametrize("temperature", [-273.2, STEEL_MELTS + 1.0, np.nan])
+@pytest.mark.parametrize("temperature", [-273.2, LIMITS.steel_melts + 1.0, np.nan])
 def test_plates_have_possible_temperatures(temperature: float) -> None:
     constants = assembled(specimen())
     state = new_state(constants, np.full(19, 23.0))
@@ -92,7 +95,8 @@ def test_a_run_that_is_not_physical_says_so(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A typed outcome, exit status 3, and what was computed until then; here steel melts early."""
-    monkeypatch.setattr("thermobearing.model.physical.STEEL_MELTS", 20.0)
+    early = LIMITS.model_copy(update={"steel_melts": 20.0})
+    monkeypatch.setattr("thermobearing.model.physical.temperature_limits", lambda: early)
     case = quick_case(tmp_path / "case.toml", ambient="23 degC")
     done = cyclic(case, "-o", tmp_path / "out", "--json")
     said = last_line(done)

@@ -16,7 +16,11 @@ from thermobearing.identify.forward import Prediction
 
 def fit_with(problem: Any, cube: np.ndarray, **uncertainty: Any) -> Any:
     covariance = np.diag([0.01**2, 0.02**2])
-    about = {"covariance": covariance, "samples": 200, "effective_samples": 50.0} | uncertainty
+    assumed = SimpleNamespace(shifts=np.array([[0.3], [0.0]]), spread=np.array([[0.25]]))
+    about = {
+        "covariance": covariance, "samples": 200, "effective_samples": 50.0,
+        "assumed": assumed, "inside": np.array([True, True]),
+    } | uncertainty  # fmt: skip
     return SimpleNamespace(
         problem=problem, cube=cube, uncertainty=SimpleNamespace(**about), bearing="best",
         records=[sines((10.0,))], pset=SimpleNamespace(bearing=lambda place: float(place[0])),

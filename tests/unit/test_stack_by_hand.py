@@ -12,7 +12,6 @@ from thermobearing.core.types import EULER_UNSTABLE, NOT_CONVERGED, NOT_FINITE, 
 from thermobearing.cyclic.equivalent import backbone
 from thermobearing.model.constants import build_constants
 from thermobearing.model.earlier import BilinearParameters, bilinear_constants
-from thermobearing.model.lead_ends import lumped
 from thermobearing.model.options import build_model
 from thermobearing.model.outcomes import NAMES
 from thermobearing.model.stack import Face, build_stack, conservative_rates
@@ -160,15 +159,6 @@ def test_design_assumes_that_the_first_branch_is_six_and_a_half_times_stiffer() 
     assert_allclose(slim.initial / slim.post_yield, 6.5)
     fat = backbone(2.0, 0.4 * 2.0 * math.pi * 2.0 * 100.0**2, 100.0)
     assert fat.initial / fat.post_yield > 6.5
-
-
-def test_many_terms_of_a_plate_become_few() -> None:
-    """Sums of a, means of log tau weighed with a, in each half of a decade."""
-    a = np.array([1.0, 3.0, 2.0, 4.0])
-    tau = np.array([0.010, 0.020, 0.5, 1e-6])
-    few = lumped(np.array([a, tau]))
-    assert_allclose(few[0], [4.0, 4.0, 2.0])
-    assert_allclose(few[1], [1e-6, math.exp((math.log(0.01) + 3.0 * math.log(0.02)) / 4.0), 0.5])
 
 
 def test_outcomes_have_their_names() -> None:

@@ -10,10 +10,10 @@ from numpy.testing import assert_allclose
 import thermobearing as tb
 from tests import tolerances as tol
 from thermobearing.border.schema import validated
+from thermobearing.structure.damping import line_parts, own_parts, weighed_ratios
 from thermobearing.structure.matrices import (
     Modes,
     build_matrices,
-    damping_ratios,
     displacement_row,
     find_modes,
     hinge_stiffness,
@@ -96,22 +96,9 @@ def test_damping_ratios_are_weighed_with_strain_energy() -> None:
         total = bearing + springs.sum()
         wanted.append((0.2 * bearing + 0.02 * springs[0] + 0.10 * springs[1]) / total)
     matrices = build_matrices(structure)
-    assert_allclose(damping_ratios(structure, matrices, prepared.modes), wanted)
+    parts = [*own_parts(structure, matrices), *line_parts(structure, matrices)]
+    assert_allclose(weighed_ratios(parts, prepared.modes), wanted)
     assert_allclose(wanted, [0.2, 0.08], atol=0.002)
-
-
-@pytest.mark.parametrize("on_bearings", [False, True])
-def test_rayleigh_damping_gives_two_modes_their_ratios(on_bearings: bool) -> None:
-    """With or without the bearings in what is proportional to stiffness."""
-    damping = {"ratios": (0.03, 0.07), "on_bearings": on_bearings}
-    structure = two_springs().model_copy(
-        update={"damping": PIER.damping.model_copy(update=damping)}
-    )
-    prepared = prepare_structure(structure)
-    assert_allclose(prepared.ratios, [0.03, 0.07], rtol=1e-9)
-    modal = prepared.modes.shapes.T @ prepared.damping @ prepared.modes.shapes
-    assert_allclose(np.diag(modal), 2.0 * np.array([0.03, 0.07]) * prepared.modes.frequencies)
-    assert (prepared.damping[0, 1] != 0.0) == on_bearings
 
 
 def motion_file(folder: Path, values: np.ndarray, dt: float = 0.005) -> str:

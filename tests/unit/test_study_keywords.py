@@ -22,6 +22,7 @@ VALUES: dict[str, Any] = {
     "dt": 0.004,
     "method": "linear-acceleration",
     "mass": "published",
+    "damping": "element",
     "scheme": "published",
     "integrator": "euler",
     "hardening": "monotone",

@@ -11,7 +11,7 @@ from thermobearing.model.earlier import BilinearParameters, bilinear_constants
 from thermobearing.model.stack import Face, build_stack
 from thermobearing.motions.library import load_motion
 from thermobearing.structure.matrices import hinge_stiffness
-from thermobearing.structure.model import Structure, load_structure
+from thermobearing.structure.model import DampingKind, Structure, load_structure
 from thermobearing.structure.run import (
     Line,
     Method,
@@ -55,12 +55,13 @@ def shaken(
     ambient: float = AMBIENT,
     method: Method = "average-acceleration",
     mass: Any = "consistent",
+    damping: DampingKind | None = None,
     **options: Any,
 ) -> tuple[Prepared, StructureHistory]:
     """A structure whose lines all have one bearing."""
     if isinstance(structure, str):
         structure = load_structure(structure)
-    prepared = prepare_structure(structure, mass)
+    prepared = prepare_structure(structure, mass, damping)
     line = Line(
         constants, np.full(len(constants.cells.capacity), ambient), None, options.pop("speed", 0.0)
     )
@@ -70,7 +71,7 @@ def shaken(
 
 
 def rayleigh_factors(prepared: Prepared) -> tuple[float, float]:
-    """a and b of C = a M + b K', from the damping matrix itself."""
+    """a and b of C = a M + b K' (damping "source"), from the damping matrix itself."""
     matrices = prepared.matrices
     stiffness = matrices.springs + hinge_stiffness(prepared.structure, matrices)
     parts = np.column_stack([matrices.mass.ravel(), stiffness.ravel()])

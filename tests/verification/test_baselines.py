@@ -106,6 +106,23 @@ def test_comparison_has_every_model_and_temperature(name: str) -> None:
     assert figure.axes[0].get_ylabel() == "error of outer layer [K]"
 
 
+def test_a_model_that_ended_early_is_compared_as_far_as_it_got() -> None:
+    """Lead without losses melts in the last loading of Table 3.4."""
+    results = compare_models(make_case({}, "test", bearing=LHDR, ambient=[23.0]))
+    table = comparison_table(results, "multi-layer").set_index("model")
+    assert list(table.index[table["outcome"] != "completed"]) == ["adiabatic"]
+    assert np.isfinite(table.select_dtypes("number").to_numpy()).all()
+    truth, other = results["multi-layer"], results["adiabatic"]
+    done = len(other.cycles)
+    assert 20 < done < len(truth.cycles) == 25
+    energies = [r.cycles["energy_kN_mm"].iloc[done - 1] for r in (other, truth)]
+    assert table.loc["adiabatic", "last energy %"] == pytest.approx(
+        100.0 * (energies[0] / energies[1] - 1.0)
+    )
+    lines = comparison_figure(results, "multi-layer").axes[0].lines
+    assert len(lines[0].get_xdata()) == done < len(lines[1].get_xdata())
+
+
 def test_an_earlier_model_refuses_what_it_cannot_do() -> None:
     with pytest.raises(tb.InputError, match="lead"):
         tb.run(HDR, TEST, model="lead-alone")

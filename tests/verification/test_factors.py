@@ -185,6 +185,35 @@ def test_specimen_temperatures_do_not_carry_over(measured: Recorder) -> None:
         )
 
 
+@pytest.mark.parametrize("name", ["shen-hdr-bridge", "shen-lhdr-bridge", "lrb-example"])
+def test_beside_published_factors(name: str, measured: Recorder) -> None:
+    """Colder is stiffer, heated less so; docs/verification.md says why codes differ."""
+    air = [-30.0, -10.0, 0.0, 40.0]
+    table = temperature_factors(
+        name, reference_temperature=20.0, temperatures=air, strains=[1.0], cycles="3"
+    )
+    for quantity in ("K_eq", "Q_d", "K_d"):
+        found = []
+        for basis in ("first", "heated"):
+            rows = table[(table["quantity"] == quantity) & (table["basis"] == basis)]
+            by = rows.set_index("ambient_degC")["factor"]
+            assert by[20.0] == 1.0
+            assert (np.diff(by.to_numpy()) < 0.0).all()
+            found.append(by[air].to_numpy())
+        assert (found[1][:1] <= found[0][:1] * tol.HEATED_FACTOR).all()
+        told = "; ".join(", ".join(f"{v:.2f}" for v in values) for values in found)
+        measured(f"{name}, {quantity} at -30, -10, 0, 40 over 20 degC, first; third", told, "told")
+
+
+def test_published_factors_beside_ours(measured: Recorder) -> None:
+    for item in published_tables():
+        at = dict(zip(item.temperatures, item.factors, strict=True))
+        assert at.get(20.0, 1.0) == 1.0
+        assert list(item.factors) == sorted(item.factors, reverse=True)
+        told = ", ".join(f"{at[t]:.2f}" if t in at else "-" for t in (-30.0, -10.0, 0.0, 40.0))
+        measured(f"published {item.label}: {item.quantity}, the same temperatures", told, "told")
+
+
 def test_published_tables_say_what_is_unverified() -> None:
     tables = published_tables()
     assert any(item.unverified for item in tables)

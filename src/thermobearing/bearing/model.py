@@ -193,8 +193,9 @@ class LeadCores(Strict):
     `softening` is E2 of sigma_Y exp(-E2 (T - T_0)), zero for constant strength. `confined`
     cores (in springs) pass heat to the end plates only. `clock` says whose diffusivity makes
     t+ dimensionless: that of steel (Kalpakidis & Constantinou) or of lead (as Eq. 5.6 prints).
-    `end_spreading` is for `lead_ends = "finite-plate"`, which needs neither p nor clock: it is
-    the resistance of the end plate to one core, relative to a core that stands on nothing but it.
+    `surface_ratio` and `clock` are for `lead_ends = "half-space"`. `end_spreading` is for confined
+    cores on finite plates (the default): the resistance of the end plate to one core, relative
+    to a core that stands on nothing but it.
     """
 
     cores: Annotated[int, Field(ge=1, le=1000)]  # n_l

@@ -12,7 +12,7 @@ from thermobearing.cyclic.discretisation import REFERENCE, TOLERABLE, cells_erro
 from thermobearing.cyclic.segments import build_segments
 from thermobearing.earthquake.case import EarthquakeCase, load_earthquake_case
 from thermobearing.model.stack import build_stack
-from thermobearing.structure.model import Structure, load_structure
+from thermobearing.structure.model import DampingKind, Structure, load_structure
 from thermobearing.structure.run import prepare_structure
 
 
@@ -80,19 +80,20 @@ def earthquake_facts(case: EarthquakeCase) -> dict[str, str]:
         "motions": ", ".join(motion.name for motion in case.motions),
         "ambient": climates,
         "runs": f"{count}, {case.analysis.method}, dt {case.analysis.dt:g} s",
-        **structure_facts(case.structure),
+        **structure_facts(case.structure, case.analysis.damping),
     }
 
 
-def structure_facts(structure: Structure) -> dict[str, str]:
+def structure_facts(structure: Structure, damping: DampingKind | None = None) -> dict[str, str]:
     """Coordinates, masses, periods and damping of a structure."""
-    prepared = prepare_structure(structure)
+    prepared = prepare_structure(structure, damping=damping)
     total = 1e3 * sum(item.mass for item in structure.masses)
     return {
         "structure": f"{structure.name} ({structure.description})",
         "coordinates": ", ".join(prepared.matrices.coordinates),
         "mass": f"{total:g} t",
         "periods": ", ".join(f"{value:.3f}" for value in prepared.modes.periods) + " s",
+        "damping": prepared.structure.damping.kind,
         "damping ratios": ", ".join(f"{value:.3f}" for value in prepared.ratios),
     }
 

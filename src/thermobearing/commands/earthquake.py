@@ -41,6 +41,10 @@ Method = Annotated[
     str | None,
     typer.Option(help="average-acceleration, linear-acceleration or predictor-corrector."),
 ]
+Damping_ = Annotated[
+    str | None,
+    typer.Option("--damping", help="modal, rayleigh, element, none or source."),
+]
 Duration = Annotated[float | None, typer.Option(help="Cut motions to this [s].")]
 Weather = Annotated[
     str | None,
@@ -57,6 +61,7 @@ def bridge(
     weather: Weather = None,
     mass: Annotated[str | None, typer.Option(help="consistent or published.")] = None,
     structure: Structure_ = None,
+    damping: Damping_ = None,
     method: Method = None,
     dt: Dt = None,
     duration: Duration = None,
@@ -74,6 +79,7 @@ def bridge(
         "weather": weather,
         "mass": mass,
         "structure": structure,
+        "damping": damping,
         "method": method,
         "dt": dt,
         "duration": duration,
@@ -90,6 +96,7 @@ def hybrid(
     motion: Motions = None,
     ambient: Ambients = None,
     structure: Structure_ = None,
+    damping: Damping_ = None,
     delay: Annotated[float | None, typer.Option(help="Delay of the actuator [s].")] = None,
     force_noise: Annotated[
         float | None, typer.Option(help="Standard deviation of the measured force [kN].")
@@ -115,6 +122,7 @@ def hybrid(
         "motions": motion or None,
         "ambient": ambient or None,
         "structure": structure,
+        "damping": damping,
         "method": method,
         "dt": dt,
         "duration": duration,

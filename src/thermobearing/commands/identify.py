@@ -35,6 +35,14 @@ def identify(
     free: Annotated[
         str | None, typer.Option(help="Free parameters, such as K_r,d_y or n_T=2.4*m_T.")
     ] = None,
+    assumed: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="Relative standard uncertainty of what is not free, such as "
+            "materials.side_film=0.1 or sigma_Y=0; may be repeated.",
+            metavar="KEY=NUMBER",
+        ),
+    ] = None,
     method: Annotated[
         str, typer.Option(help="least-squares, krill-herd or differential-evolution.")
     ] = "least-squares",
@@ -77,13 +85,28 @@ def identify(
     names = [name.strip() for name in free.split(",")] if free is not None else None
     search = {"method": method, "seed": seed, "starts": starts, "evaluations": evaluations}
     how = {"loss": loss, "temperatures": temperatures, "blind": not from_start, "polish": polish}
-    found = run_identify(make_identify_case(records, bearing, free=names, **search, **how))
+    given = _spreads(assumed or [])
+    found = run_identify(
+        make_identify_case(records, bearing, free=names, assumed=given, **search, **how)
+    )
     wanted = posterior or predict
     drawn = forecast(found, predict or [], posterior=posterior, seed=seed) if wanted else None
     found.save(target, force=force, figures=not no_figures, forecast=drawn)
     if not quiet:
         print_identification(found)
     return written(found.outcome, found.sentence, target, as_json=as_json, quiet=quiet)
+
+
+def _spreads(given: list[str]) -> dict[str, float]:
+    """Uncertainties by key from words such as "sigma_Y=0.1"."""
+    found = {}
+    for text in given:
+        key, _, number = text.partition("=")
+        try:
+            found[key.strip()] = float(number)
+        except ValueError:
+            raise InputError(f'--assumed "{text}": give KEY=NUMBER, such as sigma_Y=0.1') from None
+    return found
 
 
 def _read(

@@ -23,6 +23,7 @@ KERNELS = (
     "structure/books.py",
     "structure/dense.py",
     "structure/forces.py",
+    "structure/lines.py",
     "structure/newmark.py",
     "structure/predictor.py",
     "structure/takeda.py",

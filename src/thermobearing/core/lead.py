@@ -218,7 +218,7 @@ def lead_step(
     lead, old, after = constants.lead, state.branches[0], new.branches[0]
     source = constants.heat_source
     heat = lead.cores * core_heat(lead, source, old.core_force, after.core_force, dx)
-    if len(work.lead_modes) > 0:
+    if constants.lead_ports > 0:
         exchange_at_ends(constants, work, state, new, heat, dt)
         return heat
     start = run_clock(lead, old, dx, dt, after)

@@ -1,66 +1,103 @@
-"""Confined lead cores on end plates of finite thickness, without p and without a clock.
+"""Lead cores on plates of finite thickness, without p and without a clock.
 
-The bulk of a core is warmer than the end plate under it (mean over the plan) by everything
-that passed between them, remembered in K exponentials (model/lead_ends.py has their numbers):
+Heat leaves a core through ports: into the end plate under it, and, if it is not confined, into
+the steel around it. The bulk of the core is warmer than what a port leads to (mean over the
+plan) by everything that passed through it, remembered in exponentials (model/lead_ends.py has
+their numbers):
 
-    T_l - T_plate = sum of y,      dy/dt = (a q - y)/tau
+    T_l - T_port = sum of y,      dy/dt = (a q - y)/tau
 
-with q the heat flow of one core into one plate.
+with q the heat flow of one core through the port.
 """
 
 import math
 
 from thermobearing.core.compile import compiled
-from thermobearing.core.records import Rows
-from thermobearing.core.types import Constants, Mode, ModeWork, State, Workspace
+from thermobearing.core.records import Floats
+from thermobearing.core.types import Constants, State, Workspace
 
 
 @compiled
-def factor_modes(lead_modes: Rows[Mode], dt: float, factors: Rows[ModeWork]) -> None:
-    """What each term keeps over dt [s], and what it gains from a constant flow."""
+def invert(matrix: Floats) -> None:
+    """Turn a positive definite matrix into its inverse (Gauss and Jordan)."""
+    for p in range(len(matrix)):
+        pivot = 1.0 / matrix[p, p]
+        matrix[p, p] = 1.0
+        for j in range(len(matrix)):
+            matrix[p, j] *= pivot
+        for i in range(len(matrix)):
+            if i != p:
+                factor = matrix[i, p]
+                matrix[i, p] = 0.0
+                for j in range(len(matrix)):
+                    matrix[i, j] -= factor * matrix[p, j]
+
+
+@compiled
+def factor_ports(constants: Constants, work: Workspace, dt: float) -> None:
+    """What each term keeps over dt [s] and gains from a flow, and the ports' conductance."""
+    lead, lead_cells, lead_modes = constants.lead, constants.lead_cells, constants.lead_modes
+    excess = work.lead_ports.conductance
+    excess[:] = 0.0
     for k in range(len(lead_modes)):
-        factors[k].kept = math.exp(-dt / lead_modes[k].relaxation)
-        gained = -math.expm1(-dt / lead_modes[k].relaxation)
-        factors[k].gain = lead_modes[k].resistance * gained
+        work.lead_modes[k].kept = math.exp(-dt / lead_modes[k].relaxation)
+        gain = -math.expm1(-dt / lead_modes[k].relaxation) * lead_modes[k].resistance
+        work.lead_modes[k].gain = gain
+        p, weight = lead_modes[k].port, lead_modes[k].weight
+        other, there = lead_modes[k].other, lead_modes[k].other_weight
+        excess[p, p] += weight * weight * gain
+        excess[p, other] += weight * there * gain
+        excess[other, p] += weight * there * gain
+        excess[other, other] += there * there * gain
+    if constants.lead_ports > 0:
+        for e in range(len(lead_cells)):
+            p, share = lead_cells[e].port, lead_cells[e].share
+            capacity = constants.cells.capacity[lead_cells[e].cell]
+            excess[p, p] += dt * lead.fold * lead.cores * share * share / capacity
+    invert(excess)
 
 
 @compiled
 def exchange_at_ends(
     constants: Constants, work: Workspace, state: State, new: State, heat: float, dt: float
 ) -> None:
-    """Heat all cores by `heat` [kN mm]; they and the plates under them exchange heat.
+    """Heat all cores by `heat` [kN mm]; they and what their ports lead to exchange heat.
 
-    The flow q is constant over the step, and such that the excess of the lead agrees with the
-    terms at its end: implicit in lead, plate and terms, so any step is stable. What the cores
-    lose, the plate cells gain (into `change`).
+    The flows q are constant over the step, and such that the excess of the lead agrees with the
+    terms at its end: implicit in lead, cells and terms, so any step is stable. What the cores
+    lose, the cells gain (into `change`).
     """
-    lead, rates, lead_cells = constants.lead, constants.cells, constants.lead_cells
-    factors, temperature = work.lead_modes, state.temperature
-    terms = len(factors)
-    gain = 0.0
-    for k in range(terms):
-        gain += factors[k].gain
-    share = dt * lead.fold / lead.capacity  # of one modelled end, in the temperature of the lead
+    lead, lead_cells, lead_modes = constants.lead, constants.lead_cells, constants.lead_modes
+    base, flow = work.lead_ports.base, work.lead_ports.flow
+    conductance = work.lead_ports.conductance
+    base[:] = 0.0
+    for e in range(len(lead_cells)):
+        base[lead_cells[e].port] += lead_cells[e].share * state.temperature[lead_cells[e].cell]
+    for k in range(len(lead_modes)):
+        y = work.lead_modes[k].kept * state.ends[k]
+        new.ends[k] = y
+        base[lead_modes[k].port] += lead_modes[k].weight * y
+        base[lead_modes[k].other] += lead_modes[k].other_weight * y
     ease = 0.0
     towards = 0.0
-    for e in range(len(lead_cells)):
-        i = lead_cells[e].cell
-        base: float = temperature[i]
-        for k in range(e * terms, (e + 1) * terms):
-            new.ends[k] = factors[k - e * terms].kept * state.ends[k]
-            base += new.ends[k]
-        resistance = gain + dt * lead.fold * lead.cores / rates.capacity[i]
-        ease += 1.0 / resistance
-        towards += base / resistance
+    for p in range(len(base)):
+        for i in range(len(base)):
+            ease += conductance[p, i]
+            towards += conductance[p, i] * base[i]
     warmed = state.branches[0].lead_temperature + heat / (lead.cores * lead.capacity)
+    share = dt * lead.fold / lead.capacity  # of one flow, in the temperature of the lead
     t = (warmed + share * towards) / (1.0 + share * ease)
+    for p in range(len(base)):
+        flow[p] = 0.0
+        for i in range(len(base)):
+            flow[p] += conductance[p, i] * (t - base[i])
+    for k in range(len(lead_modes)):
+        q = lead_modes[k].weight * flow[lead_modes[k].port]
+        q += lead_modes[k].other_weight * flow[lead_modes[k].other]
+        new.ends[k] += work.lead_modes[k].gain * q
+    whole = dt * lead.fold * lead.cores
     for e in range(len(lead_cells)):
         i = lead_cells[e].cell
-        base = temperature[i]
-        for k in range(e * terms, (e + 1) * terms):
-            base += new.ends[k]
-        q = (t - base) / (gain + dt * lead.fold * lead.cores / rates.capacity[i])
-        for k in range(terms):
-            new.ends[e * terms + k] += factors[k].gain * q
-        work.cells.change[i] += dt * lead.fold * lead.cores * q / rates.capacity[i]
+        gained = whole * lead_cells[e].share * flow[lead_cells[e].port]
+        work.cells.change[i] += gained / constants.cells.capacity[i]
     new.branches[0].lead_temperature = t

@@ -4,8 +4,10 @@
 
 Cyclic tests, structures, identification and outside solvers all call it. It reads `state`
 and writes `new` (two different records), so a trial step is undone by forgetting `new`.
-Order within a step, as in the source: layer stiffness at the temperatures of the start,
-equal-force sharing of x, heat of the layers (Eq. 4.22), conduction, and the energy books.
+Order within a step, as in the source: layer stiffness at the temperatures of the start
+(`begin`), equal-force sharing of x (`move`), heat of the layers (Eq. 4.22), conduction, and the
+energy books (`settle`). Force and tangent need no heat of the same step, so who searches for x
+may `move` as often as it takes between one `begin` and one `settle`.
 """
 
 import math
@@ -14,7 +16,7 @@ from thermobearing.core.compile import compiled
 from thermobearing.core.hardening import strain_factor
 from thermobearing.core.heat import balance, factor, right_side, solve
 from thermobearing.core.lead import core_force, lead_step
-from thermobearing.core.lead_ends import factor_modes
+from thermobearing.core.lead_ends import factor_ports
 from thermobearing.core.records import Floats, Rows
 from thermobearing.core.scragging import stiffen, wear
 from thermobearing.core.sharing import share
@@ -35,9 +37,6 @@ from thermobearing.core.types import (
 )
 from thermobearing.core.viscous import maxwell
 
-ABSOLUTE_ZERO, HOTTEST = -273.15, 400.0  # [degC]; rubber decomposes
-LEAD_MELTS = 327.5  # [degC]
-
 
 @compiled
 def layer_temperature(layer_cells: Rows[LayerCells], temperature: Floats, j: int) -> float:
@@ -48,11 +47,14 @@ def layer_temperature(layer_cells: Rows[LayerCells], temperature: Floats, j: int
 
 
 @compiled
-def runs_away(layer_cells: Rows[LayerCells], temperature: Floats) -> bool:
-    """Whether a rubber layer is colder than possible or hotter than rubber can be."""
-    for j in range(len(layer_cells)):
-        t = layer_temperature(layer_cells, temperature, j)
-        if t < ABSOLUTE_ZERO or t > HOTTEST:
+def runs_away(constants: Constants, state: State) -> bool:
+    """Whether a rubber layer is colder than possible or decomposes, or the lead melts."""
+    limits = constants.limits
+    if state.branches[0].lead_temperature > limits.lead:
+        return True
+    for j in range(len(constants.layer_cells)):
+        t = layer_temperature(constants.layer_cells, state.temperature, j)
+        if t < limits.coldest or t > limits.rubber:
             return True
     return False
 
@@ -197,7 +199,7 @@ def heat_step(
     dx = x - old.displacement
     if work.factored_dt[0] != dt:
         factor(cells, constants.side_implicit, dt, work.cells)
-        factor_modes(constants.lead_modes, dt, work.lead_modes)
+        factor_ports(constants, work, dt)
         work.factored_dt[0] = dt
     right_side(cells, state.temperature, dt, ambient, work.cells)
     released, recoverable = add_layer_heat(
@@ -230,6 +232,67 @@ def heat_step(
 
 
 @compiled
+def begin(constants: Constants, work: Workspace, state: State) -> None:
+    """Stiffness of every layer for a step from `state`, into `work`."""
+    rubber = constants.rubber
+    set_stiffness(rubber, constants.law, constants.layer_cells, state.temperature, work.layers)
+    if rubber.virgin:
+        stiffen(rubber, state.layers, work.layers)
+
+
+@compiled
+def move(
+    constants: Constants, work: Workspace, state: State, x: float, dt: float, new: State
+) -> tuple[float, float, int]:
+    """Mechanical part of a step, after `begin`: forces at the displacement x, into `new`.
+
+    May be repeated with another x. Returns force, tangent and outcome as `step` does.
+    """
+    rubber = constants.rubber
+    old, books = state.books[0], new.books[0]
+    rubber_force, tangent, mismatch, w, outcome = share(
+        rubber, constants.multiplicity, state.layers, work.layers, old.displacement, x, new.layers
+    )
+    if outcome != COMPLETED and outcome != SOFTENED:
+        return rubber_force, tangent, outcome
+    lead_force, viscous_force, slope, stored = beside_rubber(constants, state, new, x, dt)
+    force = rubber_force + lead_force + viscous_force
+    if not math.isfinite(force):
+        return force, tangent + slope, NOT_FINITE
+    books.displacement = x
+    books.force = force
+    books.rubber_force = rubber_force
+    books.lead_force = lead_force
+    books.viscous_force = viscous_force
+    books.recoverable = stored
+    books.layer_force_mismatch = mismatch
+    books.sharing_weight = w
+    return force, tangent + slope, outcome
+
+
+@compiled
+def settle(
+    constants: Constants, work: Workspace, state: State, dt: float, ambient: float, new: State
+) -> int:
+    """Thermal part of a step, after the last `move`: wear, heat, temperatures, energy books.
+
+    Returns COMPLETED, NOT_FINITE or TEMPERATURE_RUNAWAY.
+    """
+    old, books = state.books[0], new.books[0]
+    if constants.rubber.virgin:
+        wear(constants.rubber, state.layers, new.layers)
+    x, force = books.displacement, books.force
+    books.clock = old.clock + dt
+    books.work_in = old.work_in + 0.5 * (old.force + force) * (x - old.displacement)
+    heat_step(constants, work, state, x, dt, ambient, new)
+    if not math.isfinite(books.heat_lost_sides + books.heat_released):
+        return NOT_FINITE
+    if runs_away(constants, new):
+        return TEMPERATURE_RUNAWAY
+    return COMPLETED
+
+
+@compiled
 def step(
     constants: Constants,
     work: Workspace,
@@ -258,35 +321,9 @@ def step(
     outcome : COMPLETED, SOFTENED, NOT_CONVERGED, NOT_FINITE or EULER_UNSTABLE or
         TEMPERATURE_RUNAWAY.
     """
-    rubber = constants.rubber
-    old, books = state.books[0], new.books[0]
-    set_stiffness(rubber, constants.law, constants.layer_cells, state.temperature, work.layers)
-    if rubber.virgin:
-        stiffen(rubber, state.layers, work.layers)
-    rubber_force, tangent, mismatch, w, outcome = share(
-        rubber, constants.multiplicity, state.layers, work.layers, old.displacement, x, new.layers
-    )
+    begin(constants, work, state)
+    force, tangent, outcome = move(constants, work, state, x, dt, new)
     if outcome != COMPLETED and outcome != SOFTENED:
-        return rubber_force, tangent, outcome
-    if rubber.virgin:
-        wear(rubber, state.layers, new.layers)
-    lead_force, viscous_force, slope, stored = beside_rubber(constants, state, new, x, dt)
-    force = rubber_force + lead_force + viscous_force
-
-    books.clock = old.clock + dt
-    books.displacement = x
-    books.force = force
-    books.rubber_force = rubber_force
-    books.lead_force = lead_force
-    books.viscous_force = viscous_force
-    books.work_in = old.work_in + 0.5 * (old.force + force) * (x - old.displacement)
-    books.recoverable = stored
-    books.layer_force_mismatch = mismatch
-    books.sharing_weight = w
-    heat_step(constants, work, state, x, dt, ambient, new)
-    if not math.isfinite(books.heat_lost_sides + books.heat_released + force):
-        return force, tangent + slope, NOT_FINITE
-    melts = new.branches[0].lead_temperature > LEAD_MELTS
-    if melts or runs_away(constants.layer_cells, new.temperature):
-        return force, tangent + slope, TEMPERATURE_RUNAWAY
-    return force, tangent + slope, outcome
+        return force, tangent, outcome
+    ended = settle(constants, work, state, dt, ambient, new)
+    return force, tangent, outcome if ended == COMPLETED else ended

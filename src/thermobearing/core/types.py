@@ -46,11 +46,13 @@ class Cells(NamedTuple):
 
 
 class LeadCell:
-    """A heat cell that touches lead: conductance to all cores together."""
+    """A heat cell that touches lead: conductance to all cores together, or part of a port."""
 
     cell: int  # its number
     end: float  # before 1/F(t+) [kN mm/(s K)], as the next
     side: float  # before t+^{-1/3}
+    port: int  # through which lead heats it
+    share: float  # of the flow through that port; they add up to one
 
 
 class LayerCells:
@@ -63,10 +65,14 @@ class LayerCells:
 
 
 class Mode:
-    """One term of the finite plate under a confined core (core/lead_ends.py)."""
+    """One term of what separates lead and a port (core/lead_ends.py)."""
 
     resistance: float  # a [K s/(kN mm)]
     relaxation: float  # tau [s]
+    port: int
+    weight: float  # of the term there
+    other: int  # a second port, or the same with a weight of zero
+    other_weight: float
 
 
 class LawPiece:
@@ -153,10 +159,18 @@ class CellWork(NamedTuple):
 
 
 class ModeWork:
-    """A term of the finite plate for the last dt."""
+    """A term of a port for the last dt."""
 
     kept: float  # exp(-dt/tau)
     gain: float  # a (1 - exp(-dt/tau))
+
+
+class PortWork(NamedTuple):
+    """The ways out of a core, all [P]."""
+
+    conductance: Floats  # [P, P] flows by excess of the lead, for the last dt [kN mm/(s K)]
+    base: Floats  # temperature of the lead above which heat leaves, in this step [degC]
+    flow: Floats  # of one core, in this step [kN mm/s]
 
 
 class Rubber(NamedTuple):
@@ -207,6 +221,14 @@ class Viscous(NamedTuple):
     heats: bool  # whether its work warms the rubber
 
 
+class Limits(NamedTuple):
+    """Temperatures that end a run [degC]."""
+
+    coldest: float  # absolute zero
+    rubber: float  # decomposes
+    lead: float  # melts
+
+
 class Constants(NamedTuple):
     """Everything about one bearing that does not change during a run."""
 
@@ -218,10 +240,12 @@ class Constants(NamedTuple):
     layer_cells: Rows[LayerCells]  # [L]
     cells: Cells
     lead_cells: Rows[LeadCell]  # those that touch lead
-    lead_modes: Rows[Mode]  # [K] core end on a finite plate; K = 0 for the half-space formula
+    lead_ports: int  # ways out of a core, P; 0 for the half-space formula
+    lead_modes: Rows[Mode]  # [K] of all ports
     source_rise: float  # temperature rise of a layer per heat in one whole layer [K/(kN mm)]
     side_implicit: bool  # side loss in Crank-Nicolson (True) or explicit as printed (False)
     heat_source: int  # HEAT_FROM_WORK or HEAT_FROM_DISSIPATION
+    limits: Limits
 
 
 class State(NamedTuple):
@@ -230,7 +254,7 @@ class State(NamedTuple):
     layers: Rows[Layer]  # [L]
     temperature: Floats  # [n] cell temperatures [degC]
     branches: Rows[Branches]  # [1]
-    ends: Floats  # [K per core end] the terms y of Constants.lead_modes [K]
+    ends: Floats  # [K] the terms y of Constants.lead_modes [K]
     books: Rows[Books]  # [1]
 
 
@@ -240,6 +264,7 @@ class Workspace(NamedTuple):
     factored_dt: Floats  # [1] dt that the factors belong to [s]; 0: none yet
     layers: LayerWork
     cells: CellWork
+    lead_ports: PortWork
     lead_modes: Rows[ModeWork]  # [K]
 
 
@@ -286,7 +311,7 @@ def new_state(
         layers=rows(Layer, layers),
         temperature=np.array(temperature, dtype=np.float64),
         branches=rows(Branches, 1),
-        ends=np.zeros(len(constants.lead_modes) * len(constants.lead_cells)),
+        ends=np.zeros(len(constants.lead_modes)),
         books=rows(Books, 1),
     )
     state.layers["virgin"] = 1.0
@@ -302,9 +327,11 @@ def new_state(
 def new_workspace(constants: Constants) -> Workspace:
     """Scratch arrays for one run; never share them between threads."""
     layers, cells = len(constants.multiplicity), len(constants.cells.capacity)
+    ports = constants.lead_ports
     return Workspace(
         factored_dt=np.zeros(1),
         layers=LayerWork(*np.zeros((7, layers))),
         cells=CellWork(*np.zeros((4, cells))),
+        lead_ports=PortWork(np.zeros((ports, ports)), np.zeros(ports), np.zeros(ports)),
         lead_modes=rows(ModeWork, len(constants.lead_modes)),
     )

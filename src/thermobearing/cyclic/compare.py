@@ -16,7 +16,7 @@ def comparable_models(case: Case) -> list[Model]:
 
 
 def compare_models(case: Case) -> dict[str, Result]:
-    """Results of models by name, the multi-layer one first; without those that ended early.
+    """Results of models by name, the multi-layer one first.
 
     Parameters
     ----------
@@ -44,7 +44,5 @@ def compare_models(case: Case) -> dict[str, Result]:
         analysis = case.analysis.model_copy(
             update={"model": model, "scheme": "conservative", "stack": "auto"}
         )
-        result = run_case(case.model_copy(update={"analysis": analysis}))
-        if result.outcome == "completed" or not results:  # lead without losses may melt
-            results[model] = result
+        results[model] = run_case(case.model_copy(update={"analysis": analysis}))
     return results

@@ -55,7 +55,8 @@ def comparison_table(results: dict[str, Result], reference: str) -> pd.DataFrame
     -------
     DataFrame : over the loadings, root mean square and largest temperature error of the outer
         layer, the inner layer and the lead [K]; root mean square force error [% of the peak];
-        error of G_e, h_eq and energy of the last cycle and of the peak force [%].
+        error of G_e, h_eq and energy of the last cycle and of the peak force [%]. A model whose
+        run ended early, which its outcome says, is compared as far as it got.
     """
     truth = results[reference]
     rows = [
@@ -69,17 +70,24 @@ def comparison_table(results: dict[str, Result], reference: str) -> pd.DataFrame
 
 def _errors(truth: Result, other: Result, name: str, run: int) -> dict[str, Any]:
     ambient = float(truth["ambient"].values[run])
-    loaded = loading_rows(truth, run)
     row: dict[str, Any] = {"ambient_degC": ambient, "model": name}
+    row["outcome"] = str(other["outcome"].values[run])
+    cycles = [r.cycles[r.cycles["ambient_degC"] == ambient] for r in (other, truth)]
+    if cycles[0].empty:  # nothing to compare
+        return row
+    kept = np.isfinite(other["force"].values[run])
+    loaded = loading_rows(truth, run)
+    loaded = loaded[loaded < len(kept)]
+    loaded = loaded[kept[loaded]]
     for place in places_of(truth):
-        error = (_temperatures(other, run, place) - _temperatures(truth, run, place))[loaded]
+        error = _temperatures(other, run, place)[loaded] - _temperatures(truth, run, place)[loaded]
         row[f"{place} rms K"] = float(np.sqrt(np.mean(error**2)))
         row[f"{place} largest K"] = float(error[np.abs(error).argmax()])
     force, expected = (r["force"].values[run, loaded] for r in (other, truth))
     peak = float(np.abs(expected).max())
     row["force rms %"] = 100.0 * float(np.sqrt(np.mean((force - expected) ** 2))) / peak
     row["peak force %"] = 100.0 * (float(np.abs(force).max()) / peak - 1.0)
-    last = [r.cycles[r.cycles["ambient_degC"] == ambient].iloc[-1] for r in (other, truth)]
+    last = [table.iloc[len(cycles[0]) - 1] for table in cycles]
     for column, label in (("G_eq_MPa", "G_e"), ("h_eq", "h_eq"), ("energy_kN_mm", "energy")):
         row[f"last {label} %"] = 100.0 * (last[0][column] / last[1][column] - 1.0)
     return row
@@ -107,7 +115,8 @@ def comparison_figure(results: dict[str, Result], reference: str) -> Figure:
             expected = _at_cycles(truth, run, row)
             for name, colour in colours.items():
                 found = _at_cycles(results[name], run, row)
-                error = 100.0 * (found / expected - 1.0) if row == PEAK else found - expected
+                same = expected[: len(found)]  # those of a run that ended early
+                error = 100.0 * (found / same - 1.0) if row == PEAK else found - same
                 numbers = np.arange(1, len(error) + 1)
                 ax.plot(numbers, error, color=colour, marker=".", markersize=3.5, linewidth=0.9)
             ax.axhline(0.0, color=drawing.INK, linewidth=0.8)
@@ -127,7 +136,7 @@ def comparison_figure(results: dict[str, Result], reference: str) -> Figure:
 
 def _common(axes: list[Axes]) -> tuple[float, float]:
     """Limits that hold the lines of all panels of a row."""
-    limits = [ax.dataLim.intervaly for ax in axes if ax.lines]
+    limits = [ax.dataLim.intervaly for ax in axes if np.isfinite(ax.dataLim.intervaly).all()]
     low, high = min(a for a, _ in limits), max(b for _, b in limits)
     room = 0.06 * max(high - low, 1e-9)
     return low - room, high + room

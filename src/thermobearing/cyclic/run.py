@@ -67,7 +67,8 @@ def run(
     hardening : "printed" (default, Eq. 4.34), or "monotone": unloading that never goes up.
     heat_source : "work" (Eq. 4.22) or "dissipation"; by default that of the bearing, dissipation
         for natural rubber (LRB), else work.
-    lead_ends : "half-space" (default, Eq. 5.5) or "finite-plate", for confined lead cores.
+    lead_ends : how lead passes heat to steel: "finite-plate" (default) or "half-space"
+        (Eq. 5.4-5.5), which the published scheme and the earlier models have.
     upper_face, lower_face : heat exchange of the end faces; eta_B = 2 by default.
     initial : temperature at the start [degC]: uniform, one per cell (upper face first), or
         the final profile of an earlier result; the ambient temperature by default.

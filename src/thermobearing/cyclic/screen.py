@@ -63,6 +63,11 @@ def print_comparison(results: dict[str, Result]) -> None:
     for row in rows[names].itertuples(index=False):
         table.add_row(*(v if isinstance(v, str) else f"{v:.3g}" for v in row))
     Console().print(table)
+    for early in rows[rows["outcome"] != "completed"].to_dict("records"):
+        about = (
+            f"{early['model']} at {early['ambient_degC']:g} degC ended early: {early['outcome']}"
+        )
+        Console().print(f"[yellow]{about}; its errors are those until then[/yellow]")
 
 
 def _layer_title(name: str) -> str:

@@ -132,7 +132,7 @@ def _traces(task: "Task", history: StructureHistory) -> dict[str, Floats]:
             history.hinge()["moment"] / KN_MM_PER_KN_M if structure.hinges else missing
         ),
         "lead_temperature": bearing["lead_temperature"] if lead else missing,
-        "rubber_temperature": rows.layers[0] if heat else np.empty((len(q), 0)),
+        "rubber_temperature": history.layers() if heat else np.empty((len(q), 0)),
     }
 
 
@@ -198,6 +198,7 @@ def _attributes(
         "title": case.structure.description or case.structure.name,
         "mass": case.analysis.mass,
         "method": case.analysis.method,
+        "damping": case.analysis.damping or case.structure.damping.kind,
         "scheme": case.analysis.scheme,
         "mode": case.laboratory.mode if case.laboratory else "",
         "version": thermobearing.__version__,

@@ -136,7 +136,7 @@ def refuse_too_much(
 
 def build_tasks(case: EarthquakeCase) -> list[Task]:
     """All runs of a case: bearings, then motions, then ambient temperatures."""
-    prepared = prepare_structure(case.structure, case.analysis.mass)
+    prepared = prepare_structure(case.structure, case.analysis.mass, case.analysis.damping)
     devices = [build_device(case, bearing) for bearing in case.bearings]
     motions = [motion.load() for motion in case.motions]
     refuse_too_much(case, devices, motions)

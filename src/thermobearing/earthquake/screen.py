@@ -6,8 +6,20 @@ from rich.table import Table
 
 from thermobearing.earthquake.result import EarthquakeResult
 
-# Motion; air; bearing strain, force, energy, that of the warmest run; pier; deck acceleration.
-HEADS = ("motion", "degC", "strain", "kN", "kJ", "of warm", "pier mm", "ductility", "m/s2")
+# Motion; air; bearing strain, force, energy, that of the warmest run; pier; deck acceleration;
+# share of the input energy that viscous damping takes.
+HEADS = (
+    "motion",
+    "degC",
+    "strain",
+    "kN",
+    "kJ",
+    "of warm",
+    "pier mm",
+    "ductility",
+    "m/s2",
+    "damped",
+)
 
 
 def print_study(result: EarthquakeResult) -> None:
@@ -19,15 +31,16 @@ def print_study(result: EarthquakeResult) -> None:
     )
     periods = ", ".join(f"{float(value):.3f}" for value in attrs.get("periods_s", []))
     ratios = ", ".join(f"{float(value):.1%}" for value in attrs.get("damping_ratios", []))
-    console.print(f"periods {periods} s with equivalent stiffness; damping ratios {ratios}")
-    for warning in result.warnings:
-        console.print(f"[yellow]warning: {escape(warning)}[/yellow]")
+    console.print(f"periods {periods} s with equivalent stiffness")
+    console.print(f"viscous damping {attrs['damping']}: ratios of these modes {ratios}")
     table = result.table
     for name in dict.fromkeys(table["bearing"]):
         console.print(_table(name, table[table["bearing"] == name]))
     if result.runs:
         worst = float(result.energy["structure_residual"].abs().max())
         console.print(f"energy books: largest residual {worst:.1e} of the input")
+    for warning in result.warnings:
+        console.print(f"[yellow]warning:[/] {escape(warning)}", highlight=False, soft_wrap=True)
 
 
 def _table(name: str, rows: "object") -> Table:
@@ -46,6 +59,7 @@ def _table(name: str, rows: "object") -> Table:
             f"{row['pier_displacement_max_mm']:.1f}",
             f"{row['pier_ductility']:.2f}" if hinged else "",
             f"{row['deck_acceleration_max_m_s2']:.2f}",
+            f"{row['damping_of_input']:.0%}",
             style=None if row["outcome"] == "completed" else "red",
         )
     return table

@@ -16,7 +16,7 @@ from thermobearing.model.constants import Hardening, HeatSource, Integrator, Lea
 from thermobearing.model.earlier import Model
 from thermobearing.model.options import EndFace, Stacked
 from thermobearing.model.stack import Scheme
-from thermobearing.structure.model import MassModel, Structure
+from thermobearing.structure.model import DampingKind, MassModel, Structure
 from thermobearing.structure.run import Method
 
 T = TypeVar("T")
@@ -34,6 +34,7 @@ def bridge(
     dt: float | None = None,
     method: Method | None = None,
     mass: MassModel | None = None,
+    damping: DampingKind | None = None,
     scheme: Scheme | None = None,
     integrator: Integrator | None = None,
     hardening: Hardening | None = None,
@@ -65,12 +66,15 @@ def bridge(
     dt : largest time step [s], in [1e-6, 0.1]; 0.005 by default.
     method : "average-acceleration" (default), "linear-acceleration" or "predictor-corrector".
     mass : "consistent" (default) or "published".
+    damping : "modal", "rayleigh", "element", "none" or "source"; by default what the structure
+        says (pier-p1 and your own: modal; hybrid-pier: source).
     scheme : "conservative" (default) or "published" heat scheme.
     integrator : "exact" (default) or "euler" integration of Z.
     hardening : "printed" (default, Eq. 4.34), or "monotone": unloading that never goes up.
     heat_source : "work" (Eq. 4.22) or "dissipation"; by default dissipation for natural rubber
         (LRB), which gives its elastic work back, and work for the others.
-    lead_ends : "half-space" (default, Eq. 5.5) or "finite-plate", for confined lead cores.
+    lead_ends : how lead passes heat to steel: "finite-plate" (default) or "half-space"
+        (Eq. 5.4-5.5), which the published scheme and the earlier models have.
     upper_face, lower_face : heat exchange of the end faces; eta_B = 2 by default.
     stack : "auto" (default), "half" or "full" height.
     model : "multi-layer" (default) or an earlier model to compare with (model/earlier.py).
@@ -109,6 +113,7 @@ def bridge(
         dt=dt,
         method=method,
         mass=mass,
+        damping=damping,
         scheme=scheme,
         integrator=integrator,
         hardening=hardening,
@@ -134,6 +139,7 @@ def hybrid(
     dt: float | None = None,
     method: Method | None = None,
     mass: MassModel | None = None,
+    damping: DampingKind | None = None,
     scheme: Scheme | None = None,
     integrator: Integrator | None = None,
     hardening: Hardening | None = None,
@@ -162,7 +168,7 @@ def hybrid(
         at `speed`, "10 mm/s" by default, and the specimen lives on that slower clock), `delay`
         of the actuator, `force_noise` (standard deviation of the measured force) and its
         `seed`; numbers as text with their unit.
-    weather, duration, dt, mass, scheme, integrator : as of `bridge`.
+    weather, duration, dt, mass, damping, scheme, integrator : as of `bridge`.
     hardening, heat_source, lead_ends, upper_face, lower_face, stack, model : as of `bridge`.
     keep_every, executor, progress, misspelt : as of `bridge`.
 
@@ -195,6 +201,7 @@ def hybrid(
         dt=dt,
         method=method,
         mass=mass,
+        damping=damping,
         scheme=scheme,
         integrator=integrator,
         hardening=hardening,

@@ -1,6 +1,6 @@
 """A fit as data: the tests, the bearing they belong to, what is free, how to search."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, get_args
@@ -9,6 +9,7 @@ from thermobearing.bearing.library import as_bearing, load_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError, nearest, shortened
 from thermobearing.border.numbers import is_number
+from thermobearing.identify.assumed import chosen_groups
 from thermobearing.identify.record import TestRecord, load_test
 
 Method = Literal["least-squares", "krill-herd", "differential-evolution"]
@@ -37,6 +38,8 @@ class IdentifyCase:
     blind : start from the loops; False starts from the bearing's own values.
     polish : end with least squares.
     evaluations : budget of krill herd or differential evolution, 1 to a million.
+    assumed : relative standard uncertainties of what is not identified, by key or symbol; None
+        for the usual ones.
     """
 
     records: list[TestRecord]
@@ -51,6 +54,7 @@ class IdentifyCase:
     blind: bool = True
     polish: bool = True
     evaluations: int = SEARCH
+    assumed: Mapping[str, float] | None = None
 
 
 def make_identify_case(
@@ -100,6 +104,7 @@ def make_identify_case(
         if not isinstance(value, int) or isinstance(value, bool) or not least <= value <= most:
             said = shortened(str(value)) if is_number(value) else "that"
             raise InputError(f"{name} = {said}: must be a whole number from {least} to {most}")
+    chosen_groups(case.assumed)
     return case
 
 

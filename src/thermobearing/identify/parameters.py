@@ -18,6 +18,7 @@ from thermobearing.identify.kinds import (
     ALPHA,
     C_V,
     D_Y,
+    E2,
     HARDENING,
     K_L,
     K_R,
@@ -35,6 +36,7 @@ from thermobearing.identify.kinds import (
 )
 
 Floats = NDArray[np.float64]
+OFTEN_KNOWN = (E2,)  # by tests that heat the lead
 TIE = re.compile(r"([^=]+)=(?:([^=*]+)\*)?([^=*]+)")
 
 
@@ -263,8 +265,10 @@ def available(bearing: Bearing) -> list[Kind]:
 def default_free(bearing: Bearing, ambients: Iterable[float]) -> list[str]:
     """Keys that are free unless the user says otherwise.
 
-    Those of Tables 4.2 and 5.2. Temperature coefficients need tests at two temperatures.
+    Those of Tables 4.2 and 5.2, and the yield stress of lead: a fit that takes it from the file
+    puts its error into the rubber. Temperature coefficients need tests at two temperatures.
     Linear rubber (post-yield ratio 1, as in an LRB) has one stiffness and one coefficient.
+    `OFTEN_KNOWN` come on top where the tests know them better than their source.
 
     Parameters
     ----------
@@ -285,9 +289,7 @@ def default_free(bearing: Bearing, ambients: Iterable[float]) -> list[str]:
     linear = bearing.hysteresis.post_yield_ratio == 1.0
     rubber = [K_R] if linear else [ALPHA, K_R, SHAPE, D_Y, HARDENING]
     warm = ([M_T] if linear else [M_T, N_T]) if max(at) - min(at) >= 10.0 else []
-    lead = [K_L] if bearing.lead is not None else []
-    if linear and lead:
-        lead = [K_L, SIGMA_Y]
+    lead = [K_L, SIGMA_Y] if bearing.lead is not None else []
     rate = [K_V, C_V] if bearing.rate is not None else []
     virgin = VIRGIN if bearing.scragging is not None else ()
     return [*rubber, *warm, *rate, *lead, *virgin]

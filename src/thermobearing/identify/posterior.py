@@ -3,7 +3,8 @@
 By default samples come from the normal distribution of the fit (Laplace). With emcee
 (Foreman-Mackey et al. 2013, the optional extra `bayes`) they come from the posterior itself,
 whose likelihood is tempered by the effective number of samples (see uncertainty.py), flat
-within the bounds on the scale of the search.
+within the bounds on the scale of the search; what the assumed numbers leave open (assumed.py) is
+added to its draws.
 """
 
 from collections.abc import Sequence
@@ -202,8 +203,19 @@ def posterior_samples(
     sampler.random_state = np.random.RandomState(seed).get_state()
     sampler.run_mcmc(start, burn + steps, skip_initial_state_check=True)
     tau = float(np.mean(sampler.get_autocorr_time(quiet=True, tol=0)))
-    chain = np.asarray(sampler.get_chain(discard=burn, flat=True))
+    chain = _with_assumed(found, np.asarray(sampler.get_chain(discard=burn, flat=True)), seed)
     return Samples(chain, "emcee", float(np.mean(sampler.acceptance_fraction)), tau)
+
+
+def _with_assumed(found: Identification, cube: Floats, seed: int) -> Floats:
+    """Draws moved by what the numbers that are not identified leave open."""
+    assumed, inside = found.uncertainty.assumed, found.uncertainty.inside
+    groups = len(assumed.spread)
+    rng = np.random.default_rng(seed)
+    off = rng.multivariate_normal(np.zeros(groups), assumed.spread, size=len(cube))
+    moved = cube.copy()
+    moved[:, inside] += off @ assumed.shifts.T
+    return np.clip(moved, 0.0, 1.0)
 
 
 def predictive_band(

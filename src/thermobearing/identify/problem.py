@@ -1,10 +1,12 @@
 """The residuals of a fit: force, and temperatures if wanted, weighted, at all samples."""
 
 from collections.abc import Sequence
+from copy import copy
 
 import numpy as np
 from numpy.typing import NDArray
 
+from thermobearing.bearing.model import Bearing
 from thermobearing.identify.cycles import cycles_of
 from thermobearing.identify.forward import ForwardModel, Prediction
 from thermobearing.identify.parameters import ParameterSet
@@ -67,6 +69,21 @@ class Problem:
         for weight, bad in zip(self.weights, clipped or [], strict=False):
             weight[bad] = 0.0
 
+    def with_parameters(self, pset: ParameterSet) -> "Problem":
+        """The same tests and models with other free parameters.
+
+        Parameters
+        ----------
+        pset : of a bearing of the same geometry and materials.
+
+        Returns
+        -------
+        Problem : which has counted the same evaluations.
+        """
+        other = copy(self)
+        other.pset, other._last, other.history = pset, None, list(self.history)
+        return other
+
     def predict(self, cube: Floats, *, fine: bool = True) -> list[Prediction | None]:
         """The model at the samples of all records.
 
@@ -102,20 +119,42 @@ class Problem:
 
     def _parts(self, cube: Floats, *, fine: bool) -> list[Floats]:
         found = []
-        for record, weight, predicted in zip(
-            self.records, self.weights, self.predict(cube, fine=fine), strict=True
-        ):
+        predictions = self.predict(cube, fine=fine)
+        for record, weight, predicted in zip(self.records, self.weights, predictions, strict=True):
             if predicted is None:
                 extra = len(record.temperatures) if self.temperatures else 0
                 found.append(np.full(len(record.time) * (1 + extra), LOST))
-                continue
-            rows = [weight * (predicted.force - record.force) / record.peak_force]
-            if self.temperatures:
-                for title, measured in record.temperatures.items():
-                    off = predicted.temperatures[title] - measured
-                    rows.append(np.sqrt(record.weight) * KELVIN_AS / KELVIN * off)
-            found.append(np.concatenate(rows))
+            else:
+                found.append(self._weighted(record, weight, predicted))
         return found
+
+    def _weighted(self, record: TestRecord, weight: Floats, predicted: Prediction) -> Floats:
+        rows = [weight * (predicted.force - record.force) / record.peak_force]
+        if self.temperatures:
+            for title, measured in record.temperatures.items():
+                off = predicted.temperatures[title] - measured
+                rows.append(np.sqrt(record.weight) * KELVIN_AS / KELVIN * off)
+        return np.concatenate(rows)
+
+    def residuals_of(self, bearing: Bearing, *, fine: bool = True) -> Floats | None:
+        """All residuals of another bearing, whose materials may differ too.
+
+        Parameters
+        ----------
+        bearing : of the same layers.
+        fine : a step of the model at every sample.
+
+        Returns
+        -------
+        ndarray, or None where the model does not get through.
+        """
+        found = []
+        for record, weight in zip(self.records, self.weights, strict=True):
+            predicted = ForwardModel(record, bearing, fine=fine).run(bearing)
+            if predicted is None:
+                return None
+            found.append(self._weighted(record, weight, predicted))
+        return np.concatenate(found)
 
     def residuals(self, cube: Floats, *, fine: bool = False) -> Floats:
         """All residuals in one vector.

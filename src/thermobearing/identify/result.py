@@ -116,6 +116,7 @@ class Identification:
                 for p in self.pset.parameters
                 if p.kind.key not in estimates
             },
+            "assumed": [told.summary() for told in self.uncertainty.assumed.told],
             "records": [fit.summary() for fit in self.fits],
             "correlation": {
                 "parameters": list(estimates),
@@ -172,6 +173,7 @@ def _estimate_summary(item: Estimate, start: float | None) -> dict[str, Any]:
         "value": item.value,
         "unit": item.parameter.kind.unit,
         "stderr": item.stderr,
+        "stderr_of_tests": item.stderr_of_tests,
         "lower": item.lower,
         "upper": item.upper,
         "at_bound": item.at_bound,

@@ -8,11 +8,16 @@ search in search.py.
 """
 
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
 
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
+from thermobearing.identify.assumed import chosen_groups, determined_by
 from thermobearing.identify.case import (
     SEARCH,
     IdentifyCase,
@@ -23,13 +28,15 @@ from thermobearing.identify.case import (
 )
 from thermobearing.identify.checks import check_test
 from thermobearing.identify.forward import ForwardModel
-from thermobearing.identify.parameters import parameter_set
+from thermobearing.identify.parameters import OFTEN_KNOWN, available, parameter_set
 from thermobearing.identify.problem import Problem
 from thermobearing.identify.result import Identification
 from thermobearing.identify.search import polish as polished
 from thermobearing.identify.search import search
 from thermobearing.identify.start import loop_start
 from thermobearing.identify.uncertainty import estimate
+
+Floats = NDArray[np.float64]
 
 
 def identify_bearing(
@@ -46,6 +53,7 @@ def identify_bearing(
     blind: bool = True,
     polish: bool = True,
     evaluations: int = SEARCH,
+    assumed: Mapping[str, float] | None = None,
 ) -> Identification:
     """Parameters of a bearing from its tests.
 
@@ -53,7 +61,8 @@ def identify_bearing(
     ----------
     records : one or more tests (`load_test`, `record_from_arrays`, or paths).
     bearing : geometry and materials, and the values of what is not free.
-    free : keys or symbols ("K_r"), ties as "n_T = 2.4 * m_T"; the usual ones by default.
+    free : keys or symbols ("K_r"), ties as "n_T = 2.4 * m_T"; by default the usual ones and
+        those that these tests know better than their source (`default_free`).
     bounds : other bounds than the usual, by key or symbol, in the unit of the parameter.
     method : "least-squares" (bounded trust region from several starts), "krill-herd"
         (Gandomi & Alavi 2012) or "differential-evolution"; the last two end with least
@@ -65,6 +74,8 @@ def identify_bearing(
     blind : start from the loops; False starts from the bearing's own values.
     polish : end with least squares.
     evaluations : budget of krill herd or differential evolution, 1 to a million.
+    assumed : relative standard uncertainty, 0 to 2, of what is not identified, by dotted key or
+        symbol: {"materials.side_film": 0.1}; 0 is known exactly. Others keep the usual ones.
 
     Returns
     -------
@@ -99,6 +110,7 @@ def identify_bearing(
         blind=blind,
         polish=polish,
         evaluations=evaluations,
+        assumed=assumed,
     )
     return run_identify(case)
 
@@ -148,12 +160,14 @@ def run_identify(case: IdentifyCase) -> Identification:
         coarse=coarse,
     )
     cube, converged = search(problem, case), True
+    if case.free is None:
+        problem, cube = _with_more_free(problem, cube, case)
     if case.polish:
         cube, converged = polished(problem, cube)
     predictions = [p for p in problem.predict(cube) if p is not None]
     if len(predictions) != len(records):
         raise InputError("the model does not get through these tests with any parameters tried")
-    uncertainty = estimate(problem, cube)
+    uncertainty = estimate(problem, cube, chosen_groups(case.assumed))
     return Identification(
         bearing=problem.pset.checked(cube),
         pset=problem.pset,
@@ -170,3 +184,18 @@ def run_identify(case: IdentifyCase) -> Identification:
         outcome="completed" if converged else "not_converged",
         problem=problem,
     )
+
+
+def _with_more_free(problem: Problem, cube: Floats, case: IdentifyCase) -> tuple[Problem, Floats]:
+    """The fit with that free too which these tests know better than its source does."""
+    there = {kind.key for kind in available(case.bearing)}
+    asked = [g for g in chosen_groups(case.assumed) if set(g.keys) <= there & set(OFTEN_KNOWN)]
+    more = determined_by(problem, cube, asked)
+    if not more:
+        return problem, cube
+    at = problem.pset.values(cube)
+    free = [p.kind.key for p in problem.pset.free] + more
+    ambients = [record.ambient for record in case.records]
+    pset = parameter_set(case.bearing, free, ambients, case.bounds).with_start(at)
+    wider = problem.with_parameters(pset)
+    return wider, search(wider, replace(case, method="least-squares", starts=1))

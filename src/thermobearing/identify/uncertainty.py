@@ -1,26 +1,24 @@
-"""How well the tests fix each parameter: intervals, correlation, and what test would help.
+"""How well each parameter is known: intervals, correlation, and what test would help.
 
-Residuals of neighbouring samples are alike (filters, and above all model error), so the
-textbook covariance sigma^2 (J^T J)^-1 is far too small. Gradients are summed over half
-cycles, which are taken to be independent (cluster-robust "sandwich"; Huber 1967, White
-1980): (J^T J)^-1 (sum g_b g_b^T) (J^T J)^-1 with B/(B - p) for few blocks. The textbook
-value is kept as a floor.
+What the tests leave open (linear.py) and what is assumed beside them (assumed.py) add up.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from thermobearing.identify import kinds
+from thermobearing.identify.assumed import Carried, Group, assumed_of, carried, usual_groups
 from thermobearing.identify.forward import turning_points
+from thermobearing.identify.linear import AT_BOUND, BLOCK_TURN, linearised
 from thermobearing.identify.parameters import Parameter
-from thermobearing.identify.problem import Problem, robust_weights
+from thermobearing.identify.problem import Problem
 from thermobearing.identify.record import TestRecord
 
 Floats = NDArray[np.float64]
 
-AT_BOUND = 2e-3  # of the range: nearer to a bound than this is at it
 WELL = 0.01  # relative standard error of a well determined parameter: three are within 3 %
 POOR = 0.1  # relative standard error of a poorly determined one
 LEAST = 0.1  # m_T, n_T, b and s may be zero: errors are relative to this at least
@@ -28,18 +26,31 @@ LEVEL = 0.95
 CORRELATED = 0.95
 NEGLIGIBLE = 1e-3  # of the peak force: smaller residuals are no matter for a warning
 ALIKE = 0.2  # effective over actual samples, below which residuals are not noise
-BLOCK_TURN = 0.05  # of the largest displacement: half cycles larger than this are blocks
 TEMPERATURE_SPAN = 15.0  # K between tests that fix a temperature coefficient
+# Entropy stiffens warm rubber by T/T_0, a third in 100 K; no more.
+ENTROPIC = 0.35
+AS_LIKELY = 0.7  # of what the likeliest cause explains
 SPEED_SPAN = 3.0  # ratio of speeds that fixes rate dependence
 
 
 @dataclass(frozen=True)
 class Estimate:
-    """One free parameter: value, standard error, 95 % interval [in its unit]."""
+    """One free parameter, in its unit.
+
+    Attributes
+    ----------
+    parameter : which.
+    value : at the optimum.
+    stderr : standard error, by the tests and by what is assumed beside them.
+    stderr_of_tests : by the tests alone.
+    lower, upper : 95 % interval.
+    at_bound : the value ended at a bound.
+    """
 
     parameter: Parameter
     value: float
     stderr: float
+    stderr_of_tests: float
     lower: float
     upper: float
     at_bound: bool
@@ -65,7 +76,9 @@ class Uncertainty:
     ----------
     estimates : by dotted key.
     covariance : in the unit cube; rows and columns of parameters at bounds are zero.
-    correlation : the same, normalised.
+    correlation : by the tests alone.
+    assumed : what the numbers that are not identified do to those that are.
+    inside : of the free parameters, those that are not at a bound.
     samples, effective_samples : how many, and how many independent ones they are worth.
     rms : root mean square of the residuals, relative to the peak force.
     warnings : in words.
@@ -74,21 +87,12 @@ class Uncertainty:
     estimates: dict[str, Estimate]
     covariance: Floats
     correlation: Floats
+    assumed: Carried
+    inside: NDArray[np.bool_]
     samples: int
     effective_samples: float
     rms: float
     warnings: list[str] = field(default_factory=list)
-
-
-def _blocks(record: TestRecord) -> Floats:
-    """Number of the half cycle that each sample belongs to, cut half-way between turns.
-
-    Not at the turns: there the gradients of stiffness, d_y and s change sign at once, and noise
-    that is alike on both sides cancels, which sums cut there would not see.
-    """
-    turns = turning_points(record.displacement, BLOCK_TURN * record.peak_displacement)
-    middles = (turns[:-1] + turns[1:]) // 2
-    return np.searchsorted(middles, np.arange(len(record.time)), side="right").astype(float)
 
 
 def effective_samples(residuals: Floats) -> float:
@@ -122,46 +126,14 @@ def effective_samples(residuals: Floats) -> float:
     return float(n / (1.0 + 2.0 * rho[1:end].sum()))
 
 
-def _covariance(problem: Problem, cube: Floats) -> tuple[Floats, float, int, float]:
-    """Covariance in the unit cube, effective samples, all samples, rms of the residuals."""
-    plain = problem.parts(cube, fine=True)
-    roots = [np.sqrt(robust_weights(part, problem.loss)) for part in plain]
-    parts = [root * part for root, part in zip(roots, plain, strict=True)]
-    jacobian = problem.jacobian(cube, fine=True, central=True)
-    residuals = np.concatenate(parts)
-    inside = (cube > AT_BOUND) & (cube < 1.0 - AT_BOUND)
-    J = np.concatenate(roots)[:, None] * jacobian[:, inside]
-    scale = np.maximum(np.linalg.norm(J, axis=0), 1e-12)
-    J = J / scale
-    bread = np.linalg.pinv(J.T @ J, rcond=1e-12)
-    n, p = J.shape
-    classical = bread * float(residuals @ residuals) / max(n - p, 1)
-    sums, first, effective = [], 0, 0.0
-    for record, part in zip(problem.records, parts, strict=True):
-        rows = slice(first, first + len(part))
-        labels = np.resize(_blocks(record), len(part)).astype(int)
-        products = J[rows] * part[:, None]
-        sums.append([products[labels == k].sum(axis=0) for k in np.unique(labels)])
-        effective += effective_samples(part)
-        first += len(part)
-    g = np.array([row for rows in sums for row in rows])
-    count = len(g)
-    meat = g.T @ g * count / max(count - p, 1)
-    sandwich = bread @ meat @ bread
-    grow = np.sqrt(np.maximum(1.0, np.diag(classical) / np.maximum(np.diag(sandwich), 1e-300)))
-    chosen = sandwich * np.outer(grow, grow) / np.outer(scale, scale)
-    full = np.zeros((len(cube), len(cube)))
-    full[np.ix_(inside, inside)] = chosen
-    return full, effective, n, float(np.sqrt(np.mean(residuals**2)))
-
-
-def estimate(problem: Problem, cube: Floats) -> Uncertainty:
+def estimate(problem: Problem, cube: Floats, groups: Sequence[Group] | None = None) -> Uncertainty:
     """Standard errors, intervals and warnings at the optimum of a fit.
 
     Parameters
     ----------
     problem : residuals of the tests.
     cube : the optimum, in [0, 1] for each free parameter.
+    groups : what is assumed, and how far it may be off; the usual by default.
 
     Returns
     -------
@@ -178,30 +150,64 @@ def estimate(problem: Problem, cube: Floats) -> Uncertainty:
     >>> estimate(Problem([record], pset), pset.start).estimates[kinds.K_R].relative_error < 0.05
     True
     """
-    from scipy.stats import t as student
-
-    covariance, effective, samples, rms = _covariance(problem, cube)
-    blocks = sum(len(np.unique(_blocks(record))) for record in problem.records)
-    wide = float(student.ppf(0.5 + 0.5 * LEVEL, max(blocks - len(cube), 2)))
+    linear = linearised(problem, cube)
+    assumed = carried(
+        linear, assumed_of(problem, cube, usual_groups() if groups is None else groups)
+    )
+    inside = np.ix_(linear.inside, linear.inside)
+    of_tests, covariance = np.zeros((2, len(cube), len(cube)))
+    of_tests[inside] = linear.covariance()
+    covariance[inside] = of_tests[inside] + assumed.covariance
+    wide = _wide(int(linear.blocks.max()) + 1 - len(cube))
     estimates = {}
     for i, parameter in enumerate(problem.pset.free):
-        u = float(cube[i])
-        sigma = float(np.sqrt(covariance[i, i]))
-        bound = not AT_BOUND < u < 1.0 - AT_BOUND
-        estimates[parameter.kind.key] = Estimate(
-            parameter=parameter,
-            value=parameter.at(u),
-            stderr=sigma * parameter.slope(u) if not bound else float("nan"),
-            lower=parameter.at(max(u - wide * sigma, 0.0)),
-            upper=parameter.at(min(u + wide * sigma, 1.0)),
-            at_bound=bound,
+        estimates[parameter.kind.key] = _estimate(
+            parameter, float(cube[i]), float(of_tests[i, i]), float(covariance[i, i]), wide
         )
-    spread = np.sqrt(np.diag(covariance))
-    safe = np.where(spread > 0.0, spread, 1.0)
-    correlation = covariance / np.outer(safe, safe)
-    found = Uncertainty(estimates, covariance, correlation, samples, effective, rms)
+    found = Uncertainty(
+        estimates=estimates,
+        covariance=covariance,
+        correlation=_correlation(of_tests),
+        assumed=assumed,
+        inside=linear.inside,
+        samples=len(linear.weights),
+        effective_samples=sum(effective_samples(part) for part in linear.parts),
+        rms=float(np.sqrt(np.mean(linear.residuals**2))),
+    )
     found.warnings.extend(_warnings(problem, found))
     return found
+
+
+def _correlation(covariance: Floats) -> Floats:
+    spread = np.sqrt(np.diag(covariance))
+    safe = np.where(spread > 0.0, spread, 1.0)
+    return np.asarray(covariance / np.outer(safe, safe))
+
+
+def _wide(freedom: int) -> float:
+    """Standard errors in a 95 % interval, by Student's distribution."""
+    from scipy.stats import t as student
+
+    return float(student.ppf(0.5 + 0.5 * LEVEL, max(freedom, 2)))
+
+
+def _estimate(
+    parameter: Parameter, u: float, of_tests: float, whole: float, wide: float
+) -> Estimate:
+    """At a place in the unit cube, from variances there; what is assumed is normal."""
+    bound = not AT_BOUND < u < 1.0 - AT_BOUND
+    slope = parameter.slope(u) if not bound else float("nan")
+    normal = _wide(10**6)
+    half = float(np.sqrt(wide**2 * of_tests + normal**2 * (whole - of_tests)))
+    return Estimate(
+        parameter=parameter,
+        value=parameter.at(u),
+        stderr=float(np.sqrt(whole)) * slope,
+        stderr_of_tests=float(np.sqrt(of_tests)) * slope,
+        lower=parameter.at(max(u - half, 0.0)),
+        upper=parameter.at(min(u + half, 1.0)),
+        at_bound=bound,
+    )
 
 
 def _remedy(keys: set[str]) -> str:
@@ -213,7 +219,7 @@ def _remedy(keys: set[str]) -> str:
 
 def _warnings(problem: Problem, found: Uncertainty) -> list[str]:
     """Bounds reached, weak and entangled parameters, and tests too alike, in words."""
-    said = _test_warnings(problem)
+    said = [*_test_warnings(problem), *_likely_causes(found)]
     for key, item in found.estimates.items():
         symbol, unit = item.parameter.kind.symbol, item.parameter.kind.unit
         shown = f"{symbol} = {item.value:.4g} {unit}".strip()
@@ -240,6 +246,29 @@ def _warnings(problem: Problem, found: Uncertainty) -> list[str]:
             f"({found.samples} samples are worth {found.effective_samples:.0f} independent ones), "
             "so the law misses something or the force was filtered; standard errors say how well "
             "the tests fix the numbers of this law, not that the law is right"
+        )
+    return said
+
+
+def _likely_causes(found: Uncertainty) -> list[str]:
+    """What looks like a slip in the tests or the file, not like rubber."""
+    said = []
+    warm = [found.estimates[k] for k in (kinds.M_T, kinds.N_T) if k in found.estimates]
+    if warm and all(item.lower > ENTROPIC for item in warm):
+        shown = " and ".join(f"{e.parameter.kind.symbol} = {e.value:.2f}" for e in warm)
+        said.append(
+            f"{shown} would be rubber that stiffens as it warms: are the ambient temperatures of "
+            "the tests swapped?"
+        )
+    told = sorted(found.assumed.told, key=lambda item: -item.explained)
+    if told and told[0].contradicted:
+        worst = told[0]
+        alike = [t for t in told if t.contradicted and t.explained > AS_LIKELY * worst.explained]
+        causes = [item.group.cause or f"the value of {item.group.name}" for item in alike]
+        said.append(
+            f"the tests ask for {'more' if worst.sigmas > 0.0 else 'less'} {worst.group.name} than "
+            f"the file has, by {abs(worst.sigmas):.0f} times its uncertainty; likely causes: "
+            f"{'; or '.join(causes)}"
         )
     return said
 

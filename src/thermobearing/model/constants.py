@@ -15,11 +15,11 @@ from thermobearing.core.types import (
     Constants,
     LayerCells,
     Lead,
-    LeadCell,
     Rubber,
     Viscous,
 )
-from thermobearing.model.lead_ends import end_modes, no_modes
+from thermobearing.model.lead_ends import half_space, lead_network
+from thermobearing.model.limits import limits_of_a_step
 from thermobearing.model.stack import (
     MM_PER_M,
     Face,
@@ -55,15 +55,14 @@ def build_constants(
     """The numbers one coupled step needs, from a bearing and its stack.
 
     `lower` is None for a half stack: its last cell lies at the symmetry plane. `lead_ends`
-    "finite-plate" needs confined cores and the conservative scheme.
+    "finite-plate" needs lead and the conservative scheme.
     """
     make = conservative_rates if scheme == "conservative" else published_rates
     rates = make(stack, upper, lower)
     lead, end, side = _lead(bearing, stack, published=scheme == "published")
-    touching = np.flatnonzero(end + side)
-    modes = no_modes()
+    network = half_space(end, side)
     if lead_ends == "finite-plate":
-        modes = end_modes(bearing, 0.5 * float(stack.beside_lead.sum()))
+        network = lead_network(bearing, stack, upper, lower)
     upper_middle, lower_middle = stack.middles()
     return Constants(
         rubber=_rubber(bearing, integrator, monotone=hardening == "monotone"),
@@ -86,8 +85,9 @@ def build_constants(
             capacity=stack.heat_capacity,
             beside_lead=stack.beside_lead,
         ),
-        lead_cells=filled(LeadCell, cell=touching, end=end[touching], side=side[touching]),
-        lead_modes=modes,
+        lead_cells=network.cells,
+        lead_ports=network.ports,
+        lead_modes=network.modes,
         source_rise=1.0
         / (
             bearing.materials.rubber.volumetric_heat
@@ -96,6 +96,7 @@ def build_constants(
         ),
         side_implicit=rates.side_implicit,
         heat_source=HEAT_FROM_DISSIPATION if heat_source == "dissipation" else HEAT_FROM_WORK,
+        limits=limits_of_a_step(),
     )
 
 

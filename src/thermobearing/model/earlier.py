@@ -21,10 +21,11 @@ from thermobearing.core.types import (
     LayerCells,
     Lead,
     LeadCell,
+    Mode,
     Rubber,
     Viscous,
 )
-from thermobearing.model.lead_ends import no_modes
+from thermobearing.model.limits import limits_of_a_step
 from thermobearing.model.stack import MM_PER_M, Stack
 from thermobearing.model.temperature import no_table
 
@@ -64,7 +65,7 @@ def adiabatic(constants: Constants) -> Constants:
     Constantinou et al. (2007), Eq. 2.4-2.6 of the source: no conduction to steel, ends or air.
     """
     lead = constants.lead._replace(end_conductance=0.0, side_conductance=0.0)
-    return without_modes(constants)._replace(
+    return constants._replace(
         cells=unexchanging(constants.cells), lead=lead, lead_cells=rows(LeadCell, 0)
     )
 
@@ -81,7 +82,7 @@ def lumped(constants: Constants, stack: Stack) -> Constants:
     touching = rows(LeadCell, 0 if constants.lead.cores == 0.0 else 1)
     touching["end"] = TIGHT
     cells = lone_cell(capacity, float(constants.cells.beside_lead.sum()))
-    return without_modes(constants)._replace(
+    return constants._replace(
         cells=cells,
         layer_cells=one_cell(layers),
         lead_cells=touching,
@@ -130,7 +131,7 @@ def lead_alone(constants: Constants) -> Constants:
 
     Kalpakidis & Constantinou (2009), Eq. 2.7-2.9.
     """
-    return isothermal(without_modes(constants))
+    return isothermal(constants)
 
 
 def temperature_blind(constants: Constants) -> Constants:
@@ -151,7 +152,7 @@ def bilinear(constants: Constants, parameters: BilinearParameters) -> Constants:
     """
     # The spring starts at the mean temperature.
     cells = constants.cells._replace(beside_lead=constants.cells.capacity)
-    plain = without_modes(constants)._replace(
+    plain = constants._replace(
         rubber=_backbone_rubber(constants.rubber.layer_count, parameters),
         lead=_backbone_spring(parameters, constants.lead.fold),
         viscous=constants.viscous._replace(stiffness=0.0),
@@ -188,10 +189,12 @@ def bilinear_constants(parameters: BilinearParameters) -> Constants:
         layer_cells=one_cell(1),
         cells=lone_cell(UNCHANGING, UNCHANGING),
         lead_cells=rows(LeadCell, 0),
-        lead_modes=no_modes(),
+        lead_ports=0,
+        lead_modes=rows(Mode, 0),
         source_rise=1.0 / UNCHANGING,
         side_implicit=True,
         heat_source=HEAT_FROM_WORK,
+        limits=limits_of_a_step(),
     )
 
 
@@ -235,11 +238,6 @@ def _backbone_spring(parameters: BilinearParameters, fold: float) -> Lead:
         fold=fold,
         published=False,
     )
-
-
-def without_modes(constants: Constants) -> Constants:
-    """Lead on a half-space, as the earlier models have it, whatever `lead_ends` says."""
-    return constants._replace(lead_modes=no_modes())
 
 
 def isothermal(constants: Constants) -> Constants:

@@ -69,7 +69,8 @@ class BearingElement:
     hardening : "printed" (default, Eq. 4.34), or "monotone": unloading that never goes up.
     heat_source : "work" (Eq. 4.22) or "dissipation"; by default dissipation for natural rubber
         (LRB), which gives its elastic work back, and work for the others.
-    lead_ends : "half-space" (default, Eq. 5.5) or "finite-plate", for confined lead cores.
+    lead_ends : how lead passes heat to steel: "finite-plate" (default) or "half-space"
+        (Eq. 5.4-5.5), which the published scheme and the earlier models have.
     upper_face, lower_face : heat exchange of the end faces; eta_B = 2 by default.
     stack : "auto" (default), "half" or "full" height.
     model : "multi-layer" (default) or an earlier model (model/earlier.py) but "bilinear", whose

@@ -1,84 +1,228 @@
-"""Numbers of a confined lead core that stands on end plates of finite thickness.
+"""Ways of heat out of lead cores: end plates of finite thickness, shims as fins.
 
-Core and plate exchange heat through a kernel of exponentials (core/lead_ends.py). Exact
-series of two bodies give resistances a and times tau:
+A core exchanges heat with the cells of the stack through ports (core/lead_ends.py): its end
+into the plate under it; if it is not confined, its side into the shims, and its foot between
+sealing plates into them. What separates the mean of the core from a port are sums of
+exponentials, fitted to impedances (model/lead_impedance.py):
 
-* the plate, thickness H, its far face at ambient temperature, around each core a disc of the
-  plan's share, pi R^2. Modes J0(l r) cos(b z), l R a zero of J1, b = (m - 1/2) pi/H; the mode
-  l = 0 is what the stack of cells solves already:
-  a = 8 J1(l r_l)^2 / (l^2 R^2 J0(l R)^2) / (A_l H k_s (l^2 + b^2)), tau = 1/(alpha_s (l^2 + b^2))
-* the core, half height h: bulk less end, when heat leaves at the end:
-  a = 2 h/(n^2 pi^2 k_l A_l), tau = h^2/(n^2 pi^2 alpha_l)
-
-Terms whose times lie in one half of a decade become one: some ten remain.
+* plate: a disc on a plate, its far face with its own film, insulated where the plan's share of
+  a core ends; rubber and shims beneath take some of the spot's heat;
+* side: annular fins between halves of rubber layers, the rubber at the wall, the core's way to
+  its wall and along it to the edges of the shims;
+* the core along its axis, cos(n pi z/h). The first two modes are what ends and side have in
+  common: where the ends drain the core, the shims deeper inside feel more than its mean.
 """
 
 import math
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from thermobearing.bearing.model import Bearing
 from thermobearing.core.records import Floats, Rows, filled, rows
-from thermobearing.core.types import Mode
-from thermobearing.model.stack import MM_PER_M
+from thermobearing.core.types import LeadCell, Mode
+from thermobearing.model.lead_impedance import (
+    AXIAL,
+    core_modes,
+    core_to_wall,
+    disc_on_plate,
+    fin,
+    fin_heat,
+    fitted,
+    rubber_at_wall,
+    to_edges,
+)
+from thermobearing.model.stack import Face, Stack, film_at_face
 
-RADIAL, AXIAL = 400, 200  # modes summed
-SHORTEST = 1e-3  # s: what settles faster counts as one term
-PER_DECADE = 2.0
+Term = tuple[float, float, int, float, int, float]
+
+COMMON = 2  # modes of the core that act on ends and side
 
 
-def no_modes() -> Rows[Mode]:
-    """For cores on a half-space."""
-    return rows(Mode, 0)
+@dataclass(frozen=True)
+class Network:
+    """Ports of the cores.
+
+    Attributes
+    ----------
+    ports : how many.
+    cells : which cells they heat.
+    modes : [K] terms of what separates core and ports.
+    """
+
+    ports: int
+    cells: Rows[LeadCell]
+    modes: Rows[Mode]
 
 
-def plate_modes(bearing: Bearing) -> Floats:
-    """[2, n] a and tau of a disc on an end plate, less the mean over the plan."""
-    from scipy.special import j0, j1, jn_zeros  # a third of a second, only for this option
+def half_space(end: Floats, side: Floats) -> Network:
+    """No ports: the formulas of core/lead.py, with the conductances of each cell."""
+    touching = np.flatnonzero(end + side)
+    cells = filled(
+        LeadCell, cell=touching, end=end[touching], side=side[touching], port=0, share=0.0
+    )
+    return Network(0, cells, rows(Mode, 0))
 
-    lead, steel = bearing.lead, bearing.materials.steel
+
+@dataclass(frozen=True)
+class Core:
+    """Sizes of one core in its share of the plan [mm]."""
+
+    radius: float
+    plan: float  # radius of the share as a disc
+    half: float  # of the height of the core
+    foot: float  # of the part between sealing plates that it touches
+
+
+@dataclass(frozen=True)
+class Side:
+    """The wall of a core in touch with shims.
+
+    Attributes
+    ----------
+    cells, shares : of the shims, and how the flow divides among them.
+    impedance : mean of the core less the shims.
+    felt : [AXIAL] of each mode of the core, at the shims.
+    beside : [AXIAL, s] what the shims take from it beyond that, per height.
+    """
+
+    cells: Any
+    shares: Floats
+    impedance: Floats
+    felt: Floats
+    beside: Floats
+
+
+def core_of(bearing: Bearing, stack: Stack) -> Core:
+    """The sizes of a core."""
+    lead = bearing.lead
     assert lead is not None
-    k, height = steel.conductivity / MM_PER_M, bearing.geometry.end_plate_thickness
-    radius = math.sqrt(bearing.area / lead.cores / math.pi)
-    wave = jn_zeros(1, RADIAL) / radius
-    share = 8.0 * (j1(wave * lead.radius) / (wave * radius * j0(wave * radius))) ** 2
-    rate = wave[:, None] ** 2 + ((np.arange(AXIAL) + 0.5) * math.pi / height) ** 2
-    a = share[:, None] / (lead.core_area * height * k * rate)
-    return np.array([a.ravel(), (steel.volumetric_heat / k / rate).ravel()])
+    return Core(
+        radius=lead.radius,
+        plan=math.sqrt(bearing.area / lead.cores / math.pi),
+        half=0.5 * float(stack.beside_lead.sum()),
+        foot=0.0 if lead.confined else bearing.geometry.sealing_plate_thickness,
+    )
 
 
-def core_modes(bearing: Bearing, half_height: float) -> Floats:
-    """[2, n] a and tau of the bulk of a core less its end."""
-    lead, material = bearing.lead, bearing.materials.lead
+def side_of(bearing: Bearing, stack: Stack, core: Core) -> Side:
+    """The shims as fins of a core that is not confined."""
+    g, m = bearing.geometry, bearing.materials
+    assert m.lead is not None
+    shims = np.flatnonzero([name == "shim" for name in stack.part])
+    steel = stack.thickness[shims]
+    count, height = steel.sum() / g.shim_thickness, 2.0 * (core.half - core.foot) / stack.fold
+    heat = fin_heat(m.steel, g.shim_thickness, m.rubber, g.rubber_thickness, faces=2)
+    each = fin(m.steel, g.shim_thickness, heat, core.radius, core.plan)
+    pitch = g.shim_thickness + g.rubber_thickness
+    each += to_edges(m.lead, pitch, g.shim_thickness, g.rubber_thickness, core.radius)
+    taken = count * (1.0 / each + rubber_at_wall(m.rubber, g.rubber_thickness, core.radius))
+    impedance = 1.0 / taken + core_to_wall(m.lead, height, core.radius)
+    shares = steel / steel.sum()
+    depth = stack.depth[shims] - g.end_plate_thickness
+    depth = np.minimum(depth, 2.0 * core.half - depth)
+    n = np.arange(1, AXIAL + 1)[:, None]
+    angle, height_of = n * np.pi * depth / core.half, n * steel / core.half
+    felt = (np.cos(angle) * np.sinc(0.5 * height_of)) @ shares  # means over each cell
+    squared = (0.5 + 0.5 * np.cos(2.0 * angle) * np.sinc(height_of)) @ shares
+    uneven = 2.0 * (squared - felt**2)
+    stored = count * np.pi * (core.plan**2 - core.radius**2) * heat
+    per_height = 0.5 * stack.fold / core.half / (impedance + 1.0 / stored)
+    return Side(shims, shares, impedance, felt, uneven[:, None] * per_height)
+
+
+def end_of(bearing: Bearing, core: Core, film: float) -> tuple[Floats, Floats]:
+    """End of a core, or its foot: less the plates around it, and [AXIAL] of the core's modes.
+
+    A foot gives heat to the end plate through its end and to the sealing plate through its
+    wall: there in the half that is nearer to the middle, from where the heat comes.
+    """
+    g, m, lead = bearing.geometry, bearing.materials, bearing.lead
     assert lead is not None
-    assert material is not None
-    k, n = material.conductivity / MM_PER_M, np.arange(1, AXIAL + 1) * math.pi
-    a = 2.0 * half_height / (n**2 * k * lead.core_area)
-    return np.array([a, half_height**2 * material.volumetric_heat / k / n**2])
+    assert m.lead is not None
+    below = (m.rubber, g.rubber_thickness, g.shim_thickness)
+    plate = disc_on_plate(
+        m.steel,
+        g.end_plate_thickness,
+        film,
+        core.radius,
+        core.plan,
+        None if g.sealing_plate_thickness > 0.0 else below,
+    )
+    if core.foot == 0.0:
+        return lead.end_spreading * plate, np.ones(AXIAL)
+    heat = fin_heat(m.steel, core.foot, m.rubber, g.rubber_thickness, faces=1)
+    around = fin(m.steel, core.foot, heat, core.radius, core.plan)
+    around += core_to_wall(m.lead, core.foot, core.radius)
+    down = float(np.median(around / (plate + around)))  # of the heat, through the end
+    n, part = np.arange(1, AXIAL + 1), core.foot / core.half
+    wall = np.cos(0.75 * np.pi * n * part) * np.sinc(0.25 * n * part)
+    return plate * around / (plate + around), down + (1.0 - down) * wall
 
 
-def lumped(modes: Floats) -> Floats:
-    """Few terms for many: sum of a, mean of log tau, in every half of a decade."""
-    a, tau = modes
-    part = np.floor(PER_DECADE * np.log10(np.maximum(tau / SHORTEST, 1.0)))
-    found = []
-    for number in np.unique(part):
-        here = part == number
-        total = a[here].sum()
-        found.append((total, math.exp(float(a[here] @ np.log(tau[here]) / total))))
-    return np.array(found).T
+def end_cells(stack: Stack, core: Core) -> list[Any]:
+    """Cells that each end heats: the end plate's next to it, or those of the sealing plate."""
+    if core.foot == 0.0:
+        return [[cell] for cell in np.flatnonzero(stack.touches_lead_end)]
+    sealing = np.flatnonzero([name == "sealing_plate" for name in stack.part])
+    return list(np.split(sealing, np.flatnonzero(np.diff(sealing) > 1) + 1))
 
 
-def end_modes(bearing: Bearing, half_height: float) -> Rows[Mode]:
-    """[K] terms of one core and one end plate.
+def end_terms(
+    own: Floats, modes: Floats, at_end: Floats, side: Side | None, port: int, fold: int
+) -> list[Term]:
+    """(a, tau, port, weight, other, other_weight) of one end; the side is port 0."""
+    common = 0 if side is None else COMMON
+    alone = own + (at_end[common:, None] ** 2 * modes[common:]).sum(axis=0)
+    found: list[Term] = [(a, tau, port, 1.0, port, 0.0) for a, tau in fitted(alone).T]
+    for n in range(common):
+        assert side is not None
+        felt = 0.5 * fold * side.felt[n]
+        found += [(a, tau, port, at_end[n], 0, felt) for a, tau in fitted(modes[n]).T]
+    return found
+
+
+def lead_network(bearing: Bearing, stack: Stack, upper: Face, lower: Face | None) -> Network:
+    """Ports of the lead cores of a bearing.
 
     Parameters
     ----------
-    bearing : with confined lead cores; its `end_spreading` reduces the resistance of the plate.
-    half_height : of a core [mm].
+    bearing : with lead.
+    stack : its cells.
+    upper, lower : heat exchange of the end faces; `lower` is None for a half stack.
     """
-    assert bearing.lead is not None
-    plate, core = plate_modes(bearing), core_modes(bearing, half_height)
-    plate[0] *= bearing.lead.end_spreading
-    resistance, relaxation = lumped(np.concatenate([plate, core], axis=1))
-    return filled(Mode, resistance=resistance, relaxation=relaxation)
+    lead, material = bearing.lead, bearing.materials.lead
+    assert lead is not None
+    assert material is not None
+    core = core_of(bearing, stack)
+    side = None
+    cells: list[tuple[int, int, float]] = []
+    terms: list[Term] = []
+    if not lead.confined and "shim" in stack.part:
+        side = side_of(bearing, stack, core)
+        cells += [(cell, 0, share) for cell, share in zip(side.cells, side.shares, strict=True)]
+        terms += [(a, tau, 0, 1.0, 0, 0.0) for a, tau in fitted(side.impedance).T]
+    first = 0 if side is None else 1
+    beside = 0.0 if side is None else side.beside
+    modes = core_modes(material, core.half, core.radius, beside)
+    faces = [upper] if lower is None else [upper, lower]
+    for end, (touched, face) in enumerate(zip(end_cells(stack, core), faces, strict=True)):
+        own, at_end = end_of(bearing, core, film_at_face(face, stack, 0))
+        cells += [(cell, first + end, 1.0 / len(touched)) for cell in touched]
+        terms += end_terms(own, modes, at_end, side, first + end, stack.fold)
+    cell, port, share = np.array(cells).T
+    a, tau, main, weight, other, other_weight = np.array(terms).T
+    return Network(
+        ports=first + len(faces),
+        cells=filled(LeadCell, cell=cell, end=0.0, side=0.0, port=port, share=share),
+        modes=filled(
+            Mode,
+            resistance=a,
+            relaxation=tau,
+            port=main,
+            weight=weight,
+            other=other,
+            other_weight=other_weight,
+        ),
+    )

@@ -30,6 +30,7 @@ from thermobearing.model.earlier import Model as ModelName
 from thermobearing.model.stack import Face, Scheme, Stack, build_stack
 
 Stacked = Literal["auto", "half", "full"]
+WITH_LEAD_ENDS = ("multi-layer", "temperature-blind")  # the others have the formula of Eq. 5.5
 DEFAULT_ETA = 2.0  # the source uses a "middle" value between 1 and 3 (Eq. 4.15)
 
 
@@ -74,7 +75,9 @@ class ModelOptions(Strict):
         the whole loading branch, and unloading that never goes up (core/hardening.py).
     heat_source : "work" (Eq. 4.22) or "dissipation"; None for that of the bearing, see
         `default_heat_source`.
-    lead_ends : "half-space" (default, Eq. 5.5) or "finite-plate", for confined lead cores.
+    lead_ends : how lead passes heat to steel: "finite-plate" (default: plates of finite
+        thickness, shims as fins) or "half-space" (Eq. 5.4-5.5, with surface_ratio and clock);
+        the published scheme and the earlier models have the latter.
     stack : "auto" (default) models the upper half when both faces are alike, else the whole
         height; "half" or "full".
     upper_face, lower_face : heat exchange of the end faces; eta_B = 2 by default.
@@ -85,7 +88,7 @@ class ModelOptions(Strict):
     integrator: Integrator = "exact"
     hardening: Hardening = "printed"
     heat_source: HeatSource | None = None
-    lead_ends: LeadEnds = "half-space"
+    lead_ends: LeadEnds | None = None
     stack: Stacked = "auto"
     upper_face: EndFace = EndFace(eta=DEFAULT_ETA)
     lower_face: EndFace = EndFace(eta=DEFAULT_ETA)
@@ -99,7 +102,7 @@ class ModelOptions(Strict):
             raise ValueError('an earlier model goes with scheme "conservative" only')
         if needs_full_stack(self.model) and self.stack == "half":
             raise ValueError(f'model "{self.model}" has one cell for all layers; use stack "auto"')
-        if self.lead_ends != "half-space" and self.scheme == "published":
+        if self.lead_ends == "finite-plate" and self.scheme == "published":
             raise ValueError('scheme "published" goes with lead_ends "half-space" only')
         return self
 
@@ -115,16 +118,17 @@ class ModelOptions(Strict):
         found = []
         if self.model == "lead-alone" and bearing.lead is None:
             found.append('model = "lead-alone": needs a bearing with lead')
-        if self.lead_ends == "finite-plate" and (bearing.lead is None or not bearing.lead.confined):
-            found.append(
-                'lead_ends = "finite-plate": needs a bearing with confined lead cores '
-                "(lead.confined = true), whose heat leaves through the ends only"
-            )
+        if self.lead_ends == "finite-plate" and bearing.lead is None:
+            found.append('lead_ends = "finite-plate": needs a bearing with lead')
         return found
 
     def settled(self, bearing: Bearing) -> Self:
-        """The same with what depends on the bearing filled in; cores that are not have no ends."""
-        lead_ends = "half-space" if bearing.lead is None else self.lead_ends
+        """The same with what depends on the bearing filled in."""
+        finite = bearing.lead is not None and self.scheme == "conservative"
+        if not finite or self.model not in WITH_LEAD_ENDS or self.lead_ends == "half-space":
+            lead_ends: LeadEnds = "half-space"
+        else:
+            lead_ends = "finite-plate"
         source = self.heat_source or default_heat_source(bearing)
         return self.model_copy(update={"heat_source": source, "lead_ends": lead_ends})
 
@@ -198,7 +202,7 @@ def build_model(
         scheme=options.scheme,
         integrator=options.integrator,
         heat_source=options.heat_source or default_heat_source(bearing),
-        lead_ends=options.lead_ends,
+        lead_ends=options.lead_ends or "half-space",
         hardening=options.hardening,
     )
     if options.model == "bilinear" and backbone is None:

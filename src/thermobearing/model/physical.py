@@ -2,10 +2,9 @@
 
 import numpy as np
 
-from thermobearing.core.step import ABSOLUTE_ZERO
 from thermobearing.core.types import Constants, State
+from thermobearing.model.limits import temperature_limits
 
-STEEL_MELTS = 1500.0  # [degC]
 MISSING = 1e-3  # part of the energy that books may miss; rounding comes to 1e-10
 LEAST = 1e-3  # energy that this is a part of, at least [kN mm]
 
@@ -16,7 +15,9 @@ def is_physical(constants: Constants, state: State) -> bool:
     The published scheme has gaps in its books by itself: there only the temperatures count.
     """
     temperature, books = state.temperature, state.books[0]
-    if not (temperature.min() >= ABSOLUTE_ZERO and temperature.max() <= STEEL_MELTS):
+    limits = temperature_limits()
+    possible = temperature.min() >= limits.absolute_zero
+    if not (possible and temperature.max() <= limits.steel_melts):
         return False
     if constants.lead.published or not constants.viscous.heats:
         return True

@@ -22,6 +22,7 @@ Ints = NDArray[np.int64]
 Scheme = Literal["conservative", "published"]
 
 MM_PER_M = 1e3
+FACE_HELD = 1e-9  # of the resistance to the middle of the outer cell: less lies beyond the face
 
 
 @dataclass(frozen=True)
@@ -181,6 +182,14 @@ def _end_conductance(face: Face, conductivity: float, thickness: float) -> float
         return (face.eta - 1.0) * conductivity / thickness
     film = (face.film or 0.0) / MM_PER_M**2
     return film / (1.0 + 0.5 * film * thickness / conductivity)
+
+
+def film_at_face(face: Face, stack: Stack, cell: int) -> float:
+    """Film at the face itself [kN/(s mm K)], without half the outer cell: 0 to inf."""
+    k, thickness = stack.conductivity[cell], stack.thickness[cell]
+    to_middle = _end_conductance(face, k, thickness)
+    beyond = 1.0 - 0.5 * to_middle * thickness / k
+    return to_middle / beyond if beyond > FACE_HELD else float("inf")
 
 
 def _end_losses(stack: Stack, upper: Face, lower: Face | None, capacity: Floats) -> Floats:

@@ -3,7 +3,8 @@
 from thermobearing.core.compile import compiled
 from thermobearing.core.march import copy_state
 from thermobearing.core.step import layer_temperature
-from thermobearing.structure.types import Bearings, Motion, MotionRows, System
+from thermobearing.structure.lines import Bearings, state_of
+from thermobearing.structure.types import Motion, MotionRows, System
 
 
 @compiled
@@ -52,10 +53,12 @@ def commit(system: System, bearings: Bearings, motion: Motion, dt: float) -> Non
         motion.hinges.bends[h] = motion.trial_hinges.bends[h]
         for side in range(2):
             motion.hinges.sides[h, side] = motion.trial_hinges.sides[h, side]
-    for b in range(len(bearings.states)):
-        copy_state(bearings.trials[b], bearings.states[b])
-        per = system.lines[b].force_factor / system.lines[b].length_factor
-        books.bearings += per * bearings.states[b].books[0].work_in
+    for k in range(len(bearings)):
+        kind = bearings[k]
+        for m in range(len(kind.lines)):
+            state, line = state_of(kind.states, m), system.lines[kind.lines[m]]
+            copy_state(state_of(kind.trials, m), state)
+            books.bearings += line.force_factor / line.length_factor * state.books[0].work_in
     books.clock += dt
 
 
@@ -69,8 +72,11 @@ def keep_motion(bearings: Bearings, motion: Motion, rows: MotionRows, row: int) 
         rows.a[row, i] = motion.points[i].a
     for h in range(len(motion.hinges.bends)):
         rows.hinges[row, h] = motion.hinges.bends[h]
-    for b in range(len(bearings.states)):
-        state, constants = bearings.states[b], bearings.constants[b]
-        rows.bearings[row, b] = state.books[0]
-        for j in range(len(constants.multiplicity)):
-            rows.layers[b][row, j] = layer_temperature(constants.layer_cells, state.temperature, j)
+    for k in range(len(bearings)):
+        kind, layers = bearings[k], rows.layers[k]
+        cells = kind.constants.layer_cells
+        for m in range(len(kind.lines)):
+            rows.bearings[row, kind.lines[m]] = kind.states.books[m, 0]
+            temperature, kept = kind.states.temperature[m], layers[row, m]
+            for j in range(len(cells)):
+                kept[j] = layer_temperature(cells, temperature, j)

@@ -2,10 +2,11 @@
 
 from thermobearing.core.compile import compiled
 from thermobearing.core.records import Floats, Rows
-from thermobearing.core.step import step
+from thermobearing.core.step import begin, move, settle
 from thermobearing.core.types import COMPLETED, SOFTENED
+from thermobearing.structure.lines import Bearings, state_of, work_of
 from thermobearing.structure.takeda import takeda
-from thermobearing.structure.types import Bearings, Coordinate, LineFactors, Motion, System
+from thermobearing.structure.types import Coordinate, LineFactors, Motion, System
 
 SHORTEST = 1e-6  # s: step of a bearing that is on its own clock and does not move
 
@@ -45,10 +46,56 @@ def set_stretches(system: System, motion: Motion) -> None:
 
 
 @compiled
-def restoring(
-    system: System, bearings: Bearings, motion: Motion, dt: float, ambient: float, noise: float
+def begin_bearings(bearings: Bearings) -> None:
+    """What the bearings need once a step, before `restoring`."""
+    for k in range(len(bearings)):
+        kind = bearings[k]
+        for m in range(len(kind.lines)):
+            begin(kind.constants, work_of(kind, m), state_of(kind.states, m))
+
+
+@compiled
+def settle_bearings(bearings: Bearings, ambient: float) -> int:
+    """Heat and books of the bearings' last trials, once they are accepted.
+
+    Returns an outcome of the coupled step.
+    """
+    for k in range(len(bearings)):
+        kind = bearings[k]
+        for m in range(len(kind.lines)):
+            state, work = state_of(kind.states, m), work_of(kind, m)
+            trial, dt = state_of(kind.trials, m), kind.durations[m]
+            outcome = settle(kind.constants, work, state, dt, ambient, trial)
+            if outcome != COMPLETED:
+                return outcome
+    return COMPLETED
+
+
+@compiled
+def move_bearings(
+    system: System, bearings: Bearings, motion: Motion, dt: float, noise: float
 ) -> int:
-    """Restoring forces at the trial coordinates, and their tangent.
+    """Forces of the bearing lines at `motion.stretches`, and their tangent, added."""
+    for k in range(len(bearings)):
+        kind = bearings[k]
+        for m in range(len(kind.lines)):
+            state, work = state_of(kind.states, m), work_of(kind, m)
+            trial = state_of(kind.trials, m)
+            line, b = system.lines[kind.lines[m]], kind.lines[m]
+            x = line.length_factor * motion.stretches[b]
+            own_dt = bearing_dt(line, dt, x - state.books[0].displacement)
+            kind.durations[m] = own_dt
+            force, slope, outcome = move(kind.constants, work, state, x, own_dt, trial)
+            if outcome != COMPLETED and outcome != SOFTENED:
+                return outcome
+            slope *= line.force_factor * line.length_factor
+            spread(system.line_rows, b, line.force_factor * (force + noise), slope, motion)
+    return COMPLETED
+
+
+@compiled
+def restoring(system: System, bearings: Bearings, motion: Motion, dt: float, noise: float) -> int:
+    """Restoring forces at the trial coordinates, and their tangent; after `begin_bearings`.
 
     The bearing lines are at the stretches `motion.stretches`, which an actuator may delay.
     Starts from the committed states and hinges, writes their trials. `noise` is added to the
@@ -64,21 +111,4 @@ def restoring(
         rotation = along(system.hinge_rows, h, motion.points)
         slope = takeda(system.hinges, motion.hinges, h, rotation, motion.trial_hinges)
         spread(system.hinge_rows, h, motion.trial_hinges.bends[h].moment, slope, motion)
-    for b in range(len(bearings.constants)):
-        line, state = system.lines[b], bearings.states[b]
-        x = line.length_factor * motion.stretches[b]
-        own_dt = bearing_dt(line, dt, x - state.books[0].displacement)
-        force, slope, outcome = step(
-            bearings.constants[b],
-            bearings.works[b],
-            state,
-            x,
-            own_dt,
-            ambient,
-            bearings.trials[b],
-        )
-        if outcome != COMPLETED and outcome != SOFTENED:
-            return outcome
-        slope *= line.force_factor * line.length_factor
-        spread(system.line_rows, b, line.force_factor * (force + noise), slope, motion)
-    return COMPLETED
+    return move_bearings(system, bearings, motion, dt, noise)

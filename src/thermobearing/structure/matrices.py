@@ -1,4 +1,4 @@
-"""From bodies and connections to matrices, periods and damping."""
+"""From bodies and connections to matrices and periods."""
 
 from dataclasses import dataclass
 
@@ -13,8 +13,6 @@ from thermobearing.structure.model import (
     MassModel,
     Structure,
 )
-
-MODES = 2  # that Rayleigh damping fits
 
 
 @dataclass(frozen=True)
@@ -189,41 +187,3 @@ def find_modes(mass: Floats, stiffness: Floats, where: str = "structure") -> Mod
     if values[0] <= 1e-12 * values[-1]:
         raise InputError("is a mechanism: some motion meets no stiffness", where)
     return Modes(np.sqrt(values), shapes)
-
-
-def damping_ratios(structure: Structure, matrices: Matrices, modes: Modes) -> Floats:
-    """Damping ratio of each mode: those of the parts, weighed with their strain energy."""
-    parts = []
-    for spring in structure.springs:
-        only = structure.model_copy(update={"springs": (spring,)})
-        parts.append((spring.damping_ratio, build_matrices(only).springs))
-    for hinge, row in zip(structure.hinges, matrices.hinge_rows, strict=True):
-        parts.append((hinge.damping_ratio, hinge.stiffness * np.outer(row, row)))
-    for line, row in zip(structure.bearings, matrices.line_rows, strict=True):
-        stiffness = line.count * line.equivalent_stiffness
-        parts.append((line.damping_ratio, stiffness * np.outer(row, row)))
-    found = np.zeros(len(modes.frequencies))
-    for k, shape in enumerate(modes.shapes.T):
-        energies = np.array([shape @ stiffness @ shape for _, stiffness in parts])
-        found[k] = energies @ np.array([ratio for ratio, _ in parts]) / energies.sum()
-    return found
-
-
-def rayleigh(structure: Structure, matrices: Matrices, modes: Modes) -> tuple[Floats, Floats]:
-    """Damping matrix, and the damping ratio that each mode gets with it.
-
-    C = a M + b K' with K' the stiffness without the bearings (or with them, if the structure
-    says so); a and b give modes 1 and 2 their ratios.
-    """
-    wanted = structure.damping.ratios or tuple(damping_ratios(structure, matrices, modes))[:MODES]
-    stiffness = matrices.springs + hinge_stiffness(structure, matrices)
-    if structure.damping.on_bearings:
-        stiffness = stiffness + line_stiffness(structure, matrices)
-    shapes, frequencies = modes.shapes, modes.frequencies
-    modal = np.einsum("ik,ij,jk->k", shapes, stiffness, shapes)
-    count = min(MODES, len(frequencies))
-    equations = np.column_stack([np.ones(count), modal[:count]])
-    right = 2.0 * np.array(wanted[:count]) * frequencies[:count]
-    a, b = np.linalg.lstsq(equations, right)[0]
-    matrix = a * matrices.mass + b * stiffness
-    return matrix, np.einsum("ik,ij,jk->k", shapes, matrix, shapes) / (2.0 * frequencies)

@@ -17,12 +17,14 @@ from thermobearing.border.schema import Strict, in_unit, validated
 
 GROUND = "ground"
 MassModel = Literal["consistent", "published"]
+DampingKind = Literal["modal", "rayleigh", "element", "none", "source"]
 Name = Annotated[str, Field(min_length=1, max_length=60)]
 # Ranges of real structures with a factor of ten or more on either side.
 Height = Annotated[float, in_unit("mm"), Field(ge=-1e6, le=1e6)]
 Stiffness = Annotated[float, in_unit("kN/mm"), Field(ge=1e-6, le=1e9)]
 RotationalStiffness = Annotated[float, in_unit("kN mm/rad"), Field(ge=1e-3, le=1e15)]
 Ratio = Annotated[float, Field(ge=0, lt=1)]
+ModeNumber = Annotated[int, Field(ge=1, le=200)]
 
 
 class Body(Strict):
@@ -84,7 +86,8 @@ class Hinge(Strict):
 class BearingLine(Strict):
     """Equal bearings side by side between `body` (above) and `base`.
 
-    `equivalent_stiffness` is that of one bearing at its design displacement, for eigenvalues.
+    `equivalent_stiffness` is that of one bearing at its design displacement, for eigenvalues;
+    `damping_ratio` weighs in the damping of kind "source" only.
     `scale` is the length of the modelled specimen over that of the bearing in the structure.
     """
 
@@ -99,15 +102,44 @@ class BearingLine(Strict):
 
 
 class Damping(Strict):
-    """Rayleigh damping that fits two modes.
+    """Viscous damping of the structure without its bearings; see docs/theory.md.
 
-    Their damping ratios are those of the parts weighed with strain energy, unless `ratios`
-    gives them. The part proportional to stiffness leaves the bearings out unless
-    `on_bearings` is true.
+    Attributes
+    ----------
+    kind : "modal" (default), a ratio for each mode; "rayleigh", mass and stiffness term through
+        two chosen modes, or the stiffness term alone through one; "element", a dashpot beside
+        every spring and hinge; "none". "source" is the source's: Rayleigh through modes 1 and 2
+        of the structure on its bearings, with a mass term on everything.
+    ratios : instead of those of the parts weighed with strain energy: of each mode, or one for
+        all (modal); of the chosen modes (rayleigh); of modes 1 and 2 (source).
+    modes : that Rayleigh damping goes through, one or two of those of the structure without
+        its bearings, from 1 for the longest period; 1 and 2 by default.
     """
 
-    ratios: tuple[Ratio, Ratio] | None = None
-    on_bearings: bool = False
+    kind: DampingKind = "modal"
+    ratios: Annotated[tuple[Ratio, ...], Field(min_length=1, max_length=200)] | None = None
+    modes: Annotated[tuple[ModeNumber, ...], Field(min_length=1, max_length=2)] | None = None
+
+    @classmethod
+    def conflicts(cls, given: dict[str, object]) -> list[str]:
+        """Keys that say nothing for the kind, and ratios of which nobody knows what they mean."""
+        kind = given.get("kind", "modal")
+        faults = []
+        if "ratios" in given and "kind" not in given:
+            faults.append("ratios: say the kind too: modal, rayleigh or source")
+        if "ratios" in given and kind in ("element", "none"):
+            faults.append(f'ratios: kind = "{kind}" has none')
+        if "modes" in given and kind != "rayleigh":
+            faults.append('modes: only of kind = "rayleigh"')
+        return faults
+
+    @model_validator(mode="after")
+    def _lengths(self) -> "Damping":
+        if self.kind == "source" and self.ratios is not None and len(self.ratios) != 2:
+            raise ValueError('ratios: kind = "source" takes two, of modes 1 and 2')
+        if self.modes is not None and len(set(self.modes)) < len(self.modes):
+            raise ValueError("modes: one twice")
+        return self
 
 
 class Reported(Strict):
@@ -128,7 +160,7 @@ class Structure(Strict):
     bodies : rigid bodies, each after the one that carries it.
     masses : on bodies.
     springs, hinges, bearings : connections of two bodies, or of a body and the ground.
-    damping : Rayleigh damping of two modes.
+    damping : viscous damping beside the hysteresis of bearings and hinges.
     report : which body is the deck, which the pier, and where its ends are.
     """
 

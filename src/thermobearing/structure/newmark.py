@@ -9,12 +9,17 @@ from thermobearing.core.compile import compiled
 from thermobearing.core.types import COMPLETED
 from thermobearing.structure.books import add_books, commit, keep_motion
 from thermobearing.structure.dense import solve_dense
-from thermobearing.structure.forces import restoring, set_stretches
+from thermobearing.structure.forces import (
+    begin_bearings,
+    restoring,
+    set_stretches,
+    settle_bearings,
+)
+from thermobearing.structure.lines import Bearings
 from thermobearing.structure.types import (
     DIVERGED,
     FARTHEST,
     NO_EQUILIBRIUM,
-    Bearings,
     Motion,
     MotionRows,
     Scheme,
@@ -87,9 +92,10 @@ def newmark_step(
     points, unknowns, n = motion.points, motion.unknowns, motion.tangent.shape[0]
     for i in range(n):
         points[i].trial = points[i].q + dt * points[i].v + 0.5 * dt * dt * points[i].a
+    begin_bearings(bearings)
     for _ in range(scheme.iterations):
         set_stretches(system, motion)
-        outcome = restoring(system, bearings, motion, dt, ambient, 0.0)
+        outcome = restoring(system, bearings, motion, dt, 0.0)
         if outcome != COMPLETED:
             return outcome
         norm = residual(system, motion, scheme, dt, ground)
@@ -99,7 +105,7 @@ def newmark_step(
             limit += force * force / abs(motion.matrix[i, i])
         motion.books[0].iterations += 1.0
         if norm <= limit:
-            return COMPLETED
+            return settle_bearings(bearings, ambient)
         if not solve_dense(motion.matrix, unknowns):
             return NO_EQUILIBRIUM
         for i in range(n):

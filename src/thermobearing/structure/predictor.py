@@ -11,13 +11,13 @@ from thermobearing.core.records import Floats
 from thermobearing.core.types import COMPLETED
 from thermobearing.structure.books import add_books, commit, keep_motion
 from thermobearing.structure.dense import solve_dense
-from thermobearing.structure.forces import along, restoring
+from thermobearing.structure.forces import along, begin_bearings, restoring, settle_bearings
+from thermobearing.structure.lines import Bearings
 from thermobearing.structure.types import (
     DIVERGED,
     FARTHEST,
     NO_EQUILIBRIUM,
     Actuators,
-    Bearings,
     Motion,
     MotionRows,
     Scheme,
@@ -128,7 +128,10 @@ def predictor_march(
             if not abs(points[i].trial) < FARTHEST:
                 return k, kept, DIVERGED
         delayed(system, motion, actuators, k)
-        outcome = restoring(system, bearings, motion, dt, shaking.ambient[k], actuators.noise[k])
+        begin_bearings(bearings)
+        outcome = restoring(system, bearings, motion, dt, actuators.noise[k])
+        if outcome == COMPLETED:
+            outcome = settle_bearings(bearings, shaking.ambient[k])
         if outcome != COMPLETED:
             return k, kept, outcome
         if not correct(system, motion, stiffness, scheme.beta, dt):

@@ -7,10 +7,12 @@ from typing import Literal
 import numpy as np
 
 from thermobearing.core.records import Floats, Rows, rows
-from thermobearing.core.types import Books, Constants, State, new_state, new_workspace
+from thermobearing.core.types import Books, Constants, State
 from thermobearing.model.outcomes import NAMES, NOT_PHYSICAL
 from thermobearing.model.physical import is_physical
 from thermobearing.structure.books import keep_motion
+from thermobearing.structure.damping import build_damping, ratios_of
+from thermobearing.structure.lines import Bearings, build_bearings
 from thermobearing.structure.matrices import (
     Matrices,
     Modes,
@@ -18,9 +20,8 @@ from thermobearing.structure.matrices import (
     find_modes,
     hinge_stiffness,
     line_stiffness,
-    rayleigh,
 )
-from thermobearing.structure.model import MassModel, Structure
+from thermobearing.structure.model import Damping, DampingKind, MassModel, Structure
 from thermobearing.structure.newmark import newmark_march, start_motion
 from thermobearing.structure.predictor import predictor_march
 from thermobearing.structure.takeda import straight_hinges
@@ -28,7 +29,6 @@ from thermobearing.structure.types import (
     DIVERGED,
     NO_EQUILIBRIUM,
     Actuators,
-    Bearings,
     Bend,
     Coordinate,
     Hinge,
@@ -88,7 +88,7 @@ class StructureHistory:
     """Kept rows of one run, the start first."""
 
     rows: MotionRows
-    states: Sequence[State]
+    bearings: Bearings  # where they are at the end
     outcome: str = "completed"
     steps: int = 0
     iterations: int = 0
@@ -97,6 +97,13 @@ class StructureHistory:
     def bearing(self, line: int = 0) -> Rows[Books]:
         """Books of the modelled bearing of a line."""
         return self.rows.bearings[:, line]
+
+    def layers(self, line: int = 0) -> Floats:
+        """Temperatures of the rubber layers of the modelled bearing of a line [degC]."""
+        for kind, layers in zip(self.bearings, self.rows.layers, strict=True):
+            if line in kind.lines:
+                return np.asarray(layers[:, list(kind.lines).index(line)])
+        raise IndexError(line)
 
     def hinge(self, number: int = 0) -> Rows[Bend]:
         """Rotation and moment of a hinge."""
@@ -115,14 +122,27 @@ class Prepared:
     predictor: Floats = field(repr=False)  # [n, n] stiffness of the predictor
 
 
-def prepare_structure(structure: Structure, mass_model: MassModel = "consistent") -> Prepared:
-    """Matrices, modes and damping of a structure."""
+def prepare_structure(
+    structure: Structure,
+    mass_model: MassModel = "consistent",
+    damping: DampingKind | None = None,
+) -> Prepared:
+    """Matrices, modes and damping of a structure.
+
+    Parameters
+    ----------
+    structure : from `load_structure`.
+    mass_model : see `build_matrices`.
+    damping : another kind than the structure's, with the defaults of that kind.
+    """
+    if damping is not None and damping != structure.damping.kind:
+        structure = structure.model_copy(update={"damping": Damping(kind=damping)})
     matrices = build_matrices(structure, mass_model)
     stiffness = matrices.springs + hinge_stiffness(structure, matrices)
     stiffness = stiffness + line_stiffness(structure, matrices)
     modes = find_modes(matrices.mass, stiffness, structure.name)
-    damping, ratios = rayleigh(structure, matrices, modes)
-    return Prepared(structure, matrices, modes, damping, ratios, stiffness)
+    matrix = build_damping(structure, matrices, modes)
+    return Prepared(structure, matrices, modes, matrix, ratios_of(matrix, modes), stiffness)
 
 
 def build_system(prepared: Prepared, lines: Sequence[Line]) -> System:
@@ -176,7 +196,10 @@ def room_for(system: System, bearings: Bearings, count: int) -> MotionRows:
         a=np.zeros((count, n)),
         hinges=rows(Bend, count, len(system.hinges)),
         bearings=rows(Books, count, len(system.lines)),
-        layers=tuple(np.zeros((count, len(one.multiplicity))) for one in bearings.constants),
+        layers=tuple(
+            np.zeros((count, len(kind.lines), len(kind.constants.multiplicity)))
+            for kind in bearings
+        ),
     )
 
 
@@ -210,15 +233,10 @@ def run_structure(
     """
     system = build_system(prepared, lines)
     motion = new_motion(system)
-    states, trials = (
-        tuple(new_state(line.constants, line.temperature, line.lead) for line in lines)
-        for _ in range(2)
-    )
-    bearings = Bearings(
-        constants=tuple(line.constants for line in lines),
-        works=tuple(new_workspace(line.constants) for line in lines),
-        states=states,
-        trials=trials,
+    bearings = build_bearings(
+        [line.constants for line in lines],
+        [line.temperature for line in lines],
+        [line.lead for line in lines],
     )
     steps = len(ground) - 1
     keep = np.zeros(steps, dtype=np.bool_)
@@ -243,12 +261,16 @@ def run_structure(
     else:
         done, kept, outcome = newmark_march(system, bearings, motion, scheme, shaking, after)
     books, named = motion.books[0], OUTCOMES[int(outcome)]
-    alike = zip([line.constants for line in lines], states, strict=True)
-    if named == "completed" and not all(is_physical(*one) for one in alike):
+    physical = [
+        is_physical(kind.constants, State(*[array[m] for array in kind.states]))
+        for kind in bearings
+        for m in range(len(kind.lines))
+    ]
+    if named == "completed" and not all(physical):
         named = NOT_PHYSICAL
     return StructureHistory(
         rows=kept_rows.part(0, 1 + kept),
-        states=states,
+        bearings=bearings,
         outcome=named,
         steps=int(done),
         iterations=int(books.iterations),

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from thermobearing.core.records import Floats, Rows
-from thermobearing.core.types import Books, Constants, State, Workspace
+from thermobearing.core.types import Books
 
 # Outcomes beside those of the coupled step (core/types.py).
 NO_EQUILIBRIUM: Final = 20
@@ -96,15 +96,6 @@ class System(NamedTuple):
     lines: Rows[LineFactors]  # [b]
 
 
-class Bearings(NamedTuple):
-    """The modelled bearing of each line, where it is, and where a trial takes it; all [b]."""
-
-    constants: tuple[Constants, ...]
-    works: tuple[Workspace, ...]
-    states: tuple[State, ...]
-    trials: tuple[State, ...]
-
-
 class HingeState(NamedTuple):
     """Where the hinges are, and what they remember."""
 
@@ -162,7 +153,7 @@ class MotionRows(NamedTuple):
     a: Floats
     hinges: Rows[Bend]  # [rows, h]
     bearings: Rows[Books]  # [rows, b]
-    layers: tuple[Floats, ...]  # [b] of [rows, L]: temperatures at mid-thickness [degC]
+    layers: tuple[Floats, ...]  # [kinds] of [rows, m, L]: temperatures at mid-thickness [degC]
 
     def part(self, first: int, end: int) -> "MotionRows":
         """The same rows from `first` to before `end`, not a copy."""

@@ -1,0 +1,43 @@
+"""How long a structure with several bearing lines takes to compile: any number, once."""
+
+import json
+import subprocess
+import sys
+import tempfile
+
+from benchmarks.rows import Row, at_most, failed, plain
+
+FIRST = "first earthquake of pier P1 with one bearing line (compiles)"
+LIMIT = 1.0  # [s]
+COUNTS = (1, 2, 6)
+CODE = """
+import json, sys, time
+from tests.unit.test_bearing_lines import DT, pier_of
+from tests.verification.structures import ground_of, real_bearing, shaken
+ground, constants = ground_of("jra-ii-i-1", DT, 5.0), real_bearing("shen-hdr-bridge")
+found = []
+for count in json.loads(sys.argv[1]):
+    begin = time.process_time()
+    shaken(pier_of([1] * count), constants, ground, DT)
+    found.append(time.process_time() - begin)
+print(json.dumps(found))
+"""
+
+
+def rows() -> list[Row]:
+    """One process with an empty folder for compiled code, the numbers of lines in turn."""
+    with tempfile.TemporaryDirectory() as name:
+        command = [
+            *("env", f"NUMBA_CACHE_DIR={name}"),
+            *(sys.executable, "-c", CODE, json.dumps(COUNTS)),
+        ]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode:
+        reason = (done.stderr.strip().splitlines() or ["no message"])[-1]
+        return [failed(FIRST, reason, f"<= {LIMIT:g} s")]
+    first, *others = json.loads(done.stdout.splitlines()[-1])
+    more = zip(COUNTS[1:], others, strict=True)
+    return [
+        plain(FIRST, first, "s", "processor"),
+        *(at_most(f"the next with {n} lines", taken, LIMIT, "s") for n, taken in more),
+    ]

@@ -1,0 +1,379 @@
+"""What a fit takes from the bearing's file, and how far that may be off.
+
+Each number that is not identified has a standard uncertainty (data/identify/assumed.toml). The
+columns of derivatives that they make carry it into the identified ones (uncertainty.py), and show
+when the tests ask for another value than the file has.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import model_validator
+
+from thermobearing.bearing.model import Bearing
+from thermobearing.border.errors import InputError, nearest
+from thermobearing.border.library import data_path
+from thermobearing.border.schema import Strict, validated
+from thermobearing.border.toml import read_toml
+from thermobearing.identify.kinds import ALPHA, BY_KEY, D_Y, HARDENING, N_T, SHAPE
+from thermobearing.identify.linear import Linear, linearised
+from thermobearing.identify.problem import Problem
+
+Floats = NDArray[np.float64]
+
+PART = 0.25  # of a standard uncertainty: the step of a derivative
+LARGEST_SPREAD = 2.0  # relative standard uncertainty
+DETERMINED = 0.5  # standard error of the tests, in standard uncertainties of the source
+SURE, BEYOND = 5.0, 3.0  # standard errors of the tests, of tests and source together
+CLEAR = 2.0  # standard errors between a determined number and its bounds
+UNSEEN = 1e-3  # of the variance: numbers that move the residuals less are not seen by the tests
+OF_YIELDING = {ALPHA, SHAPE, D_Y, HARDENING, N_T}  # linear rubber has none of them
+
+
+class Group(Strict):
+    """Numbers of a bearing that are off together.
+
+    Attributes
+    ----------
+    name : what they are, or the symbol of a parameter.
+    keys : dotted keys of a bearing.
+    relative, absolute : standard uncertainty, one of them, >= 0; absolute in the unit of the key.
+    source, note : where the uncertainty comes from.
+    cause : what else makes tests ask for another value, in words.
+    """
+
+    name: str
+    keys: list[str]
+    relative: float | None = None
+    absolute: float | None = None
+    source: str
+    note: str = ""
+    cause: str = ""
+
+    @model_validator(mode="after")
+    def _one_uncertainty(self) -> "Group":
+        if (self.relative is None) == (self.absolute is None):
+            raise ValueError("needs relative or absolute, one of them")
+        return self
+
+    def step(self, value: float) -> float:
+        """Standard uncertainty of a value, in its unit."""
+        return self.absolute if self.absolute is not None else (self.relative or 0.0) * abs(value)
+
+
+class _Groups(Strict):
+    groups: list[Group]
+
+
+@cache
+def usual_groups() -> tuple[Group, ...]:
+    """The uncertainties that the package comes with.
+
+    Returns
+    -------
+    tuple of Group
+
+    Examples
+    --------
+    >>> [group.relative for group in usual_groups() if group.name == "sigma_Y"]
+    [0.15]
+    """
+    path = data_path("identify", "assumed.toml")
+    return tuple(validated(_Groups, read_toml(path), str(path)).groups)
+
+
+def chosen_groups(given: Mapping[str, float] | None) -> tuple[Group, ...]:
+    """The usual uncertainties, some of them replaced.
+
+    Parameters
+    ----------
+    given : relative standard uncertainty in [0, 2] by the name of a group or a key of one.
+
+    Returns
+    -------
+    tuple of Group
+
+    Raises
+    ------
+    InputError : no group has that name, or a number out of range.
+
+    Examples
+    --------
+    >>> groups = chosen_groups({"materials.side_film": 0.1})
+    >>> [group.relative for group in groups if "side" in group.name]
+    [0.1]
+    """
+    groups = list(usual_groups())
+    for name, value in (given or {}).items():
+        places = [i for i, g in enumerate(groups) if name == g.name or name in g.keys]
+        if not places:
+            known = [word for group in groups for word in (group.name, *group.keys)]
+            raise InputError(f'assumed: nothing is called "{name}"{nearest(name, known)}')
+        number = isinstance(value, int | float) and not isinstance(value, bool)
+        if not (number and 0.0 <= value <= LARGEST_SPREAD):
+            raise InputError(
+                f"assumed: {name} = {value!r} must be a relative standard uncertainty, "
+                f"0 to {LARGEST_SPREAD:g}"
+            )
+        change = {"relative": float(value), "absolute": None, "source": "given", "note": ""}
+        groups[places[0]] = groups[places[0]].model_copy(update=change)
+    return tuple(groups)
+
+
+def _value(bearing: Bearing, key: str) -> float | None:
+    """A number of a bearing by its dotted key; None where the bearing has no such part."""
+    part: Any = bearing
+    for name in key.split("."):
+        part = getattr(part, name, None)
+    return None if part is None else float(part)
+
+
+def _with(part: Any, names: Sequence[str], value: float) -> Any:
+    """A copy of a model with one number changed, however deep, without checking it."""
+    first, *rest = names
+    inner = _with(getattr(part, first), rest, value) if rest else value
+    return part.model_copy(update={first: inner})
+
+
+@dataclass(frozen=True)
+class Assumed:
+    """What a fit does not identify.
+
+    Attributes
+    ----------
+    groups : those that the bearing has, that are not free, and that are not known exactly.
+    columns : change of the weighted residuals by one standard uncertainty of each.
+    """
+
+    groups: tuple[Group, ...]
+    columns: Floats  # [residual, group]
+
+
+def shifted(bearing: Bearing, group: Group, sigmas: float) -> Bearing:
+    """A bearing whose numbers of a group are off.
+
+    Parameters
+    ----------
+    bearing : any.
+    group : of `usual_groups`; keys that the bearing has not are left out.
+    sigmas : standard uncertainties, of either sign.
+
+    Returns
+    -------
+    Bearing : unchecked.
+
+    Examples
+    --------
+    >>> from thermobearing.bearing.library import load_bearing
+    >>> (group,) = (g for g in usual_groups() if g.name == "sigma_Y")
+    >>> shifted(load_bearing("shen-lhdr-specimen"), group, -1.0).lead.yield_stress
+    10.2
+    """
+    for key in group.keys:
+        value = _value(bearing, key)
+        if value is not None:
+            moved = round(value + sigmas * group.step(value), 12)
+            bearing = _with(bearing, key.split("."), moved)
+    return bearing
+
+
+def groups_of(bearing: Bearing, identified: Sequence[str], groups: Sequence[Group]) -> list[Group]:
+    """Which of the groups a fit of a bearing assumes.
+
+    Parameters
+    ----------
+    bearing : any.
+    identified : dotted keys that are free or tied.
+    groups : from `chosen_groups`.
+
+    Returns
+    -------
+    list of Group : without what is identified, known exactly, zero, or of no effect.
+
+    Examples
+    --------
+    >>> from thermobearing.bearing.library import load_bearing
+    >>> found = groups_of(load_bearing("lrb-example"), ["lead.softening"], usual_groups())
+    >>> "E2" in [g.name for g in found], "n_T" in [g.name for g in found]
+    (False, False)
+    """
+    linear = bearing.hysteresis.post_yield_ratio == 1.0
+    found = []
+    for group in groups:
+        keys = [key for key in group.keys if key not in identified]
+        if linear:
+            keys = [key for key in keys if key not in OF_YIELDING]
+        values = [_value(bearing, key) for key in keys]
+        if any(value is not None and group.step(value) > 0.0 for value in values):
+            found.append(group.model_copy(update={"keys": keys}))
+    return found
+
+
+def assumed_of(
+    problem: Problem, cube: Floats, groups: Sequence[Group], *, fine: bool = True
+) -> Assumed:
+    """The assumed numbers of a fit and what they do to its residuals.
+
+    Parameters
+    ----------
+    problem : residuals of the tests.
+    cube : a place in [0, 1] for each free parameter.
+    groups : from `chosen_groups`.
+    fine : a step of the model at every sample.
+
+    Returns
+    -------
+    Assumed : without those that the model does not get through with.
+    """
+    identified = [p.kind.key for p in problem.pset.parameters if p.free or p.tie is not None]
+    bearing = problem.pset.bearing(cube)
+    here = np.concatenate(problem.parts(cube, fine=fine))
+    kept, columns = [], []
+    for group in groups_of(bearing, identified, groups):
+        moved = problem.residuals_of(shifted(bearing, group, PART), fine=fine)
+        if moved is not None:
+            kept.append(group)
+            columns.append((moved - here) / PART)
+    shape = (len(here), len(kept))
+    return Assumed(tuple(kept), np.array(columns).T if columns else np.zeros(shape))
+
+
+@dataclass(frozen=True)
+class Told:
+    """What the tests say of one group, the others as in the file.
+
+    Attributes
+    ----------
+    group : the numbers.
+    sigmas : how far the tests would have them from the file's values, in standard uncertainties.
+    stderr : of `sigmas`, by the tests.
+    explained : share of the squared residuals that this would take away, in [0, 1].
+    """
+
+    group: Group
+    sigmas: float
+    stderr: float
+    explained: float
+
+    @property
+    def determined(self) -> bool:
+        """Whether the tests know the numbers much better than their source."""
+        return self.stderr < DETERMINED
+
+    @property
+    def contradicted(self) -> bool:
+        """Whether the tests are sure that the file's values are beyond their uncertainty."""
+        off = abs(self.sigmas)
+        return off > SURE * self.stderr and off > BEYOND * float(np.hypot(1.0, self.stderr))
+
+    def summary(self) -> dict[str, Any]:
+        """What summary.json says of them."""
+        return {
+            "name": self.group.name,
+            "keys": self.group.keys,
+            "relative_uncertainty": self.group.relative,
+            "absolute_uncertainty": self.group.absolute,
+            "source": ", ".join(filter(None, (self.group.source, self.group.note))),
+            "tests_ask_for_sigmas": self.sigmas,
+            "stderr_of_that": self.stderr if np.isfinite(self.stderr) else None,
+            "contradicted": self.contradicted,
+        }
+
+
+@dataclass(frozen=True)
+class Carried:
+    """What the uncertainty of the assumed numbers does to the identified ones.
+
+    Attributes
+    ----------
+    told : what the tests say of each group.
+    shifts : [parameter inside, group] change of the optimum by one standard uncertainty.
+    spread : [group, group] mean square of how far the groups may be off, tests known.
+    """
+
+    told: tuple[Told, ...]
+    shifts: Floats
+    spread: Floats
+
+    @property
+    def covariance(self) -> Floats:
+        """Of the parameters inside, by the assumed numbers, in the unit cube."""
+        return np.asarray(self.shifts @ self.spread @ self.shifts.T)
+
+
+def carried(linear: Linear, assumed: Assumed) -> Carried:
+    """Carry the uncertainty of what is assumed into what is identified.
+
+    The optimum moves by -(J^T J)^-1 J^T c for a column c (a "consider" analysis; Schmidt 1966).
+    How far the groups may be off is what their sources leave open after the tests have been
+    heard: with the information H of the tests and b = H times what they ask for, the posterior
+    of a normal prior has the covariance P = (1 + H)^-1 and the mean P b. The fit stays at the
+    file's values, so that it is off by both.
+
+    Parameters
+    ----------
+    linear : the fit near its optimum.
+    assumed : the groups and their columns.
+
+    Returns
+    -------
+    Carried
+    """
+    columns = linear.weights[:, None] * assumed.columns
+    shifts = -linear.solved(columns)
+    apart = columns + linear.jacobian @ shifts  # what no change of the parameters can imitate
+    told = [_told(linear, group, apart[:, i]) for i, group in enumerate(assumed.groups)]
+    inner = apart.T @ apart
+    wanted = -np.linalg.pinv(inner, rcond=1e-10, hermitian=True) @ (apart.T @ linear.residuals)
+    left_over = linear.residuals + apart @ wanted
+    meat = linear.meat(apart, left_over) + np.diag(np.diag(inner)) * np.mean(left_over**2)
+    against = np.linalg.pinv(meat, rcond=1e-10, hermitian=True)
+    posterior = np.linalg.inv(np.eye(len(wanted)) + inner @ against @ inner)
+    mean = posterior @ inner @ against @ inner @ wanted
+    return Carried(tuple(told), shifts, posterior + np.outer(mean, mean))
+
+
+def _told(linear: Linear, group: Group, column: Floats) -> Told:
+    """What the tests say of one group, from its column less what parameters can imitate."""
+    residuals = linear.residuals
+    norm = float(column @ column)
+    if norm <= UNSEEN * max(linear.variance, 1e-300):
+        return Told(group, 0.0, float("inf"), 0.0)
+    sigmas = -float(column @ residuals) / norm
+    left_over = residuals + sigmas * column  # or the error of the file would be taken for noise
+    meat = float(linear.meat(column[:, None], left_over)[0, 0])
+    least = norm * float(left_over @ left_over) / len(left_over)
+    explained = sigmas**2 * norm / max(float(residuals @ residuals), 1e-300)
+    return Told(group, sigmas, float(np.sqrt(max(meat, least))) / norm, explained)
+
+
+def determined_by(problem: Problem, cube: Floats, groups: Sequence[Group]) -> list[str]:
+    """Which assumed numbers the tests know better than their source, and not as a bound.
+
+    Parameters
+    ----------
+    problem : residuals of the tests.
+    cube : the optimum without them, in [0, 1] for each free parameter.
+    groups : of one parameter each, from `chosen_groups`.
+
+    Returns
+    -------
+    list of str : dotted keys.
+    """
+    assumed = assumed_of(problem, cube, groups, fine=False)
+    told = carried(linearised(problem, cube, fine=False), assumed).told
+    found = []
+    for item in told:
+        (key,) = item.group.keys
+        kind, value = BY_KEY[key], _value(problem.pset.base, key) or 0.0
+        scale = value if kind.relative else 1.0
+        step = item.group.step(value)
+        middle, half = value + item.sigmas * step, CLEAR * item.stderr * step
+        inside = kind.lower * scale < middle - half and middle + half < kind.upper * scale
+        if item.determined and inside:
+            found.append(key)
+    return found

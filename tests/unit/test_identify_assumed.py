@@ -1,0 +1,133 @@
+"""What a fit assumes: its uncertainty is carried on, and the tests may contradict it."""
+
+import numpy as np
+import pytest
+
+import thermobearing as tb
+from thermobearing.bearing.model import Bearing
+from thermobearing.identify.assumed import (
+    Assumed,
+    carried,
+    chosen_groups,
+    groups_of,
+    shifted,
+    usual_groups,
+)
+from thermobearing.identify.kinds import BY_KEY
+from thermobearing.identify.linear import Linear
+from thermobearing.identify.parameters import default_free
+
+HDR, LHDR, LRB = (
+    tb.load_bearing(name) for name in ("shen-hdr-specimen", "shen-lhdr-specimen", "lrb-example")
+)
+
+
+def names(bearing: Bearing, free: list[str]) -> list[str]:
+    return [group.name for group in groups_of(bearing, free, usual_groups())]
+
+
+def test_groups_are_what_the_bearing_has_and_the_fit_has_not() -> None:
+    assert "film coefficient of the sides" in names(HDR, [])
+    assert "film coefficient of the sides" not in names(LHDR, [])  # its film is zero
+    assert "heat capacity of the lead" not in names(HDR, [])
+    assert "sigma_Y" in names(LHDR, [])
+    assert "sigma_Y" not in names(LHDR, default_free(LHDR, [23.0]))
+    assert not {"alpha_0", "s", "d_y", "b", "n_T"} & set(names(LRB, []))
+
+
+def test_every_symbol_is_a_parameter_and_every_group_has_a_source() -> None:
+    for group in usual_groups():
+        assert group.source
+        if group.keys[0] in BY_KEY:
+            assert group.name == BY_KEY[group.keys[0]].symbol
+        else:
+            assert group.cause
+
+
+@pytest.mark.parametrize(
+    ("name", "key", "sigmas", "value"),
+    [
+        ("sigma_Y", "lead.yield_stress", 2.0, 12.0 * 1.3),
+        ("E2", "lead.softening", 1.0, 0.002),
+        ("heat capacity of the rubber", "materials.rubber.specific_heat", -1.0, 1732.0 * 0.94),
+        ("m_T", "hysteresis.elastic_temperature_coefficient", 1.0, -1.724),
+    ],
+)
+def test_shifted_numbers(name: str, key: str, sigmas: float, value: float) -> None:
+    (group,) = (g for g in usual_groups() if g.name == name)
+    part: object = shifted(LHDR, group, sigmas)
+    for word in key.split("."):
+        part = getattr(part, word)
+    assert part == pytest.approx(value, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("given", "pieces"),
+    [
+        ({"materials.side_flim": 0.1}, ["side_flim", "materials.side_film"]),
+        ({"sigma_Y": 3.0}, ["sigma_Y = 3.0", "0 to 2"]),
+        ({"sigma_Y": -0.1}, ["sigma_Y = -0.1", "0 to 2"]),
+        ({"sigma_Y": "much"}, ["sigma_Y = 'much'"]),
+        ({"sigma_Y": float("nan")}, ["sigma_Y = nan"]),
+    ],
+)
+def test_uncertainties_that_cannot_be(given: dict[str, float], pieces: list[str]) -> None:
+    with pytest.raises(tb.InputError) as told:
+        chosen_groups(given)
+    assert all(piece in str(told.value) for piece in pieces)
+
+
+def test_exactly_known_is_not_assumed() -> None:
+    groups = chosen_groups({"sigma_Y": 0.0, "materials.rubber.conductivity": 0.02})
+    assert "sigma_Y" not in [g.name for g in groups_of(LHDR, [], groups)]
+    (heat,) = (g for g in groups if g.name == "conduction of heat")
+    assert heat.relative == 0.02
+
+
+def linear(residuals: np.ndarray, jacobian: np.ndarray) -> Linear:
+    n, p = jacobian.shape
+    inside = np.ones(p, dtype=bool)
+    return Linear(inside, [residuals], np.ones(n), jacobian, np.arange(n) // 10)
+
+
+def told(name: str) -> Assumed:
+    (group,) = (g for g in usual_groups() if g.name == name)
+    return Assumed((group,), np.zeros((0, 1)))
+
+
+def test_an_unseen_number_carries_its_whole_uncertainty() -> None:
+    """Its column is that of a parameter: the parameter takes all of it, by any amount."""
+    rng = np.random.default_rng(1)
+    jacobian = rng.normal(size=(400, 2))
+    noise = 0.01 * rng.normal(size=400)
+    noise -= jacobian @ np.linalg.lstsq(jacobian, noise, rcond=None)[0]
+    found = carried(
+        linear(noise, jacobian), Assumed(told("sigma_Y").groups, -3.0 * jacobian[:, :1])
+    )
+    assert found.shifts == pytest.approx(np.array([[3.0], [0.0]]), abs=1e-12)
+    assert found.spread == pytest.approx(np.ones((1, 1)))
+    assert found.covariance == pytest.approx(np.diag([9.0, 0.0]), abs=1e-9)
+    assert found.told[0].stderr == np.inf
+    assert not found.told[0].determined
+
+
+@pytest.mark.parametrize("off", [0.0, 0.5, 8.0])
+def test_what_the_tests_ask_for(off: float) -> None:
+    """A number that is off by so many of its uncertainties, seen through noise."""
+    rng = np.random.default_rng(2)
+    jacobian = rng.normal(size=(400, 2))
+    column = rng.normal(size=(400, 1)) + jacobian[:, :1]
+    apart = column[:, 0] - jacobian @ np.linalg.lstsq(jacobian, column[:, 0], rcond=None)[0]
+    noise = rng.normal(size=400)
+    basis = np.column_stack([jacobian, apart])
+    noise -= basis @ np.linalg.lstsq(basis, noise, rcond=None)[0]
+    found = carried(linear(noise - off * apart, jacobian), Assumed(told("sigma_Y").groups, column))
+    (item,) = found.told
+    assert item.sigmas == pytest.approx(off, abs=1e-9)
+    expected = 1.0 / np.linalg.norm(apart)
+    assert 0.7 * expected < item.stderr < 1.4 * expected
+    assert item.determined
+    assert item.contradicted == (off > 3.1)
+    # Posterior of a normal prior: nearly all of what was asked for, and a little spread.
+    assert found.spread[0, 0] == pytest.approx(off**2, rel=0.03, abs=0.02)
+    assert found.shifts[0, 0] == pytest.approx(-1.0, abs=0.15)
