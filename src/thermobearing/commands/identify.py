@@ -89,15 +89,14 @@ def identify(
     names = [name.strip() for name in free.split(",")] if free is not None else None
     search = {"method": method, "seed": seed, "starts": starts, "evaluations": evaluations}
     how: dict[str, Any] = {
-        "loss": loss,
-        "temperatures": temperatures,
-        "blind": not from_start,
+        **{"loss": loss, "temperatures": temperatures, "blind": not from_start},
         "polish": polish,
+        "assumed": _spreads(assumed or []),
     }
-    how["assumed"] = _spreads(assumed or [])
     found = run_identify(make_identify_case(records, bearing, free=names, **search, **how))
-    wanted = posterior or predict
-    drawn = forecast(found, predict or [], posterior=posterior, seed=seed) if wanted else None
+    drawn = None
+    if posterior or predict:
+        drawn = forecast(found, predict or [], posterior=posterior, seed=seed)
     found.save(target, force=force, figures=not no_figures, forecast=drawn)
     if not quiet:
         print_identification(found)
