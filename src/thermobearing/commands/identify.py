@@ -2,7 +2,7 @@
 
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -25,6 +25,20 @@ if TYPE_CHECKING:
     from thermobearing.identify.record import TestRecord
 
 
+Spreads = Annotated[
+    list[str] | None,
+    typer.Option(
+        help="Relative standard uncertainty of what is not free, such as "
+        "materials.side_film=0.1 or sigma_Y=0; may be repeated.",
+        metavar="KEY=NUMBER",
+    ),
+]
+Predicted = Annotated[
+    list[float] | None,
+    typer.Option(help="Ambient temperature [degC] to predict a band at; may be repeated."),
+]
+
+
 @reported
 def identify(
     tests: Annotated[list[Path], typer.Argument(help="Tests: CSV files or their TOML sidecars.")],
@@ -35,14 +49,7 @@ def identify(
     free: Annotated[
         str | None, typer.Option(help="Free parameters, such as K_r,d_y or n_T=2.4*m_T.")
     ] = None,
-    assumed: Annotated[
-        list[str] | None,
-        typer.Option(
-            help="Relative standard uncertainty of what is not free, such as "
-            "materials.side_film=0.1 or sigma_Y=0; may be repeated.",
-            metavar="KEY=NUMBER",
-        ),
-    ] = None,
+    assumed: Spreads = None,
     method: Annotated[
         str, typer.Option(help="least-squares, krill-herd or differential-evolution.")
     ] = "least-squares",
@@ -63,10 +70,7 @@ def identify(
     posterior: Annotated[
         bool, typer.Option("--posterior", help="Sample the posterior (needs emcee).")
     ] = False,
-    predict: Annotated[
-        list[float] | None,
-        typer.Option(help="Ambient temperature [degC] to predict a band at; may be repeated."),
-    ] = None,
+    predict: Predicted = None,
     output: Output = None,
     force: Force = False,
     no_figures: NoFigures = False,
@@ -84,13 +88,15 @@ def identify(
         return _look_over(records, bearing, target, force, no_figures, as_json, quiet)
     names = [name.strip() for name in free.split(",")] if free is not None else None
     search = {"method": method, "seed": seed, "starts": starts, "evaluations": evaluations}
-    how = {"loss": loss, "temperatures": temperatures, "blind": not from_start, "polish": polish}
-    given = _spreads(assumed or [])
-    found = run_identify(
-        make_identify_case(records, bearing, free=names, assumed=given, **search, **how)
-    )
-    wanted = posterior or predict
-    drawn = forecast(found, predict or [], posterior=posterior, seed=seed) if wanted else None
+    how: dict[str, Any] = {
+        **{"loss": loss, "temperatures": temperatures, "blind": not from_start},
+        "polish": polish,
+        "assumed": _spreads(assumed or []),
+    }
+    found = run_identify(make_identify_case(records, bearing, free=names, **search, **how))
+    drawn = None
+    if posterior or predict:
+        drawn = forecast(found, predict or [], posterior=posterior, seed=seed)
     found.save(target, force=force, figures=not no_figures, forecast=drawn)
     if not quiet:
         print_identification(found)
