@@ -10,6 +10,7 @@ from . import model as model
 from . import motions as motions
 from . import results as results
 from . import structure as structure
+from . import validate as validate
 from .bearing.ambient import Ambient as Ambient
 from .bearing.library import load_bearing as load_bearing
 from .border.errors import InputError as InputError

@@ -33,6 +33,7 @@ from thermobearing.commands.identify import identify
 from thermobearing.commands.motions import app as motions
 from thermobearing.commands.streams import patient_streams
 from thermobearing.commands.threads import one_blas_thread
+from thermobearing.commands.validate import validate
 
 if TYPE_CHECKING:
     from thermobearing.cyclic.case import Case
@@ -244,6 +245,7 @@ def measure(
 
 
 app.command()(identify)
+app.command()(validate)
 
 
 def main() -> None:

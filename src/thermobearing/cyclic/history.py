@@ -106,6 +106,8 @@ def run_segments(
     # One row more per segment: a rest that settles early keeps the step at which it does.
     room = 1 + sum(int(kept_steps(part, keep_every).sum()) + 1 for part in segments)
     initial = np.array(initial, dtype=np.float64)
+    if len(initial) != len(constants.cells.capacity):  # compiled code would write past the end
+        raise ValueError(f"{len(initial)} temperatures for {len(constants.cells.capacity)} cells")
     run = History(
         rows=room_for(constants, room, groups),
         segment=np.zeros(room, dtype=np.int32),

@@ -146,7 +146,7 @@ def fit_of_record(record: TestRecord, prediction: Prediction, bearing: Bearing) 
     )
 
 
-def _peaks(force: Floats) -> tuple[float, float]:
+def peaks(force: Floats) -> tuple[float, float]:
     """Highest and lowest force of a cycle, of a short running mean: noise adds to extremes."""
     window = max(1, len(force) // SMOOTHED)
     mean = np.convolve(force, np.full(window, 1.0 / window), "valid")
@@ -160,7 +160,7 @@ def _cycle_errors(record: TestRecord, force: Floats, bearing: Bearing) -> list[C
             continue
         rows = slice(cycle.first, cycle.last + 1)
         x, test, model = record.displacement[rows], record.force[rows], force[rows]
-        a, b = _peaks(test), _peaks(model)
+        a, b = peaks(test), peaks(model)
         # G_e and h_eq as in Eq. 3.1 and 3.2; displacements are the same, and cancel.
         stiffness = (abs(b[0]) + abs(b[1])) / (abs(a[0]) + abs(a[1]))
         energy = loop_energy(x, model) / loop_energy(x, test)

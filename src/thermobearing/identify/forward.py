@@ -15,12 +15,13 @@ from numpy.typing import NDArray
 from thermobearing.bearing.ambient import Ambient
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
-from thermobearing.core.types import Kept
+from thermobearing.core.types import Constants, Kept
+from thermobearing.cyclic.equivalent import bilinear_parameters
 from thermobearing.cyclic.history import run_segments
 from thermobearing.cyclic.segments import Segment
 from thermobearing.identify.record import TestRecord
 from thermobearing.model.constants import with_parameters
-from thermobearing.model.options import build_model
+from thermobearing.model.options import ModelOptions, build_model
 from thermobearing.model.outcomes import INTERRUPTED
 
 Floats = NDArray[np.float64]
@@ -187,6 +188,7 @@ class ForwardModel:
     bearing : geometry and materials.
     fine : step at every sample; else fine at turns and coarse along legs, some five times faster.
     ambient : another ambient temperature than the record's [degC].
+    options : how to model the bearing, an earlier model for instance; as `run` has it by default.
 
     Raises
     ------
@@ -209,9 +211,10 @@ class ForwardModel:
         *,
         fine: bool = False,
         ambient: float | None = None,
+        options: ModelOptions | None = None,
     ) -> None:
         self.record = record
-        model = build_model(bearing)  # as `run` has it
+        model = build_model(bearing, options, backbone=bilinear_parameters)
         self._stack, self._constants = model.stack, model.constants
         self._grid = _grid(record, fine)
         grid = self._grid
@@ -220,7 +223,7 @@ class ForwardModel:
         self._segment = Segment("recorded", record.name, grid.x, grid.dt, cycle, no_turns)
         self._at = record.ambient if ambient is None else ambient
         self._ambient = Ambient.constant(self._at)
-        self._initial = np.full(len(self._stack.part), self._at)
+        self._initial = np.full(len(self._constants.cells.capacity), self._at)
         self._groups = ("rubber",) if record.places else ()
         self._layers = self._thermocouples(bearing)
 
@@ -255,7 +258,13 @@ class ForwardModel:
         -------
         Prediction or None
         """
-        constants = with_parameters(self._constants, bearing, self._stack)
+        return self._run(with_parameters(self._constants, bearing, self._stack))
+
+    def run_as_built(self) -> Prediction | None:
+        """The same for the bearing and the options it was built with."""
+        return self._run(self._constants)
+
+    def _run(self, constants: Constants) -> Prediction | None:
         history = run_segments(
             constants, [self._segment], self._ambient, self._initial, groups=self._groups
         )

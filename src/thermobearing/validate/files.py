@@ -1,0 +1,74 @@
+"""Result directory of a validation."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from thermobearing.results.directory import FIGURES, FIT_TABLE, TABLE, write_directory
+from thermobearing.results.directory import VALIDATED_CYCLES as CYCLES
+from thermobearing.results.writing import write_summary
+from thermobearing.validate.result import Validation
+
+
+def save_validation(
+    found: Validation, directory: Path, *, force: bool = False, figures: bool = True
+) -> Path:
+    """Write summary.json, table.csv, cycles.csv, fit.csv and figures.
+
+    Parameters
+    ----------
+    found : what to write.
+    directory : made if needed, with its parents.
+    force : replace an earlier result directory.
+    figures : draw the figures too.
+
+    Returns
+    -------
+    Path : the directory.
+
+    Raises
+    ------
+    OutputError : see `write_directory`; nothing is left.
+    """
+
+    def fill(folder: Path) -> None:
+        write_summary(folder, found.summary())
+        found.table.to_csv(folder / TABLE, index=False)
+        found.cycles.to_csv(folder / CYCLES, index=False)
+        samples(found).to_csv(folder / FIT_TABLE, index=False, float_format="%.7g")
+        if figures:
+            found.plot.save_all(folder / FIGURES)
+
+    return write_directory(directory, fill, force=force)
+
+
+def samples(found: Validation) -> pd.DataFrame:
+    """Tests and models sample by sample: force [kN], temperatures [degC].
+
+    Parameters
+    ----------
+    found : a validation.
+
+    Returns
+    -------
+    DataFrame : one row for each sample of each comparison.
+    """
+    frames = []
+    for item in found.comparisons:
+        record, model = item.record, item.prediction
+        nothing = np.full(len(record.time), np.nan)
+        columns = {
+            "test": record.name,
+            "bearing": item.bearing,
+            "model": item.model,
+            "time_s": record.time,
+            "displacement_mm": record.displacement,
+            "force_kN": record.force,
+            "model_force_kN": nothing if model is None else model.force,
+        }
+        for title, values in record.temperatures.items():
+            columns[title] = values
+            columns[f"model_{title}"] = nothing if model is None else model.temperatures[title]
+        frames.append(pd.DataFrame(columns))
+    return pd.concat(frames, ignore_index=True)

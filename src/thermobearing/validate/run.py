@@ -1,0 +1,220 @@
+"""The story of a validation: bearings as they are, moved as the tests were, beside the tests.
+
+    tests, bearings -> checks -> model at every sample -> ratios per cycle -> verdicts
+
+Nothing is fitted: displacement and ambient temperature come from the test, the numbers from the
+bearing's file (4.4.2 and 5.4.2 of the source).
+"""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from thermobearing.bearing.model import Bearing
+from thermobearing.border.errors import InputError
+from thermobearing.identify.agreement import determination, peaks
+from thermobearing.identify.checks import check_test
+from thermobearing.identify.cycles import cycles_of
+from thermobearing.identify.forward import ForwardModel, Prediction
+from thermobearing.identify.record import TestRecord
+from thermobearing.model.earlier import Model
+from thermobearing.model.options import ModelOptions
+from thermobearing.results.metrics import loop_energy
+from thermobearing.validate.case import (
+    Chosen,
+    Test,
+    ValidateCase,
+    make_validate_case,
+    models_of,
+)
+from thermobearing.validate.result import Comparison, Loop, Validation
+
+Floats = NDArray[np.float64]
+
+RISEN = 0.05  # of the largest rise: before, the relative error of Eq. 4.39 means nothing
+NOT_NEEDED = ("cycles", "sampling")  # checks of a fit that any history may fail
+
+
+def validate(
+    bearings: Sequence[Chosen] | Chosen,
+    records: Sequence[Test] | Test,
+    *,
+    models: Sequence[Model] | Model = "multi-layer",
+    limits: Mapping[str, float] | None = None,
+) -> Validation:
+    """Judge bearings, as they are, by tests that they were not fitted to.
+
+    Parameters
+    ----------
+    bearings : one or more: a Bearing, a library name, or a TOML file.
+    records : one or more tests of any history: from `load_test`, `record_from_arrays`, or paths.
+    models : "multi-layer" (default) and earlier models, side by side.
+    limits : largest relative error by quantity: K_eq, h_eq (0.15 each unless given), energy,
+        force, temperature, NRMSE.
+
+    Returns
+    -------
+    Validation
+
+    Raises
+    ------
+    InputError : a test that cannot be used, with the reason; unknown names; limits out of range.
+
+    Examples
+    --------
+    >>> import thermobearing as tb
+    >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
+    >>> record = tb.identify.synthetic_record("shen-hdr-specimen", -20.0, test)
+    >>> found = validate("shen-hdr-specimen", record, models=["multi-layer", "adiabatic"])
+    >>> [round(item.R2, 2) for item in found.comparisons][0] > 0.99
+    True
+    """
+    return run_validate(make_validate_case(bearings, records, models=models, limits=limits))
+
+
+def run_validate(case: ValidateCase) -> Validation:
+    """Carry out a complete case.
+
+    Parameters
+    ----------
+    case : from `make_validate_case`.
+
+    Returns
+    -------
+    Validation
+
+    Raises
+    ------
+    InputError : a test that cannot be used, with the reason.
+
+    Examples
+    --------
+    >>> import thermobearing as tb
+    >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
+    >>> record = tb.identify.synthetic_record("shen-hdr-specimen", 23.0, test)
+    >>> run_validate(tb.validate.make_validate_case("shen-hdr-specimen", record)).outcome
+    'completed'
+    """
+    refused = [
+        f"{record.file or record.name}: {finding.sentence}"
+        for record in case.records
+        for finding in check_test(record, case.bearings[0]).findings
+        if finding.level == "refused" and finding.check not in NOT_NEEDED
+    ]
+    if refused:
+        raise InputError(refused)
+    return Validation(
+        [
+            _comparison(bearing, model, record)
+            for bearing in case.bearings
+            for model in models_of(case, bearing)
+            for record in case.records
+        ],
+        dict(case.limits),
+    )
+
+
+def _comparison(bearing: Bearing, model: Model, record: TestRecord) -> Comparison:
+    options = ModelOptions(model=model)
+    found = ForwardModel(record, bearing, fine=True, options=options).run_as_built()
+    if found is None:
+        nan = float("nan")
+        return Comparison(bearing.name, model, record, None, nan, nan, [], None, {})
+    loops = loops_of(record, found.force)
+    off = found.force - record.force
+    return Comparison(
+        bearing=bearing.name,
+        model=model,
+        record=record,
+        prediction=found,
+        R2=determination(record.force, found.force),
+        NRMSE=float(np.sqrt(np.mean(off**2))) / record.peak_force,
+        loops=loops,
+        largest=largest_loop(loops),
+        temperature_errors=rise_errors(record, found),
+    )
+
+
+def loops_of(record: TestRecord, force: Floats) -> list[Loop]:
+    """Full cycles of a record, measured in the test and in the model.
+
+    Parameters
+    ----------
+    record : a test.
+    force : of the model at its samples [kN].
+
+    Returns
+    -------
+    list of Loop : in the order of time; without closing cycles and those that do no work.
+
+    Examples
+    --------
+    >>> from thermobearing.identify.record import record_from_arrays
+    >>> t = np.linspace(0.0, 1.0, 2001)
+    >>> x, f = 30.0 * np.sin(2.0 * np.pi * t), 60.0 * np.sin(2.0 * np.pi * t + 0.3)
+    >>> (loop,) = loops_of(record_from_arrays(t, x, f, 23.0), 1.1 * f)
+    >>> {name: round(ratio, 3) for name, ratio in loop.ratios.items()}
+    {'F+': 1.1, 'F-': 1.1, 'K_eq': 1.1, 'h_eq': 1.0, 'energy': 1.1}
+    """
+    found = []
+    for place, cycle in enumerate(cycles_of(record), start=1):
+        rows = slice(cycle.first, cycle.last + 1)
+        x = record.displacement[rows]
+        test, model = _measures(x, record.force[rows]), _measures(x, force[rows])
+        if cycle.closing or test["energy"] <= 0.0:
+            continue
+        high, low = float(x.max()), float(x.min())
+        found.append(Loop(place, cycle.number, cycle.amplitude, high, low, test, model))
+    return found
+
+
+def _measures(x: Floats, force: Floats) -> dict[str, float]:
+    """K_eq and h_eq as in Eq. 3.1 and 3.2."""
+    high, low = peaks(force)
+    span = float(np.ptp(x))
+    stiffness, energy = (high - low) / span, loop_energy(x, force)
+    damping = 2.0 * energy / (np.pi * stiffness * span**2)
+    return {"F+": high, "F-": low, "K_eq": stiffness, "h_eq": damping, "energy": energy}
+
+
+def largest_loop(loops: list[Loop]) -> Loop | None:
+    """The cycle that holds the largest displacement to either side; the first of equals.
+
+    Parameters
+    ----------
+    loops : of one record.
+
+    Returns
+    -------
+    Loop, or None where there is none.
+    """
+
+    def reach(loop: Loop) -> float:
+        return max(abs(loop.displacement_max), abs(loop.displacement_min))
+
+    return max(loops, key=reach) if loops else None
+
+
+def rise_errors(record: TestRecord, found: Prediction) -> dict[str, Floats]:
+    """(rise of the model - rise of the test) / rise of the test, in time (Eq. 4.39 with its sign).
+
+    Parameters
+    ----------
+    record : a test with thermocouples.
+    found : the model at its samples.
+
+    Returns
+    -------
+    dict : by thermocouple, [sample]; nan while the test has risen by less than a twentieth of its
+        largest rise.
+    """
+    errors = {}
+    for title, values in record.temperatures.items():
+        rise = values - values[0]
+        seen = rise > RISEN * float(rise.max())
+        modelled = found.temperatures[title] - found.temperatures[title][0]
+        error = np.full(len(rise), np.nan)
+        error[seen] = modelled[seen] / rise[seen] - 1.0
+        errors[title] = error
+    return errors
