@@ -39,7 +39,7 @@ class ValidateCase:
     bearings : one or more, as they are.
     records : tests of any history, at least one.
     models : models to run each bearing with.
-    limits : largest error by quantity; what has none is told without a verdict.
+    limits : largest relative error by quantity; what has none is told without a verdict.
     """
 
     bearings: list[Bearing]

@@ -103,7 +103,7 @@ class Validation:
     Attributes
     ----------
     comparisons : of every test with every bearing and model.
-    limits : largest error by quantity.
+    limits : largest relative error by quantity.
 
     Examples
     --------
