@@ -38,7 +38,7 @@ WRITTEN = {
     "--ambient 0",
     "cyclic-lead": f"cyclic cycles.toml --bearing {LHDR} --ambient -20 --ambient 0",
     "cyclic-lead-published": f"cyclic cycles.toml --bearing {LHDR} --scheme published",
-    "cyclic-lead-ends": f"cyclic cycles.toml --bearing {LEAD_BRIDGE} --lead-ends finite-plate",
+    "cyclic-lead-ends": f"cyclic cycles.toml --bearing {LEAD_BRIDGE} --lead-ends half-space",
     "cyclic-natural-rubber": f"cyclic cycles.toml --bearing {LRB} --ambient 20",
     "cyclic-single-temperature": f"cyclic cycles.toml --bearing {LHDR} --ambient -20 "
     "--model single-temperature",

@@ -1,5 +1,6 @@
 """The command: exit status, messages, JSON, files; the same bits again from the resolved case."""
 
+from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -213,6 +214,26 @@ def test_list() -> None:
         *told["bilinear_bearings"],
     ]
     assert all(name in done.stdout for name in shown)
+
+
+def test_check_of_a_bilinear_bearing(tmp_path: Path) -> None:
+    library = Path(str(resources.files("thermobearing"))) / "data" / "bilinear"
+    done = command("check", library / "shen-bilinear-bridge.toml")
+    assert done.exit_code == 0, done.output
+    lines = [" ".join(line.split()) for line in done.output.splitlines()]
+    assert "K_1, K_2 9.51, 1.81 kN/mm" in lines
+    assert "Q_d 125.4 kN" in lines
+
+
+def test_check_counts_the_runs_of_a_study(tmp_path: Path) -> None:
+    path = tmp_path / "study.toml"
+    path.write_text(
+        'command = "bridge"\nbearings = ["shen-hdr-bridge"]\n'
+        'motions = ["jra-ii-i-1", "jra-ii-i-2"]\nambient = ["0 degC", "5 degC", "10 degC"]\n'
+    )
+    done = command("check", path)
+    assert done.exit_code == 0, done.output
+    assert "runs 6, average-acceleration" in " ".join(done.output.split())
 
 
 def test_check_of_a_bearing_and_of_a_case(tmp_path: Path) -> None:
