@@ -162,7 +162,10 @@ def test_heat_is_lost_where_it_can_leave(through: str) -> None:
     lost = {name: books[f"heat_lost_{name}_kN_mm"] for name in ("ends", "sides")}
     assert lost.pop(through) > 1e3
     assert list(lost.values()) == [0.0]
-    assert result[f"heat_lost_{through}"].values[0, -1] > 1e3
+    variable = result[f"heat_lost_{through}"]
+    assert variable.values[0, -1] > 1e3
+    assert variable.attrs["long_name"].split()[-1] in ("faces", "sides")
+    assert ("sides" in variable.attrs["long_name"]) == (through == "sides")
 
 
 @pytest.mark.parametrize(("half", "inner"), [(1, 5), (0, 3)])

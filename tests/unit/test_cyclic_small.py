@@ -1,0 +1,63 @@
+"""Small errors of cyclic tests that went unseen once."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import thermobearing as tb
+from thermobearing.cyclic.equivalent import solve_backbone
+from thermobearing.cyclic.files import history_blocks
+from thermobearing.cyclic.protocol import Rest
+from thermobearing.cyclic.recording import read_recording
+from thermobearing.cyclic.segments import Segment, longest_layer_increment
+
+
+def test_history_has_the_steps_of_each_temperature_and_no_more() -> None:
+    """A rest that settles ends sooner at one temperature than at another."""
+    steps = [
+        {"step": "ramp", "to_strain": 1.0, "duration": 1.0},
+        {"step": "rest", "within": "0.5 K"},
+    ]
+    test = tb.cyclic.CyclicTest.model_validate({"dt": 0.05, "steps": steps})
+    result = tb.run("shen-hdr-specimen", test, [-20.0, 40.0])
+    kept = (result["segment"].values >= 0).sum(axis=1)
+    assert kept[0] != kept[1]
+    rows = "".join(history_blocks(result)).splitlines()[1:]
+    assert [sum(row.startswith(f"{t:g},") for row in rows) for t in (-20.0, 40.0)] == list(kept)
+    assert not any("nan" in row for row in rows)
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_the_longest_step_is_that_either_way(way: float) -> None:
+    x = way * np.array([0.0, 1.0, 13.0, 12.0])
+    none = np.zeros(4)
+    segment = Segment("ramp", "", x, none, none.astype(np.int32), none.astype(bool))
+    assert longest_layer_increment([segment], 6) == pytest.approx(2.0)
+
+
+def test_waiting_for_a_temperature_ends_after_two_weeks() -> None:
+    rest = Rest.model_validate({"step": "rest", "within": "0.1 K"})
+    assert rest.span == 14 * 86400.0
+
+
+@pytest.mark.parametrize("first", [10.0, -10.0])
+def test_a_recording_starts_where_the_bearing_is(first: float, tmp_path: Path) -> None:
+    path = tmp_path / "recorded.csv"
+    path.write_text(f"time_s,displacement_mm\n0,{first}\n1,5\n2,0\n")
+    with pytest.raises(tb.InputError, match="put a ramp before it"):
+        read_recording(str(path), 0.0)
+    gaps, x = read_recording(str(path), first)
+    assert (list(gaps), list(x)) == ([1.0, 1.0], [first, 5.0, 0.0])
+
+
+def test_backbone_is_the_slim_one_of_two() -> None:
+    """Two loops have the stiffness and the damping; the other has nearly all of K_B in Q_d."""
+    found = solve_backbone(2.0, 0.15, 100.0, 1.0 / 6.5)
+    assert found is not None
+    assert found.strength + found.post_yield * 100.0 == pytest.approx(200.0)
+    yielding = found.strength / (found.initial - found.post_yield)
+    area = 4.0 * found.strength * (100.0 - yielding)
+    assert area == pytest.approx(2.0 * math.pi * 0.15 * 2.0 * 100.0**2)
+    assert found.strength < 100.0
