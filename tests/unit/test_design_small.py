@@ -1,0 +1,41 @@
+"""Small errors of designs that went unseen once."""
+
+from typing import Any
+
+import pytest
+
+import thermobearing as tb
+from thermobearing.design.bounds import first_motions
+from thermobearing.design.case import make_design_case
+from thermobearing.design.rubber import checked_strain, load_compound
+from thermobearing.design.run import run_factors
+
+
+def test_factors_are_relative_to_the_reference_of_the_rubber() -> None:
+    """15 degC in the natural rubber bearing, 23 in those of the source."""
+    table = run_factors(["lrb-example"], temperatures=[15.0], strains=[1.0], cycles="1-3").table
+    assert (table[table["ambient_degC"] == 15.0]["factor"] == 1.0).all()
+
+
+def test_bounds_are_tried_on_ground_i() -> None:
+    assert first_motions() == [f"jra-{kind}-i-{n}" for kind in ("i", "ii") for n in (1, 2, 3)]
+
+
+def test_a_design_has_one_bearing_line() -> None:
+    table = tb.structure.load_structure("pier-p1").model_dump(exclude_none=True)
+    table["bearings"] = [table["bearings"][0], {**table["bearings"][0], "name": "second"}]
+    two = tb.structure.Structure.model_validate(table)
+    with pytest.raises(tb.InputError, match="exactly one bearing line"):
+        make_design_case({}, "test", structure=two)
+
+
+@pytest.mark.parametrize("strain", [0.19, 2.51])
+def test_curves_end_at_their_strains(strain: float) -> None:
+    with pytest.raises(tb.InputError, match=r"0\.2 to 2\.5"):
+        checked_strain(strain)
+
+
+def test_each_kind_of_rubber_has_its_own_curves() -> None:
+    curves: list[Any] = [load_compound("G8", kind) for kind in ("HDR", "HDR-S")]  # type: ignore[arg-type]
+    assert [item.kind for item in curves] == ["HDR", "HDR-S"]
+    assert [item.shear_modulus[0] for item in curves] == [2.3686, 3.477]
