@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
+from thermobearing.earthquake.loop_figures import draw_largest_loops, has_loops
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.results import drawing
 
@@ -34,6 +35,7 @@ class EarthquakeFigures:
     """Figures of a study: `result.plot.loops()` and so on, each a matplotlib Figure."""
 
     def __init__(self, result: EarthquakeResult) -> None:
+        self._result = result
         self._data = result.dataset
         self._table = result.table
         self._bearings = list(dict.fromkeys(self._table["bearing"]))
@@ -105,6 +107,10 @@ class EarthquakeFigures:
         draw = self._plane("bearing_strain", "bearing_force", 100.0)
         return self._grid("hysteresis of one bearing", "shear strain [%]", "force [kN]", draw)
 
+    def largest_loops(self) -> Figure:
+        """The largest loop, the bearings over each other, as Fig. 4.12 and 6.6."""
+        return draw_largest_loops(self._result)
+
     def strain(self) -> Figure:
         """Shear strain in time, as Fig. 6.10 and 6.13."""
         draw = self._time("bearing_strain", 100.0)
@@ -114,6 +120,11 @@ class EarthquakeFigures:
         """Displacement of the pier top relative to its base, as Fig. 6.17 and 6.19."""
         draw = self._time("pier_displacement")
         return self._grid("pier top relative to its base", "time [s]", "displacement [mm]", draw)
+
+    def pier_acceleration(self) -> Figure:
+        """Absolute acceleration of the pier top, as Fig. 3.27, 3.29, 4.15, 5.18 and 5.20."""
+        draw = self._time("pier_top_acceleration")
+        return self._grid("acceleration of the pier top", "time [s]", "acceleration [m/s2]", draw)
 
     def hinge(self) -> Figure:
         """Moment against rotation of the pier base, as Fig. 6.21 and 6.22."""
@@ -238,9 +249,12 @@ class EarthquakeFigures:
             "strain": self.strain,
             "energy": self.energy,
             "pier": self.pier,
+            "pier_acceleration": self.pier_acceleration,
             "deck": self.deck,
             "peaks": self.peaks,
         }
+        if has_loops(self._result):
+            figures["largest_loops"] = self.largest_loops
         if np.isfinite(self._data["pier_rotation"].values).any():
             figures["hinge"] = self.hinge
         if np.isfinite(self._data["rubber_temperature"].values).any():

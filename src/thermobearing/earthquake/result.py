@@ -30,8 +30,38 @@ COLUMNS = {  # of the table: name in the dataset, factor
     "pier_ductility": ("pier_ductility", 1.0),
     "pier_moment_max_kN_m": ("pier_moment_max", 1.0),
     "deck_acceleration_max_m_s2": ("deck_acceleration_max", 1.0),
+    "pier_top_acceleration_max_m_s2": ("pier_top_acceleration_max", 1.0),
     "pier_top_displacement_max_mm": ("pier_top_displacement_max", 1.0),
     "pier_displacement_residual_mm": ("pier_displacement_residual", 1.0),
+}
+LOOP = {  # of the largest loop: name in the dataset
+    "loop_F_plus_kN": "loop_force_max",
+    "loop_F_minus_kN": "loop_force_min",
+    "loop_D_plus_mm": "loop_displacement_max",
+    "loop_D_minus_mm": "loop_displacement_min",
+    "loop_K_eq_kN_mm": "loop_stiffness",
+    "loop_h_eq": "loop_damping_ratio",
+    "loop_G_e_MPa": "loop_modulus",
+    "loop_energy_kN_mm": "loop_energy",
+}
+HISTORY = {  # columns of a history: name in the dataset
+    "time_s": "time",
+    "ground_m_s2": "ground_acceleration",
+    "displacement_mm": "bearing_displacement",
+    "strain": "bearing_strain",
+    "force_kN": "bearing_force",
+    "rubber_force_kN": "rubber_force",
+    "lead_force_kN": "lead_force",
+    "viscous_force_kN": "viscous_force",
+    "energy_kN_mm": "bearing_energy",
+    "pier_displacement_mm": "pier_displacement",
+    "pier_rotation_rad": "pier_rotation",
+    "pier_moment_kN_m": "pier_moment",
+    "pier_top_acceleration_m_s2": "pier_top_acceleration",
+    "deck_displacement_mm": "deck_displacement",
+    "deck_relative_acceleration_m_s2": "deck_relative_acceleration",
+    "deck_acceleration_m_s2": "deck_acceleration",
+    "lead_degC": "lead_temperature",
 }
 # Of the input. In the default study, bearings of runs below it move 13 to 19 % farther without
 # viscous damping, those of runs above it 12 to 200 %: there the assumed ratios count as much as
@@ -89,7 +119,8 @@ class EarthquakeResult:
             }
         )
         for name, (variable, factor) in COLUMNS.items():
-            frame[name] = factor * self.dataset[variable].values
+            if variable in self.dataset:  # results of 0.1 have fewer
+                frame[name] = factor * self.dataset[variable].values
         warmest = (
             frame.sort_values("ambient_degC")
             .groupby(["bearing", "motion"], sort=False)["bearing_energy_kN_mm"]
@@ -100,6 +131,25 @@ class EarthquakeResult:
         energy = self.energy
         given = energy["input_kN_mm"].clip(lower=LEAST_ENERGY)
         frame["damping_of_input"] = energy["damping_kN_mm"] / given
+        for name, variable in LOOP.items():
+            if variable in self.dataset:
+                frame[name] = self.dataset[variable].values
+        return frame
+
+    @property
+    def largest_loops(self) -> pd.DataFrame:
+        """The largest loop of one bearing in each run; NaN where none is closed.
+
+        The loop holds the largest |displacement| and begins and ends at zero displacement, see
+        results/largest_loop.py: its extreme forces F+, F- and displacements D+, D-, K_eq (|F+| +
+        |F-|)/(|D+| + |D-|), h_eq and G_e (Eq. 3.1, 3.2; a bilinear bearing has no G_e), energy,
+        and when it begins and ends [s].
+        """
+        table = self.table
+        told = [name for name in ("bearing", "motion", "ambient_degC", "mode") if name in table]
+        frame = table[[*told, *LOOP]].rename(columns=lambda name: name.removeprefix("loop_"))
+        frame["start_s"] = self.dataset["loop_start"].values
+        frame["end_s"] = self.dataset["loop_end"].values
         return frame
 
     @property
@@ -148,23 +198,22 @@ class EarthquakeResult:
         return frame
 
     def history(self, run: int) -> pd.DataFrame:
-        """Main histories of one run, one row a kept step."""
+        """Main histories of one run, one row a kept step.
+
+        The displacement of the deck is relative to the ground; accelerations are absolute unless
+        they are said to be relative. A body that is neither deck nor pier has its own column.
+        """
         data = self.dataset.isel(run=run)
         count = int(np.isfinite(data["time"].values).sum())
-        names = {
-            "time_s": "time",
-            "ground_m_s2": "ground_acceleration",
-            "displacement_mm": "bearing_displacement",
-            "strain": "bearing_strain",
-            "force_kN": "bearing_force",
-            "energy_kN_mm": "bearing_energy",
-            "pier_displacement_mm": "pier_displacement",
-            "pier_rotation_rad": "pier_rotation",
-            "pier_moment_kN_m": "pier_moment",
-            "deck_acceleration_m_s2": "deck_acceleration",
-            "lead_degC": "lead_temperature",
-        }
-        frame = pd.DataFrame({name: data[key].values[:count] for name, key in names.items()})
+        frame = pd.DataFrame(
+            {name: data[key].values[:count] for name, key in HISTORY.items() if key in data}
+        )
+        if "body" in data.coords:
+            told = {str(data.attrs[part]) for part in ("deck", "pier")}
+            for k, body in enumerate(data["body"].values):
+                if str(body) not in told:
+                    values = data["body_acceleration"].values[:count, k]
+                    frame[f"{body}_acceleration_m_s2"] = values
         for k in range(data.sizes["layer"]):
             frame[f"rubber{k + 1}_degC"] = data["rubber_temperature"].values[:count, k]
         return frame
