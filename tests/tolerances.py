@@ -233,3 +233,4 @@ PALETTE_FAR = 24.0  # of 255 steps: as much as an eye finds at the edge of a lin
 PALETTE_SHARE = 2e-3  # of the points are farther off
 HISTORY_DIGITS = 1e-6  # of the largest: sums of histories kept with seven digits
 SECOND_DIFFERENCE = 0.02  # of the largest acceleration: displacements with seven digits over dt^2
+SIMILAR = 1e-9  # of the peak: the same test in other units, two thousand steps of rounding

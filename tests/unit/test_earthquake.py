@@ -53,7 +53,7 @@ def small(**changes: Any) -> EarthquakeCase:
 def saved(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("bridge")
     path = write_toml(
-        folder / "case.toml", SMALL | {"bearings": ["shen-lhdr-bridge"], "duration": "12 s"}
+        folder / "case.toml", SMALL | {"bearings": ["shen-lhdr-bridge"], "duration": "14 s"}
     )
     done = command(
         "bridge", path, "--ambient", -20, "--ambient", 23, "-o", folder / "out", "--json"
@@ -109,7 +109,7 @@ def test_hybrid_with_a_laboratory(tmp_path: Path) -> None:
     assert told["runs"][0]["pier_ductility"] is None
     case = tomllib.loads((tmp_path / "lab" / "case.resolved.toml").read_text())
     assert case["laboratory"] == {
-        "mode": "pd",
+        "mode": ["pd"],
         "speed": "10.0 mm/s",
         "delay": "0.01 s",
         "force_noise": "0.5 kN",

@@ -9,9 +9,12 @@ from numpy.testing import assert_allclose
 
 import thermobearing as tb
 from tests import tolerances as tol
+from thermobearing.earthquake.modes import modes_table
+from thermobearing.model.options import build_model
 from thermobearing.results.largest_loop import largest_loop
 from thermobearing.structure.matrices import mean_height
 from thermobearing.structure.model import load_structure
+from thermobearing.structure.run import Line, prepare_structure, run_structure
 
 SHORT: dict[str, Any] = {"duration": 6.0, "keep_every": 1}
 
@@ -106,3 +109,105 @@ def test_a_history_without_a_closed_loop_says_so(tmp_path: Path) -> None:
     study = tb.bridge("shen-hdr-bridge", "jra-ii-i-1", 23, duration=0.5)
     assert study.largest_loops[["K_eq_kN_mm", "h_eq", "start_s"]].isna().all(axis=None)
     study.save(tmp_path / "short")
+
+
+@pytest.fixture(scope="module")
+def both() -> Any:
+    lab = {"mode": ["rt", "pd"]}
+    return tb.hybrid("shen-lhdr-specimen", "jra-ii-ii-1", [-20, 0], duration=11, laboratory=lab)
+
+
+def test_both_modes_are_those_of_two_studies(both: Any) -> None:
+    assert both.modes == ["rt", "pd", "rt", "pd"]
+    for mode in ("rt", "pd"):
+        lab = {"mode": mode}
+        alone = tb.hybrid("shen-lhdr-specimen", "jra-ii-ii-1", 0, duration=11, laboratory=lab)
+        mine = both.table.query("mode == @mode and ambient_degC == 0").iloc[0]
+        for name, value in alone.table.iloc[0].items():
+            if name != "energy_of_warmest" and value == value:  # no hinge: no ductility, no moment
+                assert mine[name] == value, name
+    warmest = both.table.set_index(["mode", "ambient_degC"])["energy_of_warmest"]
+    assert warmest["rt", 0.0] == warmest["pd", 0.0] == 1.0
+
+
+def test_real_time_over_pseudo_dynamic(both: Any, tmp_path: Path) -> None:
+    rows, table = modes_table(both), both.table
+    assert list(rows["ambient_degC"]) == [-20.0, 0.0]
+    first = rows.iloc[0]
+    assert (
+        first["force_ratio"] == table["bearing_force_max_kN"][0] / table["bearing_force_max_kN"][1]
+    )
+    assert (
+        first["energy_ratio"] == table["bearing_energy_kN_mm"][0] / table["bearing_energy_kN_mm"][1]
+    )
+    lead = both.dataset["lead_temperature"].values
+    assert first["lead_rise_rt_K"] == pytest.approx(float(np.nanmax(lead[0]) - lead[0, 0]))
+    assert first["lead_rise_pd_K"] == pytest.approx(float(np.nanmax(lead[1]) - lead[1, 0]))
+    assert first["lead_rise_ratio"] > 1.0
+    inner = both.dataset["rubber_temperature"].values[1, :, -1]
+    assert first["inner_layer_rise_pd_K"] == pytest.approx(float(np.nanmax(inner) - inner[0]))
+    folder = both.save(tmp_path / "both")
+    assert (folder / "figures" / "modes.png").exists()
+    told = tb.load_result(folder)
+    assert modes_table(told).equals(rows)
+    lines = (folder / "history.csv").read_text().splitlines()
+    assert lines[0].startswith("bearing,motion,ambient_degC,mode,time_s")
+
+
+def test_one_mode_makes_no_table_of_ratios() -> None:
+    study = tb.hybrid("shen-hdr-specimen", ambient=0, duration=0.5)
+    assert modes_table(study).empty
+
+
+@pytest.mark.parametrize(
+    ("mode", "piece"),
+    [
+        (["rt", "rt"], "laboratory.mode: one is given more than once"),
+        ([], "laboratory.mode = []"),
+        (["rt", "slow"], "laboratory.mode[1] = 'slow'"),
+        (3, "laboratory.mode = 3"),
+    ],
+)
+def test_bad_modes(mode: Any, piece: str) -> None:
+    with pytest.raises(tb.InputError) as caught:
+        tb.hybrid("shen-hdr-specimen", laboratory={"mode": mode})
+    assert piece in str(caught.value)
+    assert len(str(caught.value).splitlines()) == 1
+
+
+def test_printed_pseudo_dynamic_column_is_the_same_test() -> None:
+    """Table 3.6, pd: lengths s, times s, accelerations 1/s, so masses s^3 and stiffness s.
+
+    The actuator has its own speed, so the specimen feels nothing of the printed clock.
+    """
+    s, pier = 1.0 / 6.0, load_structure("hybrid-pier")
+    small = pier.model_copy(
+        update={
+            "masses": [m.model_copy(update={"mass": m.mass * s**3}) for m in pier.masses],
+            "springs": tuple(
+                k.model_copy(update={"stiffness": k.stiffness * s}) for k in pier.springs
+            ),
+            "bearings": [
+                b.model_copy(
+                    update={"scale": 1.0, "equivalent_stiffness": b.equivalent_stiffness * s}
+                )
+                for b in pier.bearings
+            ],
+        }
+    )
+    bearing = tb.load_bearing("shen-lhdr-specimen")
+    constants = build_model(bearing).constants
+    line = Line(constants, np.full(len(constants.cells.capacity), -20.0), speed=10.0)
+    motion = tb.motions.load_motion("jra-ii-ii-1")
+    ground = np.interp(0.005 * np.arange(2201), motion.time, motion.acceleration)
+    air = np.full(2200, -20.0)
+    forces = [
+        run_structure(
+            prepare_structure(one), [line], ground * f, 0.005 / f, air,
+            method="predictor-corrector",
+        ).bearing()["force"]
+        for one, f in ((pier, 1.0), (small, 6.0))
+    ]  # fmt: skip
+    largest = np.abs(forces[0]).max()
+    assert largest > 100.0
+    assert_allclose(forces[1], forces[0], atol=tol.SIMILAR * largest)

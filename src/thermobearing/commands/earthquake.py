@@ -91,7 +91,10 @@ def bridge(
 @reported
 def hybrid(
     case: Case = None,
-    mode: Annotated[str | None, typer.Option(help="rt (real time) or pd (pseudo-dynamic).")] = None,
+    mode: Annotated[
+        list[str] | None,
+        typer.Option(help="rt (real time) or pd (pseudo-dynamic); may be repeated."),
+    ] = None,
     bearing: Bearings = None,
     motion: Motions = None,
     ambient: Ambients = None,
@@ -114,7 +117,7 @@ def hybrid(
     """A hybrid test, simulated: a specimen in the loop with a calculated pier."""
     from thermobearing.border.units import with_unit
 
-    lab: dict[str, Any] = {"mode": mode, "seed": seed}
+    lab: dict[str, Any] = {"mode": mode or None, "seed": seed}
     lab["delay"] = None if delay is None else with_unit(delay, "s")
     lab["force_noise"] = None if force_noise is None else with_unit(force_noise, "kN")
     overrides = {

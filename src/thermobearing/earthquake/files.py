@@ -2,11 +2,13 @@
 
 from pathlib import Path
 
+from thermobearing.earthquake.modes import has_both, modes_table
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.results.directory import (
     DATASET,
     FIGURES,
     HISTORY,
+    MODES,
     RESOLVED,
     TABLE,
     write_directory,
@@ -29,6 +31,8 @@ def save_earthquake(
         write_summary(folder, result.summary())
         (folder / RESOLVED).write_text(result.dataset.attrs["case"], encoding="utf-8")
         write_csv(folder / TABLE, result.table)
+        if has_both(result):
+            write_csv(folder / MODES, modes_table(result))
         _write_histories(result, folder / HISTORY)
         write_dataset(result.dataset, folder / DATASET)
         if figures:
@@ -42,6 +46,8 @@ def _write_histories(result: EarthquakeResult, path: Path) -> None:
     """Main histories of all runs below each other."""
     for run in range(result.runs):
         frame = result.history(run)
+        if any(result.modes):
+            frame.insert(0, "mode", result.modes[run])
         for name in ("ambient", "motion", "bearing"):
             label = "ambient_degC" if name == "ambient" else name
             frame.insert(0, label, result.dataset[name].values[run])

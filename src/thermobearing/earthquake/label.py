@@ -107,6 +107,7 @@ def label_study(
             "bearing": ("run", np.array([task.device.bearing.name for task in tasks], dtype=str)),
             "motion": ("run", np.array([task.shaking.motion.name for task in tasks], dtype=str)),
             "ambient": ("run", np.array([task.ambient for task in tasks]), {"units": "degC"}),
+            "mode": ("run", np.array([task.mode for task in tasks], dtype=str)),
             "layer": np.arange(1, data["rubber_temperature"][1].shape[2] + 1),
             "body": np.array([body.name for body in case.structure.bodies], dtype=str),
         },
@@ -251,13 +252,14 @@ def _attributes(
         "command": case.command,
         "structure": case.structure.name,
         "title": case.structure.description or case.structure.name,
+        "half_stack": int(case.analysis.half),
         "deck": case.structure.report.deck,
         "pier": case.structure.report.pier,
         "mass": case.analysis.mass,
         "method": case.analysis.method,
         "damping": case.analysis.damping or case.structure.damping.kind,
         "scheme": case.analysis.scheme,
-        "mode": case.laboratory.mode if case.laboratory else "",
+        "mode": ", ".join(case.modes),
         "version": thermobearing.__version__,
         "case": case.to_toml(),
         "interrupted": int(_interrupted(case, histories)),
@@ -286,7 +288,11 @@ def _warnings(tasks: Sequence["Task"], traces: list[dict[str, Floats]]) -> dict[
             continue
         runs = [
             (
-                f"{task.shaking.motion.name}, {task.ambient:g} degC",
+                ", ".join(
+                    part
+                    for part in (task.shaking.motion.name, f"{task.ambient:g} degC", task.mode)
+                    if part
+                ),
                 trace["time"],
                 trace["rubber_temperature"],
             )
@@ -314,6 +320,5 @@ def _initial_periods(task: "Task") -> Floats:
 
 def _interrupted(case: EarthquakeCase, histories: Sequence[StructureHistory]) -> bool:
     """Whether runs are missing."""
-    climates = 1 if case.weather is not None else len(case.ambient)
-    whole = len(case.bearings) * len(case.motions) * climates
+    whole = len(case.bearings) * len(case.motions) * case.climates * len(case.modes)
     return len(histories) < whole or any(h.outcome == INTERRUPTED for h in histories)

@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from thermobearing.core.records import Floats
 from thermobearing.results.metrics import LEAST_ENERGY, LEAST_HEAT
 from thermobearing.results.writing import from_attribute
 
@@ -90,6 +91,20 @@ class EarthquakeResult:
         return int(self.dataset.sizes["run"])
 
     @property
+    def modes(self) -> list[str]:
+        """Mode of the laboratory of each run; empty without one."""
+        if "mode" not in self.dataset.coords:  # results of 0.1
+            return [str(self.dataset.attrs.get("mode", ""))] * self.runs
+        return [str(mode) for mode in self.dataset["mode"].values]
+
+    @property
+    def modes_table(self) -> pd.DataFrame:
+        """Real time over pseudo-dynamic, where both were run (earthquake/modes.py)."""
+        from thermobearing.earthquake.modes import modes_table
+
+        return modes_table(self)
+
+    @property
     def outcome(self) -> str:
         """Completed, or what ended a run early."""
         if self.dataset.attrs["interrupted"]:
@@ -104,30 +119,28 @@ class EarthquakeResult:
 
     @property
     def table(self) -> pd.DataFrame:
-        """One row per run: bearing, motion, ambient temperature, peaks, outcome.
+        """One row per run: bearing, motion, ambient temperature, mode, outcome, peaks.
 
-        `energy_of_warmest` is the bearing's energy over that at the warmest temperature of the
-        same bearing and motion, `damping_of_input` the share of the energy that viscous damping
-        takes from the input.
+        The mode is that of the laboratory, and not there without one. `energy_of_warmest` is the
+        bearing's energy over that at the warmest temperature of the same bearing, motion and
+        mode, `damping_of_input` the share of the energy that viscous damping takes from the input.
         """
         frame = pd.DataFrame(
             {
                 "bearing": self.dataset["bearing"].values,
                 "motion": self.dataset["motion"].values,
                 "ambient_degC": self.dataset["ambient"].values,
+                **({"mode": self.modes} if any(self.modes) else {}),
                 "outcome": self.dataset["outcome"].values,
             }
         )
         for name, (variable, factor) in COLUMNS.items():
             if variable in self.dataset:  # results of 0.1 have fewer
                 frame[name] = factor * self.dataset[variable].values
-        warmest = (
-            frame.sort_values("ambient_degC")
-            .groupby(["bearing", "motion"], sort=False)["bearing_energy_kN_mm"]
-            .last()
-        )
-        keys = pd.MultiIndex.from_frame(frame[["bearing", "motion"]])
-        frame["energy_of_warmest"] = frame["bearing_energy_kN_mm"] / warmest.loc[keys].to_numpy()
+        same = [name for name in ("bearing", "motion", "mode") if name in frame]
+        sorted_ = frame.sort_values("ambient_degC")
+        warmest = sorted_.groupby(same, sort=False)["bearing_energy_kN_mm"].transform("last")
+        frame["energy_of_warmest"] = frame["bearing_energy_kN_mm"] / warmest.loc[frame.index]
         energy = self.energy
         given = energy["input_kN_mm"].clip(lower=LEAST_ENERGY)
         frame["damping_of_input"] = energy["damping_kN_mm"] / given
@@ -217,6 +230,31 @@ class EarthquakeResult:
         for k in range(data.sizes["layer"]):
             frame[f"rubber{k + 1}_degC"] = data["rubber_temperature"].values[:count, k]
         return frame
+
+    def places(self, run: int) -> dict[str, Floats]:
+        """Temperature of the outer and the innermost rubber layer and of the lead [degC].
+
+        One value a kept step; NaN where the bearing has no such thing.
+        """
+        data = self.dataset.isel(run=run)
+        told = np.isfinite(data["time"].values)
+        rubber = data["rubber_temperature"].values[told].astype(float)
+        layers = int(np.isfinite(rubber[0]).sum())
+        half = bool(self.dataset.attrs.get("half_stack", 1))
+        none = np.full(len(rubber), np.nan)
+        return {
+            "outer layer": rubber[:, 0] if layers else none,
+            "inner layer": rubber[:, layers - 1 if half else layers // 2] if layers else none,
+            "lead": data["lead_temperature"].values[told].astype(float),
+        }
+
+    def rises(self, run: int) -> dict[str, float]:
+        """Largest rise of each of `places` over the start [K]; NaN without such a thing."""
+        found = {}
+        for place, values in self.places(run).items():
+            known = np.isfinite(values).all()
+            found[place.replace(" ", "_")] = float((values - values[0]).max()) if known else np.nan
+        return found
 
     def summary(self) -> dict[str, Any]:
         """What summary.json says; energies of one bearing and of the whole structure."""
