@@ -81,6 +81,7 @@ RECORDING = 1e-9  # of the amplitude: slopes of 1e5 mm/s times the rounding of t
 MEAN = 1e-12  # areas of some hundred trapezia
 SETTLED = 0.01  # K after 1e6 s; Crank-Nicolson rings in the steps of 600 s, 3e-3 measured
 LOOP = 1e-12  # sums of some thousand products
+LOOP_POINTS = 1e-5  # 2000 points on an ellipse, 8e-7; an end between two points
 FITTED_RANGE = 2e-3  # of the slope: 20 000 points, a few more or less at the ends of the range
 POLYGON = 1e-6  # 4000 points on an ellipse: (2 pi / n)^2 / 6 = 4e-7
 NOISY_CROSSING = 0.01  # of the period: 1 % of noise over the slope 2 pi, some four sigma
@@ -230,3 +231,6 @@ NINE_DIGITS = 5.1e-9  # the same of 1.00000000
 PALETTE_MEAN = 0.5  # of 255 steps of brightness: 0.05 to 0.25 measured
 PALETTE_FAR = 24.0  # of 255 steps: as much as an eye finds at the edge of a line
 PALETTE_SHARE = 2e-3  # of the points are farther off
+HISTORY_DIGITS = 1e-6  # of the largest: sums of histories kept with seven digits
+SECOND_DIFFERENCE = 0.02  # of the largest acceleration: displacements with seven digits over dt^2
+SIMILAR = 1e-9  # of the peak: the same test in other units, two thousand steps of rounding

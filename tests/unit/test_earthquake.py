@@ -40,7 +40,8 @@ RUN_KEYS |= {"pier_displacement_max_mm", "pier_ductility", "pier_moment_max_kN_m
 RUN_KEYS |= {"deck_acceleration_max_m_s2"}
 FILES = {"summary.json", "table.csv", "history.csv", "result.nc", "case.resolved.toml", "figures"}
 FIGURES = {"loops.png", "strain.png", "energy.png", "pier.png", "deck.png", "peaks.png"}
-FIGURES |= {"hinge.png", "temperature.png", "shares.png"}
+FIGURES |= {"hinge.png", "temperature.png", "shares.png", "pier_acceleration.png"}
+FIGURES |= {"largest_loops.png"}
 
 
 def small(**changes: Any) -> EarthquakeCase:
@@ -52,7 +53,7 @@ def small(**changes: Any) -> EarthquakeCase:
 def saved(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("bridge")
     path = write_toml(
-        folder / "case.toml", SMALL | {"bearings": ["shen-lhdr-bridge"], "duration": "12 s"}
+        folder / "case.toml", SMALL | {"bearings": ["shen-lhdr-bridge"], "duration": "14 s"}
     )
     done = command(
         "bridge", path, "--ambient", -20, "--ambient", 23, "-o", folder / "out", "--json"
@@ -108,7 +109,7 @@ def test_hybrid_with_a_laboratory(tmp_path: Path) -> None:
     assert told["runs"][0]["pier_ductility"] is None
     case = tomllib.loads((tmp_path / "lab" / "case.resolved.toml").read_text())
     assert case["laboratory"] == {
-        "mode": "pd",
+        "mode": ["pd"],
         "speed": "10.0 mm/s",
         "delay": "0.01 s",
         "force_noise": "0.5 kN",

@@ -93,7 +93,7 @@ def test_what_is_named_reaches_the_case(
     assert case.structure.name == "hybrid-pier"
     assert case.weather == str(weather)
     assert case.laboratory is not None
-    assert (case.laboratory.mode, case.laboratory.speed) == ("pd", 5.0)
+    assert (case.laboratory.mode, case.laboratory.speed) == (("pd",), 5.0)
 
 
 @pytest.mark.parametrize("call", BOTH)

@@ -46,6 +46,10 @@ Damping_ = Annotated[
     typer.Option("--damping", help="modal, rayleigh, element, none or source."),
 ]
 Duration = Annotated[float | None, typer.Option(help="Cut motions to this [s].")]
+Model_ = Annotated[
+    str | None, typer.Option("--model", help="An earlier model, see docs/theory.md.")
+]
+Compare = Annotated[bool, typer.Option("--compare", help="Earlier models beside it.")]
 Weather = Annotated[
     str | None,
     typer.Option(help="CSV of ambient temperature that ends at the earthquake.", metavar="FILE"),
@@ -65,6 +69,8 @@ def bridge(
     method: Method = None,
     dt: Dt = None,
     duration: Duration = None,
+    model: Model_ = None,
+    compare: Compare = False,
     output: Output = None,
     force: Force = False,
     no_figures: NoFigures = False,
@@ -83,15 +89,19 @@ def bridge(
         "method": method,
         "dt": dt,
         "duration": duration,
+        "model": model,
     }
     complete = _case("bridge", case, overrides)
-    return _carry_out(complete, output, force, no_figures, as_json, quiet)
+    return _carry_out(complete, output, force, no_figures, as_json, quiet, compare)
 
 
 @reported
 def hybrid(
     case: Case = None,
-    mode: Annotated[str | None, typer.Option(help="rt (real time) or pd (pseudo-dynamic).")] = None,
+    mode: Annotated[
+        list[str] | None,
+        typer.Option(help="rt (real time) or pd (pseudo-dynamic); may be repeated."),
+    ] = None,
     bearing: Bearings = None,
     motion: Motions = None,
     ambient: Ambients = None,
@@ -105,6 +115,8 @@ def hybrid(
     method: Method = None,
     dt: Dt = None,
     duration: Duration = None,
+    model: Model_ = None,
+    compare: Compare = False,
     output: Output = None,
     force: Force = False,
     no_figures: NoFigures = False,
@@ -114,7 +126,7 @@ def hybrid(
     """A hybrid test, simulated: a specimen in the loop with a calculated pier."""
     from thermobearing.border.units import with_unit
 
-    lab: dict[str, Any] = {"mode": mode, "seed": seed}
+    lab: dict[str, Any] = {"mode": mode or None, "seed": seed}
     lab["delay"] = None if delay is None else with_unit(delay, "s")
     lab["force_noise"] = None if force_noise is None else with_unit(force_noise, "kN")
     overrides = {
@@ -126,10 +138,11 @@ def hybrid(
         "method": method,
         "dt": dt,
         "duration": duration,
+        "model": model,
         "laboratory": {key: value for key, value in lab.items() if value is not None} or None,
     }
     complete = _case("hybrid", case, overrides)
-    return _carry_out(complete, output, force, no_figures, as_json, quiet)
+    return _carry_out(complete, output, force, no_figures, as_json, quiet, compare)
 
 
 def _case(command: str, path: Path | None, overrides: dict[str, Any]) -> "EarthquakeCase":
@@ -147,17 +160,23 @@ def _carry_out(
     no_figures: bool,
     as_json: bool,
     quiet: bool,
+    compare: bool,
 ) -> int:
     """Check the target, run, write, tell."""
+    from thermobearing.earthquake.compare import compare_models, refuse_incomparable
+    from thermobearing.earthquake.files import save_earthquake
     from thermobearing.earthquake.run import run_earthquake
     from thermobearing.earthquake.screen import print_study
     from thermobearing.results.directory import check_target
 
     target = output or Path(f"{case.command}-{case.structure.name}")
     check_target(target, force=force)
+    if compare:
+        refuse_incomparable(case)
     result = with_progress(lambda show: run_earthquake(case, progress=show), "runs", quiet)
-    result.save(target, force=force, figures=not no_figures)
+    others = compare_models(case) if compare and result.outcome == "completed" else {}
+    save_earthquake(result, target, force=force, figures=not no_figures, compared=others)
     if not quiet:
         with contextlib.suppress(KeyboardInterrupt):  # the result is safe by now
-            print_study(result)
+            print_study(result, others)
     return written(result.outcome, result.sentence, target, as_json=as_json, quiet=quiet)

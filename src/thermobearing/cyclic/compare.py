@@ -1,18 +1,9 @@
 """The same case with the multi-layer model and with every earlier model that fits the bearing."""
 
-from typing import get_args
-
 from thermobearing.cyclic.case import Case
 from thermobearing.cyclic.result import Result
 from thermobearing.cyclic.run import run_case
-from thermobearing.model.earlier import Model
-
-REFERENCE: Model = "multi-layer"
-
-
-def comparable_models(case: Case) -> list[Model]:
-    """Models that can run a case: `lead-alone` needs lead."""
-    return [m for m in get_args(Model) if m != "lead-alone" or case.bearing.lead is not None]
+from thermobearing.model.earlier import models_that_fit
 
 
 def compare_models(case: Case) -> dict[str, Result]:
@@ -40,7 +31,7 @@ def compare_models(case: Case) -> dict[str, Result]:
     ['multi-layer', 'adiabatic']
     """
     results: dict[str, Result] = {}
-    for model in comparable_models(case):
+    for model in models_that_fit(case.bearing):
         analysis = case.analysis.model_copy(
             update={"model": model, "scheme": "conservative", "stack": "auto"}
         )

@@ -8,13 +8,17 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from thermobearing.cyclic.result import Result
 from thermobearing.results import drawing
+from thermobearing.results.differences import (
+    force_differences,
+    more,
+    temperature_differences,
+)
 
 Floats = NDArray[np.float64]
 PLACES = ("outer layer", "inner layer")
@@ -80,16 +84,12 @@ def _errors(truth: Result, other: Result, name: str, run: int) -> dict[str, Any]
     loaded = loaded[loaded < len(kept)]
     loaded = loaded[kept[loaded]]
     for place in places_of(truth):
-        error = _temperatures(other, run, place)[loaded] - _temperatures(truth, run, place)[loaded]
-        row[f"{place} rms K"] = float(np.sqrt(np.mean(error**2)))
-        row[f"{place} largest K"] = float(error[np.abs(error).argmax()])
-    force, expected = (r["force"].values[run, loaded] for r in (other, truth))
-    peak = float(np.abs(expected).max())
-    row["force rms %"] = 100.0 * float(np.sqrt(np.mean((force - expected) ** 2))) / peak
-    row["peak force %"] = 100.0 * (float(np.abs(force).max()) / peak - 1.0)
+        found, expected = (_temperatures(r, run, place)[loaded] for r in (other, truth))
+        row |= temperature_differences(place, found, expected)
+    row |= force_differences(*(r["force"].values[run, loaded] for r in (other, truth)))
     last = [table.iloc[len(cycles[0]) - 1] for table in cycles]
     for column, label in (("G_eq_MPa", "G_e"), ("h_eq", "h_eq"), ("energy_kN_mm", "energy")):
-        row[f"last {label} %"] = 100.0 * (last[0][column] / last[1][column] - 1.0)
+        row[f"last {label} %"] = more(last[0][column], last[1][column])
     return row
 
 
@@ -122,7 +122,7 @@ def comparison_figure(results: dict[str, Result], reference: str) -> Figure:
             ax.axhline(0.0, color=drawing.INK, linewidth=0.8)
             if line == 0:
                 drawing.name_axes(ax, title=f"ambient {drawing.degrees(float(ambient[run]))}")
-        low, high = _common(shared)
+        low, high = drawing.common_limits(shared)
         for ax in shared:
             ax.set_ylim(low, high)
         label = f"{row} [%]" if row == PEAK else f"error of {row} [K]"
@@ -132,14 +132,6 @@ def comparison_figure(results: dict[str, Result], reference: str) -> Figure:
     handles = [Line2D([], [], color=colours[name], label=name) for name in others]
     drawing.legend_below(figure, handles)
     return figure
-
-
-def _common(axes: list[Axes]) -> tuple[float, float]:
-    """Limits that hold the lines of all panels of a row."""
-    limits = [ax.dataLim.intervaly for ax in axes if np.isfinite(ax.dataLim.intervaly).all()]
-    low, high = min(a for a, _ in limits), max(b for _, b in limits)
-    room = 0.06 * max(high - low, 1e-9)
-    return low - room, high + room
 
 
 def _at_cycles(result: Result, run: int, row: str) -> Floats:

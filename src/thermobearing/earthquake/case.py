@@ -4,7 +4,7 @@ import math
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, field_validator
+from pydantic import BeforeValidator, Field, field_validator
 
 from thermobearing.bearing.ambient import Ambient
 from thermobearing.bearing.bilinear import BilinearBearing, list_bilinear, load_bilinear
@@ -61,19 +61,35 @@ class Motion(Strict):
         return load_motion(self.name, unit=self.unit, dt=self.dt, component=self.component)
 
 
+Mode = Literal["rt", "pd"]
+
+
+def _listed(mode: object) -> object:
+    """One or several."""
+    return (mode,) if isinstance(mode, str) else mode
+
+
 class Laboratory(Strict):
     """A specimen in the loop.
 
     `mode` "rt" runs in real time; in "pd" the actuator moves at `speed`, and the specimen lives
-    on that slower clock. `delay` of the actuator and `force_noise` (standard deviation of the
-    measured force of the specimen, with `seed`) are what a laboratory rehearses.
+    on that slower clock; with both, every combination makes two runs. `delay` of the actuator and
+    `force_noise` (standard deviation of the measured force of the specimen, with `seed`) are
+    what a laboratory rehearses.
     """
 
-    mode: Literal["rt", "pd"] = "rt"
+    mode: Annotated[tuple[Mode, ...], BeforeValidator(_listed), Field(min_length=1)] = ("rt",)
     speed: Annotated[float, in_unit("mm/s"), Field(ge=1e-3, le=1e4)] = PSEUDO_DYNAMIC_SPEED
     delay: Annotated[float, in_unit("s"), Field(ge=0, le=1)] = 0.0
     force_noise: Annotated[float, in_unit("kN"), Field(ge=0, le=1e5)] = 0.0
     seed: Annotated[int, Field(ge=0)] = 0
+
+    @field_validator("mode")
+    @classmethod
+    def _mode_once(cls, mode: tuple[Mode, ...]) -> tuple[Mode, ...]:
+        if len(set(mode)) < len(mode):
+            raise ValueError("one is given more than once")
+        return mode
 
 
 class Stepping(Strict):
@@ -95,7 +111,7 @@ Device = Annotated[Bearing | BilinearBearing, Field(discriminator="kind")]
 
 
 class EarthquakeCase(Strict):
-    """Every combination of bearing, motion and ambient temperature is one run.
+    """Every combination of bearing, motion, ambient temperature and mode is one run.
 
     Attributes
     ----------
@@ -125,6 +141,16 @@ class EarthquakeCase(Strict):
     def _each_once(cls, ambient: list[float]) -> list[float]:
         return each_once(ambient)
 
+    @property
+    def climates(self) -> int:
+        """Number of temperatures that a motion is met at."""
+        return len(self.ambient) if self.weather is None else 1
+
+    @property
+    def modes(self) -> tuple[str, ...]:
+        """Modes of the laboratory, each a run of its own; one without a name if there is none."""
+        return self.laboratory.mode if self.laboratory is not None else ("",)
+
     def to_toml(self) -> str:
         """The case with every default filled in, as TOML; reads back to the same bits."""
         return to_toml(self, without="" if self.weather is None else "ambient")
@@ -150,7 +176,7 @@ class EarthquakeCase(Strict):
         explicit = self.analysis.method == "predictor-corrector"
         if self.laboratory is not None and not explicit:
             lab = self.laboratory
-            if lab.delay > 0.0 or lab.force_noise > 0.0 or lab.mode == "pd":
+            if lab.delay > 0.0 or lab.force_noise > 0.0 or "pd" in lab.mode:
                 found.append(
                     "laboratory: delay, force_noise and mode pd need analysis.method = "
                     '"predictor-corrector", which moves the specimen once per step'

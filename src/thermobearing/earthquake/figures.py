@@ -14,6 +14,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
+from thermobearing.earthquake.loop_figures import draw_largest_loops, draw_modes, has_loops
+from thermobearing.earthquake.modes import has_both
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.results import drawing
 
@@ -27,6 +29,8 @@ SHARES = (
     ("lead_force", "lead cores", "#000000"),
     ("viscous_force", "rate-dependent branch", "#D55E00"),
 )
+LINES: dict[str, Any] = {"": "-", "rt": "-", "pd": "--"}
+MODES = {"rt": "real time", "pd": "pseudo-dynamic"}
 Draw = Callable[[Axes, int, str], None]
 
 
@@ -34,6 +38,7 @@ class EarthquakeFigures:
     """Figures of a study: `result.plot.loops()` and so on, each a matplotlib Figure."""
 
     def __init__(self, result: EarthquakeResult) -> None:
+        self._result = result
         self._data = result.dataset
         self._table = result.table
         self._bearings = list(dict.fromkeys(self._table["bearing"]))
@@ -41,17 +46,32 @@ class EarthquakeFigures:
         self._ambients = sorted(set(self._table["ambient_degC"]))
         colours = drawing.ambient_colours(np.array(self._ambients, dtype=float))
         self._colours = dict(zip(self._ambients, colours, strict=True))
+        self._run_modes = np.array(result.modes)
+        self._modes = list(dict.fromkeys(result.modes))
 
     def _values(self, name: str, run: int) -> Floats:
         values = self._data[name].values[run]
         return np.asarray(values[np.isfinite(self._data["time"].values[run])], dtype=float)
 
-    def _legend(self, figure: Figure) -> None:
+    def _legend(self, figure: Figure, *, modes: bool = True) -> None:
         handles = [
             Line2D([], [], color=self._colours[value], label=f"ambient {drawing.degrees(value)}")
             for value in self._ambients
         ]
-        drawing.legend_below(figure, handles)
+        drawing.legend_below(figure, handles + (self._mode_handles() if modes else []))
+
+    def _mode_handles(self) -> list[Line2D]:
+        """Legend entries of the modes of a laboratory, if there are several."""
+        if len(self._modes) < 2:
+            return []
+        return [
+            Line2D([], [], color=drawing.GREY, linestyle=LINES[mode], label=MODES[mode])
+            for mode in self._modes
+        ]
+
+    def _line(self, run: int) -> Any:
+        """Style of the lines of a run: dashed for pseudo-dynamic beside real time."""
+        return LINES[self._result.modes[run]] if len(self._modes) > 1 else "-"
 
     def _grid(self, what: str, x: str, y: str, draw: Draw) -> Figure:
         """One panel per bearing and motion; `draw` is called for every run in it."""
@@ -84,7 +104,7 @@ class EarthquakeFigures:
             a, b = factor * self._values(x, run), self._values(y, run)
             width, height = max(np.ptp(a), 1e-12), max(np.ptp(b), 1e-12)
             kept = drawing.thin_loops(a, b, width, height)
-            ax.plot(a[kept], b[kept], color=colour, linewidth=0.8)
+            ax.plot(a[kept], b[kept], color=colour, linewidth=0.8, linestyle=self._line(run))
 
         return draw
 
@@ -96,7 +116,8 @@ class EarthquakeFigures:
             if not np.isfinite(values).all():
                 return
             kept = drawing.thin(values, TIME_BINS)
-            ax.plot(time[kept], values[kept], color=colour, linewidth=0.7)
+            line = self._line(run)
+            ax.plot(time[kept], values[kept], color=colour, linewidth=0.7, linestyle=line)
 
         return draw
 
@@ -104,6 +125,14 @@ class EarthquakeFigures:
         """Force of one bearing against its strain, as Fig. 6.9 and 6.12 (3.16 to 3.19)."""
         draw = self._plane("bearing_strain", "bearing_force", 100.0)
         return self._grid("hysteresis of one bearing", "shear strain [%]", "force [kN]", draw)
+
+    def largest_loops(self) -> Figure:
+        """The largest loop, the bearings over each other, as Fig. 4.12 and 6.6."""
+        return draw_largest_loops(self._result)
+
+    def modes(self) -> Figure:
+        """Real time over pseudo-dynamic: loops of the specimen, as Fig. 3.16 to 3.19."""
+        return draw_modes(self._result)
 
     def strain(self) -> Figure:
         """Shear strain in time, as Fig. 6.10 and 6.13."""
@@ -114,6 +143,11 @@ class EarthquakeFigures:
         """Displacement of the pier top relative to its base, as Fig. 6.17 and 6.19."""
         draw = self._time("pier_displacement")
         return self._grid("pier top relative to its base", "time [s]", "displacement [mm]", draw)
+
+    def pier_acceleration(self) -> Figure:
+        """Absolute acceleration of the pier top, as Fig. 3.27, 3.29, 4.15, 5.18 and 5.20."""
+        draw = self._time("pier_top_acceleration")
+        return self._grid("acceleration of the pier top", "time [s]", "acceleration [m/s2]", draw)
 
     def hinge(self) -> Figure:
         """Moment against rotation of the pier base, as Fig. 6.21 and 6.22."""
@@ -140,13 +174,17 @@ class EarthquakeFigures:
             for j in range(count):
                 fade = 0.35 + 0.65 * (j + 1) / count
                 kept = drawing.thin(layers[:, j].astype(float), TIME_BINS)
-                ax.plot(time[kept], layers[kept, j], color=colour, linewidth=0.9, alpha=fade)
+                look: drawing.Look = {"color": colour, "alpha": fade, "linewidth": 0.9}
+                line = ":" if self._line(run) == "--" else "-"  # lead is dashed
+                ax.plot(time[kept], layers[kept, j], linestyle=line, **look)
             lead = self._values("lead_temperature", run)
             if np.isfinite(lead).all():
                 kept = drawing.thin(lead, TIME_BINS)
-                ax.plot(time[kept], lead[kept], color=colour, linewidth=0.9, linestyle="--")
+                line = "-." if self._line(run) == "--" else "--"
+                ax.plot(time[kept], lead[kept], color=colour, linewidth=0.9, linestyle=line)
 
         what = "rubber layers (solid; outer palest) and lead (dashed)"
+        what += "; pseudo-dynamic dotted and dash-dotted" if len(self._modes) > 1 else ""
         return self._grid(what, "time [s]", "temperature [°C]", draw)
 
     def speed(self) -> Figure:
@@ -175,7 +213,8 @@ class EarthquakeFigures:
                     if not values.any():  # the bearing has no such branch
                         continue
                     kept = drawing.thin(values, TIME_BINS)
-                    ax.plot(time[kept], values[kept], color=colour, linewidth=0.7)
+                    line = self._line(int(run))
+                    ax.plot(time[kept], values[kept], color=colour, linewidth=0.7, linestyle=line)
             drawing.name_axes(
                 ax,
                 "time [s]" if panel // columns == len(self._bearings) - 1 else "",
@@ -184,7 +223,9 @@ class EarthquakeFigures:
             )
             ax.title.set_fontsize(drawing.SMALL)
         drawing.legend_below(
-            figure, [Line2D([], [], color=colour, label=label) for _, label, colour in SHARES]
+            figure,
+            [Line2D([], [], color=colour, label=label) for _, label, colour in SHARES]
+            + self._mode_handles(),
         )
         return figure
 
@@ -204,6 +245,7 @@ class EarthquakeFigures:
         wide = max(1.9, 0.42 * len(self._motions) + 0.9)
         size = (max(wide * columns, 4.0) + 0.8, 1.55 * len(shown) + 1.2)
         title = f"{self._data.attrs['structure']}: peaks"
+        title += " (pseudo-dynamic: hatched)" if len(self._modes) > 1 else ""
         figure, axes = drawing.panels(len(shown), columns, size, title)
         for panel, ax in enumerate(axes):
             name, label, factor = shown[panel // columns]
@@ -219,17 +261,21 @@ class EarthquakeFigures:
             names = self._motions if last else [""] * len(self._motions)
             ax.set_xticks(range(len(names)), names, rotation=60, ha="right", rotation_mode="anchor")
             ax.grid(False, axis="x")
-        self._legend(figure)
+        self._legend(figure, modes=False)
         return figure
 
     def _bars(self, ax: Axes, rows: Any, name: str, factor: float) -> None:
-        """Groups of bars: one group per motion, one bar per temperature."""
-        width = 0.8 / len(self._ambients)
-        for place, ambient in enumerate(self._ambients):
-            mine = rows[rows["ambient_degC"] == ambient].set_index("motion")[name]
+        """Groups of bars: one group per motion, one bar per temperature (and mode; pd hatched)."""
+        groups = [(ambient, mode) for ambient in self._ambients for mode in self._modes]
+        width = 0.8 / len(groups)
+        for place, (ambient, mode) in enumerate(groups):
+            chosen = (rows["ambient_degC"] == ambient) & (self._run_modes[rows.index] == mode)
+            mine = rows[chosen].set_index("motion")[name]
             heights = [factor * float(mine.get(motion, np.nan)) for motion in self._motions]
-            at = np.arange(len(heights)) + (place - 0.5 * (len(self._ambients) - 1)) * width
-            ax.bar(at, heights, width=width, color=self._colours[ambient], zorder=2)
+            at = np.arange(len(heights)) + (place - 0.5 * (len(groups) - 1)) * width
+            hatch = "////" if mode == "pd" and len(self._modes) > 1 else ""
+            look: drawing.Look = {"color": self._colours[ambient], "edgecolor": "white"}
+            ax.bar(at, heights, width=width, hatch=hatch, linewidth=0.0, zorder=2, **look)
 
     def save_all(self, folder: Path) -> list[Path]:
         """Every figure that the study holds, as PNG."""
@@ -238,9 +284,14 @@ class EarthquakeFigures:
             "strain": self.strain,
             "energy": self.energy,
             "pier": self.pier,
+            "pier_acceleration": self.pier_acceleration,
             "deck": self.deck,
             "peaks": self.peaks,
         }
+        if has_loops(self._result):
+            figures["largest_loops"] = self.largest_loops
+        if has_both(self._result):
+            figures["modes"] = self.modes
         if np.isfinite(self._data["pier_rotation"].values).any():
             figures["hinge"] = self.hinge
         if np.isfinite(self._data["rubber_temperature"].values).any():

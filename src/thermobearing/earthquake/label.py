@@ -16,12 +16,14 @@ from thermobearing.model.earlier import BLIND
 from thermobearing.model.outcomes import INTERRUPTED
 from thermobearing.model.outcomes import SENTENCES as RUN_SENTENCES
 from thermobearing.model.temperature import outside_law
+from thermobearing.results.largest_loop import largest_loop
 from thermobearing.results.writing import as_attribute
 from thermobearing.structure.matrices import (
     displacement_row,
     find_modes,
     hinge_stiffness,
     line_stiffness,
+    mean_height,
     unit,
 )
 from thermobearing.structure.run import SENTENCES, StructureHistory
@@ -45,10 +47,26 @@ HISTORIES = (  # name, unit, long name
     ("pier_top_displacement", "mm", "displacement of the pier top relative to the ground"),
     ("deck_displacement", "mm", "displacement of the deck relative to the ground"),
     ("deck_acceleration", "m/s2", "absolute acceleration of the deck"),
+    ("deck_relative_acceleration", "m/s2", "acceleration of the deck relative to the ground"),
+    ("pier_top_acceleration", "m/s2", "absolute acceleration of the pier top"),
     ("pier_rotation", "rad", "rotation of the first hinge"),
     ("pier_moment", "kN m", "moment of the first hinge"),
     ("lead_temperature", "degC", "temperature of the lead cores"),
 )
+LOOP = {  # of the largest loop: name in CycleMeasures, unit
+    "loop_force_max": ("force_max_kN", "kN"),
+    "loop_force_min": ("force_min_kN", "kN"),
+    "loop_displacement_max": ("displacement_max_mm", "mm"),
+    "loop_displacement_min": ("displacement_min_mm", "mm"),
+    "loop_stiffness": ("stiffness_kN_mm", "kN/mm"),
+    "loop_damping_ratio": ("h_eq", "1"),
+    "loop_modulus": ("G_eq_MPa", "MPa"),
+    "loop_energy": ("energy_kN_mm", "kN mm"),
+}
+ACROSS = {  # histories with one number per layer, body or cell: dimension, unit, long name
+    "rubber_temperature": ("layer", "degC", "mid-thickness temperature of the rubber layers"),
+    "body_acceleration": ("body", "m/s2", "absolute acceleration of the masses of each body"),
+}
 BEARING_ENERGIES = (
     "work_in",
     "heat_released",
@@ -67,7 +85,6 @@ def label_study(
     traces = [_traces(task, history) for task, history in zip(tasks, histories, strict=True)]
     every = case.analysis.keep_every
     length = max((len(trace["time"][::every]) for trace in traces), default=0)
-    layers = max((trace["rubber_temperature"].shape[1] for trace in traces), default=0)
     data: dict[str, Any] = {}
     for name, unit_name, long_name in (("time", "s", "time"), *HISTORIES):
         rows = np.full((len(traces), length), np.nan, dtype=np.float32)
@@ -75,15 +92,13 @@ def label_study(
             part = trace[name][::every]
             rows[run, : len(part)] = part
         data[name] = (("run", "step"), rows, {"units": unit_name, "long_name": long_name})
-    rubber = np.full((len(traces), length, layers), np.nan, dtype=np.float32)
-    for run, trace in enumerate(traces):
-        part = trace["rubber_temperature"][::every]
-        rubber[run, : len(part), : part.shape[1]] = part
-    data["rubber_temperature"] = (
-        ("run", "step", "layer"),
-        rubber,
-        {"units": "degC", "long_name": "mid-thickness temperature of the rubber layers"},
-    )
+    for name, (dimension, unit_name, long_name) in ACROSS.items():
+        parts = [trace[name][::every] for trace in traces]
+        wide = np.full((len(parts), length, _widest(parts)), np.nan, dtype=np.float32)
+        for run, part in enumerate(parts):
+            wide[run, : len(part), : part.shape[1]] = part
+        about = {"units": unit_name, "long_name": long_name}
+        data[name] = (("run", "step", dimension), wide, about)
     for name, values, unit_name in _scalars(tasks, histories, traces):
         data[name] = (("run",), values, {"units": unit_name})
     dataset = xr.Dataset(
@@ -92,11 +107,18 @@ def label_study(
             "bearing": ("run", np.array([task.device.bearing.name for task in tasks], dtype=str)),
             "motion": ("run", np.array([task.shaking.motion.name for task in tasks], dtype=str)),
             "ambient": ("run", np.array([task.ambient for task in tasks]), {"units": "degC"}),
-            "layer": np.arange(1, layers + 1),
+            "mode": ("run", np.array([task.mode for task in tasks], dtype=str)),
+            "layer": np.arange(1, data["rubber_temperature"][1].shape[2] + 1),
+            "body": np.array([body.name for body in case.structure.bodies], dtype=str),
         },
         attrs=_attributes(case, tasks, histories) | _warnings(tasks, traces),
     )
     return EarthquakeResult(dataset)
+
+
+def _widest(parts: Sequence[Floats]) -> int:
+    """Columns of the widest of several tables."""
+    return max((part.shape[1] for part in parts), default=0)
 
 
 def _traces(task: "Task", history: StructureHistory) -> dict[str, Floats]:
@@ -107,6 +129,10 @@ def _traces(task: "Task", history: StructureHistory) -> dict[str, Floats]:
     top = displacement_row(structure, report.pier, report.pier_top)
     base = displacement_row(structure, report.pier_base, report.pier_top)
     deck = unit(structure, f"{report.deck} x")
+    bodies = [
+        displacement_row(structure, body.name, mean_height(structure, body.name))
+        for body in structure.bodies
+    ]
     missing = np.full(len(q), np.nan)
     ground = task.shaking.ground[: len(q)] / MM_PER_M
     thickness = task.device.bearing.total_rubber_thickness
@@ -127,6 +153,9 @@ def _traces(task: "Task", history: StructureHistory) -> dict[str, Floats]:
         "pier_top_displacement": q @ top,
         "deck_displacement": q @ deck,
         "deck_acceleration": a @ deck / MM_PER_M + ground,
+        "deck_relative_acceleration": a @ deck / MM_PER_M,
+        "pier_top_acceleration": a @ top / MM_PER_M + ground,
+        "body_acceleration": a @ np.array(bodies).T / MM_PER_M + ground[:, None],
         "pier_rotation": history.hinge()["rotation"] if structure.hinges else missing,
         "pier_moment": (
             history.hinge()["moment"] / KN_MM_PER_KN_M if structure.hinges else missing
@@ -167,6 +196,7 @@ def _scalars(
         ("pier_rotation_max", peak("pier_rotation"), "rad"),
         ("pier_moment_max", peak("pier_moment"), "kN m"),
         ("deck_acceleration_max", peak("deck_acceleration"), "m/s2"),
+        ("pier_top_acceleration_max", peak("pier_top_acceleration"), "m/s2"),
         ("steps", np.array([history.steps for history in histories]), "1"),
         ("iterations", np.array([history.iterations for history in histories]), "1"),
         ("substeps", np.array([history.substeps for history in histories]), "1"),
@@ -184,7 +214,33 @@ def _scalars(
         found.append((f"heat_{name}", values, "kN mm"))
     mismatch = np.array([h.bearing()["layer_force_mismatch"].max() for h in histories])
     found.append(("layer_force_mismatch_max", mismatch, "kN"))
-    return found
+    return found + _loops(tasks, traces)
+
+
+def _loops(tasks: Sequence["Task"], traces: list[dict[str, Floats]]) -> list[tuple[str, Any, str]]:
+    """Measures of the largest loop of one bearing, from every step; NaN where none is closed."""
+    rows = []
+    for task, trace in zip(tasks, traces, strict=True):
+        bearing = task.device.bearing
+        loop = largest_loop(
+            trace["bearing_displacement"],
+            trace["bearing_force"],
+            trace["bearing_energy"],
+            area=1.0 if isinstance(bearing, BilinearBearing) else bearing.area,
+            total_rubber_thickness=bearing.total_rubber_thickness,
+        )
+        if loop is None:
+            rows.append([np.nan] * (len(LOOP) + 2))
+            continue
+        measures = vars(loop.measures)
+        if isinstance(bearing, BilinearBearing):  # it says no area
+            measures = measures | {"G_eq_MPa": np.nan}
+        values = [measures[name] for name, _ in LOOP.values()]
+        rows.append([*values, *trace["time"][[loop.first, loop.last]]])
+    columns = np.array(rows).reshape(len(rows), len(LOOP) + 2).T
+    units = [*(item for _, item in LOOP.values()), "s", "s"]
+    names = [*LOOP, "loop_start", "loop_end"]
+    return list(zip(names, columns, units, strict=True))
 
 
 def _attributes(
@@ -196,11 +252,14 @@ def _attributes(
         "command": case.command,
         "structure": case.structure.name,
         "title": case.structure.description or case.structure.name,
+        "half_stack": int(case.analysis.half),
+        "deck": case.structure.report.deck,
+        "pier": case.structure.report.pier,
         "mass": case.analysis.mass,
         "method": case.analysis.method,
         "damping": case.analysis.damping or case.structure.damping.kind,
         "scheme": case.analysis.scheme,
-        "mode": case.laboratory.mode if case.laboratory else "",
+        "mode": ", ".join(case.modes),
         "version": thermobearing.__version__,
         "case": case.to_toml(),
         "interrupted": int(_interrupted(case, histories)),
@@ -229,7 +288,11 @@ def _warnings(tasks: Sequence["Task"], traces: list[dict[str, Floats]]) -> dict[
             continue
         runs = [
             (
-                f"{task.shaking.motion.name}, {task.ambient:g} degC",
+                ", ".join(
+                    part
+                    for part in (task.shaking.motion.name, f"{task.ambient:g} degC", task.mode)
+                    if part
+                ),
                 trace["time"],
                 trace["rubber_temperature"],
             )
@@ -257,6 +320,5 @@ def _initial_periods(task: "Task") -> Floats:
 
 def _interrupted(case: EarthquakeCase, histories: Sequence[StructureHistory]) -> bool:
     """Whether runs are missing."""
-    climates = 1 if case.weather is not None else len(case.ambient)
-    whole = len(case.bearings) * len(case.motions) * climates
+    whole = len(case.bearings) * len(case.motions) * case.climates * len(case.modes)
     return len(histories) < whole or any(h.outcome == INTERRUPTED for h in histories)

@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from thermobearing.core.records import Floats
 from thermobearing.results.metrics import LEAST_ENERGY, LEAST_HEAT
 from thermobearing.results.writing import from_attribute
 
@@ -30,8 +31,38 @@ COLUMNS = {  # of the table: name in the dataset, factor
     "pier_ductility": ("pier_ductility", 1.0),
     "pier_moment_max_kN_m": ("pier_moment_max", 1.0),
     "deck_acceleration_max_m_s2": ("deck_acceleration_max", 1.0),
+    "pier_top_acceleration_max_m_s2": ("pier_top_acceleration_max", 1.0),
     "pier_top_displacement_max_mm": ("pier_top_displacement_max", 1.0),
     "pier_displacement_residual_mm": ("pier_displacement_residual", 1.0),
+}
+LOOP = {  # of the largest loop: name in the dataset
+    "loop_F_plus_kN": "loop_force_max",
+    "loop_F_minus_kN": "loop_force_min",
+    "loop_D_plus_mm": "loop_displacement_max",
+    "loop_D_minus_mm": "loop_displacement_min",
+    "loop_K_eq_kN_mm": "loop_stiffness",
+    "loop_h_eq": "loop_damping_ratio",
+    "loop_G_e_MPa": "loop_modulus",
+    "loop_energy_kN_mm": "loop_energy",
+}
+HISTORY = {  # columns of a history: name in the dataset
+    "time_s": "time",
+    "ground_m_s2": "ground_acceleration",
+    "displacement_mm": "bearing_displacement",
+    "strain": "bearing_strain",
+    "force_kN": "bearing_force",
+    "rubber_force_kN": "rubber_force",
+    "lead_force_kN": "lead_force",
+    "viscous_force_kN": "viscous_force",
+    "energy_kN_mm": "bearing_energy",
+    "pier_displacement_mm": "pier_displacement",
+    "pier_rotation_rad": "pier_rotation",
+    "pier_moment_kN_m": "pier_moment",
+    "pier_top_acceleration_m_s2": "pier_top_acceleration",
+    "deck_displacement_mm": "deck_displacement",
+    "deck_relative_acceleration_m_s2": "deck_relative_acceleration",
+    "deck_acceleration_m_s2": "deck_acceleration",
+    "lead_degC": "lead_temperature",
 }
 # Of the input. In the default study, bearings of runs below it move 13 to 19 % farther without
 # viscous damping, those of runs above it 12 to 200 %: there the assumed ratios count as much as
@@ -60,6 +91,20 @@ class EarthquakeResult:
         return int(self.dataset.sizes["run"])
 
     @property
+    def modes(self) -> list[str]:
+        """Mode of the laboratory of each run; empty without one."""
+        if "mode" not in self.dataset.coords:  # results of 0.1
+            return [str(self.dataset.attrs.get("mode", ""))] * self.runs
+        return [str(mode) for mode in self.dataset["mode"].values]
+
+    @property
+    def modes_table(self) -> pd.DataFrame:
+        """Real time over pseudo-dynamic, where both were run (earthquake/modes.py)."""
+        from thermobearing.earthquake.modes import modes_table
+
+        return modes_table(self)
+
+    @property
     def outcome(self) -> str:
         """Completed, or what ended a run early."""
         if self.dataset.attrs["interrupted"]:
@@ -74,32 +119,50 @@ class EarthquakeResult:
 
     @property
     def table(self) -> pd.DataFrame:
-        """One row per run: bearing, motion, ambient temperature, peaks, outcome.
+        """One row per run: bearing, motion, ambient temperature, mode, outcome, peaks.
 
-        `energy_of_warmest` is the bearing's energy over that at the warmest temperature of the
-        same bearing and motion, `damping_of_input` the share of the energy that viscous damping
-        takes from the input.
+        The mode is that of the laboratory, and not there without one. `energy_of_warmest` is the
+        bearing's energy over that at the warmest temperature of the same bearing, motion and
+        mode, `damping_of_input` the share of the energy that viscous damping takes from the input.
         """
         frame = pd.DataFrame(
             {
                 "bearing": self.dataset["bearing"].values,
                 "motion": self.dataset["motion"].values,
                 "ambient_degC": self.dataset["ambient"].values,
+                **({"mode": self.modes} if any(self.modes) else {}),
                 "outcome": self.dataset["outcome"].values,
             }
         )
         for name, (variable, factor) in COLUMNS.items():
-            frame[name] = factor * self.dataset[variable].values
-        warmest = (
-            frame.sort_values("ambient_degC")
-            .groupby(["bearing", "motion"], sort=False)["bearing_energy_kN_mm"]
-            .last()
-        )
-        keys = pd.MultiIndex.from_frame(frame[["bearing", "motion"]])
-        frame["energy_of_warmest"] = frame["bearing_energy_kN_mm"] / warmest.loc[keys].to_numpy()
+            if variable in self.dataset:  # results of 0.1 have fewer
+                frame[name] = factor * self.dataset[variable].values
+        same = [name for name in ("bearing", "motion", "mode") if name in frame]
+        sorted_ = frame.sort_values("ambient_degC")
+        warmest = sorted_.groupby(same, sort=False)["bearing_energy_kN_mm"].transform("last")
+        frame["energy_of_warmest"] = frame["bearing_energy_kN_mm"] / warmest.loc[frame.index]
         energy = self.energy
         given = energy["input_kN_mm"].clip(lower=LEAST_ENERGY)
         frame["damping_of_input"] = energy["damping_kN_mm"] / given
+        for name, variable in LOOP.items():
+            if variable in self.dataset:
+                frame[name] = self.dataset[variable].values
+        return frame
+
+    @property
+    def largest_loops(self) -> pd.DataFrame:
+        """The largest loop of one bearing in each run; NaN where none is closed.
+
+        The loop holds the largest |displacement| and begins and ends at zero displacement, see
+        results/largest_loop.py: its extreme forces F+, F- and displacements D+, D-, K_eq (|F+| +
+        |F-|)/(|D+| + |D-|), h_eq and G_e (Eq. 3.1, 3.2; a bilinear bearing has no G_e), energy,
+        and when it begins and ends [s].
+        """
+        table = self.table
+        told = [name for name in ("bearing", "motion", "ambient_degC", "mode") if name in table]
+        frame = table[[*told, *LOOP]].rename(columns=lambda name: name.removeprefix("loop_"))
+        frame["start_s"] = self.dataset["loop_start"].values
+        frame["end_s"] = self.dataset["loop_end"].values
         return frame
 
     @property
@@ -148,26 +211,50 @@ class EarthquakeResult:
         return frame
 
     def history(self, run: int) -> pd.DataFrame:
-        """Main histories of one run, one row a kept step."""
+        """Main histories of one run, one row a kept step.
+
+        The displacement of the deck is relative to the ground; accelerations are absolute unless
+        they are said to be relative. A body that is neither deck nor pier has its own column.
+        """
         data = self.dataset.isel(run=run)
         count = int(np.isfinite(data["time"].values).sum())
-        names = {
-            "time_s": "time",
-            "ground_m_s2": "ground_acceleration",
-            "displacement_mm": "bearing_displacement",
-            "strain": "bearing_strain",
-            "force_kN": "bearing_force",
-            "energy_kN_mm": "bearing_energy",
-            "pier_displacement_mm": "pier_displacement",
-            "pier_rotation_rad": "pier_rotation",
-            "pier_moment_kN_m": "pier_moment",
-            "deck_acceleration_m_s2": "deck_acceleration",
-            "lead_degC": "lead_temperature",
-        }
-        frame = pd.DataFrame({name: data[key].values[:count] for name, key in names.items()})
+        frame = pd.DataFrame(
+            {name: data[key].values[:count] for name, key in HISTORY.items() if key in data}
+        )
+        if "body" in data.coords:
+            told = {str(data.attrs[part]) for part in ("deck", "pier")}
+            for k, body in enumerate(data["body"].values):
+                if str(body) not in told:
+                    values = data["body_acceleration"].values[:count, k]
+                    frame[f"{body}_acceleration_m_s2"] = values
         for k in range(data.sizes["layer"]):
             frame[f"rubber{k + 1}_degC"] = data["rubber_temperature"].values[:count, k]
         return frame
+
+    def places(self, run: int) -> dict[str, Floats]:
+        """Temperature of the outer and the innermost rubber layer and of the lead [degC].
+
+        One value a kept step; NaN where the bearing has no such thing.
+        """
+        data = self.dataset.isel(run=run)
+        told = np.isfinite(data["time"].values)
+        rubber = data["rubber_temperature"].values[told].astype(float)
+        layers = int(np.isfinite(rubber[0]).sum())
+        half = bool(self.dataset.attrs.get("half_stack", 1))
+        none = np.full(len(rubber), np.nan)
+        return {
+            "outer layer": rubber[:, 0] if layers else none,
+            "inner layer": rubber[:, layers - 1 if half else layers // 2] if layers else none,
+            "lead": data["lead_temperature"].values[told].astype(float),
+        }
+
+    def rises(self, run: int) -> dict[str, float]:
+        """Largest rise of each of `places` over the start [K]; NaN without such a thing."""
+        found = {}
+        for place, values in self.places(run).items():
+            known = np.isfinite(values).all()
+            found[place.replace(" ", "_")] = float((values - values[0]).max()) if known else np.nan
+        return found
 
     def summary(self) -> dict[str, Any]:
         """What summary.json says; energies of one bearing and of the whole structure."""

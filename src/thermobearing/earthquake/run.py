@@ -88,7 +88,7 @@ def run_task(task: Task) -> StructureHistory:
     """One run; never raises for a failed analysis."""
     case, shaking = task.case, task.shaking
     lab, steps = case.laboratory, len(shaking.ground) - 1
-    speed = lab.speed if lab is not None and lab.mode == "pd" else 0.0
+    speed = lab.speed if lab is not None and task.mode == "pd" else 0.0
     noise = None
     if lab is not None and lab.force_noise > 0.0:
         noise = lab.force_noise * np.random.default_rng(lab.seed).standard_normal(steps)
@@ -120,7 +120,7 @@ def refuse_too_much(
     case: EarthquakeCase, devices: Sequence[Device], motions: Sequence[GroundMotion]
 ) -> None:
     """InputError for a study that would take hours, or more memory than there is."""
-    lines, climates = len(case.structure.bearings), 1 if case.weather else len(case.ambient)
+    lines, climates = len(case.structure.bearings), case.climates * len(case.modes)
     coordinates = 2.0 * len(case.structure.bodies)
     runs = []
     for device in devices:
@@ -135,7 +135,7 @@ def refuse_too_much(
 
 
 def build_tasks(case: EarthquakeCase) -> list[Task]:
-    """All runs of a case: bearings, then motions, then ambient temperatures."""
+    """All runs of a case: bearings, then motions, then ambient temperatures, then modes."""
     prepared = prepare_structure(case.structure, case.analysis.mass, case.analysis.damping)
     devices = [build_device(case, bearing) for bearing in case.bearings]
     motions = [motion.load() for motion in case.motions]
@@ -153,7 +153,11 @@ def build_tasks(case: EarthquakeCase) -> list[Task]:
                 (value, (BLIND if blind else np.full(cells, value), None)) for value in case.ambient
             ]
         for shaking in shakings:
-            tasks += [Task(prepared, device, shaking, air, start, case) for air, start in starts]
+            tasks += [
+                Task(prepared, device, shaking, air, start, case, mode)
+                for air, start in starts
+                for mode in case.modes
+            ]
     return tasks
 
 

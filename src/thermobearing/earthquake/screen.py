@@ -1,11 +1,32 @@
 """Tables of an earthquake study on the terminal."""
 
+import numpy as np
+import pandas as pd
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from thermobearing.earthquake.modes import has_both, modes_table
 from thermobearing.earthquake.result import EarthquakeResult
 
+TITLE = "real time over pseudo-dynamic"
+RATIOS = {  # columns of modes.csv
+    "force_ratio": "force",
+    "strain_ratio": "strain",
+    "energy_ratio": "energy",
+    "outer_layer_rise_ratio": "outer rise",
+    "inner_layer_rise_ratio": "inner rise",
+    "lead_rise_ratio": "lead rise",
+}
+ERRORS = {  # columns of comparison.csv
+    "inner layer largest K": "inner K",
+    "lead largest K": "lead K",
+    "peak force %": "force %",
+    "peak strain %": "strain %",
+    "energy %": "energy %",
+    "pier displacement %": "pier %",
+    "loop K_eq %": "K_eq %",
+}
 # Motion; air; bearing strain, force, energy, that of the warmest run; pier; deck acceleration;
 # share of the input energy that viscous damping takes.
 HEADS = (
@@ -22,8 +43,10 @@ HEADS = (
 )
 
 
-def print_study(result: EarthquakeResult) -> None:
-    """Periods and damping, one table per bearing, the worst energy residual."""
+def print_study(
+    result: EarthquakeResult, compared: dict[str, EarthquakeResult] | None = None
+) -> None:
+    """Periods and damping, one table per bearing, earlier models, the worst energy residual."""
     console = Console()
     attrs = result.dataset.attrs
     console.print(
@@ -33,9 +56,13 @@ def print_study(result: EarthquakeResult) -> None:
     ratios = ", ".join(f"{float(value):.1%}" for value in attrs.get("damping_ratios", []))
     console.print(f"periods {periods} s with equivalent stiffness")
     console.print(f"viscous damping {attrs['damping']}: ratios of these modes {ratios}")
-    table = result.table
+    table, both = result.table, has_both(result)
     for name in dict.fromkeys(table["bearing"]):
-        console.print(_table(name, table[table["bearing"] == name]))
+        console.print(_table(name, table[table["bearing"] == name], both))
+    for name, rows in modes_table(result).groupby("bearing", sort=False) if both else ():
+        console.print(_modes(str(name), rows))
+    if compared:
+        _print_comparison(console, compared)
     if result.runs:
         worst = float(result.energy["structure_residual"].abs().max())
         console.print(f"energy books: largest residual {worst:.1e} of the input")
@@ -43,14 +70,49 @@ def print_study(result: EarthquakeResult) -> None:
         console.print(f"[yellow]warning:[/] {escape(warning)}", highlight=False, soft_wrap=True)
 
 
-def _table(name: str, rows: "object") -> Table:
+def _print_comparison(console: Console, results: dict[str, EarthquakeResult]) -> None:
+    """Worst errors of each earlier model over the runs of each bearing, and the verdict."""
+    from thermobearing.earthquake.comparison import comparison_table, verdict
+
+    rows = comparison_table(results)
+    shown = [column for column in ERRORS if column in rows]
+    for bearing, mine in rows.groupby("bearing", sort=False):
+        title = f"\n{bearing}: earlier models, the error of largest size in all runs"
+        table = Table(title=title, title_justify="left", box=None, pad_edge=False)
+        for head in ("model", *(ERRORS[column] for column in shown)):
+            table.add_column(head, justify="left" if head == "model" else "right", no_wrap=True)
+        for model, its in mine.groupby("model", sort=False):
+            errors = [its[column].dropna().to_numpy() for column in shown]
+            worst = [f"{e[np.abs(e).argmax()]:.1f}" if len(e) else "" for e in errors]
+            table.add_row(str(model), *worst)
+        console.print(table)
+    console.print(verdict(rows), highlight=False)
+    for early in rows[rows["outcome"] != "completed"].to_dict("records"):
+        where = f"{early['bearing']}, {early['motion']}, {early['ambient_degC']:g} degC"
+        text = f"{early['model']} ended early ({where}): {early['outcome']}"
+        console.print(f"[yellow]{escape(text)}; its errors are those until then[/yellow]")
+
+
+def _modes(name: str, rows: pd.DataFrame) -> Table:
+    """Real-time tests of a bearing over the pseudo-dynamic ones."""
+    table = Table(title=f"\n{name}: {TITLE}", title_justify="left", box=None, pad_edge=False)
+    shown = [column for column in RATIOS if rows[column].notna().any()]
+    for head in ("motion", "degC", *(RATIOS[column] for column in shown)):
+        table.add_column(head, justify="left" if head == "motion" else "right", no_wrap=True)
+    for row in rows.to_dict("records"):
+        numbers = [f"{row[column]:.3f}" for column in shown]
+        table.add_row(row["motion"], f"{row['ambient_degC']:g}", *numbers)
+    return table
+
+
+def _table(name: str, rows: "object", both: bool) -> Table:
     table = Table(title=f"\n{name}", title_justify="left", box=None, pad_edge=False)
     for head in HEADS:
         table.add_column(head, justify="left" if head == "motion" else "right", no_wrap=True)
     for row in rows.to_dict("records"):  # type: ignore[attr-defined]
         hinged = row["pier_ductility"] == row["pier_ductility"]
         table.add_row(
-            row["motion"],
+            f"{row['motion']} {row['mode']}" if both else row["motion"],
             f"{row['ambient_degC']:g}",
             f"{row['bearing_strain_max']:.0%}",
             f"{row['bearing_force_max_kN']:.0f}",

@@ -164,8 +164,9 @@ def hybrid(
     structure : as of `bridge`; "hybrid-pier" by default.
     method : as of `bridge`; "predictor-corrector" by default, which moves the specimen once in
         each step.
-    laboratory : a table with `mode`, "rt" (real time, the default) or "pd" (the actuator moves
-        at `speed`, "10 mm/s" by default, and the specimen lives on that slower clock), `delay`
+    laboratory : a table with `mode`, "rt" (real time, the default), "pd" (the actuator moves
+        at `speed`, "10 mm/s" by default, and the specimen lives on that slower clock) or both in
+        a list, which makes two runs of each, beside each other in `modes_table`; `delay`
         of the actuator, `force_noise` (standard deviation of the measured force) and its
         `seed`; numbers as text with their unit.
     weather, duration, dt, mass, damping, scheme, integrator : as of `bridge`.

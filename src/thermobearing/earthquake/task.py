@@ -45,3 +45,4 @@ class Task:
     ambient: float
     start: tuple[Floats, float | None]
     case: EarthquakeCase
+    mode: str = ""  # of the laboratory; none without one

@@ -7,7 +7,7 @@ temperature has a single cell, and so on. What the sources do not print is said 
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 
@@ -38,6 +38,7 @@ Model = Literal[
     "temperature-blind",
     "bilinear",
 ]
+REFERENCE: Model = "multi-layer"  # that the others are compared with
 BLIND = ("temperature-blind", "bilinear")  # the rubber's stiffness has no temperature
 UNCHANGING = 1e12  # factor on heat capacities that keeps a temperature where it is
 TIGHT = 1e6  # lead exchanges heat this fast with the single temperature [kN mm/(s K)]
@@ -245,6 +246,18 @@ def isothermal(constants: Constants) -> Constants:
     cells = unexchanging(constants.cells)
     cells = cells._replace(capacity=cells.capacity * UNCHANGING)
     return constants._replace(cells=cells, source_rise=constants.source_rise / UNCHANGING)
+
+
+def models_that_fit(bearing: Bearing) -> list[Model]:
+    """The multi-layer model and the earlier ones; `lead-alone` needs lead.
+
+    Examples
+    --------
+    >>> from thermobearing.bearing.library import load_bearing
+    >>> models_that_fit(load_bearing("shen-hdr-specimen"))[:2]
+    ['multi-layer', 'adiabatic']
+    """
+    return [m for m in get_args(Model) if m != "lead-alone" or bearing.lead is not None]
 
 
 def needs_full_stack(model: Model) -> bool:

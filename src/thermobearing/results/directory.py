@@ -16,12 +16,12 @@ from thermobearing.results.swap import new_sibling, put_in_place
 
 SUMMARY, DATASET, HISTORY = "summary.json", "result.nc", "history.csv"
 RESOLVED, FIGURES, COMPARISON = "case.resolved.toml", "figures", "comparison.csv"
-TABLE = "table.csv"
+TABLE, MODES = "table.csv", "modes.csv"
 IDENTIFIED, FIT_TABLE, SAMPLES = "bearing.toml", "fit.csv", "posterior.csv"
 # Everything that any command writes into a result directory; nothing else is ever deleted.
 RESULT_NAMES = {SUMMARY, DATASET, HISTORY, RESOLVED, FIGURES, COMPARISON, TABLE, ".DS_Store"}
 MOTION, SPECTRUM = "motion.csv", "spectrum.csv"
-RESULT_NAMES |= {MOTION, SPECTRUM}
+RESULT_NAMES |= {MOTION, SPECTRUM, MODES}
 FACTORS, SCALE, BOUNDS = "factors.csv", "scale.csv", "bounds.csv"
 BOUNDS_TCL, BOUNDS_PYTHON = "bounds.tcl", "bounds.py"
 RESULT_NAMES |= {FACTORS, SCALE, BOUNDS, BOUNDS_TCL, BOUNDS_PYTHON}

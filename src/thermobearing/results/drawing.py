@@ -219,6 +219,14 @@ def legend_below(figure: Figure, handles: list[Line2D]) -> None:
     )
 
 
+def common_limits(axes: list[Axes]) -> tuple[float, float]:
+    """Limits that hold the lines of all panels of a row."""
+    limits = [ax.dataLim.intervaly for ax in axes if np.isfinite(ax.dataLim.intervaly).all()]
+    low, high = min(a for a, _ in limits), max(b for _, b in limits)
+    room = 0.06 * max(high - low, 1e-9)
+    return low - room, high + room
+
+
 def draw_stack(ax: Axes, data: xr.Dataset, *, names: bool) -> None:
     """Bands of steel and rubber behind profiles, the faces, and beside them the parts' names."""
     part = [str(name) for name in data["part"].values]

@@ -39,7 +39,7 @@ class CycleMeasures:
     characteristic_strength_kN : half the difference of the forces at zero displacement.
     post_yield_stiffness_kN_mm : slope fitted to the loading branches between 50 and 90 % of
         the peak displacement, mean of both directions.
-    force_max_kN, force_min_kN : extremes.
+    force_max_kN, force_min_kN, displacement_max_mm, displacement_min_mm : extremes.
     """
 
     amplitude_mm: float
@@ -51,6 +51,8 @@ class CycleMeasures:
     post_yield_stiffness_kN_mm: float
     force_max_kN: float
     force_min_kN: float
+    displacement_max_mm: float
+    displacement_min_mm: float
 
 
 def loop_energy(displacement: Floats, force: Floats) -> float:
@@ -157,6 +159,8 @@ def measure_cycle(
         post_yield_stiffness_kN_mm=_loading_slope(d, f),
         force_max_kN=float(f.max()),
         force_min_kN=float(f.min()),
+        displacement_max_mm=float(d.max()),
+        displacement_min_mm=float(d.min()),
     )
 
 

@@ -87,6 +87,15 @@ def displacement_row(structure: Structure, name: str, height: float) -> Floats:
     return base + (height - body.base_height) * rotation_row(structure, name)
 
 
+def mean_height(structure: Structure, name: str) -> float:
+    """Where the masses of a body are in the mean [mm]; its base if it has none."""
+    mine = [mass for mass in structure.masses if mass.body == name]
+    whole = sum(mass.mass for mass in mine)
+    if not mine:
+        return structure.body(name).base_height
+    return sum(mass.mass * mass.height for mass in mine) / whole
+
+
 def build_matrices(structure: Structure, mass_model: MassModel = "consistent") -> Matrices:
     """Matrices of a structure.
 
