@@ -12,6 +12,7 @@ from thermobearing.cyclic.history import History, has_branches
 from thermobearing.cyclic.result import Result
 from thermobearing.cyclic.segments import Segment, longest_layer_increment
 from thermobearing.model.earlier import BLIND
+from thermobearing.model.handover import memory_of
 from thermobearing.model.options import BearingModel
 from thermobearing.model.outcomes import SENTENCES, SHARING_SENTENCES
 from thermobearing.model.temperature import outside_law
@@ -25,7 +26,13 @@ def warnings_of(case: Case, segments: list[Segment], climates: list[Ambient]) ->
             "the ambient series was given in Python: case.resolved.toml has its first value only; "
             "give it as a CSV file (ambient_series) to be able to run the case again"
         )
-    increment = longest_layer_increment(segments, case.bearing.geometry.rubber_layers)
+    if case.initial_state is not None and not case.initial_state.whole:
+        found.append(
+            "the earlier result hands over temperatures only (it was written before results held "
+            "the whole state): rubber and lead begin unloaded and virgin, at zero displacement"
+        )
+    layers = case.bearing.geometry.rubber_layers
+    increment = longest_layer_increment(segments, layers, case.starts_at)
     yielding = case.bearing.hysteresis.yield_displacement
     if increment > yielding:
         found.append(
@@ -60,6 +67,25 @@ def stack_labels(model: BearingModel) -> StackLabels:
     )
 
 
+def run_record(case: Case, climate: Ambient, history: History, what: StackLabels) -> RunRecord:
+    """What one run left behind, as plain arrays."""
+    return RunRecord(
+        ambient=climate.at(0.0),
+        books={name: history.rows.books[name] for name, _, _ in what.books},
+        groups=history.rows._asdict(),
+        segment=history.segment,
+        cycle=history.cycle,
+        initial=history.initial,
+        final=history.state.temperature,
+        final_lead=history.state.books[0].lead_temperature if case.bearing.lead else np.nan,
+        memory=memory_of(history.state),
+        outcome=history.outcome,
+        softened_steps=history.softened_steps,
+        mismatch=history.mismatch,
+        steps=history.steps,
+    )
+
+
 def label(
     case: Case,
     model: BearingModel,
@@ -70,20 +96,7 @@ def label(
     """Names, units and provenance for what the runs left behind."""
     what = stack_labels(model)
     records = [
-        RunRecord(
-            ambient=climate.at(0.0),
-            books={name: history.rows.books[name] for name, _, _ in what.books},
-            groups=history.rows._asdict(),
-            segment=history.segment,
-            cycle=history.cycle,
-            initial=history.initial,
-            final=history.state.temperature,
-            final_lead=history.state.books[0].lead_temperature if case.bearing.lead else np.nan,
-            outcome=history.outcome,
-            softened_steps=history.softened_steps,
-            mismatch=history.mismatch,
-            steps=history.steps,
-        )
+        run_record(case, climate, history, what)
         for climate, history in zip(climates, histories, strict=False)
     ]
     constants, options = model.constants, model.options
