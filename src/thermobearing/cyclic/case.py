@@ -19,6 +19,7 @@ from thermobearing.border.toml import read_toml, split_sources, to_table, to_tom
 from thermobearing.core.records import labels
 from thermobearing.core.types import Books
 from thermobearing.cyclic.protocol import CyclicTest, cyclic_test, survey
+from thermobearing.cyclic.rig import Rig, settle_rig
 from thermobearing.cyclic.start import final_state, of_another_bearing
 from thermobearing.model.earlier import needs_full_stack
 from thermobearing.model.effort import too_much
@@ -66,6 +67,7 @@ class Case(Strict):
     initial_lead : of the lead at the start [degC]; the mean of the cells beside it by default.
     initial_profile : temperature of each cell at the start, upper face first [degC].
     initial_state : where an earlier test left the bearing; `initial_result` of a file becomes it.
+    rig : limits of the rig that is to do it; a run that passes one says so.
     analysis : how to compute, and what to keep.
     """
 
@@ -78,6 +80,7 @@ class Case(Strict):
     initial_lead: Temperature | None = None  # None: the mean of the cells beside it
     initial_profile: list[Temperature] | None = None  # one per cell, upper face first
     initial_state: SpecimenState | None = None  # where an earlier test left the bearing
+    rig: Rig | None = None
     analysis: Analysis = Analysis()
 
     @field_validator("ambient")
@@ -173,6 +176,8 @@ def _make_absolute(table: dict[str, Any], folder: Path) -> None:
     for holder, key in [*named, (table, "ambient_series"), (table, "initial_result")]:
         if isinstance(holder, dict) and isinstance(holder.get(key), str) and holder[key]:
             holder[key] = str((folder / holder[key]).absolute())
+    if str(table.get("rig", "")).endswith(".toml"):
+        table["rig"] = str((folder / table["rig"]).absolute())
 
 
 def _settle_start(table: dict[str, Any]) -> tuple[list[str], "Result | None"]:
@@ -237,6 +242,7 @@ def make_case(table: dict[str, Any], where: str, **overrides: Any) -> Case:
         table.pop("ambient_series", None)
     _make_absolute(table, Path())
     problems, earlier = _settle_start(table)
+    problems += settle_rig(table, Path())
     if "ambient" in table and table.get("ambient_series") is not None:
         problems.append("give ambient or ambient_series, not both")
     bearing = table.setdefault("bearing", DEFAULT_BEARING)

@@ -1,5 +1,7 @@
 """Names, units and provenance for what the runs of a case left behind."""
 
+from typing import Any
+
 import numpy as np
 
 import thermobearing
@@ -10,6 +12,7 @@ from thermobearing.cyclic.case import Case
 from thermobearing.cyclic.dataset import RunRecord, StackLabels, build_dataset
 from thermobearing.cyclic.history import History, has_branches
 from thermobearing.cyclic.result import Result
+from thermobearing.cyclic.rig import asked_of, beyond
 from thermobearing.cyclic.segments import Segment, longest_layer_increment
 from thermobearing.model.earlier import BLIND
 from thermobearing.model.handover import memory_of
@@ -67,6 +70,21 @@ def stack_labels(model: BearingModel) -> StackLabels:
     )
 
 
+def asked_of_rig(
+    case: Case, segments: list[Segment], climates: list[Ambient], histories: list[History]
+) -> list[dict[str, Any]]:
+    """What each run asks of the rig; the speed is that of the whole test."""
+    x = np.concatenate([[case.starts_at], *(segment.x for segment in segments)])
+    dt = np.concatenate([segment.dt for segment in segments])
+    speed = float((np.abs(np.diff(x)) / dt).max())
+    found = []
+    for climate, history in zip(climates, histories, strict=False):
+        books = history.rows.books
+        peaks = [float(np.abs(books[name]).max()) for name in ("force", "displacement")]
+        found += asked_of(case.rig, f"the run at {climate.at(0.0):g} degC", [*peaks, speed])
+    return found
+
+
 def run_record(case: Case, climate: Ambient, history: History, what: StackLabels) -> RunRecord:
     """What one run left behind, as plain arrays."""
     return RunRecord(
@@ -99,6 +117,7 @@ def label(
         run_record(case, climate, history, what)
         for climate, history in zip(climates, histories, strict=False)
     ]
+    rig = asked_of_rig(case, segments, climates, histories)
     constants, options = model.constants, model.options
     lead_capacity = constants.lead.cores * constants.lead.capacity
     attributes = {
@@ -121,7 +140,10 @@ def label(
             {"kind": s.kind, "label": s.label, "amplitude_strain": s.amplitude_strain}
             for s in segments
         ],
-        "warnings": warnings_of(case, segments, climates) + extrapolated(case, climates, histories),
+        "warnings": warnings_of(case, segments, climates)
+        + extrapolated(case, climates, histories)
+        + beyond(case.rig, rig),
+        **({"rig": rig} if rig else {}),
         "sentences": SENTENCES | SHARING_SENTENCES,
     }
     return Result(

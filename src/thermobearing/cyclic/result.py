@@ -17,7 +17,7 @@ from thermobearing.results.metrics import (
     measure_cycle,
     relative_residual,
 )
-from thermobearing.results.writing import from_attribute
+from thermobearing.results.writing import from_attribute, rig_summary
 
 if TYPE_CHECKING:
     from thermobearing.cyclic.figures import Figures
@@ -81,6 +81,12 @@ class Result:
     def warnings(self) -> list[str]:
         """Sentences about accuracy that a user should read; empty when there is nothing."""
         return list(from_attribute(self.dataset, "warnings"))
+
+    @property
+    def rig(self) -> pd.DataFrame:
+        """What each run asks of each limit of the rig, and whether it passes it; empty without."""
+        told = "rig" in self.dataset.attrs  # if one was named
+        return pd.DataFrame(from_attribute(self.dataset, "rig") if told else [])
 
     def time(self, run: int) -> Floats:
         """Times of the kept steps of a run [s]."""
@@ -246,6 +252,7 @@ class Result:
             "version": attrs["version"],
             "outcome": self.outcome,
             "warnings": self.warnings,
+            **rig_summary(self.rig),
             "runs": [self._run_summary(run) for run in range(self.dataset.sizes["ambient"])],
         }
 

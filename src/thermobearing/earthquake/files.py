@@ -8,6 +8,7 @@ from thermobearing.results.directory import (
     FIGURES,
     HISTORY,
     RESOLVED,
+    RIG,
     TABLE,
     write_directory,
 )
@@ -29,6 +30,8 @@ def save_earthquake(
         write_summary(folder, result.summary())
         (folder / RESOLVED).write_text(result.dataset.attrs["case"], encoding="utf-8")
         write_csv(folder / TABLE, result.table)
+        if len(result.rig):
+            write_csv(folder / RIG, result.rig)
         _write_histories(result, folder / HISTORY)
         write_dataset(result.dataset, folder / DATASET)
         if figures:

@@ -196,8 +196,8 @@ def misfit(given: SpecimenState, constants: Constants) -> str:
     for what, there, found, wanted in counts:
         if found != wanted:
             return (
-                f"has {found} {what}, but the model has {wanted} {there}; go on with the model, stack, "
-                "scheme and lead_ends of the earlier test"
+                f"has {found} {what}, but the model has {wanted} {there}; go on with the model, "
+                "stack, scheme and lead_ends of the earlier test"
             )
     if given.whole:
         moved = np.array(given.layer_displacement)
