@@ -86,6 +86,8 @@ FITTED_RANGE = 2e-3  # of the slope: 20 000 points, a few more or less at the en
 POLYGON = 1e-6  # 4000 points on an ellipse: (2 pi / n)^2 / 6 = 4e-7
 NOISY_CROSSING = 0.01  # of the period: 1 % of noise over the slope 2 pi, some four sigma
 CLOCK_FORCE = 1e-9  # of the peak: time steps taken from differences of the clock
+CUT = 1e-12  # of the largest: a history cut in two, sums of energies begun anew; 1e-15 measured
+STILL = 1e-3  # mm: a shaking of 1e-6 of the motion, and roundings of a force in balance
 
 # --- Whole of Table 3.4 ------------------------------------------------------------------
 STEP_HALVING = 1e-3  # per-cycle G_e and h_eq, as the specification asks from 10 ms on

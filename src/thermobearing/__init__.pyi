@@ -9,6 +9,7 @@ from . import identify as identify
 from . import model as model
 from . import motions as motions
 from . import results as results
+from . import sequences as sequences
 from . import structure as structure
 from . import validate as validate
 from .bearing.ambient import Ambient as Ambient
@@ -26,5 +27,6 @@ from .identify.run import identify_bearing as identify_bearing
 from .loading import load_result as load_result
 from .model.element import BearingElement as BearingElement
 from .motions.library import load_motion as load_motion
+from .sequences.run import sequence as sequence
 
 __version__: str

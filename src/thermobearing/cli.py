@@ -16,7 +16,7 @@ import typer.core
 
 import thermobearing
 from thermobearing.border.errors import InputError
-from thermobearing.commands import design, earthquake, factors
+from thermobearing.commands import design, earthquake, factors, sequence
 from thermobearing.commands.common import (
     BAD_INPUT,
     AsJson,
@@ -85,6 +85,7 @@ def _common(
 app.add_typer(motions, name="motions")
 app.command()(earthquake.bridge)
 app.command()(earthquake.hybrid)
+app.command()(sequence.sequence)
 app.command()(design.design)
 app.command()(design.bounds)
 app.command("lambda")(factors.lambda_)

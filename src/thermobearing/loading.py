@@ -6,11 +6,14 @@ from thermobearing.cyclic.files import load_cyclic
 from thermobearing.cyclic.result import Result
 from thermobearing.earthquake.files import load_study
 from thermobearing.earthquake.result import EarthquakeResult
+from thermobearing.results.directory import PARTS
 from thermobearing.results.reading import read_dataset
+from thermobearing.sequences.files import load_sequence
+from thermobearing.sequences.result import SequenceResult
 
 
-def load_result(path: str | Path) -> Result | EarthquakeResult:
-    """A saved result again, of a cyclic test or of an earthquake study.
+def load_result(path: str | Path) -> Result | EarthquakeResult | SequenceResult:
+    """A saved result again, of a cyclic test, of an earthquake study or of a sequence of them.
 
     Parameters
     ----------
@@ -18,7 +21,7 @@ def load_result(path: str | Path) -> Result | EarthquakeResult:
 
     Returns
     -------
-    Result, or EarthquakeResult of `bridge` and `hybrid`.
+    Result, or EarthquakeResult of `bridge` and `hybrid`, or SequenceResult of `sequence`.
 
     Raises
     ------
@@ -34,5 +37,7 @@ def load_result(path: str | Path) -> Result | EarthquakeResult:
     ...     load_result(saved).outcome
     'completed'
     """
+    if (Path(path) / PARTS).is_dir():
+        return load_sequence(path)
     study = "structure" in read_dataset(path, ["case"]).attrs
     return load_study(path) if study else load_cyclic(path)

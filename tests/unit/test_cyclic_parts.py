@@ -18,7 +18,7 @@ from thermobearing.cyclic.equivalent import bilinear_parameters, isothermal_cycl
 from thermobearing.cyclic.history import kept_steps, run_segments
 from thermobearing.cyclic.label import warnings_of
 from thermobearing.cyclic.segments import Segment, build_segments
-from thermobearing.cyclic.start import final_lead, final_profile, initial_temperatures
+from thermobearing.cyclic.start import final_state, initial_temperatures
 from thermobearing.model.options import build_model
 
 HDR = tb.load_bearing("shen-hdr-specimen")
@@ -60,7 +60,7 @@ def earlier() -> Any:
     """A result with runs at -20, 5 and 23 degC, whose cells and lead end at known numbers."""
     air = np.array([-20.0, 5.0, 23.0])
     profiles = air[:, np.newaxis] + np.array([0.5, 1.0, 1.5])
-    data = {
+    data: Any = {
         "initial_temperature": (("ambient", "cell"), np.zeros((3, 3))),
         "final_temperature": (("ambient", "cell"), profiles),
         "final_lead_temperature": ("ambient", air + 40.0),
@@ -70,24 +70,27 @@ def earlier() -> Any:
 
 @pytest.mark.parametrize("air", [-20.0, 5.0, 23.0])
 def test_restart_is_from_the_run_at_the_same_temperature(air: float) -> None:
-    assert_allclose(final_profile(earlier(), air), air + np.array([0.5, 1.0, 1.5]))
-    assert final_lead(earlier(), air) == air + 40.0
+    found = final_state(earlier(), [air])
+    assert_allclose(found.temperature, air + np.array([0.5, 1.0, 1.5]))
+    assert found.lead_temperature == air + 40.0
+    assert not found.whole
 
 
 def test_restart_from_an_only_run_and_from_none() -> None:
     only = earlier().isel(ambient=[1])
-    assert_allclose(final_profile(only, -20.0), [5.5, 6.0, 6.5])
-    assert final_lead(only.assign(final_lead_temperature=("ambient", [np.nan])), 5.0) is None
-    for air in (0.0, [5.0, 23.0]):
-        with pytest.raises(tb.InputError, match="use one of them"):
-            final_profile(earlier(), air)
+    assert_allclose(final_state(only, [-20.0]).temperature, [5.5, 6.0, 6.5])
+    without = only.assign(final_lead_temperature=("ambient", [np.nan]))
+    assert final_state(without, [5.0]).lead_temperature is None
+    for air in ([0.0], [5.0, 23.0]):
+        with pytest.raises(tb.InputError, match=r"has 3 runs, .*start at one of them only"):
+            final_state(earlier(), air)
 
 
 def test_starts_by_hand() -> None:
     for profile, uniform, wanted in (
         (None, None, [7.0, 7.0]), (None, -3.0, [-3.0, -3.0]), ([1.0, 2.0], None, [1.0, 2.0]),
     ):  # fmt: skip
-        case: Any = SimpleNamespace(initial_profile=profile, initial=uniform)
+        case: Any = SimpleNamespace(initial_profile=profile, initial=uniform, initial_state=None)
         assert_allclose(initial_temperatures(case, 2, 7.0), wanted)
 
 

@@ -212,7 +212,7 @@ def _resolve(
 def _tags(model: type[BaseModel]) -> list[str]:
     return [
         str(tag)
-        for name in ("shape", "step", "kind")
+        for name in ("shape", "step", "kind", "part")
         if name in model.model_fields
         for tag in get_args(model.model_fields[name].annotation)
     ]

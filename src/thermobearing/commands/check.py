@@ -12,6 +12,7 @@ from thermobearing.cyclic.discretisation import REFERENCE, TOLERABLE, cells_erro
 from thermobearing.cyclic.segments import build_segments
 from thermobearing.earthquake.case import EarthquakeCase, load_earthquake_case
 from thermobearing.model.stack import build_stack
+from thermobearing.sequences.case import SequenceCase, load_sequence_case
 from thermobearing.structure.model import DampingKind, Structure, load_structure
 from thermobearing.structure.run import prepare_structure
 
@@ -19,7 +20,8 @@ from thermobearing.structure.run import prepare_structure
 def describe_file(path: Path) -> tuple[str, dict[str, str]]:
     """Kind of a TOML file and its main facts, after full validation.
 
-    Kinds: "bearing", "bilinear bearing", "structure", "earthquake case", "case" (of a cyclic test).
+    Kinds: "bearing", "bilinear bearing", "structure", "earthquake case", "sequence case", and
+    "case" of a cyclic test.
 
     Raises
     ------
@@ -30,6 +32,8 @@ def describe_file(path: Path) -> tuple[str, dict[str, str]]:
         return "bilinear bearing", bilinear_facts(load_bilinear(path))
     if "bodies" in table:
         return "structure", structure_facts(load_structure(path))
+    if "parts" in table:
+        return "sequence case", sequence_facts(load_sequence_case(path))
     if "command" in table:
         return "earthquake case", earthquake_facts(load_earthquake_case(path))
     if {"geometry", "hysteresis", "materials", "kind"} & set(table):
@@ -81,6 +85,16 @@ def earthquake_facts(case: EarthquakeCase) -> dict[str, str]:
         "ambient": climates,
         "runs": f"{count}, {case.analysis.method}, dt {case.analysis.dt:g} s",
         **structure_facts(case.structure, case.analysis.damping),
+    }
+
+
+def sequence_facts(case: SequenceCase) -> dict[str, str]:
+    """What a sequence would do."""
+    return {
+        "bearing": f"{case.bearing.name} ({case.bearing.description})",
+        "ambient": f"{case.ambient:g} degC",
+        "parts": ", ".join(case.label(number) for number in range(len(case.parts))),
+        "rig": case.rig.name if case.rig else "not named",
     }
 
 

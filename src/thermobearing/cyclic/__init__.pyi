@@ -9,4 +9,6 @@ from .equivalent import bilinear_parameters as bilinear_parameters
 from .protocol import CyclicTest as CyclicTest
 from .protocol import cyclic_test as cyclic_test
 from .result import Result as Result
+from .rig import Rig as Rig
+from .rig import load_rig as load_rig
 from .run import run_case as run_case

@@ -5,7 +5,7 @@ case.resolved.toml beside every result; running that file again gives the same b
 """
 
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field, field_validator
 
@@ -16,17 +16,23 @@ from thermobearing.border.errors import InputError
 from thermobearing.border.overrides import overridden, said_with_unit, updated
 from thermobearing.border.schema import Strict, in_unit, validated
 from thermobearing.border.toml import read_toml, split_sources, to_table, to_toml
-from thermobearing.border.units import with_unit
 from thermobearing.core.records import labels
 from thermobearing.core.types import Books
 from thermobearing.cyclic.protocol import CyclicTest, cyclic_test, survey
+from thermobearing.cyclic.rig import Rig, settle_rig
+from thermobearing.cyclic.start import final_state, of_another_bearing
 from thermobearing.model.earlier import needs_full_stack
 from thermobearing.model.effort import too_much
-from thermobearing.model.options import ModelOptions
+from thermobearing.model.handover import SpecimenState, misfit
+from thermobearing.model.options import ModelOptions, build_model
 from thermobearing.model.stack import build_stack
+
+if TYPE_CHECKING:
+    from thermobearing.cyclic.result import Result
 
 Group = Literal["rubber", "layer_displacement", "hysteretic", "cells"]
 Temperature = Annotated[float, in_unit("degC"), Field(ge=-100, le=100)]
+WAYS = ("initial", "initial_profile", "initial_result", "initial_state")  # to start
 DEFAULT_BEARING = "shen-hdr-specimen"
 DEFAULT_AMBIENT = (-20.0, 0.0, 23.0)  # the three chamber temperatures of Table 3.4
 
@@ -49,7 +55,7 @@ def each_once(ambient: list[float]) -> list[float]:
 
 
 class Case(Strict):
-    """Everything `cyclic` needs. Only one of the three ways to start may be given.
+    """Everything `cyclic` needs. Only one of the ways to start may be given.
 
     Attributes
     ----------
@@ -60,6 +66,8 @@ class Case(Strict):
     initial : uniform temperature at the start [degC]; the ambient temperature by default.
     initial_lead : of the lead at the start [degC]; the mean of the cells beside it by default.
     initial_profile : temperature of each cell at the start, upper face first [degC].
+    initial_state : where an earlier test left the bearing; `initial_result` of a file becomes it.
+    rig : limits of the rig that is to do it; a run that passes one says so.
     analysis : how to compute, and what to keep.
     """
 
@@ -71,6 +79,8 @@ class Case(Strict):
     initial: Temperature | None = None  # uniform; None: the ambient temperature
     initial_lead: Temperature | None = None  # None: the mean of the cells beside it
     initial_profile: list[Temperature] | None = None  # one per cell, upper face first
+    initial_state: SpecimenState | None = None  # where an earlier test left the bearing
+    rig: Rig | None = None
     analysis: Analysis = Analysis()
 
     @field_validator("ambient")
@@ -84,7 +94,7 @@ class Case(Strict):
 
     def faults(self) -> list[str]:
         """What the parts do to each other: a test that cannot be done with this bearing, ..."""
-        found, steps = survey(self.test, self.bearing.total_rubber_thickness)
+        found, steps = survey(self.test, self.bearing.total_rubber_thickness, self.starts_at)
         found = [f"test.{fault}" for fault in found]
         if self.ambient_series is not None:
             try:
@@ -101,11 +111,27 @@ class Case(Strict):
                 f"initial_profile: has {len(self.initial_profile)} temperatures, "
                 f"but the stack has {cells} cells"
             )
+        if self.initial_state is not None and not found:
+            found += self._misfits_of_state()
         if not found:  # of a test that cannot be done the steps say nothing
             steps *= len(self.ambient)
             row = len(labels(Books)) + cells * len(self.analysis.keep)
             found += too_much(steps, cells, steps / self.analysis.keep_every * row)
         return found
+
+    @property
+    def starts_at(self) -> float:
+        """Displacement at the start [mm]."""
+        return 0.0 if self.initial_state is None else self.initial_state.at
+
+    def _misfits_of_state(self) -> list[str]:
+        """Whether the bearing can begin at the state that is given."""
+        assert self.initial_state is not None
+        if self.analysis.model == "bilinear":  # its constants come from a test
+            return []
+        constants = build_model(self.bearing, self.analysis).constants
+        fault = misfit(self.initial_state, constants)
+        return [f"initial_state: {fault}"] if fault else []
 
 
 def load_case(path: str | Path, **overrides: Any) -> Case:
@@ -150,40 +176,39 @@ def _make_absolute(table: dict[str, Any], folder: Path) -> None:
     for holder, key in [*named, (table, "ambient_series"), (table, "initial_result")]:
         if isinstance(holder, dict) and isinstance(holder.get(key), str) and holder[key]:
             holder[key] = str((folder / holder[key]).absolute())
+    if str(table.get("rig", "")).endswith(".toml"):
+        table["rig"] = str((folder / table["rig"]).absolute())
 
 
-def _final_temperatures(result: Path) -> dict[str, Any]:
-    """Final temperatures of an earlier result with a single run, as text with units."""
+def _settle_start(table: dict[str, Any]) -> tuple[list[str], "Result | None"]:
+    """What is wrong with the start, and the earlier result that `initial_result` stands for."""
     from thermobearing.cyclic.files import load_cyclic
+    from thermobearing.cyclic.result import Result
 
-    earlier = load_cyclic(result)
-    final, lead = (earlier[f"final_{name}temperature"].values for name in ("", "lead_"))
-    if len(final) != 1:
-        raise InputError(
-            f"initial_result has {len(final)} runs; use a result at a single ambient temperature",
-            str(result),
-        )
-    found: dict[str, Any] = {"initial_profile": said_with_unit(final[0], "degC")}
-    if lead[0] == lead[0]:  # NaN without lead
-        found["initial_lead"] = with_unit(float(lead[0]), "degC")
-    return found
-
-
-def _settle_start(table: dict[str, Any]) -> list[str]:
-    """Replace `initial_result` by the profile in it; returns what is wrong with the start."""
-    ways = [key for key in ("initial", "initial_profile", "initial_result") if key in table]
+    ways = [key for key in WAYS if key in table]
     if len(ways) > 1:
-        return [f"give only one of initial, initial_profile, initial_result; got {ways}"]
+        return [f"give only one of {', '.join(WAYS)}; got {ways}"], None
     result = table.pop("initial_result", None)
-    if result is None:
-        return []
-    if not isinstance(result, str) or not result:
-        return [f"initial_result = {result!r}: must be the path of a result"]
+    if result is None or isinstance(result, Result):
+        return [], result
+    if not isinstance(result, str | Path) or not str(result):
+        return [f"initial_result = {result!r}: must be the path of a result"], None
     try:
-        table |= _final_temperatures(Path(result))
+        return [], load_cyclic(Path(result))
     except InputError as error:
-        return error.lines("initial_result")
-    return []
+        return error.lines("initial_result"), None
+
+
+def _going_on(case: Case, earlier: "Result", where: str) -> Case:
+    """The case, begun where an earlier result ended."""
+    try:
+        state = final_state(earlier.dataset, case.ambient)
+        fault = of_another_bearing(earlier.dataset, case.bearing) if state.whole else ""
+        if fault:
+            raise InputError(fault)
+    except InputError as error:
+        raise InputError(error.lines("initial_result"), where) from None
+    return case.model_copy(update={"initial_state": state})
 
 
 def make_case(table: dict[str, Any], where: str, **overrides: Any) -> Case:
@@ -216,7 +241,8 @@ def make_case(table: dict[str, Any], where: str, **overrides: Any) -> Case:
     if overrides.get("ambient") is not None:
         table.pop("ambient_series", None)
     _make_absolute(table, Path())
-    problems = _settle_start(table)
+    problems, earlier = _settle_start(table)
+    problems += settle_rig(table, Path())
     if "ambient" in table and table.get("ambient_series") is not None:
         problems.append("give ambient or ambient_series, not both")
     bearing = table.setdefault("bearing", DEFAULT_BEARING)
@@ -234,6 +260,8 @@ def make_case(table: dict[str, Any], where: str, **overrides: Any) -> Case:
         case = validated(Case, table, where)
     except InputError as error:
         raise InputError([*problems, *error.problems], where) from None
+    if earlier is not None and not problems:
+        case = _going_on(case, earlier, where)
     problems += case.faults() if not problems else []
     if problems:
         raise InputError(problems, where)

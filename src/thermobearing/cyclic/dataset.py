@@ -14,6 +14,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from thermobearing.model.handover import PREFIX, attributes_of, dimension_of
 from thermobearing.results.writing import as_attribute
 
 Floats = NDArray[np.float64]
@@ -50,6 +51,7 @@ class RunRecord:
     initial: Floats  # cell temperatures [degC]
     final: Floats
     final_lead: float  # [degC], NaN without lead
+    memory: Mapping[str, Any]  # where the bearing was at the end, besides (model/handover.py)
     outcome: str
     softened_steps: int
     mismatch: float
@@ -90,7 +92,7 @@ def build_dataset(
         parts = [run.groups[group] for run in runs]
         attrs = {"units": unit, "long_name": meaning}
         data[name] = (("ambient", "time", dimension), _stacked(parts, length), attrs)
-    data |= _per_run(runs, length)
+    data |= _per_run(runs, length) | _memories(runs)
     coordinates = _coordinates(runs, labels)
     if same:
         coordinates["time"] = ("time", clock[0], meanings["clock"])
@@ -148,6 +150,18 @@ def _per_run(runs: list[RunRecord], length: int) -> dict[str, Any]:
             {"units": "kN", "long_name": "largest layer force mismatch of the run"},
         ),
     }
+
+
+def _memories(runs: list[RunRecord]) -> dict[str, Any]:
+    """The state at the end of each run, from which another test can go on; no empty variables."""
+    found = {}
+    for key in runs[0].memory:
+        values = np.array([run.memory[key] for run in runs])
+        dimension = dimension_of(key)
+        dims = ("ambient",) if dimension is None else ("ambient", dimension)
+        if values.size:
+            found[PREFIX + key] = (dims, values, attributes_of(key))
+    return found
 
 
 def _coordinates(runs: list[RunRecord], labels: StackLabels) -> dict[str, Any]:

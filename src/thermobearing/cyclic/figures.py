@@ -302,6 +302,8 @@ class Figures:
         NothingToDrawError : nothing but rubber carries force, or there are no cycles.
         """
         self._needs_lead("force_shares")
+        if not any(about["kind"] == "cycles" for about in self._result.segments):
+            raise NothingToDrawError("force_shares: the test has no cycles")
         titles = [self._run_title(run) for run in range(len(self._ambient))]
         return draw_force_shares(self._result, self._title("shares of the force"), titles)
 

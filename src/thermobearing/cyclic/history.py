@@ -86,6 +86,7 @@ def run_segments(
     initial: Floats,
     *,
     initial_lead: float | None = None,
+    begin: State | None = None,
     keep_every: int = 1,
     groups: tuple[str, ...] = ("rubber", "cells"),
     progress: Progress | None = None,
@@ -99,6 +100,8 @@ def run_segments(
     ambient : temperature of the air.
     initial : cell temperatures at the start [degC].
     initial_lead : lead temperature at the start [degC]; the mean of the cells beside it by default.
+    begin : where the bearing is at the start (model/handover.py), `initial` its temperatures; a
+        virgin one by default.
     keep_every : keep every n-th step; ends of legs are kept besides.
     groups : of "rubber", "layer_displacement", "hysteretic", "cells": what to keep.
     progress : called with the number of steps done since the last call.
@@ -113,7 +116,7 @@ def run_segments(
         segment=np.zeros(room, dtype=np.int32),
         cycle=np.zeros(room, dtype=np.int32),
         initial=initial,
-        state=new_state(constants, initial, initial_lead),
+        state=new_state(constants, initial, initial_lead) if begin is None else begin,
     )
     _keep_start(constants, run)
     try:
@@ -128,7 +131,7 @@ def run_segments(
 
 
 def _keep_start(constants: Constants, run: History) -> None:
-    """First row: the virgin bearing at its initial temperatures."""
+    """First row: the bearing at the start."""
     keep_row(constants, run.state, run.rows, 0)
     run.kept = 1
 
@@ -177,7 +180,7 @@ def _run_segment(
         if outcome not in (COMPLETED, SOFTENED):
             run.outcome = NAMES[outcome]
             return False
-        if not is_physical(constants, run.state):
+        if not is_physical(constants, run.state, run.rows.books["recoverable"][0]):
             run.outcome = NOT_PHYSICAL
             return False
         if done < len(dt):  # the rest settled

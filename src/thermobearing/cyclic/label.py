@@ -1,5 +1,7 @@
 """Names, units and provenance for what the runs of a case left behind."""
 
+from typing import Any
+
 import numpy as np
 
 import thermobearing
@@ -10,8 +12,10 @@ from thermobearing.cyclic.case import Case
 from thermobearing.cyclic.dataset import RunRecord, StackLabels, build_dataset
 from thermobearing.cyclic.history import History, has_branches
 from thermobearing.cyclic.result import Result
+from thermobearing.cyclic.rig import asked_of, beyond
 from thermobearing.cyclic.segments import Segment, longest_layer_increment
 from thermobearing.model.earlier import BLIND
+from thermobearing.model.handover import memory_of
 from thermobearing.model.options import BearingModel
 from thermobearing.model.outcomes import SENTENCES, SHARING_SENTENCES
 from thermobearing.model.temperature import outside_law
@@ -25,7 +29,13 @@ def warnings_of(case: Case, segments: list[Segment], climates: list[Ambient]) ->
             "the ambient series was given in Python: case.resolved.toml has its first value only; "
             "give it as a CSV file (ambient_series) to be able to run the case again"
         )
-    increment = longest_layer_increment(segments, case.bearing.geometry.rubber_layers)
+    if case.initial_state is not None and not case.initial_state.whole:
+        found.append(
+            "the earlier result hands over temperatures only (it was written before results held "
+            "the whole state): rubber and lead begin unloaded and virgin, at zero displacement"
+        )
+    layers = case.bearing.geometry.rubber_layers
+    increment = longest_layer_increment(segments, layers, case.starts_at)
     yielding = case.bearing.hysteresis.yield_displacement
     if increment > yielding:
         found.append(
@@ -60,6 +70,40 @@ def stack_labels(model: BearingModel) -> StackLabels:
     )
 
 
+def asked_of_rig(
+    case: Case, segments: list[Segment], climates: list[Ambient], histories: list[History]
+) -> list[dict[str, Any]]:
+    """What each run asks of the rig; the speed is that of the whole test."""
+    x = np.concatenate([[case.starts_at], *(segment.x for segment in segments)])
+    dt = np.concatenate([segment.dt for segment in segments])
+    speed = float((np.abs(np.diff(x)) / dt).max())
+    found = []
+    for climate, history in zip(climates, histories, strict=False):
+        books = history.rows.books
+        peaks = [float(np.abs(books[name]).max()) for name in ("force", "displacement")]
+        found += asked_of(case.rig, f"the run at {climate.at(0.0):g} degC", [*peaks, speed])
+    return found
+
+
+def run_record(case: Case, climate: Ambient, history: History, what: StackLabels) -> RunRecord:
+    """What one run left behind, as plain arrays."""
+    return RunRecord(
+        ambient=climate.at(0.0),
+        books={name: history.rows.books[name] for name, _, _ in what.books},
+        groups=history.rows._asdict(),
+        segment=history.segment,
+        cycle=history.cycle,
+        initial=history.initial,
+        final=history.state.temperature,
+        final_lead=history.state.books[0].lead_temperature if case.bearing.lead else np.nan,
+        memory=memory_of(history.state),
+        outcome=history.outcome,
+        softened_steps=history.softened_steps,
+        mismatch=history.mismatch,
+        steps=history.steps,
+    )
+
+
 def label(
     case: Case,
     model: BearingModel,
@@ -70,22 +114,10 @@ def label(
     """Names, units and provenance for what the runs left behind."""
     what = stack_labels(model)
     records = [
-        RunRecord(
-            ambient=climate.at(0.0),
-            books={name: history.rows.books[name] for name, _, _ in what.books},
-            groups=history.rows._asdict(),
-            segment=history.segment,
-            cycle=history.cycle,
-            initial=history.initial,
-            final=history.state.temperature,
-            final_lead=history.state.books[0].lead_temperature if case.bearing.lead else np.nan,
-            outcome=history.outcome,
-            softened_steps=history.softened_steps,
-            mismatch=history.mismatch,
-            steps=history.steps,
-        )
+        run_record(case, climate, history, what)
         for climate, history in zip(climates, histories, strict=False)
     ]
+    rig = asked_of_rig(case, segments, climates, histories)
     constants, options = model.constants, model.options
     lead_capacity = constants.lead.cores * constants.lead.capacity
     attributes = {
@@ -108,7 +140,10 @@ def label(
             {"kind": s.kind, "label": s.label, "amplitude_strain": s.amplitude_strain}
             for s in segments
         ],
-        "warnings": warnings_of(case, segments, climates) + extrapolated(case, climates, histories),
+        "warnings": warnings_of(case, segments, climates)
+        + extrapolated(case, climates, histories)
+        + beyond(case.rig, rig),
+        **({"rig": rig} if rig else {}),
         "sentences": SENTENCES | SHARING_SENTENCES,
     }
     return Result(

@@ -199,13 +199,15 @@ def _step_faults(
     return steps, end, faults
 
 
-def survey(test: CyclicTest, total_rubber_thickness: float) -> tuple[list[str], float]:
+def survey(
+    test: CyclicTest, total_rubber_thickness: float, start: float = 0.0
+) -> tuple[list[str], float]:
     """What keeps a test from being done with a bearing, and how many time steps it takes.
 
-    Reads recordings; samples nothing.
+    The bearing is at `start` [mm] when it begins. Reads recordings; samples nothing.
     """
     faults: list[str] = []
-    at: float | None = 0.0
+    at: float | None = start
     total = 0.0
     for number, step in enumerate(test.steps):
         steps, at, found = _step_faults(step, test.dt, total_rubber_thickness, at)

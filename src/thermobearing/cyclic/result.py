@@ -17,7 +17,7 @@ from thermobearing.results.metrics import (
     measure_cycle,
     relative_residual,
 )
-from thermobearing.results.writing import from_attribute
+from thermobearing.results.writing import from_attribute, rig_summary
 
 if TYPE_CHECKING:
     from thermobearing.cyclic.figures import Figures
@@ -81,6 +81,12 @@ class Result:
     def warnings(self) -> list[str]:
         """Sentences about accuracy that a user should read; empty when there is nothing."""
         return list(from_attribute(self.dataset, "warnings"))
+
+    @property
+    def rig(self) -> pd.DataFrame:
+        """What each run asks of each limit of the rig, and whether it passes it; empty without."""
+        told = "rig" in self.dataset.attrs  # if one was named
+        return pd.DataFrame(from_attribute(self.dataset, "rig") if told else [])
 
     def time(self, run: int) -> Floats:
         """Times of the kept steps of a run [s]."""
@@ -176,7 +182,8 @@ class Result:
         `mechanical_residual` is (work in - heat released - recoverable) and
         `thermal_residual` (heat released - stored - lost), both over the largest of work, heat
         stored and heat lost; at least over 1e-6 kN mm (mechanical), and over what warms the
-        bearing by 1e-4 K (thermal), see `metrics.relative_residual`.
+        bearing by 1e-4 K (thermal), see `metrics.relative_residual`. All since the start of the
+        test: what an earlier one left in the bearing does not count.
         """
         data = self.dataset
         capacity = np.asarray(from_attribute(data, "heat_capacity_kN_mm_per_K"))
@@ -195,6 +202,7 @@ class Result:
             }
             warmer = data["final_temperature"].values[run] - data["initial_temperature"].values[run]
             stored = float(capacity @ warmer) + self._heat_in_lead(run, last)
+            book["recoverable"] -= float(data["recoverable"].values[run, 0])  # of an earlier test
             lost = book["heat_lost_ends"] + book["heat_lost_sides"]
             energies = [book["work_in"], stored, lost]
             unbalanced = book["work_in"] - book["heat_released"] - book["recoverable"]
@@ -244,6 +252,7 @@ class Result:
             "version": attrs["version"],
             "outcome": self.outcome,
             "warnings": self.warnings,
+            **rig_summary(self.rig),
             "runs": [self._run_summary(run) for run in range(self.dataset.sizes["ambient"])],
         }
 

@@ -22,9 +22,10 @@ from thermobearing.cyclic.label import label
 from thermobearing.cyclic.protocol import CyclicTest
 from thermobearing.cyclic.result import Result
 from thermobearing.cyclic.segments import build_segments
-from thermobearing.cyclic.start import final_lead, final_profile, initial_temperatures
+from thermobearing.cyclic.start import initial_temperatures
 from thermobearing.model.constants import Hardening, HeatSource, Integrator, LeadEnds
 from thermobearing.model.earlier import Model
+from thermobearing.model.handover import begun_from
 from thermobearing.model.options import EndFace, Stacked, build_model
 from thermobearing.model.outcomes import INTERRUPTED
 from thermobearing.model.stack import Scheme
@@ -45,7 +46,7 @@ def run(
     lead_ends: LeadEnds | None = None,
     upper_face: EndFace | None = None,
     lower_face: EndFace | None = None,
-    initial: float | Sequence[float] | Result | None = None,
+    initial: float | Sequence[float] | Result | str | Path | None = None,
     initial_lead: float | None = None,
     keep: Sequence[Group] | None = None,
     keep_every: int | None = None,
@@ -70,8 +71,9 @@ def run(
     lead_ends : how lead passes heat to steel: "finite-plate" (default) or "half-space"
         (Eq. 5.4-5.5), which the published scheme and the earlier models have.
     upper_face, lower_face : heat exchange of the end faces; eta_B = 2 by default.
-    initial : temperature at the start [degC]: uniform, one per cell (upper face first), or
-        the final profile of an earlier result; the ambient temperature by default.
+    initial : temperature at the start [degC]: uniform, or one per cell (upper face first); the
+        ambient temperature by default. Or an earlier result of the same bearing, or its directory:
+        the test goes on where that one ended, with temperatures, forces and all memory.
     initial_lead : lead temperature at the start [degC]; that of the cells beside it by default.
     keep : of "rubber", "layer_displacement", "hysteretic", "cells": histories to keep
         besides displacement, force and energy; the first and last by default.
@@ -96,10 +98,8 @@ def run(
     True
     """
     series = ambient if isinstance(ambient, Ambient) else None
-    profile = final_profile(initial, ambient) if isinstance(initial, Result) else initial
-    if isinstance(initial, Result) and initial_lead is None:
-        initial_lead = final_lead(initial, ambient)
-    uniform = profile is None or np.ndim(profile) == 0
+    earlier = isinstance(initial, Result | str | Path)
+    uniform = initial is None or np.ndim(initial) == 0  # type: ignore[arg-type]
     options: dict[str, Any] = {
         "bearing": bearing,
         "test": test,
@@ -116,8 +116,9 @@ def run(
         "lower_face": lower_face,
         "keep": keep,
         "keep_every": keep_every,
-        "initial": profile if uniform else None,
-        "initial_profile": None if uniform else profile,
+        "initial": initial if uniform and not earlier else None,
+        "initial_profile": None if uniform or earlier else initial,
+        "initial_result": initial if earlier else None,
         "initial_lead": initial_lead,
     }
     return run_case(make_case({}, "run()", **options), series=series, progress=progress)
@@ -146,7 +147,7 @@ def run_case(
     'completed'
     """
     model = build_model(case.bearing, case.analysis, backbone=bilinear_parameters)
-    segments = build_segments(case.test, case.bearing.total_rubber_thickness)
+    segments = build_segments(case.test, case.bearing.total_rubber_thickness, case.starts_at)
     if case.ambient_series is not None:
         series = Ambient.from_csv(case.ambient_series)
     climates = [series] if series else [Ambient.constant(value) for value in case.ambient]
@@ -161,12 +162,16 @@ def run_case(
 
     histories: list[History] = []
     for climate in climates:
+        begin = None
+        if case.initial_state is not None:
+            begin = begun_from(case.initial_state, model.constants, case.initial_lead)
         history = run_segments(
             model.constants,
             segments,
             climate,
             initial_temperatures(case, len(model.constants.cells.capacity), climate.at(0.0)),
             initial_lead=case.initial_lead,
+            begin=begin,
             keep_every=case.analysis.keep_every,
             groups=case.analysis.keep,
             progress=report,

@@ -122,23 +122,26 @@ def _recorded(step: Recorded, rubber: float, dt: float, start: float) -> Segment
     return Segment("recorded", name, x, steps, cycle, turns, amplitude_strain=peak)
 
 
-def build_segments(test: CyclicTest, total_rubber_thickness: float) -> list[Segment]:
+def build_segments(
+    test: CyclicTest, total_rubber_thickness: float, start: float = 0.0
+) -> list[Segment]:
     """Sample a test for a bearing.
 
     Parameters
     ----------
     test : what to do.
     total_rubber_thickness : what strains refer to [mm].
+    start : where the bearing is at the beginning [mm].
 
     Raises
     ------
     InputError : a step that cannot follow the one before, or an unusable recording.
     """
-    faults, _ = survey(test, total_rubber_thickness)
+    faults, _ = survey(test, total_rubber_thickness, start)
     if faults:
         raise InputError(faults, test.name)
     segments: list[Segment] = []
-    at = 0.0
+    at = start
     for step in test.steps:
         if isinstance(step, Cycles):
             label = f"{step.strain:.0%}" if step.strain else f"{step.amplitude:g} mm"
@@ -153,7 +156,7 @@ def build_segments(test: CyclicTest, total_rubber_thickness: float) -> list[Segm
     return segments
 
 
-def longest_layer_increment(segments: list[Segment], layers: int) -> float:
-    """Largest displacement of one rubber layer in one step of a test [mm]."""
-    x = np.concatenate([[0.0], *(segment.x for segment in segments)])
+def longest_layer_increment(segments: list[Segment], layers: int, start: float = 0.0) -> float:
+    """Largest displacement of one rubber layer in a step of a test from `start` on [mm]."""
+    x = np.concatenate([[start], *(segment.x for segment in segments)])
     return float(np.abs(np.diff(x)).max()) / layers

@@ -1,46 +1,80 @@
-"""Temperatures a run starts from: uniform, given cell by cell, or the end of an earlier result."""
+"""Where a run starts: temperatures uniform or cell by cell, or the end of an earlier result."""
 
-from typing import Any
+import tomllib
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import xarray as xr
 from numpy.typing import NDArray
 
+from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
-from thermobearing.cyclic.case import Case
-from thermobearing.cyclic.result import Result
+from thermobearing.border.toml import to_table
+from thermobearing.model.handover import MEMORY, PREFIX, SpecimenState, specimen_state
+
+if TYPE_CHECKING:
+    from thermobearing.cyclic.case import Case
 
 Floats = NDArray[np.float64]
+TEXTS = ("name", "description", "citation")  # of a bearing: nothing that it does
 
 
-def final_profile(result: Result, ambient: Any) -> Floats:
-    """Cell temperatures at the end of an earlier result; of the run at the same ambient."""
-    return np.asarray(result["final_temperature"].values[_same_run(result, ambient)])
+def final_state(data: xr.Dataset, ambient: list[float]) -> SpecimenState:
+    """Where a bearing was at the end of an earlier result, in the run at the same ambient.
+
+    Results that hold no state (before 0.2) give temperatures only.
+
+    Raises
+    ------
+    InputError : several runs, and none or several of them asked for.
+    """
+    run = _same_run(data, ambient)
+    memory = None
+    if PREFIX + MEMORY[0] in data:
+        memory = {
+            key: data[PREFIX + key].values[run] if PREFIX + key in data else [] for key in MEMORY
+        }
+    return specimen_state(
+        data["final_temperature"].values[run],
+        float(data["final_lead_temperature"].values[run]),
+        memory,
+    )
 
 
-def final_lead(result: Result, ambient: Any) -> float | None:
-    """Lead temperature at the end of an earlier result; None without lead."""
-    value = float(result["final_lead_temperature"].values[_same_run(result, ambient)])
-    return None if np.isnan(value) else value
-
-
-def _same_run(result: Result, ambient: Any) -> int:
+def _same_run(data: xr.Dataset, ambient: list[float]) -> int:
     """Number of the run of a result at an ambient temperature; the only run, if there is one."""
-    runs = result["ambient"].values
+    runs = data["ambient"].values
     if len(runs) == 1:
         return 0
-    match: Any = np.flatnonzero(runs == ambient) if np.ndim(ambient) == 0 else []
+    match: Any = np.flatnonzero(runs == ambient[0]) if len(ambient) == 1 else []
     if len(match) != 1:
-        raise InputError(f"initial: the earlier result has runs at {runs} degC; use one of them")
+        raise InputError(f"has {len(runs)} runs, at {runs} degC; start at one of them only")
     return int(match[0])
 
 
-def initial_temperatures(case: Case, cells: int, ambient: float) -> Floats:
+def of_another_bearing(data: xr.Dataset, bearing: Bearing) -> str:
+    """Why a whole state does not belong to a bearing; empty if it does."""
+    theirs = tomllib.loads(data.attrs["case"])["bearing"]
+    ours = to_table(bearing)
+    differ = [key for key in ours | theirs if theirs.get(key) != ours.get(key)]
+    if not set(differ) - set(TEXTS):
+        return ""
+    return (
+        f'is a test of "{data.attrs["bearing"]}", not of this "{bearing.name}" (they differ in '
+        f"{', '.join(differ)}); forces and memory go with the bearing, temperatures alone may be "
+        "given as initial_profile"
+    )
+
+
+def initial_temperatures(case: "Case", cells: int, ambient: float) -> Floats:
     """Cell temperatures at the start [degC]."""
-    if case.initial_profile is not None:
-        if len(case.initial_profile) != cells:
+    given = case.initial_profile
+    if case.initial_state is not None:
+        given = case.initial_state.temperature
+    if given is not None:
+        if len(given) != cells:
             raise InputError(
-                f"initial_profile has {len(case.initial_profile)} temperatures, "
-                f"but the stack has {cells} cells"
+                f"initial_profile has {len(given)} temperatures, but the stack has {cells} cells"
             )
-        return np.array(case.initial_profile)
+        return np.array(given)
     return np.full(cells, ambient if case.initial is None else case.initial)

@@ -16,7 +16,9 @@ from thermobearing.border.schema import Strict, in_unit, validated
 from thermobearing.border.toml import read_toml, split_sources, to_toml
 from thermobearing.cyclic.case import Temperature, each_once
 from thermobearing.cyclic.protocol import LONGEST
-from thermobearing.model.options import ModelOptions
+from thermobearing.cyclic.rig import Rig, settle_rig
+from thermobearing.model.handover import SpecimenState, misfit
+from thermobearing.model.options import ModelOptions, build_model
 from thermobearing.motions.library import list_motions, load_motion
 from thermobearing.motions.record import GroundMotion
 from thermobearing.structure.model import (
@@ -124,6 +126,8 @@ class EarthquakeCase(Strict):
     duration : motions are cut to this [s], in [0.001, 1e6]; None for their whole length.
     analysis : how to compute, and what to keep.
     laboratory : of a specimen in the loop.
+    initial_state : where an earlier test left the bearing; of one bearing that is not bilinear.
+    rig : limits of the rig that moves the specimen; a run that passes one says so.
     """
 
     command: Command
@@ -135,6 +139,8 @@ class EarthquakeCase(Strict):
     duration: Annotated[float, in_unit("s"), Field(ge=1e-3, le=1e6)] | None = None
     analysis: EarthquakeAnalysis = EarthquakeAnalysis()
     laboratory: Laboratory | None = None
+    initial_state: SpecimenState | None = None
+    rig: Rig | None = None
 
     @field_validator("ambient")
     @classmethod
@@ -173,6 +179,8 @@ class EarthquakeCase(Strict):
                     )
             except InputError as error:
                 found += error.lines("weather")
+        if self.initial_state is not None:
+            found += self._misfits_of_state()
         explicit = self.analysis.method == "predictor-corrector"
         if self.laboratory is not None and not explicit:
             lab = self.laboratory
@@ -186,6 +194,17 @@ class EarthquakeCase(Strict):
                 misfits = self.analysis.settled(bearing).misfits(bearing)
                 found += [f'analysis.{text}; "{bearing.name}" is none' for text in misfits]
         return found
+
+    def _misfits_of_state(self) -> list[str]:
+        """Whether an earlier test can have left the bearing so."""
+        assert self.initial_state is not None
+        bearing = self.bearings[0]
+        if len(self.bearings) > 1 or not isinstance(bearing, Bearing):
+            return ["initial_state: is of one bearing, and none that is bilinear"]
+        if self.weather is not None or self.analysis.model == "bilinear":
+            return ["initial_state: goes with neither weather nor the bilinear model"]
+        fault = misfit(self.initial_state, build_model(bearing, self.analysis).constants)
+        return [f"initial_state: {fault}"] if fault else []
 
     def steps_of(self, motion: GroundMotion) -> tuple[int, float]:
         """Number of steps of a motion of the case, and their length [s].
@@ -293,6 +312,7 @@ def _settle(
     if table.get("weather") is not None and isinstance(table["weather"], str):
         table["weather"] = str((folder / table["weather"]).absolute())
         table.setdefault("ambient", ["0 degC"])  # not used
+    problems += settle_rig(table, folder)
     for key, value in DEFAULTS[command].items():
         table.setdefault(key, value)
     if command == "hybrid":

@@ -12,6 +12,7 @@ from thermobearing.results.directory import (
     HISTORY,
     MODES,
     RESOLVED,
+    RIG,
     TABLE,
     write_directory,
 )
@@ -49,6 +50,8 @@ def save_earthquake(
         write_csv(folder / TABLE, result.table)
         if has_both(result):
             write_csv(folder / MODES, modes_table(result))
+        if len(result.rig):
+            write_csv(folder / RIG, result.rig)
         _write_histories(result, folder / HISTORY)
         write_dataset(result.dataset, folder / DATASET)
         if figures:

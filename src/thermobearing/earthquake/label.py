@@ -10,6 +10,7 @@ import thermobearing
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.core.records import Floats, Rows, labels
 from thermobearing.core.types import Books
+from thermobearing.cyclic.rig import asked_of, beyond
 from thermobearing.earthquake.case import EarthquakeCase
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.model.earlier import BLIND
@@ -111,7 +112,7 @@ def label_study(
             "layer": np.arange(1, data["rubber_temperature"][1].shape[2] + 1),
             "body": np.array([body.name for body in case.structure.bodies], dtype=str),
         },
-        attrs=_attributes(case, tasks, histories) | _warnings(tasks, traces),
+        attrs=_attributes(case, tasks, histories) | _warnings(case, tasks, traces),
     )
     return EarthquakeResult(dataset)
 
@@ -280,9 +281,24 @@ def _attributes(
     return attrs
 
 
-def _warnings(tasks: Sequence["Task"], traces: list[dict[str, Floats]]) -> dict[str, Any]:
-    """Bearings whose rubber left the range of its temperature law."""
-    found: list[str] = []
+def _asked_of_rig(
+    case: EarthquakeCase, tasks: Sequence["Task"], traces: list[dict[str, Floats]]
+) -> list[dict[str, Any]]:
+    """What each run asks of the rig, the speed on the clock of the specimen."""
+    found = []
+    for task, trace in zip(tasks, traces, strict=True):
+        name = f"{task.device.bearing.name}, {task.shaking.motion.name}, {task.ambient:g} degC"
+        names = ("bearing_force", "bearing_displacement", "bearing_speed")
+        found += asked_of(case.rig, name, [float(np.abs(trace[n]).max()) for n in names])
+    return found
+
+
+def _warnings(
+    case: EarthquakeCase, tasks: Sequence["Task"], traces: list[dict[str, Floats]]
+) -> dict[str, Any]:
+    """Limits of the rig that are passed, and rubber outside the range of its temperature law."""
+    rig = _asked_of_rig(case, tasks, traces)
+    found = beyond(case.rig, rig)
     for bearing in {task.device.bearing.name: task.device.bearing for task in tasks}.values():
         if isinstance(bearing, BilinearBearing):
             continue
@@ -301,7 +317,7 @@ def _warnings(tasks: Sequence["Task"], traces: list[dict[str, Floats]]) -> dict[
         ]
         blind = tasks[0].case.analysis.model in BLIND
         found += [] if blind else outside_law(bearing.name, bearing.temperature_law, runs)
-    return {"warnings": as_attribute(found)}
+    return {"warnings": as_attribute(found)} | ({"rig": as_attribute(rig)} if rig else {})
 
 
 def _initial_periods(task: "Task") -> Floats:

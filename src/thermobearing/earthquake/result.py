@@ -9,7 +9,7 @@ import xarray as xr
 
 from thermobearing.core.records import Floats
 from thermobearing.results.metrics import LEAST_ENERGY, LEAST_HEAT
-from thermobearing.results.writing import from_attribute
+from thermobearing.results.writing import from_attribute, rig_summary
 
 if TYPE_CHECKING:
     from thermobearing.earthquake.figures import EarthquakeFigures
@@ -183,6 +183,12 @@ class EarthquakeResult:
         ]
 
     @property
+    def rig(self) -> pd.DataFrame:
+        """What each run asks of each limit of the rig, and whether it passes it; empty without."""
+        told = "rig" in self.dataset.attrs  # if one was named
+        return pd.DataFrame(from_attribute(self.dataset, "rig") if told else [])
+
+    @property
     def energy(self) -> pd.DataFrame:
         """Energy books of the structure and of one bearing at the end of each run [kN mm].
 
@@ -283,6 +289,7 @@ class EarthquakeResult:
             "version": attrs["version"],
             "outcome": self.outcome,
             "warnings": self.warnings,
+            **rig_summary(self.rig),
             "periods_s": _numbers(attrs.get("periods_s", [])),
             "damping": attrs["damping"],
             "damping_ratios": _numbers(attrs.get("damping_ratios", [])),

@@ -31,6 +31,7 @@ from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.earthquake.task import Device, Shaking, Task
 from thermobearing.model.earlier import BilinearParameters, bilinear_constants
 from thermobearing.model.effort import study_too_much
+from thermobearing.model.handover import begun_from
 from thermobearing.model.options import build_model
 from thermobearing.model.outcomes import NOT_PHYSICAL
 from thermobearing.motions.record import GroundMotion
@@ -93,7 +94,10 @@ def run_task(task: Task) -> StructureHistory:
     if lab is not None and lab.force_noise > 0.0:
         noise = lab.force_noise * np.random.default_rng(lab.seed).standard_normal(steps)
     temperature, lead = task.start
-    line = Line(task.device.constants, temperature, lead, speed)
+    begun = None
+    if case.initial_state is not None:
+        begun = begun_from(case.initial_state, task.device.constants)
+    line = Line(task.device.constants, temperature, lead, speed, begun)
     history = run_structure(
         task.prepared,
         [line] * len(case.structure.bearings),
@@ -144,7 +148,11 @@ def build_tasks(case: EarthquakeCase) -> list[Task]:
     weather = None if case.weather is None else Ambient.from_csv(case.weather)
     tasks = []
     for device in devices:
-        if weather is not None:
+        left = case.initial_state
+        if left is not None:
+            begin = np.array(left.temperature), left.lead_temperature
+            starts = [(value, begin) for value in case.ambient]
+        elif weather is not None:
             starts = [(float(weather.temperature[-1]), soaked(device, weather))]
         else:
             cells = len(device.constants.cells.capacity)

@@ -42,6 +42,11 @@ def write_summary(folder: Path, content: dict[str, Any]) -> None:
     (folder / SUMMARY).write_text(text + "\n", encoding="utf-8", errors="backslashreplace")
 
 
+def rig_summary(table: "pd.DataFrame") -> dict[str, Any]:
+    """What summary.json says of the limits of a rig; nothing where no rig was named."""
+    return {"rig": table.to_dict("records")} if len(table) else {}
+
+
 def write_csv(path: Path, table: "pd.DataFrame") -> None:
     """Write a table without its index, with seven digits."""
     table.to_csv(path, index=False, float_format=DIGITS)

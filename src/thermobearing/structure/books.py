@@ -58,7 +58,9 @@ def commit(system: System, bearings: Bearings, motion: Motion, dt: float) -> Non
         for m in range(len(kind.lines)):
             state, line = state_of(kind.states, m), system.lines[kind.lines[m]]
             copy_state(state_of(kind.trials, m), state)
-            books.bearings += line.force_factor / line.length_factor * state.books[0].work_in
+            bearing = state.books[0]
+            felt = bearing.work_in - line.at_rest * (bearing.displacement - line.start)
+            books.bearings += line.force_factor / line.length_factor * felt
     books.clock += dt
 
 

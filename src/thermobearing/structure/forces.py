@@ -82,14 +82,15 @@ def move_bearings(
             state, work = state_of(kind.states, m), work_of(kind, m)
             trial = state_of(kind.trials, m)
             line, b = system.lines[kind.lines[m]], kind.lines[m]
-            x = line.length_factor * motion.stretches[b]
+            x = line.start + line.length_factor * motion.stretches[b]
             own_dt = bearing_dt(line, dt, x - state.books[0].displacement)
             kind.durations[m] = own_dt
             force, slope, outcome = move(kind.constants, work, state, x, own_dt, trial)
             if outcome != COMPLETED and outcome != SOFTENED:
                 return outcome
             slope *= line.force_factor * line.length_factor
-            spread(system.line_rows, b, line.force_factor * (force + noise), slope, motion)
+            felt = line.force_factor * (force - line.at_rest + noise)
+            spread(system.line_rows, b, felt, slope, motion)
     return COMPLETED
 
 

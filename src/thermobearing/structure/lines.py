@@ -85,22 +85,28 @@ def side_by_side(parts: Sequence[Any]) -> Any:
 
 
 def build_bearings(
-    constants: Sequence[Constants], temperatures: Sequence[Floats], leads: Sequence[float | None]
+    constants: Sequence[Constants],
+    temperatures: Sequence[Floats],
+    leads: Sequence[float | None],
+    begun: Sequence[State | None] | None = None,
 ) -> Bearings:
-    """Virgin bearings of all lines at the temperatures of their cells and lead [degC].
+    """Bearings of all lines: where they were left, or virgin at temperatures of cells and lead.
 
     Lines are of a kind if their constants are the same object.
     """
+    starts = [
+        new_state(one, temperatures[b], leads[b]) if left is None else left
+        for b, (one, left) in enumerate(
+            zip(constants, begun or [None] * len(constants), strict=True)
+        )
+    ]
     kinds: dict[int, list[int]] = {}
     for number, one in enumerate(constants):
         kinds.setdefault(id(one), []).append(number)
     found = []
     for numbers in kinds.values():
         one = constants[numbers[0]]
-        states, trials = (
-            side_by_side([new_state(one, temperatures[b], leads[b]) for b in numbers])
-            for _ in range(2)
-        )
+        states, trials = (side_by_side([starts[b] for b in numbers]) for _ in range(2))
         elastic, hysteretic = np.zeros((2, len(numbers), len(one.multiplicity)))
         work = new_workspace(one)
         lines, durations = np.array(numbers), np.zeros(len(numbers))

@@ -75,12 +75,15 @@ class Line:
     temperature : of its cells at the start [degC].
     lead : temperature of its lead at the start [degC]; None for that of the cells beside it.
     speed : of its actuator [mm/s], if it lives on its own clock; 0 for earthquake time.
+    begun : where an earlier test left it (its temperatures count then); None for a virgin one. The
+        structure is straight and in balance with the force that it has there.
     """
 
     constants: Constants
     temperature: Floats
     lead: float | None = None
     speed: float = 0.0
+    begun: State | None = None
 
 
 @dataclass
@@ -103,6 +106,14 @@ class StructureHistory:
         for kind, layers in zip(self.bearings, self.rows.layers, strict=True):
             if line in kind.lines:
                 return np.asarray(layers[:, list(kind.lines).index(line)])
+        raise IndexError(line)
+
+    def end(self, line: int = 0) -> State:
+        """Where the modelled bearing of a line is at the end."""
+        for kind in self.bearings:
+            if line in kind.lines:
+                m = list(kind.lines).index(line)
+                return State(*[array[m] for array in kind.states])
         raise IndexError(line)
 
     def hinge(self, number: int = 0) -> Rows[Bend]:
@@ -159,6 +170,9 @@ def build_system(prepared: Prepared, lines: Sequence[Line]) -> System:
         factors[b].force_factor = given.count / given.scale**2
         factors[b].length_factor = given.scale
         factors[b].speed = line.speed
+        if line.begun is not None:
+            factors[b].start = line.begun.books[0].displacement
+            factors[b].at_rest = line.begun.books[0].force
     return System(
         mass=np.ascontiguousarray(matrices.mass),
         damping=np.ascontiguousarray(prepared.damping),
@@ -203,6 +217,19 @@ def room_for(system: System, bearings: Bearings, count: int) -> MotionRows:
     )
 
 
+def all_physical(bearings: Bearings, first: Rows[Books]) -> bool:
+    """Whether every bearing ended in a possible state; `first` has their books at the start."""
+    return all(
+        is_physical(
+            kind.constants,
+            State(*[array[m] for array in kind.states]),
+            first[0, line].recoverable,
+        )
+        for kind in bearings
+        for m, line in enumerate(kind.lines)
+    )
+
+
 def run_structure(
     prepared: Prepared,
     lines: Sequence[Line],
@@ -237,6 +264,7 @@ def run_structure(
         [line.constants for line in lines],
         [line.temperature for line in lines],
         [line.lead for line in lines],
+        [line.begun for line in lines],
     )
     steps = len(ground) - 1
     keep = np.zeros(steps, dtype=np.bool_)
@@ -261,12 +289,7 @@ def run_structure(
     else:
         done, kept, outcome = newmark_march(system, bearings, motion, scheme, shaking, after)
     books, named = motion.books[0], OUTCOMES[int(outcome)]
-    physical = [
-        is_physical(kind.constants, State(*[array[m] for array in kind.states]))
-        for kind in bearings
-        for m in range(len(kind.lines))
-    ]
-    if named == "completed" and not all(physical):
+    if named == "completed" and not all_physical(bearings, kept_rows.bearings[0:1]):
         named = NOT_PHYSICAL
     return StructureHistory(
         rows=kept_rows.part(0, 1 + kept),

@@ -53,6 +53,8 @@ class LineFactors:
     force_factor: float  # force in the structure over force of the modelled bearing
     length_factor: float  # displacement of the modelled bearing over that in the structure
     speed: float  # of a bearing that lives on its own clock [mm/s]; 0: earthquake time
+    start: float  # displacement of the modelled bearing when the structure is straight [mm]
+    at_rest: float  # its force then, in balance with something that stays [kN]
 
 
 class Coordinate:

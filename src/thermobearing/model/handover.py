@@ -1,0 +1,225 @@
+"""A bearing where a test left it, as data: written into results and cases, and begun from.
+
+What the coupled step remembers (core/types.State) with names and units. Energies and the clock are
+counted anew by whoever begins; forces, displacements, temperatures and the memory of rubber and
+lead go on to the bit.
+"""
+
+import math
+from collections.abc import Mapping
+from typing import Annotated, Any
+
+import numpy as np
+from pydantic import Field
+
+from thermobearing.border.errors import InputError
+from thermobearing.border.schema import Strict, in_unit, unit_of
+from thermobearing.core.records import Floats
+from thermobearing.core.types import NEVER_MOVED, Constants, State, new_state
+
+# What a run may leave behind, beyond the limits of core/types.Limits and of the protocol.
+MOST = 100_000  # layers, cells or terms
+Degrees = Annotated[float, in_unit("degC"), Field(ge=-273.15, le=2000)]
+Length = Annotated[float, in_unit("mm"), Field(ge=-1e6, le=1e6)]
+Force = Annotated[float, in_unit("kN"), Field(ge=-1e9, le=1e9)]
+Energy = Annotated[float, in_unit("kN mm"), Field(ge=-1e12, le=1e12)]
+Excess = Annotated[float, in_unit("K"), Field(ge=-1e5, le=1e5)]
+Time = Annotated[float, in_unit("s"), Field(ge=0, le=NEVER_MOVED)]
+Share = Annotated[float, Field(ge=0, le=1)]
+Many = Field(max_length=MOST)
+PASSED = 2.0  # Z over d_y: exact integration never passes 1, explicit Euler may by a step
+MISSED = 1e-8  # of the displacement: what layers of a converged step miss, with room
+
+# Where each key of SpecimenState is in the records of the step, and its dimension in a dataset.
+LAYERS = {
+    "layer_displacement": "d",
+    "layer_hysteretic": "z",
+    "layer_stored": "stored",
+    "layer_farthest": "farthest",
+    "layer_virgin": "virgin",
+}
+BRANCHES = {
+    "core_force": "core_force",
+    "maxwell_force": "maxwell_force",
+    "moving_for": "clock",
+    "resting_for": "idle",
+}
+BOOKS = {
+    name: name
+    for name in (
+        "displacement",
+        "force",
+        "rubber_force",
+        "lead_force",
+        "viscous_force",
+        "recoverable",
+    )
+}
+ENDS = "lead_terms"
+MEMORY = (*LAYERS, *BRANCHES, *BOOKS, ENDS)
+PREFIX = "state_"  # of the variables in a dataset
+MEANINGS = {
+    "layer_displacement": "shear displacement of each modelled rubber layer at the end",
+    "layer_hysteretic": "Z of each modelled rubber layer at the end",
+    "layer_stored": "recoverable energy of one layer at the end",
+    "layer_farthest": "largest displacement so far, virgin rubber",
+    "layer_virgin": "share of the virgin stiffness that is left",
+    "core_force": "force of one lead core at the end",
+    "maxwell_force": "force of the rate-dependent branch at the end",
+    "moving_for": "time since the motion began, clock of Eq. 5.6",
+    "resting_for": "time since the motion stopped; 1e30 if it never began",
+    "displacement": "displacement of the bearing at the end",
+    "force": "force of the bearing at the end",
+    "rubber_force": "share of the rubber in it",
+    "lead_force": "share of the lead cores in it",
+    "viscous_force": "share of the rate-dependent branch in it",
+    "recoverable": "recoverable energy at the end",
+    ENDS: "excess temperatures of the terms of what leads heat out of the lead",
+}
+
+
+class SpecimenState(Strict):
+    """A bearing where an earlier test left it.
+
+    Attributes
+    ----------
+    temperature : of each cell, upper face first [degC].
+    lead_temperature : of the lead [degC].
+    layer_displacement, layer_hysteretic : d and Z of each modelled rubber layer [mm].
+    layer_stored : recoverable energy of one layer [kN mm].
+    layer_farthest, layer_virgin : what virgin rubber remembers [mm], [1].
+    core_force, maxwell_force : of one core, of the rate-dependent branch [kN].
+    moving_for, resting_for : clock of the lead [s].
+    lead_terms : excess temperatures of the terms of the lead's ends [K].
+    displacement, force : of the bearing [mm], [kN].
+    rubber_force, lead_force, viscous_force : shares of the force [kN].
+    recoverable : energy the bearing would give back [kN mm].
+
+    Either all of them or, as results before 0.2 have them, temperatures alone.
+    """
+
+    temperature: Annotated[list[Degrees], Field(min_length=1, max_length=MOST)]
+    lead_temperature: Degrees | None = None
+    layer_displacement: Annotated[list[Length], Many] | None = None
+    layer_hysteretic: Annotated[list[Length], Many] | None = None
+    layer_stored: Annotated[list[Energy], Many] | None = None
+    layer_farthest: Annotated[list[Length], Many] | None = None
+    layer_virgin: Annotated[list[Share], Many] | None = None
+    core_force: Force | None = None
+    maxwell_force: Force | None = None
+    moving_for: Time | None = None
+    resting_for: Time | None = None
+    displacement: Length | None = None
+    force: Force | None = None
+    rubber_force: Force | None = None
+    lead_force: Force | None = None
+    viscous_force: Force | None = None
+    recoverable: Energy | None = None
+    lead_terms: Annotated[list[Excess], Many] | None = None
+
+    @classmethod
+    def conflicts(cls, given: dict[str, Any]) -> list[str]:
+        """The whole memory, or temperatures alone."""
+        lacking = [name for name in MEMORY if name not in given]
+        if not lacking or len(lacking) == len(MEMORY):
+            return []
+        return [f"a part of the state is missing: {', '.join(lacking)}"]
+
+    @property
+    def whole(self) -> bool:
+        """Whether it holds the memory too, not only temperatures."""
+        return self.layer_displacement is not None
+
+    @property
+    def at(self) -> float:
+        """Displacement of the bearing [mm]."""
+        return self.displacement or 0.0
+
+
+def memory_of(state: State) -> dict[str, Any]:
+    """What a state remembers beside its temperatures, by key of `SpecimenState`."""
+    found: dict[str, Any] = {key: state.layers[name].copy() for key, name in LAYERS.items()}
+    found |= {key: float(state.branches[name][0]) for key, name in BRANCHES.items()}
+    found |= {key: float(state.books[name][0]) for key, name in BOOKS.items()}
+    return found | {ENDS: state.ends.copy()}
+
+
+def specimen_state(
+    temperature: Floats, lead: float, memory: Mapping[str, Any] | None
+) -> SpecimenState:
+    """The record of temperatures [degC] (lead: NaN without) and of what `memory_of` found."""
+    found = {key: np.asarray(value).tolist() for key, value in (memory or {}).items()}
+    found["temperature"] = np.asarray(temperature).tolist()
+    if not math.isnan(lead):
+        found["lead_temperature"] = float(lead)
+    return SpecimenState(**found)
+
+
+def begun_from(given: SpecimenState, constants: Constants, lead: float | None = None) -> State:
+    """The state of a bearing that goes on from where a test left it; its books begin anew.
+
+    Parameters
+    ----------
+    given : where it is.
+    constants : of the same bearing, modelled as it was.
+    lead : temperature of the lead [degC], instead of the given one.
+
+    Raises
+    ------
+    InputError : another number of cells, layers or terms, or numbers that contradict each other.
+    """
+    fault = misfit(given, constants)
+    if fault:
+        raise InputError(f"initial_state: {fault}")
+    lead = given.lead_temperature if lead is None else lead
+    state = new_state(constants, np.array(given.temperature), lead)
+    if given.whole:
+        for key, name in LAYERS.items():
+            state.layers[name] = getattr(given, key)
+        for key, name in BRANCHES.items():
+            state.branches[name] = getattr(given, key)
+        for key, name in BOOKS.items():
+            state.books[name] = getattr(given, key)
+        state.ends[:] = given.lead_terms
+    return state
+
+
+def misfit(given: SpecimenState, constants: Constants) -> str:
+    """Why a bearing cannot begin there; empty if it can."""
+    counts = [("temperatures", "cells", len(given.temperature), len(constants.cells.capacity))]
+    if given.whole:
+        layers = [
+            ("layers", "modelled layers", n, len(constants.multiplicity)) for n in sizes(given)
+        ]
+        terms = len(given.lead_terms or [])
+        counts += [*layers, ("lead_terms", "terms of lead", terms, len(constants.lead_modes))]
+    for what, there, found, wanted in counts:
+        if found != wanted:
+            return (
+                f"has {found} {what}, but the model has {wanted} {there}; go on with the model, "
+                "stack, scheme and lead_ends of the earlier test"
+            )
+    if given.whole:
+        moved = np.array(given.layer_displacement)
+        z, yields = np.abs(given.layer_hysteretic or 0.0), constants.rubber.yield_displacement
+        if z.max() > PASSED * yields:
+            return f"layer_hysteretic reaches {z.max():g} mm; it ends at d_y = {yields:g} mm"
+        scale = max(1.0, float(constants.multiplicity @ np.abs(moved)))
+        if abs(constants.multiplicity @ moved - given.at) > MISSED * scale:
+            return "layer_displacement does not add up to displacement"
+    return ""
+
+
+def sizes(given: SpecimenState) -> list[int]:
+    """How many layers each list of a whole state has."""
+    return [len(getattr(given, key)) for key in LAYERS]
+
+
+def dimension_of(key: str) -> str | None:
+    """The dimension of a part of the memory in a dataset; None for a single number."""
+    return "layer" if key in LAYERS else "lead_term" if key == ENDS else None
+
+
+def attributes_of(key: str) -> dict[str, str]:
+    """Unit and meaning of a part of the memory, for a dataset."""
+    return {"units": unit_of(SpecimenState, key) or "1", "long_name": MEANINGS[key]}

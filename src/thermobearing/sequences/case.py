@@ -1,0 +1,331 @@
+"""Tests one after the other on one specimen, as data: hybrid, cyclic, rests between (Table 3.3)."""
+
+import contextlib
+import re
+from pathlib import Path
+from typing import Annotated, Any, Literal, TypeAlias
+
+from pydantic import Field
+
+from thermobearing.bearing.library import load_bearing
+from thermobearing.bearing.model import Bearing
+from thermobearing.border.errors import InputError, is_file
+from thermobearing.border.overrides import overridden
+from thermobearing.border.schema import Strict, in_unit, validated
+from thermobearing.border.toml import read_toml, split_sources, to_toml
+from thermobearing.cyclic.case import DEFAULT_BEARING, Analysis, Case, Temperature
+from thermobearing.cyclic.protocol import (
+    Cycles,
+    CyclicTest,
+    Ramp,
+    Recorded,
+    Rest,
+    Seconds,
+    Step,
+    survey,
+)
+from thermobearing.cyclic.recording import read_recording
+from thermobearing.cyclic.rig import Rig, settle_rig
+from thermobearing.earthquake.case import (
+    DEFAULTS,
+    EarthquakeAnalysis,
+    EarthquakeCase,
+    Laboratory,
+    Motion,
+    Stepping,
+)
+from thermobearing.model.effort import too_much
+from thermobearing.model.handover import SpecimenState
+from thermobearing.model.options import ModelOptions
+from thermobearing.model.stack import build_stack
+from thermobearing.motions.library import list_motions
+from thermobearing.structure.model import Structure, list_structures, load_structure
+from thermobearing.structure.run import Method
+
+MOST_PARTS = 50
+OWN = {"bearing", "bearings"}  # keys that belong to the specimen, not to a part
+Name = Annotated[str, Field(max_length=60)]
+
+
+class Part(Strict):
+    """What all parts have: a name for folders and tables, and the air if it is another."""
+
+    name: Name = ""
+    ambient: Temperature | None = None
+
+
+class CyclicPart(Part):
+    """Steps of a displacement-controlled test, as in a cyclic case."""
+
+    part: Literal["cyclic"] = "cyclic"
+    dt: Annotated[float, in_unit("s"), Field(ge=1e-6, le=10)] = 0.005
+    steps: Annotated[list[Step], Field(min_length=1, max_length=10_000)]
+
+    def test(self) -> CyclicTest:
+        """The test that is done."""
+        return CyclicTest(name=self.name or "cyclic", dt=self.dt, steps=self.steps)
+
+
+class RestPart(Part):
+    """A pause: for a time, or until every cell is `within` some kelvin of the ambient."""
+
+    part: Literal["rest"] = "rest"
+    duration: Seconds | None = None
+    within: Annotated[float, in_unit("K"), Field(ge=1e-6, le=1000)] | None = None
+
+    @classmethod
+    def conflicts(cls, given: dict[str, Any]) -> list[str]:
+        """One way to end."""
+        return Rest.conflicts(given)
+
+    def test(self) -> CyclicTest:
+        """The test that is done."""
+        rest = Rest(duration=self.duration, within=self.within)
+        return CyclicTest(name=self.name or "rest", steps=[rest])
+
+
+class HybridPart(Part, Stepping):
+    """One run of a hybrid test, as in an earthquake case with the command hybrid."""
+
+    part: Literal["hybrid"] = "hybrid"
+    motion: Motion
+    structure: Structure
+    duration: Annotated[float, in_unit("s"), Field(ge=1e-3, le=1e6)] | None = None
+    laboratory: Laboratory = Laboratory()
+    method: Method = "predictor-corrector"
+
+
+AnyPart: TypeAlias = CyclicPart | RestPart | HybridPart
+
+
+class SequenceAnalysis(ModelOptions):
+    """How to model the specimen, in every part; keep every n-th step of the histories."""
+
+    keep_every: Annotated[int, Field(ge=1)] = 1
+
+
+class SequenceCase(Strict):
+    """Parts one after the other on one specimen; each begins where the one before ended.
+
+    Attributes
+    ----------
+    command : "sequence".
+    name : for titles.
+    bearing : the specimen.
+    ambient : temperature of the air [degC], in [-100, 100]; a part may have its own. The specimen
+        starts at that of the first part.
+    parts : each a table with `part`, "hybrid", "cyclic" or "rest"; at most 50.
+    rig : limits of the rig that is to do them.
+    analysis : how to model the specimen.
+    """
+
+    command: Literal["sequence"] = "sequence"
+    name: Name = "sequence"
+    bearing: Bearing
+    ambient: Temperature
+    parts: Annotated[
+        list[Annotated[AnyPart, Field(discriminator="part")]],
+        Field(min_length=1, max_length=MOST_PARTS),
+    ]
+    rig: Rig | None = None
+    analysis: SequenceAnalysis = SequenceAnalysis()
+
+    def to_toml(self) -> str:
+        """The case with every default filled in, as TOML; reads back to the same bits."""
+        return to_toml(self)
+
+    def label(self, number: int) -> str:
+        """Number and name of a part, for folders and tables."""
+        part = self.parts[number]
+        name = re.sub(r"[^A-Za-z0-9+.]+", "-", part.name).strip("-.") or part.part
+        return f"{number + 1:02d}-{name}"
+
+    def whole_part(self, number: int, state: SpecimenState | None) -> Case | EarthquakeCase:
+        """A part as a case of its own, begun at a state; None for the virgin specimen."""
+        part = self.parts[number]
+        options = {name: getattr(self.analysis, name) for name in SequenceAnalysis.model_fields}
+        common = {
+            "ambient": [self.ambient if part.ambient is None else part.ambient],
+            "rig": self.rig,
+            "initial_state": state,
+        }
+        if isinstance(part, HybridPart):
+            stepping = {name: getattr(part, name) for name in Stepping.model_fields}
+            return EarthquakeCase(
+                command="hybrid",
+                structure=part.structure,
+                bearings=[self.bearing],
+                motions=[part.motion],
+                duration=part.duration,
+                laboratory=part.laboratory,
+                analysis=EarthquakeAnalysis(**(options | stepping)),
+                **common,
+            )
+        return Case(bearing=self.bearing, test=part.test(), analysis=Analysis(**options), **common)
+
+    def faults(self) -> list[str]:
+        """What the parts do to each other and to the specimen."""
+        found = [f"analysis.{text}" for text in self.analysis.misfits(self.bearing)]
+        rubber, at, total = self.bearing.total_rubber_thickness, 0.0, 0.0
+        known = True
+        for number, part in enumerate(self.parts):
+            if isinstance(part, HybridPart):
+                found += [f"parts[{number}]: {text}" for text in self._hybrid_faults(number)]
+                known = False
+                continue
+            test = part.test()
+            moving = [step for step in test.steps if not isinstance(step, Rest)]
+            if not known and moving and not isinstance(moving[0], Ramp):
+                found.append(
+                    f"parts[{number}]: a hybrid test ends where it ends; begin with a ramp, such "
+                    'as { step = "ramp", to = "0 mm", speed = "1 mm/s" }'
+                )
+                known = True
+            faults, steps = survey(test, rubber, at)
+            found += [f"parts[{number}].{text}" for text in faults]
+            known, total = known or bool(moving), total + steps
+            at = end_of(test, rubber, at)
+        cells = len(build_stack(self.bearing, half=self.analysis.half).part)
+        return found or too_much(total, cells, total / self.analysis.keep_every * 3 * cells)
+
+    def _hybrid_faults(self, number: int) -> list[str]:
+        """Those of a hybrid part as a study of its own."""
+        case = self.whole_part(number, None)
+        assert isinstance(case, EarthquakeCase)
+        lines = len(case.structure.bearings)
+        found = [] if lines == 1 else [f"the structure has {lines} bearing lines; it must be one"]
+        return [*found, *case.faults(), *case.length_faults([case.motions[0].load()])]
+
+
+def end_of(test: CyclicTest, rubber: float, at: float) -> float:
+    """Where the bearing is after a test that begins at `at` [mm]."""
+    for step in test.steps:
+        if isinstance(step, Ramp):
+            at = step.target(rubber)
+        elif isinstance(step, Cycles):
+            at = 0.0
+        elif isinstance(step, Recorded):
+            with contextlib.suppress(InputError):  # told by the survey
+                at = float(read_recording(step.file, None)[1][-1])
+    return at
+
+
+def make_sequence_case(
+    table: dict[str, Any], where: str, folder: Path = Path(), **overrides: Any
+) -> SequenceCase:
+    """A checked case from a table of a file and overrides, defaults filled in.
+
+    Parameters
+    ----------
+    table : keys of `SequenceCase`; every number says its unit.
+    where : names the file in messages.
+    folder : paths in the table are relative to it.
+    overrides : values that replace those of the table, by key of `SequenceCase` or of its
+        analysis; None leaves the table's.
+
+    Returns
+    -------
+    SequenceCase
+
+    Raises
+    ------
+    InputError : all faults in one message.
+
+    Examples
+    --------
+    >>> parts = [{"part": "hybrid", "duration": "2 s"}, {"part": "rest", "duration": "1 h"}]
+    >>> case = make_sequence_case({"parts": parts, "ambient": "-20 degC"}, "example")
+    >>> [case.label(k) for k in range(2)]
+    ['01-hybrid', '02-rest']
+    """
+    table = overridden(table, overrides, SequenceCase, {"analysis": SequenceAnalysis})
+    problems: list[str] = []
+    table.setdefault("ambient", "23 degC")
+    bearing = table.setdefault("bearing", DEFAULT_BEARING)
+    if isinstance(bearing, str | Path):
+        try:
+            own = str(bearing).endswith(".toml")
+            table["bearing"] = load_bearing(folder / bearing if own else bearing)
+        except InputError as error:
+            problems += error.lines("bearing")
+            table["bearing"] = load_bearing(DEFAULT_BEARING)  # to find what else is wrong
+    problems += settle_rig(table, folder)
+    if isinstance(table.get("parts"), list):
+        table["parts"] = [
+            _settle_part(problems, f"parts[{k}]", part, folder)
+            for k, part in enumerate(table["parts"])
+        ]
+    try:
+        case = validated(SequenceCase, table, where)
+    except InputError as error:
+        raise InputError([*problems, *error.problems], where) from None
+    problems += case.faults() if not problems else []
+    if problems:
+        raise InputError(problems, where)
+    options = case.analysis.settled(case.bearing)
+    return case.model_copy(update={"analysis": options})
+
+
+def load_sequence_case(path: str | Path, **overrides: Any) -> SequenceCase:
+    r"""A case from TOML; the bearing, structures, motions and rig by name, file or table.
+
+    Parameters
+    ----------
+    path : the case file.
+    overrides : as of `make_sequence_case`.
+
+    Raises
+    ------
+    InputError : all faults of the file in one message.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> file = Path(tempfile.mkdtemp()) / "case.toml"
+    >>> _ = file.write_text('parts = [{ part = "rest", duration = "1 h" }]')
+    >>> load_sequence_case(file).parts[0].part
+    'rest'
+    """
+    path = Path(path)
+    table, _ = split_sources(read_toml(path))
+    return make_sequence_case(table, str(path), path.parent, **overrides)
+
+
+def _settle_part(problems: list[str], key: str, part: Any, folder: Path) -> Any:
+    """A part with defaults, names replaced by what they name, and its files absolute."""
+    if not isinstance(part, dict):
+        return part
+    for name in sorted(OWN & set(part)):
+        problems.append(
+            f"{key}.{name} = {part[name]!r}: one specimen goes through all parts; say the bearing "
+            "once, beside the parts, or run tests of other bearings by themselves"
+        )
+    part = {name: value for name, value in part.items() if name not in OWN}
+    steps = part.get("steps")
+    for step in steps if isinstance(steps, list) else []:
+        if isinstance(step, dict) and isinstance(step.get("file"), str) and step["file"]:
+            step["file"] = str((folder / step["file"]).absolute())
+    if part.get("part") != "hybrid":
+        return part
+    usual = DEFAULTS["hybrid"]
+    part = {"structure": usual["structure"], "motion": usual["motions"][0]} | part
+    part.setdefault("duration", usual["duration"])
+    structure = part["structure"]
+    if isinstance(structure, str):
+        own = structure.endswith(".toml") and structure not in list_structures()
+        try:
+            part["structure"] = load_structure(folder / structure if own else structure)
+        except InputError as error:
+            problems += error.lines(f"{key}.structure")
+            part["structure"] = load_structure(usual["structure"])
+    motion = part["motion"]
+    motion = {"name": motion} if isinstance(motion, str) else motion
+    if isinstance(motion, dict) and isinstance(motion.get("name"), str):
+        name = motion["name"]
+        if name not in list_motions() and is_file(folder / name):
+            motion = motion | {"name": str((folder / name).absolute())}
+        try:
+            validated(Motion, motion, key).load()
+        except InputError as error:
+            problems += error.lines(f"{key}.motion")
+    return part | {"motion": motion}

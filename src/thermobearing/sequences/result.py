@@ -1,0 +1,155 @@
+"""What a sequence left behind: the results of its parts, one table, one figure."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pandas as pd
+
+import thermobearing
+from thermobearing.cyclic.result import Result
+from thermobearing.earthquake.result import EarthquakeResult
+from thermobearing.model.outcomes import INTERRUPTED, SENTENCES
+from thermobearing.results.writing import rig_summary
+from thermobearing.sequences.case import SequenceCase
+
+if TYPE_CHECKING:
+    from thermobearing.sequences.figures import SequenceFigures
+
+PartResult = Result | EarthquakeResult
+
+
+class SequenceResult:
+    """Parts one after the other on one specimen.
+
+    Attributes
+    ----------
+    case : what was asked for.
+    parts : a `Result` of each cyclic part and rest, an `EarthquakeResult` of each hybrid one; as
+        far as they came.
+    interrupted : whether somebody stopped it.
+    """
+
+    def __init__(
+        self, case: SequenceCase, parts: list[PartResult], *, interrupted: bool = False
+    ) -> None:
+        self.case = case
+        self.parts = parts
+        self.interrupted = interrupted
+
+    def __getitem__(self, number: int) -> PartResult:
+        return self.parts[number]
+
+    @property
+    def outcome(self) -> str:
+        """Completed, or what ended a part early."""
+        if self.interrupted:
+            return INTERRUPTED
+        ended = [part.outcome for part in self.parts if part.outcome != "completed"]
+        return ended[0] if ended else "completed"
+
+    @property
+    def sentence(self) -> str:
+        """What the outcome means and what to try."""
+        ended = [part.sentence for part in self.parts if part.outcome != "completed"]
+        return ended[0] if ended else SENTENCES[self.outcome]
+
+    @property
+    def warnings(self) -> list[str]:
+        """Sentences of the parts that a reader must know."""
+        return [
+            f"{self.case.label(k)}: {w}" for k, part in enumerate(self.parts) for w in part.warnings
+        ]
+
+    def history(self, number: int) -> pd.DataFrame:
+        """Time [s], displacement [mm], force [kN] and temperatures [degC] of a part.
+
+        The time of a hybrid part is that of the earthquake, whatever its actuator takes.
+        """
+        part = self.parts[number]
+        data = part.dataset
+        if isinstance(part, EarthquakeResult):
+            rows = np.isfinite(data["time"].values[0])
+            names = {"displacement_mm": "bearing_displacement", "force_kN": "bearing_force"}
+            time = data["time"].values[0]
+        else:
+            rows = data["segment"].values[0] >= 0
+            names = {"displacement_mm": "displacement", "force_kN": "force"}
+            time = part.time(0)
+        frame = {"time_s": time[rows]}
+        frame |= {name: data[key].values[0, rows] for name, key in names.items()}
+        if "rubber_temperature" in data:
+            columns = data["rubber_temperature"].values[0, rows].T
+            frame |= {f"rubber{j}_degC": column for j, column in enumerate(columns, 1)}
+        if self.case.bearing.lead is not None and "lead_temperature" in data:
+            frame["lead_degC"] = data["lead_temperature"].values[0, rows]
+        return pd.DataFrame(frame)
+
+    @property
+    def table(self) -> pd.DataFrame:
+        """One row per part: where it began and ended, what it reached, how it ended."""
+        rows = []
+        for number, part in enumerate(self.parts):
+            history, spec = self.history(number), self.case.parts[number]
+            first, last = history.iloc[0], history.iloc[-1]
+            energy = part.energy.iloc[0]
+            work = "bearing_work_in_kN_mm" if "bearing_work_in_kN_mm" in energy else "work_in_kN_mm"
+            air = self.case.ambient if spec.ambient is None else spec.ambient
+            row: dict[str, Any] = {
+                "part": self.case.label(number),
+                "kind": spec.part,
+                "ambient_degC": air,
+                "outcome": part.outcome,
+                "duration_s": last["time_s"],
+                "displacement_max_mm": history["displacement_mm"].abs().max(),
+                "force_max_kN": history["force_kN"].max(),
+                "force_min_kN": history["force_kN"].min(),
+                "energy_kN_mm": energy[work],
+            }
+            degrees = [str(name) for name in history if str(name).endswith("_degC")]
+            for name in ["displacement_mm", "force_kN", *degrees]:
+                stem, unit = name.rsplit("_", 1)
+                row |= {f"{stem}_start_{unit}": first[name], f"{stem}_end_{unit}": last[name]}
+            rows.append(row)
+        return pd.DataFrame(rows)
+
+    @property
+    def rig(self) -> pd.DataFrame:
+        """What each part asks of each limit of the rig; empty without a rig."""
+        found = []
+        for number, part in enumerate(self.parts):
+            table = part.rig
+            if len(table):
+                table.insert(0, "part", self.case.label(number))
+                found.append(table)
+        return pd.concat(found, ignore_index=True) if found else pd.DataFrame()
+
+    def summary(self) -> dict[str, Any]:
+        """What summary.json says."""
+        rows = self.table.to_dict("records")
+        return {
+            "command": "sequence",
+            "name": self.case.name,
+            "bearing": self.case.bearing.name,
+            "scheme": self.case.analysis.scheme,
+            "version": thermobearing.__version__,
+            "outcome": self.outcome,
+            "warnings": self.warnings,
+            **rig_summary(self.rig),
+            "parts": [
+                {str(k): getattr(v, "item", lambda v=v: v)() for k, v in r.items()} for r in rows
+            ],
+        }
+
+    @property
+    def plot(self) -> "SequenceFigures":
+        """Figures: `result.plot.sequence()`."""
+        from thermobearing.sequences.figures import SequenceFigures
+
+        return SequenceFigures(self)
+
+    def save(self, directory: str | Path, *, force: bool = False, figures: bool = True) -> Path:
+        """Write a result directory with a folder of each part; see docs/files.md."""
+        from thermobearing.sequences.files import save_sequence
+
+        return save_sequence(self, Path(directory), force=force, figures=figures)

@@ -1,0 +1,164 @@
+"""A sequence as data and as files: what is refused, what is written, what is read back."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import tomli_w
+from typer.testing import CliRunner
+
+import thermobearing as tb
+from thermobearing.cli import app
+from thermobearing.sequences import SequenceResult, load_sequence_case, make_sequence_case
+
+CYCLE = {"step": "cycles", "strain": 0.5, "speed": "60 mm/s", "count": 1}
+BACK = {"step": "ramp", "to": "0 mm", "speed": "10 mm/s"}
+CYCLIC = {"part": "cyclic", "name": "CL: 1st", "dt": "20 ms", "steps": [CYCLE]}
+HYBRID = {"part": "hybrid", "duration": "1 s"}
+REST = {"part": "rest", "duration": "10 min", "ambient": "-10 degC"}
+TABLE = {"name": "short", "ambient": "-20 degC", "parts": [CYCLIC, REST, HYBRID]}
+RIG = {"force": "30 kN", "stroke": "200 mm"}
+
+
+def told(table: dict[str, Any]) -> str:
+    with pytest.raises(tb.InputError) as caught:
+        make_sequence_case(TABLE | table, "case.toml")
+    return str(caught.value)
+
+
+BAD: dict[str, tuple[dict[str, Any], list[str]]] = {
+    "another bearing": (
+        {"parts": [CYCLIC, CYCLIC | {"bearing": "shen-lhdr-specimen"}]},
+        ["parts[1].bearing = 'shen-lhdr-specimen'", "one specimen goes through all parts"],
+    ),
+    "bearings of a hybrid test": (
+        {"parts": [HYBRID | {"bearings": ["shen-hdr-bridge"]}]},
+        ["parts[0].bearings", "one specimen"],
+    ),
+    "unknown key": ({"parts": [CYCLIC | {"stepps": []}]}, ["parts[0].stepps", '"steps"']),
+    "unknown key at the top": ({"ambiant": "3 degC"}, ["ambiant", '"ambient"']),
+    "unknown part": ({"parts": [{"part": "hybird"}]}, ["hybird", '"hybrid"']),
+    "no part": ({"parts": [{"duration": "1 s"}]}, ['missing key "parts[0].part"']),
+    "nothing": ({"parts": []}, ["at least 1 entry"]),
+    "no unit": ({"parts": [REST | {"duration": 3}]}, ["parts[0].duration", "no unit"]),
+    "rest twice": ({"parts": [REST | {"within": "1 K"}]}, ["exactly one of duration, within"]),
+    "no ramp after hybrid": ({"parts": [HYBRID, REST, CYCLIC]}, ["parts[2]", "begin with a ramp"]),
+    "not at zero": (
+        {"parts": [CYCLIC | {"steps": [BACK | {"to": "9 mm"}]}, CYCLIC]},
+        ["parts[1].steps[0]", "bearing is at 9 mm"],
+    ),
+    "motion": ({"parts": [HYBRID | {"motion": "jra-i-i-9"}]}, ["parts[0].motion", "jra-i-i-"]),
+    "structure": ({"parts": [HYBRID | {"structure": "hybrid-peer"}]}, ["hybrid-pier"]),
+    "bearing": ({"bearing": "shen-hdr-specimn"}, ["bearing", "shen-hdr-specimen"]),
+    "bilinear": ({"bearing": "shen-bilinear-bridge"}, ["bearing"]),
+    "lead model": ({"analysis": {"model": "lead-alone"}}, ["needs a bearing with lead"]),
+    "rig without unit": ({"rig": {"force": 400}}, ["rig.force = 400", "no unit", "400 kN"]),
+    "rig of no limit": ({"rig": {"name": "x"}}, ["give one limit at least"]),
+    "rig of another name": ({"rig": "shen-rigg"}, ["no rig is called", "shen-rig"]),
+    "rig of no force": ({"rig": {"force": "-3 kN"}}, ["rig.force", "at least 0.001", "kN"]),
+}
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_bad_sequences_get_one_message(name: str) -> None:
+    table, pieces = BAD[name]
+    message = told(table)
+    for piece in pieces:
+        assert piece in message, message
+    assert message.count("one specimen") <= 1
+
+
+@pytest.fixture(scope="module")
+def result() -> SequenceResult:
+    return tb.sequence(TABLE | {"rig": RIG})
+
+
+def test_parts_follow_each_other(result: SequenceResult) -> None:
+    table = result.table
+    assert list(table["part"]) == ["01-CL-1st", "02-rest", "03-hybrid"]
+    assert list(table["ambient_degC"]) == [-20.0, -10.0, -20.0]
+    for name in ("displacement_mm", "force_kN", "rubber3_degC"):
+        stem, unit = name.rsplit("_", 1)
+        ends, starts = table[f"{stem}_end_{unit}"][:-1], table[f"{stem}_start_{unit}"][1:]
+        np.testing.assert_allclose(ends, starts, rtol=1e-6, atol=1e-9)  # single precision
+    assert table["rubber3_end_degC"][1] > table["rubber3_start_degC"][1]  # the air is warmer
+
+
+def test_what_passes_the_rig_is_said_and_goes_on(result: SequenceResult) -> None:
+    assert result.outcome == "completed"
+    assert any("more than the 30 kN of rig" in text for text in result.warnings)
+    assert not any("mm" in text for text in result.warnings)  # the stroke is enough
+    rows = result.rig
+    assert set(rows["limit"]) == {"force", "stroke"}
+    passed = rows[rows["part"] == "01-CL-1st"].set_index("limit")["passed"]
+    assert dict(passed) == {"force": True, "stroke": False}
+    assert result.summary()["rig"] == rows.to_dict("records")
+
+
+def test_files_are_whole_and_read_back(result: SequenceResult, tmp_path: Path) -> None:
+    out = result.save(tmp_path / "out", figures=False)
+    names = sorted(path.name for path in out.iterdir())
+    assert names == ["case.resolved.toml", "parts", "rig.csv", "summary.json", "table.csv"]
+    assert json.loads((out / "summary.json").read_text())["outcome"] == "completed"
+    again = tb.load_result(out)
+    assert isinstance(again, SequenceResult)
+    assert again.table.equals(result.table)
+    assert again.summary() == result.summary()
+    with pytest.raises(tb.OutputError, match="--force"):
+        result.save(out, figures=False)
+    case = load_sequence_case(out / "case.resolved.toml")
+    assert case.to_toml() == result.case.to_toml()
+    assert tb.sequence(case).table.equals(result.table)
+
+
+def test_each_part_runs_again_by_itself(result: SequenceResult, tmp_path: Path) -> None:
+    out = result.save(tmp_path / "out", figures=False)
+    place = out / "parts" / "03-hybrid" / "case.resolved.toml"
+    alone = tb.earthquake.run_earthquake(tb.earthquake.load_earthquake_case(place))
+    assert np.array_equal(alone["bearing_force"], result[2].dataset["bearing_force"])
+
+
+def test_the_command(tmp_path: Path) -> None:
+    case = tmp_path / "case.toml"
+    case.write_text(tomli_w.dumps(TABLE | {"rig": "shen-rig"}))
+    words = ["sequence", str(case), "-o", str(tmp_path / "out"), "--json"]
+    done = CliRunner().invoke(app, words, env={"COLUMNS": "200"})
+    assert done.exit_code == 0, done.output
+    assert "01-CL-1st" in done.output
+    assert "warning" not in done.output
+    assert (tmp_path / "out" / "figures" / "sequence.png").stat().st_size > 5000
+    case.write_text(tomli_w.dumps(TABLE | {"parts": [{"part": "rest"}]}))
+    done = CliRunner().invoke(app, ["sequence", str(case), "-o", str(tmp_path / "new")])
+    assert done.exit_code == 2
+    assert not (tmp_path / "new").exists()
+
+
+def test_a_part_that_ends_early_is_the_last() -> None:
+    hot = CYCLIC | {"steps": [CYCLE | {"strain": 2.5, "speed": "1 m/s", "count": 80}]}
+    found = tb.sequence(TABLE | {"bearing": "shen-lhdr-specimen", "parts": [hot, REST]})
+    assert found.outcome == "temperature_runaway"
+    assert len(found.parts) == 1
+    assert found.sentence
+
+
+def test_a_rig_in_a_test_and_in_a_study() -> None:
+    """The limits of the source, of Table 3.2; the speed of a slow test is that of the specimen."""
+    rig = tb.cyclic.load_rig("shen-rig")
+    assert (rig.force, rig.stroke, rig.speed) == (400.0, 200.0, 630.0)
+    table = {"rig": "shen-rig", "ambient": ["-20 degC"], "bearing": "shen-lhdr-specimen"}
+    test = tb.cyclic_test([2.5], cycles=1, wave="sine", dt=0.02)
+    cold = tb.cyclic.run_case(tb.cyclic.make_case(table, "case", test=test))
+    assert any("more than the 400 kN of shen-rig" in text for text in cold.summary()["warnings"])
+    asked = cold.rig.set_index("limit")
+    assert asked.loc["force", "asked"] == np.abs(cold["force"]).max()
+    assert abs(asked.loc["speed", "asked"] / (30.0 * np.pi / 2.0) - 1.0) < 1e-3
+    assert cold.outcome == "completed"
+    lab = {"mode": "pd", "speed": "10 mm/s"}
+    study = {"command": "hybrid", "rig": {"speed": "9 mm/s"}, "laboratory": lab}
+    case = tb.earthquake.make_earthquake_case(study, "case", ambient=[23.0], duration=1.0)
+    told = tb.earthquake.run_earthquake(case)
+    assert [row["limit"] for row in told.summary()["rig"]] == ["speed", "speed"]
+    assert told.rig["passed"].all()
+    assert any("faster than the 9 mm/s of rig" in text for text in told.warnings)

@@ -1,0 +1,156 @@
+"""A test cut in two, the second begun where the first ended, is the same history run at once."""
+
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import thermobearing as tb
+from tests import tolerances as tol
+from thermobearing.model.handover import ENDS, LAYERS, MEMORY, PREFIX
+
+Result = tb.cyclic.Result
+CYCLES = {"step": "cycles", "strain": 1.5, "wave": "sine", "period": 3.0, "count": 1}
+LOADED = {"step": "ramp", "to_strain": 0.8, "speed": 40.0}
+HELD = {"step": "rest", "duration": 40.0}
+BACK = {"step": "ramp", "to": 0.0, "speed": 25.0}
+FIRST, SECOND = [CYCLES, LOADED], [HELD, BACK, CYCLES]
+SUMS = ("work_in", "heat_released", "heat_lost_ends", "heat_lost_sides", "heat_stored")
+NOW = ("displacement", "force", "rubber_temperature", "temperature")
+BRANCHES = ("rubber_force", "lead_force", "viscous_force", "lead_temperature")
+VIRGIN = {"amplitude": 1.5, "strain": 0.3, "mullins_amplitude": 0.25}
+
+
+def bearing_of(name: str) -> tb.bearing.Bearing:
+    if name != "virgin":
+        return tb.load_bearing(name)
+    table = tb.load_bearing("shen-hdr-specimen").model_dump()
+    return tb.bearing.Bearing.model_validate(table | {"scragging": VIRGIN})
+
+
+def made(steps: list[dict[str, Any]]) -> tb.cyclic.CyclicTest:
+    return tb.cyclic.CyclicTest(dt=0.03, steps=steps)
+
+
+BEARINGS = {
+    "HDR": ("shen-hdr-specimen", {}),
+    "LHDR": ("shen-lhdr-specimen", {}),
+    "natural rubber": ("lrb-example", {}),
+    "virgin": ("virgin", {}),
+    "monotone": ("shen-lhdr-specimen", {"hardening": "monotone"}),
+    "published": ("shen-lhdr-specimen", {"scheme": "published"}),
+    "full": ("shen-hdr-specimen", {"stack": "full", "heat_source": "dissipation"}),
+}
+
+
+def close(found: Any, wanted: Any, name: str) -> None:
+    scale = max(float(np.abs(wanted).max()), 1e-300)
+    assert_allclose(found / scale, wanted / scale, rtol=0, atol=tol.CUT, err_msg=name)
+
+
+@pytest.fixture(scope="module", params=BEARINGS)
+def runs(request: Any) -> tuple[Result, Result, Result, dict[str, Any]]:
+    name, options = BEARINGS[request.param]
+    bearing = bearing_of(name)
+    whole = tb.run(bearing, made(FIRST + SECOND), -20.0, **options)
+    first = tb.run(bearing, made(FIRST), -20.0, **options)
+    second = tb.run(bearing, made(SECOND), -20.0, initial=first, **options)
+    return whole, first, second, {"bearing": bearing, **options}
+
+
+def test_cut_in_two_is_the_whole(runs: tuple[Result, Result, Result, Any]) -> None:
+    whole, first, second, _ = runs
+    cut = first.dataset.sizes["time"] - 1
+    assert abs(first["displacement"].values[0, -1]) > 1.0  # cut while it is loaded
+    for name in (*NOW, *(name for name in BRANCHES if name in whole.dataset)):
+        close(second[name].values[0], whole[name].values[0, cut:], name)
+    for name in SUMS:
+        total = first[name].values[0, -1] + second[name].values[0]
+        close(total, whole[name].values[0, cut:], name)
+    close(second.time(0) + first.time(0)[-1], whole.time(0)[cut:], "time")
+    for key in MEMORY:
+        if PREFIX + key in whole.dataset:
+            close(second[PREFIX + key].values, whole[PREFIX + key].values, key)
+
+
+def test_the_books_of_each_part_close(runs: tuple[Result, Result, Result, Any]) -> None:
+    if runs[3].get("scheme") == "published":
+        return  # its books have gaps by themselves
+    for part in runs[:3]:
+        assert part.energy["mechanical_residual"].abs().max() < tol.ENERGY_BOOKS
+        assert part.energy["thermal_residual"].abs().max() < tol.ENERGY_BOOKS
+
+
+def test_a_directory_hands_over_the_same(tmp_path: Path) -> None:
+    """From result.nc, and from the resolved case of the second part alone: the same bits."""
+    bearing = bearing_of("virgin")
+    first = tb.run(bearing, made(FIRST), -20.0)
+    second = tb.run(bearing, made(SECOND), -20.0, initial=first)
+    saved = first.save(tmp_path / "first", figures=False)
+    for start in (saved, tb.load_result(saved)):
+        read = tb.run(bearing, made(SECOND), -20.0, initial=start)
+        assert np.array_equal(read["force"], second["force"])
+    saved = second.save(tmp_path / "second", figures=False)
+    again = tb.cyclic.run_case(tb.load_case(saved / "case.resolved.toml"))
+    assert again.dataset.drop_attrs().identical(second.dataset.drop_attrs())
+
+
+def test_temperatures_alone_are_handed_over_and_said() -> None:
+    """As a result of version 0.1 has them."""
+    first = tb.run("shen-lhdr-specimen", made(FIRST), -20.0)
+    old = Result(first.dataset.drop_vars([n for n in first.dataset if str(n).startswith(PREFIX)]))
+    second = tb.run("shen-lhdr-specimen", made([HELD]), -20.0, initial=old)
+    assert "temperatures only" in second.warnings[0]
+    assert second["displacement"].values[0, -1] == second["force"].values[0, -1] == 0.0
+    wanted = first["final_temperature"].values
+    assert np.array_equal(second["initial_temperature"].values, wanted)
+    assert not tb.run("shen-lhdr-specimen", made([HELD]), -20.0, initial=first).warnings
+
+
+def test_every_variable_of_the_group_has_unit_and_meaning() -> None:
+    data = tb.run("shen-lhdr-specimen", made([LOADED]), -20.0).dataset
+    for key in MEMORY:
+        assert data[PREFIX + key].attrs["units"], key
+        assert len(data[PREFIX + key].attrs["long_name"]) > 10, key
+    assert data[PREFIX + "layer_displacement"].dims == ("ambient", "layer")
+    assert data[PREFIX + ENDS].dims == ("ambient", "lead_term")
+    assert len(LAYERS) == 5
+
+
+REFUSED = {
+    "another bearing": ({"bearing": "shen-lhdr-specimen"}, "not of this"),
+    "another stack": ({"stack": "full"}, "temperatures, but the model has 37 cells"),
+    "two starts": ({"initial_lead": 3.0}, "needs a bearing with lead"),
+}
+
+
+@pytest.mark.parametrize("change", REFUSED)
+def test_a_state_that_does_not_fit_is_refused(change: str) -> None:
+    first = tb.run("shen-hdr-specimen", made([LOADED]), -20.0)
+    options, piece = REFUSED[change]
+    given: dict[str, Any] = {"bearing": "shen-hdr-specimen", "initial": first} | options
+    with pytest.raises(tb.InputError, match=piece):
+        tb.run(test=made([HELD]), ambient=-20.0, **given)
+    with pytest.raises(tb.InputError, match="bearing is at 24 mm"):
+        tb.run("shen-hdr-specimen", made([CYCLES]), -20.0, initial=first)
+
+
+def test_a_damaged_state_in_a_case_is_told(tmp_path: Path) -> None:
+    first = tb.run("shen-lhdr-specimen", made([LOADED]), -20.0)
+    second = tb.run("shen-lhdr-specimen", made([HELD]), -20.0, initial=first)
+    table = tomllib.loads(second.dataset.attrs["case"])
+    state = table["initial_state"]
+    for change, piece in (
+        ({"layer_displacement": state["layer_displacement"][:-1]}, "modelled layers"),
+        ({"lead_terms": ["1 K"]}, "has 1 lead_terms"),
+        ({"layer_hysteretic": ["900 mm"] * 3}, "layer_hysteretic reaches 900 mm"),
+        ({"displacement": "3 mm"}, "does not add up"),
+        ({"layer_virgin": [7.0] * 3}, "at most 1"),
+        ({"force": None}, "a part of the state is missing: force"),
+    ):
+        broken = {k: v for k, v in (state | change).items() if v is not None}
+        with pytest.raises(tb.InputError, match=piece):
+            tb.cyclic.make_case(table | {"initial_state": broken}, "case")

@@ -1,0 +1,99 @@
+"""Parts of a sequence are one history: the same as in one run, whatever drives the specimen."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from tests import tolerances as tol
+from thermobearing.earthquake.run import build_tasks, run_task
+from thermobearing.model.handover import MEMORY, PREFIX
+from thermobearing.sequences import SequenceCase, make_sequence_case, run_sequence
+
+SINE = {"step": "cycles", "strain": 1.5, "wave": "sine", "period": "3 s", "count": 1}
+LOADED = {"step": "ramp", "to_strain": 0.8, "speed": "40 mm/s"}
+BACK = {"step": "ramp", "to": "0 mm", "speed": "25 mm/s"}
+HYBRID = {"part": "hybrid", "duration": "6 s", "motion": {"name": "jra-ii-ii-1", "factor": 2.0}}
+DT = "30 ms"
+
+
+def case_of(*parts: dict[str, Any], **table: Any) -> SequenceCase:
+    usual = {"bearing": "shen-lhdr-specimen", "ambient": "-20 degC"}
+    return make_sequence_case({**usual, **table, "parts": list(parts)}, "test")
+
+
+def cyclic(*steps: dict[str, Any], **table: Any) -> dict[str, Any]:
+    return {"part": "cyclic", "dt": DT, "steps": list(steps), **table}
+
+
+def the_same_end(found: Any, wanted: Any) -> None:
+    for key in (*(PREFIX + key for key in MEMORY), "final_temperature", "final_lead_temperature"):
+        scale = max(float(np.abs(wanted[key]).max()), 1e-300)
+        one, other = found[key].values / scale, wanted[key].values / scale
+        assert_allclose(one, other, rtol=0, atol=tol.CUT, err_msg=key)
+
+
+def test_cyclic_parts_are_one_test() -> None:
+    """And a rest of its own is a step of rest."""
+    rest = {"step": "rest", "duration": "20 s"}
+    whole = run_sequence(case_of(cyclic(SINE, LOADED, rest, BACK, SINE)))
+    rest_part = {"part": "rest", "duration": "20 s"}
+    # A part of rest has its own longest step; the default of a test is what both have here.
+    parts = run_sequence(case_of(cyclic(SINE, LOADED), cyclic(rest), cyclic(BACK, SINE)))
+    the_same_end(parts[2], whole[0])
+    assert run_sequence(case_of(cyclic(LOADED), rest_part))[1].outcome == "completed"
+    assert_allclose(
+        parts.table["energy_kN_mm"].sum(), whole.table["energy_kN_mm"].sum(), rtol=tol.CUT
+    )
+
+
+def test_a_hybrid_part_is_the_history_that_it_imposed(tmp_path: Path) -> None:
+    """Its displacements recorded, and imposed on the same specimen together with what follows."""
+    case = case_of(cyclic(SINE), HYBRID, cyclic(BACK, SINE))
+    found = run_sequence(case)
+    hybrid = case.whole_part(1, None).model_copy(
+        update={"initial_state": _state_after(case_of(cyclic(SINE)))}
+    )
+    (task,) = build_tasks(hybrid)  # type: ignore[arg-type]
+    books = run_task(task).rows.bearings[:, 0]
+    rows = zip(books["clock"].tolist(), books["displacement"].tolist(), strict=True)
+    file = tmp_path / "hybrid.csv"
+    text = "".join(f"{t!r},{x!r}\n" for t, x in rows)
+    file.write_text("time_s,displacement_mm\n" + text)
+    assert np.abs(books["displacement"]).max() > 15.0
+    recorded = {"step": "recorded", "file": str(file)}
+    whole = run_sequence(case_of(cyclic(SINE, recorded, BACK, SINE)))
+    the_same_end(found[2], whole[0])
+
+
+def _state_after(case: SequenceCase) -> Any:
+    from thermobearing.cyclic.start import final_state
+
+    return final_state(run_sequence(case)[0].dataset, [-20.0])
+
+
+@pytest.mark.parametrize("method", ["predictor-corrector", "average-acceleration"])
+def test_the_force_at_rest_moves_no_structure(method: str) -> None:
+    """It is in balance when the hybrid part begins; and the books of all parts close."""
+    still = {**HYBRID, "motion": {"name": "jra-ii-ii-1", "factor": 1e-6}, "method": method}
+    cooled = {"part": "rest", "duration": "24 h"}  # the rate branch has relaxed
+    found = run_sequence(case_of(cyclic(LOADED), cooled, still))
+    history = found.history(2)
+    assert history["force_kN"].iloc[0] > 100.0
+    assert_allclose(history["displacement_mm"], 24.0, atol=tol.STILL)
+    shaken = run_sequence(case_of(cyclic(LOADED), {**HYBRID, "method": method}))
+    energy = shaken[1].energy.iloc[0]
+    assert abs(energy["mechanical_residual"]) < tol.ENERGY_BOOKS
+    assert abs(energy["thermal_residual"]) < tol.ENERGY_BOOKS
+    if method == "average-acceleration":
+        assert abs(energy["structure_residual"]) < tol.STRUCTURE_BOOKS
+
+
+def test_history_matters() -> None:
+    """A specimen that was loaded answers a hybrid test otherwise than a virgin one."""
+    alone = run_sequence(case_of(HYBRID)).table.iloc[-1]
+    after = run_sequence(case_of(cyclic(SINE), HYBRID)).table.iloc[-1]
+    assert after["rubber3_start_degC"] > alone["rubber3_start_degC"] + 1.0
+    assert abs(after["force_max_kN"] / alone["force_max_kN"] - 1.0) > 1e-3
