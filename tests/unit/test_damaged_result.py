@@ -1,5 +1,6 @@
 """A result that was cut off or changed is told before anything reads it."""
 
+import io
 import os
 from collections.abc import Callable
 from pathlib import Path
@@ -24,7 +25,7 @@ def flipped(raw: bytes) -> bytes:
 
 def again(raw: bytes) -> bytes:
     """The same numbers, as another program would save them."""
-    dataset = xr.load_dataset(raw, engine="h5netcdf")
+    dataset = xr.load_dataset(io.BytesIO(raw), engine="h5netcdf")
     return bytes(dataset.drop_vars("force").to_netcdf(engine="h5netcdf"))
 
 
