@@ -10,9 +10,11 @@ import thermobearing
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.core.records import Floats, Rows, labels
 from thermobearing.core.types import Books
+from thermobearing.cyclic.label import stack_labels
 from thermobearing.earthquake.case import EarthquakeCase
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.model.earlier import BLIND
+from thermobearing.model.options import BearingModel
 from thermobearing.model.outcomes import INTERRUPTED
 from thermobearing.model.outcomes import SENTENCES as RUN_SENTENCES
 from thermobearing.model.temperature import outside_law
@@ -67,6 +69,7 @@ ACROSS = {  # histories with one number per layer, body or cell: dimension, unit
     "rubber_temperature": ("layer", "degC", "mid-thickness temperature of the rubber layers"),
     "body_acceleration": ("body", "m/s2", "absolute acceleration of the masses of each body"),
 }
+CELLS = ("cell", "degC", "temperature of the cells, the first at the upper face")
 BEARING_ENERGIES = (
     "work_in",
     "heat_released",
@@ -92,13 +95,16 @@ def label_study(
             part = trace[name][::every]
             rows[run, : len(part)] = part
         data[name] = (("run", "step"), rows, {"units": unit_name, "long_name": long_name})
-    for name, (dimension, unit_name, long_name) in ACROSS.items():
+    across = ACROSS | ({"temperature": CELLS} if "cells" in case.analysis.keep else {})
+    for name, (dimension, unit_name, long_name) in across.items():
         parts = [trace[name][::every] for trace in traces]
         wide = np.full((len(parts), length, _widest(parts)), np.nan, dtype=np.float32)
         for run, part in enumerate(parts):
             wide[run, : len(part), : part.shape[1]] = part
         about = {"units": unit_name, "long_name": long_name}
         data[name] = (("run", "step", dimension), wide, about)
+    if "temperature" in across:
+        data |= _stacks(tasks, data["temperature"][1].shape[2])
     for name, values, unit_name in _scalars(tasks, histories, traces):
         data[name] = (("run",), values, {"units": unit_name})
     dataset = xr.Dataset(
@@ -162,6 +168,28 @@ def _traces(task: "Task", history: StructureHistory) -> dict[str, Floats]:
         ),
         "lead_temperature": bearing["lead_temperature"] if lead else missing,
         "rubber_temperature": history.layers() if heat else np.empty((len(q), 0)),
+        "temperature": history.cells() if heat else np.empty((len(q), 0)),
+    }
+
+
+def _stacks(tasks: Sequence["Task"], cells: int) -> dict[str, Any]:
+    """What the cells of each run are: thickness and depth, padded with NaN, and part."""
+    shape = len(tasks), cells
+    depth, thickness = np.full(shape, np.nan), np.full(shape, np.nan)
+    part = np.full(shape, "", dtype="<U32")
+    for run, task in enumerate(tasks):
+        if task.device.stack is None:
+            continue
+        model = BearingModel(task.device.stack, task.device.constants, task.case.analysis)
+        labels_ = stack_labels(model)
+        own = slice(0, len(labels_.depth))
+        depth[run, own], thickness[run, own] = labels_.depth, labels_.thickness
+        part[run, own] = labels_.part
+    about = {"units": "mm", "long_name": "distance of the cell centre from the upper face"}
+    return {
+        "depth": (("run", "cell"), depth, about),
+        "cell_thickness": (("run", "cell"), thickness, {"units": "mm"}),
+        "part": (("run", "cell"), part, {"units": "", "long_name": "what the cell is"}),
     }
 
 
