@@ -49,7 +49,6 @@ HISTORIES = (  # name, unit, long name
     ("pier_top_displacement", "mm", "displacement of the pier top relative to the ground"),
     ("deck_displacement", "mm", "displacement of the deck relative to the ground"),
     ("deck_acceleration", "m/s2", "absolute acceleration of the deck"),
-    ("deck_relative_acceleration", "m/s2", "acceleration of the deck relative to the ground"),
     ("pier_top_acceleration", "m/s2", "absolute acceleration of the pier top"),
     ("pier_rotation", "rad", "rotation of the first hinge"),
     ("pier_moment", "kN m", "moment of the first hinge"),
@@ -97,7 +96,11 @@ def label_study(
         data[name] = (("run", "step"), rows, {"units": unit_name, "long_name": long_name})
     across = ACROSS | ({"temperature": CELLS} if "cells" in case.analysis.keep else {})
     for name, (dimension, unit_name, long_name) in across.items():
-        parts = [trace[name][::every] for trace in traces]
+        parts = (
+            [_bodies(task, history) for task, history in zip(tasks, histories, strict=True)]
+            if name == "body_acceleration"
+            else [trace[name][::every] for trace in traces]
+        )
         wide = np.full((len(parts), length, _widest(parts)), np.nan, dtype=np.float32)
         for run, part in enumerate(parts):
             wide[run, : len(part), : part.shape[1]] = part
@@ -135,10 +138,7 @@ def _traces(task: "Task", history: StructureHistory) -> dict[str, Floats]:
     top = displacement_row(structure, report.pier, report.pier_top)
     base = displacement_row(structure, report.pier_base, report.pier_top)
     deck = unit(structure, f"{report.deck} x")
-    bodies = [
-        displacement_row(structure, body.name, mean_height(structure, body.name))
-        for body in structure.bodies
-    ]
+    moved = np.array([deck, top]) @ a.T / MM_PER_M  # relative to the ground
     missing = np.full(len(q), np.nan)
     ground = task.shaking.ground[: len(q)] / MM_PER_M
     thickness = task.device.bearing.total_rubber_thickness
@@ -158,10 +158,8 @@ def _traces(task: "Task", history: StructureHistory) -> dict[str, Floats]:
         "pier_displacement": q @ (top - base),
         "pier_top_displacement": q @ top,
         "deck_displacement": q @ deck,
-        "deck_acceleration": a @ deck / MM_PER_M + ground,
-        "deck_relative_acceleration": a @ deck / MM_PER_M,
-        "pier_top_acceleration": a @ top / MM_PER_M + ground,
-        "body_acceleration": a @ np.array(bodies).T / MM_PER_M + ground[:, None],
+        "deck_acceleration": moved[0] + ground,
+        "pier_top_acceleration": moved[1] + ground,
         "pier_rotation": history.hinge()["rotation"] if structure.hinges else missing,
         "pier_moment": (
             history.hinge()["moment"] / KN_MM_PER_KN_M if structure.hinges else missing
@@ -170,6 +168,18 @@ def _traces(task: "Task", history: StructureHistory) -> dict[str, Floats]:
         "rubber_temperature": history.layers() if heat else np.empty((len(q), 0)),
         "temperature": history.cells() if heat else np.empty((len(q), 0)),
     }
+
+
+def _bodies(task: "Task", history: StructureHistory) -> Floats:
+    """Absolute acceleration of the masses of each body, at the steps that are kept [m/s2]."""
+    structure, every = task.case.structure, task.case.analysis.keep_every
+    rows = [
+        displacement_row(structure, body.name, mean_height(structure, body.name))
+        for body in structure.bodies
+    ]
+    a = history.rows.a[::every]
+    ground = task.shaking.ground[: len(history.rows.a) : every]
+    return np.asarray((np.array(rows) @ a.T + ground).T / MM_PER_M)
 
 
 def _stacks(tasks: Sequence["Task"], cells: int) -> dict[str, Any]:
