@@ -89,10 +89,7 @@ def label_study(
     length = max((len(trace["time"][::every]) for trace in traces), default=0)
     data: dict[str, Any] = {}
     for name, unit_name, long_name in (("time", "s", "time"), *HISTORIES):
-        rows = np.full((len(traces), length), np.nan, dtype=np.float32)
-        for run, trace in enumerate(traces):
-            part = trace[name][::every]
-            rows[run, : len(part)] = part
+        rows = _padded([trace[name][::every] for trace in traces], (length,))
         data[name] = (("run", "step"), rows, {"units": unit_name, "long_name": long_name})
     across = ACROSS | ({"temperature": CELLS} if "cells" in case.analysis.keep else {})
     for name, (dimension, unit_name, long_name) in across.items():
@@ -101,9 +98,7 @@ def label_study(
             if name == "body_acceleration"
             else [trace[name][::every] for trace in traces]
         )
-        wide = np.full((len(parts), length, _widest(parts)), np.nan, dtype=np.float32)
-        for run, part in enumerate(parts):
-            wide[run, : len(part), : part.shape[1]] = part
+        wide = _padded(parts, (length, max((part.shape[1] for part in parts), default=0)))
         about = {"units": unit_name, "long_name": long_name}
         data[name] = (("run", "step", dimension), wide, about)
     if "temperature" in across:
@@ -125,9 +120,15 @@ def label_study(
     return EarthquakeResult(dataset)
 
 
-def _widest(parts: Sequence[Floats]) -> int:
-    """Columns of the widest of several tables."""
-    return max((part.shape[1] for part in parts), default=0)
+def _padded(parts: Sequence[Floats], shape: tuple[int, ...]) -> Any:
+    """Tables of several runs in one, of that shape each, with NaN where a table ends."""
+    whole = np.empty((len(parts), *shape), dtype=np.float32)
+    for run, part in enumerate(parts):
+        inside = tuple(slice(0, size) for size in part.shape)
+        if part.shape != shape:
+            whole[run] = np.nan
+        whole[run][inside] = part
+    return whole
 
 
 def _traces(task: "Task", history: StructureHistory) -> dict[str, Floats]:

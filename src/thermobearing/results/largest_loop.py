@@ -134,5 +134,6 @@ def largest_loop(
         area=area,
         total_rubber_thickness=total_rubber_thickness,
         work=None if work is None else float(histories[2][-1] - histories[2][0]),
+        slope=False,  # of a loop among others it says little
     )
     return LargestLoop(*found, measures)
