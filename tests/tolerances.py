@@ -236,3 +236,4 @@ PALETTE_SHARE = 2e-3  # of the points are farther off
 HISTORY_DIGITS = 1e-6  # of the largest: sums of histories kept with seven digits
 SECOND_DIFFERENCE = 0.02  # of the largest acceleration: displacements with seven digits over dt^2
 SIMILAR = 1e-9  # of the peak: the same test in other units, two thousand steps of rounding
+HEAT_OF_CELLS = 1e-4  # single precision of the cells, at -20 degC 1e-6 K of some kelvin

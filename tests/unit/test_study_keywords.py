@@ -30,6 +30,7 @@ VALUES: dict[str, Any] = {
     "lead_ends": "finite-plate",
     "upper_face": EndFace(eta=1.5),
     "lower_face": EndFace(eta=2.5),
+    "keep": ("rubber", "cells"),
     "keep_every": 7,
     "stack": "full",
     "model": "single-temperature",

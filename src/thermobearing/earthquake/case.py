@@ -31,6 +31,7 @@ from thermobearing.structure.model import (
 from thermobearing.structure.run import Method
 
 Command = Literal["bridge", "hybrid"]
+Kept = Literal["rubber", "cells"]  # temperatures
 DEFAULTS: dict[str, dict[str, Any]] = {
     "bridge": {
         "structure": "pier-p1",
@@ -104,9 +105,20 @@ class Stepping(Strict):
 
 
 class EarthquakeAnalysis(ModelOptions, Stepping):
-    """How to compute, and what to keep. Options of lead pass by a bearing that has none."""
+    """How to compute, and what to keep. Options of lead pass by a bearing that has none.
+
+    `keep` may name "cells": temperatures through the height, besides those of the layers.
+    """
 
     keep_every: Annotated[int, Field(ge=1)] = 2
+    keep: tuple[Kept, ...] = ("rubber",)
+
+    @field_validator("keep")
+    @classmethod
+    def _with_rubber(cls, keep: tuple[str, ...]) -> tuple[str, ...]:
+        if "rubber" not in keep:
+            raise ValueError('tables and warnings need "rubber"')
+        return keep
 
 
 Device = Annotated[Bearing | BilinearBearing, Field(discriminator="kind")]

@@ -4,7 +4,7 @@ Rows are bearings, columns motions, colours ambient temperatures from cold (blue
 A study with many motions shows the first few; the table has them all.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from thermobearing.earthquake.loop_figures import draw_largest_loops, draw_modes, has_loops
 from thermobearing.earthquake.modes import has_both
+from thermobearing.earthquake.profile_figure import draw_profiles
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.results import drawing
 
@@ -192,6 +193,19 @@ class EarthquakeFigures:
         draw = self._time("bearing_speed")
         return self._grid("loading speed", "time [s]", "speed [mm/s]", draw)
 
+    def profiles(self, times: Sequence[float] | None = None) -> Figure:
+        """Temperature through the height, the bearings below each other, as Fig. 4.14 and 5.17.
+
+        Parameters
+        ----------
+        times : since the start of the motion [s], at most 8; quarters of it by default.
+
+        Raises
+        ------
+        InputError : the study did not keep cells, or a time is not in it.
+        """
+        return draw_profiles(self._result, times)
+
     def shares(self) -> Figure:
         """Shares of rubber, lead and rate dependence in the force, as Fig. 5.15 and 5.16.
 
@@ -296,6 +310,8 @@ class EarthquakeFigures:
             figures["hinge"] = self.hinge
         if np.isfinite(self._data["rubber_temperature"].values).any():
             figures["temperature"] = self.temperature
+        if np.isfinite(self._data.get("depth", np.nan)).any():
+            figures["profiles"] = self.profiles
         if np.isfinite(self._data["lead_temperature"].values).any():
             figures["shares"] = self.shares
         if self._data.attrs["command"] == "hybrid":

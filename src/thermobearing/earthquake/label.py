@@ -10,10 +10,12 @@ import thermobearing
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.core.records import Floats, Rows, labels
 from thermobearing.core.types import Books
+from thermobearing.cyclic.label import stack_labels
 from thermobearing.cyclic.rig import asked_of, beyond
 from thermobearing.earthquake.case import EarthquakeCase
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.model.earlier import BLIND
+from thermobearing.model.options import BearingModel
 from thermobearing.model.outcomes import INTERRUPTED
 from thermobearing.model.outcomes import SENTENCES as RUN_SENTENCES
 from thermobearing.model.temperature import outside_law
@@ -48,7 +50,6 @@ HISTORIES = (  # name, unit, long name
     ("pier_top_displacement", "mm", "displacement of the pier top relative to the ground"),
     ("deck_displacement", "mm", "displacement of the deck relative to the ground"),
     ("deck_acceleration", "m/s2", "absolute acceleration of the deck"),
-    ("deck_relative_acceleration", "m/s2", "acceleration of the deck relative to the ground"),
     ("pier_top_acceleration", "m/s2", "absolute acceleration of the pier top"),
     ("pier_rotation", "rad", "rotation of the first hinge"),
     ("pier_moment", "kN m", "moment of the first hinge"),
@@ -68,6 +69,7 @@ ACROSS = {  # histories with one number per layer, body or cell: dimension, unit
     "rubber_temperature": ("layer", "degC", "mid-thickness temperature of the rubber layers"),
     "body_acceleration": ("body", "m/s2", "absolute acceleration of the masses of each body"),
 }
+CELLS = ("cell", "degC", "temperature of the cells, the first at the upper face")
 BEARING_ENERGIES = (
     "work_in",
     "heat_released",
@@ -88,18 +90,20 @@ def label_study(
     length = max((len(trace["time"][::every]) for trace in traces), default=0)
     data: dict[str, Any] = {}
     for name, unit_name, long_name in (("time", "s", "time"), *HISTORIES):
-        rows = np.full((len(traces), length), np.nan, dtype=np.float32)
-        for run, trace in enumerate(traces):
-            part = trace[name][::every]
-            rows[run, : len(part)] = part
+        rows = _padded([trace[name][::every] for trace in traces], (length,))
         data[name] = (("run", "step"), rows, {"units": unit_name, "long_name": long_name})
-    for name, (dimension, unit_name, long_name) in ACROSS.items():
-        parts = [trace[name][::every] for trace in traces]
-        wide = np.full((len(parts), length, _widest(parts)), np.nan, dtype=np.float32)
-        for run, part in enumerate(parts):
-            wide[run, : len(part), : part.shape[1]] = part
+    across = ACROSS | ({"temperature": CELLS} if "cells" in case.analysis.keep else {})
+    for name, (dimension, unit_name, long_name) in across.items():
+        parts = (
+            [_bodies(task, history) for task, history in zip(tasks, histories, strict=True)]
+            if name == "body_acceleration"
+            else [trace[name][::every] for trace in traces]
+        )
+        wide = _padded(parts, (length, max((part.shape[1] for part in parts), default=0)))
         about = {"units": unit_name, "long_name": long_name}
         data[name] = (("run", "step", dimension), wide, about)
+    if "temperature" in across:
+        data |= _stacks(tasks, data["temperature"][1].shape[2])
     for name, values, unit_name in _scalars(tasks, histories, traces):
         data[name] = (("run",), values, {"units": unit_name})
     dataset = xr.Dataset(
@@ -117,9 +121,15 @@ def label_study(
     return EarthquakeResult(dataset)
 
 
-def _widest(parts: Sequence[Floats]) -> int:
-    """Columns of the widest of several tables."""
-    return max((part.shape[1] for part in parts), default=0)
+def _padded(parts: Sequence[Floats], shape: tuple[int, ...]) -> Any:
+    """Tables of several runs in one, of that shape each, with NaN where a table ends."""
+    whole = np.empty((len(parts), *shape), dtype=np.float32)
+    for run, part in enumerate(parts):
+        inside = tuple(slice(0, size) for size in part.shape)
+        if part.shape != shape:
+            whole[run] = np.nan
+        whole[run][inside] = part
+    return whole
 
 
 def _traces(task: "Task", history: StructureHistory) -> dict[str, Floats]:
@@ -130,10 +140,7 @@ def _traces(task: "Task", history: StructureHistory) -> dict[str, Floats]:
     top = displacement_row(structure, report.pier, report.pier_top)
     base = displacement_row(structure, report.pier_base, report.pier_top)
     deck = unit(structure, f"{report.deck} x")
-    bodies = [
-        displacement_row(structure, body.name, mean_height(structure, body.name))
-        for body in structure.bodies
-    ]
+    moved = np.array([deck, top]) @ a.T / MM_PER_M  # relative to the ground
     missing = np.full(len(q), np.nan)
     ground = task.shaking.ground[: len(q)] / MM_PER_M
     thickness = task.device.bearing.total_rubber_thickness
@@ -153,16 +160,48 @@ def _traces(task: "Task", history: StructureHistory) -> dict[str, Floats]:
         "pier_displacement": q @ (top - base),
         "pier_top_displacement": q @ top,
         "deck_displacement": q @ deck,
-        "deck_acceleration": a @ deck / MM_PER_M + ground,
-        "deck_relative_acceleration": a @ deck / MM_PER_M,
-        "pier_top_acceleration": a @ top / MM_PER_M + ground,
-        "body_acceleration": a @ np.array(bodies).T / MM_PER_M + ground[:, None],
+        "deck_acceleration": moved[0] + ground,
+        "pier_top_acceleration": moved[1] + ground,
         "pier_rotation": history.hinge()["rotation"] if structure.hinges else missing,
         "pier_moment": (
             history.hinge()["moment"] / KN_MM_PER_KN_M if structure.hinges else missing
         ),
         "lead_temperature": bearing["lead_temperature"] if lead else missing,
         "rubber_temperature": history.layers() if heat else np.empty((len(q), 0)),
+        "temperature": history.cells() if heat else np.empty((len(q), 0)),
+    }
+
+
+def _bodies(task: "Task", history: StructureHistory) -> Floats:
+    """Absolute acceleration of the masses of each body, at the steps that are kept [m/s2]."""
+    structure, every = task.case.structure, task.case.analysis.keep_every
+    rows = [
+        displacement_row(structure, body.name, mean_height(structure, body.name))
+        for body in structure.bodies
+    ]
+    a = history.rows.a[::every]
+    ground = task.shaking.ground[: len(history.rows.a) : every]
+    return np.asarray((np.array(rows) @ a.T + ground).T / MM_PER_M)
+
+
+def _stacks(tasks: Sequence["Task"], cells: int) -> dict[str, Any]:
+    """What the cells of each run are: thickness and depth, padded with NaN, and part."""
+    shape = len(tasks), cells
+    depth, thickness = np.full(shape, np.nan), np.full(shape, np.nan)
+    part = np.full(shape, "", dtype="<U32")
+    for run, task in enumerate(tasks):
+        if task.device.stack is None:
+            continue
+        model = BearingModel(task.device.stack, task.device.constants, task.case.analysis)
+        labels_ = stack_labels(model)
+        own = slice(0, len(labels_.depth))
+        depth[run, own], thickness[run, own] = labels_.depth, labels_.thickness
+        part[run, own] = labels_.part
+    about = {"units": "mm", "long_name": "distance of the cell centre from the upper face"}
+    return {
+        "depth": (("run", "cell"), depth, about),
+        "cell_thickness": (("run", "cell"), thickness, {"units": "mm"}),
+        "part": (("run", "cell"), part, {"units": "", "long_name": "what the cell is"}),
     }
 
 

@@ -60,7 +60,6 @@ HISTORY = {  # columns of a history: name in the dataset
     "pier_moment_kN_m": "pier_moment",
     "pier_top_acceleration_m_s2": "pier_top_acceleration",
     "deck_displacement_mm": "deck_displacement",
-    "deck_relative_acceleration_m_s2": "deck_relative_acceleration",
     "deck_acceleration_m_s2": "deck_acceleration",
     "lead_degC": "lead_temperature",
 }
@@ -227,6 +226,9 @@ class EarthquakeResult:
         frame = pd.DataFrame(
             {name: data[key].values[:count] for name, key in HISTORY.items() if key in data}
         )
+        absolute, ground = frame["deck_acceleration_m_s2"], frame["ground_m_s2"]
+        place = list(frame.columns).index("deck_acceleration_m_s2")
+        frame.insert(place, "deck_relative_acceleration_m_s2", absolute - ground)
         if "body" in data.coords:
             told = {str(data.attrs[part]) for part in ("deck", "pier")}
             for k, body in enumerate(data["body"].values):

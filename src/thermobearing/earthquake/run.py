@@ -107,6 +107,7 @@ def run_task(task: Task) -> StructureHistory:
         method=case.analysis.method,
         noise=noise,
         delay=0.0 if lab is None else lab.delay,
+        keep_cells="cells" in case.analysis.keep,
     )
     if history.outcome == "completed" and largest_strain(task, history) > task.device.tears:
         return replace(history, outcome=NOT_PHYSICAL)
@@ -131,7 +132,8 @@ def refuse_too_much(
         layers, cells = len(device.constants.multiplicity), len(device.constants.cells.capacity)
         # Some three iterations; elimination takes as long for a number as a cell for 15.
         work = climates * (3.0 * lines * (cells + 5.0 * layers) + coordinates**3 / 15.0)
-        kept = climates * (20.0 + 3.0 * coordinates + lines * (20.0 + layers))
+        profiles = cells if "cells" in case.analysis.keep else 0
+        kept = climates * (20.0 + 4.0 * coordinates + lines * (20.0 + layers + profiles))
         runs += [(float(case.steps_of(motion)[0]), work, kept) for motion in motions]
     found = study_too_much(runs)
     if found:

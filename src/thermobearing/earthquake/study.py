@@ -9,7 +9,7 @@ from typing import Any, Never, TypeAlias, TypeVar
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError, nearest
-from thermobearing.earthquake.case import Command, Laboratory, Motion, make_earthquake_case
+from thermobearing.earthquake.case import Command, Kept, Laboratory, Motion, make_earthquake_case
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.earthquake.run import Progress, run_earthquake
 from thermobearing.model.constants import Hardening, HeatSource, Integrator, LeadEnds
@@ -44,6 +44,7 @@ def bridge(
     lower_face: EndFace | None = None,
     stack: Stacked | None = None,
     model: Model | None = None,
+    keep: Sequence[Kept] | None = None,
     keep_every: int | None = None,
     laboratory: Laboratory | dict[str, Any] | None = None,
     executor: Executor | None = None,
@@ -78,6 +79,8 @@ def bridge(
     upper_face, lower_face : heat exchange of the end faces; eta_B = 2 by default.
     stack : "auto" (default), "half" or "full" height.
     model : "multi-layer" (default) or an earlier model to compare with (model/earlier.py).
+    keep : histories of temperatures: ["rubber"] by default; ["rubber", "cells"] for the profiles
+        through the height too.
     keep_every : keep every n-th step of the histories, >= 1; 2 by default.
     laboratory : of a specimen in the loop, see `hybrid`; none by default.
     executor : any `concurrent.futures` executor; threads by default.
@@ -123,6 +126,7 @@ def bridge(
         lower_face=lower_face,
         stack=stack,
         model=model,
+        keep=keep,
         keep_every=keep_every,
         laboratory=laboratory,
     )
@@ -149,6 +153,7 @@ def hybrid(
     lower_face: EndFace | None = None,
     stack: Stacked | None = None,
     model: Model | None = None,
+    keep: Sequence[Kept] | None = None,
     keep_every: int | None = None,
     laboratory: Laboratory | dict[str, Any] | None = None,
     executor: Executor | None = None,
@@ -171,7 +176,7 @@ def hybrid(
         `seed`; numbers as text with their unit.
     weather, duration, dt, mass, damping, scheme, integrator : as of `bridge`.
     hardening, heat_source, lead_ends, upper_face, lower_face, stack, model : as of `bridge`.
-    keep_every, executor, progress, misspelt : as of `bridge`.
+    keep, keep_every, executor, progress, misspelt : as of `bridge`.
 
     Returns
     -------
@@ -212,6 +217,7 @@ def hybrid(
         lower_face=lower_face,
         stack=stack,
         model=model,
+        keep=keep,
         keep_every=keep_every,
         laboratory=laboratory,
     )

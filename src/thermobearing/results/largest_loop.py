@@ -8,7 +8,7 @@ belongs to no loop; one within 2 % of the largest displacement is none.
 """
 
 from dataclasses import dataclass
-from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,41 +45,49 @@ def find_largest_loop(displacement: Floats) -> tuple[int, int] | None:
     (2, 6)
     """
     d = np.asarray(displacement, float)
-    limit = NOISE * float(np.abs(d).max()) if len(d) else 0.0
-    side = np.where(d > limit, 1, np.where(d < -limit, -1, 0))
-    known = np.flatnonzero(side)
-    if limit == 0.0:
+    peak = int(np.abs(d).argmax()) if len(d) else 0
+    if not len(d) or d[peak] == 0.0:
         return None
-    ends = np.flatnonzero(np.diff(side[known], prepend=0, append=0))  # excursions on one side
-    peaks = [int(a + np.abs(d[a:b]).argmax()) for a, b in pairwise([*known[ends[:-1]], len(d)])]
-    largest = int(np.argmax(np.abs(d[peaks])))
-    neighbours = [k for k in (largest + 1, largest - 1) if 0 <= k < len(peaks)]
-    around = {
-        k: (_zero_before(d, peaks[k], limit), _zero_after(d, peaks[k], limit))
-        for k in (largest, *neighbours)
-    }
-    closed = [k for k in neighbours if None not in around[k]]
-    if None in around[largest] or not closed:
+    e = d / d[peak]  # 1 at the peak
+    after, before = _look_from(e[peak:]), _look_from(e[peak::-1])
+    if after.own_end is None or before.own_end is None:
         return None
-    other = max(closed, key=lambda k: abs(d[peaks[k]]))
-    first, last = around[min(largest, other)][0], around[max(largest, other)][1]
-    return None if first is None or last is None else (first, last)
+    if after.next_end is not None and (before.next_end is None or after.depth >= before.depth):
+        return peak - before.own_end, peak + after.next_end
+    if before.next_end is not None:
+        return peak - before.next_end, peak + after.own_end
+    return None
 
 
-def _zero_before(d: Floats, peak: int, limit: float) -> int | None:
-    """Last point at or past zero before a peak; the first one if it is within the limit."""
-    beyond = np.flatnonzero(d[:peak] * d[peak] <= 0.0)
-    if len(beyond):
-        return int(beyond[-1])
-    return 0 if abs(d[0]) <= limit else None
+class _Side(NamedTuple):
+    """What follows a peak: where its excursion is back at zero, the next one and its end."""
+
+    own_end: int | None
+    depth: float
+    next_end: int | None
 
 
-def _zero_after(d: Floats, peak: int, limit: float) -> int | None:
-    """First point at or past zero after a peak; the last one if it is within the limit."""
-    beyond = np.flatnonzero(d[peak:] * d[peak] <= 0.0)
-    if len(beyond):
-        return int(peak + beyond[0])
-    return len(d) - 1 if abs(d[-1]) <= limit else None
+def _look_from(e: Floats) -> _Side:
+    """Along a history that begins at its peak, 1; the next excursion is that beyond -NOISE."""
+    own_end = _back_at_zero(e)
+    beyond = e < -NOISE
+    first = int(beyond.argmax())
+    if not beyond[first]:
+        return _Side(own_end, 0.0, None)
+    back = e[first:] > NOISE
+    stop = first + int(back.argmax()) if back.any() else len(e)
+    deepest = first + int(e[first:stop].argmin())
+    end = _back_at_zero(-e[deepest:])
+    return _Side(own_end, float(-e[deepest]), None if end is None else deepest + end)
+
+
+def _back_at_zero(e: Floats) -> int | None:
+    """First point at or past zero of an excursion; the last point if it is next to zero."""
+    past = e <= 0.0
+    first = int(past.argmax())
+    if past[first]:
+        return first
+    return len(e) - 1 if e[-1] <= NOISE else None
 
 
 def largest_loop(
@@ -126,5 +134,6 @@ def largest_loop(
         area=area,
         total_rubber_thickness=total_rubber_thickness,
         work=None if work is None else float(histories[2][-1] - histories[2][0]),
+        slope=False,  # of a loop among others it says little
     )
     return LargestLoop(*found, measures)

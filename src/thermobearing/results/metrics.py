@@ -114,6 +114,7 @@ def measure_cycle(
     area: float,
     total_rubber_thickness: float,
     work: float | None = None,
+    slope: bool = True,
 ) -> CycleMeasures:
     """Measures of one closed cycle.
 
@@ -123,6 +124,7 @@ def measure_cycle(
     area : gross plan area [mm2].
     total_rubber_thickness : [mm].
     work : energy of the cycle, where it is known better than from the points given [kN mm].
+    slope : fit the post-yield stiffness, which takes most of the time; else it is NaN.
 
     Raises
     ------
@@ -156,7 +158,7 @@ def measure_cycle(
         energy_kN_mm=energy,
         stiffness_kN_mm=stiffness,
         characteristic_strength_kN=0.5 * (up - down),
-        post_yield_stiffness_kN_mm=_loading_slope(d, f),
+        post_yield_stiffness_kN_mm=_loading_slope(d, f) if slope else float("nan"),
         force_max_kN=float(f.max()),
         force_min_kN=float(f.min()),
         displacement_max_mm=float(d.max()),

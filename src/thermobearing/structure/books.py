@@ -75,10 +75,12 @@ def keep_motion(bearings: Bearings, motion: Motion, rows: MotionRows, row: int) 
     for h in range(len(motion.hinges.bends)):
         rows.hinges[row, h] = motion.hinges.bends[h]
     for k in range(len(bearings)):
-        kind, layers = bearings[k], rows.layers[k]
+        kind, layers, profiles = bearings[k], rows.layers[k], rows.cells[k]
         cells = kind.constants.layer_cells
         for m in range(len(kind.lines)):
             rows.bearings[row, kind.lines[m]] = kind.states.books[m, 0]
             temperature, kept = kind.states.temperature[m], layers[row, m]
             for j in range(len(cells)):
                 kept[j] = layer_temperature(cells, temperature, j)
+            for i in range(profiles.shape[2]):
+                profiles[row, m, i] = temperature[i]

@@ -103,9 +103,19 @@ class StructureHistory:
 
     def layers(self, line: int = 0) -> Floats:
         """Temperatures of the rubber layers of the modelled bearing of a line [degC]."""
-        for kind, layers in zip(self.bearings, self.rows.layers, strict=True):
+        kind, place = self._where(line)
+        return np.asarray(self.rows.layers[kind][:, place])
+
+    def cells(self, line: int = 0) -> Floats:
+        """Temperatures of the cells of the modelled bearing of a line [degC], if kept."""
+        kind, place = self._where(line)
+        return np.asarray(self.rows.cells[kind][:, place])
+
+    def _where(self, line: int) -> tuple[int, int]:
+        """Number of the kind of bearing that a line has, and of the line in it."""
+        for number, kind in enumerate(self.bearings):
             if line in kind.lines:
-                return np.asarray(layers[:, list(kind.lines).index(line)])
+                return number, list(kind.lines).index(line)
         raise IndexError(line)
 
     def end(self, line: int = 0) -> State:
@@ -200,7 +210,9 @@ def new_motion(system: System) -> Motion:
     )
 
 
-def room_for(system: System, bearings: Bearings, count: int) -> MotionRows:
+def room_for(
+    system: System, bearings: Bearings, count: int, *, keep_cells: bool = False
+) -> MotionRows:
     """Rows to keep the states of a structure and its bearings in."""
     n = len(system.load)
     return MotionRows(
@@ -212,6 +224,12 @@ def room_for(system: System, bearings: Bearings, count: int) -> MotionRows:
         bearings=rows(Books, count, len(system.lines)),
         layers=tuple(
             np.zeros((count, len(kind.lines), len(kind.constants.multiplicity)))
+            for kind in bearings
+        ),
+        cells=tuple(
+            np.zeros((count, *kind.states.temperature.shape), dtype=np.float32)
+            if keep_cells
+            else np.zeros((count, len(kind.lines), 0), dtype=np.float32)
             for kind in bearings
         ),
     )
@@ -241,6 +259,7 @@ def run_structure(
     keep_every: int = 1,
     noise: Floats | None = None,
     delay: float = 0.0,
+    keep_cells: bool = False,
 ) -> StructureHistory:
     """Shake a structure; always returns what was computed, with a typed outcome.
 
@@ -257,6 +276,7 @@ def run_structure(
     noise : [steps] error of the measured force of the modelled bearing [kN]; only with the
         predictor-corrector.
     delay : of the actuator [s], >= 0; likewise.
+    keep_cells : keep the temperatures of the cells too, in single precision.
     """
     system = build_system(prepared, lines)
     motion = new_motion(system)
@@ -270,7 +290,7 @@ def run_structure(
     keep = np.zeros(steps, dtype=np.bool_)
     keep[keep_every - 1 :: keep_every] = True
     keep[-1] = True
-    kept_rows = room_for(system, bearings, 1 + int(keep.sum()))
+    kept_rows = room_for(system, bearings, 1 + int(keep.sum()), keep_cells=keep_cells)
     start_motion(system, motion, ground[0])
     keep_motion(bearings, motion, kept_rows, 0)
     scheme = Scheme(BETA[method], GAMMA, TOLERANCE, ITERATIONS, HALVINGS)

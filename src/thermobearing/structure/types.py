@@ -156,6 +156,8 @@ class MotionRows(NamedTuple):
     hinges: Rows[Bend]  # [rows, h]
     bearings: Rows[Books]  # [rows, b]
     layers: tuple[Floats, ...]  # [kinds] of [rows, m, L]: temperatures at mid-thickness [degC]
+    # [kinds] of [rows, m, N]: temperatures of the cells [degC], no columns if they are not kept
+    cells: tuple[NDArray[np.float32], ...]
 
     def part(self, first: int, end: int) -> "MotionRows":
         """The same rows from `first` to before `end`, not a copy."""
@@ -168,4 +170,5 @@ class MotionRows(NamedTuple):
             self.hinges[here],
             self.bearings[here],
             tuple(layers[here] for layers in self.layers),
+            tuple(cells[here] for cells in self.cells),
         )
