@@ -8,7 +8,7 @@ import pandas as pd
 import xarray as xr
 
 from thermobearing.results.metrics import LEAST_ENERGY, LEAST_HEAT
-from thermobearing.results.writing import from_attribute, rig_summary
+from thermobearing.results.writing import from_attribute, limits_passed, rig_summary
 
 if TYPE_CHECKING:
     from thermobearing.earthquake.figures import EarthquakeFigures
@@ -78,7 +78,7 @@ class EarthquakeResult:
 
         `energy_of_warmest` is the bearing's energy over that at the warmest temperature of the
         same bearing and motion, `damping_of_input` the share of the energy that viscous damping
-        takes from the input.
+        takes from the input, `beyond_rig` what the run asks too much of, if a rig is named.
         """
         frame = pd.DataFrame(
             {
@@ -100,6 +100,8 @@ class EarthquakeResult:
         energy = self.energy
         given = energy["input_kN_mm"].clip(lower=LEAST_ENERGY)
         frame["damping_of_input"] = energy["damping_kN_mm"] / given
+        if len(self.rig):
+            frame["beyond_rig"] = limits_passed(self.rig, self.runs)
         return frame
 
     @property
