@@ -43,3 +43,22 @@ def test_units_are_among_them() -> None:
     texts = [item.help or "" for command in COMMANDS.values() for item in command.params]
     assert sum("[degC]" in text for text in texts) >= 4
     assert sum("[s]" in text for text in texts) >= 4
+
+
+# Numbers without a unit; every other number says its own.
+PURE = {"--tolerance", "--strain", "--damping", "--zone-factor"}
+
+
+@pytest.mark.parametrize("words", COMMANDS, ids=" ".join)
+def test_every_option_with_a_unit_shows_it(words: tuple[str, ...]) -> None:
+    done = CliRunner().invoke(app, [*words, "--help"], env={"COLUMNS": "400"})
+    for line in done.output.splitlines():
+        option = re.search(r"(--[a-z-]+)[^<]*<[^>]*float", line)
+        if option and option[1] not in PURE:
+            assert re.search(r"\[(s|mm|kN|mm/s|degC|Hz)\]", line), line
+
+
+def test_numbers_are_among_the_options() -> None:
+    """The one above would say nothing if help named the types otherwise."""
+    done = CliRunner().invoke(app, ["hybrid", "--help"], env={"COLUMNS": "400"})
+    assert len(re.findall(r"<[^>]*float", done.output)) >= 5

@@ -95,6 +95,8 @@ def test_what_passes_the_rig_is_said_and_goes_on(result: SequenceResult) -> None
     passed = rows[rows["part"] == "01-CL-1st"].set_index("limit")["passed"]
     assert dict(passed) == {"force": True, "stroke": False}
     assert result.summary()["rig"] == rows.to_dict("records")
+    assert result.table["beyond_rig"][0] == "force"
+    assert result.table["beyond_rig"][2] in ("", "force")
 
 
 def test_files_are_whole_and_read_back(result: SequenceResult, tmp_path: Path) -> None:
@@ -161,4 +163,5 @@ def test_a_rig_in_a_test_and_in_a_study() -> None:
     told = tb.earthquake.run_earthquake(case)
     assert [row["limit"] for row in told.summary()["rig"]] == ["speed", "speed"]
     assert told.rig["passed"].all()
+    assert list(told.table["beyond_rig"]) == ["speed", "speed"]
     assert any("faster than the 9 mm/s of rig" in text for text in told.warnings)

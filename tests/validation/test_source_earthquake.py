@@ -172,7 +172,7 @@ def test_real_time_against_pseudo_dynamic(measured: Recorder) -> None:
 
     "Real-time force above pseudo-dynamic force" holds here at 23 degC; in the cold the slow test
     gives the specimen time to cool, which stiffens it by about as much. Energy grows in the cold
-    while the pier is elastic (Fig. 3.24), other than in the bridge.
+    while the pier is elastic (Fig. 3.25), other than in the bridge.
     """
     results = {
         mode: tb.hybrid("shen-lhdr-specimen", "jra-ii-ii-1", AMBIENT, laboratory={"mode": mode})
@@ -197,7 +197,7 @@ def test_real_time_against_pseudo_dynamic(measured: Recorder) -> None:
     measured(
         "hybrid test, LHDR: energy at 0 and -20 degC of that at 23 degC",
         told(energy[1:]),
-        "grows in the cold (Fig. 3.24)",
+        "grows in the cold (Fig. 3.25)",
     )
     assert force["rt"][0] > force["pd"][0]
     assert np.all(share["rt"] > 10.0 * share["pd"])

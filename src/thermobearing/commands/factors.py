@@ -33,7 +33,8 @@ def lambda_(
         ),
     ] = None,
     temperature: Annotated[
-        list[float] | None, typer.Option(help="May be repeated; -40 to 40 in steps of 10.")
+        list[float] | None,
+        typer.Option(help="Ambient [degC]; may be repeated; -40 to 40 in steps of 10."),
     ] = None,
     strain: Annotated[
         list[float] | None, typer.Option(help="May be repeated; 1 and 1.75 by default.")

@@ -30,7 +30,7 @@ Step = Annotated[float | None, typer.Option(help="Time step [s], if the file doe
 Component = Annotated[str | None, typer.Option(help="Which one, such as NS, or a number from 1.")]
 TrustUnit = Annotated[bool, typer.Option("--trust-unit", help="Accept an implausible size.")]
 Baseline = Annotated[bool, typer.Option("--baseline", help="Correct the base line.")]
-HighPass = Annotated[float | None, typer.Option(help="And filter below so many Hz.")]
+HighPass = Annotated[float | None, typer.Option(help="And filter below this frequency [Hz].")]
 Kind = Annotated[str | None, typer.Option("--type", help="Standard spectrum: I or II.")]
 Ground = Annotated[str | None, typer.Option(help="Standard spectrum: I, II or III.")]
 

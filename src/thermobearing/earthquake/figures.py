@@ -161,12 +161,12 @@ class EarthquakeFigures:
         return self._grid("acceleration of the deck", "time [s]", "acceleration [m/s2]", draw)
 
     def energy(self) -> Figure:
-        """Work done on one bearing in time, as Fig. 3.24."""
+        """Work done on one bearing in time, as Fig. 3.25."""
         draw = self._time("bearing_energy", KJ)
         return self._grid("energy taken by one bearing", "time [s]", "energy [kJ]", draw)
 
     def temperature(self) -> Figure:
-        """Rubber layers (solid, outer layer palest) and lead (dashed), as Fig. 3.20 and 5.17."""
+        """Rubber layers (solid, outer layer palest) and lead (dashed), as Fig. 3.20 and 5.16."""
 
         def draw(ax: Axes, run: int, colour: str) -> None:
             time = self._values("time", run)
@@ -207,7 +207,7 @@ class EarthquakeFigures:
         return draw_profiles(self._result, times)
 
     def shares(self) -> Figure:
-        """Shares of rubber, lead and rate dependence in the force, as Fig. 5.15 and 5.16.
+        """Shares of rubber, lead and rate dependence in the force, as Fig. 5.15.
 
         The first motion; rows are bearings, columns ambient temperatures.
         """

@@ -9,7 +9,7 @@ import xarray as xr
 
 from thermobearing.core.records import Floats
 from thermobearing.results.metrics import LEAST_ENERGY, LEAST_HEAT
-from thermobearing.results.writing import from_attribute, rig_summary
+from thermobearing.results.writing import from_attribute, limits_passed, rig_summary
 
 if TYPE_CHECKING:
     from thermobearing.earthquake.figures import EarthquakeFigures
@@ -122,7 +122,8 @@ class EarthquakeResult:
 
         The mode is that of the laboratory, and not there without one. `energy_of_warmest` is the
         bearing's energy over that at the warmest temperature of the same bearing, motion and
-        mode, `damping_of_input` the share of the energy that viscous damping takes from the input.
+        mode, `damping_of_input` the share of the energy that viscous damping takes from the
+        input, `beyond_rig` what the run asks too much of, if a rig is named.
         """
         frame = pd.DataFrame(
             {
@@ -146,6 +147,8 @@ class EarthquakeResult:
         for name, variable in LOOP.items():
             if variable in self.dataset:
                 frame[name] = self.dataset[variable].values
+        if len(self.rig):
+            frame["beyond_rig"] = limits_passed(self.rig, self.runs)
         return frame
 
     @property

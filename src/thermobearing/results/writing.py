@@ -47,6 +47,13 @@ def rig_summary(table: "pd.DataFrame") -> dict[str, Any]:
     return {"rig": table.to_dict("records")} if len(table) else {}
 
 
+def limits_passed(table: "pd.DataFrame", runs: int) -> list[str]:
+    """The limits of a rig that each run passes, from a table with as many rows for every run."""
+    each = len(table) // max(runs, 1)
+    parts = [table.iloc[k * each : (k + 1) * each] for k in range(runs)]
+    return [" ".join(part["limit"][part["passed"]]) for part in parts]
+
+
 def write_csv(path: Path, table: "pd.DataFrame") -> None:
     """Write a table without its index, with seven digits."""
     table.to_csv(path, index=False, float_format=DIGITS)

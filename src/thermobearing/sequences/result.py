@@ -10,7 +10,7 @@ import thermobearing
 from thermobearing.cyclic.result import Result
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.model.outcomes import INTERRUPTED, SENTENCES
-from thermobearing.results.writing import rig_summary
+from thermobearing.results.writing import limits_passed, rig_summary
 from thermobearing.sequences.case import SequenceCase
 
 if TYPE_CHECKING:
@@ -110,6 +110,8 @@ class SequenceResult:
             for name in ["displacement_mm", "force_kN", *degrees]:
                 stem, unit = name.rsplit("_", 1)
                 row |= {f"{stem}_start_{unit}": first[name], f"{stem}_end_{unit}": last[name]}
+            if self.case.rig is not None:
+                row["beyond_rig"] = limits_passed(part.rig, 1)[0]
             rows.append(row)
         return pd.DataFrame(rows)
 
