@@ -48,6 +48,7 @@ DEFAULTS: dict[str, dict[str, Any]] = {
     },
 }
 PSEUDO_DYNAMIC_SPEED = 10.0  # of the source's test [mm/s]
+Mode = Literal["rt", "pd"]
 
 
 class Motion(Strict):
@@ -62,9 +63,6 @@ class Motion(Strict):
     def load(self) -> GroundMotion:
         """The ground motion itself, not yet scaled."""
         return load_motion(self.name, unit=self.unit, dt=self.dt, component=self.component)
-
-
-Mode = Literal["rt", "pd"]
 
 
 def _listed(mode: object) -> object:
@@ -193,9 +191,8 @@ class EarthquakeCase(Strict):
                 found += error.lines("weather")
         if self.initial_state is not None:
             found += self._misfits_of_state()
-        explicit = self.analysis.method == "predictor-corrector"
-        if self.laboratory is not None and not explicit:
-            lab = self.laboratory
+        lab, explicit = self.laboratory, self.analysis.method == "predictor-corrector"
+        if lab is not None and not explicit:
             if lab.delay > 0.0 or lab.force_noise > 0.0 or "pd" in lab.mode:
                 found.append(
                     "laboratory: delay, force_noise and mode pd need analysis.method = "
