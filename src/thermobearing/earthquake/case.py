@@ -92,6 +92,11 @@ class Laboratory(Strict):
             raise ValueError("one is given more than once")
         return mode
 
+    @property
+    def needs_one_step(self) -> bool:
+        """Whether the specimen must be moved once a step."""
+        return self.delay > 0.0 or self.force_noise > 0.0 or "pd" in self.mode
+
 
 class Stepping(Strict):
     """How the structure is led through time; `damping` as the structure says, unless given."""
@@ -192,12 +197,11 @@ class EarthquakeCase(Strict):
         if self.initial_state is not None:
             found += self._misfits_of_state()
         lab, explicit = self.laboratory, self.analysis.method == "predictor-corrector"
-        if lab is not None and not explicit:
-            if lab.delay > 0.0 or lab.force_noise > 0.0 or "pd" in lab.mode:
-                found.append(
-                    "laboratory: delay, force_noise and mode pd need analysis.method = "
-                    '"predictor-corrector", which moves the specimen once per step'
-                )
+        if lab is not None and not explicit and lab.needs_one_step:
+            found.append(
+                "laboratory: delay, force_noise and mode pd need analysis.method = "
+                '"predictor-corrector", which moves the specimen once per step'
+            )
         for bearing in self.bearings:
             if isinstance(bearing, Bearing):
                 misfits = self.analysis.settled(bearing).misfits(bearing)
