@@ -49,6 +49,7 @@ DEFAULTS: dict[str, dict[str, Any]] = {
 }
 PSEUDO_DYNAMIC_SPEED = 10.0  # of the source's test [mm/s]
 Mode = Literal["rt", "pd"]
+ONE_OR_SEVERAL = BeforeValidator(lambda mode: (mode,) if isinstance(mode, str) else mode)
 
 
 class Motion(Strict):
@@ -65,11 +66,6 @@ class Motion(Strict):
         return load_motion(self.name, unit=self.unit, dt=self.dt, component=self.component)
 
 
-def _listed(mode: object) -> object:
-    """One or several."""
-    return (mode,) if isinstance(mode, str) else mode
-
-
 class Laboratory(Strict):
     """A specimen in the loop.
 
@@ -79,7 +75,7 @@ class Laboratory(Strict):
     what a laboratory rehearses.
     """
 
-    mode: Annotated[tuple[Mode, ...], BeforeValidator(_listed), Field(min_length=1)] = ("rt",)
+    mode: Annotated[tuple[Mode, ...], ONE_OR_SEVERAL, Field(min_length=1)] = ("rt",)
     speed: Annotated[float, in_unit("mm/s"), Field(ge=1e-3, le=1e4)] = PSEUDO_DYNAMIC_SPEED
     delay: Annotated[float, in_unit("s"), Field(ge=0, le=1)] = 0.0
     force_noise: Annotated[float, in_unit("kN"), Field(ge=0, le=1e5)] = 0.0
@@ -182,22 +178,20 @@ class EarthquakeCase(Strict):
         names = [bearing.name for bearing in self.bearings]
         motions = [motion.name for motion in self.motions]
         for kind, given in (("bearings", names), ("motions", motions)):
-            found += [
-                f'{kind}: "{n}" is given more than once' for n in set(given) if given.count(n) > 1
-            ]
+            twice = {n for n in given if given.count(n) > 1}
+            found += [f'{kind}: "{n}" is given more than once' for n in twice]
         if self.weather is not None:
             try:
                 time = Ambient.from_csv(self.weather).time
-                if not 1.0 <= time[-1] - time[0] <= LONGEST:
-                    found.append(
-                        f"weather: lasts {time[-1] - time[0]:g} s; must be 1 to {LONGEST:g} s"
-                    )
+                lasts = time[-1] - time[0]
+                if not 1.0 <= lasts <= LONGEST:
+                    found.append(f"weather: lasts {lasts:g} s; must be 1 to {LONGEST:g} s")
             except InputError as error:
                 found += error.lines("weather")
         if self.initial_state is not None:
             found += self._misfits_of_state()
-        lab, explicit = self.laboratory, self.analysis.method == "predictor-corrector"
-        if lab is not None and not explicit and lab.needs_one_step:
+        many = self.analysis.method != "predictor-corrector"  # trials of a step
+        if many and self.laboratory is not None and self.laboratory.needs_one_step:
             found.append(
                 "laboratory: delay, force_noise and mode pd need analysis.method = "
                 '"predictor-corrector", which moves the specimen once per step'
