@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from thermobearing.border.errors import is_folder
 from thermobearing.cyclic.files import load_cyclic
 from thermobearing.cyclic.result import Result
 from thermobearing.earthquake.files import load_study
@@ -37,7 +38,7 @@ def load_result(path: str | Path) -> Result | EarthquakeResult | SequenceResult:
     ...     load_result(saved).outcome
     'completed'
     """
-    if (Path(path) / PARTS).is_dir():
+    if is_folder(Path(path) / PARTS):
         return load_sequence(path)
     study = "structure" in read_dataset(path, ["case"]).attrs
     return load_study(path) if study else load_cyclic(path)

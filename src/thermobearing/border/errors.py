@@ -78,6 +78,14 @@ def is_file(path: Path) -> bool:
         return False
 
 
+def is_folder(path: Path) -> bool:
+    """Whether there is such a folder; likewise."""
+    try:
+        return path.is_dir()
+    except (OSError, ValueError):
+        return False
+
+
 def closest(name: str, known: Iterable[str]) -> str:
     """A clause '; did you mean "..."?' with the closest known name, or nothing."""
     close = difflib.get_close_matches(str(name), sorted(known), n=1, cutoff=0.6)

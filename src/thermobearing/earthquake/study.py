@@ -9,11 +9,13 @@ from typing import Any, Never, TypeAlias, TypeVar
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError, nearest
+from thermobearing.cyclic.rig import Rig
 from thermobearing.earthquake.case import Command, Kept, Laboratory, Motion, make_earthquake_case
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.earthquake.run import Progress, run_earthquake
 from thermobearing.model.constants import Hardening, HeatSource, Integrator, LeadEnds
 from thermobearing.model.earlier import Model
+from thermobearing.model.handover import SpecimenState
 from thermobearing.model.options import EndFace, Stacked
 from thermobearing.model.stack import Scheme
 from thermobearing.structure.model import DampingKind, MassModel, Structure
@@ -47,6 +49,8 @@ def bridge(
     keep: Sequence[Kept] | None = None,
     keep_every: int | None = None,
     laboratory: Laboratory | dict[str, Any] | None = None,
+    initial_state: SpecimenState | None = None,
+    rig: Rig | str | Path | dict[str, Any] | None = None,
     executor: Executor | None = None,
     progress: Progress | None = None,
     **misspelt: Never,
@@ -83,6 +87,9 @@ def bridge(
         through the height too.
     keep_every : keep every n-th step of the histories, >= 1; 2 by default.
     laboratory : of a specimen in the loop, see `hybrid`; none by default.
+    initial_state : where an earlier test left the one bearing; virgin by default.
+    rig : limits of force [kN], stroke [mm] and speed [mm/s] that are told when a run passes them:
+        a name ("shen-rig"), a file or a table; none by default.
     executor : any `concurrent.futures` executor; threads by default.
     progress : called with (runs done, all runs).
     misspelt : anything else is an InputError that says the nearest name.
@@ -129,6 +136,8 @@ def bridge(
         keep=keep,
         keep_every=keep_every,
         laboratory=laboratory,
+        initial_state=initial_state,
+        rig=rig,
     )
 
 
@@ -156,6 +165,8 @@ def hybrid(
     keep: Sequence[Kept] | None = None,
     keep_every: int | None = None,
     laboratory: Laboratory | dict[str, Any] | None = None,
+    initial_state: SpecimenState | None = None,
+    rig: Rig | str | Path | dict[str, Any] | None = None,
     executor: Executor | None = None,
     progress: Progress | None = None,
     **misspelt: Never,
@@ -176,7 +187,7 @@ def hybrid(
         `seed`; numbers as text with their unit.
     weather, duration, dt, mass, damping, scheme, integrator : as of `bridge`.
     hardening, heat_source, lead_ends, upper_face, lower_face, stack, model : as of `bridge`.
-    keep, keep_every, executor, progress, misspelt : as of `bridge`.
+    keep, keep_every, initial_state, rig, executor, progress, misspelt : as of `bridge`.
 
     Returns
     -------
@@ -220,6 +231,8 @@ def hybrid(
         keep=keep,
         keep_every=keep_every,
         laboratory=laboratory,
+        initial_state=initial_state,
+        rig=rig,
     )
 
 
