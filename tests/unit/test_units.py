@@ -99,3 +99,7 @@ def test_scale_and_offset() -> None:
     scale, offset = conversion("degF", "degC")
     assert math.isclose(scale, 5.0 / 9.0, rel_tol=tol.CONVERSION)
     assert math.isclose(offset, -160.0 / 9.0, rel_tol=tol.CONVERSION)
+
+
+def test_zero_has_no_sign() -> None:
+    assert with_unit(-0.0, "mm") == "0.0 mm"

@@ -104,6 +104,6 @@ def parse_quantity(text: str, unit: str) -> float:
 def with_unit(value: float, unit: str) -> str:
     """The text that `parse_quantity` reads back to the same bits."""
     try:
-        return f"{float(value)!r} {unit}"
+        return f"{float(value) + 0.0!r} {unit}"  # no -0.0, which is read as 0.0
     except OverflowError:  # a whole number beyond doubles
         return f"{'-' if value < 0 else ''}inf {unit}"
