@@ -2,7 +2,7 @@
 
 import functools
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
@@ -71,6 +71,18 @@ def written(outcome: str, sentence: str, target: Path, *, as_json: bool, quiet: 
         last = {"outcome": outcome, "exit_status": status, "output": str(target), "files": files}
         echo_json(last)
     return status
+
+
+def numbers_by_name(given: Sequence[str], option: str, form: str) -> dict[str, float]:
+    """Numbers from words of an option such as "sigma_Y=0.1"; `form` says what to give."""
+    found = {}
+    for text in given:
+        name, _, number = text.partition("=")
+        try:
+            found[name.strip()] = float(number)
+        except ValueError:
+            raise InputError(f'{option} "{text}": give {form}') from None
+    return found
 
 
 def with_progress(

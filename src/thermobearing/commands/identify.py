@@ -15,6 +15,7 @@ from thermobearing.commands.common import (
     Output,
     Quiet,
     echo_json,
+    numbers_by_name,
     reported,
     written,
 )
@@ -91,7 +92,7 @@ def identify(
     how: dict[str, Any] = {
         **{"loss": loss, "temperatures": temperatures, "blind": not from_start},
         "polish": polish,
-        "assumed": _spreads(assumed or []),
+        "assumed": numbers_by_name(assumed or [], "--assumed", "KEY=NUMBER, such as sigma_Y=0.1"),
     }
     found = run_identify(make_identify_case(records, bearing, free=names, **search, **how))
     drawn = None
@@ -101,18 +102,6 @@ def identify(
     if not quiet:
         print_identification(found)
     return written(found.outcome, found.sentence, target, as_json=as_json, quiet=quiet)
-
-
-def _spreads(given: list[str]) -> dict[str, float]:
-    """Uncertainties by key from words such as "sigma_Y=0.1"."""
-    found = {}
-    for text in given:
-        key, _, number = text.partition("=")
-        try:
-            found[key.strip()] = float(number)
-        except ValueError:
-            raise InputError(f'--assumed "{text}": give KEY=NUMBER, such as sigma_Y=0.1') from None
-    return found
 
 
 def _read(

@@ -6,13 +6,13 @@ from typing import Annotated
 
 import typer
 
-from thermobearing.border.errors import InputError
 from thermobearing.commands.common import (
     AsJson,
     Force,
     NoFigures,
     Output,
     Quiet,
+    numbers_by_name,
     reported,
     written,
 )
@@ -54,7 +54,7 @@ def validate(
         [bearing, *(beside or [])],
         tests,
         models=model or ["multi-layer"],  # type: ignore[arg-type]
-        limits=_limits(limit or []),
+        limits=numbers_by_name(limit or [], "--limit", "QUANTITY=NUMBER, such as K_eq=0.1"),
     )
     target = output or Path("validate-" + re.sub(r"[^\w.+-]+", "-", case.bearings[0].name))
     check_target(target, force=force)
@@ -63,15 +63,3 @@ def validate(
     if not quiet:
         print_validation(found)
     return written(found.outcome, found.sentence, target, as_json=as_json, quiet=quiet)
-
-
-def _limits(given: list[str]) -> dict[str, float]:
-    """Limits by quantity from words such as "energy=0.2"."""
-    found = {}
-    for text in given:
-        name, _, number = text.partition("=")
-        try:
-            found[name.strip()] = float(number)
-        except ValueError:
-            raise InputError(f'--limit "{text}": give QUANTITY=NUMBER, such as K_eq=0.1') from None
-    return found

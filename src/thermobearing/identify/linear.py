@@ -8,6 +8,7 @@ value is kept as a floor.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,7 +62,7 @@ class Linear:
     jacobian: Floats
     blocks: Ints
 
-    @property
+    @cached_property
     def residuals(self) -> Floats:
         """Of all records."""
         return np.concatenate(self.parts)
@@ -73,11 +74,16 @@ class Linear:
         r = self.residuals
         return float(r @ r / max(n - p, 1))
 
-    def solved(self, columns: Floats) -> Floats:
-        """(J^T J)^-1 J^T times columns."""
+    @cached_property
+    def _scaled(self) -> tuple[Floats, Floats, Floats]:
+        """Lengths of the columns of J, J in columns of length one, and (J^T J)^-1 of these."""
         scale = np.maximum(np.linalg.norm(self.jacobian, axis=0), 1e-12)
         J = self.jacobian / scale
-        bread = np.linalg.pinv(J.T @ J, rcond=1e-12)
+        return scale, J, np.linalg.pinv(J.T @ J, rcond=1e-12)
+
+    def solved(self, columns: Floats) -> Floats:
+        """(J^T J)^-1 J^T times columns."""
+        scale, J, bread = self._scaled
         return np.asarray((bread @ (J.T @ columns)) / scale.reshape(-1, *[1] * (columns.ndim - 1)))
 
     def meat(self, columns: Floats, residuals: Floats | None = None) -> Floats:
@@ -90,9 +96,7 @@ class Linear:
 
     def covariance(self) -> Floats:
         """Of the parameters inside, by the tests alone, in the unit cube."""
-        scale = np.maximum(np.linalg.norm(self.jacobian, axis=0), 1e-12)
-        J = self.jacobian / scale
-        bread = np.linalg.pinv(J.T @ J, rcond=1e-12)
+        scale, J, bread = self._scaled
         classical = bread * self.variance
         sandwich = bread @ self.meat(J) @ bread
         least = np.maximum(np.diag(sandwich), 1e-300)

@@ -23,6 +23,7 @@ WELL = 0.01  # relative standard error of a well determined parameter: three are
 POOR = 0.1  # relative standard error of a poorly determined one
 LEAST = 0.1  # m_T, n_T, b and s may be zero: errors are relative to this at least
 LEVEL = 0.95
+NORMAL = 10**6  # degrees of freedom with which Student's distribution is the normal one
 CORRELATED = 0.95
 NEGLIGIBLE = 1e-3  # of the peak force: smaller residuals are no matter for a warning
 ALIKE = 0.2  # effective over actual samples, below which residuals are not noise
@@ -158,7 +159,7 @@ def estimate(problem: Problem, cube: Floats, groups: Sequence[Group] | None = No
     of_tests, covariance = np.zeros((2, len(cube), len(cube)))
     of_tests[inside] = linear.covariance()
     covariance[inside] = of_tests[inside] + assumed.covariance
-    wide = _wide(int(linear.blocks.max()) + 1 - len(cube))
+    wide = _wide(int(linear.blocks.max()) + 1 - len(cube)), _wide(NORMAL)
     estimates = {}
     for i, parameter in enumerate(problem.pset.free):
         estimates[parameter.kind.key] = _estimate(
@@ -192,13 +193,12 @@ def _wide(freedom: int) -> float:
 
 
 def _estimate(
-    parameter: Parameter, u: float, of_tests: float, whole: float, wide: float
+    parameter: Parameter, u: float, of_tests: float, whole: float, wide: tuple[float, float]
 ) -> Estimate:
     """At a place in the unit cube, from variances there; what is assumed is normal."""
     bound = not AT_BOUND < u < 1.0 - AT_BOUND
     slope = parameter.slope(u) if not bound else float("nan")
-    normal = _wide(10**6)
-    half = float(np.sqrt(wide**2 * of_tests + normal**2 * (whole - of_tests)))
+    half = float(np.sqrt(wide[0] ** 2 * of_tests + wide[1] ** 2 * (whole - of_tests)))
     return Estimate(
         parameter=parameter,
         value=parameter.at(u),

@@ -7,7 +7,7 @@ import pandas as pd
 
 from thermobearing.results.directory import FIGURES, FIT_TABLE, TABLE, write_directory
 from thermobearing.results.directory import VALIDATED_CYCLES as CYCLES
-from thermobearing.results.writing import write_summary
+from thermobearing.results.writing import write_csv, write_summary
 from thermobearing.validate.result import Validation
 
 
@@ -36,7 +36,7 @@ def save_validation(
         write_summary(folder, found.summary())
         found.table.to_csv(folder / TABLE, index=False)
         found.cycles.to_csv(folder / CYCLES, index=False)
-        samples(found).to_csv(folder / FIT_TABLE, index=False, float_format="%.7g")
+        write_csv(folder / FIT_TABLE, samples(found))
         if figures:
             found.plot.save_all(folder / FIGURES)
 
