@@ -31,6 +31,7 @@ from thermobearing.commands.common import (
 )
 from thermobearing.commands.identify import identify
 from thermobearing.commands.motions import app as motions
+from thermobearing.commands.new import new
 from thermobearing.commands.streams import patient_streams
 from thermobearing.commands.threads import one_blas_thread
 from thermobearing.commands.validate import validate
@@ -166,6 +167,7 @@ def _others(case: "Case", result: "Result") -> "dict[str, Result]":
 def list_(as_json: AsJson = False) -> int:
     """What is built in."""
     from thermobearing.bearing.bilinear import list_bilinear, load_bilinear
+    from thermobearing.bearing.compound import list_compounds, load_compound
     from thermobearing.bearing.library import list_bearings, load_bearing
     from thermobearing.motions.library import list_motions
     from thermobearing.structure.model import list_structures, load_structure
@@ -176,6 +178,9 @@ def list_(as_json: AsJson = False) -> int:
     for backbone in map(load_bilinear, list_bilinear()):
         typer.echo(f"{backbone.name:24}  {backbone.kind:8}  {backbone.description}")
     typer.echo("")
+    for compound in map(load_compound, list_compounds()):
+        typer.echo(f"{compound.name:24}  compound  {compound.description}")
+    typer.echo("")
     for structure in map(load_structure, list_structures()):
         typer.echo(f"{structure.name:24}  structure  {structure.description}")
     motions = list_motions()
@@ -185,6 +190,7 @@ def list_(as_json: AsJson = False) -> int:
             {
                 "bearings": [bearing.name for bearing in bearings],
                 "bilinear_bearings": list_bilinear(),
+                "compounds": list_compounds(),
                 "structures": list_structures(),
                 "motions": motions,
             }
@@ -195,7 +201,7 @@ def list_(as_json: AsJson = False) -> int:
 @app.command()
 @reported
 def check(
-    file: Annotated[Path, typer.Argument(help="A bearing or a case, in TOML.")],
+    file: Annotated[Path, typer.Argument(help="A bearing, a compound or a case, in TOML.")],
     as_json: AsJson = False,
 ) -> int:
     """Validate a file without running it, and say what was understood.
@@ -245,6 +251,7 @@ def measure(
     return 0
 
 
+app.command()(new)
 app.command()(identify)
 app.command()(validate)
 

@@ -3,8 +3,10 @@
 from pathlib import Path
 
 from thermobearing.bearing.bilinear import BilinearBearing, load_bilinear
+from thermobearing.bearing.compound import Compound, load_compound
 from thermobearing.bearing.library import load_bearing
 from thermobearing.bearing.model import Bearing
+from thermobearing.bearing.temperature import TemperatureLaw
 from thermobearing.border.errors import InputError
 from thermobearing.border.toml import read_toml, split_sources
 from thermobearing.cyclic.case import load_case
@@ -20,8 +22,8 @@ from thermobearing.structure.run import prepare_structure
 def describe_file(path: Path) -> tuple[str, dict[str, str]]:
     """Kind of a TOML file and its main facts, after full validation.
 
-    Kinds: "bearing", "bilinear bearing", "structure", "earthquake case", "sequence case", and
-    "case" of a cyclic test.
+    Kinds: "bearing", "bilinear bearing", "compound", "structure", "earthquake case",
+    "sequence case", and "case" of a cyclic test.
 
     Raises
     ------
@@ -30,6 +32,8 @@ def describe_file(path: Path) -> tuple[str, dict[str, str]]:
     table, _ = split_sources(read_toml(path))
     if table.get("kind") == "bilinear":
         return "bilinear bearing", bilinear_facts(load_bilinear(path))
+    if table.get("kind") == "compound":
+        return "compound", compound_facts(load_compound(path))
     if "bodies" in table:
         return "structure", structure_facts(load_structure(path))
     if "parts" in table:
@@ -133,15 +137,38 @@ def bearing_facts(bearing: Bearing) -> dict[str, str]:
         "description": bearing.description,
         "plan": f"{g.plan.shape}, {bearing.area:g} mm2",
         "rubber": f"{g.rubber_layers} x {g.rubber_thickness:g} = {g.total_rubber_thickness:g} mm",
+        "end plates": f"{g.end_plate_thickness:g} mm",
         "shape factors": f"S1 = {g.first_shape_factor:.3g}, S2 = {g.second_shape_factor:.3g}",
-        "temperatures": _range(bearing),
+        "temperatures": _range(bearing.temperature_law),
         "cells": f"{len(half.part)} in the half stack, {len(full.part)} in the full one",
     }
 
 
-def _range(bearing: Bearing) -> str:
+def compound_facts(compound: Compound) -> dict[str, str]:
+    """Stresses and strains of a compound, and what it says nothing of."""
+    rubber, lead, rate = compound.rubber, compound.lead, compound.rate
+    facts = {
+        "name": compound.name,
+        "family": compound.family,
+        "description": compound.description,
+        "rubber": f"K_r t_r/A = {rubber.shear_modulus:.4g} MPa, alpha_0 = "
+        f"{rubber.post_yield_ratio:.3g}, yield strain {rubber.yield_strain:.3g}, at "
+        f"{rubber.reference_temperature:g} degC",
+        "m_T, n_T": f"{rubber.elastic_temperature_coefficient:g}, "
+        f"{rubber.hysteretic_temperature_coefficient:g} per 100 K",
+        "temperatures": _range(compound.temperature_law),
+        "lead": f"{lead.yield_stress:g} MPa at {lead.reference_temperature:g} degC"
+        if lead
+        else "nothing is said of it",
+        "rate": f"K_v H/A = {rate.shear_modulus:.3g} MPa" if rate else "does not matter",
+    }
+    keys = ("rubber.elastic_temperature_coefficient", "rubber.hysteretic_temperature_coefficient")
+    borrowed = sorted({compound.sources[key] for key in keys if key in compound.sources})
+    return facts | {"source of m_T, n_T": "; ".join(borrowed)} if borrowed else facts
+
+
+def _range(law: TemperatureLaw | None) -> str:
     """Where the temperature law is known."""
-    law = bearing.temperature_law
     if law is None or law.range is None:
         return "the range of the temperature law is not stated (temperature_law)"
     low, high = law.range

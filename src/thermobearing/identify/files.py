@@ -10,7 +10,7 @@ import tomli_w
 
 import thermobearing
 from thermobearing.bearing.temperature import TemperatureLaw
-from thermobearing.border.toml import to_table
+from thermobearing.border.toml import to_table, with_sources
 from thermobearing.identify.checks import CheckReport, checks_summary
 from thermobearing.identify.kinds import M_T, N_T
 from thermobearing.identify.posterior import Forecast, Samples
@@ -164,14 +164,7 @@ def bearing_table(found: Identification) -> dict[str, Any]:
         keys = ("temperature_law.coldest", "temperature_law.warmest")
         sources |= dict.fromkeys(keys, "air of the tests; the rubber itself was warmer")
     table = to_table(found.bearing.model_copy(update=named | {"temperature_law": law}))
-    for key, source in sources.items():
-        *tables, name = key.split(".")
-        inner: Any = table
-        for part in tables:
-            inner = inner.get(part, {})
-        if name in inner and name not in named and not isinstance(inner[name], dict):
-            inner[name] = {"value": inner[name], "source": source}
-    return table
+    return with_sources(table, sources)
 
 
 def _range_of_law(found: Identification) -> TemperatureLaw | None:
