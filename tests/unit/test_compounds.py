@@ -66,9 +66,8 @@ def test_the_compounds_of_the_source_are_those_of_its_specimens(
             continue
         for key, value in theirs.model_dump().items():
             told = getattr(mine, key)
-            assert told == (
-                pytest.approx(value, rel=tol.SIX_DIGITS) if isinstance(value, float) else value
-            )
+            number = isinstance(value, float)
+            assert told == (pytest.approx(value, rel=tol.SIX_DIGITS) if number else value)
     assert (shipped.materials, shipped.temperature_law) == (
         divided.materials,
         divided.temperature_law,

@@ -18,46 +18,56 @@ NOT_MEASURED = {"assumed", "borrowed", "chosen"}  # words in sources
 WORD = re.compile(r"[a-z]+")
 
 
+Compound = Annotated[
+    str,
+    typer.Option(
+        help='One of "thermobearing list", or the TOML file of a compound or a bearing.',
+        metavar="NAME/FILE",
+    ),
+]
+Layers = Annotated[
+    str, typer.Option(help="Number and thickness of the rubber layers, such as 20x8mm.")
+]
+Shim = Annotated[str, typer.Option(help="Thickness of a steel plate between, such as 3mm.")]
+Plan = Annotated[
+    str | None, typer.Option(help="Length in the direction of motion, and width: 1000x1000mm.")
+]
+Diameter = Annotated[
+    str | None, typer.Option(help="Of a round bearing, such as 700mm, instead of --plan.")
+]
+EndPlate = Annotated[
+    str | None, typer.Option(help="Thickness of an end plate; 30 mm are assumed without it.")
+]
+Sealing = Annotated[str, typer.Option(help="Thickness of a plate inside each end plate.")]
+Lead = Annotated[
+    str | None, typer.Option(help="Diameter of a lead core, such as 180mm; none without it.")
+]
+Confined = Annotated[
+    bool, typer.Option("--confined", help="Cores in springs: heat goes to the ends only.")
+]
+Spreading = Annotated[
+    float, typer.Option(help="Of heat into the end plates of confined cores, 0.001 to 1.")
+]
+File = Annotated[
+    Path | None, typer.Option("-o", "--output", help="File to write; NAME.toml by default.")
+]
+
+
 @reported
 def new(
     name: Annotated[str, typer.Argument(help="Of the new bearing; its file is NAME.toml.")],
-    compound: Annotated[
-        str,
-        typer.Option(
-            help="One of `thermobearing list`, or the TOML file of a compound or a bearing.",
-            metavar="NAME/FILE",
-        ),
-    ],
-    layers: Annotated[
-        str, typer.Option(help="Number and thickness of the rubber layers, such as 20x8mm.")
-    ],
-    shim: Annotated[str, typer.Option(help="Thickness of a steel plate between, such as 3mm.")],
-    plan: Annotated[
-        str | None,
-        typer.Option(help="Length in the direction of motion, and width: 1000x1000mm."),
-    ] = None,
-    diameter: Annotated[
-        str | None, typer.Option(help="Of a round bearing, such as 700mm, instead of --plan.")
-    ] = None,
-    end_plate: Annotated[
-        str | None, typer.Option(help="Thickness of an end plate; 30 mm are assumed without it.")
-    ] = None,
-    sealing_plate: Annotated[
-        str, typer.Option(help="Thickness of a plate inside each end plate.")
-    ] = "0 mm",
-    lead: Annotated[
-        str | None, typer.Option(help="Diameter of a lead core, such as 180mm; none without it.")
-    ] = None,
+    compound: Compound,
+    layers: Layers,
+    shim: Shim,
+    plan: Plan = None,
+    diameter: Diameter = None,
+    end_plate: EndPlate = None,
+    sealing_plate: Sealing = "0 mm",
+    lead: Lead = None,
     cores: Annotated[int, typer.Option(help="Number of lead cores.")] = 1,
-    confined: Annotated[
-        bool, typer.Option("--confined", help="Cores in springs: heat goes to the ends only.")
-    ] = False,
-    end_spreading: Annotated[
-        float, typer.Option(help="Of heat into the end plates of confined cores, 0.001 to 1.")
-    ] = 1.0,
-    output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="File to write; NAME.toml by default.")
-    ] = None,
+    confined: Confined = False,
+    end_spreading: Spreading = 1.0,
+    output: File = None,
     force: Annotated[bool, typer.Option("--force", help="Replace the file.")] = False,
     as_json: AsJson = False,
     quiet: Quiet = False,
