@@ -1,6 +1,6 @@
 """What a bearing was tested at: the range in which its parameters are known to hold."""
 
-from typing import Annotated, Any
+from typing import Annotated, Any, Protocol
 
 from pydantic import Field
 
@@ -55,3 +55,16 @@ class Validity(Strict):
         """Lowest and highest value of each quantity that is known."""
         known = {name: getattr(self, name) for name in type(self).model_fields}
         return {name: (ends[0], ends[1]) for name, ends in known.items() if ends is not None}
+
+
+class Tested(Protocol):
+    """Whatever bearing may say what it was tested at."""
+
+    @property
+    def tested_range(self) -> Validity | None:
+        """None where it is not given."""
+
+
+def ranges_of(bearing: Tested) -> dict[str, tuple[float, float]] | None:
+    """Of a bearing, lowest and highest value by quantity; None where its file gives none."""
+    return None if bearing.tested_range is None else bearing.tested_range.ranges()
