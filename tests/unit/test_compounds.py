@@ -10,9 +10,8 @@ from typer.testing import CliRunner
 import thermobearing as tb
 from tests import tolerances as tol
 from thermobearing.bearing.compound import Compound, as_compound, compound_from_table
-from thermobearing.bearing.new import new_bearing_text
 from thermobearing.bearing.scaling import cores_of, resized
-from thermobearing.border.toml import to_table
+from thermobearing.border.toml import sourced_toml, to_table
 from thermobearing.cli import app
 from thermobearing.commands.check import describe_file
 from thermobearing.cyclic.equivalent import isothermal_cycle
@@ -43,7 +42,8 @@ def test_a_bearing_of_its_own_compound_and_size_is_itself(name: str) -> None:
     )
     assert again.kind == bearing.kind
     before, after = (to_table(item) for item in (bearing, again))
-    for key in ("geometry", "materials", "hysteresis", "lead", "temperature_law", "cells"):
+    ranges = ("temperature_law", "tested_range")
+    for key in ("geometry", "materials", "hysteresis", "lead", "cells", *ranges):
         assert after.get(key) == before.get(key), key
     if bearing.rate is not None:
         assert again.rate is not None
@@ -68,10 +68,8 @@ def test_the_compounds_of_the_source_are_those_of_its_specimens(
             told = getattr(mine, key)
             number = isinstance(value, float)
             assert told == (pytest.approx(value, rel=tol.SIX_DIGITS) if number else value)
-    assert (shipped.materials, shipped.temperature_law) == (
-        divided.materials,
-        divided.temperature_law,
-    )
+    for table in ("materials", "temperature_law", "tested_range"):
+        assert getattr(shipped, table) == getattr(divided, table), table
     assert set(shipped.sources) == set(divided.sources)
 
 
@@ -148,7 +146,7 @@ def test_a_new_bearing_says_where_its_numbers_come_from(tmp_path: Path) -> None:
     assert bearing.sources["geometry.end_plate_thickness"] == "assumed; not given"
     assert made(end_plate="30 mm").sources["geometry.end_plate_thickness"] == "given"
     file = tmp_path / "pier.toml"
-    file.write_text(new_bearing_text(bearing), encoding="utf-8")
+    file.write_text(sourced_toml(bearing, bearing.sources), encoding="utf-8")
     again = tb.load_bearing(file)
     assert again == bearing
     assert set(again.sources) == set(bearing.sources)
@@ -157,7 +155,7 @@ def test_a_new_bearing_says_where_its_numbers_come_from(tmp_path: Path) -> None:
 def test_a_bearing_is_its_compound(tmp_path: Path) -> None:
     """A fitted specimen, by its file, makes the same bearing as its compound."""
     file = tmp_path / "fit.toml"
-    file.write_text(new_bearing_text(tb.load_bearing("shen-lhdr-specimen")), encoding="utf-8")
+    file.write_text(sourced_toml(tb.load_bearing("shen-lhdr-specimen"), {}), encoding="utf-8")
     size = {"plan": "500x500mm", "layers": "6x17mm", "shim": "3mm", "lead": "60mm"}
     by_file = tb.bearing.new_bearing("x", file, **size)
     by_name = tb.bearing.new_bearing("x", "shen-lhdr", **size)

@@ -12,3 +12,4 @@ from .model import Bearing as Bearing
 from .new import new_bearing as new_bearing
 from .scaling import bearing_of as bearing_of
 from .scaling import compound_of as compound_of
+from .validity import Validity as Validity

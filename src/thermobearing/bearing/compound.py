@@ -20,6 +20,7 @@ from thermobearing.bearing.model import (
     TemperatureCoefficient,
 )
 from thermobearing.bearing.temperature import TemperatureLaw
+from thermobearing.bearing.validity import Validity
 from thermobearing.border.errors import InputError, shortened
 from thermobearing.border.library import Library
 from thermobearing.border.schema import Strict, in_unit, validated
@@ -81,15 +82,16 @@ class Compound(Strict):
 
     Attributes
     ----------
-    name, description, citation : what it is and where its numbers come from; `kind` is
-        "compound".
+    kind : "compound".
+    name, description, citation : what it is and where its numbers come from.
     family : "HDR", high damping rubber (bearings of it are HDR, with lead LHDR), or "NR", natural
         rubber (bearings of it have lead, LRB).
     rubber, lead, rate : see those classes; `lead` is None where no lead is known, `rate` without
         rate dependence.
     materials : thermal properties, side film and steel too: those that the numbers were
         identified with.
-    temperature_law, scragging : as of a bearing; they have no size.
+    temperature_law, tested_range, scragging : as of a bearing; they have no size, so that a bearing
+        of any size takes them over.
 
     Examples
     --------
@@ -105,6 +107,7 @@ class Compound(Strict):
     rubber: CompoundRubber
     materials: Materials
     temperature_law: TemperatureLaw | None = None
+    tested_range: Validity | None = None
     scragging: Scragging | None = None
     lead: CompoundLead | None = None
     rate: CompoundRate | None = None

@@ -4,7 +4,6 @@ import re
 from pathlib import Path
 from typing import Annotated, Any
 
-import tomli_w
 from pydantic import Field
 
 from thermobearing.bearing.compound import Compound, as_compound
@@ -12,7 +11,6 @@ from thermobearing.bearing.model import Bearing, Cells, Geometry, Plan, PlanSize
 from thermobearing.bearing.scaling import Cores, bearing_of, compound_of
 from thermobearing.border.errors import InputError
 from thermobearing.border.schema import Strict, in_unit, validated
-from thermobearing.border.toml import to_table, with_sources
 from thermobearing.border.units import parse_quantity
 
 END_PLATE = 30.0  # mm, where a drawing says nothing; those of bearings are 20 to 50
@@ -135,26 +133,6 @@ def new_bearing(
         citation=f"made from compound {of.name}" + (f": {of.citation}" if of.citation else ""),
     )
     return made.with_sources(_sources(made, of, assumed_plate=end_plate is None))
-
-
-def new_bearing_text(bearing: Bearing) -> str:
-    """A bearing as a TOML file that says where each of its numbers comes from.
-
-    Parameters
-    ----------
-    bearing : from `new_bearing`, or any.
-
-    Returns
-    -------
-    str : reads back to the same bits.
-
-    Examples
-    --------
-    >>> made = new_bearing("a", "shen-hdr", diameter="400mm", layers="6x9mm", shim="3mm")
-    >>> new_bearing_text(made).splitlines()[0]
-    'name = "a"'
-    """
-    return tomli_w.dumps(with_sources(to_table(bearing), bearing.sources))
 
 
 def _plan(plan: str | None, diameter: str | float | None) -> dict[str, Any]:

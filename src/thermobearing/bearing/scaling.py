@@ -33,7 +33,7 @@ WITHOUT_SIZE = (
     "reference_temperature",
 )
 OF_LEAD = ("yield_stress", "softening", "reference_temperature", "surface_ratio", "clock")
-COPIED = ("materials", "temperature_law", "scragging")
+COPIED = ("materials", "temperature_law", "tested_range", "scragging")
 KINDS = {("HDR", False): "HDR", ("HDR", True): "LHDR", ("NR", True): "LRB"}
 
 

@@ -108,6 +108,11 @@ def with_sources(table: dict[str, Any], sources: Mapping[str, str]) -> dict[str,
     return table
 
 
+def sourced_toml(model: Strict, sources: Mapping[str, str]) -> str:
+    """A model as a library file, with the source of each number where one is known."""
+    return tomli_w.dumps(with_sources(to_table(model), sources))
+
+
 def to_toml(model: Strict, *, without: str = "") -> str:
     """A model with every default filled in, as TOML text that reads back to the same bits.
 

@@ -77,7 +77,8 @@ def new(
     Example: `thermobearing new pier-3 --compound natural-rubber --plan 1000x1000mm
     --layers 20x8mm --shim 3mm --lead 180mm`
     """
-    from thermobearing.bearing.new import new_bearing, new_bearing_text
+    from thermobearing.bearing.new import new_bearing
+    from thermobearing.border.toml import sourced_toml
     from thermobearing.commands.check import bearing_facts
     from thermobearing.results.screen import print_facts
 
@@ -96,7 +97,7 @@ def new(
         end_spreading=end_spreading,
     )
     target = output or Path(f"{name}.toml")
-    write_file(target, new_bearing_text(made), force=force)
+    write_file(target, sourced_toml(made, made.sources), force=force)
     if not quiet:
         facts = bearing_facts(made)
         if end_plate is None:

@@ -32,11 +32,14 @@ def print_sequence(result: SequenceResult) -> None:
         *(s.replace("rubber", "layer ") for s in warm),
     ]:
         table.add_column(head, justify="right", no_wrap=True)
+    if rows["beyond_tested"].any():
+        table.add_column("not tested", no_wrap=True)
     for row in rows.to_dict("records"):
         table.add_row(
             str(row["part"]),
             *(form.format(row[name]) for name, (_, form) in SHOWN.items()),
             *(f"{row[f'{s}_start_degC']:.1f} > {row[f'{s}_end_degC']:.1f}" for s in warm),
+            *([str(row["beyond_tested"])] if rows["beyond_tested"].any() else []),
             style=None if row["outcome"] == "completed" else "red",
         )
     console.print(table)
