@@ -20,11 +20,13 @@ from thermobearing.commands import design, earthquake, factors, sequence
 from thermobearing.commands.common import (
     BAD_INPUT,
     AsJson,
+    Exposed,
     Force,
     NoFigures,
     Output,
     Quiet,
     echo_json,
+    exposure_given,
     reported,
     with_progress,
     written,
@@ -111,6 +113,7 @@ def cyclic(
     heat_source: Annotated[str | None, typer.Option(help="work or dissipation.")] = None,
     lead_ends: Annotated[str | None, typer.Option(help="finite-plate or half-space.")] = None,
     model: Annotated[str | None, typer.Option(help="An earlier model, see docs/theory.md.")] = None,
+    exposure: Exposed = None,
     compare: Annotated[bool, typer.Option("--compare", help="Earlier models beside it.")] = False,
     keep_every: Annotated[int | None, typer.Option(help="Keep every n-th step.")] = None,
     output: Output = None,
@@ -136,6 +139,7 @@ def cyclic(
         "heat_source": heat_source,
         "lead_ends": lead_ends,
         "model": model,
+        "exposure": exposure_given(exposure),
         "keep_every": keep_every,
     }
     if case is None:

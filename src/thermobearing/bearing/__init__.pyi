@@ -6,6 +6,7 @@ from .bilinear import load_bilinear as load_bilinear
 from .compound import Compound as Compound
 from .compound import list_compounds as list_compounds
 from .compound import load_compound as load_compound
+from .exposure import Exposure as Exposure
 from .library import list_bearings as list_bearings
 from .library import load_bearing as load_bearing
 from .model import Bearing as Bearing

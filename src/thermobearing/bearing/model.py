@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, PrivateAttr, field_validator, model_validator
 
+from thermobearing.bearing.exposure import Exposure
 from thermobearing.bearing.temperature import TemperatureLaw
 from thermobearing.bearing.validity import Validity
 from thermobearing.border.schema import Strict, in_unit
@@ -264,6 +265,7 @@ class Bearing(Strict):
         `scragging` is None for rubber that has worked already, `lead` without lead cores,
         `rate` without rate dependence.
     tested_range : what it was tested at (`Validity`); None where that is not given.
+    exposure : factors for long cold and age (`Exposure`); None where there are none.
     """
 
     name: Annotated[str, Field(min_length=1)]
@@ -278,6 +280,7 @@ class Bearing(Strict):
     scragging: Scragging | None = None
     lead: LeadCores | None = None
     rate: RateDependence | None = None
+    exposure: Exposure | None = None
     cells: Cells = Cells()
     _sources: dict[str, str] = PrivateAttr(default_factory=dict)
 

@@ -18,8 +18,8 @@ from thermobearing.identify.kinds import M_T, N_T
 from thermobearing.identify.posterior import Forecast, Samples
 from thermobearing.identify.result import Identification
 from thermobearing.results.directory import (
-    FIGURES,
     COMPOUND,
+    FIGURES,
     FIT_TABLE,
     IDENTIFIED,
     SAMPLES,

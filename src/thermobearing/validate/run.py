@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from thermobearing.bearing.exposure import exposure_of
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
 from thermobearing.identify.agreement import determination, peaks
@@ -115,16 +116,22 @@ def run_validate(case: ValidateCase) -> Validation:
     )
 
 
+def _called(bearing: Bearing) -> str:
+    """Its name, and its exposure factors if it has some: what a table must say of it."""
+    factors = exposure_of(bearing, None)
+    return bearing.name if factors is None else f"{bearing.name}, {factors.told()}"
+
+
 def _comparison(bearing: Bearing, model: Model, record: TestRecord) -> Comparison:
     options = ModelOptions(model=model)
     found = ForwardModel(record, bearing, fine=True, options=options).run_as_built()
     if found is None:
         nan = float("nan")
-        return Comparison(bearing.name, model, record, None, nan, nan, [], None, {})
+        return Comparison(_called(bearing), model, record, None, nan, nan, [], None, {})
     loops = loops_of(record, found.force)
     off = found.force - record.force
     return Comparison(
-        bearing=bearing.name,
+        bearing=_called(bearing),
         model=model,
         record=record,
         prediction=found,
