@@ -120,6 +120,22 @@ def test_stress_at_a_strain_is_that_of_the_compound() -> None:
         assert cycle.h_eq == pytest.approx(cycles[0].h_eq, rel=tol.OTHER_STEPS)
 
 
+@pytest.mark.parametrize(
+    ("kind", "stiffness", "damping", "printed"),
+    [("hdr", 3.04, 0.182, (2.60, 0.170)), ("lhdr", 3.51, 0.223, (2.52, 0.297))],
+)
+def test_the_pairs_of_the_source_are_not_one_compound(
+    kind: str, stiffness: float, damping: float, printed: tuple[float, float]
+) -> None:
+    """The numbers of docs/theory.md: the specimen at full size beside the bridge bearing."""
+    specimen, bridge = (tb.load_bearing(f"shen-{kind}-{size}") for size in ("specimen", "bridge"))
+    made = resized(specimen, bridge.geometry, bridge.lead.diameter if bridge.lead else None)
+    for bearing, (wanted, loss) in ((made, (stiffness, damping)), (bridge, printed)):
+        cycle = isothermal_cycle(bearing, 178.0 / 102.0)
+        assert cycle.stiffness_kN_mm == pytest.approx(wanted, abs=tol.SECOND_DECIMAL)
+        assert cycle.h_eq == pytest.approx(loss, abs=tol.THIRD_DECIMAL)
+
+
 def test_lead_as_a_ratio_of_stiffnesses() -> None:
     """lrb-example again: K_1 = 10 K_2."""
     example = tb.load_bearing("lrb-example")

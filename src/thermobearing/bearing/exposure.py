@@ -1,7 +1,7 @@
 """What days of cold and years of age make of a bearing, before it is moved: two factors.
 
 The model knows the temperature of the moment. Crystallisation, which goes on for days, and ageing
-are outside it (docs/texts/exposure.md); who knows them from tests or a code gives them here.
+are outside it (docs/exposure.md); who knows them from tests or a code gives them here.
 """
 
 from collections.abc import Iterable, Mapping

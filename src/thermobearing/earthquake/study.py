@@ -114,10 +114,7 @@ def bridge(
     True
     """
     return _study(
-        "bridge",
-        misspelt,
-        executor,
-        progress,
+        ("bridge", misspelt, executor, progress),
         bearings=bearing,
         motions=motion,
         ambient=ambient,
@@ -212,10 +209,7 @@ def hybrid(
     'completed'
     """
     return _study(
-        "hybrid",
-        misspelt,
-        executor,
-        progress,
+        ("hybrid", misspelt, executor, progress),
         bearings=bearing,
         motions=motion,
         ambient=ambient,
@@ -245,13 +239,10 @@ def hybrid(
 
 
 def _study(
-    command: Command,
-    misspelt: Mapping[str, object],
-    executor: Executor | None,
-    progress: Progress | None,
-    **given: Any,
+    how: tuple[Command, Mapping[str, object], Executor | None, Progress | None], **given: Any
 ) -> EarthquakeResult:
     """What `bridge` and `hybrid` do with their arguments."""
+    command, misspelt, executor, progress = how
     where = f"{command}()"
     if misspelt:
         known = signature(bridge).parameters.keys() - {"misspelt"}
