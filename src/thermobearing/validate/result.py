@@ -230,6 +230,7 @@ class Validation:
             "ambient_degC": item.record.ambient,
             "bearing": item.bearing,
             "model": item.model,
+            "outcome": item.outcome,
             "R2": _number(item.R2),
             "errors": {
                 name: {
