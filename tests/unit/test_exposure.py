@@ -173,7 +173,7 @@ def test_a_fit_refuses_them_and_the_forward_model_has_them_once() -> None:
 def test_a_validation_names_them() -> None:
     record = tb.identify.synthetic_record(tb.load_bearing(LAYERED[0]), 23.0, TEST)
     found = tb.validate.validate(with_table(LAYERED[0]), record)
-    assert "exposure: stiffness x 1.3" in found.summary()["comparisons"][0]["bearing"]
+    assert "exposure: stiffness x 1.3" in found.summary()["warnings"][0]
 
 
 @pytest.mark.parametrize(

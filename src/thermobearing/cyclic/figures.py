@@ -152,7 +152,7 @@ class Figures:
         for ax in axes[count:]:
             ax.remove()
         ends = [100.0 * self._result.tested_to(run, "strain") for run in range(count)]
-        drawing.shade_untested(axes[:count], ends)
+        drawing.shade_untested(axes[:count], [(-end, end) for end in ends])
         return figure
 
     def measures(self) -> Figure:

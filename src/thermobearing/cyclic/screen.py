@@ -9,6 +9,7 @@ from rich.table import Table
 from thermobearing.cyclic.result import Result, run_name
 from thermobearing.results.metrics import CycleMeasures
 from thermobearing.results.ranges import titles_passed
+from thermobearing.results.screen import print_warnings
 
 
 def _table(title: str, columns: list[str]) -> Table:
@@ -24,8 +25,7 @@ def print_result(result: Result, compared: dict[str, Result] | None = None) -> N
     console.print(
         f"[bold]{escape(result.dataset.attrs['title'])}[/bold] ({result.dataset.attrs['scheme']})"
     )
-    for warning in result.warnings:
-        console.print(f"[yellow]warning: {escape(warning)}[/yellow]")
+    print_warnings(console, result.warnings)
     cycles, rows = result.cycles, result.tested_range.to_dict("records")
     layers = [name for name in cycles.columns if str(name).startswith("rubber")]
     for run, ambient in enumerate(result["ambient"].values):

@@ -103,7 +103,7 @@ class EarthquakeFigures:
             )
             ax.title.set_fontsize(drawing.SMALL)
         if strain is not None:
-            drawing.shade_untested(axes, untested, strain)
+            drawing.shade_untested(axes, [(-end, end) for end in untested], strain)
         self._legend(figure)
         return figure
 

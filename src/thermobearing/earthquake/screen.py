@@ -10,6 +10,7 @@ from rich.table import Table
 
 from thermobearing.earthquake.modes import has_both, modes_table
 from thermobearing.earthquake.result import EarthquakeResult
+from thermobearing.results.screen import print_warnings
 
 TITLE = "real time over pseudo-dynamic"
 RATIOS = {  # columns of modes.csv
@@ -71,8 +72,7 @@ def print_study(
     if result.runs:
         worst = float(result.energy["structure_residual"].abs().max())
         console.print(f"energy books: largest residual {worst:.1e} of the input")
-    for warning in result.warnings:
-        console.print(f"[yellow]warning:[/] {escape(warning)}", highlight=False, soft_wrap=True)
+    print_warnings(console, result.warnings)
 
 
 def _print_comparison(console: Console, results: dict[str, EarthquakeResult]) -> None:

@@ -163,11 +163,14 @@ def bearing_table(found: Identification) -> dict[str, Any]:
         "description": f"{found.bearing.description} (identified from tests)".strip(),
         "citation": f"thermobearing {thermobearing.__version__} identify, {found.method}; {fitted}",
     }
-    law = _range_of_law(found)
+    law, tested = _range_of_law(found), found.tested_range
+    sources |= {f"tested_range.{name}": _tested_source(found, name) for name in tested.ranges()}
     if law is not found.bearing.temperature_law:
         keys = ("temperature_law.coldest", "temperature_law.warmest")
         sources |= dict.fromkeys(keys, "air of the tests; the rubber itself was warmer")
-    table = to_table(found.bearing.model_copy(update=named | {"temperature_law": law}))
+    table = to_table(
+        found.bearing.model_copy(update=named | {"temperature_law": law, "tested_range": tested})
+    )
     return with_sources(table, sources)
 
 
@@ -194,6 +197,12 @@ def compound_text(found: Identification) -> str:
     fitted = bearing_from_table(bearing_table(found), "fit")
     compound = compound_of(fitted, f"{found.bearing.name}-compound")
     return sourced_toml(compound, compound.sources)
+
+
+def _tested_source(found: Identification, name: str) -> str:
+    """Where an end of the tested range comes from."""
+    tests = ", ".join(record.name for record in found.records)
+    return f"the fitted model in {tests}" if name == "lead_temperature" else f"tests {tests}"
 
 
 def _range_of_law(found: Identification) -> TemperatureLaw | None:

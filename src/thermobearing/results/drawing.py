@@ -228,22 +228,24 @@ def common_limits(axes: list[Axes]) -> tuple[float, float]:
     return low - room, high + room
 
 
-def shade_untested(axes: list[Axes], largest: list[float], along: Literal["x", "y"] = "x") -> None:
-    """Shade what lies beyond the largest tested value, to both sides, where a panel shows it.
+def shade_untested(
+    axes: list[Axes], tested: list[tuple[float, float]], along: Literal["x", "y"] = "x"
+) -> None:
+    """Shade what lies beyond the tested range where a panel shows it.
 
     Parameters
     ----------
     axes : drawn panels.
-    largest : of each, in the unit of its axis; infinite where nothing is to be shaded.
-    along : the axis it is a value of.
+    tested : lowest and highest value of each, in the unit of its axis; infinite without an end.
+    along : the axis they are values of.
     """
-    for ax, end in zip(axes, largest, strict=False):
-        if not np.isfinite(end):
+    for ax, (least, most) in zip(axes, tested, strict=False):
+        if not np.isfinite([least, most]).any():
             continue
         get, put = (ax.get_xlim, ax.set_xlim) if along == "x" else (ax.get_ylim, ax.set_ylim)
         low, high = get()
         span = ax.axvspan if along == "x" else ax.axhspan
-        for first, last in ((end, high), (low, -end)):
+        for first, last in ((most, high), (low, least)):
             if last > first:
                 span(first, last, color=UNTESTED, zorder=0.2, linewidth=0)
         put(low, high)

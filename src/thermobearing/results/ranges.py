@@ -5,17 +5,21 @@ names, units and numbers come in, and every analysis says the same of them.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 Floats = NDArray[np.float64]
 Ends = tuple[float, float]
 Row = dict[str, Any]
 
-# Of the width of a tested range, beyond either end: what two readings of one test differ by.
-SLACK = 0.01
+# Of a tested range (its width, or its upper end where that is more), beyond either end: what the
+# nominal and the measured value of one test differ by.
+SLACK = 0.02
 REST = 600.0  # between two loadings, after which cycles are counted anew [s]
 TESTED = {  # of a bearing: unit in rows; title, factor and unit in sentences
     "strain": ("1", "strain", 100.0, " %"),
@@ -42,7 +46,7 @@ def compared(
     asked : value of each quantity, or its lowest and highest; NaN is none.
     limits : lowest and largest value that is meant, by quantity.
     units : of the quantities.
-    slack : part of the width of a range that nobody calls outside.
+    slack : part of a range (its width or upper end) that nobody calls outside.
 
     Returns
     -------
@@ -69,7 +73,7 @@ def compared(
                 "asked": float(ends[0] if below > max(above, 0.0) else ends[1]),
                 "lowest": float(low),
                 "largest": float(high),
-                "passed": bool(max(below, above) > slack * (high - low)),
+                "passed": bool(max(below, above) > slack * max(high - low, abs(high))),
             }
         )
     return rows
@@ -157,6 +161,11 @@ def largest_speed(time: Floats, displacement: Floats) -> float:
     lag = min(max(1, int(np.median(apart)) // 10), len(time) - 1)
     moved = np.abs(displacement[lag:] - displacement[:-lag])
     return float((moved / np.maximum(time[lag:] - time[:-lag], np.finfo(float).tiny)).max())
+
+
+def rows_of(table: "pd.DataFrame") -> list[Row]:
+    """Rows of `compared` again, from a table of them."""
+    return [{str(key): value for key, value in row.items()} for row in table.to_dict("records")]
 
 
 def asked_of_tests(
