@@ -122,7 +122,11 @@ def test_stand_in_grows_as_the_record(measured: Recorder) -> None:
         for motion in (built_in, raw, fitted)
     ]
     told = ["; ".join(f"{time:.1f}" for time in some) for some in times]
-    measured("jra-ii-ii-1: 5, 25, 50, 75, 95 % of the Arias intensity, s", told[0], "between the next two, 1 s more at most")
+    measured(
+        "jra-ii-ii-1: 5, 25, 50, 75, 95 % of the Arias intensity, s",
+        told[0],
+        "between the next two, 1 s more at most",
+    )
     measured("Takatori: the same, s", told[1], "PEER, TAK000")
     measured("Takatori fitted to the spectrum: the same, s", told[2], "the same phases")
     assert np.all(times[0] > np.minimum(times[1], times[2]) - tol.GROWTH_OF_RECORD)
