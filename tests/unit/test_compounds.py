@@ -13,7 +13,7 @@ from thermobearing.bearing.compound import Compound, as_compound, compound_from_
 from thermobearing.bearing.scaling import cores_of, resized
 from thermobearing.border.toml import sourced_toml, to_table
 from thermobearing.cli import app
-from thermobearing.commands.check import describe_file
+from thermobearing.commands.check import check_file
 from thermobearing.cyclic.equivalent import isothermal_cycle
 from thermobearing.design.rubber import damping_ratio, load_rubber, shear_modulus
 
@@ -214,7 +214,7 @@ def test_built_in_compounds_are_checked_and_cited(name: str) -> None:
     for key in (*(f"rubber.{k}" for k in table["rubber"]), "materials.rubber.conductivity"):
         assert key in compound.sources, key
     path = Path(tb.__file__).parent / f"data/compounds/{name}.toml"
-    kind, facts = describe_file(path)
+    kind, facts, _ = check_file(path)
     assert (kind, facts["name"]) == ("compound", name)
 
 

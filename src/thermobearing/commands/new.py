@@ -77,10 +77,13 @@ def new(
     Example: `thermobearing new pier-3 --compound natural-rubber --plan 1000x1000mm
     --layers 20x8mm --shim 3mm --lead 180mm`
     """
+    from rich.console import Console
+
     from thermobearing.bearing.new import new_bearing
+    from thermobearing.bearing.plausible import implausible
     from thermobearing.border.toml import sourced_toml
     from thermobearing.commands.check import bearing_facts
-    from thermobearing.results.screen import print_facts
+    from thermobearing.results.screen import print_facts, print_warnings
 
     made = new_bearing(
         name,
@@ -104,6 +107,7 @@ def new(
             facts["end plates"] += ", assumed: give --end-plate"
         facts |= not_measured(made)
         print_facts(f"{target}: a new bearing", facts)
+        print_warnings(Console(), implausible(made))
         typer.echo(f"written: {printable(str(target))}")
     if as_json:
         echo_json({"outcome": "completed", "exit_status": 0, "output": str(target)})

@@ -62,7 +62,9 @@ class PublishedTable(Strict):
         return f"{self.name} (unverified)" if self.unverified else self.name
 
 
-class _Published(Strict):
+class Published(Strict):
+    """What data/factors/published.toml says."""
+
     tables: list[PublishedTable]
 
 
@@ -80,7 +82,7 @@ def published_tables() -> list[PublishedTable]:
     True
     """
     path = data_path("factors", "published.toml")
-    return validated(_Published, read_toml(path), str(path)).tables
+    return validated(Published, read_toml(path), str(path)).tables
 
 
 def chosen_cycles(cycles: str | Sequence[int]) -> tuple[int, ...]:
