@@ -66,10 +66,16 @@ def range_of_tests(
     air = [float(record.ambient) for record in records]
     most = max(cycles_in_a_row(record.time, record.displacement) for record in records)
     leads = [found.lead for found in predictions if found.lead is not None]
+    warm = (min(low for low, _ in leads), max(high for _, high in leads)) if leads else None
     return Validity(
-        strain=[min(strains), max(strains)],
-        strain_rate=[min(speeds), max(speeds)],
-        ambient=[min(air), max(air)],
+        strain=_ends(strains),
+        strain_rate=_ends(speeds),
+        ambient=_ends(air),
         cycles=[0.0, most],
-        lead_temperature=[min(a for a, _ in leads), max(b for _, b in leads)] if leads else None,
+        lead_temperature=None if warm is None else _ends(warm),
     )
+
+
+def _ends(values: Sequence[float]) -> list[float]:
+    """Lowest and highest, to the digits that a test can know."""
+    return [float(f"{end:.5g}") for end in (min(values), max(values))]
