@@ -10,6 +10,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from thermobearing.identify.forward import Prediction
+from thermobearing.identify.loops import Loop
 from thermobearing.identify.record import TestRecord
 from thermobearing.validate.case import QUANTITIES
 
@@ -26,32 +27,6 @@ WITHIN, BEYOND, TOLD = "within", "beyond", "told"
 
 
 @dataclass(frozen=True)
-class Loop:
-    """One cycle of a test and of the model.
-
-    Attributes
-    ----------
-    cycle, number : of the record, and within its amplitude, from 1.
-    amplitude : of the displacement [mm]; that of the test moves the model.
-    displacement_max, displacement_min : D+ and D- [mm].
-    test, model : F+ and F- [kN], K_eq [kN/mm], h_eq and energy [kN mm], by name.
-    """
-
-    cycle: int
-    number: int
-    amplitude: float
-    displacement_max: float
-    displacement_min: float
-    test: dict[str, float]
-    model: dict[str, float]
-
-    @property
-    def ratios(self) -> dict[str, float]:
-        """Model over test."""
-        return {name: self.model[name] / value for name, value in self.test.items()}
-
-
-@dataclass(frozen=True)
 class Comparison:
     """One test beside one bearing and model.
 
@@ -63,7 +38,8 @@ class Comparison:
     R2 : coefficient of determination of the force, Eq. 4.38.
     NRMSE : root mean square error of the force over the largest force of the test.
     loops : full cycles.
-    largest : the cycle that holds the largest displacement; None where there is no full cycle.
+    largest : the loop that holds the largest displacement, one of `loops` or not; None where none
+        does.
     temperature_errors : RE of Eq. 4.39 in time, by thermocouple; nan where the test has not yet
         warmed by a twentieth of its largest rise.
     """
@@ -224,7 +200,7 @@ class Validation:
             "largest_loop": None
             if largest is None
             else {
-                "cycle": largest.cycle,
+                "cycle": largest.cycle or None,
                 "D+_mm": largest.displacement_max,
                 "D-_mm": largest.displacement_min,
                 "test": largest.test,
