@@ -23,6 +23,7 @@ SENTENCES = {
     "partly": "The model did not get through every test; see the outcome of each in the table. "
     "Smaller strains, a warmer start or another model would.",
 }
+RATIOS = ("F+", "F-", "K_eq", "h_eq", "energy")  # of the largest loop, model over test
 WITHIN, BEYOND, TOLD = "within", "beyond", "told"
 
 
@@ -107,7 +108,7 @@ class Validation:
 
     @cached_property
     def table(self) -> pd.DataFrame:
-        """One row for each test, bearing and model: R2, and the largest errors and verdicts."""
+        """One row for each test, bearing and model: R2, largest errors, verdicts, largest loop."""
         rows = []
         for item in self.comparisons:
             row: dict[str, Any] = {
@@ -121,6 +122,8 @@ class Validation:
             for name, error in item.errors.items():
                 row[f"{name}_error"] = error
                 row[f"{name}_verdict"] = self._verdict(name, error)
+            ratios = item.largest.ratios if item.largest else {}
+            row |= {f"{name}_ratio": ratios.get(name, float("nan")) for name in RATIOS}
             rows.append(row)
         return pd.DataFrame(rows)
 

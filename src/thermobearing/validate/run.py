@@ -95,14 +95,7 @@ def run_validate(case: ValidateCase) -> Validation:
     >>> run_validate(tb.validate.make_validate_case("shen-hdr-specimen", record)).outcome
     'completed'
     """
-    refused = [
-        f"{record.file or record.name}: {finding.sentence}"
-        for record in case.records
-        for finding in check_test(record, case.bearings[0]).findings
-        if finding.level == "refused" and finding.check not in NOT_NEEDED
-    ]
-    if refused:
-        raise InputError(refused)
+    refuse_unusable(case.records, case.bearings[0])
     return Validation(
         [
             _comparison(bearing, model, record)
@@ -112,6 +105,23 @@ def run_validate(case: ValidateCase) -> Validation:
         ],
         dict(case.limits),
     )
+
+
+def refuse_unusable(records: Sequence[TestRecord], bearing: Bearing) -> None:
+    """Tests that no model can be judged by; any history will do.
+
+    Raises
+    ------
+    InputError : what is wrong with each of them.
+    """
+    refused = [
+        f"{record.file or record.name}: {finding.sentence}"
+        for record in records
+        for finding in check_test(record, bearing).findings
+        if finding.level == "refused" and finding.check not in NOT_NEEDED
+    ]
+    if refused:
+        raise InputError(refused)
 
 
 def _comparison(bearing: Bearing, model: Model, record: TestRecord) -> Comparison:
