@@ -212,15 +212,12 @@ def run_hold_out(case: HoldOutCase, *, progress: Progress | None = None) -> Cros
         except InputError as error:
             raise InputError(error.lines(f"fold {number}")) from None
         told(number + 1, many)
-    judged = [
-        _judged(found, group, case.limits)
-        for found, group in zip(folds or [final], groups, strict=True)
-    ]
+    judged = [_judged(found, group) for found, group in zip(folds or [final], groups, strict=True)]
     return CrossValidation(
         final=final,
         folds=folds,
         groups=groups,
-        fitted=Validation(_judged(final, tests, case.limits), case.limits),
+        fitted=Validation(_judged(final, tests), case.limits),
         held_out=Validation([item for items in judged for item in items], case.limits),
     )
 
@@ -231,7 +228,5 @@ def _groups(tests: list[TestRecord], folds: int) -> list[list[TestRecord]]:
     return [[tests[i] for i in sorted(order[k::folds])] for k in range(folds)]
 
 
-def _judged(
-    found: Identification, records: list[TestRecord], limits: dict[str, float]
-) -> list[Comparison]:
-    return run_validate(ValidateCase([found.bearing], records, limits=limits)).comparisons
+def _judged(found: Identification, records: list[TestRecord]) -> list[Comparison]:
+    return run_validate(ValidateCase([found.bearing], records)).comparisons
