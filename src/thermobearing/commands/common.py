@@ -18,6 +18,10 @@ Force = Annotated[bool, typer.Option("--force", help="Replace an earlier result 
 NoFigures = Annotated[bool, typer.Option("--no-figures", help="Draw no figures.")]
 AsJson = Annotated[bool, typer.Option("--json", help="Last line of output is JSON.")]
 Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="No progress bar, no tables.")]
+RigName = Annotated[
+    str | None,
+    typer.Option("--rig", help="Rig that is to do it: name or file.", metavar="NAME/FILE"),
+]
 Limit = Annotated[
     list[str] | None,
     typer.Option(
