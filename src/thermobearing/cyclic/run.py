@@ -21,8 +21,9 @@ from thermobearing.cyclic.history import History, run_segments
 from thermobearing.cyclic.label import label
 from thermobearing.cyclic.protocol import CyclicTest
 from thermobearing.cyclic.result import Result
+from thermobearing.cyclic.rig import Rig
 from thermobearing.cyclic.segments import build_segments
-from thermobearing.cyclic.start import initial_temperatures
+from thermobearing.cyclic.start import Earlier, initial_temperatures
 from thermobearing.model.constants import Hardening, HeatSource, Integrator, LeadEnds
 from thermobearing.model.earlier import Model
 from thermobearing.model.handover import begun_from
@@ -46,12 +47,13 @@ def run(
     lead_ends: LeadEnds | None = None,
     upper_face: EndFace | None = None,
     lower_face: EndFace | None = None,
-    initial: float | Sequence[float] | Result | str | Path | None = None,
+    initial: float | Sequence[float] | Earlier | str | Path | None = None,
     initial_lead: float | None = None,
     keep: Sequence[Group] | None = None,
     keep_every: int | None = None,
     stack: Stacked | None = None,
     model: Model | None = None,
+    rig: Rig | str | Path | dict[str, Any] | None = None,
     progress: Progress | None = None,
 ) -> Result:
     """Put a bearing through a displacement-controlled test.
@@ -72,14 +74,17 @@ def run(
         (Eq. 5.4-5.5), which the published scheme and the earlier models have.
     upper_face, lower_face : heat exchange of the end faces; eta_B = 2 by default.
     initial : temperature at the start [degC]: uniform, or one per cell (upper face first); the
-        ambient temperature by default. Or an earlier result of the same bearing, or its directory:
-        the test goes on where that one ended, with temperatures, forces and all memory.
+        ambient temperature by default. Or an earlier result of the same bearing (of a test, or of
+        `hybrid` or `bridge`), or its directory: the test goes on where that one ended, with
+        temperatures, forces and all memory.
     initial_lead : lead temperature at the start [degC]; that of the cells beside it by default.
     keep : of "rubber", "layer_displacement", "hysteretic", "cells": histories to keep
         besides displacement, force and energy; the first and last by default.
     keep_every : keep every n-th step (turning points are kept besides).
     stack : "auto" (default), "half" or "full" height.
     model : "multi-layer" (default) or an earlier model to compare with (model/earlier.py).
+    rig : limits of force [kN], stroke [mm] and speed [mm/s] that are told when a run passes them:
+        a name ("shen-rig"), a file or a table; none by default.
     progress : called with (steps done, all steps).
 
     Returns
@@ -98,7 +103,7 @@ def run(
     True
     """
     series = ambient if isinstance(ambient, Ambient) else None
-    earlier = isinstance(initial, Result | str | Path)
+    earlier = isinstance(initial, Earlier | str | Path)
     uniform = initial is None or np.ndim(initial) == 0  # type: ignore[arg-type]
     options: dict[str, Any] = {
         "bearing": bearing,
@@ -120,6 +125,7 @@ def run(
         "initial_profile": None if uniform or earlier else initial,
         "initial_result": initial if earlier else None,
         "initial_lead": initial_lead,
+        "rig": rig,
     }
     return run_case(make_case({}, "run()", **options), series=series, progress=progress)
 

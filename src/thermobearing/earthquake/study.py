@@ -10,6 +10,7 @@ from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError, nearest
 from thermobearing.cyclic.rig import Rig
+from thermobearing.cyclic.start import Earlier
 from thermobearing.earthquake.case import Command, Kept, Laboratory, Motion, make_earthquake_case
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.earthquake.run import Progress, run_earthquake
@@ -50,6 +51,7 @@ def bridge(
     keep_every: int | None = None,
     laboratory: Laboratory | dict[str, Any] | None = None,
     initial_state: SpecimenState | None = None,
+    initial_result: Earlier | str | Path | None = None,
     rig: Rig | str | Path | dict[str, Any] | None = None,
     executor: Executor | None = None,
     progress: Progress | None = None,
@@ -88,6 +90,8 @@ def bridge(
     keep_every : keep every n-th step of the histories, >= 1; 2 by default.
     laboratory : of a specimen in the loop, see `hybrid`; none by default.
     initial_state : where an earlier test left the one bearing; virgin by default.
+    initial_result : the earlier result itself instead, of `run`, `hybrid` or `bridge`, or its
+        directory; of several runs that of this bearing at this ambient temperature.
     rig : limits of force [kN], stroke [mm] and speed [mm/s] that are told when a run passes them:
         a name ("shen-rig"), a file or a table; none by default.
     executor : any `concurrent.futures` executor; threads by default.
@@ -111,9 +115,7 @@ def bridge(
     """
     return _study(
         "bridge",
-        misspelt,
-        executor,
-        progress,
+        (misspelt, executor, progress),
         bearings=bearing,
         motions=motion,
         ambient=ambient,
@@ -137,6 +139,7 @@ def bridge(
         keep_every=keep_every,
         laboratory=laboratory,
         initial_state=initial_state,
+        initial_result=initial_result,
         rig=rig,
     )
 
@@ -166,6 +169,7 @@ def hybrid(
     keep_every: int | None = None,
     laboratory: Laboratory | dict[str, Any] | None = None,
     initial_state: SpecimenState | None = None,
+    initial_result: Earlier | str | Path | None = None,
     rig: Rig | str | Path | dict[str, Any] | None = None,
     executor: Executor | None = None,
     progress: Progress | None = None,
@@ -187,7 +191,8 @@ def hybrid(
         `seed`; numbers as text with their unit.
     weather, duration, dt, mass, damping, scheme, integrator : as of `bridge`.
     hardening, heat_source, lead_ends, upper_face, lower_face, stack, model : as of `bridge`.
-    keep, keep_every, initial_state, rig, executor, progress, misspelt : as of `bridge`.
+    keep, keep_every, initial_state, initial_result, rig : as of `bridge`.
+    executor, progress, misspelt : as of `bridge`.
 
     Returns
     -------
@@ -206,9 +211,7 @@ def hybrid(
     """
     return _study(
         "hybrid",
-        misspelt,
-        executor,
-        progress,
+        (misspelt, executor, progress),
         bearings=bearing,
         motions=motion,
         ambient=ambient,
@@ -232,18 +235,18 @@ def hybrid(
         keep_every=keep_every,
         laboratory=laboratory,
         initial_state=initial_state,
+        initial_result=initial_result,
         rig=rig,
     )
 
 
 def _study(
     command: Command,
-    misspelt: Mapping[str, object],
-    executor: Executor | None,
-    progress: Progress | None,
+    how: tuple[Mapping[str, object], Executor | None, Progress | None],
     **given: Any,
 ) -> EarthquakeResult:
     """What `bridge` and `hybrid` do with their arguments."""
+    misspelt, executor, progress = how
     where = f"{command}()"
     if misspelt:
         known = signature(bridge).parameters.keys() - {"misspelt"}
