@@ -109,6 +109,7 @@ def cyclic(
     hardening: Annotated[str | None, typer.Option(help="printed or monotone.")] = None,
     heat_source: Annotated[str | None, typer.Option(help="work or dissipation.")] = None,
     lead_ends: Annotated[str | None, typer.Option(help="finite-plate or half-space.")] = None,
+    clock: Annotated[str | None, typer.Option(help="Of a half-space: lead or steel.")] = None,
     model: Annotated[str | None, typer.Option(help="An earlier model, see docs/theory.md.")] = None,
     compare: Annotated[bool, typer.Option("--compare", help="Earlier models beside it.")] = False,
     keep_every: Annotated[int | None, typer.Option(help="Keep every n-th step.")] = None,
@@ -134,6 +135,7 @@ def cyclic(
         "hardening": hardening,
         "heat_source": heat_source,
         "lead_ends": lead_ends,
+        "clock": clock,
         "model": model,
         "keep_every": keep_every,
     }
