@@ -114,9 +114,7 @@ def bridge(
     """
     return _study(
         "bridge",
-        misspelt,
-        executor,
-        progress,
+        (misspelt, executor, progress),
         bearings=bearing,
         motions=motion,
         ambient=ambient,
@@ -212,9 +210,7 @@ def hybrid(
     """
     return _study(
         "hybrid",
-        misspelt,
-        executor,
-        progress,
+        (misspelt, executor, progress),
         bearings=bearing,
         motions=motion,
         ambient=ambient,
@@ -245,12 +241,11 @@ def hybrid(
 
 def _study(
     command: Command,
-    misspelt: Mapping[str, object],
-    executor: Executor | None,
-    progress: Progress | None,
+    besides: tuple[Mapping[str, object], Executor | None, Progress | None],
     **given: Any,
 ) -> EarthquakeResult:
-    """What `bridge` and `hybrid` do with their arguments."""
+    """What `bridge` and `hybrid` do with their arguments; `besides` are those of no case."""
+    misspelt, executor, progress = besides
     where = f"{command}()"
     if misspelt:
         known = signature(bridge).parameters.keys() - {"misspelt"}
