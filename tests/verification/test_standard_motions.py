@@ -101,7 +101,7 @@ def _share_of_largest_swing(motion: object) -> float:
 
 
 @pytest.mark.parametrize(
-    ("kind", "ground", "seed"), [("I", "I", 1), ("II", "I", 3), ("II", "III", 1)]
+    ("kind", "ground", "seed"), [("I", "I", 1), ("II", "I", 3), ("II", "II", 1), ("II", "III", 1)]
 )
 def test_seed_makes_the_stored_motion(
     kind: str, ground: str, seed: int, measured: Recorder

@@ -3,13 +3,9 @@
 They are stand-ins: they fit the spectrum, and are not the accelerograms of the specifications.
 """
 
-from dataclasses import dataclass
-
-import numpy as np
-
 from thermobearing.border.errors import InputError
 from thermobearing.core.types import Floats
-from thermobearing.motions.jra import GROUNDS, KINDS, kind_and_ground, standard_spectrum
+from thermobearing.motions.jra import kind_and_ground, standard_spectrum
 from thermobearing.motions.matching import (
     LONGEST_FIT,
     Effort,
@@ -17,14 +13,12 @@ from thermobearing.motions.matching import (
     Progress,
     matched,
 )
+from thermobearing.motions.phases import motion_name, near_fault, phases
 from thermobearing.motions.process import padded
 from thermobearing.motions.record import GroundMotion
 
 ROOM = 4.0  # [s] of rest before and after a record, for the ringing of changed amplitudes
 SMALLEST_DT, LARGEST_DT = 0.001, 0.02  # half a period of 0.1 s holds at least 2.5 steps
-# Above this the ground shakes less and less [Hz], as in records; the periods that are fitted
-# end at 0.1 s, and white noise beyond would make large, short peaks.
-HIGHEST = 10.0
 # Where waves cancel in a narrow band, no amplitudes fill the hole: then the phases are drawn
 # again. The limit leaves room below the 3 % that are promised.
 DRAWS, ACCEPTED = 8, 0.025
@@ -32,57 +26,6 @@ LARGEST_SEED = 2**32 - 1
 CITATION = (
     "Standard spectrum: Japan Road Association, Specifications for Highway Bridges, Part V (2012)"
 )
-
-
-@dataclass(frozen=True)
-class _Shape:
-    """How the strength of shaking goes in time: it rises, stays, and dies away [s]."""
-
-    length: float
-    start: float
-    strong: float
-    end: float
-    decay: float
-
-
-# Our choice: half a minute and more of strong shaking, as in 2003 Tokachi-oki and 2011 Tohoku;
-# some seconds, as in 1995 Kobe.
-SHAPES = {
-    "I": _Shape(length=110.0, start=5.0, strong=20.0, end=50.0, decay=12.0),
-    "II": _Shape(length=50.0, start=5.0, strong=9.0, end=12.0, decay=3.5),
-}
-# Type II: a velocity pulse with this period [s], longer on softer ground (1995 Kobe: JMA about
-# 0.9 s, Takatori 1.3 to 2 s), at this time [s], and its weight against the noise.
-PULSE_PERIODS = {"I": 1.0, "II": 1.4, "III": 1.8}
-PULSE_TIME, PULSE_CYCLES, PULSE_WEIGHT = 10.0, 1.0, 4.0
-
-
-def _envelope(time: Floats, shape: _Shape) -> Floats:
-    rise = np.clip((time - shape.start) / (shape.strong - shape.start), 0.0, 1.0) ** 2
-    return np.asarray(rise * np.exp(-np.maximum(time - shape.end, 0.0) / shape.decay))
-
-
-def _noise(kind: str, ground: str, seed: int, draw: int, dt: float) -> Floats:
-    """Gaussian noise under an envelope, with a pulse in it for Type II: gives the phases."""
-    shape = SHAPES[kind]
-    time = np.arange(round(shape.length / dt) + 1, dtype=np.float64) * dt
-    # One stream of numbers for each motion and draw.
-    key = [seed, KINDS.index(kind), GROUNDS.index(ground), draw]
-    stream = np.random.default_rng(key)
-    values = stream.standard_normal(len(time)) * _envelope(time, shape)
-    # As white noise, its spectral density does not depend on the time step.
-    values /= np.sqrt(dt)
-    if kind == "II":
-        period = PULSE_PERIODS[ground]
-        width = 0.5 * PULSE_CYCLES * period
-        past = (time - PULSE_TIME - 0.5 * stream.uniform(-1.0, 1.0)) / width
-        angle = 2.0 * np.pi * past * width / period
-        sign = 1.0 if stream.uniform() < 0.5 else -1.0
-        pulse = np.cos(angle + 0.5 * np.pi * stream.uniform()) * np.exp(-0.5 * past**2)
-        values += sign * PULSE_WEIGHT * pulse / np.sqrt(period) * np.sqrt(shape.decay)
-    frequency = np.asarray(np.fft.rfftfreq(len(values), dt), dtype=np.float64)
-    gain = 1.0 / (1.0 + (frequency / HIGHEST) ** 4)
-    return np.asarray(np.fft.irfft(np.fft.rfft(values) * gain, len(values)))
 
 
 def make_motion(
@@ -97,7 +40,9 @@ def make_motion(
     """A ground motion that fits a standard spectrum, the same for the same seed.
 
     Type I shakes for long; Type II is short with a velocity pulse. It is a stand-in that fits
-    the spectrum, not one of the accelerograms of the specifications.
+    the spectrum, not one of the accelerograms of the specifications. Seed 1 of Type II, ground
+    II, has the envelope and the pulse of the record behind its accelerogram (`data/phases`) and,
+    with the time step of 0.01 s, its largest acceleration at the same time, 8 s.
 
     Parameters
     ----------
@@ -133,14 +78,16 @@ def make_motion(
     fit: Matched | None = None
     effort = Effort(progress=progress)
     for draw in range(DRAWS):
-        trial = matched(_noise(kind, ground, seed, draw, dt), dt, target, effort=effort)
+        trial = matched(phases(kind, ground, seed, draw, dt), dt, target, effort=effort)
         if fit is None or trial.misfit < fit.misfit:
             fit = trial
         if fit.misfit <= ACCEPTED or effort.spent:
             break
     assert fit is not None
+    name = motion_name(kind, ground, seed)
+    own = near_fault().get(name)
     return GroundMotion(
-        name=f"jra-{kind}-{ground}-{seed}".lower(),
+        name=name,
         dt=dt,
         acceleration=fit.acceleration,
         description=(
@@ -148,7 +95,7 @@ def make_motion(
             f"spectrum of Level 2 Type {kind}, ground {ground}, c_z = {zone_factor:g} "
             f"(seed {seed}, misfit {100 * fit.misfit:.1f} % rms over 0.1-3 s)"
         ),
-        citation=CITATION,
+        citation=f"{CITATION}; {own.citation}" if own else CITATION,
     )
 
 

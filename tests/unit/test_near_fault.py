@@ -1,0 +1,80 @@
+"""The stand-in with the phases of a near-fault record: its pulse, its peak, its data file."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from tests import tolerances as tol
+from thermobearing.core.types import Floats
+from thermobearing.motions.library import list_motions, load_motion
+from thermobearing.motions.phases import Pulse, near_fault, phases
+from thermobearing.motions.record import GroundMotion, velocity_of
+
+NAME = "jra-ii-ii-1"
+OWN = near_fault()[NAME]
+SOURCE_PEAK, HALF_A_SECOND, USED = 8.0, 0.5, 20.0  # s: section 3.4.4, one digit; section 4.4
+
+
+def peak_time(motion: GroundMotion) -> float:
+    return float(np.abs(motion.acceleration).argmax()) * motion.dt
+
+
+def share_of_pulse(motion: GroundMotion) -> float:
+    """How much of the velocity's square, while the pulse lasts, is the pulse at its best size."""
+    time = np.arange(len(motion.acceleration)) * motion.dt
+    inside = np.abs(time - OWN.pulse.time) <= 0.5 * OWN.pulse.cycles * OWN.pulse.period
+    velocity, pulse = motion.velocity[inside], OWN.pulse.velocity(time)[inside]
+    return float((velocity @ pulse) ** 2 / ((velocity @ velocity) * (pulse @ pulse)))
+
+
+def test_peak_is_where_the_source_has_it() -> None:
+    found = peak_time(load_motion(NAME))
+    assert found == pytest.approx(OWN.peak_time, abs=tol.PEAK_OF_STREAM)
+    assert OWN.peak_time == SOURCE_PEAK
+    assert abs(found - SOURCE_PEAK) < HALF_A_SECOND
+    assert found < USED
+
+
+def test_pulse_is_the_largest_swing() -> None:
+    """It is still there after the fit, and no other motion of the type has it by chance."""
+    motion = load_motion(NAME)
+    when = float(np.abs(motion.velocity).argmax()) * motion.dt
+    assert abs(when - OWN.pulse.time) < 0.5 * OWN.pulse.period
+    assert share_of_pulse(motion) > tol.SHARE_OF_PULSE
+    others = [name for name in list_motions() if name.startswith("jra-ii-") and name != NAME]
+    assert max(share_of_pulse(load_motion(name)) for name in others) < tol.SHARE_BY_CHANCE
+
+
+def test_every_motion_with_own_phases_is_built_in() -> None:
+    assert set(near_fault()) <= set(list_motions())
+    assert "Mavroeidis" in load_motion(NAME).citation
+
+
+@pytest.mark.parametrize("cycles", [1.3, 2.0, 3.0])
+@pytest.mark.parametrize("phase", [0.0, 1.0, 4.7])
+def test_pulse_by_hand(cycles: float, phase: float) -> None:
+    """Its middle, its ends, and its acceleration against the acceleration's own integral."""
+    pulse = Pulse(amplitude=100.0, period=1.6, cycles=cycles, phase=phase, time=5.0)
+    assert_allclose(pulse.velocity(np.array([5.0])), 100.0 * np.cos(phase), rtol=tol.LOOP)
+    end = 0.5 * cycles * 1.6
+    beside = np.array([5.0 - end - 1e-6, 5.0 + end + 1e-6, 0.0, 50.0])
+    assert not pulse.velocity(beside).any()
+    assert not pulse.acceleration(beside).any()
+    dt = 1e-3
+    time = np.arange(10_001) * dt
+    velocity = velocity_of(pulse.acceleration(time), dt)
+    assert_allclose(velocity, pulse.velocity(time), atol=tol.PULSE_INTEGRAL)
+
+
+def test_noise_has_the_strength_that_the_file_says() -> None:
+    """Root mean square while strong, over many draws, without the pulse."""
+    dt = 0.01
+
+    def noise(draw: int) -> Floats:
+        values = phases("II", "II", 1, draw, dt)
+        return values - OWN.pulse.acceleration(OWN.shape.times(dt))
+
+    strong = slice(round(OWN.shape.strong / dt), round(OWN.shape.end / dt))
+    parts = np.array([noise(draw)[strong] for draw in range(20)])
+    assert np.sqrt(np.mean(parts**2)) == pytest.approx(OWN.noise, rel=tol.NOISE_STRENGTH)
+    assert abs(np.corrcoef(parts[:2])[0, 1]) < tol.OTHER_DRAW
