@@ -219,7 +219,7 @@ def list_structures() -> list[str]:
     Examples
     --------
     >>> list_structures()
-    ['hybrid-pier', 'pier-p1']
+    ['hybrid-pier', 'hybrid-pier-two-bearings', 'pier-p1']
     """
     return STRUCTURES.names()
 
