@@ -4,6 +4,8 @@ The table of all of them, for several numbers of bearings, is printed by `benchm
 Where the model contradicts the source the contradiction is asserted, so that a change shows.
 """
 
+import re
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -148,6 +150,7 @@ def test_rate_dependent_share(eight: Evidence, two: Evidence, measured: Recorder
         )
         assert np.all(peaks["rt"] > 5.0 * peaks["pd"])
         assert peaks["rt"][0] > peaks["rt"][1:].max()
+        assert e is two or np.all(np.diff(peaks["rt"]) < 0.0)
 
 
 def test_damping_ratio_in_the_cold(measured: Recorder) -> None:
@@ -188,6 +191,25 @@ def test_first_layer_of_the_hybrid_test(count: int, measured: Recorder) -> None:
         assert found[3] < 0.0
     else:  # less motion, less heat
         assert np.all(found < [-18.0, -10.0, -9.0, -11.0])
+
+
+def numbers(text: str) -> list[float]:
+    """All numbers of a text."""
+    return [float(found) for found in re.findall(r"-?\d+\.?\d*", text)]
+
+
+def test_the_table_in_the_docs_has_these_numbers(eight: Evidence, two: Evidence) -> None:
+    """`make docs` writes it; here the columns of two and eight are computed again."""
+    text = (Path(__file__).parents[2] / "docs" / "texts" / "source.md").read_text()
+    table = text.split("<!-- generated: bearing_count -->")[1].split("<!-- end")[0]
+    lines = [[cell.strip() for cell in line.split("|")] for line in table.splitlines()]
+    rows = {cells[1].strip("*"): cells[2:] for cells in lines if len(cells) > 2}
+    for criterion in (*HARD, *SOFT):
+        for column, e in ((0, two), (3, eight)):
+            cell = rows[criterion.what][column]
+            assert ("**no**" not in cell) == criterion.holds(e), criterion.what
+            ours = numbers(criterion.numbers(e))
+            assert_allclose(numbers(cell), ours, rtol=tol.TOLD, atol=tol.TOLD)
 
 
 def made_up(changes: dict[tuple[str, str, float], dict[str, float]]) -> Evidence:
