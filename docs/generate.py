@@ -15,7 +15,7 @@ from typing import Any
 DOCS = Path(__file__).parent
 README = DOCS.parent / "README.md"
 TEXTS = DOCS / "texts"  # written by hand, between the tables of verification.md
-SECTIONS = ("one_dimension", "factors", "lead", "structures", "source")
+SECTIONS = ("one_dimension", "factors", "lead", "structures", "near_fault", "source")
 # Tables between marks in the texts, each printed by `python -m benchmarks.NAME`.
 TABLES = {"lead": ("lead_rise",), "source": ("bearing_count", "source_hybrid")}
 MEASURED, BENCH = DOCS / "measured.json", DOCS / "bench.json"

@@ -7,7 +7,7 @@ from pathlib import Path
 LOWEST = re.compile(r"^([A-Za-z0-9_.-]+)\s*>=\s*([0-9.]+)")
 
 # What those versions pull in themselves, as it was then: later ones warn at their import.
-OF_THEIR_TIME = ["pyparsing<3.3"]
+OF_THEIR_TIME = ["click<8.3", "pyparsing<3.3"]
 
 
 def lowest_versions() -> list[str]:

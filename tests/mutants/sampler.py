@@ -29,7 +29,7 @@ NOTHING_RUN = 5  # status of pytest where every test was left out
 SERVER = multiprocessing.get_context("forkserver")
 SERVER.set_forkserver_preload(
     [
-        "h5netcdf",
+        "netCDF4",
         "hypothesis",
         "matplotlib.figure",
         "numba",

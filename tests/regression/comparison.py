@@ -6,7 +6,7 @@ import tomllib
 from itertools import zip_longest
 from pathlib import Path
 
-import h5py
+import netCDF4
 import numpy as np
 
 import thermobearing as tb
@@ -72,24 +72,20 @@ def _thinned(table: str) -> str:
 
 def _digest(path: Path) -> str:
     """One line for each variable of a netCDF file: shape, unit, first, last, extremes, mean."""
-    with h5py.File(path) as data:  # four times as fast as by way of xarray
+    with netCDF4.Dataset(path) as data:
+        data.set_auto_maskandscale(False)
         lines = [
-            f"{name} {variable.shape} [{_text(variable.attrs.get('units', ''))}]: "
-            f"{_numbers(variable[()])}"
-            for name, variable in sorted(data.items())
+            f"{name} {variable.shape} [{getattr(variable, 'units', '')}]: {_numbers(variable[...])}"
+            for name, variable in sorted(data.variables.items())
         ]
-        lines.append(f"attributes: {', '.join(sorted(key for key in data.attrs if key[0] != '_'))}")
+        lines.append(f"attributes: {', '.join(sorted(data.ncattrs()))}")
     return "\n".join(lines) + "\n"
-
-
-def _text(value: object) -> str:
-    return value.decode() if isinstance(value, bytes) else str(value)
 
 
 def _numbers(values: np.ndarray) -> str:
     values = values.ravel()
     if values.dtype.kind not in "fi":
-        return " ".join(dict.fromkeys(map(_text, values)))
+        return " ".join(dict.fromkeys(map(str, values)))
     known = values[np.isfinite(values)]
     if not len(known):
         return "no numbers"

@@ -82,7 +82,7 @@ def test_summary_has_the_promised_keys(saved: tuple[Path, Result]) -> None:
 
 
 def test_netcdf_has_units_on_every_number(saved: tuple[Path, Result]) -> None:
-    with xr.open_dataset(saved[0] / "result.nc", engine="h5netcdf") as data:
+    with xr.open_dataset(saved[0] / "result.nc", engine="netcdf4") as data:
         assert {"ambient", "time", "layer", "cell"} <= set(data.dims)
         numbers = [v for v in data.variables.values() if np.issubdtype(v.dtype, np.floating)]
         assert len(numbers) > 15

@@ -83,7 +83,7 @@ def test_files_and_summary(saved: Path) -> None:
 
 
 def test_variables_say_their_unit_and_peaks_are_those_of_every_step(saved: Path) -> None:
-    data = xr.load_dataset(saved / "result.nc", engine="h5netcdf")
+    data = xr.load_dataset(saved / "result.nc", engine="netcdf4")
     for name in data.data_vars:
         assert "units" in data[name].attrs, name
     kept = np.nanmax(np.abs(data["bearing_force"].values), axis=1)

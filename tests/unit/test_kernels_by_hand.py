@@ -9,11 +9,12 @@ from numpy.testing import assert_allclose
 
 import thermobearing as tb
 from tests import tolerances as tol
-from thermobearing.core.hardening import force_and_tangent
+from thermobearing.core.hardening import clear, force_and_tangent
 from thermobearing.core.hysteresis import euler_increment, exact_increment
 from thermobearing.core.lead import core_force, core_heat
+from thermobearing.core.records import filled
 from thermobearing.core.step import recoverable_energy
-from thermobearing.core.types import HEAT_FROM_DISSIPATION, HEAT_FROM_WORK
+from thermobearing.core.types import HEAT_FROM_DISSIPATION, HEAT_FROM_WORK, Layer
 from thermobearing.core.viscous import maxwell
 from thermobearing.model.options import ModelOptions, build_model
 
@@ -185,3 +186,26 @@ def test_histories_are_the_same_however_many_steps_were_done() -> None:
         )
         expected = tb.run(HDR, whole, 0.0)["force"].values[0]
         assert_allclose(result["force"].values[0], expected, rtol=1e-9)
+
+
+def test_bound_of_the_margin_is_on_the_safe_side() -> None:
+    """What it lets pass has the tangent it promises, by the closed form; and it lets most pass."""
+    random = np.random.default_rng(5)
+    passed, healthy = 0, 0
+    for _ in range(4000):
+        d, step = random.uniform(-30.0, 30.0), random.normal(scale=0.05)
+        ke, kh = 1.0, random.uniform(2.0, 30.0)
+        d_y = RUBBER.yield_displacement
+        z = random.uniform(-d_y, d_y)
+        after, _ = exact_increment(z, step, d_y, RUBBER.unloading_curvature)
+        s = d + step
+        slope = 1.0 - (after / d_y) ** 2
+        b = RUBBER.hardening
+        tangent = ke + kh * ((1.0 + b * s * s) * slope + min(2.0 * b * s * after, 0.0))
+        enough = s * after >= 0.0 or tangent >= RUBBER.sharing_start * ke
+        layer = filled(Layer, d=d, z=z, stored=0.0, farthest=0.0, virgin=1.0)[0]
+        let = clear(RUBBER, ke, kh, layer, step)
+        assert enough or not let
+        passed, healthy = passed + let, healthy + enough
+    assert healthy < 4000
+    assert passed > 0.8 * healthy

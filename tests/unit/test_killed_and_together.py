@@ -6,36 +6,53 @@ import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from types import FrameType
+from typing import Any
 
 import pytest
 
-import thermobearing.results.swap
+import thermobearing.results.swap as swap
 from tests.unit.inputs import content, cyclic, quick_case, summary
 from thermobearing.border.errors import OutputError
 from thermobearing.results.directory import write_directory
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork, as POSIX has it")
 MOMENTS = 50  # at least
+TraceFunction = Callable[[FrameType, str, Any], Any]
+NO_FILES = ("os.kill", "os.putenv", "os.unsetenv")
 EARLIER, LATER = 23.0, 5.0  # ambient temperatures that tell two results apart
 
 
 def killed(action: Callable[[], object], moment: int) -> bool:
     """Fork, act, and die by SIGKILL at the event of that number; whether it came to that.
 
-    Events are those that Python audits: files opened, folders made, renamed and removed.
+    Events are files opened, folders made, renamed and removed (Python audits them), and every
+    second line of the module that puts a result in its place.
     """
     child = os.fork()
     if child == 0:
-        count = 0
+        count = 0.0
+
+        def event(steps: float = 1.0) -> None:
+            nonlocal count
+            count += steps
+            if count >= moment:
+                os.kill(os.getpid(), signal.SIGKILL)
 
         def hook(name: str, _: object) -> None:
-            nonlocal count
-            if name.split(".")[0] in ("open", "os", "shutil"):
-                count += 1
-                if count == moment:
-                    os.kill(os.getpid(), signal.SIGKILL)
+            if name.split(".")[0] in ("open", "os", "shutil") and name not in NO_FILES:
+                event()
+
+        def line(_: FrameType, kind: str, __: object) -> TraceFunction:
+            if kind == "line":
+                event(0.5)
+            return line
+
+        def call(frame: FrameType, _: str, __: object) -> TraceFunction | None:
+            return line if frame.f_code.co_filename == swap.__file__ else None
 
         sys.addaudithook(hook)
+        sys.settrace(call)
         try:
             action()
         finally:
@@ -76,7 +93,7 @@ def test_killed_between_two_renames(
 ) -> None:
     """Every single event of the swap, also where the system cannot swap in one step."""
     if not exchange:
-        monkeypatch.setattr(thermobearing.results.swap, "_exchange", lambda *_: False)
+        monkeypatch.setattr(swap, "_exchange", lambda *_: False)
     out = tmp_path / "out"
     write_directory(out, filled)
 

@@ -16,7 +16,6 @@ from numpy.testing import assert_allclose
 import thermobearing as tb
 from tests import tolerances as tol
 from tests.conftest import Recorder
-from tests.shared_data import shared_data
 from tests.validation.hybrid_criteria import ENERGY, FORCE, HARD, RIG, SOFT, energy_signs, score
 from tests.validation.hybrid_source import (
     ABOUT,
@@ -171,26 +170,6 @@ def test_damping_ratio_in_the_cold(measured: Recorder) -> None:
     assert np.all(np.diff([1.0, *rises[HDR]]) > 0.0)
     for bearing in (LHDR, "shen-hdr-bridge", "shen-lhdr-bridge"):
         assert np.all(np.diff([1.0, *rises[bearing]]) < 0.0)
-
-
-@pytest.mark.parametrize("count", [2, 8])
-def test_first_layer_of_the_hybrid_test(count: int, measured: Recorder) -> None:
-    """LHDR at -20 degC, real phases (stand-in from a record): outer layer at 5, 10, 15, 20 s."""
-    path = str(shared_data("motions/II-II-1_like_TAK000.csv"))
-    motion = {"name": path, "factor": 687.0 / 607.0}
-    result = tb.hybrid(LHDR, motion, -20.0, structure=structure_with(count))
-    time, outer = result["time"].values[0], result["rubber_temperature"].values[0, :, 0]
-    found = np.interp([5.0, 10.0, 15.0, 20.0], time[np.isfinite(time)], outer[np.isfinite(time)])
-    measured(
-        f"hybrid test, LHDR, -20 degC, {count} bearings, record: outer layer at 5, 10, 15, 20 s",
-        told(found, ".1f") + " degC",
-        "about -15 and -5 at 5 and 10 s, below 0 at 20 s (3.4.4)",
-    )
-    if count == 2:
-        assert np.abs(found[:2] - [-15.0, -5.0]).max() < tol.HYBRID_LAYER
-        assert found[3] < 0.0
-    else:  # less motion, less heat
-        assert np.all(found < [-18.0, -10.0, -9.0, -11.0])
 
 
 def numbers(text: str) -> list[float]:

@@ -41,6 +41,26 @@ def force_and_tangent(
 
 
 @compiled
+def clear(rubber: Rubber, ke: float, kh: float, layer: Layer, step: float) -> bool:
+    """Whether the margin is surely above `sharing_start`: a bound on Z, without the closed form.
+
+    |Z| unloads fastest at the start and loads by at most 1; the margin falls with Z against d.
+    """
+    d, d_y = layer.d + step, rubber.yield_displacement
+    if rubber.integrator == EULER or d * layer.d <= 0.0:
+        return False
+    steepest = max(1.0, 1.0 + rubber.unloading_curvature * layer.z * layer.z)
+    against = steepest * abs(step) - math.copysign(layer.z, layer.z * d)
+    if against <= 0.0:
+        return True
+    if against >= d_y:
+        return False
+    u, b = against / d_y, rubber.hardening
+    lowest = (1.0 + b * d * d) * (1.0 - u * u) - 2.0 * b * abs(d) * against
+    return ke + kh * lowest >= rubber.sharing_start * ke
+
+
+@compiled
 def margin(rubber: Rubber, ke: float, kh: float, layer: Layer, step: float) -> tuple[float, float]:
     """Layer tangent / ke at w = 0 after the increment `step`, and its derivative [1/mm].
 
@@ -53,7 +73,7 @@ def margin(rubber: Rubber, ke: float, kh: float, layer: Layer, step: float) -> t
     loading = sigma * layer.d >= 0.0 and sigma * layer.z >= 0.0
     d = layer.d + step
     harmless = 2.0 * b * abs(d) * kh * d_y <= (1.0 - rubber.sharing_start) * ke
-    if loading or harmless:
+    if loading or harmless or clear(rubber, ke, kh, layer, step):
         return 1.0, 0.0
     if rubber.integrator == EULER:
         z, by = euler_increment(layer.z, step, d_y, rubber.unloading_curvature)

@@ -90,7 +90,7 @@ def write_directory(directory: Path, fill: Callable[[Path], None], *, force: boo
                 put_in_place(partial, final, lambda: check_target(directory, force=force))
             finally:  # half written, or the result that was replaced
                 shutil.rmtree(partial, ignore_errors=True)
-    except (OSError, RuntimeError) as error:  # h5py tells a failing disk as either
+    except (OSError, RuntimeError) as error:  # netCDF tells a failing disk as either
         told = getattr(error, "strerror", None) or error
         raise OutputError(f"{directory}: cannot be written: {told}") from error
     finally:

@@ -28,7 +28,7 @@ def read_dataset(path: str | Path, attributes: Iterable[str]) -> xr.Dataset:
         fitted = "; read its bearing with load_bearing" if is_file(path / IDENTIFIED) else ""
         raise InputError(f"no result.nc there{fitted}", shortened(str(path), LONGEST_NAME))
     check_seal(file)
-    dataset = xr.load_dataset(file, engine="h5netcdf")
+    dataset = xr.load_dataset(file, engine="netcdf4")
     missing = set(attributes) - set(dataset.attrs)
     if missing:
         raise InputError(f"is not a result of thermobearing: no {sorted(missing)}", str(file))

@@ -75,7 +75,7 @@ def write_dataset(dataset: "xr.Dataset", path: Path) -> None:
     numbers = [name for name, values in dataset.variables.items() if values.dtype.kind in "fi"]
     large = [name for name in numbers if dataset.variables[name].size > FEW]
     compressed = {name: {"zlib": True, "complevel": 1, "shuffle": True} for name in large}
-    dataset.to_netcdf(path, engine="h5netcdf", encoding=compressed)
+    dataset.to_netcdf(path, engine="netcdf4", encoding=compressed)
 
 
 def _reserve(path: Path, size: int) -> None:
