@@ -28,6 +28,7 @@ VALUES: dict[str, Any] = {
     "hardening": "monotone",
     "heat_source": "dissipation",
     "lead_ends": "finite-plate",
+    "clock": "lead",
     "upper_face": EndFace(eta=1.5),
     "lower_face": EndFace(eta=2.5),
     "keep": ("rubber", "cells"),

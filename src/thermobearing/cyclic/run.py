@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from thermobearing.bearing.ambient import Ambient
-from thermobearing.bearing.model import Bearing
+from thermobearing.bearing.model import Bearing, Clock
 from thermobearing.cyclic.case import Case, Group, make_case
 from thermobearing.cyclic.equivalent import bilinear_parameters
 from thermobearing.cyclic.history import History, run_segments
@@ -45,6 +45,7 @@ def run(
     hardening: Hardening | None = None,
     heat_source: HeatSource | None = None,
     lead_ends: LeadEnds | None = None,
+    clock: Clock | None = None,
     upper_face: EndFace | None = None,
     lower_face: EndFace | None = None,
     initial: float | Sequence[float] | Earlier | str | Path | None = None,
@@ -72,6 +73,8 @@ def run(
         for natural rubber (LRB), else work.
     lead_ends : how lead passes heat to steel: "finite-plate" (default) or "half-space"
         (Eq. 5.4-5.5), which the published scheme and the earlier models have.
+    clock : of lead on a half-space, "lead" (Eq. 5.6 as printed) or "steel"; by default that of the
+        bearing, or, if it says none, lead with the published scheme and steel otherwise.
     upper_face, lower_face : heat exchange of the end faces; eta_B = 2 by default.
     initial : temperature at the start [degC]: uniform, or one per cell (upper face first); the
         ambient temperature by default. Or an earlier result of the same bearing (of a test, or of
@@ -115,6 +118,7 @@ def run(
         "hardening": hardening,
         "heat_source": heat_source,
         "lead_ends": lead_ends,
+        "clock": clock,
         "stack": stack,
         "model": model,
         "upper_face": upper_face,

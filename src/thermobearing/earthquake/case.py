@@ -201,7 +201,7 @@ class EarthquakeCase(Strict):
         for bearing in self.bearings:
             if isinstance(bearing, Bearing):
                 misfits = self.analysis.settled(bearing).misfits(bearing)
-                found += [f'analysis.{text}; "{bearing.name}" is none' for text in misfits]
+                found += [f"analysis.{text}" for text in misfits]
         return found
 
     def _misfits_of_state(self) -> list[str]:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, Never, TypeAlias, TypeVar
 
 from thermobearing.bearing.bilinear import BilinearBearing
-from thermobearing.bearing.model import Bearing
+from thermobearing.bearing.model import Bearing, Clock
 from thermobearing.border.errors import InputError, nearest
 from thermobearing.cyclic.rig import Rig
 from thermobearing.cyclic.start import Earlier
@@ -43,6 +43,7 @@ def bridge(
     hardening: Hardening | None = None,
     heat_source: HeatSource | None = None,
     lead_ends: LeadEnds | None = None,
+    clock: Clock | None = None,
     upper_face: EndFace | None = None,
     lower_face: EndFace | None = None,
     stack: Stacked | None = None,
@@ -82,6 +83,8 @@ def bridge(
         (LRB), which gives its elastic work back, and work for the others.
     lead_ends : how lead passes heat to steel: "finite-plate" (default) or "half-space"
         (Eq. 5.4-5.5), which the published scheme and the earlier models have.
+    clock : of lead on a half-space, "lead" (Eq. 5.6 as printed) or "steel"; by default that of the
+        bearing, or, if it says none, lead with the published scheme and steel otherwise.
     upper_face, lower_face : heat exchange of the end faces; eta_B = 2 by default.
     stack : "auto" (default), "half" or "full" height.
     model : "multi-layer" (default) or an earlier model to compare with (model/earlier.py).
@@ -131,6 +134,7 @@ def bridge(
         hardening=hardening,
         heat_source=heat_source,
         lead_ends=lead_ends,
+        clock=clock,
         upper_face=upper_face,
         lower_face=lower_face,
         stack=stack,
@@ -161,6 +165,7 @@ def hybrid(
     hardening: Hardening | None = None,
     heat_source: HeatSource | None = None,
     lead_ends: LeadEnds | None = None,
+    clock: Clock | None = None,
     upper_face: EndFace | None = None,
     lower_face: EndFace | None = None,
     stack: Stacked | None = None,
@@ -190,7 +195,8 @@ def hybrid(
         of the actuator, `force_noise` (standard deviation of the measured force) and its
         `seed`; numbers as text with their unit.
     weather, duration, dt, mass, damping, scheme, integrator : as of `bridge`.
-    hardening, heat_source, lead_ends, upper_face, lower_face, stack, model : as of `bridge`.
+    hardening, heat_source, lead_ends, clock, upper_face, lower_face, stack, model : as of
+        `bridge`.
     keep, keep_every, initial_state, initial_result, rig : as of `bridge`.
     executor, progress, misspelt : as of `bridge`.
 
@@ -227,6 +233,7 @@ def hybrid(
         hardening=hardening,
         heat_source=heat_source,
         lead_ends=lead_ends,
+        clock=clock,
         upper_face=upper_face,
         lower_face=lower_face,
         stack=stack,
