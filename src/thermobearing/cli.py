@@ -95,18 +95,22 @@ app.command()(design.bounds)
 app.command("lambda")(factors.lambda_)
 
 
+BearingName = Annotated[
+    str | None, typer.Option(help="Library name or TOML file.", metavar="NAME/FILE")
+]
+Ambients = Annotated[
+    list[float] | None, typer.Option(help="Ambient temperature [degC]; may be repeated.")
+]
+
+
 @app.command()
 @reported
 def cyclic(
     case: Annotated[
         Path | None, typer.Argument(help="Case file; without one, Table 3.4 on the HDR specimen.")
     ] = None,
-    bearing: Annotated[
-        str | None, typer.Option(help="Library name or TOML file.", metavar="NAME/FILE")
-    ] = None,
-    ambient: Annotated[
-        list[float] | None, typer.Option(help="Ambient temperature [degC]; may be repeated.")
-    ] = None,
+    bearing: BearingName = None,
+    ambient: Ambients = None,
     dt: Annotated[float | None, typer.Option(help="Largest time step in motion [s].")] = None,
     scheme: Annotated[str | None, typer.Option(help="conservative or published.")] = None,
     integrator: Annotated[str | None, typer.Option(help="exact or euler.")] = None,
