@@ -12,6 +12,7 @@ from thermobearing.core.records import Floats, Rows, labels
 from thermobearing.core.types import Books
 from thermobearing.cyclic.label import stack_labels
 from thermobearing.earthquake.case import EarthquakeCase
+from thermobearing.earthquake.ends import labelled_ends
 from thermobearing.earthquake.reached import warnings_of
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.model.options import BearingModel
@@ -104,6 +105,7 @@ def label_study(
         data |= _stacks(tasks, data["temperature"][1].shape[2])
     for name, values, unit_name in _scalars(tasks, histories, traces):
         data[name] = (("run",), values, {"units": unit_name})
+    data |= labelled_ends(tasks, histories)
     dataset = xr.Dataset(
         data,
         coords={
