@@ -229,5 +229,4 @@ def _groups(tests: list[TestRecord], folds: int) -> list[list[TestRecord]]:
 
 
 def _judged(found: Identification, records: list[TestRecord]) -> list[Comparison]:
-    known = found.bearing.model_copy(update={"tested_range": found.tested_range})
-    return run_validate(ValidateCase([known], records)).comparisons
+    return run_validate(ValidateCase([found.bearing], records)).comparisons
