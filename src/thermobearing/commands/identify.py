@@ -132,15 +132,15 @@ def _found(
     return with_progress(lambda show: run_hold_out(case, progress=show), "fits", quiet)
 
 
-def _show(found: "Identification | CrossValidation", warnings: Sequence[str]) -> None:
+def _show(found: "Identification | CrossValidation", more: Sequence[str] = ()) -> None:
     from thermobearing.identify.result import Identification
     from thermobearing.identify.screen import print_identification
     from thermobearing.validate.screen import print_cross_validation
 
     if isinstance(found, Identification):
-        print_identification(found, warnings)
+        print_identification(found, more)
     else:
-        print_cross_validation(found, warnings)
+        print_cross_validation(found, more)
 
 
 def _read(

@@ -39,15 +39,15 @@ def print_validation(found: Validation, which: str = "tests") -> None:
     print_warnings(console, found.warnings)
 
 
-def print_cross_validation(found: CrossValidation, warnings: Sequence[str] = ()) -> None:
+def print_cross_validation(found: CrossValidation, more: Sequence[str] = ()) -> None:
     """The final fit, parameters by fold, and both kinds of tests.
 
     Parameters
     ----------
     found : from `cross_validate`.
-    warnings : of the bands that were drawn beside it.
+    more : further warnings, of a prediction.
     """
-    print_identification(found.final, warnings)
+    print_identification(found.final, more)
     if found.folds:
         Console().print(_folds(found))
     print_validation(found.fitted, "tests it is fitted to")
