@@ -266,12 +266,14 @@ class Bearing(Strict):
         classes; `temperature_law` is None where nothing but m_T and n_T is stated,
         `scragging` is None for rubber that has worked already, `lead` without lead cores,
         `rate` without rate dependence.
+    poor_fit : why the numbers, fitted to tests, should not be used; such a file does not load.
     """
 
     name: Annotated[str, Field(min_length=1)]
     kind: Literal["HDR", "LHDR", "LRB"]
     description: str = ""
     citation: str = ""
+    poor_fit: str = ""
     geometry: Geometry
     materials: Materials
     hysteresis: RubberHysteresis

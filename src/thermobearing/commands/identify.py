@@ -45,6 +45,20 @@ Predicted = Annotated[
     list[float] | None,
     typer.Option(help="Ambient temperature [degC] to predict a band at; may be repeated."),
 ]
+Despike = Annotated[
+    bool, typer.Option("--despike", help="Take spikes out of all tests before the fit.")
+]
+Detrend = Annotated[
+    str,
+    typer.Option(
+        help="Take the drift of zero out of all tests: of force, displacement or both.",
+        metavar="SIGNAL",
+    ),
+]
+AcceptPoor = Annotated[
+    bool,
+    typer.Option("--accept-poor", help="Write the bearing of a poor fit (status 4) unmarked."),
+]
 HeldOut = Annotated[
     list[Path] | None,
     typer.Option(help="Test to judge the fit by, not fitted; may be repeated.", metavar="FILE"),
@@ -84,6 +98,9 @@ def identify(
     hold_out: HeldOut = None,
     folds: Folds = None,
     limit: Limit = None,
+    despike: Despike = False,
+    detrend: Detrend = "",
+    accept_poor: AcceptPoor = False,
     output: Output = None,
     force: Force = False,
     no_figures: NoFigures = False,
@@ -93,15 +110,18 @@ def identify(
     """Identify a bearing's parameters from cyclic tests, with their uncertainty."""
     from thermobearing.identify.posterior import forecast
     from thermobearing.identify.result import Identification
+    from thermobearing.identify.treatment import to_be_treated
 
     held = hold_out or []
     records, bearing, target = _read([*tests, *held], start, check, output, force)
+    records = to_be_treated(records, despike, detrend)
     if check or bearing is None:
         return _look_over(records, bearing, target, force, no_figures, as_json, quiet)
     how: dict[str, Any] = {
         "free": [name.strip() for name in free.split(",")] if free is not None else None,
         **{"method": method, "seed": seed, "starts": starts, "evaluations": evaluations},
         **{"loss": loss, "temperatures": temperatures, "blind": not from_start, "polish": polish},
+        "accept_poor": accept_poor,
         "assumed": numbers_by_name(assumed or [], "--assumed", "KEY=NUMBER, such as sigma_Y=0.1"),
     }
     if held or folds is not None or limit:

@@ -170,6 +170,8 @@ def bearing_table(found: Identification) -> dict[str, Any]:
         "description": f"{found.bearing.description} (identified from tests)".strip(),
         "citation": f"thermobearing {thermobearing.__version__} identify, {found.method}; {fitted}",
     }
+    if found.outcome == "poor_fit":
+        named["poor_fit"] = "; ".join(found.poor)
     law = _range_of_law(found)
     if law is not found.bearing.temperature_law:
         keys = ("temperature_law.coldest", "temperature_law.warmest")
