@@ -118,7 +118,7 @@ def test_jitter_does_not_walk_the_force_down(fine: bool) -> None:
     assert off < 0.03 * clean.peak_force
     ((first, last),) = rests_of(noisy)
     middle = slice(first + 20, last - 20)
-    assert np.ptp(forces[0][middle]) < 0.05 * clean.peak_force
+    assert np.ptp(forces[0][middle]) < 0.01 * clean.peak_force
 
 
 def test_a_logger_that_runs_through_rests(record: TestRecord) -> None:

@@ -30,7 +30,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 TURN = 0.005  # of the largest displacement: a smaller wiggle is noise, not a turn
-DEAD = 4.0  # of the noise of the displacement: 1 sample in 16 000 is beyond, and is a step
+DEAD = 10.0  # of the noise of the displacement: from five below to five above, 1 sample in 2e6
 LARGEST_DEAD = 0.02  # of the largest displacement: what is more is no noise
 FIRST_STEP = 0.002  # of the largest displacement, after a turn
 GROWTH = 0.15  # of the way since the turn: step along a leg
@@ -138,8 +138,8 @@ def dead_band(x: Floats) -> float:
     Examples
     --------
     >>> motion = 50.0 * np.sin(np.linspace(0.0, 60.0, 4000))
-    >>> round(dead_band(motion + np.random.default_rng(0).normal(0.0, 0.02, 4000)), 2)
-    0.08
+    >>> round(dead_band(motion + np.random.default_rng(0).normal(0.0, 0.02, 4000)), 1)
+    0.2
     """
     return min(DEAD * noise_of(x), LARGEST_DEAD * float(np.abs(x).max()))
 

@@ -145,7 +145,7 @@ def thinned(
     >>> record = record_from_arrays(t, np.maximum(t - 90.0, 0.0), t, 23.0)
     >>> short, kept, resting = thinned(record, [(0, 90)])
     >>> kept[:3].tolist(), resting[:3].tolist(), short.force[:3].tolist()
-    ([0, 90, 91], [True, True, False], [22.5, 68.0, 91.0])
+    ([0, 90, 91], [True, True, False], [22.0, 67.5, 91.0])
     """
     resting = np.zeros(len(record.time), dtype=bool)
     parts, before = [], 0
