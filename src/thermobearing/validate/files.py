@@ -9,7 +9,7 @@ from thermobearing.identify.files import fill_identification
 from thermobearing.identify.posterior import Forecast
 from thermobearing.results.directory import FIGURES, FIT_TABLE, FOLDS, TABLE, write_directory
 from thermobearing.results.directory import VALIDATED_CYCLES as CYCLES
-from thermobearing.results.writing import write_csv, write_summary
+from thermobearing.results.writing import write_csv, write_limits, write_summary
 from thermobearing.validate.held_out_result import CrossValidation
 from thermobearing.validate.result import Validation
 
@@ -40,6 +40,7 @@ def save_validation(
         found.table.to_csv(folder / TABLE, index=False)
         found.cycles.to_csv(folder / CYCLES, index=False)
         write_csv(folder / FIT_TABLE, samples(found))
+        write_limits(folder, pd.DataFrame(), found.tested_range)
         if figures:
             found.plot.save_all(folder / FIGURES)
 
