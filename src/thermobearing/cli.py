@@ -21,18 +21,21 @@ from thermobearing.commands import design, earthquake, factors, sequence
 from thermobearing.commands.common import (
     BAD_INPUT,
     AsJson,
+    Exposed,
     Force,
     NoFigures,
     Output,
     Quiet,
     RigName,
     echo_json,
+    exposure_given,
     reported,
     with_progress,
     written,
 )
 from thermobearing.commands.identify import identify
 from thermobearing.commands.motions import app as motions
+from thermobearing.commands.new import new
 from thermobearing.commands.streams import patient_streams
 from thermobearing.commands.threads import one_blas_thread
 from thermobearing.commands.validate import validate
@@ -93,18 +96,22 @@ app.command()(design.bounds)
 app.command("lambda")(factors.lambda_)
 
 
+BearingName = Annotated[
+    str | None, typer.Option(help="Library name or TOML file.", metavar="NAME/FILE")
+]
+Ambients = Annotated[
+    list[float] | None, typer.Option(help="Ambient temperature [degC]; may be repeated.")
+]
+
+
 @app.command()
 @reported
 def cyclic(
     case: Annotated[
         Path | None, typer.Argument(help="Case file; without one, Table 3.4 on the HDR specimen.")
     ] = None,
-    bearing: Annotated[
-        str | None, typer.Option(help="Library name or TOML file.", metavar="NAME/FILE")
-    ] = None,
-    ambient: Annotated[
-        list[float] | None, typer.Option(help="Ambient temperature [degC]; may be repeated.")
-    ] = None,
+    bearing: BearingName = None,
+    ambient: Ambients = None,
     dt: Annotated[float | None, typer.Option(help="Largest time step in motion [s].")] = None,
     scheme: Annotated[str | None, typer.Option(help="conservative or published.")] = None,
     integrator: Annotated[str | None, typer.Option(help="exact or euler.")] = None,
@@ -113,6 +120,7 @@ def cyclic(
     lead_ends: Annotated[str | None, typer.Option(help="finite-plate or half-space.")] = None,
     clock: Annotated[str | None, typer.Option(help="Of a half-space: lead or steel.")] = None,
     model: Annotated[str | None, typer.Option(help="An earlier model, see docs/theory.md.")] = None,
+    exposure: Exposed = None,
     compare: Annotated[bool, typer.Option("--compare", help="Earlier models beside it.")] = False,
     keep_every: Annotated[int | None, typer.Option(help="Keep every n-th step.")] = None,
     rig: RigName = None,
@@ -140,6 +148,7 @@ def cyclic(
         "lead_ends": lead_ends,
         "clock": clock,
         "model": model,
+        "exposure": exposure_given(exposure),
         "keep_every": keep_every,
         "rig": rig,
     }
@@ -172,6 +181,7 @@ def _others(case: "Case", result: "Result") -> "dict[str, Result]":
 def list_(as_json: AsJson = False) -> int:
     """What is built in."""
     from thermobearing.bearing.bilinear import list_bilinear, load_bilinear
+    from thermobearing.bearing.compound import list_compounds, load_compound
     from thermobearing.bearing.library import list_bearings, load_bearing
     from thermobearing.cyclic.rig import RIGS, load_rig
     from thermobearing.motions.library import list_motions
@@ -182,6 +192,9 @@ def list_(as_json: AsJson = False) -> int:
         typer.echo(f"{bearing.name:24}  {bearing.kind:8}  {bearing.description}")
     for backbone in map(load_bilinear, list_bilinear()):
         typer.echo(f"{backbone.name:24}  {backbone.kind:8}  {backbone.description}")
+    typer.echo("")
+    for compound in map(load_compound, list_compounds()):
+        typer.echo(f"{compound.name:24}  compound  {compound.description}")
     typer.echo("")
     for structure in map(load_structure, list_structures()):
         typer.echo(f"{structure.name:24}  structure  {structure.description}")
@@ -195,6 +208,7 @@ def list_(as_json: AsJson = False) -> int:
             {
                 "bearings": [bearing.name for bearing in bearings],
                 "bilinear_bearings": list_bilinear(),
+                "compounds": list_compounds(),
                 "structures": list_structures(),
                 "rigs": [rig.name for rig in rigs],
                 "motions": motions,
@@ -206,7 +220,7 @@ def list_(as_json: AsJson = False) -> int:
 @app.command()
 @reported
 def check(
-    file: Annotated[Path, typer.Argument(help="A bearing, a case, or any other TOML.")],
+    file: Annotated[Path, typer.Argument(help="A bearing, a compound, a case, or any other TOML.")],
     as_json: AsJson = False,
 ) -> int:
     """Validate a file without running it, and say what was understood.
@@ -260,6 +274,7 @@ def measure(
     return 0
 
 
+app.command()(new)
 app.command()(identify)
 app.command()(validate)
 

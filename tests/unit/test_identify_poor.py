@@ -50,6 +50,7 @@ def test_its_bearing_does_not_load(poor: Identification, tmp_path: Path) -> None
     folder = poor.save(tmp_path / "poor", figures=False)
     with pytest.raises(tb.InputError, match=r"poor_fit: .*R2 = 0"):
         tb.load_bearing(folder / "bearing.toml")
+    assert not (folder / "compound.toml").exists()
     accepted = identify_bearing(
         poor.records[0], poor.pset.base, free=["s"], starts=1, accept_poor=True
     )

@@ -8,11 +8,13 @@ import typer
 
 from thermobearing.commands.common import (
     AsJson,
+    Exposed,
     Force,
     NoFigures,
     Output,
     Quiet,
     RigName,
+    exposure_given,
     reported,
     with_progress,
     written,
@@ -71,6 +73,7 @@ def bridge(
     dt: Dt = None,
     duration: Duration = None,
     model: Model_ = None,
+    exposure: Exposed = None,
     compare: Compare = False,
     rig: RigName = None,
     output: Output = None,
@@ -92,6 +95,7 @@ def bridge(
         "dt": dt,
         "duration": duration,
         "model": model,
+        "exposure": exposure_given(exposure),
         "rig": rig,
     }
     complete = _case("bridge", case, overrides)
@@ -119,6 +123,7 @@ def hybrid(
     dt: Dt = None,
     duration: Duration = None,
     model: Model_ = None,
+    exposure: Exposed = None,
     compare: Compare = False,
     rig: RigName = None,
     output: Output = None,
@@ -143,6 +148,7 @@ def hybrid(
         "dt": dt,
         "duration": duration,
         "model": model,
+        "exposure": exposure_given(exposure),
         "rig": rig,
         "laboratory": {key: value for key, value in lab.items() if value is not None} or None,
     }
