@@ -42,6 +42,8 @@ Spreads = Annotated[
 Method = Annotated[str, typer.Option(help="least-squares, krill-herd or differential-evolution.")]
 Polish = Annotated[bool, typer.Option("--polish/--no-polish", help="End with least squares.")]
 Thermocouples = Annotated[bool, typer.Option("--temperatures", help="Fit the thermocouples too.")]
+FromStart = Annotated[bool, typer.Option("--from-start", help="Begin at the bearing's own values.")]
+Sampled = Annotated[bool, typer.Option("--posterior", help="Sample the posterior (needs emcee).")]
 Predicted = Annotated[
     list[float] | None,
     typer.Option(help="Ambient temperature [degC] to predict a band at; may be repeated."),
@@ -88,13 +90,9 @@ def identify(
     evaluations: Annotated[int, typer.Option(help="Budget of the other methods.")] = 2000,
     loss: Annotated[str, typer.Option(help="linear, soft_l1, huber or cauchy.")] = "linear",
     temperatures: Thermocouples = False,
-    from_start: Annotated[
-        bool, typer.Option("--from-start", help="Begin at the bearing's own values.")
-    ] = False,
+    from_start: FromStart = False,
     check: Annotated[bool, typer.Option("--check", help="Only look the tests over.")] = False,
-    posterior: Annotated[
-        bool, typer.Option("--posterior", help="Sample the posterior (needs emcee).")
-    ] = False,
+    posterior: Sampled = False,
     predict: Predicted = None,
     hold_out: HeldOut = None,
     folds: Folds = None,
