@@ -140,7 +140,8 @@ def fill_identification(
     write_summary(folder, summary)
     text = tomli_w.dumps(bearing_table(found))
     (folder / IDENTIFIED).write_text(text, encoding="utf-8")
-    (folder / COMPOUND).write_text(compound_text(found), encoding="utf-8")
+    if found.outcome != "poor_fit":  # nobody should make bearings of it
+        (folder / COMPOUND).write_text(compound_text(found), encoding="utf-8")
     (folder / FIT_TABLE).write_text(fit_text(found), encoding="utf-8")
     if figures:
         found.plot.save_all(folder / FIGURES, bands=forecast.bands if forecast else ())
@@ -174,6 +175,8 @@ def bearing_table(found: Identification) -> dict[str, Any]:
         "description": f"{found.bearing.description} (identified from tests)".strip(),
         "citation": f"thermobearing {thermobearing.__version__} identify, {found.method}; {fitted}",
     }
+    if found.outcome == "poor_fit":
+        named["poor_fit"] = "; ".join(found.poor)
     law, tested = _range_of_law(found), found.tested_range
     sources |= {f"tested_range.{name}": _tested_source(found, name) for name in tested.ranges()}
     if law is not found.bearing.temperature_law:
