@@ -1,11 +1,9 @@
-"""CSV tables with units in their headers, as laboratories write them.
+"""Tables of numbers with units in their titles, as laboratories write them.
 
-A header is `name_unit` or `name [unit]`: `time_s`, `displacement_mm`, `force [kN]`. UTF-8
-(with or without byte order mark) and Japanese cp932 are read.
+A title is `name_unit` or `name [unit]`: `time_s`, `displacement_mm`, `force [kN]`; the unit may
+also stand in a row of its own below. Separators, decimal marks and encodings: see sheets.py.
 """
 
-import csv
-import io
 import math
 import re
 from collections.abc import Collection, Mapping
@@ -15,102 +13,22 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from thermobearing.border.errors import InputError, nearest, read_bytes, shortened
+from thermobearing.border.errors import InputError, nearest, shortened
+from thermobearing.border.sheets import Row, Sheet, Told, is_numeric, is_stamp, read_sheets
+from thermobearing.border.stamps import seconds_of
+from thermobearing.border.titles import (
+    is_called,
+    measured_in,
+    name_and_unit,
+    plain_title,
+    plain_unit,
+)
 from thermobearing.border.units import HUGEST, conversion
 
 Floats = NDArray[np.float64]
 
-_HEADER = re.compile(
-    r"^\s*(?P<name>[A-Za-z][A-Za-z ]*?)\s*(?:_|\[|\()\s*(?P<unit>[^\])]+?)\s*[\])]?\s*$"
-)
-LONGEST_TITLE = 200  # characters; the search for a unit takes time that grows with the square
-LARGEST_FILE = 100_000_000  # bytes; in memory, cell by cell, it is ten times that
-ALIASES = {"disp": "displacement", "t": "time", "load": "force"}
-
-
-def read_text(path: Path) -> str:
-    """Text of a file, UTF-8 or cp932; InputError if it cannot be read."""
-    raw = read_bytes(path, LARGEST_FILE)
-    if b"\0" in raw:
-        raise InputError("is not a text file: it holds null bytes", str(path))
-    for encoding in ("utf-8-sig", "cp932"):
-        try:
-            return raw.decode(encoding)
-        except UnicodeDecodeError:
-            continue
-    raise InputError("is neither UTF-8 nor cp932 text", str(path))
-
-
-def _columns(header: list[str]) -> dict[tuple[str, str], int]:
-    """(name, unit) -> column number, for the headers that have both."""
-    found: dict[tuple[str, str], int] = {}
-    for number, title in enumerate(header):
-        match = _HEADER.match(title) if len(title) <= LONGEST_TITLE else None
-        if match:
-            name = match["name"].strip().lower()
-            found.setdefault((ALIASES.get(name, name), match["unit"]), number)
-    return found
-
-
-def _pick(
-    columns: dict[tuple[str, str], int], name: str, unit: str, header: list[str]
-) -> tuple[int, float, float]:
-    """Column number of a quantity, and scale and offset to the wanted unit."""
-    units = {u: number for (n, u), number in columns.items() if n == name}
-    if unit in units:
-        return units[unit], 1.0, 0.0
-    for given, number in units.items():
-        try:
-            return number, *conversion(given, unit)
-        except InputError as error:
-            raise InputError(error.lines(f'column "{header[number]}"')) from None
-    hint = nearest(f"{name}_{unit}", header)
-    raise InputError(f'no column "{name}_{unit}"{hint}')
-
-
-def _number(cell: str) -> float:
-    """A finite float; Python would also take "1_0" and "nan"."""
-    try:
-        value = float(cell.replace("_", "x"))
-    except ValueError:
-        raise InputError(f'"{shortened(cell)}" is not a number') from None
-    if not math.isfinite(value):
-        raise InputError(f'"{shortened(cell)}" is not a finite number')
-    if abs(value) > HUGEST:
-        raise InputError(f'"{shortened(cell)}" is too large, more than {HUGEST:g}')
-    return value
-
-
-def _numbers(
-    rows: list[tuple[int, list[str]]], number: int, title: str, scale: float, offset: float
-) -> Floats:
-    """One converted column; names the line of the first cell that is not a finite number."""
-    values = np.empty(len(rows))
-    for i, (line, row) in enumerate(rows):
-        cell = row[number].strip() if number < len(row) else ""
-        try:
-            values[i] = _number(cell) * scale + offset
-        except InputError as error:
-            raise InputError(error.lines(f"line {line}, {title}")) from None
-    return values
-
-
-def _rows(path: Path, layout: "Layout") -> list[tuple[int, list[str]]]:
-    """Header and rows that hold anything, with their line numbers."""
-    lines = io.StringIO(read_text(path), newline=None).readlines()
-    if layout.lines_before >= len(lines) > 0:
-        raise InputError(f"has {len(lines)} lines, not {layout.lines_before} before its header")
-    reader = csv.reader(lines[layout.lines_before :], strict=True)
-    try:
-        rows = [
-            (reader.line_num + layout.lines_before, row)
-            for row in reader
-            if any(cell.strip() for cell in row)
-        ]
-    except csv.Error as error:
-        line = reader.line_num + layout.lines_before
-        raise InputError(f"line {line}: {error}") from None
-    return rows[:1] + rows[1 + layout.lines_after :]
+DATA = 0.5  # of the cells that hold anything are numbers: a row of data, with faults perhaps
+UNITLESS = ("-", "")  # in a row of units
 
 
 @dataclass(frozen=True)
@@ -119,44 +37,211 @@ class Layout:
 
     Attributes
     ----------
-    lines_before : lines before the line that names the columns.
-    lines_after : lines between that line and the first numbers (of units, of channels).
+    lines_before : lines before the line that names the columns; 0 finds it.
+    lines_after : rows between it and the first numbers (of units, of channels); 0 finds them.
     titles : the file's own title of a column, by the name it is wanted by.
     units : unit of a column, by that name; wins over what the title says.
+    told : separator, decimal mark, encoding, sheet.
     """
 
     lines_before: int = 0
     lines_after: int = 0
     titles: Mapping[str, str] = field(default_factory=dict)
     units: Mapping[str, str] = field(default_factory=dict)
+    told: Told = field(default_factory=Told)
 
 
-def _titled(
-    name: str, unit: str, header: list[str], columns: dict[tuple[str, str], int], layout: Layout
-) -> tuple[int, float, float]:
-    """Column number, scale and offset of a quantity whose title or unit the user gave."""
-    known = {number: key for key, number in columns.items()}
-    if name in layout.titles:
-        title = layout.titles[name]
-        if title not in header:
-            raise InputError(f'no column "{title}"{nearest(title, header)}')
-        number = header.index(title)
-    else:
-        by_name = [number for (n, _), number in columns.items() if n == name]
-        by_name += [number for number, title in enumerate(header) if title.lower() == name]
-        if not by_name:
-            raise InputError(f'no column "{name}"{nearest(name, header)}')
-        number = by_name[0]
-    given = layout.units.get(name) or known.get(number, ("", ""))[1]
-    if not given:
-        bracket = re.search(r"[\[(（_]([^\])）_]+)[\])）]?$", header[number])
-        if bracket is None:
-            raise InputError(f'column "{header[number]}" has no unit; give units.{name}')
-        given = bracket[1]
+@dataclass(frozen=True)
+class Table:
+    """Rows of a sheet below their titles.
+
+    Attributes
+    ----------
+    sheet : that it is in.
+    titles : of the columns, each once: a second "force_kN" is "force_kN (2)".
+    units : from a row of units below the titles, "" where there is none.
+    rows : of numbers, with their line in the file.
+    parts : number of the row that each part begins with; a title repeated or a row with one word
+        ends a part.
+    """
+
+    sheet: Sheet
+    titles: list[str]
+    units: list[str]
+    rows: list[Row]
+    parts: list[int]
+
+    def cells(self, column: int) -> list[str]:
+        """What stands in a column."""
+        return [row[column].strip() if column < len(row) else "" for _, row in self.rows]
+
+    def unit(self, column: int) -> str:
+        """The unit of a column, from its title or the row of units; "" if neither says it."""
+        return name_and_unit(self.titles[column])[1] or self.units[column]
+
+    def numbers(self, column: int, scale: float = 1.0, offset: float = 0.0) -> Floats:
+        """One converted column; names the line of the first cell that is not a finite number."""
+        values = np.empty(len(self.rows))
+        plain = self.sheet.plain
+        for i, (line, row) in enumerate(self.rows):
+            try:
+                values[i] = _number(plain(row[column]) if column < len(row) else "")
+            except InputError as error:
+                raise InputError(error.lines(f"line {line}, {self.titles[column]}")) from None
+        return values * scale + offset
+
+
+@dataclass(frozen=True)
+class Columns:
+    """What was read from a file.
+
+    Attributes
+    ----------
+    values : by the name a column was wanted by, in the unit it was wanted in.
+    parts : number of the sample that each part begins with.
+    unused : titles of columns that hold anything and were not wanted.
+    stamped : whether time came from stamps (dates, times of day).
+    others : names of the sheets that were not read.
+    """
+
+    values: dict[str, Floats]
+    parts: list[int]
+    unused: list[str]
+    stamped: bool = False
+    others: list[str] = field(default_factory=list)
+
+
+def _number(text: str) -> float:
+    """A finite float; Python would also take "1_0" and "nan"."""
     try:
-        return number, *conversion(given, unit)
-    except InputError as error:
-        raise InputError(error.lines(f'column "{header[number]}"')) from None
+        value = float(text.replace("_", "x").replace("D", "E").replace("d", "e"))
+    except ValueError:
+        raise InputError(f'"{shortened(text)}" is not a number') from None
+    if not math.isfinite(value):
+        raise InputError(f'"{shortened(text)}" is not a finite number')
+    if abs(value) > HUGEST:
+        raise InputError(f'"{shortened(text)}" is too large, more than {HUGEST:g}')
+    return value
+
+
+def _share(row: list[str]) -> float:
+    """Share of numbers in the cells that hold anything."""
+    held = [is_numeric(cell) for cell in row if cell.strip()]
+    return sum(held) / max(len(held), 1)
+
+
+def _is_units(row: list[str]) -> bool:
+    """Whether a row holds units: "[s]", "kN", "-"."""
+    bare = [cell.strip().strip("[]()").strip() for cell in row]
+    some = [text for text in bare if text not in UNITLESS]
+    return bool(some) and all(measured_in(text) for text in some)
+
+
+def table_of(sheet: Sheet, layout: Layout | None = None) -> Table | None:
+    """The table in a sheet: titles, units, rows; None where there is nothing.
+
+    Parameters
+    ----------
+    sheet : from `read_sheets`.
+    layout : where the titles are, if they are not to be found by looking.
+
+    Raises
+    ------
+    InputError : fewer lines than the layout says.
+    """
+    layout = layout or Layout()
+    rows = sheet.rows
+    if layout.lines_before:
+        rows = [row for row in rows if row[0] > layout.lines_before]
+        if not rows and sheet.rows:
+            last = sheet.rows[-1][0]
+            raise InputError(f"has {last} lines, not {layout.lines_before} before its header")
+        head = 0
+    else:
+        head = _head(rows)
+    if not rows:
+        return None
+    titles, first = rows[head][1], head + 1
+    if head == 0 and not layout.lines_before and _share(titles) > DATA:
+        titles, first = _commented(sheet, len(titles)), 0
+    units = [""] * len(titles)
+    body = rows[first:]
+    skipped = layout.lines_after or next(
+        (n for n, (_, row) in enumerate(body) if _share(row) >= DATA or not _looks_like_head(row)),
+        len(body),
+    )
+    for _, row in body[:skipped]:
+        if _is_units(row):
+            units = [cell.strip().strip("[]()").strip(" -") for cell in row]
+            units += [""] * (len(titles) - len(units))
+    kept, parts = _in_parts(body[skipped:], titles)
+    return Table(sheet, _once(titles), units, kept, parts)
+
+
+def _looks_like_head(row: list[str]) -> bool:
+    """A row of units or of names of channels: words, and more than one."""
+    held = [cell for cell in row if cell.strip()]
+    return len(held) > 1 and not any(is_numeric(cell) for cell in held)
+
+
+def _head(rows: list[Row]) -> int:
+    """Number of the row of titles: the widest row of words before the first row of numbers."""
+    first = next((n for n, (_, row) in enumerate(rows) if _share(row) >= DATA), len(rows))
+    before = rows[:first]
+    if not before:
+        return 0
+    widths = [sum(bool(cell.strip()) for cell in row) for _, row in before]
+    if first < len(rows):
+        widths = [min(width, len(rows[first][1])) for width in widths]
+    words = [n for n in range(len(before)) if widths[n] == max(widths)]
+    titled = [n for n in words if not _is_units(before[n][1])]
+    # Of several the last, but not a row of channel numbers below one that says what they are.
+    called = [n for n in titled if any(_means(cell) for cell in before[n][1])]
+    return (called or titled or words)[0 if called else -1]
+
+
+def _means(title: str) -> bool:
+    name = name_and_unit(title)[0]
+    return any(is_called(name, wanted) for wanted in ("time", "displacement", "force"))
+
+
+def _commented(sheet: Sheet, width: int) -> list[str]:
+    """Titles from a comment above the numbers; else the columns are called by their numbers."""
+    for line, text in reversed(sheet.comments):
+        cells = re.split(r"\s*[;,\t]\s*|\s+", text)
+        if line < sheet.rows[0][0] and len(cells) == width and not all(map(is_numeric, cells)):
+            return cells
+    return [f"column {n}" for n in range(1, width + 1)]
+
+
+def _once(titles: list[str]) -> list[str]:
+    """Titles without blanks around them; the second of a kind is told by its number."""
+    found: list[str] = []
+    for number, text in enumerate(titles, 1):
+        title = text.strip() or f"column {number}"
+        count = sum(one == title or one.startswith(f"{title} (") for one in found) + 1
+        found.append(title if count == 1 or title not in found else f"{title} ({count})")
+    return found
+
+
+def _in_parts(rows: list[Row], titles: list[str]) -> tuple[list[Row], list[int]]:
+    """Rows of numbers, and where a new part begins: after titles repeated, or one word alone."""
+    names = [title.strip() for title in titles]
+    kept: list[Row] = []
+    parts, fresh = [0], False
+    for line, row in rows:
+        held = [cell.strip() for cell in row if cell.strip()]
+        alone = len(names) > 1 and len(held) == 1 and not is_numeric(held[0])
+        if alone or [cell.strip() for cell in row] == names:
+            fresh = True
+        elif fresh and _share(row) == 0.0 and _is_units(row):
+            continue
+        else:
+            if fresh and kept:
+                parts.append(len(kept))
+            fresh = False
+            kept.append((line, row))
+    return kept, parts
 
 
 def read_columns(
@@ -166,11 +251,11 @@ def read_columns(
     optional: Collection[str] = (),
     layout: Layout | None = None,
 ) -> dict[str, Floats]:
-    r"""Columns of a CSV file by name, converted to the wanted units.
+    r"""Columns of a file by name, converted to the wanted units.
 
     Parameters
     ----------
-    path : the file; its first line names the columns and their units.
+    path : text with any separator, or `.xlsx`; a line names the columns and their units.
     wanted : unit by column name, such as {"time": "s", "displacement": "mm"}.
     optional : names that may be missing; they are then missing from what is returned.
     layout : extra lines and other titles and units, if the file is not a plain table.
@@ -184,39 +269,163 @@ def read_columns(
     --------
     >>> import tempfile
     >>> file = Path(tempfile.mkdtemp()) / "ramp.csv"
-    >>> _ = file.write_text("time_s,displacement_cm\n0,0\n1,2.5\n")
+    >>> _ = file.write_text("time_s;displacement_cm\n0;0\n1;2,5\n")
     >>> read_columns(file, {"time": "s", "displacement": "mm"})["displacement"].tolist()
     [0.0, 25.0]
     """
-    try:
-        return _read_columns(Path(path), wanted, optional, layout or Layout())
-    except InputError as error:
-        raise error if error.where else InputError(error.problems, str(path)) from None
+    return columns_of(path, wanted, optional=optional, layout=layout).values
 
 
-def _read_columns(
-    path: Path, wanted: dict[str, str], optional: Collection[str], layout: Layout
-) -> dict[str, Floats]:
-    rows = _rows(path, layout)
-    if not rows:
+def columns_of(
+    path: Path | str,
+    wanted: dict[str, str],
+    *,
+    optional: Collection[str] = (),
+    layout: Layout | None = None,
+) -> Columns:
+    """The same with what else is to be known about the file: parts, columns not used.
+
+    Parameters
+    ----------
+    path, wanted, optional, layout : as in `read_columns`.
+
+    Raises
+    ------
+    InputError : as in `read_columns`.
+    """
+    path, layout = Path(path), layout or Layout()
+    first: InputError | None = None
+    sheets = read_sheets(path, layout.told)
+    for sheet in sheets:
+        try:
+            found = _of_sheet(sheet, wanted, optional, layout)
+        except InputError as error:
+            first = first or error
+            continue
+        others = [one.name for one in sheets if one is not sheet and one.rows]
+        return Columns(found.values, found.parts, found.unused, found.stamped, others)
+    told = first or InputError("is empty")
+    raise told if told.where else InputError(told.problems, str(path)) from None
+
+
+def _of_sheet(
+    sheet: Sheet, wanted: dict[str, str], optional: Collection[str], layout: Layout
+) -> Columns:
+    table = table_of(sheet, layout)
+    if table is None:
         raise InputError("is empty")
-    if len(rows[0][1]) == 1 and re.search("[;\t]", rows[0][1][0]):
-        raise InputError("columns must be separated by commas (and decimals take a point)")
-    header, body = [title.strip() for title in rows[0][1]], rows[1:]
-    columns, picked, problems = _columns(header), {}, []
+    picked: dict[str, tuple[int, float, float]] = {}
+    problems: list[str] = []
     for name, unit in wanted.items():
         try:
-            if name in layout.titles or name in layout.units:
-                picked[name] = _titled(name, unit, header, columns, layout)
-            elif name not in optional or any(n == name for n, _ in columns):
-                picked[name] = _pick(columns, name, unit, header)
+            found = _found(table, name, unit, layout, needed=name not in optional)
+            if found is not None:
+                picked[name] = found
         except InputError as error:
             problems += error.problems
-    if len(body) < 2:
-        problems.append(f"has {len(body)} rows of numbers; at least 2 are needed")
+    if len(table.rows) < 2:
+        problems.append(f"has {len(table.rows)} rows of numbers; at least 2 are needed")
+    problems += _doubled(table)
     if problems:
         raise InputError(problems)
-    return {
-        name: _numbers(body, number, header[number], scale, offset)
-        for name, (number, scale, offset) in picked.items()
-    }
+    used = {column for column, *_ in picked.values()}
+    values: dict[str, Floats] = {}
+    stamped = False
+    for name, (column, scale, offset) in picked.items():
+        if name == "time" and is_stamp(table.cells(column)[0]):
+            values[name], dates = _stamps(table, column)
+            used |= dates
+            stamped = True
+        else:
+            values[name] = table.numbers(column, scale, offset)
+    unused = [
+        title for n, title in enumerate(table.titles) if n not in used and any(table.cells(n)[:50])
+    ]
+    return Columns(values, table.parts, unused, stamped)
+
+
+def _doubled(table: Table) -> list[str]:
+    """Decimal commas between commas make two cells of each."""
+    if table.sheet.separator != "," or not table.rows:
+        return []
+    width = len(table.titles)
+    if width < 2 or not all(len(row) == 2 * width for _, row in table.rows[:50]):
+        return []
+    return [
+        f"has {width} titles and {2 * width} numbers in a row: decimal commas between commas "
+        "cannot be told apart; write it with semicolons"
+    ]
+
+
+def _found(
+    table: Table, name: str, unit: str, layout: Layout, *, needed: bool
+) -> tuple[int, float, float] | None:
+    """Column number of a quantity, scale and offset to the wanted unit; None if it may be missing.
+
+    Raises
+    ------
+    InputError : there is none and it is needed, none with a unit, or not with a fitting one.
+    """
+    if name in layout.titles:
+        title = layout.titles[name]
+        if title not in table.titles:
+            raise InputError(f'no column "{title}"{nearest(title, table.titles)}')
+        some = [table.titles.index(title)]
+    else:
+        names = [name_and_unit(title)[0] for title in table.titles]
+        some = [n for n, one in enumerate(names) if is_called(one, name)]
+        some = [n for n in some if plain_title(names[n]) == name] + [
+            n for n in some if plain_title(names[n]) != name
+        ]
+    given = {n: layout.units.get(name) or table.unit(n) for n in some}
+    stamped = [n for n in some if name == "time" and table.rows and is_stamp(table.cells(n)[0])]
+    if stamped:
+        return stamped[0], 1.0, 0.0
+    best = next((n for n, said in given.items() if said == unit), None)
+    if best is not None:
+        return best, 1.0, 0.0
+    for n, said in given.items():
+        if said:
+            return n, *_converted(table.titles[n], said, unit)
+    if not needed and not (name in layout.titles or name in layout.units):
+        return None
+    if name in layout.titles or (some and name in layout.units):
+        raise InputError(f'column "{table.titles[some[0]]}" has no unit; give units.{name}')
+    wanted = name if name in layout.units else f"{name}_{unit}"
+    raise InputError(f'no column "{wanted}"{nearest(wanted, table.titles)}')
+
+
+def _converted(title: str, said: str, unit: str) -> tuple[float, float]:
+    """Scale and offset of a column, in a unit as laboratories write it."""
+    try:
+        return conversion(plain_unit(said), unit)
+    except InputError as error:
+        raise InputError(error.lines(f'column "{title}"')) from None
+
+
+def _stamps(table: Table, column: int) -> tuple[Floats, set[int]]:
+    """Seconds of a column of stamps, and the column of dates that goes with times of day."""
+    cells, used = table.cells(column), set()
+    if ":" not in cells[0]:  # a date: the time of day stands in the column beside it
+        clock = next(
+            (n for n in range(len(table.titles)) if n != column and ":" in table.cells(n)[0]), None
+        )
+        if clock is not None:
+            cells = [f"{day} {time}" for day, time in zip(cells, table.cells(clock), strict=True)]
+            used.add(clock)
+    else:
+        days = [
+            n
+            for n, title in enumerate(table.titles)
+            if n != column
+            and is_called(name_and_unit(title)[0], "time")
+            and is_stamp(table.cells(n)[0])
+            and ":" not in table.cells(n)[0]
+        ]
+        if days and " " not in cells[0]:
+            cells = [f"{day} {time}" for day, time in zip(table.cells(days[0]), cells, strict=True)]
+            used.add(days[0])
+    try:
+        return seconds_of(cells), used
+    except InputError as error:
+        raise InputError(error.lines(f'column "{table.titles[column]}"')) from None
