@@ -9,7 +9,7 @@ from collections.abc import Collection
 from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -74,6 +74,8 @@ class Sidecar(Strict):
     weight: Weight = 1.0
     first_cycle_weight: Weight = 1.0
     cycle_balance: Annotated[float, Field(ge=0, le=1)] = 0.0
+    despike: bool = False
+    detrend: Literal["", "force", "displacement", "both"] = ""
 
     @classmethod
     def conflicts(cls, given: dict[str, Any]) -> list[str]:

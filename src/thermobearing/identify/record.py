@@ -40,6 +40,8 @@ class TestRecord:
     assumptions : what the file did not say.
     bearing : name or file of the bearing, if the sidecar gave one.
     unused : titles of the file's columns that nothing was made of.
+    despike : take spikes out before a fit.
+    detrend : whose drift to take out before a fit: "force", "displacement", "both", or "".
     """
 
     __test__ = False  # not a test for pytest
@@ -59,6 +61,8 @@ class TestRecord:
     assumptions: tuple[str, ...] = ()
     bearing: str | None = None
     unused: tuple[str, ...] = ()
+    despike: bool = False
+    detrend: str = ""
 
     @property
     def peak_force(self) -> float:
@@ -169,6 +173,8 @@ def record_of(readings: Readings) -> TestRecord:
         weight=sidecar.weight,
         first_cycle_weight=sidecar.first_cycle_weight,
         cycle_balance=sidecar.cycle_balance,
+        despike=sidecar.despike,
+        detrend=sidecar.detrend,
         assumptions=tuple(dict.fromkeys(assumptions)),
         bearing=str(readings.file.parent / where) if inside and where else sidecar.bearing,
         unused=tuple(readings.unused),

@@ -26,10 +26,11 @@ from thermobearing.identify.case import (
     Test,
     make_identify_case,
 )
-from thermobearing.identify.checks import check_test
+from thermobearing.identify.checks import CheckReport, check_test
 from thermobearing.identify.forward import ForwardModel
 from thermobearing.identify.parameters import OFTEN_KNOWN, available, parameter_set
 from thermobearing.identify.problem import Problem
+from thermobearing.identify.record import TestRecord
 from thermobearing.identify.result import Identification
 from thermobearing.identify.search import polish as polished
 from thermobearing.identify.search import search
@@ -147,6 +148,7 @@ def run_identify(case: IdentifyCase) -> Identification:
     refused = [line for check in checks for line in check.refusals]
     if refused:
         raise InputError(refused)
+    records, left_out = _to_fit(checks)
     pset = parameter_set(base, case.free, [record.ambient for record in records], case.bounds)
     coarse = [ForwardModel(record, base) for record in records]
     start = loop_start(records, pset, coarse) if case.blind else pset.values(pset.start)
@@ -156,7 +158,7 @@ def run_identify(case: IdentifyCase) -> Identification:
         pset.with_start({key: value for key, value in start.items() if key not in fixed}),
         temperatures=case.temperatures,
         loss=case.loss,
-        clipped=[check.clipped for check in checks],
+        clipped=left_out,
         coarse=coarse,
     )
     cube, converged = search(problem, case), True
@@ -184,6 +186,12 @@ def run_identify(case: IdentifyCase) -> Identification:
         outcome="completed" if converged else "not_converged",
         problem=problem,
     )
+
+
+def _to_fit(checks: Sequence[CheckReport]) -> tuple[list[TestRecord], list[NDArray[np.bool_]]]:
+    """The records as a fit sees them, and their samples that count for nothing."""
+    treated = [check.treatment.to_fit(check.clipped) for check in checks if check.treatment]
+    return [record for record, _ in treated], [left_out for _, left_out in treated]
 
 
 def _with_more_free(problem: Problem, cube: Floats, case: IdentifyCase) -> tuple[Problem, Floats]:
