@@ -85,6 +85,7 @@ LOOP_POINTS = 1e-5  # 2000 points on an ellipse, 8e-7; an end between two points
 FORCE_AT_A_REST = (
     0.05  # of Q_d: 2 kN/mm of stiffness over 0.4 mm beside zero and a jitter of 0.02 mm
 )
+FITTED_RISE = 0.01  # of a rise that another grid of steps gives
 FITTED_RANGE = 2e-3  # of the slope: 20 000 points, a few more or less at the ends of the range
 POLYGON = 1e-6  # 4000 points on an ellipse: (2 pi / n)^2 / 6 = 4e-7
 NOISY_CROSSING = 0.01  # of the period: 1 % of noise over the slope 2 pi, some four sigma

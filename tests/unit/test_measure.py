@@ -14,7 +14,7 @@ from thermobearing.cli import app
 STRENGTH = 30.0  # [kN]
 
 
-def test_file(path: Path, *, separator: str = ",", comma: bool = False) -> Path:
+def logged(path: Path, *, separator: str = ",", comma: bool = False) -> Path:
     """A logger of 20 Hz through three cycles with rests in which the force is lost."""
     rng = np.random.default_rng(1)
     turn = np.linspace(0.0, 2.0 * np.pi, 201)[:-1]
@@ -36,13 +36,10 @@ def test_file(path: Path, *, separator: str = ",", comma: bool = False) -> Path:
     return path
 
 
-test_file.__test__ = False  # type: ignore[attr-defined]
-
-
 @pytest.mark.parametrize("ending", [".csv", ".toml"])
 @pytest.mark.parametrize(("separator", "comma"), [(",", False), (";", True)])
 def test_sidecar_and_rests(tmp_path: Path, ending: str, separator: str, comma: bool) -> None:
-    path = test_file(tmp_path / "t.csv", separator=separator, comma=comma).with_suffix(ending)
+    path = logged(tmp_path / "t.csv", separator=separator, comma=comma).with_suffix(ending)
     done = CliRunner().invoke(
         app, ["measure", str(path), "--bearing", "shen-hdr-specimen", "--json"]
     )

@@ -70,4 +70,4 @@ def _legacy(raw: bytes, where: str) -> str:
         strange = re.findall(r"[^\x00-\x7f]", str(best))
         if len(_LONE_KATAKANA.findall(str(best))) == len(strange):
             return "cp1252"
-    return best.encoding
+    return str(best.encoding)

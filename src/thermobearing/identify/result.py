@@ -15,6 +15,7 @@ from thermobearing.identify.forward import Prediction
 from thermobearing.identify.parameters import ParameterSet
 from thermobearing.identify.problem import Problem
 from thermobearing.identify.record import TestRecord
+from thermobearing.identify.thermocouples import thermocouple_rows
 from thermobearing.identify.uncertainty import Estimate, Uncertainty
 
 if TYPE_CHECKING:
@@ -83,6 +84,15 @@ class Identification:
         ]
 
     @property
+    def thermocouples(self) -> list[dict[str, Any]]:
+        """Thermocouples of all tests beside the model, a row each; see `thermocouple_rows`."""
+        return [
+            {"test": record.name, **row}
+            for record, prediction in zip(self.records, self.predictions, strict=True)
+            for row in thermocouple_rows(record, prediction)
+        ]
+
+    @property
     def sentence(self) -> str:
         """What the outcome means and what to try; empty when it completed."""
         return SENTENCES.get(self.outcome, "")
@@ -118,6 +128,7 @@ class Identification:
             },
             "assumed": [told.summary() for told in self.uncertainty.assumed.told],
             "records": [fit.summary() for fit in self.fits],
+            "thermocouples": self.thermocouples,
             "correlation": {
                 "parameters": list(estimates),
                 "matrix": self.uncertainty.correlation.tolist(),

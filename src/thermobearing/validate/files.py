@@ -5,7 +5,13 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from thermobearing.results.directory import FIGURES, FIT_TABLE, TABLE, write_directory
+from thermobearing.results.directory import (
+    FIGURES,
+    FIT_TABLE,
+    TABLE,
+    THERMOCOUPLES,
+    write_directory,
+)
 from thermobearing.results.directory import VALIDATED_CYCLES as CYCLES
 from thermobearing.results.writing import write_csv, write_summary
 from thermobearing.validate.result import Validation
@@ -14,7 +20,7 @@ from thermobearing.validate.result import Validation
 def save_validation(
     found: Validation, directory: Path, *, force: bool = False, figures: bool = True
 ) -> Path:
-    """Write summary.json, table.csv, cycles.csv, fit.csv and figures.
+    """Write summary.json, table.csv, cycles.csv, fit.csv, thermocouples.csv and figures.
 
     Parameters
     ----------
@@ -37,6 +43,8 @@ def save_validation(
         found.table.to_csv(folder / TABLE, index=False)
         found.cycles.to_csv(folder / CYCLES, index=False)
         write_csv(folder / FIT_TABLE, samples(found))
+        if len(found.thermocouples):
+            found.thermocouples.to_csv(folder / THERMOCOUPLES, index=False)
         if figures:
             found.plot.save_all(folder / FIGURES)
 

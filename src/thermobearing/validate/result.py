@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from thermobearing.identify.forward import Prediction
 from thermobearing.identify.record import TestRecord
+from thermobearing.identify.thermocouples import thermocouple_rows
 from thermobearing.validate.case import QUANTITIES
 
 if TYPE_CHECKING:
@@ -172,6 +173,24 @@ class Validation:
                 rows.append(row)
         return pd.DataFrame(rows)
 
+    @cached_property
+    def thermocouples(self) -> pd.DataFrame:
+        """One row for each thermocouple of each test, bearing and model: test, model, errors."""
+        return pd.DataFrame(
+            [
+                {
+                    "test": item.record.name,
+                    "ambient_degC": item.record.ambient,
+                    "bearing": item.bearing,
+                    "model": item.model,
+                    **row,
+                }
+                for item in self.comparisons
+                if item.prediction is not None
+                for row in thermocouple_rows(item.record, item.prediction)
+            ]
+        )
+
     def _verdict(self, name: str, error: float) -> str:
         if name not in self.limits or not np.isfinite(error):
             return TOLD
@@ -211,6 +230,10 @@ class Validation:
             "ambient_degC": item.record.ambient,
             "bearing": item.bearing,
             "model": item.model,
+            "unused_columns": list(item.record.unused),
+            "thermocouples": []
+            if item.prediction is None
+            else thermocouple_rows(item.record, item.prediction),
             "R2": _number(item.R2),
             "errors": {
                 name: {
