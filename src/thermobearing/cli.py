@@ -30,6 +30,7 @@ from thermobearing.commands.common import (
     written,
 )
 from thermobearing.commands.identify import identify
+from thermobearing.commands.intake import intake
 from thermobearing.commands.measure import measure
 from thermobearing.commands.motions import app as motions
 from thermobearing.commands.streams import patient_streams
@@ -215,6 +216,7 @@ def check(
 
 
 app.command()(measure)
+app.command()(intake)
 app.command()(identify)
 app.command()(validate)
 

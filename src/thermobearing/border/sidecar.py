@@ -184,7 +184,7 @@ def read_laboratory(
     if is_file(beside) and not _is_a_bearing(beside):
         return _with_sidecar(beside, path, optional)
     blocks = [BlockFile(file=str(path.absolute()))]
-    return _assembled(Sidecar(), blocks, path, optional)
+    return readings_of(Sidecar(), blocks, path, optional)
 
 
 def _is_a_bearing(path: Path) -> bool:
@@ -200,13 +200,28 @@ def _with_sidecar(path: Path, data: Path | None, optional: Collection[str]) -> R
     if blocks is None:
         file = sidecar.file or (data.name if data else path.with_suffix(".csv").name)
         blocks = [BlockFile(file=file)]
-    return _assembled(sidecar, blocks, path, optional)
+    return readings_of(sidecar, blocks, path, optional)
 
 
-def _assembled(
-    sidecar: Sidecar, blocks: list[BlockFile], path: Path, optional: Collection[str]
+def readings_of(
+    sidecar: Sidecar,
+    blocks: list[BlockFile],
+    path: Path,
+    optional: Collection[str] = ("time", "ambient"),
 ) -> Readings:
-    """All blocks in one line of time."""
+    """All blocks of a test in one line of time.
+
+    Parameters
+    ----------
+    sidecar : what is said about them.
+    blocks : files, beside `path` unless they say where.
+    path : of the sidecar, or of the one file; names the test.
+    optional : of time, displacement, force, ambient: those that may be missing.
+
+    Raises
+    ------
+    InputError : as in `read_laboratory`.
+    """
     assumptions: list[str] = []
     unused: list[str] = []
     parts: list[dict[str, Floats]] = []

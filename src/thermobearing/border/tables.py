@@ -28,7 +28,7 @@ from thermobearing.border.units import HUGEST, conversion
 Floats = NDArray[np.float64]
 
 DATA = 0.5  # of the cells that hold anything are numbers: a row of data, with faults perhaps
-UNITLESS = ("-", "")  # in a row of units
+UNITLESS = re.compile(r"[-–]*|[hHmMsSdDyY./: -]*[:/.][hHmMsSdDyY./: -]*f*")  # in a row of units
 
 
 @dataclass(frozen=True)
@@ -133,7 +133,7 @@ def _share(row: list[str]) -> float:
 def _is_units(row: list[str]) -> bool:
     """Whether a row holds units: "[s]", "kN", "-"."""
     bare = [cell.strip().strip("[]()").strip() for cell in row]
-    some = [text for text in bare if text not in UNITLESS]
+    some = [text for text in bare if not UNITLESS.fullmatch(text)]
     return bool(some) and all(measured_in(text) for text in some)
 
 
@@ -172,7 +172,8 @@ def table_of(sheet: Sheet, layout: Layout | None = None) -> Table | None:
     )
     for _, row in body[:skipped]:
         if _is_units(row):
-            units = [cell.strip().strip("[]()").strip(" -") for cell in row]
+            bare = [cell.strip().strip("[]()").strip(" -") for cell in row]
+            units = ["" if UNITLESS.fullmatch(text) else text for text in bare]
             units += [""] * (len(titles) - len(units))
     kept, parts = _in_parts(body[skipped:], titles)
     return Table(sheet, _once(titles), units, kept, parts)

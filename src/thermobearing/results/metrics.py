@@ -23,6 +23,7 @@ LEAST_ENERGY = 1e-6  # [kN mm]
 LEAST_WARMING = 1e-4  # [K], of the whole bearing: 1 kN mm for one of 240 mm
 LEAST_HEAT = 1.0  # [kN mm], the same where the heat capacity is not known
 DWELL, SHORTEST_DWELL = 0.02, 5  # points at zero that are a rest: part of all per cycle, and least
+STRAIGHT = 0.05  # of the amplitude: way before a rest that tells how the force goes on
 FEWEST_POINTS = 8  # in a cycle that is measured; 5 (zeros and peaks) where its work is known
 
 
@@ -173,7 +174,8 @@ class FoundCycle:
 
     Attributes
     ----------
-    first, last : point numbers; `last` is the first point at or past zero.
+    first, last : point numbers; `last` is the first point at or past zero, before a rest the last
+        one that moves.
     ends : "closed" where the motion goes on, "rest" where it stops at zero, "incomplete" where the
         history ends on the way.
     """
@@ -256,10 +258,12 @@ def _crossing(
     departed = before + int(down[-1]) if len(down) else before
     for first, last in rests:
         if before < first < last <= after:
-            return min(arrived, first), max(departed, last), True
+            return max(min(arrived, first) - 1, before), max(departed, last), True
     stays = departed > arrived and np.ptp(d[arrived : departed + 1]) == 0.0
-    if stays or departed - arrived > dwell:
-        return arrived, departed, departed - arrived > dwell
+    if departed - arrived > dwell:
+        return max(arrived - 1, before), departed, True
+    if stays:
+        return arrived, departed, False
     return departed if d[departed] == 0.0 else min(departed + 1, after), departed, False
 
 
@@ -342,8 +346,8 @@ def _from_zero_to_zero(d: Floats, f: Floats, cycle: FoundCycle) -> tuple[Floats,
     """A cycle cut off at its upward crossings of zero.
 
     Its first and last interval are shared with its neighbours; counted whole in both, a cycle
-    of 200 points gains some 2 % of energy. One that ends in a rest ends at the displacement of the
-    rest, which is taken for zero.
+    of 200 points gains some 2 % of energy. One that ends in a rest goes straight on to zero: the
+    force is lost as soon as the motion stops, often within one interval of the logger.
     """
     rows = slice(cycle.first, cycle.last + 1)
     d, f = d[rows].copy(), f[rows].copy()
@@ -353,5 +357,7 @@ def _from_zero_to_zero(d: Floats, f: Floats, cycle: FoundCycle) -> tuple[Floats,
             f[end] = f[low] - d[low] * (f[high] - f[low]) / (d[high] - d[low])
             d[end] = 0.0
     if cycle.ends == "rest":
-        d[-1] = 0.0
+        back = np.flatnonzero(d <= d[-1] - STRAIGHT * float(np.abs(d).max()))
+        slope = (f[-1] - f[back[-1]]) / (d[-1] - d[back[-1]]) if len(back) else 0.0
+        d, f = np.append(d, 0.0), np.append(f, f[-1] - slope * d[-1])
     return d, f
