@@ -184,7 +184,13 @@ def read_laboratory(
     if is_file(beside) and not _is_a_bearing(beside):
         return _with_sidecar(beside, path, optional)
     blocks = [BlockFile(file=str(path.absolute()))]
-    return readings_of(Sidecar(), blocks, path, optional)
+    try:
+        return readings_of(Sidecar(), blocks, path, optional)
+    except InputError as error:
+        told = list(error.problems)
+        if "force" not in optional and any(text.startswith("no column") for text in told):
+            told[-1] += f"; thermobearing intake {path.name} finds out which columns it has"
+        raise InputError(told, error.where) from None
 
 
 def _is_a_bearing(path: Path) -> bool:

@@ -22,6 +22,7 @@ Floats = NDArray[np.float64]
 
 UNITS = {"time": "s", "displacement": "mm", "force": "kN", "ambient": "degC"}
 SAMPLE = 20_000  # rows that are looked at
+MOST_PAIRED = 20  # columns without a telling title that are tried against each other
 ALONG = 0.3  # correlation of a force with the displacement, or more
 EVEN = 0.5  # of the usual step: how much the steps of a clock may differ
 CALLED, WORD, UNIT = 4, 2, 1  # what speaks for a column: its whole title, a word in it, its unit
@@ -181,7 +182,9 @@ def _by_numbers(columns: list[_Column], taken: dict[int, tuple[str, str]]) -> No
             if usual > 0.0 and (np.abs(steps - usual) < EVEN * usual).mean() > 0.95:
                 taken[column.number] = ("time", "runs evenly")
                 break
-    free = [c for c in free if c.number not in taken and np.ptp(_of(c)) > 0.0]
+    if {"displacement", "force"} <= held:
+        return
+    free = [c for c in free if c.number not in taken and np.ptp(_of(c)) > 0.0][:MOST_PAIRED]
     known = {quantity: c for c in columns for quantity, _ in [taken.get(c.number, ("", ""))]}
     ways = [known["displacement"]] if "displacement" in known else free
     forces = [known["force"]] if "force" in known else free
@@ -190,13 +193,20 @@ def _by_numbers(columns: list[_Column], taken: dict[int, tuple[str, str]]) -> No
         for force in forces:
             if way.number == force.number:
                 continue
-            along = float(np.corrcoef(_of(way), _of(force))[0, 1]) if np.ptp(_of(force)) else 0.0
+            along = _along(_of(way), _of(force))
             work = np.sign(along) * float(np.trapezoid(_of(force), _of(way)))
             if abs(along) > ALONG and work > 0.0 and (best is None or abs(along) > best[0]):
                 best = abs(along), way, force
     if best is not None:
         taken.setdefault(best[1].number, ("displacement", "makes loops with the force"))
         taken.setdefault(best[2].number, ("force", "makes loops with the displacement"))
+
+
+def _along(way: Floats, force: Floats) -> float:
+    """Correlation of two columns; 0 where one of them does not move."""
+    a, b = way - way.mean(), force - force.mean()
+    size = float(np.sqrt(np.sum(a**2)) * np.sqrt(np.sum(b**2)))
+    return float(np.sum(a * b)) / size if size > 1e-100 else 0.0
 
 
 def _of(column: _Column) -> Floats:

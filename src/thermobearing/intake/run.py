@@ -18,7 +18,7 @@ from thermobearing.border.sidecar import BlockFile, Readings, Sidecar, readings_
 from thermobearing.border.tables import Layout, Table, table_of
 from thermobearing.border.toml import read_toml, split_sources
 from thermobearing.identify.checks import check_test
-from thermobearing.identify.record import record_of
+from thermobearing.identify.record import TestRecord, record_of
 from thermobearing.intake.guess import ColumnGuess, guessed_columns
 from thermobearing.intake.result import Intake, Intakes
 
@@ -104,7 +104,7 @@ def _one(path: Path, bearing: Bearing | str | Path | None) -> Intake:
             for part in range(1, parts + 1)
         ]
     record = record_of(readings)
-    if np.corrcoef(record.displacement, record.force)[0, 1] < 0.0 and "flip_force" not in given:
+    if "flip_force" not in given and _against(record):
         keys["flip_force"] = True
         record = record_of(_read(file, keys))
     if "ambient" not in keys and "ambient" not in keys.get("columns", {}):
@@ -122,6 +122,12 @@ def _one(path: Path, bearing: Bearing | str | Path | None) -> Intake:
         sidecar=keys,
         kept=sorted(given),
     )
+
+
+def _against(record: TestRecord) -> bool:
+    """Whether the force goes against the displacement."""
+    way, force = record.displacement, record.force
+    return bool(np.sum((way - way.mean()) * (force - force.mean())) < 0.0)
 
 
 def _given(path: Path) -> tuple[Path, dict[str, Any]]:
@@ -147,10 +153,13 @@ def _table(
     problems: list[str] = []
     for sheet in sheets:
         table = table_of(sheet, layout)
-        if table is None or len(table.rows) < FEWEST:
-            rows = 0 if table is None else len(table.rows)
-            name = f'sheet "{sheet.name}" ' if sheet.name else ""
-            problems.append(f"{name}has {rows} rows of numbers; at least {FEWEST} are needed")
+        name = f'sheet "{sheet.name}" ' if sheet.name else ""
+        if table is None:
+            problems.append(f"{name}is empty")
+            continue
+        if len(table.rows) < FEWEST:
+            held = len(table.rows)
+            problems.append(f"{name}has {held} rows of numbers; at least {FEWEST} are needed")
             continue
         try:
             return sheet, table, guessed_columns(table, said)
