@@ -174,15 +174,16 @@ class FoundCycle:
 
     Attributes
     ----------
-    first, last : point numbers; `last` is the first point at or past zero, before a rest the last
-        one that moves.
+    first, last : point numbers; `last` is the first point at or past zero.
     ends : "closed" where the motion goes on, "rest" where it stops at zero, "incomplete" where the
         history ends on the way.
+    moving : the last point before a rest, where there is one; else `last`.
     """
 
     first: int
     last: int
     ends: str
+    moving: int
 
 
 def found_cycles(
@@ -221,21 +222,25 @@ def found_cycles(
     dwell = max(SHORTEST_DWELL, DWELL * len(d) / max(len(turns), 1))
     crossings = [_crossing(d, before, after, rests, dwell) for before, after in turns]
     found = [
-        FoundCycle(departed, arrived, "rest" if rested else "closed")
-        for (_, departed, _), (arrived, _, rested) in pairwise(crossings)
+        _cycle(departed, arrived, moving)
+        for (_, departed, _), (arrived, _, moving) in pairwise(crossings)
     ]
     if crossings:
-        tail = crossings[-1][1]
+        tail, end = crossings[-1][1], len(d) - 1
         away = tail + np.flatnonzero(side[tail:])
-        if len(away) and (side[tail:] < 0).any():
-            last = int(away[-1])
-            arrived, _, rested = _crossing(d, last, len(d) - 1, rests, dwell)
-            over = abs(d[-1]) > limit
-            ends = "incomplete" if over else "rest" if rested else "closed"
-            found.append(FoundCycle(tail, len(d) - 1 if over else arrived, ends))
+        if len(away) and (side[tail:] < 0).any() and abs(d[-1]) <= limit:
+            arrived, _, moving = _crossing(d, int(away[-1]), end, rests, dwell)
+            found.append(_cycle(tail, arrived if moving is not None else end, moving))
         elif len(away):
-            found.append(FoundCycle(tail, len(d) - 1, "incomplete"))
+            found.append(FoundCycle(tail, end, "incomplete", end))
     return [c for c in found if c.ends == "incomplete" or _both_sides(d, c, limit)]
+
+
+def _cycle(first: int, last: int, moving: int | None) -> FoundCycle:
+    rests = moving is not None
+    return FoundCycle(
+        first, last, "rest" if rests else "closed", last if moving is None else moving
+    )
 
 
 def _both_sides(d: Floats, cycle: FoundCycle, limit: float) -> bool:
@@ -245,8 +250,8 @@ def _both_sides(d: Floats, cycle: FoundCycle, limit: float) -> bool:
 
 def _crossing(
     d: Floats, before: int, after: int, rests: Sequence[tuple[int, int]], dwell: float
-) -> tuple[int, int, bool]:
-    """Points at which the motion comes to zero and leaves it, and whether it rests between them.
+) -> tuple[int, int, int | None]:
+    """Points at which the motion comes to zero and leaves it; if it rests, the last that moves.
 
     From a point on one side (`before`) to one on the other (`after`). Without a rest (known, or
     more than `dwell` points long) the cycles follow each other at once; points on the same spot
@@ -258,13 +263,14 @@ def _crossing(
     departed = before + int(down[-1]) if len(down) else before
     for first, last in rests:
         if before < first < last <= after:
-            return max(min(arrived, first) - 1, before), max(departed, last), True
-    stays = departed > arrived and np.ptp(d[arrived : departed + 1]) == 0.0
+            slept = last - first == 1  # no samples of the rest: its first point still moved
+            came = min(arrived, first)
+            return came, max(departed, last), came if slept else max(came - 1, before)
     if departed - arrived > dwell:
-        return max(arrived - 1, before), departed, True
-    if stays:
-        return arrived, departed, False
-    return departed if d[departed] == 0.0 else min(departed + 1, after), departed, False
+        return arrived, departed, max(arrived - 1, before)
+    if departed > arrived and np.ptp(d[arrived : departed + 1]) == 0.0:
+        return arrived, departed, None
+    return departed if d[departed] == 0.0 else min(departed + 1, after), departed, None
 
 
 def find_cycles(displacement: Floats, *, smallest: float = 0.02) -> list[tuple[int, int]]:
@@ -349,14 +355,14 @@ def _from_zero_to_zero(d: Floats, f: Floats, cycle: FoundCycle) -> tuple[Floats,
     of 200 points gains some 2 % of energy. One that ends in a rest goes straight on to zero: the
     force is lost as soon as the motion stops, often within one interval of the logger.
     """
-    rows = slice(cycle.first, cycle.last + 1)
+    rows = slice(cycle.first, (cycle.moving if cycle.ends == "rest" else cycle.last) + 1)
     d, f = d[rows].copy(), f[rows].copy()
     for end, inner in ((0, 1), (-1, -2)):
         low, high = (end, inner) if end == 0 else (inner, end)
         if d[low] < 0.0 < d[high]:
             f[end] = f[low] - d[low] * (f[high] - f[low]) / (d[high] - d[low])
             d[end] = 0.0
-    if cycle.ends == "rest":
+    if cycle.ends == "rest" and d[-1] != 0.0:
         back = np.flatnonzero(d <= d[-1] - STRAIGHT * float(np.abs(d).max()))
         slope = (f[-1] - f[back[-1]]) / (d[-1] - d[back[-1]]) if len(back) else 0.0
         d, f = np.append(d, 0.0), np.append(f, f[-1] - slope * d[-1])
