@@ -10,6 +10,7 @@ the one that was called, which writes it down.
 
 import json
 import os
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -19,11 +20,19 @@ import pytest
 from tests.told_numbers import disagreements, told_rows
 
 EXPECTED = Path(__file__).with_name("expected_skips.txt")
+COARSE = 50  # points an inch
 Value = str | float
 Recorder = Callable[[str, Value, str], None]
 KEY = "measured"  # of the properties of a test's report that hold its numbers
 SKIPPED: set[str] = set()  # tests, and files that skip as a whole
 PROPERTIES: list[tuple[str, Any]] = []  # of all tests, in the order in which they ended
+
+
+@pytest.fixture(autouse=True)
+def coarse_figures(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Figures of few points where a test does not look at the points: a quarter of their time."""
+    if "thermobearing" in sys.modules and request.path.name != "test_file_sizes.py":
+        monkeypatch.setattr("thermobearing.results.drawing.DPI", COARSE)
 
 
 @pytest.fixture

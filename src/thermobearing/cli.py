@@ -24,6 +24,7 @@ from thermobearing.commands.common import (
     NoFigures,
     Output,
     Quiet,
+    RigName,
     echo_json,
     reported,
     with_progress,
@@ -111,9 +112,11 @@ def cyclic(
     hardening: Annotated[str | None, typer.Option(help="printed or monotone.")] = None,
     heat_source: Annotated[str | None, typer.Option(help="work or dissipation.")] = None,
     lead_ends: Annotated[str | None, typer.Option(help="finite-plate or half-space.")] = None,
+    clock: Annotated[str | None, typer.Option(help="Of a half-space: lead or steel.")] = None,
     model: Annotated[str | None, typer.Option(help="An earlier model, see docs/theory.md.")] = None,
     compare: Annotated[bool, typer.Option("--compare", help="Earlier models beside it.")] = False,
     keep_every: Annotated[int | None, typer.Option(help="Keep every n-th step.")] = None,
+    rig: RigName = None,
     output: Output = None,
     force: Force = False,
     no_figures: NoFigures = False,
@@ -136,8 +139,10 @@ def cyclic(
         "hardening": hardening,
         "heat_source": heat_source,
         "lead_ends": lead_ends,
+        "clock": clock,
         "model": model,
         "keep_every": keep_every,
+        "rig": rig,
     }
     if case is None:
         complete = make_case({}, "command line", **overrides)
@@ -169,6 +174,7 @@ def list_(as_json: AsJson = False) -> int:
     """What is built in."""
     from thermobearing.bearing.bilinear import list_bilinear, load_bilinear
     from thermobearing.bearing.library import list_bearings, load_bearing
+    from thermobearing.cyclic.rig import RIGS, load_rig
     from thermobearing.motions.library import list_motions
     from thermobearing.structure.model import list_structures, load_structure
 
@@ -180,6 +186,9 @@ def list_(as_json: AsJson = False) -> int:
     typer.echo("")
     for structure in map(load_structure, list_structures()):
         typer.echo(f"{structure.name:24}  structure  {structure.description}")
+    rigs = [load_rig(name) for name in RIGS.names()]
+    for rig in rigs:
+        typer.echo(f"{rig.name:24}  rig        {rig.description}")
     motions = list_motions()
     typer.echo(f"\n{len(motions)} ground motions, see `thermobearing motions list`")
     if as_json:
@@ -188,6 +197,7 @@ def list_(as_json: AsJson = False) -> int:
                 "bearings": [bearing.name for bearing in bearings],
                 "bilinear_bearings": list_bilinear(),
                 "structures": list_structures(),
+                "rigs": [rig.name for rig in rigs],
                 "motions": motions,
             }
         )

@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import thermobearing as tb
+from tests.conftest import COARSE
 from thermobearing.cyclic.figures import NothingToDrawError
 from thermobearing.cyclic.time_axis import TimeAxis
 from thermobearing.results.drawing import ambient_colours, thin, thin_loops
@@ -56,8 +57,8 @@ def test_save_all_writes_six_png(result: tb.cyclic.Result, tmp_path: Path) -> No
         head = file.read_bytes()[:24]
         width, height = struct.unpack(">II", head[16:])
         assert head[:8] == PNG
-        assert width > 800
-        assert height > 400
+        assert width > 5 * COARSE
+        assert height > 2.5 * COARSE
 
 
 def test_displacement_cuts_the_rest_out(result: tb.cyclic.Result) -> None:

@@ -19,6 +19,7 @@ from thermobearing.results.directory import write_directory
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork, as POSIX has it")
 MOMENTS = 50  # at least
 TraceFunction = Callable[[FrameType, str, Any], Any]
+NO_FILES = ("os.kill", "os.putenv", "os.unsetenv")
 EARLIER, LATER = 23.0, 5.0  # ambient temperatures that tell two results apart
 
 
@@ -26,25 +27,25 @@ def killed(action: Callable[[], object], moment: int) -> bool:
     """Fork, act, and die by SIGKILL at the event of that number; whether it came to that.
 
     Events are files opened, folders made, renamed and removed (Python audits them), and every
-    line of the module that puts a result in its place.
+    second line of the module that puts a result in its place.
     """
     child = os.fork()
     if child == 0:
-        count = 0
+        count = 0.0
 
-        def event() -> None:
+        def event(steps: float = 1.0) -> None:
             nonlocal count
-            count += 1
-            if count == moment:
+            count += steps
+            if count >= moment:
                 os.kill(os.getpid(), signal.SIGKILL)
 
         def hook(name: str, _: object) -> None:
-            if name.split(".")[0] in ("open", "os", "shutil") and not name.endswith("env"):
+            if name.split(".")[0] in ("open", "os", "shutil") and name not in NO_FILES:
                 event()
 
         def line(_: FrameType, kind: str, __: object) -> TraceFunction:
             if kind == "line":
-                event()
+                event(0.5)
             return line
 
         def call(frame: FrameType, _: str, __: object) -> TraceFunction | None:

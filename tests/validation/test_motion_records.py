@@ -10,6 +10,8 @@ from tests.shared_data import shared_data
 from thermobearing.motions.jra import standard_spectrum
 from thermobearing.motions.library import load_motion
 from thermobearing.motions.matching import misfit
+from thermobearing.motions.measures import significant_interval
+from thermobearing.motions.phases import near_fault
 from thermobearing.motions.process import baseline_corrected, resampled
 from thermobearing.motions.record import GroundMotion
 from thermobearing.motions.synthesis import ROOM, match_spectrum
@@ -107,6 +109,34 @@ def test_same_as_given_motions_of_the_same_phases(
     whole /= np.linalg.norm(theirs) * np.linalg.norm(ours[: len(theirs) - 1000])
     measured(f"Correlation with {given}", f"{whole:.3f}", f"at least {tol.STAND_IN:g}")
     assert whole > tol.STAND_IN
+
+
+def test_stand_in_grows_as_the_record(measured: Recorder) -> None:
+    """Arias intensity of the built-in II-II-1 beside Takatori's, as recorded and fitted."""
+    own = near_fault()["jra-ii-ii-1"]
+    built_in = load_motion("jra-ii-ii-1")
+    raw, fitted = record(TAKATORI), record("II-II-1_like_TAK000.csv")
+    shares = (0.05, 0.25, 0.5, 0.75, 0.95)
+    times = [
+        np.array([significant_interval(motion, 0.0, share)[1] for share in shares])
+        for motion in (built_in, raw, fitted)
+    ]
+    told = ["; ".join(f"{time:.1f}" for time in some) for some in times]
+    measured(
+        "jra-ii-ii-1: 5, 25, 50, 75, 95 % of the Arias intensity, s",
+        told[0],
+        "between the next two, 1 s more at most",
+    )
+    measured("Takatori: the same, s", told[1], "PEER, TAK000")
+    measured("Takatori fitted to the spectrum: the same, s", told[2], "the same phases")
+    assert np.all(times[0] > np.minimum(times[1], times[2]) - tol.GROWTH_OF_RECORD)
+    assert np.all(times[0] < np.maximum(times[1], times[2]) + tol.GROWTH_OF_RECORD)
+    # The fastest ground is in the same pulse, half a period away or less.
+    fastest = [float(np.abs(m.velocity).argmax()) * m.dt for m in (built_in, raw)]
+    assert abs(fastest[0] - fastest[1]) < 0.5 * own.pulse.period
+    # Largest acceleration at the same time as that of the record when it fits the spectrum.
+    peaks = [float(np.abs(m.acceleration).argmax()) * m.dt for m in (built_in, fitted)]
+    assert abs(peaks[0] - peaks[1]) < tol.PEAK_OF_STREAM
 
 
 def test_network_maximum_is_that_of_the_numbers() -> None:

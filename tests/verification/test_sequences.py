@@ -15,7 +15,7 @@ from thermobearing.sequences import SequenceCase, make_sequence_case, run_sequen
 SINE = {"step": "cycles", "strain": 1.5, "wave": "sine", "period": "3 s", "count": 1}
 LOADED = {"step": "ramp", "to_strain": 0.8, "speed": "40 mm/s"}
 BACK = {"step": "ramp", "to": "0 mm", "speed": "25 mm/s"}
-HYBRID = {"part": "hybrid", "duration": "6 s", "motion": {"name": "jra-ii-ii-1", "factor": 2.0}}
+HYBRID = {"part": "hybrid", "duration": "6 s", "motion": {"name": "jra-ii-ii-1", "factor": 0.7}}
 DT = "30 ms"
 
 

@@ -18,6 +18,18 @@ Force = Annotated[bool, typer.Option("--force", help="Replace an earlier result 
 NoFigures = Annotated[bool, typer.Option("--no-figures", help="Draw no figures.")]
 AsJson = Annotated[bool, typer.Option("--json", help="Last line of output is JSON.")]
 Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="No progress bar, no tables.")]
+RigName = Annotated[
+    str | None,
+    typer.Option("--rig", help="Rig that is to do it: name or file.", metavar="NAME/FILE"),
+]
+Limit = Annotated[
+    list[str] | None,
+    typer.Option(
+        help="Largest relative error of K_eq, h_eq (0.15 each), energy, force, temperature or "
+        "NRMSE, of tests that are not fitted; may be repeated.",
+        metavar="QUANTITY=NUMBER",
+    ),
+]
 
 
 def _fail(message: str, status: int, outcome: str, as_json: bool) -> typer.Exit:
@@ -83,6 +95,11 @@ def numbers_by_name(given: Sequence[str], option: str, form: str) -> dict[str, f
         except ValueError:
             raise InputError(f'{option} "{text}": give {form}') from None
     return found
+
+
+def limit_numbers(given: Sequence[str] | None) -> dict[str, float]:
+    """Those of `Limit`."""
+    return numbers_by_name(given or [], "--limit", "QUANTITY=NUMBER, such as K_eq=0.1")
 
 
 def with_progress(

@@ -13,6 +13,7 @@ from thermobearing.core.types import Books
 from thermobearing.cyclic.label import stack_labels
 from thermobearing.cyclic.rig import asked_of, beyond
 from thermobearing.earthquake.case import EarthquakeCase
+from thermobearing.earthquake.ends import labelled_ends
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.model.earlier import BLIND
 from thermobearing.model.options import BearingModel
@@ -106,6 +107,7 @@ def label_study(
         data |= _stacks(tasks, data["temperature"][1].shape[2])
     for name, values, unit_name in _scalars(tasks, histories, traces):
         data[name] = (("run",), values, {"units": unit_name})
+    data |= labelled_ends(tasks, histories)
     dataset = xr.Dataset(
         data,
         coords={
