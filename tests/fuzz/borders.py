@@ -14,7 +14,8 @@ from tests.fuzz import grammar
 from tests.fuzz.judge import COMPLETED, TYPED, Example
 from tests.fuzz.mutations import UNITS, damaged, plain_numbers, rows_of_numbers, toml_files
 from thermobearing.bearing.bilinear import load_bilinear
-from thermobearing.border.tables import Layout, read_columns
+from thermobearing.border.layout import Layout
+from thermobearing.border.tables import read_columns
 from thermobearing.border.units import parse_quantity
 from thermobearing.commands.check import describe_file
 from thermobearing.cyclic.case import load_case, make_case

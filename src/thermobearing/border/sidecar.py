@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from thermobearing.border.errors import InputError, is_file
+from thermobearing.border.layout import Layout
 from thermobearing.border.schema import Strict, in_unit, validated
 from thermobearing.border.sheets import SEPARATORS, Told
-from thermobearing.border.tables import Columns, Layout, columns_of
+from thermobearing.border.tables import Columns, columns_of
 from thermobearing.border.toml import read_toml, split_sources
 
 Floats = NDArray[np.float64]

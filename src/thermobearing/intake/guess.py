@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from thermobearing.border.errors import InputError
+from thermobearing.border.layout import Table
 from thermobearing.border.sheets import is_stamp
 from thermobearing.border.sidecar import Sidecar
-from thermobearing.border.tables import Table
 from thermobearing.border.titles import (
     holds_word,
     is_called,

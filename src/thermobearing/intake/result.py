@@ -20,7 +20,8 @@ class Intake:
     Attributes
     ----------
     file : that was looked at.
-    sheet : of a workbook, "" for text; `separator` and `decimal` of the file.
+    sheet : of a workbook, "" for text.
+    separator, decimal : of the file.
     rows, blocks : of numbers; parts that the file or its clock is cut into.
     columns : what each of them was taken for.
     record : the test, as the sidecar reads it.

@@ -12,10 +12,10 @@ import numpy as np
 
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError, is_file
+from thermobearing.border.layout import Layout, Table, table_of
 from thermobearing.border.schema import validated
 from thermobearing.border.sheets import SEPARATORS, Sheet, Told, read_sheets
 from thermobearing.border.sidecar import BlockFile, Readings, Sidecar, readings_of
-from thermobearing.border.tables import Layout, Table, table_of
 from thermobearing.border.toml import read_toml, split_sources
 from thermobearing.identify.checks import check_test
 from thermobearing.identify.record import TestRecord, record_of
