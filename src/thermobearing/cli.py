@@ -207,21 +207,25 @@ def list_(as_json: AsJson = False) -> int:
 @app.command()
 @reported
 def check(
-    file: Annotated[Path, typer.Argument(help="A bearing or a case, in TOML.")],
+    file: Annotated[Path, typer.Argument(help="A bearing, a case, or any other TOML.")],
     as_json: AsJson = False,
 ) -> int:
     """Validate a file without running it, and say what was understood.
 
-    Of a bearing also what its heat cells cost in accuracy, by a short test on it.
+    Numbers that usual bearings do not have are warnings: units, signs. Of a bearing also what its
+    heat cells cost in accuracy, by a short test on it.
     """
-    from thermobearing.commands.check import cells_facts, describe_file
-    from thermobearing.results.screen import print_facts
+    from rich.console import Console
 
-    kind, facts = describe_file(file)
+    from thermobearing.commands.check import cells_facts, check_file
+    from thermobearing.results.screen import print_facts, print_warnings
+
+    kind, facts, warnings = check_file(file)
     facts |= cells_facts(file) if kind == "bearing" else {}
     print_facts(f"{file}: a valid {kind}", facts)
+    print_warnings(Console(), warnings)
     if as_json:
-        echo_json({"outcome": "valid", "kind": kind, "file": str(file)})
+        echo_json({"outcome": "valid", "kind": kind, "file": str(file), "warnings": warnings})
     return 0
 
 

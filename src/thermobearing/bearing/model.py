@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, PrivateAttr, field_validator, model_validator
 
 from thermobearing.bearing.temperature import TemperatureLaw
+from thermobearing.bearing.validity import Validity
 from thermobearing.border.schema import Strict, in_unit
 from thermobearing.border.units import CUBIC_MM_PER_CUBIC_M, NEWTON_PER_KILONEWTON
 
@@ -266,6 +267,7 @@ class Bearing(Strict):
         classes; `temperature_law` is None where nothing but m_T and n_T is stated,
         `scragging` is None for rubber that has worked already, `lead` without lead cores,
         `rate` without rate dependence.
+    tested_range : what it was tested at (`Validity`); None where that is not given.
     """
 
     name: Annotated[str, Field(min_length=1)]
@@ -276,6 +278,7 @@ class Bearing(Strict):
     materials: Materials
     hysteresis: RubberHysteresis
     temperature_law: TemperatureLaw | None = None
+    tested_range: Validity | None = None
     scragging: Scragging | None = None
     lead: LeadCores | None = None
     rate: RateDependence | None = None

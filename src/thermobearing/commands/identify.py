@@ -1,6 +1,7 @@
 """`thermobearing identify`: parameters of a bearing from its tests, or a look at the tests."""
 
 import re
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -113,7 +114,7 @@ def identify(
         drawn = forecast(final, predict or [], posterior=posterior, seed=seed)
     found.save(target, force=force, figures=not no_figures, forecast=drawn)
     if not quiet:
-        _show(found)
+        _show(found, drawn.warnings if drawn else ())
     return written(found.outcome, found.sentence, target, as_json=as_json, quiet=quiet)
 
 
@@ -131,15 +132,15 @@ def _found(
     return with_progress(lambda show: run_hold_out(case, progress=show), "fits", quiet)
 
 
-def _show(found: "Identification | CrossValidation") -> None:
+def _show(found: "Identification | CrossValidation", more: Sequence[str] = ()) -> None:
     from thermobearing.identify.result import Identification
     from thermobearing.identify.screen import print_identification
     from thermobearing.validate.screen import print_cross_validation
 
     if isinstance(found, Identification):
-        print_identification(found)
+        print_identification(found, more)
     else:
-        print_cross_validation(found)
+        print_cross_validation(found, more)
 
 
 def _read(

@@ -175,11 +175,14 @@ def bearing_table(found: Identification) -> dict[str, Any]:
         "description": f"{found.bearing.description} (identified from tests)".strip(),
         "citation": f"thermobearing {thermobearing.__version__} identify, {found.method}; {fitted}",
     }
-    law = _range_of_law(found)
+    law, tested = _range_of_law(found), found.tested_range
+    sources |= {f"tested_range.{name}": _tested_source(found, name) for name in tested.ranges()}
     if law is not found.bearing.temperature_law:
         keys = ("temperature_law.coldest", "temperature_law.warmest")
         sources |= dict.fromkeys(keys, "air of the tests; the rubber itself was warmer")
-    table = to_table(found.bearing.model_copy(update=named | {"temperature_law": law}))
+    table = to_table(
+        found.bearing.model_copy(update=named | {"temperature_law": law, "tested_range": tested})
+    )
     for key, source in sources.items():
         *tables, name = key.split(".")
         inner: Any = table
@@ -188,6 +191,12 @@ def bearing_table(found: Identification) -> dict[str, Any]:
         if name in inner and name not in named and not isinstance(inner[name], dict):
             inner[name] = {"value": inner[name], "source": source}
     return table
+
+
+def _tested_source(found: Identification, name: str) -> str:
+    """Where an end of the tested range comes from."""
+    tests = ", ".join(record.name for record in found.records)
+    return f"the fitted model in {tests}" if name == "lead_temperature" else f"tests {tests}"
 
 
 def _range_of_law(found: Identification) -> TemperatureLaw | None:

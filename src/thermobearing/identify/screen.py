@@ -1,5 +1,6 @@
 """Tables of a fit, and findings about tests, on the terminal."""
 
+from collections.abc import Sequence
 from typing import Any
 
 from rich.console import Console
@@ -11,6 +12,7 @@ from thermobearing.identify.checks import CheckReport
 from thermobearing.identify.record import TestRecord
 from thermobearing.identify.result import Identification
 from thermobearing.identify.thermocouples import COLUMNS, thermocouple_cells
+from thermobearing.results.screen import print_warnings
 
 MARKS = {"refused": "REFUSED", "warning": "warning", "note": "note"}
 HEADS = ("parameter", "value", "standard error", "95 % interval", "unit")
@@ -41,12 +43,13 @@ def print_checks(reports: list[CheckReport]) -> None:
             print(f"  {MARKS[finding.level]:8} {finding.check}: {finding.sentence}")
 
 
-def print_identification(found: Identification) -> None:
+def print_identification(found: Identification, more: Sequence[str] = ()) -> None:
     """Parameters, measures of each record, warnings.
 
     Parameters
     ----------
     found : from `identify_bearing`.
+    more : further warnings, of a prediction.
 
     Examples
     --------
@@ -65,8 +68,7 @@ def print_identification(found: Identification) -> None:
     console.print(_measures(found))
     print_thermocouples(console, found.thermocouples, "thermocouples, model beside test")
     print_unused(found.records)
-    for warning in found.warnings:
-        console.print(f"[yellow]warning:[/] {escape(warning)}", highlight=False, soft_wrap=True)
+    print_warnings(console, [*found.warnings, *more])
 
 
 def print_unused(records: list[TestRecord]) -> None:

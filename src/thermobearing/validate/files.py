@@ -16,7 +16,7 @@ from thermobearing.results.directory import (
     write_directory,
 )
 from thermobearing.results.directory import VALIDATED_CYCLES as CYCLES
-from thermobearing.results.writing import write_csv, write_summary
+from thermobearing.results.writing import write_csv, write_limits, write_summary
 from thermobearing.validate.held_out_result import CrossValidation
 from thermobearing.validate.result import Validation
 
@@ -49,6 +49,7 @@ def save_validation(
         write_csv(folder / FIT_TABLE, samples(found))
         if len(found.thermocouples):
             found.thermocouples.to_csv(folder / THERMOCOUPLES, index=False)
+        write_limits(folder, pd.DataFrame(), found.tested_range)
         if figures:
             found.plot.save_all(folder / FIGURES)
 

@@ -1,5 +1,6 @@
 """The tables of a validation on the terminal."""
 
+from collections.abc import Sequence
 from typing import Any
 
 from rich.console import Console
@@ -11,6 +12,7 @@ from thermobearing.identify.screen import (
     print_thermocouples,
     print_unused,
 )
+from thermobearing.results.screen import print_warnings
 from thermobearing.validate.case import QUANTITIES
 from thermobearing.validate.held_out_result import CrossValidation
 from thermobearing.validate.result import BEYOND, Validation
@@ -48,16 +50,18 @@ def print_validation(found: Validation, which: str = "tests") -> None:
     print_unused([item.record for item in found.comparisons])
     limits = ", ".join(f"{name} {limit:.0%}" for name, limit in found.limits.items())
     console.print(f"limits: {limits}; verdict: {found.verdict} (! beyond its limit)")
+    print_warnings(console, found.warnings)
 
 
-def print_cross_validation(found: CrossValidation) -> None:
+def print_cross_validation(found: CrossValidation, more: Sequence[str] = ()) -> None:
     """The final fit, parameters by fold, and both kinds of tests.
 
     Parameters
     ----------
     found : from `cross_validate`.
+    more : further warnings, of a prediction.
     """
-    print_identification(found.final)
+    print_identification(found.final, more)
     if found.folds:
         Console().print(_folds(found))
     print_validation(found.fitted, "tests it is fitted to")
