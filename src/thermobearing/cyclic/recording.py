@@ -1,10 +1,10 @@
-"""A recorded displacement history: read from a CSV file, and checked."""
+"""A recorded displacement history: read from a laboratory's file or its sidecar, and checked."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from thermobearing.border.errors import InputError
-from thermobearing.border.tables import read_columns
+from thermobearing.border.sidecar import read_laboratory
 
 Floats = NDArray[np.float64]
 START = 1e-3  # of the largest displacement (1 mm at least): how far off a recording may start
@@ -15,15 +15,15 @@ def read_recording(path: str, start: float | None) -> tuple[Floats, Floats]:
 
     Parameters
     ----------
-    path : CSV file with columns time and displacement.
+    path : table with columns time and displacement, or its sidecar (border/sidecar.py).
     start : where the bearing is when the recording begins [mm]; None if that is not known.
 
     Raises
     ------
     InputError : unreadable, time that does not increase, or another start.
     """
-    data = read_columns(path, {"time": "s", "displacement": "mm"})
-    time, displacement = data["time"], data["displacement"]
+    readings = read_laboratory(path, optional=("force", "ambient"))
+    time, displacement = readings.values["time"], readings.displacement
     gaps = np.diff(time)
     if not (gaps > 0).all():
         k = int(np.argmin(gaps > 0))
