@@ -11,7 +11,8 @@ from thermobearing.border.schema import Strict, in_unit, validated
 from thermobearing.border.toml import read_toml, split_sources, to_toml
 from thermobearing.design.rubber import Kind, load_compound
 from thermobearing.design.sizing import SizingRules
-from thermobearing.earthquake.case import Motion, make_earthquake_case
+from thermobearing.earthquake.case import make_earthquake_case
+from thermobearing.earthquake.motion import Motion
 from thermobearing.motions.record import STANDARD_GRAVITY
 from thermobearing.structure.model import MassModel, Structure
 

@@ -66,7 +66,7 @@ def earthquake_of(case: DesignCase, bearing: BilinearBearing, stiffness: float) 
         "design",
         structure=structure,
         bearings=[bearing],
-        motions=[motion.model_dump(exclude_none=True) for motion in case.motions],
+        motions=list(case.motions),
         ambient=[BLIND],
         dt=case.dt,
         mass=case.mass,

@@ -17,9 +17,9 @@ from thermobearing.border.toml import read_toml, split_sources, to_toml
 from thermobearing.cyclic.case import Temperature, each_once
 from thermobearing.cyclic.protocol import LONGEST
 from thermobearing.cyclic.rig import Rig, settle_rig
+from thermobearing.earthquake.motion import Motion, settle_motions
 from thermobearing.model.handover import SpecimenState, misfit
 from thermobearing.model.options import ModelOptions, build_model
-from thermobearing.motions.library import list_motions, load_motion
 from thermobearing.motions.record import GroundMotion
 from thermobearing.structure.model import (
     DampingKind,
@@ -50,20 +50,6 @@ DEFAULTS: dict[str, dict[str, Any]] = {
 PSEUDO_DYNAMIC_SPEED = 10.0  # of the source's test [mm/s]
 Mode = Literal["rt", "pd"]
 ONE_OR_SEVERAL = BeforeValidator(lambda mode: (mode,) if isinstance(mode, str) else mode)
-
-
-class Motion(Strict):
-    """A built-in motion or a file; what a file does not say itself."""
-
-    name: Annotated[str, Field(min_length=1)]
-    unit: str | None = None
-    dt: Annotated[float, in_unit("s"), Field(ge=1e-5, le=1)] | None = None
-    component: str | None = None
-    factor: Annotated[float, Field(ge=1e-6, le=100)] = 1.0
-
-    def load(self) -> GroundMotion:
-        """The ground motion itself, not yet scaled."""
-        return load_motion(self.name, unit=self.unit, dt=self.dt, component=self.component)
 
 
 class Laboratory(Strict):
@@ -176,10 +162,8 @@ class EarthquakeCase(Strict):
         """What the parts do to each other."""
         found = []
         names = [bearing.name for bearing in self.bearings]
-        motions = [motion.name for motion in self.motions]
-        for kind, given in (("bearings", names), ("motions", motions)):
-            twice = {n for n in given if given.count(n) > 1}
-            found += [f'{kind}: "{n}" is given more than once' for n in twice]
+        twice = {n for n in names if names.count(n) > 1}
+        found += [f'bearings: "{n}" is given more than once' for n in twice]
         if self.weather is not None:
             try:
                 time = Ambient.from_csv(self.weather).time
@@ -313,7 +297,6 @@ def _settle(
 ) -> tuple[list[str], list[GroundMotion]]:
     """Defaults, and names replaced by what they name; returns what is wrong, and the motions."""
     problems: list[str] = []
-    motions: list[GroundMotion] = []
     if "ambient" in table and table.get("weather") is not None:
         problems.append("give ambient or weather, not both")
     if table.get("weather") is not None and isinstance(table["weather"], str):
@@ -341,10 +324,8 @@ def _settle(
         else item
         for k, item in enumerate(table["bearings"])
     ]
-    table["motions"] = [
-        _motion(problems, motions, k, item, folder) for k, item in enumerate(table["motions"])
-    ]
-    return problems, motions
+    table["motions"], motions, found = settle_motions(table["motions"], folder)
+    return [*problems, *found], motions
 
 
 def _named(
@@ -379,20 +360,3 @@ def _load_device(name_or_path: str | Path) -> Device:
         return load_bearing(text)
     known = [*list_bearings(), *list_bilinear()]
     raise InputError(f'no bearing is called "{text}"{nearest(text, known)}')
-
-
-def _motion(
-    problems: list[str], motions: list[GroundMotion], number: int, item: Any, folder: Path
-) -> Any:
-    """A motion as a table, its file absolute, and readable: what it holds joins `motions`."""
-    table = {"name": str(item)} if isinstance(item, str | Path) else item
-    if not isinstance(table, dict) or not isinstance(table.get("name"), str):
-        return table
-    table = dict(table)
-    if table["name"] not in list_motions() and is_file(folder / table["name"]):
-        table["name"] = str((folder / table["name"]).absolute())
-    try:
-        motions.append(validated(Motion, table, f"motions[{number}]").load())
-    except InputError as error:
-        problems.extend(error.lines(f"motions[{number}]"))
-    return table

@@ -10,7 +10,8 @@ from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError, nearest
 from thermobearing.cyclic.rig import Rig
-from thermobearing.earthquake.case import Command, Kept, Laboratory, Motion, make_earthquake_case
+from thermobearing.earthquake.case import Command, Kept, Laboratory, make_earthquake_case
+from thermobearing.earthquake.motion import Motion
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.earthquake.run import Progress, run_earthquake
 from thermobearing.model.constants import Hardening, HeatSource, Integrator, LeadEnds
@@ -18,6 +19,7 @@ from thermobearing.model.earlier import Model
 from thermobearing.model.handover import SpecimenState
 from thermobearing.model.options import EndFace, Stacked
 from thermobearing.model.stack import Scheme
+from thermobearing.motions.record import GroundMotion
 from thermobearing.structure.model import DampingKind, MassModel, Structure
 from thermobearing.structure.run import Method
 
@@ -27,7 +29,7 @@ OneOrMore: TypeAlias = T | Sequence[T]
 
 def bridge(
     bearing: OneOrMore[Bearing | BilinearBearing | str | Path] | None = None,
-    motion: OneOrMore[Motion | str | Path | dict[str, Any]] | None = None,
+    motion: OneOrMore[GroundMotion | Motion | str | Path | dict[str, Any]] | None = None,
     ambient: OneOrMore[float] | None = None,
     *,
     structure: Structure | str | Path | None = None,
@@ -61,8 +63,8 @@ def bridge(
     ----------
     bearing : one or several of: library name, TOML file, Bearing, BilinearBearing; the three
         bridge bearings of the library by default.
-    motion : one or several built-in names or files (or tables with name, unit, dt, component,
-        factor); four built-in ones by default.
+    motion : one or several of: built-in name, file, GroundMotion, or table with name, unit, dt,
+        component, factor, label; four built-in ones by default.
     ambient : one or several temperatures [degC], in [-100, 100]; 23, 0 and -20 by default.
     structure : a Structure, the name of one, or a TOML file; "pier-p1" by default.
     weather : CSV file of the temperature that ends when the earthquake begins, instead of
@@ -143,7 +145,7 @@ def bridge(
 
 def hybrid(
     bearing: OneOrMore[Bearing | BilinearBearing | str | Path] | None = None,
-    motion: OneOrMore[Motion | str | Path | dict[str, Any]] | None = None,
+    motion: OneOrMore[GroundMotion | Motion | str | Path | dict[str, Any]] | None = None,
     ambient: OneOrMore[float] | None = None,
     *,
     structure: Structure | str | Path | None = None,
