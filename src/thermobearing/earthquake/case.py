@@ -6,17 +6,23 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, field_validator
 
-from thermobearing.bearing.ambient import Ambient
-from thermobearing.bearing.bilinear import BilinearBearing, list_bilinear, load_bilinear
-from thermobearing.bearing.library import list_bearings, load_bearing
+from thermobearing.bearing.bilinear import load_bilinear
 from thermobearing.bearing.model import Bearing
-from thermobearing.border.errors import InputError, is_file, nearest
+from thermobearing.border.errors import InputError
 from thermobearing.border.overrides import overridden
 from thermobearing.border.schema import Strict, in_unit, validated
 from thermobearing.border.toml import read_toml, split_sources, to_toml
 from thermobearing.cyclic.case import Temperature, each_once
-from thermobearing.cyclic.protocol import LONGEST
 from thermobearing.cyclic.rig import Rig, settle_rig
+from thermobearing.earthquake.devices import (
+    Device,
+    OnLine,
+    into_structure,
+    lines_faults,
+    load_device,
+    settle_lines,
+    weather_faults,
+)
 from thermobearing.earthquake.motion import Motion, settle_motions
 from thermobearing.model.handover import SpecimenState, misfit
 from thermobearing.model.options import ModelOptions, build_model
@@ -28,6 +34,7 @@ from thermobearing.structure.model import (
     list_structures,
     load_structure,
 )
+from thermobearing.structure.parts import fixed_base, reported_line
 from thermobearing.structure.run import Method
 
 Command = Literal["bridge", "hybrid"]
@@ -106,9 +113,6 @@ class EarthquakeAnalysis(ModelOptions, Stepping):
         return keep
 
 
-Device = Annotated[Bearing | BilinearBearing, Field(discriminator="kind")]
-
-
 class EarthquakeCase(Strict):
     """Every combination of bearing, motion, ambient temperature and mode is one run.
 
@@ -124,6 +128,7 @@ class EarthquakeCase(Strict):
     analysis : how to compute, and what to keep.
     laboratory : of a specimen in the loop.
     initial_state : where an earlier test left the bearing; of one bearing that is not bilinear.
+    lines : bearing lines with a bearing, an air or a count of their own.
     rig : limits of the rig that moves the specimen; a run that passes one says so.
     """
 
@@ -137,6 +142,7 @@ class EarthquakeCase(Strict):
     analysis: EarthquakeAnalysis = EarthquakeAnalysis()
     laboratory: Laboratory | None = None
     initial_state: SpecimenState | None = None
+    lines: Annotated[tuple[OnLine, ...], Field(max_length=8)] = ()
     rig: Rig | None = None
 
     @field_validator("ambient")
@@ -154,6 +160,12 @@ class EarthquakeCase(Strict):
         """Modes of the laboratory, each a run of its own; one without a name if there is none."""
         return self.laboratory.mode if self.laboratory is not None else ("",)
 
+    @property
+    def told_line(self) -> int:
+        """Number of the bearing line that histories and the table of peaks are about."""
+        own = [item.line for item in self.lines if item.bearing is not None]
+        return reported_line(self.structure, own)
+
     def to_toml(self) -> str:
         """The case with every default filled in, as TOML; reads back to the same bits."""
         return to_toml(self, without="" if self.weather is None else "ambient")
@@ -165,13 +177,8 @@ class EarthquakeCase(Strict):
         twice = {n for n in names if names.count(n) > 1}
         found += [f'bearings: "{n}" is given more than once' for n in twice]
         if self.weather is not None:
-            try:
-                time = Ambient.from_csv(self.weather).time
-                lasts = time[-1] - time[0]
-                if not 1.0 <= lasts <= LONGEST:
-                    found.append(f"weather: lasts {lasts:g} s; must be 1 to {LONGEST:g} s")
-            except InputError as error:
-                found += error.lines("weather")
+            found += weather_faults(self.weather, "weather")
+        found += lines_faults(self.lines, self.structure)
         if self.initial_state is not None:
             found += self._misfits_of_state()
         many = self.analysis.method != "predictor-corrector"  # trials of a step
@@ -180,7 +187,8 @@ class EarthquakeCase(Strict):
                 "laboratory: delay, force_noise and mode pd need analysis.method = "
                 '"predictor-corrector", which moves the specimen once per step'
             )
-        for bearing in self.bearings:
+        own = [item.bearing for item in self.lines]
+        for bearing in {b.name: b for b in [*self.bearings, *own] if b is not None}.values():
             if isinstance(bearing, Bearing):
                 misfits = self.analysis.settled(bearing).misfits(bearing)
                 found += [f'analysis.{text}; "{bearing.name}" is none' for text in misfits]
@@ -194,6 +202,8 @@ class EarthquakeCase(Strict):
             return ["initial_state: is of one bearing, and none that is bilinear"]
         if self.weather is not None or self.analysis.model == "bilinear":
             return ["initial_state: goes with neither weather nor the bilinear model"]
+        if self.lines:
+            return ["initial_state: goes with no lines of their own"]
         fault = misfit(self.initial_state, build_model(bearing, self.analysis).constants)
         return [f"initial_state: {fault}"] if fault else []
 
@@ -225,7 +235,8 @@ def make_earthquake_case(
     where : names the file in messages.
     folder : paths in the table are relative to it.
     overrides : values that replace those of the table: structure, bearings, motions, ambient,
-        weather, duration, laboratory, and every key of `analysis`; None leaves the table's.
+        weather, duration, laboratory, lines, and every key of `analysis`; None leaves the table's.
+        `fixed_base` (of the table too) leaves out the springs of foundations.
 
     Returns
     -------
@@ -252,15 +263,26 @@ def make_earthquake_case(
     if isinstance(lab, dict) and isinstance(table.get("laboratory", {}), dict):
         overrides["laboratory"] = overridden(table.get("laboratory", {}), lab, Laboratory)
     table = overridden(table, overrides, EarthquakeCase, {"analysis": EarthquakeAnalysis})
+    fixed = table.pop("fixed_base", False)
     problems, motions = _settle(table, command, folder)
+    if not isinstance(fixed, bool):
+        problems.append(f"fixed_base = {fixed!r}: must be true or false")
     try:
         case = validated(EarthquakeCase, table, where)
+        case = _with_structure(case, fixed=fixed is True)
     except InputError as error:
         raise InputError([*problems, *error.problems], where) from None
     problems += [*case.faults(), *case.length_faults(motions)] if not problems else []
     if problems:
         raise InputError(problems, where)
     return case
+
+
+def _with_structure(case: EarthquakeCase, *, fixed: bool) -> EarthquakeCase:
+    """The case with what it changes of the structure: counts of lines, foundations held."""
+    lines, structure = into_structure(case.lines, case.structure)
+    structure = fixed_base(structure) if fixed else structure
+    return case.model_copy(update={"lines": lines, "structure": structure})
 
 
 def load_earthquake_case(path: str | Path, **overrides: Any) -> EarthquakeCase:
@@ -303,6 +325,7 @@ def _settle(
         table["weather"] = str((folder / table["weather"]).absolute())
         table.setdefault("ambient", ["0 degC"])  # not used
     problems += settle_rig(table, folder)
+    problems += settle_lines(table, folder)
     for key, value in DEFAULTS[command].items():
         table.setdefault(key, value)
     if command == "hybrid":
@@ -319,7 +342,7 @@ def _settle(
             problems, "structure", load_structure, structure, folder, list_structures()
         )
     table["bearings"] = [
-        _named(problems, f"bearings[{k}]", _load_device, item, folder, [])
+        _named(problems, f"bearings[{k}]", load_device, item, folder, [])
         if isinstance(item, str | Path)
         else item
         for k, item in enumerate(table["bearings"])
@@ -344,19 +367,3 @@ def _named(
             if key == "structure"
             else load_bilinear("shen-bilinear-bridge")
         )
-
-
-def _load_device(name_or_path: str | Path) -> Device:
-    """A bearing, or a bilinear one, by name or file."""
-    text = str(name_or_path)
-    if text in list_bilinear():
-        return load_bilinear(text)
-    if text.endswith(".toml") and is_file(Path(text)):
-        table = read_toml(Path(text))
-        if split_sources(table)[0].get("kind") == "bilinear":
-            return load_bilinear(text)
-        return load_bearing(text)
-    if text in list_bearings() or "/" in text or text.endswith(".toml"):
-        return load_bearing(text)
-    known = [*list_bearings(), *list_bilinear()]
-    raise InputError(f'no bearing is called "{text}"{nearest(text, known)}')

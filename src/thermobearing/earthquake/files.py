@@ -10,7 +10,9 @@ from thermobearing.results.directory import (
     DATASET,
     FIGURES,
     HISTORY,
+    LINES,
     MODES,
+    PIERS,
     RESOLVED,
     RIG,
     TABLE,
@@ -29,6 +31,8 @@ def save_earthquake(
     compared: dict[str, EarthquakeResult] | None = None,
 ) -> Path:
     """Write summary.json, table.csv, history.csv, result.nc, case.resolved.toml and figures.
+
+    With several bearing lines or piers also lines.csv and piers.csv.
 
     Parameters
     ----------
@@ -52,6 +56,9 @@ def save_earthquake(
             write_csv(folder / MODES, modes_table(result))
         if len(result.rig):
             write_csv(folder / RIG, result.rig)
+        for name, parts in ((LINES, result.lines), (PIERS, result.piers)):
+            if len(parts):
+                write_csv(folder / name, parts)
         _write_histories(result, folder / HISTORY)
         write_dataset(result.dataset, folder / DATASET)
         if figures:

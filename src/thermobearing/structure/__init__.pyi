@@ -2,3 +2,4 @@
 from .model import Structure as Structure
 from .model import list_structures as list_structures
 from .model import load_structure as load_structure
+from .parts import fixed_base as fixed_base
