@@ -20,17 +20,20 @@ from thermobearing.commands import design, earthquake, factors, sequence
 from thermobearing.commands.common import (
     BAD_INPUT,
     AsJson,
+    Exposed,
     Force,
     NoFigures,
     Output,
     Quiet,
     echo_json,
+    exposure_given,
     reported,
     with_progress,
     written,
 )
 from thermobearing.commands.identify import identify
 from thermobearing.commands.motions import app as motions
+from thermobearing.commands.new import new
 from thermobearing.commands.streams import patient_streams
 from thermobearing.commands.threads import one_blas_thread
 from thermobearing.commands.validate import validate
@@ -110,6 +113,7 @@ def cyclic(
     heat_source: Annotated[str | None, typer.Option(help="work or dissipation.")] = None,
     lead_ends: Annotated[str | None, typer.Option(help="finite-plate or half-space.")] = None,
     model: Annotated[str | None, typer.Option(help="An earlier model, see docs/theory.md.")] = None,
+    exposure: Exposed = None,
     compare: Annotated[bool, typer.Option("--compare", help="Earlier models beside it.")] = False,
     keep_every: Annotated[int | None, typer.Option(help="Keep every n-th step.")] = None,
     output: Output = None,
@@ -135,6 +139,7 @@ def cyclic(
         "heat_source": heat_source,
         "lead_ends": lead_ends,
         "model": model,
+        "exposure": exposure_given(exposure),
         "keep_every": keep_every,
     }
     if case is None:
@@ -166,6 +171,7 @@ def _others(case: "Case", result: "Result") -> "dict[str, Result]":
 def list_(as_json: AsJson = False) -> int:
     """What is built in."""
     from thermobearing.bearing.bilinear import list_bilinear, load_bilinear
+    from thermobearing.bearing.compound import list_compounds, load_compound
     from thermobearing.bearing.library import list_bearings, load_bearing
     from thermobearing.motions.library import list_motions
     from thermobearing.structure.model import list_structures, load_structure
@@ -176,6 +182,9 @@ def list_(as_json: AsJson = False) -> int:
     for backbone in map(load_bilinear, list_bilinear()):
         typer.echo(f"{backbone.name:24}  {backbone.kind:8}  {backbone.description}")
     typer.echo("")
+    for compound in map(load_compound, list_compounds()):
+        typer.echo(f"{compound.name:24}  compound  {compound.description}")
+    typer.echo("")
     for structure in map(load_structure, list_structures()):
         typer.echo(f"{structure.name:24}  structure  {structure.description}")
     motions = list_motions()
@@ -185,6 +194,7 @@ def list_(as_json: AsJson = False) -> int:
             {
                 "bearings": [bearing.name for bearing in bearings],
                 "bilinear_bearings": list_bilinear(),
+                "compounds": list_compounds(),
                 "structures": list_structures(),
                 "motions": motions,
             }
@@ -195,21 +205,25 @@ def list_(as_json: AsJson = False) -> int:
 @app.command()
 @reported
 def check(
-    file: Annotated[Path, typer.Argument(help="A bearing or a case, in TOML.")],
+    file: Annotated[Path, typer.Argument(help="A bearing, a compound, a case, or any other TOML.")],
     as_json: AsJson = False,
 ) -> int:
     """Validate a file without running it, and say what was understood.
 
-    Of a bearing also what its heat cells cost in accuracy, by a short test on it.
+    Numbers that usual bearings do not have are warnings: units, signs. Of a bearing also what its
+    heat cells cost in accuracy, by a short test on it.
     """
-    from thermobearing.commands.check import cells_facts, describe_file
-    from thermobearing.results.screen import print_facts
+    from rich.console import Console
 
-    kind, facts = describe_file(file)
+    from thermobearing.commands.check import cells_facts, check_file
+    from thermobearing.results.screen import print_facts, print_warnings
+
+    kind, facts, warnings = check_file(file)
     facts |= cells_facts(file) if kind == "bearing" else {}
     print_facts(f"{file}: a valid {kind}", facts)
+    print_warnings(Console(), warnings)
     if as_json:
-        echo_json({"outcome": "valid", "kind": kind, "file": str(file)})
+        echo_json({"outcome": "valid", "kind": kind, "file": str(file), "warnings": warnings})
     return 0
 
 
@@ -245,6 +259,7 @@ def measure(
     return 0
 
 
+app.command()(new)
 app.command()(identify)
 app.command()(validate)
 

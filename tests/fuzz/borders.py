@@ -16,7 +16,7 @@ from tests.fuzz.mutations import UNITS, damaged, plain_numbers, rows_of_numbers,
 from thermobearing.bearing.bilinear import load_bilinear
 from thermobearing.border.tables import Layout, read_columns
 from thermobearing.border.units import parse_quantity
-from thermobearing.commands.check import describe_file
+from thermobearing.commands.check import check_file
 from thermobearing.cyclic.case import load_case, make_case
 from thermobearing.cyclic.protocol import survey
 from thermobearing.design.case import load_design_case, make_design_case
@@ -86,7 +86,7 @@ def toml_border(
 
 def _check_and_describe(path: Path) -> None:
     """The command `check` reads any of them."""
-    kind, facts = describe_file(path)
+    kind, facts, _ = check_file(path)
     assert kind
     assert all("nan" not in fact.split() for fact in facts.values()), facts
 

@@ -26,6 +26,11 @@ def list_bearings() -> list[str]:
 def bearing_from_table(table: Any, where: str) -> Bearing:
     """A bearing from a parsed TOML table; `where` names the file in error messages."""
     values, sources = split_sources(table)
+    if isinstance(values, dict) and values.get("kind") == "compound":
+        raise InputError(
+            "is a compound, not a bearing: thermobearing new NAME --compound FILE makes one of it",
+            where,
+        )
     return validated(Bearing, values, where).with_sources(sources)
 
 

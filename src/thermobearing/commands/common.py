@@ -17,6 +17,15 @@ Output = Annotated[Path | None, typer.Option("-o", "--output", help="Result dire
 Force = Annotated[bool, typer.Option("--force", help="Replace an earlier result directory.")]
 NoFigures = Annotated[bool, typer.Option("--no-figures", help="Draw no figures.")]
 AsJson = Annotated[bool, typer.Option("--json", help="Last line of output is JSON.")]
+Exposed = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--exposure",
+        help="Factor for long cold and age: stiffness=1.3, strength=1.2 and source=WORDS, each an "
+        "option of its own.",
+        metavar="KEY=VALUE",
+    ),
+]
 Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="No progress bar, no tables.")]
 
 
@@ -83,6 +92,23 @@ def numbers_by_name(given: Sequence[str], option: str, form: str) -> dict[str, f
         except ValueError:
             raise InputError(f'{option} "{text}": give {form}') from None
     return found
+
+
+def exposure_given(words: Sequence[str] | None) -> dict[str, Any] | None:
+    """The table `exposure` from words such as "stiffness=1.3" and "source=..."; None without."""
+    if not words:
+        return None
+    table: dict[str, Any] = {}
+    for word in words:
+        name, equals, value = word.partition("=")
+        name = name.strip()
+        if not equals or name in table:
+            raise InputError(f'--exposure "{word}": give each key once, such as stiffness=1.3')
+        try:
+            table[name] = value.strip() if name == "source" else float(value)
+        except ValueError:
+            raise InputError(f'--exposure "{word}": must be a number, such as 1.3') from None
+    return table
 
 
 def with_progress(

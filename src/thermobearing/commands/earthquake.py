@@ -8,10 +8,12 @@ import typer
 
 from thermobearing.commands.common import (
     AsJson,
+    Exposed,
     Force,
     NoFigures,
     Output,
     Quiet,
+    exposure_given,
     reported,
     with_progress,
     written,
@@ -70,6 +72,7 @@ def bridge(
     dt: Dt = None,
     duration: Duration = None,
     model: Model_ = None,
+    exposure: Exposed = None,
     compare: Compare = False,
     output: Output = None,
     force: Force = False,
@@ -90,6 +93,7 @@ def bridge(
         "dt": dt,
         "duration": duration,
         "model": model,
+        "exposure": exposure_given(exposure),
     }
     complete = _case("bridge", case, overrides)
     return _carry_out(complete, output, force, no_figures, as_json, quiet, compare)
@@ -116,6 +120,7 @@ def hybrid(
     dt: Dt = None,
     duration: Duration = None,
     model: Model_ = None,
+    exposure: Exposed = None,
     compare: Compare = False,
     output: Output = None,
     force: Force = False,
@@ -139,6 +144,7 @@ def hybrid(
         "dt": dt,
         "duration": duration,
         "model": model,
+        "exposure": exposure_given(exposure),
         "laboratory": {key: value for key, value in lab.items() if value is not None} or None,
     }
     complete = _case("hybrid", case, overrides)

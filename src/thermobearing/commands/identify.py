@@ -100,7 +100,7 @@ def identify(
         drawn = forecast(found, predict or [], posterior=posterior, seed=seed)
     found.save(target, force=force, figures=not no_figures, forecast=drawn)
     if not quiet:
-        print_identification(found)
+        print_identification(found, drawn.warnings if drawn else ())
     return written(found.outcome, found.sentence, target, as_json=as_json, quiet=quiet)
 
 

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from thermobearing.bearing.ambient import Ambient
+from thermobearing.bearing.exposure import Exposure
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
 from thermobearing.cyclic.case import Case, Group, make_case
@@ -55,6 +56,7 @@ def run(
     keep_every: int | None = None,
     stack: Stacked | None = None,
     model: Model | None = None,
+    exposure: Exposure | dict[str, Any] | None = None,
     progress: Progress | None = None,
 ) -> Result:
     """Put a bearing through a displacement-controlled test.
@@ -85,6 +87,8 @@ def run(
     keep_every : keep every n-th step (turning points are kept besides).
     stack : "auto" (default), "half" or "full" height.
     model : "multi-layer" (default) or an earlier model to compare with (model/earlier.py).
+    exposure : factors for long cold and age, {"stiffness": 1.3, "strength": 1.2, "source": "..."};
+        by default those of the bearing, which is none.
     progress : called with (steps done, all steps).
 
     Returns
@@ -117,6 +121,7 @@ def run(
         "lead_ends": lead_ends,
         "stack": stack,
         "model": model,
+        "exposure": exposure,
         "upper_face": upper_face,
         "lower_face": lower_face,
         "keep": keep,

@@ -6,8 +6,10 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from thermobearing.cyclic.result import Result
+from thermobearing.cyclic.result import Result, run_name
 from thermobearing.results.metrics import CycleMeasures
+from thermobearing.results.ranges import titles_passed
+from thermobearing.results.screen import print_warnings
 
 
 def _table(title: str, columns: list[str]) -> Table:
@@ -23,14 +25,17 @@ def print_result(result: Result, compared: dict[str, Result] | None = None) -> N
     console.print(
         f"[bold]{escape(result.dataset.attrs['title'])}[/bold] ({result.dataset.attrs['scheme']})"
     )
-    for warning in result.warnings:
-        console.print(f"[yellow]warning: {escape(warning)}[/yellow]")
-    cycles = result.cycles
+    print_warnings(console, result.warnings)
+    cycles, rows = result.cycles, result.tested_range.to_dict("records")
     layers = [name for name in cycles.columns if str(name).startswith("rubber")]
     for run, ambient in enumerate(result["ambient"].values):
         mine = cycles[cycles["ambient_degC"] == ambient] if len(cycles) else cycles
         heads = ["strain", "cycle", "G_e MPa", "h_eq", "energy kN mm", "Q_d kN", "K_d kN/mm"]
-        table = _table(f"\n{ambient:g} degC", [*heads, *(_layer_title(str(n)) for n in layers)])
+        untested = titles_passed(rows, run_name(float(ambient)))
+        told = f"; not tested: {untested}" if untested else ""
+        table = _table(
+            f"\n{ambient:g} degC{told}", [*heads, *(_layer_title(str(n)) for n in layers)]
+        )
         for row in mine.to_dict("records"):
             table.add_row(*_cycle_cells(row), *(f"{row[name]:.2f}" for name in layers))
         if len(mine):

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 import thermobearing
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.model import Bearing
+from thermobearing.bearing.validity import ranges_of
 from thermobearing.border.library import data_path
 from thermobearing.border.toml import read_toml
 from thermobearing.cyclic.result import Result
@@ -21,7 +22,15 @@ from thermobearing.design.case import DesignCase
 from thermobearing.design.equal import EqualBearing, third_cycle
 from thermobearing.design.factors import published_tables
 from thermobearing.design.sizing import Check, Size
+from thermobearing.design.tested import (
+    asked_by_bounds,
+    asked_by_design,
+    warnings_of_bounds,
+    warnings_of_design,
+)
 from thermobearing.earthquake.result import EarthquakeResult
+from thermobearing.results.ranges import outside_tests
+from thermobearing.results.writing import limits_summary
 
 if TYPE_CHECKING:
     from thermobearing.design.figures import BoundsFigures, DesignFigures, FactorFigures
@@ -138,6 +147,16 @@ class Design:
         return pd.DataFrame([turn.row() for turn in self.rounds])
 
     @property
+    def tested_range(self) -> pd.DataFrame:
+        """What the last round asks of the curves, and equal bearings of their tests."""
+        return pd.DataFrame(asked_by_design(self))
+
+    @property
+    def warnings(self) -> list[str]:
+        """What a reader must know: what left the tested ranges."""
+        return warnings_of_design(self)
+
+    @property
     def sheet(self) -> list[dict[str, Any]]:
         """The checks with their verdicts."""
         return [asdict(check) | {"verdict": check.verdict} for check in self.checks]
@@ -165,6 +184,8 @@ class Design:
             "version": thermobearing.__version__,
             "outcome": self.outcome,
             "sentence": self.sentence,
+            "warnings": self.warnings,
+            **limits_summary(pd.DataFrame(), self.tested_range),
             "first_within_10_percent": self.first_within,
             "rounds": [turn.row() for turn in self.rounds],
             "checks": self.sheet,
@@ -219,6 +240,28 @@ class BoundsReport:
         return pd.concat([table.assign(bearing=name) for name, table in self.tables.items()])
 
     @property
+    def outcome(self) -> str:
+        """Completed, or what ended a run early."""
+        ended = [name for t in self.tables.values() for name in t.attrs.get("ended", [])]
+        return ended[0] if ended else "completed"
+
+    @property
+    def sentence(self) -> str:
+        """What the outcome means and what to try."""
+        said = [text for t in self.tables.values() for text in t.attrs.get("sentences", [])]
+        return said[0] if said else ""
+
+    @property
+    def tested_range(self) -> pd.DataFrame:
+        """What the coupled model asks of the range that each bearing was tested in."""
+        return pd.DataFrame(asked_by_bounds(self.tables))
+
+    @property
+    def warnings(self) -> list[str]:
+        """What a reader must know: what left the tested ranges."""
+        return warnings_of_bounds(self.tables)
+
+    @property
     def paragraphs(self) -> dict[str, str]:
         """The result in words, by name of the bearing."""
         return {name: paragraph(table, name) for name, table in self.tables.items()}
@@ -228,7 +271,9 @@ class BoundsReport:
         return {
             "command": "bounds",
             "version": thermobearing.__version__,
-            "outcome": "completed",
+            "outcome": self.outcome,
+            "warnings": self.warnings,
+            **limits_summary(pd.DataFrame(), self.tested_range),
             "paragraphs": self.paragraphs,
             "rows": {name: table.to_dict("records") for name, table in self.tables.items()},
         }
@@ -290,6 +335,17 @@ class FactorReport:
         """The largest strain, that of the bounds and the figure."""
         return float(self.table["strain"].max())
 
+    @property
+    def tested_range(self) -> pd.DataFrame:
+        """What the runs of the first bearing ask of the range that it was tested in."""
+        return pd.DataFrame(self.table.attrs.get("tested_range", []))
+
+    @property
+    def warnings(self) -> list[str]:
+        """What a reader must know: what left the tested range."""
+        rows = self.table.attrs.get("tested_range", [])
+        return outside_tests(self.name, rows, ranges_of(self.bearings[0]))
+
     @cached_property
     def bounds(self) -> list[BoundModel]:
         """Lower and upper bilinear model."""
@@ -304,6 +360,8 @@ class FactorReport:
             "version": thermobearing.__version__,
             "outcome": "completed",
             "reference_degC": self.reference,
+            "warnings": self.warnings,
+            **limits_summary(pd.DataFrame(), self.tested_range),
             "motion": self.motion,
             "cycles": self.cycles,
             "bounds": bounds_table(self.bounds).to_dict("records"),

@@ -15,6 +15,7 @@ from typing import Any
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.library import load_bearing
 from thermobearing.bearing.model import Bearing
+from thermobearing.bearing.validity import Validity
 from thermobearing.border.errors import InputError
 from thermobearing.cyclic.equivalent import DESIGN_STRAIN
 from thermobearing.design.bounds import AIR, BEARINGS, bounds_study, first_motions
@@ -28,7 +29,7 @@ from thermobearing.design.factors import (
     temperature_factors,
 )
 from thermobearing.design.result import BoundsReport, Design, FactorReport, Round
-from thermobearing.design.rubber import bilinear_of, load_compound, load_curves
+from thermobearing.design.rubber import bilinear_of, load_curves, load_rubber
 from thermobearing.design.scale import scale_study
 from thermobearing.design.sizing import Check, checks_of, design_values, size_bearing
 from thermobearing.earthquake.case import EarthquakeCase, make_earthquake_case
@@ -85,7 +86,7 @@ class Turn:
 
 def one_turn(case: DesignCase, number: int, assumed: float) -> Turn:
     """Size for a displacement and analyse."""
-    compound = load_compound(case.compound, case.compound_kind)
+    compound = load_rubber(case.compound, case.compound_kind)
     size = size_bearing(assumed, bearing_weight(case), case.sizing)
     effective = case.effective_displacement_factor * assumed
     thickness = size.total_rubber_thickness
@@ -101,6 +102,7 @@ def one_turn(case: DesignCase, number: int, assumed: float) -> Turn:
         strength=model.strength,
         initial_stiffness=model.initial,
         post_yield_stiffness=model.post_yield,
+        tested_range=Validity(strain=[curves.smallest_strain, curves.largest_strain]),
     )
     study = run_earthquake(earthquake_of(case, bearing, stiffness))
     found = float(study["bearing_displacement_max"].max())

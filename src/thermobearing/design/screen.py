@@ -6,6 +6,7 @@ from rich.table import Table
 from thermobearing.design.bilinear import bounds_table
 from thermobearing.design.case import DesignCase, bearing_weight
 from thermobearing.design.result import BoundsReport, Design, FactorReport, Round, source_design
+from thermobearing.results.screen import print_warnings
 
 COLUMNS = {  # of the rounds: head, width
     "round": 5,
@@ -106,6 +107,7 @@ def print_design(design: Design) -> None:
             f"equal K_B: {item.bearing.name}, K_eq {item.stiffness:.3f} kN/mm, "
             f"h_eq {item.damping:.3f} at 23 degC without heating"
         )
+    print_warnings(console, design.warnings)
 
 
 def _checks(design: Design) -> Table:
@@ -155,6 +157,7 @@ def print_bounds(report: BoundsReport) -> None:
     """
     for text in report.paragraphs.values():
         print(text + "\n")
+    print_warnings(Console(highlight=False), report.warnings)
 
 
 def print_factors(report: FactorReport) -> None:
@@ -185,6 +188,7 @@ def print_factors(report: FactorReport) -> None:
             f"{row['bound']} bound ({row['basis']} cycle, {row['ambient_degC']:g} degC): Q_d "
             f"{row['Q_d_kN']:.1f} kN, K_1 {row['K_1_kN_mm']:.2f}, K_2 {row['K_2_kN_mm']:.3f} kN/mm"
         )
+    print_warnings(console, report.warnings)
 
 
 def _factors(report: FactorReport) -> Table:

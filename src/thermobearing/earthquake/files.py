@@ -14,12 +14,17 @@ from thermobearing.results.directory import (
     MODES,
     PIERS,
     RESOLVED,
-    RIG,
     TABLE,
     write_directory,
 )
 from thermobearing.results.reading import read_dataset
-from thermobearing.results.writing import DIGITS, write_csv, write_dataset, write_summary
+from thermobearing.results.writing import (
+    DIGITS,
+    write_csv,
+    write_dataset,
+    write_limits,
+    write_summary,
+)
 
 
 def save_earthquake(
@@ -54,8 +59,7 @@ def save_earthquake(
         write_csv(folder / TABLE, result.table)
         if has_both(result):
             write_csv(folder / MODES, modes_table(result))
-        if len(result.rig):
-            write_csv(folder / RIG, result.rig)
+        write_limits(folder, result.rig, result.tested_range)
         for name, parts in ((LINES, result.lines), (PIERS, result.piers)):
             if len(parts):
                 write_csv(folder / name, parts)

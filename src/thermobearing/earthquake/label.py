@@ -8,19 +8,16 @@ import xarray as xr
 
 import thermobearing
 from thermobearing.bearing.bilinear import BilinearBearing
-from thermobearing.bearing.model import Bearing
 from thermobearing.core.records import Floats, Rows, labels
 from thermobearing.core.types import Books
 from thermobearing.cyclic.label import stack_labels
-from thermobearing.cyclic.rig import asked_of, beyond
 from thermobearing.earthquake.case import EarthquakeCase
 from thermobearing.earthquake.parts import label_parts
+from thermobearing.earthquake.reached import warnings_of
 from thermobearing.earthquake.result import EarthquakeResult
-from thermobearing.model.earlier import BLIND
 from thermobearing.model.options import BearingModel
 from thermobearing.model.outcomes import INTERRUPTED
 from thermobearing.model.outcomes import SENTENCES as RUN_SENTENCES
-from thermobearing.model.temperature import outside_law
 from thermobearing.results.largest_loop import largest_loop
 from thermobearing.results.writing import as_attribute
 from thermobearing.structure.matrices import (
@@ -122,7 +119,7 @@ def label_study(
             "body": np.array([body.name for body in case.structure.bodies], dtype=str),
             **parts_coords,
         },
-        attrs=_attributes(case, tasks, histories) | _warnings(case, tasks, histories, traces),
+        attrs=_attributes(case, tasks, histories) | warnings_of(case, tasks, histories, traces),
     )
     return EarthquakeResult(dataset)
 
@@ -337,51 +334,6 @@ def _attributes(
         attrs[f"initial_periods_s:{name}"] = list(_initial_periods(task))
         attrs[f"bilinear:{name}"] = int(isinstance(task.device.bearing, BilinearBearing))
     return attrs
-
-
-def _asked_of_rig(
-    case: EarthquakeCase, tasks: Sequence["Task"], traces: list[dict[str, Floats]]
-) -> list[dict[str, Any]]:
-    """What each run asks of the rig, the speed on the clock of the specimen."""
-    found = []
-    for task, trace in zip(tasks, traces, strict=True):
-        name = f"{task.device.bearing.name}, {task.shaking.motion.name}, {task.ambient:g} degC"
-        names = ("bearing_force", "bearing_displacement", "bearing_speed")
-        found += asked_of(case.rig, name, [float(np.abs(trace[n]).max()) for n in names])
-    return found
-
-
-def _warmed(
-    tasks: Sequence["Task"], histories: Sequence[StructureHistory]
-) -> dict[str, tuple[Bearing, list[tuple[str, Floats, Floats]]]]:
-    """Temperatures of the rubber of every bearing with heat, run by run and line by line."""
-    found: dict[str, tuple[Bearing, list[tuple[str, Floats, Floats]]]] = {}
-    for task, history in zip(tasks, histories, strict=True):
-        words = [task.shaking.motion.name, f"{task.ambient:g} degC", task.mode]
-        for b, (line, one) in enumerate(zip(task.case.structure.bearings, task.lines, strict=True)):
-            bearing = one.device.bearing
-            if isinstance(bearing, BilinearBearing):
-                continue
-            named = [*words, line.name] if len(task.lines) > 1 else words
-            _, runs = found.setdefault(bearing.name, (bearing, []))
-            label = ", ".join(word for word in named if word)
-            runs.append((label, history.rows.books["clock"], history.layers(b)))
-    return found
-
-
-def _warnings(
-    case: EarthquakeCase,
-    tasks: Sequence["Task"],
-    histories: Sequence[StructureHistory],
-    traces: list[dict[str, Floats]],
-) -> dict[str, Any]:
-    """Limits of the rig that are passed, and rubber outside the range of its temperature law."""
-    rig = _asked_of_rig(case, tasks, traces)
-    found = beyond(case.rig, rig)
-    blind = case.analysis.model in BLIND
-    for bearing, runs in ({} if blind else _warmed(tasks, histories)).values():
-        found += outside_law(bearing.name, bearing.temperature_law, runs)
-    return {"warnings": as_attribute(found)} | ({"rig": as_attribute(rig)} if rig else {})
 
 
 def _initial_periods(task: "Task") -> Floats:

@@ -1,5 +1,6 @@
 """A study of a structure in earthquakes: histories, peaks, energy books, tables."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,7 +11,13 @@ import xarray as xr
 from thermobearing.core.records import Floats
 from thermobearing.earthquake.parts import LINES, PIERS, parts_columns, parts_table
 from thermobearing.results.metrics import LEAST_ENERGY, LEAST_HEAT
-from thermobearing.results.writing import from_attribute, limits_passed, rig_summary
+from thermobearing.results.ranges import largest_tested, limits_passed
+from thermobearing.results.writing import (
+    exposure_summary,
+    from_attribute,
+    limits_of,
+    limits_summary,
+)
 
 if TYPE_CHECKING:
     from thermobearing.earthquake.figures import EarthquakeFigures
@@ -124,7 +131,8 @@ class EarthquakeResult:
         The mode is that of the laboratory, and not there without one. `energy_of_warmest` is the
         bearing's energy over that at the warmest temperature of the same bearing, motion and
         mode, `damping_of_input` the share of the energy that viscous damping takes from the
-        input, `beyond_rig` what the run asks too much of, if a rig is named.
+        input, `beyond_rig` what the run asks too much of, if a rig is named, `beyond_tested`
+        the quantities in which it leaves the tested range of its bearing.
         """
         frame = pd.DataFrame(
             {
@@ -149,7 +157,8 @@ class EarthquakeResult:
             if variable in self.dataset:
                 frame[name] = self.dataset[variable].values
         if len(self.rig):
-            frame["beyond_rig"] = limits_passed(self.rig, self.runs)
+            frame["beyond_rig"] = limits_passed(self.rig.to_dict("records"), self.run_names)
+        frame["beyond_tested"] = limits_passed(self.tested_range.to_dict("records"), self.run_names)
         return frame
 
     @property
@@ -202,8 +211,24 @@ class EarthquakeResult:
     @property
     def rig(self) -> pd.DataFrame:
         """What each run asks of each limit of the rig, and whether it passes it; empty without."""
-        told = "rig" in self.dataset.attrs  # if one was named
-        return pd.DataFrame(from_attribute(self.dataset, "rig") if told else [])
+        return limits_of(self.dataset, "rig")
+
+    @property
+    def tested_range(self) -> pd.DataFrame:
+        """What each run asks of the range that its bearing was tested in, where that is given."""
+        return limits_of(self.dataset, "tested_range")
+
+    def tested_to(self, runs: Sequence[int], limit: str) -> float:
+        """Largest tested value of a quantity that one of some runs goes beyond; else infinite."""
+        rows, names = self.tested_range.to_dict("records"), self.run_names
+        return min((largest_tested(rows, names[run], limit) for run in runs), default=np.inf)
+
+    @property
+    def run_names(self) -> list[str]:
+        """What each run is called in sentences and tables."""
+        names = ("bearing", "motion", "ambient")
+        told = zip(*(self.dataset[name].values for name in names), self.modes, strict=True)
+        return [run_name(str(b), str(m), float(air), mode) for b, m, air, mode in told]
 
     @property
     def energy(self) -> pd.DataFrame:
@@ -317,7 +342,8 @@ class EarthquakeResult:
             "version": attrs["version"],
             "outcome": self.outcome,
             "warnings": self.warnings,
-            **rig_summary(self.rig),
+            **limits_summary(self.rig, self.tested_range),
+            **exposure_summary(self.dataset),
             "periods_s": _numbers(attrs.get("periods_s", [])),
             "damping": attrs["damping"],
             "damping_ratios": _numbers(attrs.get("damping_ratios", [])),
@@ -339,6 +365,11 @@ class EarthquakeResult:
         from thermobearing.earthquake.files import save_earthquake
 
         return save_earthquake(self, Path(directory), force=force, figures=figures)
+
+
+def run_name(bearing: str, motion: str, ambient: float, mode: str) -> str:
+    """What a run is called: bearing, motion, air and mode of the laboratory, as far as they are."""
+    return ", ".join(part for part in (bearing, motion, f"{ambient:g} degC", mode) if part)
 
 
 def _numbers(attribute: Any) -> list[float]:

@@ -1,5 +1,7 @@
 """Tables of an earthquake study on the terminal."""
 
+from typing import Any
+
 import numpy as np
 import pandas as pd
 from rich.console import Console
@@ -8,6 +10,7 @@ from rich.table import Table
 
 from thermobearing.earthquake.modes import has_both, modes_table
 from thermobearing.earthquake.result import EarthquakeResult
+from thermobearing.results.screen import print_warnings
 
 TITLE = "real time over pseudo-dynamic"
 RATIOS = {  # columns of modes.csv
@@ -85,13 +88,15 @@ def print_study(
     for part, rows in (("line", result.lines), ("pier", result.piers)):
         if len(rows) and len(set(rows[part])) > 1:
             console.print(_parts(part, rows))
+    marked = table["beyond_tested"].str.split().explode()
+    if marked.isin(["strain", "ambient"]).any():
+        console.print("! beyond what the bearing was tested at")
     if compared:
         _print_comparison(console, compared)
     if result.runs:
         worst = float(result.energy["structure_residual"].abs().max())
         console.print(f"energy books: largest residual {worst:.1e} of the input")
-    for warning in result.warnings:
-        console.print(f"[yellow]warning:[/] {escape(warning)}", highlight=False, soft_wrap=True)
+    print_warnings(console, result.warnings)
 
 
 def _print_comparison(console: Console, results: dict[str, EarthquakeResult]) -> None:
@@ -147,6 +152,11 @@ def _parts(part: str, rows: pd.DataFrame) -> Table:
     return table
 
 
+def _mark(row: dict[str, Any], quantity: str) -> str:
+    """A mark beside a number that the bearing was not tested at."""
+    return "!" if quantity in str(row["beyond_tested"]).split() else ""
+
+
 def _table(name: str, rows: "object", both: bool) -> Table:
     table = Table(title=f"\n{name}", title_justify="left", box=None, pad_edge=False)
     for head in HEADS:
@@ -155,8 +165,8 @@ def _table(name: str, rows: "object", both: bool) -> Table:
         hinged = row["pier_ductility"] == row["pier_ductility"]
         table.add_row(
             f"{row['motion']} {row['mode']}" if both else row["motion"],
-            f"{row['ambient_degC']:g}",
-            f"{row['bearing_strain_max']:.0%}",
+            f"{row['ambient_degC']:g}" + _mark(row, "ambient"),
+            f"{row['bearing_strain_max']:.0%}" + _mark(row, "strain"),
             f"{row['bearing_force_max_kN']:.0f}",
             f"{1e-3 * row['bearing_energy_kN_mm']:.1f}",
             f"{row['energy_of_warmest']:.0%}",

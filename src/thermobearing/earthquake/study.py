@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, Never, TypeAlias, TypeVar
 
 from thermobearing.bearing.bilinear import BilinearBearing
+from thermobearing.bearing.exposure import Exposure
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError, nearest
 from thermobearing.cyclic.rig import Rig
@@ -48,6 +49,7 @@ def bridge(
     lower_face: EndFace | None = None,
     stack: Stacked | None = None,
     model: Model | None = None,
+    exposure: Exposure | dict[str, Any] | None = None,
     keep: Sequence[Kept] | None = None,
     keep_every: int | None = None,
     laboratory: Laboratory | dict[str, Any] | None = None,
@@ -85,6 +87,8 @@ def bridge(
     upper_face, lower_face : heat exchange of the end faces; eta_B = 2 by default.
     stack : "auto" (default), "half" or "full" height.
     model : "multi-layer" (default) or an earlier model to compare with (model/earlier.py).
+    exposure : factors for long cold and age, {"stiffness": 1.3, "strength": 1.2, "source": "..."};
+        by default those of the bearing, which is none.
     keep : histories of temperatures: ["rubber"] by default; ["rubber", "cells"] for the profiles
         through the height too.
     keep_every : keep every n-th step of the histories, >= 1; 2 by default.
@@ -112,10 +116,7 @@ def bridge(
     True
     """
     return _study(
-        "bridge",
-        misspelt,
-        executor,
-        progress,
+        ("bridge", misspelt, executor, progress),
         bearings=bearing,
         motions=motion,
         ambient=ambient,
@@ -135,6 +136,7 @@ def bridge(
         lower_face=lower_face,
         stack=stack,
         model=model,
+        exposure=exposure,
         keep=keep,
         keep_every=keep_every,
         laboratory=laboratory,
@@ -164,6 +166,7 @@ def hybrid(
     lower_face: EndFace | None = None,
     stack: Stacked | None = None,
     model: Model | None = None,
+    exposure: Exposure | dict[str, Any] | None = None,
     keep: Sequence[Kept] | None = None,
     keep_every: int | None = None,
     laboratory: Laboratory | dict[str, Any] | None = None,
@@ -188,7 +191,8 @@ def hybrid(
         of the actuator, `force_noise` (standard deviation of the measured force) and its
         `seed`; numbers as text with their unit.
     weather, duration, dt, mass, damping, scheme, integrator : as of `bridge`.
-    hardening, heat_source, lead_ends, upper_face, lower_face, stack, model : as of `bridge`.
+    hardening, heat_source, lead_ends, upper_face, lower_face, stack, model, exposure : as
+        of `bridge`.
     keep, keep_every, initial_state, rig, executor, progress, misspelt : as of `bridge`.
 
     Returns
@@ -207,10 +211,7 @@ def hybrid(
     'completed'
     """
     return _study(
-        "hybrid",
-        misspelt,
-        executor,
-        progress,
+        ("hybrid", misspelt, executor, progress),
         bearings=bearing,
         motions=motion,
         ambient=ambient,
@@ -230,6 +231,7 @@ def hybrid(
         lower_face=lower_face,
         stack=stack,
         model=model,
+        exposure=exposure,
         keep=keep,
         keep_every=keep_every,
         laboratory=laboratory,
@@ -239,13 +241,10 @@ def hybrid(
 
 
 def _study(
-    command: Command,
-    misspelt: Mapping[str, object],
-    executor: Executor | None,
-    progress: Progress | None,
-    **given: Any,
+    how: tuple[Command, Mapping[str, object], Executor | None, Progress | None], **given: Any
 ) -> EarthquakeResult:
     """What `bridge` and `hybrid` do with their arguments."""
+    command, misspelt, executor, progress = how
     where = f"{command}()"
     if misspelt:
         known = signature(bridge).parameters.keys() - {"misspelt"}

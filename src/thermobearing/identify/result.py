@@ -9,12 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from thermobearing.bearing.model import Bearing
+from thermobearing.bearing.validity import Validity
 from thermobearing.identify.agreement import RecordFit, fit_of_record
 from thermobearing.identify.checks import CheckReport
 from thermobearing.identify.forward import Prediction
 from thermobearing.identify.parameters import ParameterSet
 from thermobearing.identify.problem import Problem
 from thermobearing.identify.record import TestRecord
+from thermobearing.identify.tested import range_of_tests
 from thermobearing.identify.uncertainty import Estimate, Uncertainty
 
 if TYPE_CHECKING:
@@ -81,6 +83,12 @@ class Identification:
             fit_of_record(record, prediction, self.bearing)
             for record, prediction in zip(self.records, self.predictions, strict=True)
         ]
+
+    @cached_property
+    def tested_range(self) -> Validity:
+        """What these tests cover; it goes into the file of the bearing."""
+        rubber = self.bearing.total_rubber_thickness
+        return range_of_tests(self.records, self.predictions, rubber)
 
     @property
     def sentence(self) -> str:

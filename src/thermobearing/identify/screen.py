@@ -1,11 +1,14 @@
 """Tables of a fit, and findings about tests, on the terminal."""
 
+from collections.abc import Sequence
+
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
 from thermobearing.identify.checks import CheckReport
 from thermobearing.identify.result import Identification
+from thermobearing.results.screen import print_warnings
 
 MARKS = {"refused": "REFUSED", "warning": "warning", "note": "note"}
 HEADS = ("parameter", "value", "standard error", "95 % interval", "unit")
@@ -36,12 +39,13 @@ def print_checks(reports: list[CheckReport]) -> None:
             print(f"  {MARKS[finding.level]:8} {finding.check}: {finding.sentence}")
 
 
-def print_identification(found: Identification) -> None:
+def print_identification(found: Identification, more: Sequence[str] = ()) -> None:
     """Parameters, measures of each record, warnings.
 
     Parameters
     ----------
     found : from `identify_bearing`.
+    more : further warnings, of a prediction.
 
     Examples
     --------
@@ -58,8 +62,7 @@ def print_identification(found: Identification) -> None:
     console = Console()
     console.print(_parameters(found))
     console.print(_measures(found))
-    for warning in found.warnings:
-        console.print(f"[yellow]warning:[/] {escape(warning)}", highlight=False, soft_wrap=True)
+    print_warnings(console, [*found.warnings, *more])
 
 
 def _parameters(found: Identification) -> Table:

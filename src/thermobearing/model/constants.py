@@ -4,6 +4,7 @@ from typing import Literal
 
 import numpy as np
 
+from thermobearing.bearing.exposure import exposed
 from thermobearing.bearing.model import Bearing
 from thermobearing.core.records import Floats, filled
 from thermobearing.core.types import (
@@ -107,6 +108,7 @@ def with_parameters(constants: Constants, bearing: Bearing, stack: Stack) -> Con
     must have the geometry and materials that `constants` and `stack` were built from.
     """
     integrator: Integrator = "euler" if constants.rubber.integrator == EULER else "exact"
+    bearing = exposed(bearing)
     lead, _, _ = _lead(bearing, stack, published=constants.lead.published)
     return constants._replace(
         rubber=_rubber(bearing, integrator, monotone=constants.rubber.monotone),

@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
+from thermobearing.bearing.exposure import TWICE, Exposure, exposed
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
 from thermobearing.border.schema import Strict, in_unit
@@ -81,6 +82,7 @@ class ModelOptions(Strict):
     stack : "auto" (default) models the upper half when both faces are alike, else the whole
         height; "half" or "full".
     upper_face, lower_face : heat exchange of the end faces; eta_B = 2 by default.
+    exposure : factors for long cold and age (`Exposure`), for bearings that have none of their own.
     """
 
     model: ModelName = "multi-layer"
@@ -92,6 +94,7 @@ class ModelOptions(Strict):
     stack: Stacked = "auto"
     upper_face: EndFace = EndFace(eta=DEFAULT_ETA)
     lower_face: EndFace = EndFace(eta=DEFAULT_ETA)
+    exposure: Exposure | None = None
 
     @model_validator(mode="after")
     def _fit_each_other(self) -> Self:
@@ -120,6 +123,8 @@ class ModelOptions(Strict):
             found.append('model = "lead-alone": needs a bearing with lead')
         if self.lead_ends == "finite-plate" and bearing.lead is None:
             found.append('lead_ends = "finite-plate": needs a bearing with lead')
+        if self.exposure is not None and bearing.exposure is not None:
+            found.append(f"exposure: {TWICE}")
         return found
 
     def settled(self, bearing: Bearing) -> Self:
@@ -183,7 +188,7 @@ def build_model(
 
     Raises
     ------
-    InputError : `model` "bilinear" without a backbone.
+    InputError : `model` "bilinear" without a backbone; exposure factors in bearing and options.
 
     Examples
     --------
@@ -193,6 +198,7 @@ def build_model(
     ('work', 19)
     """
     options = (options or ModelOptions()).settled(bearing)
+    bearing = exposed(bearing, options.exposure)  # once, before any temperature
     stack = build_stack(bearing, half=options.half)
     constants = build_constants(
         bearing,

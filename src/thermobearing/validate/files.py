@@ -7,7 +7,7 @@ import pandas as pd
 
 from thermobearing.results.directory import FIGURES, FIT_TABLE, TABLE, write_directory
 from thermobearing.results.directory import VALIDATED_CYCLES as CYCLES
-from thermobearing.results.writing import write_csv, write_summary
+from thermobearing.results.writing import write_csv, write_limits, write_summary
 from thermobearing.validate.result import Validation
 
 
@@ -37,6 +37,7 @@ def save_validation(
         found.table.to_csv(folder / TABLE, index=False)
         found.cycles.to_csv(folder / CYCLES, index=False)
         write_csv(folder / FIT_TABLE, samples(found))
+        write_limits(folder, pd.DataFrame(), found.tested_range)
         if figures:
             found.plot.save_all(folder / FIGURES)
 

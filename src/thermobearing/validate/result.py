@@ -1,6 +1,6 @@
 """What a validation found: each test beside each bearing and model, ratios, verdicts."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,6 +11,9 @@ from numpy.typing import NDArray
 
 from thermobearing.identify.forward import Prediction
 from thermobearing.identify.record import TestRecord
+from thermobearing.model.outcomes import SENTENCES as OUTCOMES
+from thermobearing.results.ranges import Row
+from thermobearing.results.writing import limits_summary
 from thermobearing.validate.case import QUANTITIES
 
 if TYPE_CHECKING:
@@ -66,6 +69,8 @@ class Comparison:
     largest : the cycle that holds the largest displacement; None where there is no full cycle.
     temperature_errors : RE of Eq. 4.39 in time, by thermocouple; nan where the test has not yet
         warmed by a twentieth of its largest rise.
+    outcome : of the model's run, as of a cyclic test.
+    asked : what the test asks of the range that the bearing was tested in, rows of `compared`.
     """
 
     bearing: str
@@ -77,6 +82,8 @@ class Comparison:
     loops: list[Loop]
     largest: Loop | None
     temperature_errors: dict[str, Floats]
+    outcome: str = "completed"
+    asked: list[Row] = field(default_factory=list)
 
     @property
     def errors(self) -> dict[str, float]:
@@ -104,6 +111,7 @@ class Validation:
     ----------
     comparisons : of every test with every bearing and model.
     limits : largest relative error by quantity.
+    warnings : what a reader must know.
 
     Examples
     --------
@@ -117,6 +125,7 @@ class Validation:
 
     comparisons: list[Comparison]
     limits: dict[str, float]
+    warnings: list[str] = field(default_factory=list)
 
     @property
     def outcome(self) -> str:
@@ -127,7 +136,14 @@ class Validation:
     @property
     def sentence(self) -> str:
         """What the outcome means and what to try; empty when it completed."""
-        return SENTENCES.get(self.outcome, "")
+        ended = [item.outcome for item in self.comparisons if item.outcome != "completed"]
+        why = [OUTCOMES[name] for name in dict.fromkeys(ended) if name in OUTCOMES]
+        return " ".join([SENTENCES[self.outcome], *why]) if self.outcome in SENTENCES else ""
+
+    @property
+    def tested_range(self) -> pd.DataFrame:
+        """What each test asks of the range that each bearing was tested in, where it is given."""
+        return pd.DataFrame([row for item in self.comparisons for row in item.asked])
 
     @cached_property
     def table(self) -> pd.DataFrame:
@@ -139,12 +155,13 @@ class Validation:
                 "ambient_degC": item.record.ambient,
                 "bearing": item.bearing,
                 "model": item.model,
-                "outcome": "completed" if item.prediction else "did not get through",
+                "outcome": item.outcome,
                 "R2": item.R2,
             }
             for name, error in item.errors.items():
                 row[f"{name}_error"] = error
                 row[f"{name}_verdict"] = self._verdict(name, error)
+            row["beyond_tested"] = " ".join(r["limit"] for r in item.asked if r["passed"])
             rows.append(row)
         return pd.DataFrame(rows)
 
@@ -199,6 +216,8 @@ class Validation:
             "outcome": self.outcome,
             "verdict": self.verdict,
             "limits": self.limits,
+            "warnings": self.warnings,
+            **limits_summary(pd.DataFrame(), self.tested_range),
             "comparisons": [self._told(item) for item in self.comparisons],
         }
 
@@ -211,6 +230,7 @@ class Validation:
             "ambient_degC": item.record.ambient,
             "bearing": item.bearing,
             "model": item.model,
+            "outcome": item.outcome,
             "R2": _number(item.R2),
             "errors": {
                 name: {

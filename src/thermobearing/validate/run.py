@@ -11,16 +11,20 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from thermobearing.bearing.exposure import exposures, told_of
 from thermobearing.bearing.model import Bearing
+from thermobearing.bearing.validity import ranges_of
 from thermobearing.border.errors import InputError
 from thermobearing.identify.agreement import determination, peaks
 from thermobearing.identify.checks import check_test
 from thermobearing.identify.cycles import cycles_of
 from thermobearing.identify.forward import ForwardModel, Prediction
 from thermobearing.identify.record import TestRecord
+from thermobearing.identify.tested import reached_in
 from thermobearing.model.earlier import Model
 from thermobearing.model.options import ModelOptions
 from thermobearing.results.metrics import loop_energy
+from thermobearing.results.ranges import asked_of_tests, outside_tests
 from thermobearing.validate.case import (
     Chosen,
     Test,
@@ -104,23 +108,31 @@ def run_validate(case: ValidateCase) -> Validation:
     ]
     if refused:
         raise InputError(refused)
-    return Validation(
-        [
+    found, said = [], []
+    for bearing in case.bearings:
+        mine = [
             _comparison(bearing, model, record)
-            for bearing in case.bearings
             for model in models_of(case, bearing)
             for record in case.records
-        ],
-        dict(case.limits),
-    )
+        ]
+        said += told_of(exposures([bearing], None))
+        rows = [row for item in mine for row in item.asked]
+        said += outside_tests(bearing.name, rows, ranges_of(bearing))
+        found += mine
+    return Validation(found, dict(case.limits), said)
 
 
 def _comparison(bearing: Bearing, model: Model, record: TestRecord) -> Comparison:
     options = ModelOptions(model=model)
-    found = ForwardModel(record, bearing, fine=True, options=options).run_as_built()
+    forward = ForwardModel(record, bearing, fine=True, options=options)
+    found = forward.run_as_built()
+    lead = found.lead if found else None
+    reached = reached_in(record, bearing.total_rubber_thickness, record.ambient, lead)
+    name = f"{bearing.name}, {model}, {record.name}, {record.ambient:g} degC"
+    asked = asked_of_tests(name, reached, ranges_of(bearing))
     if found is None:
-        nan = float("nan")
-        return Comparison(bearing.name, model, record, None, nan, nan, [], None, {})
+        nan, ended = float("nan"), forward.ended
+        return Comparison(bearing.name, model, record, None, nan, nan, [], None, {}, ended, asked)
     loops = loops_of(record, found.force)
     off = found.force - record.force
     return Comparison(
@@ -133,6 +145,8 @@ def _comparison(bearing: Bearing, model: Model, record: TestRecord) -> Compariso
         loops=loops,
         largest=largest_loop(loops),
         temperature_errors=rise_errors(record, found),
+        outcome=forward.ended,
+        asked=asked,
     )
 
 

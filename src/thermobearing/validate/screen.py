@@ -6,6 +6,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from thermobearing.results.screen import print_warnings
 from thermobearing.validate.case import QUANTITIES
 from thermobearing.validate.result import BEYOND, Validation
 
@@ -31,6 +32,7 @@ def print_validation(found: Validation) -> None:
         console.print(table)
     limits = ", ".join(f"{name} {limit:.0%}" for name, limit in found.limits.items())
     console.print(f"limits: {limits}; verdict: {found.verdict} (! beyond its limit)")
+    print_warnings(console, found.warnings)
 
 
 def _cell(row: dict[Any, Any], name: str) -> str:
