@@ -34,6 +34,8 @@ def bridge(
     ambient: OneOrMore[float] | None = None,
     *,
     structure: Structure | str | Path | None = None,
+    fixed_base: bool | None = None,
+    lines: Sequence[dict[str, Any]] | None = None,
     weather: str | Path | None = None,
     duration: float | None = None,
     dt: float | None = None,
@@ -69,6 +71,9 @@ def bridge(
         component, factor, label; four built-in ones by default.
     ambient : one or several temperatures [degC], in [-100, 100]; 23, 0 and -20 by default.
     structure : a Structure, the name of one, or a TOML file; "pier-p1" by default.
+    fixed_base : leave out the springs of the foundation; what stands on them is held.
+    lines : a table for each bearing line that differs from the others: its name `line`, and
+        `bearing`, `count`, `ambient` (text with its unit), `weather`, `equivalent_stiffness`.
     weather : CSV file of the temperature that ends when the earthquake begins, instead of
         `ambient`.
     duration : cut motions to this [s], in [0.001, 1e6].
@@ -121,6 +126,8 @@ def bridge(
         motions=motion,
         ambient=ambient,
         structure=structure,
+        fixed_base=fixed_base,
+        lines=lines,
         weather=weather,
         duration=duration,
         dt=dt,
@@ -151,6 +158,8 @@ def hybrid(
     ambient: OneOrMore[float] | None = None,
     *,
     structure: Structure | str | Path | None = None,
+    fixed_base: bool | None = None,
+    lines: Sequence[dict[str, Any]] | None = None,
     weather: str | Path | None = None,
     duration: float | None = None,
     dt: float | None = None,
@@ -190,7 +199,7 @@ def hybrid(
         a list, which makes two runs of each, beside each other in `modes_table`; `delay`
         of the actuator, `force_noise` (standard deviation of the measured force) and its
         `seed`; numbers as text with their unit.
-    weather, duration, dt, mass, damping, scheme, integrator : as of `bridge`.
+    fixed_base, lines, weather, duration, dt, mass, damping, scheme, integrator : as of `bridge`.
     hardening, heat_source, lead_ends, upper_face, lower_face, stack, model, exposure : as
         of `bridge`.
     keep, keep_every, initial_state, rig, executor, progress, misspelt : as of `bridge`.
@@ -216,6 +225,8 @@ def hybrid(
         motions=motion,
         ambient=ambient,
         structure=structure,
+        fixed_base=fixed_base,
+        lines=lines,
         weather=weather,
         duration=duration,
         dt=dt,
