@@ -46,6 +46,7 @@ HEADS = (
 )
 
 
+WIDE = 160  # letters that a row of lines and piers may take
 PARTS = {  # columns of lines.csv and piers.csv: head, how a number is told
     "line": {
         "count": ("n", "{:.0f}"),
@@ -87,7 +88,7 @@ def print_study(
         console.print(_modes(str(name), rows))
     for part, rows in (("line", result.lines), ("pier", result.piers)):
         if len(rows) and len(set(rows[part])) > 1:
-            console.print(_parts(part, rows))
+            Console(width=max(console.width, WIDE)).print(_parts(part, rows))  # nothing cut
     marked = table["beyond_tested"].str.split().explode()
     if marked.isin(["strain", "ambient"]).any():
         console.print("! beyond what the bearing was tested at")

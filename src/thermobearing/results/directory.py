@@ -18,12 +18,13 @@ SUMMARY, DATASET, HISTORY = "summary.json", "result.nc", "history.csv"
 RESOLVED, FIGURES, COMPARISON = "case.resolved.toml", "figures", "comparison.csv"
 TABLE, MODES, RIG, PARTS = "table.csv", "modes.csv", "rig.csv", "parts"
 LINES, PIERS = "lines.csv", "piers.csv"
+STRUCTURE_PARTS, PERIODS = "parts.csv", "periods.csv"
 TESTED_RANGE = "tested_range.csv"
 IDENTIFIED, FIT_TABLE, SAMPLES = "bearing.toml", "fit.csv", "posterior.csv"
 COMPOUND = "compound.toml"
 # Everything that any command writes into a result directory; nothing else is ever deleted.
 RESULT_NAMES = {SUMMARY, DATASET, HISTORY, RESOLVED, FIGURES, COMPARISON, TABLE, ".DS_Store"}
-RESULT_NAMES |= {RIG, TESTED_RANGE, PARTS, LINES, PIERS}
+RESULT_NAMES |= {RIG, TESTED_RANGE, PARTS, LINES, PIERS, STRUCTURE_PARTS, PERIODS}
 MOTION, SPECTRUM = "motion.csv", "spectrum.csv"
 RESULT_NAMES |= {MOTION, SPECTRUM, MODES}
 FACTORS, SCALE, BOUNDS = "factors.csv", "scale.csv", "bounds.csv"
