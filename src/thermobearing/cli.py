@@ -25,6 +25,7 @@ from thermobearing.commands.common import (
     NoFigures,
     Output,
     Quiet,
+    RigName,
     echo_json,
     exposure_given,
     reported,
@@ -96,28 +97,34 @@ app.command()(design.bounds)
 app.command("lambda")(factors.lambda_)
 
 
+BearingName = Annotated[
+    str | None, typer.Option(help="Library name or TOML file.", metavar="NAME/FILE")
+]
+Ambients = Annotated[
+    list[float] | None, typer.Option(help="Ambient temperature [degC]; may be repeated.")
+]
+
+
 @app.command()
 @reported
 def cyclic(
     case: Annotated[
         Path | None, typer.Argument(help="Case file; without one, Table 3.4 on the HDR specimen.")
     ] = None,
-    bearing: Annotated[
-        str | None, typer.Option(help="Library name or TOML file.", metavar="NAME/FILE")
-    ] = None,
-    ambient: Annotated[
-        list[float] | None, typer.Option(help="Ambient temperature [degC]; may be repeated.")
-    ] = None,
+    bearing: BearingName = None,
+    ambient: Ambients = None,
     dt: Annotated[float | None, typer.Option(help="Largest time step in motion [s].")] = None,
     scheme: Annotated[str | None, typer.Option(help="conservative or published.")] = None,
     integrator: Annotated[str | None, typer.Option(help="exact or euler.")] = None,
     hardening: Annotated[str | None, typer.Option(help="printed or monotone.")] = None,
     heat_source: Annotated[str | None, typer.Option(help="work or dissipation.")] = None,
     lead_ends: Annotated[str | None, typer.Option(help="finite-plate or half-space.")] = None,
+    clock: Annotated[str | None, typer.Option(help="Of a half-space: lead or steel.")] = None,
     model: Annotated[str | None, typer.Option(help="An earlier model, see docs/theory.md.")] = None,
     exposure: Exposed = None,
     compare: Annotated[bool, typer.Option("--compare", help="Earlier models beside it.")] = False,
     keep_every: Annotated[int | None, typer.Option(help="Keep every n-th step.")] = None,
+    rig: RigName = None,
     output: Output = None,
     force: Force = False,
     no_figures: NoFigures = False,
@@ -140,9 +147,11 @@ def cyclic(
         "hardening": hardening,
         "heat_source": heat_source,
         "lead_ends": lead_ends,
+        "clock": clock,
         "model": model,
         "exposure": exposure_given(exposure),
         "keep_every": keep_every,
+        "rig": rig,
     }
     if case is None:
         complete = make_case({}, "command line", **overrides)
@@ -175,6 +184,7 @@ def list_(as_json: AsJson = False) -> int:
     from thermobearing.bearing.bilinear import list_bilinear, load_bilinear
     from thermobearing.bearing.compound import list_compounds, load_compound
     from thermobearing.bearing.library import list_bearings, load_bearing
+    from thermobearing.cyclic.rig import RIGS, load_rig
     from thermobearing.motions.library import list_motions
     from thermobearing.structure.model import list_structures, load_structure
 
@@ -189,6 +199,9 @@ def list_(as_json: AsJson = False) -> int:
     typer.echo("")
     for structure in map(load_structure, list_structures()):
         typer.echo(f"{structure.name:24}  structure  {structure.description}")
+    rigs = [load_rig(name) for name in RIGS.names()]
+    for rig in rigs:
+        typer.echo(f"{rig.name:24}  rig        {rig.description}")
     motions = list_motions()
     typer.echo(f"\n{len(motions)} ground motions, see `thermobearing motions list`")
     if as_json:
@@ -198,6 +211,7 @@ def list_(as_json: AsJson = False) -> int:
                 "bilinear_bearings": list_bilinear(),
                 "compounds": list_compounds(),
                 "structures": list_structures(),
+                "rigs": [rig.name for rig in rigs],
                 "motions": motions,
             }
         )

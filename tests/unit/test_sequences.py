@@ -5,11 +5,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 import tomli_w
 from typer.testing import CliRunner
 
 import thermobearing as tb
+from tests.unit.inputs import command
 from thermobearing.cli import app
 from thermobearing.sequences import SequenceResult, load_sequence_case, make_sequence_case
 
@@ -173,3 +175,24 @@ def test_a_rig_in_a_test_and_in_a_study() -> None:
     assert told.rig["passed"].all()
     assert list(told.table["beyond_rig"]) == ["speed", "speed"]
     assert any("faster than the 9 mm/s of rig" in text for text in told.warnings)
+
+
+def test_a_rig_by_name_in_python_and_on_the_command_line(tmp_path: Path) -> None:
+    """A small one, which every command is too much for; the built-in ones are listed."""
+    (tmp_path / "small.toml").write_text('name = "small"\nforce = "1 kN"\n')
+    small = tmp_path / "small.toml"
+    test = tb.cyclic_test(strain=[0.5], cycles=1, rest=None)
+    told = tb.run("shen-hdr-specimen", test, rig=small).summary()["warnings"]
+    assert any("more than the 1 kN of small" in text for text in told)
+    quick = ["--rig", small, "--no-figures", "--ambient", "0", "--bearing", "shen-hdr-specimen"]
+    for name, more in (("cyclic", ["--dt", "1"]), ("hybrid", ["--duration", "1"])):
+        done = command(name, *quick, *more, "-o", tmp_path / name)
+        assert done.exit_code == 0, done.output
+        (row,) = pd.read_csv(tmp_path / name / "rig.csv").to_dict("records")
+        assert (row["limit"], row["rig"], row["passed"]) == ("force", 1.0, True)
+    wrong = command("cyclic", "--rig", "shen-rigg", "-o", tmp_path / "wrong")
+    assert wrong.exit_code == 2
+    assert 'did you mean "shen-rig"' in wrong.stderr
+    listed = command("list", "--json")
+    assert json.loads(listed.stdout.splitlines()[-1])["rigs"] == ["shen-rig"]
+    assert "Biaxial rig" in listed.stdout

@@ -3,6 +3,8 @@
 import contextlib
 import io
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -14,6 +16,7 @@ from thermobearing.bearing.bilinear import load_bilinear
 from thermobearing.border.errors import InputError
 from thermobearing.cyclic.screen import print_result
 from thermobearing.design.run import run_bounds, run_factors
+from thermobearing.earthquake.reached import reached
 from thermobearing.earthquake.screen import print_study
 from thermobearing.identify.posterior import forecast
 from thermobearing.results.ranges import REST, compared, cycles_in_a_row, largest_speed
@@ -193,6 +196,7 @@ def test_a_fit_says_what_its_tests_cover(tmp_path: Path) -> None:
     folder = fit.save(tmp_path / "fit", figures=False)
     again = tb.load_bearing(folder / "bearing.toml")
     assert again.tested_range is not None
+    assert fit.bearing.tested_range == fit.tested_range == again.tested_range
     ranges = again.tested_range.ranges()
     assert ranges["strain"] == pytest.approx((0.5, 1.5), rel=0.01)
     assert ranges["strain_rate"] == pytest.approx((1.0, 1.0), rel=0.05)
@@ -253,3 +257,21 @@ def test_a_design_says_what_leaves_the_curves() -> None:
     assert "above the 250 % tested" in design.warnings[0]
     assert design.summary()["warnings"] == design.warnings
     assert design.plot.rounds().axes[0].texts[0].get_text() == "the curves end here"
+
+
+def test_of_several_lines_the_one_that_goes_farthest_counts() -> None:
+    clock = np.linspace(0.0, 1.0, 101)
+    lines = [
+        {"clock": clock, "displacement": size * np.sin(2.0 * np.pi * clock), "lead_temperature": t}
+        for size, t in ((60.0, 20.0 + clock), (90.0, 20.0 - clock))
+    ]
+    bearing = SimpleNamespace(total_rubber_thickness=30.0)
+    constants = SimpleNamespace(lead=SimpleNamespace(cores=4.0))
+    device = SimpleNamespace(bearing=bearing, constants=constants, stack=object())
+    case = SimpleNamespace(structure=SimpleNamespace(bearings=lines))
+    task: Any = SimpleNamespace(device=device, case=case, ambient=20.0)
+    history: Any = SimpleNamespace(bearing=lambda line: lines[line])
+    found = reached(task, history)
+    assert found["strain"] == pytest.approx(3.0)
+    assert found["strain_rate"] == pytest.approx(6.0 * np.pi, rel=0.01)
+    assert (found["ambient"], found["lead_temperature"]) == ((20.0, 20.0), (19.0, 21.0))

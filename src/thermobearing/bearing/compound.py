@@ -15,6 +15,7 @@ from thermobearing.bearing.model import (
     LATEST,
     SOFTEST,
     Bearing,
+    Clock,
     Materials,
     Scragging,
     TemperatureCoefficient,
@@ -60,7 +61,7 @@ class CompoundLead(Strict):
     softening: Annotated[float, in_unit("1/K"), Field(ge=0, le=0.1)] = 0.0  # E2
     reference_temperature: Annotated[float, in_unit("degC"), Field(ge=-100, le=100)]  # T_0
     surface_ratio: Annotated[float, Field(ge=1e-3, le=1)] = 0.5  # p
-    clock: Literal["steel", "lead"] = "steel"
+    clock: Clock | None = None
 
     @classmethod
     def conflicts(cls, given: dict[str, Any]) -> list[str]:

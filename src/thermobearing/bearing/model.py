@@ -189,15 +189,19 @@ class Scragging(Strict):
     mullins_renewal: Annotated[float, Field(ge=1e-4, le=10)] = 0.05  # l
 
 
+Clock = Literal["steel", "lead"]
+
+
 class LeadCores(Strict):
     """Lead cores in parallel; numbers of ONE core (Eq. 5.1-5.7, Table 5.2).
 
-    `softening` is E2 of sigma_Y exp(-E2 (T - T_0)), zero for constant strength. `confined`
+    `softening` is E2 of sigma_Y exp(-E2 (T_l - T_0)), zero for constant strength. `confined`
     cores (in springs) pass heat to the end plates only. `clock` says whose diffusivity makes
-    t+ dimensionless: that of steel (Kalpakidis & Constantinou) or of lead (as Eq. 5.6 prints).
-    `surface_ratio` and `clock` are for `lead_ends = "half-space"`. `end_spreading` is for confined
-    cores on finite plates (the default): the resistance of the end plate to one core, relative
-    to a core that stands on nothing but it.
+    t+ dimensionless: that of steel (Kalpakidis & Constantinou) or of lead (as Eq. 5.6 prints); if
+    it is left out, lead with the published scheme and steel otherwise. `surface_ratio` and `clock`
+    are for `lead_ends = "half-space"`. `end_spreading` is for confined cores on finite plates (the
+    default): the resistance of the end plate to one core, relative to a core that stands on
+    nothing but it.
     """
 
     cores: Annotated[int, Field(ge=1, le=1000)]  # n_l
@@ -208,7 +212,7 @@ class LeadCores(Strict):
     reference_temperature: Annotated[float, in_unit("degC"), Field(ge=-100, le=100)]  # T_0
     surface_ratio: Annotated[float, Field(ge=1e-3, le=1)] = 0.5  # p
     confined: bool
-    clock: Literal["steel", "lead"] = "steel"
+    clock: Clock | None = None
     end_spreading: Annotated[float, Field(ge=1e-3, le=1)] = 1.0
 
     @property

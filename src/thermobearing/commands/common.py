@@ -27,6 +27,18 @@ Exposed = Annotated[
     ),
 ]
 Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="No progress bar, no tables.")]
+RigName = Annotated[
+    str | None,
+    typer.Option("--rig", help="Rig that is to do it: name or file.", metavar="NAME/FILE"),
+]
+Limit = Annotated[
+    list[str] | None,
+    typer.Option(
+        help="Largest relative error of K_eq, h_eq (0.15 each), energy, force, temperature or "
+        "NRMSE, of tests that are not fitted; may be repeated.",
+        metavar="QUANTITY=NUMBER",
+    ),
+]
 
 
 def _fail(message: str, status: int, outcome: str, as_json: bool) -> typer.Exit:
@@ -109,6 +121,11 @@ def exposure_given(words: Sequence[str] | None) -> dict[str, Any] | None:
         except ValueError:
             raise InputError(f'--exposure "{word}": must be a number, such as 1.3') from None
     return table
+
+
+def limit_numbers(given: Sequence[str] | None) -> dict[str, float]:
+    """Those of `Limit`."""
+    return numbers_by_name(given or [], "--limit", "QUANTITY=NUMBER, such as K_eq=0.1")
 
 
 def with_progress(

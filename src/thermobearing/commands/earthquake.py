@@ -13,6 +13,7 @@ from thermobearing.commands.common import (
     NoFigures,
     Output,
     Quiet,
+    RigName,
     exposure_given,
     reported,
     with_progress,
@@ -78,6 +79,7 @@ def bridge(
     model: Model_ = None,
     exposure: Exposed = None,
     compare: Compare = False,
+    rig: RigName = None,
     output: Output = None,
     force: Force = False,
     no_figures: NoFigures = False,
@@ -99,6 +101,7 @@ def bridge(
         "duration": duration,
         "model": model,
         "exposure": exposure_given(exposure),
+        "rig": rig,
     }
     complete = _case("bridge", case, overrides)
     return _carry_out(complete, output, force, no_figures, as_json, quiet, compare)
@@ -128,6 +131,7 @@ def hybrid(
     model: Model_ = None,
     exposure: Exposed = None,
     compare: Compare = False,
+    rig: RigName = None,
     output: Output = None,
     force: Force = False,
     no_figures: NoFigures = False,
@@ -152,6 +156,7 @@ def hybrid(
         "duration": duration,
         "model": model,
         "exposure": exposure_given(exposure),
+        "rig": rig,
         "laboratory": {key: value for key, value in lab.items() if value is not None} or None,
     }
     complete = _case("hybrid", case, overrides)

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, field_validator
 
-from thermobearing.bearing.bilinear import load_bilinear
+from thermobearing.bearing.bilinear import load_bilinear, load_device
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
 from thermobearing.border.overrides import overridden
@@ -14,12 +14,12 @@ from thermobearing.border.schema import Strict, in_unit, validated
 from thermobearing.border.toml import read_toml, split_sources, to_toml
 from thermobearing.cyclic.case import Temperature, each_once
 from thermobearing.cyclic.rig import Rig, settle_rig
+from thermobearing.cyclic.start import left_by, settle_start
 from thermobearing.earthquake.devices import (
     Device,
     OnLine,
     into_structure,
     lines_faults,
-    load_device,
     settle_lines,
     weather_faults,
 )
@@ -54,6 +54,7 @@ DEFAULTS: dict[str, dict[str, Any]] = {
         "duration": "20 s",
     },
 }
+WAYS = ("initial_result", "initial_state")  # to start
 PSEUDO_DYNAMIC_SPEED = 10.0  # of the source's test [mm/s]
 Mode = Literal["rt", "pd"]
 ONE_OR_SEVERAL = BeforeValidator(lambda mode: (mode,) if isinstance(mode, str) else mode)
@@ -128,6 +129,7 @@ class EarthquakeCase(Strict):
     analysis : how to compute, and what to keep.
     laboratory : of a specimen in the loop.
     initial_state : where an earlier test left the bearing; of one bearing that is not bilinear.
+        `initial_result` of a file becomes it.
     lines : bearing lines with a bearing, an air or a count of their own.
     rig : limits of the rig that moves the specimen; a run that passes one says so.
     """
@@ -191,7 +193,7 @@ class EarthquakeCase(Strict):
         for bearing in {b.name: b for b in [*self.bearings, *own] if b is not None}.values():
             if isinstance(bearing, Bearing):
                 misfits = self.analysis.settled(bearing).misfits(bearing)
-                found += [f'analysis.{text}; "{bearing.name}" is none' for text in misfits]
+                found += [f"analysis.{text}" for text in misfits]
         return found
 
     def _misfits_of_state(self) -> list[str]:
@@ -267,11 +269,19 @@ def make_earthquake_case(
     problems, motions = _settle(table, command, folder)
     if not isinstance(fixed, bool):
         problems.append(f"fixed_base = {fixed!r}: must be true or false")
+    faults, earlier = settle_start(table, WAYS)
+    problems += faults
     try:
         case = validated(EarthquakeCase, table, where)
         case = _with_structure(case, fixed=fixed is True)
     except InputError as error:
         raise InputError([*problems, *error.problems], where) from None
+    if earlier is not None and not problems:
+        one = case.bearings[0]
+        if len(case.bearings) > 1 or not isinstance(one, Bearing):
+            raise InputError("initial_result: is of one bearing, and none that is bilinear", where)
+        state = left_by(earlier, one, case.ambient, where)
+        case = case.model_copy(update={"initial_state": state})
     problems += [*case.faults(), *case.length_faults(motions)] if not problems else []
     if problems:
         raise InputError(problems, where)
@@ -324,6 +334,8 @@ def _settle(
     if table.get("weather") is not None and isinstance(table["weather"], str):
         table["weather"] = str((folder / table["weather"]).absolute())
         table.setdefault("ambient", ["0 degC"])  # not used
+    if isinstance(table.get("initial_result"), str) and table["initial_result"]:
+        table["initial_result"] = folder / table["initial_result"]
     problems += settle_rig(table, folder)
     problems += settle_lines(table, folder)
     for key, value in DEFAULTS[command].items():

@@ -7,12 +7,10 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from thermobearing.bearing.ambient import Ambient
-from thermobearing.bearing.bilinear import BilinearBearing, list_bilinear, load_bilinear
-from thermobearing.bearing.library import list_bearings, load_bearing
+from thermobearing.bearing.bilinear import BilinearBearing, load_device
 from thermobearing.bearing.model import Bearing
-from thermobearing.border.errors import InputError, is_file, nearest
+from thermobearing.border.errors import InputError, nearest
 from thermobearing.border.schema import Strict
-from thermobearing.border.toml import read_toml, split_sources
 from thermobearing.cyclic.case import Temperature
 from thermobearing.cyclic.protocol import LONGEST
 from thermobearing.structure.model import Stiffness, Structure
@@ -44,22 +42,6 @@ class OnLine(Strict):
         """One way to say the air."""
         both = {"ambient", "weather"} <= set(given)
         return ["give ambient or weather, not both"] if both else []
-
-
-def load_device(name_or_path: str | Path) -> Device:
-    """A bearing, or a bilinear one, by name or file."""
-    text = str(name_or_path)
-    if text in list_bilinear():
-        return load_bilinear(text)
-    if text.endswith(".toml") and is_file(Path(text)):
-        table = read_toml(Path(text))
-        if split_sources(table)[0].get("kind") == "bilinear":
-            return load_bilinear(text)
-        return load_bearing(text)
-    if text in list_bearings() or "/" in text or text.endswith(".toml"):
-        return load_bearing(text)
-    known = [*list_bearings(), *list_bilinear()]
-    raise InputError(f'no bearing is called "{text}"{nearest(text, known)}')
 
 
 def settle_lines(table: dict[str, Any], folder: Path) -> list[str]:

@@ -12,6 +12,7 @@ from thermobearing.core.records import Floats, Rows, labels
 from thermobearing.core.types import Books
 from thermobearing.cyclic.label import stack_labels
 from thermobearing.earthquake.case import EarthquakeCase
+from thermobearing.earthquake.ends import labelled_ends
 from thermobearing.earthquake.parts import label_parts
 from thermobearing.earthquake.reached import warnings_of
 from thermobearing.earthquake.result import EarthquakeResult
@@ -108,6 +109,7 @@ def label_study(
     data |= parts_data
     for name, values, unit_name in _scalars(tasks, histories, traces):
         data[name] = (("run",), values, {"units": unit_name})
+    data |= labelled_ends(tasks, histories)
     dataset = xr.Dataset(
         data,
         coords={

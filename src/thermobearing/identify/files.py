@@ -119,20 +119,31 @@ def save_identification(
     """
 
     def fill(folder: Path) -> None:
-        content = found.summary()
-        if forecast is not None:
-            content["posterior"] = forecast.summary()
-            text = _samples_text(found, forecast.samples)
-            (folder / SAMPLES).write_text(text, encoding="utf-8")
-        write_summary(folder, content)
-        text = tomli_w.dumps(bearing_table(found))
-        (folder / IDENTIFIED).write_text(text, encoding="utf-8")
-        (folder / COMPOUND).write_text(compound_text(found), encoding="utf-8")
-        (folder / FIT_TABLE).write_text(fit_text(found), encoding="utf-8")
-        if figures:
-            found.plot.save_all(folder / FIGURES, bands=forecast.bands if forecast else ())
+        fill_identification(folder, found, found.summary(), forecast, figures=figures)
 
     return write_directory(directory, fill, force=force)
+
+
+def fill_identification(
+    folder: Path,
+    found: Identification,
+    summary: dict[str, Any],
+    forecast: Forecast | None,
+    *,
+    figures: bool,
+) -> None:
+    """Write the files of a fit into a folder; `summary` may tell more than the fit's own."""
+    if forecast is not None:
+        summary = summary | {"posterior": forecast.summary()}
+        text = _samples_text(found, forecast.samples)
+        (folder / SAMPLES).write_text(text, encoding="utf-8")
+    write_summary(folder, summary)
+    text = tomli_w.dumps(bearing_table(found))
+    (folder / IDENTIFIED).write_text(text, encoding="utf-8")
+    (folder / COMPOUND).write_text(compound_text(found), encoding="utf-8")
+    (folder / FIT_TABLE).write_text(fit_text(found), encoding="utf-8")
+    if figures:
+        found.plot.save_all(folder / FIGURES, bands=forecast.bands if forecast else ())
 
 
 def bearing_table(found: Identification) -> dict[str, Any]:

@@ -10,6 +10,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from thermobearing.identify.forward import Prediction
+from thermobearing.identify.loops import Loop
 from thermobearing.identify.record import TestRecord
 from thermobearing.model.outcomes import SENTENCES as OUTCOMES
 from thermobearing.results.ranges import Row
@@ -25,33 +26,8 @@ SENTENCES = {
     "partly": "The model did not get through every test; see the outcome of each in the table. "
     "Smaller strains, a warmer start or another model would.",
 }
+RATIOS = ("F+", "F-", "K_eq", "h_eq", "energy")  # of the largest loop, model over test
 WITHIN, BEYOND, TOLD = "within", "beyond", "told"
-
-
-@dataclass(frozen=True)
-class Loop:
-    """One cycle of a test and of the model.
-
-    Attributes
-    ----------
-    cycle, number : of the record, and within its amplitude, from 1.
-    amplitude : of the displacement [mm]; that of the test moves the model.
-    displacement_max, displacement_min : D+ and D- [mm].
-    test, model : F+ and F- [kN], K_eq [kN/mm], h_eq and energy [kN mm], by name.
-    """
-
-    cycle: int
-    number: int
-    amplitude: float
-    displacement_max: float
-    displacement_min: float
-    test: dict[str, float]
-    model: dict[str, float]
-
-    @property
-    def ratios(self) -> dict[str, float]:
-        """Model over test."""
-        return {name: self.model[name] / value for name, value in self.test.items()}
 
 
 @dataclass(frozen=True)
@@ -66,7 +42,8 @@ class Comparison:
     R2 : coefficient of determination of the force, Eq. 4.38.
     NRMSE : root mean square error of the force over the largest force of the test.
     loops : full cycles.
-    largest : the cycle that holds the largest displacement; None where there is no full cycle.
+    largest : the loop that holds the largest displacement, one of `loops` or not; None where none
+        does.
     temperature_errors : RE of Eq. 4.39 in time, by thermocouple; nan where the test has not yet
         warmed by a twentieth of its largest rise.
     outcome : of the model's run, as of a cyclic test.
@@ -147,7 +124,7 @@ class Validation:
 
     @cached_property
     def table(self) -> pd.DataFrame:
-        """One row for each test, bearing and model: R2, and the largest errors and verdicts."""
+        """One row for each test, bearing and model: R2, largest errors, verdicts, largest loop."""
         rows = []
         for item in self.comparisons:
             row: dict[str, Any] = {
@@ -162,6 +139,8 @@ class Validation:
                 row[f"{name}_error"] = error
                 row[f"{name}_verdict"] = self._verdict(name, error)
             row["beyond_tested"] = " ".join(r["limit"] for r in item.asked if r["passed"])
+            ratios = item.largest.ratios if item.largest else {}
+            row |= {f"{name}_ratio": ratios.get(name, float("nan")) for name in RATIOS}
             rows.append(row)
         return pd.DataFrame(rows)
 
@@ -244,7 +223,7 @@ class Validation:
             "largest_loop": None
             if largest is None
             else {
-                "cycle": largest.cycle,
+                "cycle": largest.cycle or None,
                 "D+_mm": largest.displacement_max,
                 "D-_mm": largest.displacement_min,
                 "test": largest.test,
