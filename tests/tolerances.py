@@ -148,6 +148,7 @@ STEP_PEAKS = 0.01  # peaks when the step is halved, as asked
 NEWMARK_ORDER = 0.1
 TAKEDA = 1e-12  # straight lines, relative to the yield moment
 SAME_MOTION = 1e-9  # of the peak, between two ways to the same structure
+STIFF_SPRINGS = 2e-3  # a footing on springs 1e6 times as stiff, beside one that is held
 PERIOD_TABLE = 5e-4  # s: periods are printed with three digits
 EXACT_LINEAR = 2e-4  # of the peak, dt 2.5 ms against the exact solution of the linear structure
 DELAYED = 2e-3  # of the peak displacement; a quarter of a step comes to 8e-3

@@ -39,6 +39,7 @@ from thermobearing.commands.measure import measure
 from thermobearing.commands.motions import app as motions
 from thermobearing.commands.new import new
 from thermobearing.commands.streams import patient_streams
+from thermobearing.commands.structures import app as structures
 from thermobearing.commands.threads import one_blas_thread
 from thermobearing.commands.validate import validate
 
@@ -90,6 +91,7 @@ def _common(
 
 
 app.add_typer(motions, name="motions")
+app.add_typer(structures, name="structures")
 app.command()(earthquake.bridge)
 app.command()(earthquake.hybrid)
 app.command()(sequence.sequence)

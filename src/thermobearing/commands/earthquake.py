@@ -40,6 +40,9 @@ Dt = Annotated[float | None, typer.Option(help="Largest time step [s].")]
 Structure_ = Annotated[
     str | None, typer.Option("--structure", help="Name or TOML file.", metavar="NAME/FILE")
 ]
+FixedBase = Annotated[
+    bool, typer.Option("--fixed-base", help="Leave out the springs of the foundation.")
+]
 Method = Annotated[
     str | None,
     typer.Option(help="average-acceleration, linear-acceleration or predictor-corrector."),
@@ -68,6 +71,7 @@ def bridge(
     weather: Weather = None,
     mass: Annotated[str | None, typer.Option(help="consistent or published.")] = None,
     structure: Structure_ = None,
+    fixed_base: FixedBase = False,
     damping: Damping_ = None,
     method: Method = None,
     dt: Dt = None,
@@ -90,6 +94,7 @@ def bridge(
         "weather": weather,
         "mass": mass,
         "structure": structure,
+        "fixed_base": fixed_base or None,
         "damping": damping,
         "method": method,
         "dt": dt,
@@ -113,6 +118,7 @@ def hybrid(
     motion: Motions = None,
     ambient: Ambients = None,
     structure: Structure_ = None,
+    fixed_base: FixedBase = False,
     damping: Damping_ = None,
     delay: Annotated[float | None, typer.Option(help="Delay of the actuator [s].")] = None,
     force_noise: Annotated[
@@ -143,6 +149,7 @@ def hybrid(
         "motions": motion or None,
         "ambient": ambient or None,
         "structure": structure,
+        "fixed_base": fixed_base or None,
         "damping": damping,
         "method": method,
         "dt": dt,

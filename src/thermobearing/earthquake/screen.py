@@ -46,6 +46,26 @@ HEADS = (
 )
 
 
+WIDE = 160  # letters that a row of lines and piers may take
+PARTS = {  # columns of lines.csv and piers.csv: head, how a number is told
+    "line": {
+        "count": ("n", "{:.0f}"),
+        "line_ambient_degC": ("its air", "{:g}"),
+        "strain_max": ("strain", "{:.0%}"),
+        "force_max_kN": ("kN each", "{:.0f}"),
+        "total_force_max_kN": ("kN all", "{:.0f}"),
+        "rubber_max_degC": ("rubber degC", "{:.1f}"),
+    },
+    "pier": {
+        "displacement_max_mm": ("mm", "{:.1f}"),
+        "displacement_residual_mm": ("left mm", "{:.1f}"),
+        "ductility": ("ductility", "{:.2f}"),
+        "moment_max_kN_m": ("kN m", "{:.0f}"),
+        "top_acceleration_max_m_s2": ("top m/s2", "{:.2f}"),
+    },
+}
+
+
 def print_study(
     result: EarthquakeResult, compared: dict[str, EarthquakeResult] | None = None
 ) -> None:
@@ -53,7 +73,9 @@ def print_study(
     console = Console()
     attrs = result.dataset.attrs
     console.print(
-        f"[bold]{escape(str(attrs['title']))}[/bold] ({attrs['mass']} mass, {attrs['method']})"
+        f"[bold]{escape(str(attrs['structure']))}: {escape(str(attrs['title']))}[/bold] "
+        f"({attrs['mass']} mass, {attrs['method']})",
+        soft_wrap=True,
     )
     periods = ", ".join(f"{float(value):.3f}" for value in attrs.get("periods_s", []))
     ratios = ", ".join(f"{float(value):.1%}" for value in attrs.get("damping_ratios", []))
@@ -64,6 +86,9 @@ def print_study(
         console.print(_table(name, table[table["bearing"] == name], both))
     for name, rows in modes_table(result).groupby("bearing", sort=False) if both else ():
         console.print(_modes(str(name), rows))
+    for part, rows in (("line", result.lines), ("pier", result.piers)):
+        if len(rows) and len(set(rows[part])) > 1:
+            Console(width=max(console.width, WIDE)).print(_parts(part, rows))  # nothing cut
     marked = table["beyond_tested"].str.split().explode()
     if marked.isin(["strain", "ambient"]).any():
         console.print("! beyond what the bearing was tested at")
@@ -107,6 +132,24 @@ def _modes(name: str, rows: pd.DataFrame) -> Table:
     for row in rows.to_dict("records"):
         numbers = [f"{row[column]:.3f}" for column in shown]
         table.add_row(row["motion"], f"{row['ambient_degC']:g}", *numbers)
+    return table
+
+
+def _parts(part: str, rows: pd.DataFrame) -> Table:
+    """A row for each run and bearing line, or pier."""
+    shown = PARTS[part]
+    table = Table(title=f"\n{part}s", title_justify="left", box=None, pad_edge=False)
+    for head in (part, "bearing", "motion", "degC", *(head for head, _ in shown.values())):
+        text = head in (part, "bearing", "motion")
+        table.add_column(head, justify="left" if text else "right", no_wrap=True)
+    for row in rows.sort_values(part, kind="stable").to_dict("records"):
+        bearing = row.get("line_bearing", row["bearing"])
+        motion = f"{row['motion']} {row['mode']}" if "mode" in row else row["motion"]
+        numbers = [
+            form.format(row[column]) if row[column] == row[column] else ""
+            for column, (_, form) in shown.items()
+        ]
+        table.add_row(row[part], bearing, motion, f"{row['ambient_degC']:g}", *numbers)
     return table
 
 

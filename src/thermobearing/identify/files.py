@@ -297,9 +297,11 @@ def fit_text(found: Identification) -> str:
 
 
 def _samples_text(found: Identification, samples: Samples) -> str:
-    """CSV of draws, a column per free parameter."""
-    free = found.pset.free
-    lines = [",".join(p.kind.symbol for p in free)]
+    """CSV of draws, a column for each free parameter, then those tied to them."""
+    tied = [p for p in found.pset.parameters if p.tie is not None]
+    kinds = [p.kind for p in (*found.pset.free, *tied)]
+    lines = [",".join(kind.symbol for kind in kinds)]
     for row in samples.cube:
-        lines.append(",".join(f"{p.at(float(u)):.6g}" for p, u in zip(free, row, strict=True)))
+        values = found.pset.values(row)
+        lines.append(",".join(f"{values[kind.key]:.6g}" for kind in kinds))
     return "\n".join(lines) + "\n"

@@ -103,7 +103,8 @@ def read_columns_of_text(lines: list[str], options: Options) -> Raw:
     column = _chosen(others, options)
     unit = column.unit or _told_unit(header)
     about = " ".join(line.strip().lstrip(_MARKS) for line in header if len(line.split()) > 3)
-    return Raw(table[:, column.number], dt, unit, description=about[:200])
+    told = column.name if len(others) > 1 else ""
+    return Raw(table[:, column.number], dt, unit, description=about[:200], component=told)
 
 
 def _told_step(header: list[str]) -> float | None:
