@@ -1,8 +1,9 @@
 """The command `thermobearing`: thin calls into the library, clear ends.
 
 Exit status: 0 done; 2 bad input or a target that cannot be written (one message, nothing
-written); 3 the analysis ended early (partial results written); 130 interrupted (partial
-results kept). Heavy imports wait until a command needs them, so that --help is quick.
+written); 3 the analysis ended early (partial results written); 4 a poor fit (written, the
+bearing marked); 130 interrupted (partial results kept). Heavy imports wait until a command needs
+them, so that --help is quick.
 """
 
 import contextlib
@@ -33,6 +34,8 @@ from thermobearing.commands.common import (
     written,
 )
 from thermobearing.commands.identify import identify
+from thermobearing.commands.intake import intake
+from thermobearing.commands.measure import measure
 from thermobearing.commands.motions import app as motions
 from thermobearing.commands.new import new
 from thermobearing.commands.streams import patient_streams
@@ -243,39 +246,9 @@ def check(
     return 0
 
 
-@app.command()
-@reported
-def measure(
-    file: Annotated[Path, typer.Argument(help="CSV with displacement and force.")],
-    bearing: Annotated[
-        str, typer.Option(help="Library name or TOML file: plan area and rubber thickness.")
-    ],
-    as_json: AsJson = False,
-) -> int:
-    """Equivalent modulus, damping and energy of each cycle of a measured history."""
-    import dataclasses
-
-    from thermobearing.bearing.library import load_bearing
-    from thermobearing.border.tables import read_columns
-    from thermobearing.cyclic.screen import print_measures
-    from thermobearing.results.metrics import measure_history
-
-    data = read_columns(file, {"displacement": "mm", "force": "kN"})
-    specimen = load_bearing(bearing)
-    rubber = specimen.total_rubber_thickness
-    try:
-        cycles = measure_history(
-            data["displacement"], data["force"], area=specimen.area, total_rubber_thickness=rubber
-        )
-    except InputError as error:
-        raise InputError(error.problems, str(file)) from None
-    print_measures(cycles, rubber)
-    if as_json:
-        echo_json({"cycles": [dataclasses.asdict(cycle) for cycle in cycles]})
-    return 0
-
-
 app.command()(new)
+app.command()(measure)
+app.command()(intake)
 app.command()(identify)
 app.command()(validate)
 

@@ -31,7 +31,14 @@ def bearing_from_table(table: Any, where: str) -> Bearing:
             "is a compound, not a bearing: thermobearing new NAME --compound FILE makes one of it",
             where,
         )
-    return validated(Bearing, values, where).with_sources(sources)
+    bearing = validated(Bearing, values, where).with_sources(sources)
+    if bearing.poor_fit:
+        raise InputError(
+            f"poor_fit: {bearing.poor_fit}: these numbers did not meet their tests, and are not "
+            "used. Fit again (identify; --accept-poor leaves this mark out), or take the key out",
+            where,
+        )
+    return bearing
 
 
 def load_bearing(name_or_path: str | Path) -> Bearing:

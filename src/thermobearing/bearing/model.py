@@ -268,6 +268,7 @@ class Bearing(Strict):
         classes; `temperature_law` is None where nothing but m_T and n_T is stated,
         `scragging` is None for rubber that has worked already, `lead` without lead cores,
         `rate` without rate dependence.
+    poor_fit : why the numbers, fitted to tests, should not be used; such a file does not load.
     tested_range : what it was tested at (`Validity`); None where that is not given.
     exposure : factors for long cold and age (`Exposure`); None where there are none.
     """
@@ -276,6 +277,7 @@ class Bearing(Strict):
     kind: Literal["HDR", "LHDR", "LRB"]
     description: str = ""
     citation: str = ""
+    poor_fit: str = ""
     geometry: Geometry
     materials: Materials
     hysteresis: RubberHysteresis

@@ -11,7 +11,7 @@ import typer
 from thermobearing.border.errors import InputError, OutputError, printable
 
 T = TypeVar("T")
-BAD_INPUT, ENDED_EARLY, INTERRUPTED = 2, 3, 130
+BAD_INPUT, ENDED_EARLY, POOR_FIT, INTERRUPTED = 2, 3, 4, 130
 
 Output = Annotated[Path | None, typer.Option("-o", "--output", help="Result directory.")]
 Force = Annotated[bool, typer.Option("--force", help="Replace an earlier result directory.")]
@@ -82,7 +82,8 @@ def reported(command: Callable[..., int]) -> Callable[..., None]:
 
 def written(outcome: str, sentence: str, target: Path, *, as_json: bool, quiet: bool) -> int:
     """Say where the result is and how it ended; the exit status."""
-    status = {"completed": 0, "interrupted": INTERRUPTED}.get(outcome, ENDED_EARLY)
+    statuses = {"completed": 0, "poor_fit": POOR_FIT, "interrupted": INTERRUPTED}
+    status = statuses.get(outcome, ENDED_EARLY)
     if status:
         typer.echo(f"thermobearing: {outcome}: {sentence}", err=True)
     if not quiet:

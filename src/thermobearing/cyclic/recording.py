@@ -1,4 +1,4 @@
-"""A recorded displacement history: read from a CSV file, and checked."""
+"""A recorded displacement history: read from a laboratory's file or its sidecar, and checked."""
 
 from typing import Any
 
@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from thermobearing.border.errors import InputError
 from thermobearing.border.numbers import number_list
-from thermobearing.border.tables import read_columns
+from thermobearing.border.sidecar import read_laboratory
 
 Floats = NDArray[np.float64]
 START = 1e-3  # of the largest displacement (1 mm at least): how far off a recording may start
@@ -18,15 +18,15 @@ def read_recording(path: str, start: float | None) -> tuple[Floats, Floats]:
 
     Parameters
     ----------
-    path : CSV file with columns time and displacement.
+    path : table with columns time and displacement, or its sidecar (border/sidecar.py).
     start : where the bearing is when the recording begins [mm]; None if that is not known.
 
     Raises
     ------
     InputError : unreadable, time that does not increase, or another start.
     """
-    data = read_columns(path, {"time": "s", "displacement": "mm"})
-    return checked_history(data["time"], data["displacement"], start, path)
+    readings = read_laboratory(path, optional=("force", "ambient"))
+    return checked_history(readings.values["time"], readings.displacement, start, path)
 
 
 def checked_history(

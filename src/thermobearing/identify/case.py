@@ -41,6 +41,7 @@ class IdentifyCase:
     evaluations : budget of krill herd or differential evolution, 1 to a million.
     assumed : relative standard uncertainties of what is not identified, by key or symbol; None
         for the usual ones.
+    accept_poor : a poor fit counts as one, and its bearing is written to be used.
     """
 
     records: list[TestRecord]
@@ -56,6 +57,7 @@ class IdentifyCase:
     polish: bool = True
     evaluations: int = SEARCH
     assumed: Mapping[str, float] | None = None
+    accept_poor: bool = False
 
 
 def make_identify_case(

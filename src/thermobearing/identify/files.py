@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import tomli_w
 
 import thermobearing
@@ -23,6 +24,7 @@ from thermobearing.results.directory import (
     FIT_TABLE,
     IDENTIFIED,
     SAMPLES,
+    THERMOCOUPLES,
     write_directory,
 )
 from thermobearing.results.writing import write_summary
@@ -87,7 +89,8 @@ def save_identification(
     figures: bool = True,
     forecast: Forecast | None = None,
 ) -> Path:
-    """Write summary.json, bearing.toml, compound.toml, fit.csv, posterior.csv and figures.
+    """Write summary.json, bearing.toml, compound.toml, fit.csv, thermocouples.csv, posterior.csv
+    and figures.
 
     Parameters
     ----------
@@ -140,8 +143,12 @@ def fill_identification(
     write_summary(folder, summary)
     text = tomli_w.dumps(bearing_table(found))
     (folder / IDENTIFIED).write_text(text, encoding="utf-8")
-    (folder / COMPOUND).write_text(compound_text(found), encoding="utf-8")
+    if found.outcome != "poor_fit":  # nobody should make bearings of it
+        (folder / COMPOUND).write_text(compound_text(found), encoding="utf-8")
     (folder / FIT_TABLE).write_text(fit_text(found), encoding="utf-8")
+    rows = found.thermocouples
+    if rows:
+        pd.DataFrame(rows).to_csv(folder / THERMOCOUPLES, index=False)
     if figures:
         found.plot.save_all(folder / FIGURES, bands=forecast.bands if forecast else ())
 
@@ -174,6 +181,8 @@ def bearing_table(found: Identification) -> dict[str, Any]:
         "description": f"{found.bearing.description} (identified from tests)".strip(),
         "citation": f"thermobearing {thermobearing.__version__} identify, {found.method}; {fitted}",
     }
+    if found.outcome == "poor_fit":
+        named["poor_fit"] = "; ".join(found.poor)
     law, tested = _range_of_law(found), found.tested_range
     sources |= {f"tested_range.{name}": _tested_source(found, name) for name in tested.ranges()}
     if law is not found.bearing.temperature_law:
@@ -257,7 +266,8 @@ def fit_text(found: Identification) -> str:
 
     Returns
     -------
-    str : one row per sample: record, time [s], displacement [mm], force and model force [kN].
+    str : one row per sample: record, time [s], displacement [mm], force and model force [kN], and
+        each thermocouple with the model at its place [degC].
 
     Examples
     --------
@@ -268,14 +278,22 @@ def fit_text(found: Identification) -> str:
     >>> fit_text(found).splitlines()[0]
     'record,time_s,displacement_mm,force_kN,model_force_kN'
     """
-    lines = ["record,time_s,displacement_mm,force_kN,model_force_kN\n"]
+    frames = []
     for number, (record, prediction) in enumerate(
         zip(found.records, found.predictions, strict=True)
     ):
-        columns = (record.time, record.displacement, record.force, prediction.force)
-        rows = np.column_stack([np.full(len(record.time), float(number)), *columns])
-        lines.append(("%d,%.9g,%.9g,%.9g,%.9g\n" * len(rows)) % tuple(rows.ravel().tolist()))
-    return "".join(lines)
+        columns: dict[str, Any] = {
+            "record": np.full(len(record.time), number),
+            "time_s": record.time,
+            "displacement_mm": record.displacement,
+            "force_kN": record.force,
+            "model_force_kN": prediction.force,
+        }
+        for title, values in record.temperatures.items():
+            columns[title] = values
+            columns[f"model_{title}"] = prediction.temperatures[title]
+        frames.append(pd.DataFrame(columns))
+    return str(pd.concat(frames).to_csv(index=False, float_format="%.9g", lineterminator="\n"))
 
 
 def _samples_text(found: Identification, samples: Samples) -> str:

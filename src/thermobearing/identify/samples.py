@@ -8,9 +8,9 @@ import numpy as np
 
 from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
+from thermobearing.border.encodings import read_text
 from thermobearing.border.errors import InputError, nearest
 from thermobearing.border.schema import validated
-from thermobearing.border.tables import read_text
 from thermobearing.identify.kinds import KINDS
 
 MOST = 10_000  # samples that can be asked for

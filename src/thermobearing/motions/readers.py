@@ -11,8 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
+from thermobearing.border.encodings import read_text
 from thermobearing.border.errors import InputError, nearest
-from thermobearing.border.tables import read_text
 from thermobearing.border.units import HUGEST
 from thermobearing.motions.columns import read_columns_of_text
 from thermobearing.motions.record import MOST_SAMPLES, GroundMotion, acceleration_unit
