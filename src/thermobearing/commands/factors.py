@@ -13,6 +13,7 @@ from thermobearing.commands.common import (
     NoFigures,
     Output,
     Quiet,
+    announce_compiling,
     reported,
     written,
 )
@@ -63,6 +64,7 @@ def lambda_(
     bearings = [load_bearing(name) for name in bearing]
     target = output or Path(f"lambda-{bearings[0].name}")
     check_target(target, force=force)
+    announce_compiling(quiet)
     report = run_factors(
         bearings,
         reference=reference,

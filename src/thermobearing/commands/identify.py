@@ -9,11 +9,14 @@ import typer
 from thermobearing.border.errors import InputError
 from thermobearing.commands.common import (
     BAD_INPUT,
+    INPUT,
+    SEARCH,
     AsJson,
     Force,
     NoFigures,
     Output,
     Quiet,
+    announce_compiling,
     echo_json,
     numbers_by_name,
     reported,
@@ -32,6 +35,7 @@ Spreads = Annotated[
         help="Relative standard uncertainty of what is not free, such as "
         "materials.side_film=0.1 or sigma_Y=0; may be repeated.",
         metavar="KEY=NUMBER",
+        rich_help_panel=INPUT,
     ),
 ]
 Predicted = Annotated[
@@ -45,27 +49,52 @@ def identify(
     tests: Annotated[list[Path], typer.Argument(help="Tests: CSV files or their TOML sidecars.")],
     start: Annotated[
         str | None,
-        typer.Option("--bearing", "--start", help="Geometry, fixed values.", metavar="NAME/FILE"),
+        typer.Option(
+            "--bearing",
+            "--start",
+            help="Geometry, fixed values.",
+            metavar="NAME/FILE",
+            rich_help_panel=INPUT,
+        ),
     ] = None,
     free: Annotated[
-        str | None, typer.Option(help="Free parameters, such as K_r,d_y or n_T=2.4*m_T.")
+        str | None,
+        typer.Option(
+            help="Free parameters, such as K_r,d_y or n_T=2.4*m_T.", rich_help_panel=INPUT
+        ),
     ] = None,
     assumed: Spreads = None,
     method: Annotated[
-        str, typer.Option(help="least-squares, krill-herd or differential-evolution.")
+        str,
+        typer.Option(
+            help="least-squares, krill-herd or differential-evolution.", rich_help_panel=SEARCH
+        ),
     ] = "least-squares",
     polish: Annotated[
-        bool, typer.Option("--polish/--no-polish", help="End with least squares.")
+        bool,
+        typer.Option(
+            "--polish/--no-polish", help="End with least squares.", rich_help_panel=SEARCH
+        ),
     ] = True,
-    seed: Annotated[int, typer.Option(help="Of all random numbers.")] = 0,
-    starts: Annotated[int, typer.Option(help="Starts of least squares.")] = 3,
-    evaluations: Annotated[int, typer.Option(help="Budget of the other methods.")] = 2000,
-    loss: Annotated[str, typer.Option(help="linear, soft_l1, huber or cauchy.")] = "linear",
+    seed: Annotated[int, typer.Option(help="Of all random numbers.", rich_help_panel=SEARCH)] = 0,
+    starts: Annotated[
+        int, typer.Option(help="Starts of least squares.", rich_help_panel=SEARCH)
+    ] = 3,
+    evaluations: Annotated[
+        int, typer.Option(help="Budget of the other methods.", rich_help_panel=SEARCH)
+    ] = 2000,
+    loss: Annotated[
+        str, typer.Option(help="linear, soft_l1, huber or cauchy.", rich_help_panel=SEARCH)
+    ] = "linear",
     temperatures: Annotated[
-        bool, typer.Option("--temperatures", help="Fit the thermocouples too.")
+        bool,
+        typer.Option("--temperatures", help="Fit the thermocouples too.", rich_help_panel=INPUT),
     ] = False,
     from_start: Annotated[
-        bool, typer.Option("--from-start", help="Begin at the bearing's own values.")
+        bool,
+        typer.Option(
+            "--from-start", help="Begin at the bearing's own values.", rich_help_panel=INPUT
+        ),
     ] = False,
     check: Annotated[bool, typer.Option("--check", help="Only look the tests over.")] = False,
     posterior: Annotated[
@@ -88,6 +117,7 @@ def identify(
     if check or bearing is None:
         return _look_over(records, bearing, target, force, no_figures, as_json, quiet)
     names = [name.strip() for name in free.split(",")] if free is not None else None
+    announce_compiling(quiet)
     search = {"method": method, "seed": seed, "starts": starts, "evaluations": evaluations}
     how: dict[str, Any] = {
         **{"loss": loss, "temperatures": temperatures, "blind": not from_start},

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from thermobearing.cyclic.figures import Figures
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+CYCLES = "closed_cycle"  # dimension of the measures in a file, and the beginning of their names
 
 
 class Result:
@@ -126,6 +128,10 @@ class Result:
 
         Temperatures are those at the end of the cycle; `rubber1_degC` is the outer layer.
         """
+        if CYCLES in self.dataset.dims:  # measured before the history was thinned
+            stored = [str(name) for name in self.dataset if str(name).startswith(f"{CYCLES}_")]
+            columns = {n.removeprefix(f"{CYCLES}_"): self.dataset[n].values for n in stored}
+            return pd.DataFrame(columns)
         attrs = self.dataset.attrs
         x, f, work = (self.dataset[name].values for name in ("displacement", "force", "work_in"))
         rows: list[dict[str, Any]] = []

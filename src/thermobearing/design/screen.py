@@ -1,11 +1,9 @@
 """The room's results on the terminal: rounds as they come, sheets, paragraphs, factors."""
 
-from rich.console import Console
-from rich.table import Table
-
 from thermobearing.design.bilinear import bounds_table
 from thermobearing.design.case import DesignCase, bearing_weight
 from thermobearing.design.result import BoundsReport, Design, FactorReport, Round, source_design
+from thermobearing.results.screen import print_table, say
 
 COLUMNS = {  # of the rounds: head, width
     "round": 5,
@@ -34,13 +32,12 @@ def print_head(case: DesignCase) -> None:
     pier-p1, HDR G8, 785 kN a bearing, motions jra-ii-i-1
     round u_B mm    bearing K_B kN/mm    h_B Q_d kN found mm differ ductility
     """
-    console = Console(highlight=False)
     names = ", ".join(motion.name for motion in case.motions)
-    console.print(
-        f"[bold]{case.structure.name}[/bold], {case.compound_kind} {case.compound}, "
+    say(
+        f"{case.structure.name}, {case.compound_kind} {case.compound}, "
         f"{bearing_weight(case):.0f} kN a bearing, motions {names}"
     )
-    console.print(_line(tuple(COLUMNS)), style="bold")
+    say(_line(tuple(COLUMNS)), "bold")
 
 
 def print_round(turn: Round) -> None:
@@ -68,7 +65,7 @@ def print_round(turn: Round) -> None:
         f"{turn.difference:+.1%}",
         f"{turn.ductility:.2f}",
     )
-    Console(highlight=False).print(_line(cells))
+    say(_line(cells))
 
 
 def _line(cells: tuple[str, ...]) -> str:
@@ -95,31 +92,29 @@ def print_design(design: Design) -> None:
     >>> "checks" in shown.getvalue()
     True
     """
-    console = Console(highlight=False)
-    console.print(design.sentence)
+    say(design.sentence)
     if design.first_within is not None:
-        console.print(f"The source's 10 % was met in round {design.first_within}.")
-    console.print(_checks(design))
-    console.print(f"\n{_source()}")
+        say(f"Round {design.first_within} was the first within the 10 % of the printed loop.")
+    _print_checks(design)
+    say(f"\n{_source()}")
     for item in design.equal:
-        console.print(
+        say(
             f"equal K_B: {item.bearing.name}, K_eq {item.stiffness:.3f} kN/mm, "
             f"h_eq {item.damping:.3f} at 23 degC without heating"
         )
 
 
-def _checks(design: Design) -> Table:
+def _print_checks(design: Design) -> None:
     """The calculation sheet."""
-    table = Table(box=None, pad_edge=False, title="\nchecks", title_justify="left")
-    for head in ("", "value", "limit", "", "source of the limit"):
-        table.add_column(head, justify="right" if head in ("value", "limit") else "left")
+    rows = []
     for check in design.checks:
         unit = "" if check.unit == "1" else f" {check.unit}"
         value = f"{check.value:.3g}{unit}"
         limit = f"{'>=' if check.least else '<='} {check.limit:g}{unit}"
-        style = None if check.passed else "bold red"
-        table.add_row(check.what, value, limit, check.verdict, check.source, style=style)
-    return table
+        rows.append((check.what, value, limit, check.verdict, check.source))
+    styles = ["" if check.passed else "bold red" for check in design.checks]
+    heads = ("checks", "value", "limit", "verdict", "source of the limit")
+    print_table(heads, rows, title=" ", styles=styles)
 
 
 def _source() -> str:
@@ -154,7 +149,7 @@ def print_bounds(report: BoundsReport) -> None:
     True
     """
     for text in report.paragraphs.values():
-        print(text + "\n")
+        say(text + "\n")
 
 
 def print_factors(report: FactorReport) -> None:
@@ -174,27 +169,25 @@ def print_factors(report: FactorReport) -> None:
     >>> "upper bound" in shown.getvalue()
     True
     """
-    console = Console(highlight=False)
-    console.print(
-        f"[bold]{report.name}[/bold]: {report.motion}, cycles {report.cycles}, "
+    say(
+        f"{report.name}: {report.motion}, cycles {report.cycles}, "
         f"reference {report.reference:g} degC, strain {report.strain:.0%}"
     )
-    console.print(_factors(report))
+    _print_factors(report)
     for row in bounds_table(report.bounds).to_dict("records"):
-        console.print(
+        say(
             f"{row['bound']} bound ({row['basis']} cycle, {row['ambient_degC']:g} degC): Q_d "
             f"{row['Q_d_kN']:.1f} kN, K_1 {row['K_1_kN_mm']:.2f}, K_2 {row['K_2_kN_mm']:.3f} kN/mm"
         )
 
 
-def _factors(report: FactorReport) -> Table:
+def _print_factors(report: FactorReport) -> None:
     """Factors at the largest strain, a column for each temperature."""
     rows = report.table[report.table["strain"] == report.strain]
     wide = rows.pivot_table(index=["quantity", "basis"], columns="ambient_degC", values="factor")
-    table = Table(box=None, pad_edge=False)
-    for head in ("", "", *(f"{value:g}" for value in wide.columns)):
-        table.add_column(head, justify="right" if head else "left")
+    cells = []
     for key, values in wide.iterrows():
         quantity, basis = key if isinstance(key, tuple) else (key, "")
-        table.add_row(str(quantity), str(basis), *(f"{value:.2f}" for value in values))
-    return table
+        cells.append((str(quantity), str(basis), *(f"{value:.2f}" for value in values)))
+    heads = ("factor", "cycles", *(f"{value:g} degC" for value in wide.columns))
+    print_table(heads, cells, keys=2)

@@ -267,6 +267,16 @@ class EarthquakeResult:
             found[place.replace(" ", "_")] = float((values - values[0]).max()) if known else np.nan
         return found
 
+    def hottest(self, run: int) -> dict[str, float]:
+        """Highest temperature of any rubber layer and of the lead [degC]; NaN without one."""
+        data = self.dataset
+        found = {}
+        for place, name in (("rubber", "rubber_temperature"), ("lead", "lead_temperature")):
+            values = data[name].values[run]
+            known = np.isfinite(values)
+            found[place] = float(values[known].max()) if known.any() else np.nan
+        return found
+
     def summary(self) -> dict[str, Any]:
         """What summary.json says; energies of one bearing and of the whole structure."""
         attrs, table, energy = self.dataset.attrs, self.table, self.energy

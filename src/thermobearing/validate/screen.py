@@ -2,10 +2,7 @@
 
 from typing import Any
 
-from rich.console import Console
-from rich.markup import escape
-from rich.table import Table
-
+from thermobearing.results.screen import print_table, say
 from thermobearing.validate.case import QUANTITIES
 from thermobearing.validate.result import BEYOND, Validation
 
@@ -19,18 +16,21 @@ def print_validation(found: Validation) -> None:
     ----------
     found : from `validate`.
     """
-    console = Console()
     for (bearing, model), rows in found.table.groupby(["bearing", "model"], sort=False):
-        title = f"\n{bearing}, {model}: largest errors, model against test"
-        table = Table(title=escape(title), title_justify="left", box=None, pad_edge=False)
-        for head in HEADS:
-            table.add_column(head, justify="left" if head == "test" else "right", no_wrap=True)
-        for row in rows.to_dict("records"):
-            cells = [escape(row["test"]), f"{row['ambient_degC']:g}", f"{row['R2']:.3f}"]
-            table.add_row(*cells, *(_cell(row, name) for name in QUANTITIES))
-        console.print(table)
+        cells = [
+            (
+                str(row["test"]),
+                f"{row['ambient_degC']:g}",
+                f"{row['R2']:.3f}",
+                *(_cell(row, name) for name in QUANTITIES),
+            )
+            for row in rows.to_dict("records")
+        ]
+        title = f"{bearing}, {model}: largest errors, model against test"
+        styles = ["yellow" if any("!" in cell for cell in line) else "" for line in cells]
+        print_table(HEADS, cells, title=title, keys=2, styles=styles)
     limits = ", ".join(f"{name} {limit:.0%}" for name, limit in found.limits.items())
-    console.print(f"limits: {limits}; verdict: {found.verdict} (! beyond its limit)")
+    say(f"limits: {limits}; verdict: {found.verdict} (! beyond its limit)")
 
 
 def _cell(row: dict[Any, Any], name: str) -> str:
@@ -38,4 +38,4 @@ def _cell(row: dict[Any, Any], name: str) -> str:
     if error != error:
         return "-"
     shown = f"{error:.0%}" if name == "NRMSE" else f"{error:+.0%}"
-    return f"[yellow]{shown}![/]" if row[f"{name}_verdict"] == BEYOND else shown
+    return f"{shown}!" if row[f"{name}_verdict"] == BEYOND else shown
