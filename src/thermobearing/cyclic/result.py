@@ -10,6 +10,8 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
+from thermobearing.border.showing import table_html
+from thermobearing.cyclic.measures import measures_dataset
 from thermobearing.results.metrics import (
     LEAST_WARMING,
     CycleMeasures,
@@ -17,6 +19,7 @@ from thermobearing.results.metrics import (
     measure_cycle,
     relative_residual,
 )
+from thermobearing.results.selection import chosen_runs, selected
 from thermobearing.results.writing import from_attribute, rig_summary
 
 if TYPE_CHECKING:
@@ -57,6 +60,57 @@ class Result:
             f"<Result of {self.bearing_name} at {ambient} degC: {steps} steps, "
             f"{len(self.cycles)} cycles, {self.outcome}>"
         )
+
+    def _repr_html_(self) -> str:
+        return table_html(repr(self)[1:-1], self.cycles, self.warnings)
+
+    def show(self) -> None:
+        """Print the tables that the command prints: cycles and energy books of each run."""
+        from thermobearing.cyclic.screen import print_result
+
+        print_result(self)
+
+    def sel(self, *, ambient: float | list[float]) -> "Result":
+        """The runs at some ambient temperatures.
+
+        Parameters
+        ----------
+        ambient : one or several [degC].
+
+        Raises
+        ------
+        InputError : no run at such a temperature.
+
+        Examples
+        --------
+        >>> import thermobearing as tb
+        >>> test = tb.cyclic_test(strain=[0.5], cycles=1)
+        >>> result = tb.run("shen-hdr-specimen", test, ambient=[-20, 23])
+        >>> result.sel(ambient=-20)["ambient"].values
+        array([-20.])
+        """
+        data = self.dataset
+        runs = chosen_runs({"ambient": data["ambient"].values}, {"ambient": ambient})
+        chosen = selected(data, "ambient", runs)
+        if CYCLES in data.dims:
+            mine = np.isin(data[f"{CYCLES}_ambient_degC"].values, chosen["ambient"].values)
+            chosen = chosen.isel({CYCLES: np.flatnonzero(mine)})
+        return Result(chosen)
+
+    def to_dataset(self) -> xr.Dataset:
+        """The measures of `cycles` over ambient temperature, strain and cycle.
+
+        Where a strain comes twice, and in recorded histories, over ambient temperature and the
+        number of the cycle. The histories are in `dataset`.
+
+        Examples
+        --------
+        >>> import thermobearing as tb
+        >>> result = tb.run("shen-hdr-specimen", tb.cyclic_test(strain=[0.5, 1.0], cycles=2))
+        >>> result.to_dataset()["h_eq"].dims
+        ('ambient', 'strain', 'cycle')
+        """
+        return measures_dataset(self.cycles)
 
     @property
     def bearing_name(self) -> str:

@@ -11,11 +11,11 @@ import numpy as np
 import xarray as xr
 
 from thermobearing.cyclic.dataset import stacked
+from thermobearing.cyclic.measures import unit_of
 from thermobearing.cyclic.result import CYCLES, Ints, Result
 from thermobearing.results.metrics import find_cycles
 
 POINTS = 200  # of a cycle, a ramp, a rest
-UNITS = {"_kN_mm": "kN mm", "_kN": "kN", "_MPa": "MPa", "_degC": "degC"}
 PADDING = {"segment": -1.0, "cycle": 0.0}  # after the end of a shorter run; else NaN
 ROWS = "rows"  # attribute of a dataset that was thinned
 THINNED, COMPLETE = "thinned", "complete"
@@ -48,13 +48,6 @@ def with_cycles(data: xr.Dataset, result: Result) -> xr.Dataset:
             for name in cycles.columns
         }
     )
-
-
-def unit_of(column: str) -> str:
-    """Unit of a column of `Result.cycles`, from its name."""
-    if column.endswith("stiffness_kN_mm"):
-        return "kN/mm"
-    return next((unit for end, unit in UNITS.items() if column.endswith(end)), "1")
 
 
 def _gathered(data: xr.Dataset, rows: list[Ints]) -> xr.Dataset:

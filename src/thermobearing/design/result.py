@@ -13,6 +13,7 @@ import thermobearing
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.library import data_path
+from thermobearing.border.showing import table_html
 from thermobearing.border.toml import read_toml
 from thermobearing.cyclic.result import Result
 from thermobearing.design.bilinear import BoundModel, bound_models, bounds_table
@@ -122,6 +123,16 @@ class Design:
     study: EarthquakeResult
     equal: list[EqualBearing] = field(default_factory=list)
 
+    def __repr__(self) -> str:
+        size = self.last.size
+        return (
+            f"<Design of {self.case.structure.name}: {size.side:g} mm, "
+            f"{size.layers}x{size.layer_thickness:g}, {len(self.rounds)} rounds, {self.outcome}>"
+        )
+
+    def _repr_html_(self) -> str:
+        return table_html(repr(self)[1:-1], self.table, [self.sentence])
+
     @property
     def last(self) -> Round:
         """The final turn."""
@@ -213,6 +224,12 @@ class BoundsReport:
 
     tables: dict[str, pd.DataFrame]
 
+    def __repr__(self) -> str:
+        return f"<BoundsReport of {', '.join(self.tables)}>"
+
+    def _repr_html_(self) -> str:
+        return table_html(repr(self)[1:-1], self.table, list(self.paragraphs.values()))
+
     @property
     def table(self) -> pd.DataFrame:
         """All tables below each other."""
@@ -279,6 +296,12 @@ class FactorReport:
     motion: str
     cycles: str
     sizes: tuple[pd.DataFrame, dict[float, Result]] | None = None
+
+    def __repr__(self) -> str:
+        return f"<FactorReport of {self.name}: {self.motion}, reference {self.reference:g} degC>"
+
+    def _repr_html_(self) -> str:
+        return table_html(repr(self)[1:-1], self.table)
 
     @property
     def name(self) -> str:

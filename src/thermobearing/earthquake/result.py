@@ -7,8 +7,10 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from thermobearing.border.showing import table_html
 from thermobearing.core.records import Floats
 from thermobearing.results.metrics import LEAST_ENERGY, LEAST_HEAT
+from thermobearing.results.selection import chosen_runs, gridded, selected
 from thermobearing.results.writing import from_attribute, limits_passed, rig_summary
 
 if TYPE_CHECKING:
@@ -45,6 +47,7 @@ LOOP = {  # of the largest loop: name in the dataset
     "loop_G_e_MPa": "loop_modulus",
     "loop_energy_kN_mm": "loop_energy",
 }
+LABELS = ("bearing", "motion", "ambient", "mode")  # of a run
 HISTORY = {  # columns of a history: name in the dataset
     "time_s": "time",
     "ground_m_s2": "ground_acceleration",
@@ -83,6 +86,59 @@ class EarthquakeResult:
 
     def __getitem__(self, name: str) -> xr.DataArray:
         return self.dataset[name]
+
+    def __repr__(self) -> str:
+        counts = [len(set(self.dataset[name].values.tolist())) for name in LABELS[:3]]
+        return (
+            f"<EarthquakeResult of {self.dataset.attrs['structure']}: {self.runs} runs (bearings "
+            f"{counts[0]}, motions {counts[1]}, temperatures {counts[2]}), {self.outcome}>"
+        )
+
+    def _repr_html_(self) -> str:
+        return table_html(repr(self)[1:-1], self.table, self.warnings)
+
+    def show(self) -> None:
+        """Print the tables that the command prints."""
+        from thermobearing.earthquake.screen import print_study
+
+        print_study(self)
+
+    def sel(self, **chosen: Any) -> "EarthquakeResult":
+        """The runs with some labels.
+
+        Parameters
+        ----------
+        chosen : of bearing, motion, ambient [degC] and mode: a value, or several in a list.
+
+        Raises
+        ------
+        InputError : no such label, or no run with it.
+
+        Examples
+        --------
+        >>> import thermobearing as tb
+        >>> study = tb.bridge("shen-hdr-bridge", "jra-ii-i-1", [23, -20], duration=2)
+        >>> study.sel(bearing="shen-hdr-bridge", ambient=-20).runs
+        1
+        """
+        data = self.dataset
+        labels = {name: data[name].values for name in LABELS if name in data.coords}
+        return EarthquakeResult(selected(data, "run", chosen_runs(labels, chosen)))
+
+    def to_dataset(self) -> xr.Dataset:
+        """The dataset with bearing, motion and ambient temperature as dimensions.
+
+        With both modes of a laboratory also mode. A combination without a run is NaN.
+
+        Examples
+        --------
+        >>> import thermobearing as tb
+        >>> study = tb.bridge("shen-hdr-bridge", "jra-ii-i-1", [23, -20], duration=2)
+        >>> study.to_dataset()["bearing_force_max"].dims
+        ('bearing', 'motion', 'ambient')
+        """
+        both = len(set(self.modes)) > 1
+        return gridded(self.dataset, [name for name in LABELS if name != "mode" or both])
 
     @property
     def runs(self) -> int:

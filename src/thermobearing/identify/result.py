@@ -6,9 +6,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from thermobearing.bearing.model import Bearing
+from thermobearing.border.showing import table_html
 from thermobearing.identify.agreement import RecordFit, fit_of_record
 from thermobearing.identify.checks import CheckReport
 from thermobearing.identify.forward import Prediction
@@ -68,6 +70,40 @@ class Identification:
     history: list[tuple[int, float]]
     outcome: str
     problem: Problem
+
+    def __repr__(self) -> str:
+        free = ", ".join(
+            f"{item.parameter.kind.symbol} = {item.value:.4g}"
+            for item in self.uncertainty.estimates.values()
+        )
+        fits = ", ".join(f"{fit.R2:.4f}" for fit in self.fits)
+        return f"<Identification of {self.bearing.name}: {free}; R2 {fits}; {self.outcome}>"
+
+    def _repr_html_(self) -> str:
+        return table_html(repr(self)[1:-1], self.table, self.warnings)
+
+    def show(self) -> None:
+        """Print the tables that the command prints."""
+        from thermobearing.identify.screen import print_identification
+
+        print_identification(self)
+
+    @property
+    def table(self) -> pd.DataFrame:
+        """One row per free parameter: value, standard error, 95 % interval."""
+        rows = [
+            {
+                "parameter": item.parameter.kind.symbol,
+                "unit": item.parameter.kind.unit,
+                "value": item.value,
+                "standard_error": item.stderr,
+                "lower": item.lower,
+                "upper": item.upper,
+                "at_bound": item.at_bound,
+            }
+            for item in self.uncertainty.estimates.values()
+        ]
+        return pd.DataFrame(rows)
 
     @property
     def values(self) -> dict[str, float]:

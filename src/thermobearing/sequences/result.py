@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 
 import thermobearing
+from thermobearing.border.showing import table_html
 from thermobearing.cyclic.result import Result
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.model.outcomes import INTERRUPTED, SENTENCES
@@ -39,6 +40,19 @@ class SequenceResult:
 
     def __getitem__(self, number: int) -> PartResult:
         return self.parts[number]
+
+    def __repr__(self) -> str:
+        name = self.case.bearing.name
+        return f"<SequenceResult of {name}: {len(self.parts)} parts, {self.outcome}>"
+
+    def _repr_html_(self) -> str:
+        return table_html(repr(self)[1:-1], self.table, self.warnings)
+
+    def show(self) -> None:
+        """Print the tables that the command prints."""
+        from thermobearing.sequences.screen import print_sequence
+
+        print_sequence(self)
 
     @property
     def outcome(self) -> str:

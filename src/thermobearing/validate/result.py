@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from thermobearing.border.showing import table_html
 from thermobearing.identify.forward import Prediction
 from thermobearing.identify.record import TestRecord
 from thermobearing.validate.case import QUANTITIES
@@ -117,6 +118,18 @@ class Validation:
 
     comparisons: list[Comparison]
     limits: dict[str, float]
+
+    def __repr__(self) -> str:
+        return f"<Validation: {len(self.comparisons)} comparisons, {self.verdict}, {self.outcome}>"
+
+    def _repr_html_(self) -> str:
+        return table_html(repr(self)[1:-1], self.table)
+
+    def show(self) -> None:
+        """Print the tables that the command prints."""
+        from thermobearing.validate.screen import print_validation
+
+        print_validation(self)
 
     @property
     def outcome(self) -> str:
