@@ -16,6 +16,8 @@ DOCS = Path(__file__).parent
 README = DOCS.parent / "README.md"
 TEXTS = DOCS / "texts"  # written by hand, between the tables of verification.md
 SECTIONS = ("one_dimension", "factors", "lead", "structures", "near_fault", "source")
+# Tables between marks in the texts, each printed by `python -m benchmarks.NAME`.
+TABLES = {"lead": ("lead_rise",), "source": ("bearing_count", "source_hybrid")}
 MEASURED, BENCH = DOCS / "measured.json", DOCS / "bench.json"
 
 # Rows of the README, by the names that tests and benches give their numbers.
@@ -30,7 +32,7 @@ IN_README = (
     "lead rise against OpenSees LeadRubberX while heating",
     "K_eq of the bridge bearing at 178 mm, K_r = 25 kN/mm, against Table 6.1",
     "K_eq of the LHDR bridge bearing at 178 mm against Table 6.1",
-    "energy of LHDR over HDR, Table 3.4, -20, 0, 23 degC",
+    "hybrid test, 8 bearings, energy of LHDR over HDR at 23, 0, -20 degC: rt; pd",
     "pier-p1, bilinear bearings, force against OpenSees: peak, whole history",
     "energy books of pier P1, shen-lhdr-bridge, average-acceleration, of the input",
     "first period of pier-p1, published mass",
@@ -131,6 +133,17 @@ def between(text: str, name: str, content: str) -> str:
     return f"{head}{start}\n{content}\n{end}{rest.split(end, 1)[1]}"
 
 
+def fill_tables() -> None:
+    """The tables between the marks of the texts, from the programs that print them."""
+    for name, programs in TABLES.items():
+        path = TEXTS / f"{name}.md"
+        for program in programs:
+            command = [sys.executable, "-m", f"benchmarks.{program}"]
+            done = subprocess.run(command, check=True, cwd=DOCS.parent, capture_output=True)
+            text = path.read_text(encoding="utf-8")
+            path.write_text(between(text, program, done.stdout.decode().strip()))
+
+
 def draw() -> None:
     """The loops of the README."""
     import thermobearing as tb
@@ -162,6 +175,7 @@ def main() -> None:
         subprocess.run(pytest, check=True, cwd=DOCS.parent, env=environment)
         bench = [sys.executable, "-m", "benchmarks", "--json", str(BENCH)]
         subprocess.run(bench, check=True, cwd=DOCS.parent)
+        fill_tables()
         draw()
         for name in ("opensees_lead", "opensees_pier", "takeda"):
             figure = ["-m", f"benchmarks.{name}_figure", str(DOCS / f"figures/{name}.png")]

@@ -84,6 +84,7 @@ def list_(as_json: AsJson = False) -> int:
     """What is built in."""
     from thermobearing.bearing.bilinear import list_bilinear, load_bilinear
     from thermobearing.bearing.library import list_bearings, load_bearing
+    from thermobearing.cyclic.rig import RIGS, load_rig
     from thermobearing.motions.library import list_motions
     from thermobearing.structure.model import list_structures, load_structure
 
@@ -95,6 +96,9 @@ def list_(as_json: AsJson = False) -> int:
     typer.echo("")
     for structure in map(load_structure, list_structures()):
         typer.echo(f"{structure.name:24}  structure  {structure.description}")
+    rigs = [load_rig(name) for name in RIGS.names()]
+    for rig in rigs:
+        typer.echo(f"{rig.name:24}  rig        {rig.description}")
     motions = list_motions()
     typer.echo(f"\n{len(motions)} ground motions, see `thermobearing motions list`")
     if as_json:
@@ -103,6 +107,7 @@ def list_(as_json: AsJson = False) -> int:
                 "bearings": [bearing.name for bearing in bearings],
                 "bilinear_bearings": list_bilinear(),
                 "structures": list_structures(),
+                "rigs": [rig.name for rig in rigs],
                 "motions": motions,
             }
         )
@@ -112,21 +117,23 @@ def list_(as_json: AsJson = False) -> int:
 @app.command(cls=Command, rich_help_panel=FILES, epilog=_example("check bearing.toml"))
 @reported
 def check(
-    file: Annotated[Path, typer.Argument(help="A bearing or a case, in TOML.")],
+    file: Annotated[Path, typer.Argument(help="A bearing, a case, or any other TOML.")],
     as_json: AsJson = False,
 ) -> int:
     """Validate a file without running it, and say what was understood.
 
-    Of a bearing also what its heat cells cost in accuracy, by a short test on it.
+    Numbers that usual bearings do not have are warnings: units, signs. Of a bearing also what its
+    heat cells cost in accuracy, by a short test on it.
     """
-    from thermobearing.commands.check import cells_facts, describe_file
-    from thermobearing.results.screen import print_facts
+    from thermobearing.commands.check import cells_facts, check_file
+    from thermobearing.results.screen import print_facts, print_warnings
 
-    kind, facts = describe_file(file)
+    kind, facts, warnings = check_file(file)
     facts |= cells_facts(file) if kind == "bearing" else {}
     print_facts(f"{file}: a valid {kind}", facts)
+    print_warnings(warnings)
     if as_json:
-        echo_json({"outcome": "valid", "kind": kind, "file": str(file)})
+        echo_json({"outcome": "valid", "kind": kind, "file": str(file), "warnings": warnings})
     return 0
 
 

@@ -16,7 +16,7 @@ from tests.fuzz.mutations import UNITS, damaged, plain_numbers, rows_of_numbers,
 from thermobearing.bearing.bilinear import load_bilinear
 from thermobearing.border.tables import Layout, read_columns
 from thermobearing.border.units import parse_quantity
-from thermobearing.commands.check import describe_file
+from thermobearing.commands.check import check_file
 from thermobearing.cyclic.case import load_case, make_case
 from thermobearing.cyclic.protocol import survey
 from thermobearing.design.case import load_design_case, make_design_case
@@ -35,6 +35,7 @@ from thermobearing.motions.record import GroundMotion
 from thermobearing.motions.run import make_motion_case
 from thermobearing.motions.spectrum import response_spectrum
 from thermobearing.results.metrics import measure_history
+from thermobearing.sequences.case import load_sequence_case
 from thermobearing.structure.model import load_structure
 
 Files = dict[str, bytes]
@@ -86,24 +87,21 @@ def toml_border(
 
 def _check_and_describe(path: Path) -> None:
     """The command `check` reads any of them."""
-    kind, facts = describe_file(path)
+    kind, facts, _ = check_file(path)
     assert kind
     assert all("nan" not in fact.split() for fact in facts.values()), facts
 
 
-def _whole_case(path: Path) -> None:
+def _whole(load: Callable[[Path], Any]) -> Callable[[Path], None]:
     """A case that loads is written out in full and reads back the same."""
-    case = load_case(path)
-    text = case.to_toml()
-    (path.parent / "again.toml").write_text(text, encoding="utf-8")
-    assert load_case(path.parent / "again.toml").to_toml() == text
 
+    def again(path: Path) -> None:
+        text = load(path).to_toml()
+        other = path.parent / "again.toml"
+        other.write_text(text, encoding="utf-8")
+        assert load(other).to_toml() == text
 
-def _whole_study(path: Path) -> None:
-    case = load_earthquake_case(path)
-    text = case.to_toml()
-    (path.parent / "again.toml").write_text(text, encoding="utf-8")
-    assert load_earthquake_case(path.parent / "again.toml").to_toml() == text
+    return again
 
 
 def _checked_record(path: Path) -> None:
@@ -120,6 +118,7 @@ def _any_table() -> st.SearchStrategy[dict[str, Any]]:
         grammar.structures(),
         grammar.cyclic_cases(),
         grammar.earthquake_cases(),
+        grammar.sequence_cases(),
         grammar.design_cases(),
         grammar.sidecars(),
     )
@@ -379,8 +378,11 @@ def library_borders() -> list[Border]:
         toml_border("bearing", grammar.bearings(), tb.load_bearing, 160),
         toml_border("bilinear bearing", grammar.bilinear_bearings(), load_bilinear, 60),
         toml_border("structure", grammar.structures(), load_structure, 120),
-        toml_border("cyclic case", grammar.cyclic_cases(), _whole_case, 200),
-        toml_border("earthquake case", grammar.earthquake_cases(), _whole_study, 120),
+        toml_border("cyclic case", grammar.cyclic_cases(), _whole(load_case), 200),
+        toml_border(
+            "earthquake case", grammar.earthquake_cases(), _whole(load_earthquake_case), 120
+        ),
+        toml_border("sequence case", grammar.sequence_cases(), _whole(load_sequence_case), 80),
         toml_border("design case", grammar.design_cases(), load_design_case, 60),
         toml_border("check", _any_table(), _check_and_describe, 120),
         Border("test sidecar", grammar.sidecars().flatmap(toml_files).map(_sidecar_file), 140),

@@ -67,6 +67,17 @@ IDENTIFY: dict[str, Values] = {
     "--seed": some("1"), "--starts": some("1"),
     "--evaluations": some("40"), "--loss": some("huber", "linear"), "--predict": some("0"),
 }  # fmt: skip
+VALIDATE: dict[str, Values] = {
+    "--beside": some(*NAMES), "--model": some("adiabatic", "lead-alone", "bilinear"),
+    "--limit": some("K_eq=0.1", "NRMSE=1", "K_eg=1", "h_eq", "h_eq=15 %", "energy=nan"),
+}  # fmt: skip
+HELD_OUT: dict[str, Values] = {
+    "--folds": some("2", "1", "99"), "--hold-out": some("test.csv", "none.csv", "a.toml"),
+    "--limit": VALIDATE["--limit"], "--free": some("K_r"), "--loss": some("huber"),
+}  # fmt: skip
+SEQUENCE: dict[str, Values] = {
+    "--bearing": some(*NAMES), "--ambient": some("0"), "--rig": some("shen-rig", "shen-rigg"),
+}  # fmt: skip
 DESIGN: dict[str, Values] = {
     "--start": some("150"), "--compound": some("G8", "G12"), "--kind": some("HDR", "HDR-S"),
     "--motion": some("motion.csv", "motion.at2"), "--weight": some("700"),
@@ -208,6 +219,10 @@ TWO_RUNS = ("--ambient", "0", "--ambient", "23", "--motion", "motion.csv", "--be
 def command_borders() -> list[Border]:
     """Borders of the command."""
     record = st.just((["test.csv"], {"test.csv": grammar.TEST.encode()}))
+    held = {"test.csv": grammar.TEST.encode(), "other.csv": grammar.TEST.encode()}
+    two = st.just((sorted(held), held))
+    judged = st.one_of(record, _table(grammar.TEST, "t.csv"))
+    sequences = _toml(grammar.sequence_cases())
     case = _toml(grammar.cyclic_cases())
     study = _toml(grammar.earthquake_cases())
     files = {
@@ -243,6 +258,15 @@ def command_borders() -> list[Border]:
             ),
             10,
         ),
+        Border(
+            "command identify, tests held out",
+            _command(
+                ["identify"], HELD_OUT, two, ("--starts", "1", "--start", "shen-hdr-specimen")
+            ),
+            10,
+        ),
+        Border("command validate", _command(["validate", NAMES[0]], VALIDATE, judged), 24),
+        Border("command sequence", _command(["sequence"], SEQUENCE, sequences), 24),
         Border("command design", _command(["design"], DESIGN, _toml(grammar.design_cases())), 8),
         Border(
             "command lambda",

@@ -220,6 +220,50 @@ def earthquake_cases(draw: st.DrawFn) -> Table:
 
 
 @st.composite
+def parts(draw: st.DrawFn) -> Table:
+    """One part of a sequence; it begins where any other ends."""
+    kind = draw(st.sampled_from(["cyclic", "hybrid", "rest"]))
+    table: Table = {"part": kind}
+    if draw(st.booleans()):
+        table["name"] = draw(st.sampled_from(["first", "a / b", "免震", "..", "x" * 60]))
+    if draw(st.integers(0, 3)) == 0:
+        table["ambient"] = draw(quantities(-30, 40, "degC"))
+    if kind == "cyclic":
+        back = {"step": "ramp", "to": "0 mm", "speed": "50 mm/s"}
+        table["dt"] = draw(quantities(0.02, 0.1, "s"))
+        table["steps"] = [back, *draw(st.lists(steps(), max_size=2))]
+    elif kind == "rest":
+        table |= {"duration": "5 s"} if draw(st.booleans()) else {"within": "20 K"}
+    else:
+        table |= {"duration": draw(quantities(0.05, 0.3, "s")), "dt": "0.02 s"}
+        table["motion"] = draw(motion_tables())
+        if draw(st.booleans()):
+            table["structure"] = draw(st.one_of(st.just("structure.toml"), structures()))
+        if draw(st.booleans()):
+            table["laboratory"] = {"mode": draw(st.sampled_from(["rt", "pd"])), "seed": 3}
+    return table
+
+
+@st.composite
+def sequence_cases(draw: st.DrawFn) -> Table:
+    """A few short parts one after the other."""
+    table: Table = {
+        "bearing": draw(st.one_of(st.sampled_from([*BEARINGS, "bearing.toml"]), bearings())),
+        "ambient": draw(quantities(-30, 40, "degC")),
+        "parts": draw(st.lists(parts(), min_size=1, max_size=3)),
+    }
+    if draw(st.booleans()):
+        limits = st.sampled_from(["shen-rig", {"force": "50 kN"}, {"speed": "9 mm/s"}])
+        table["rig"] = draw(limits)
+    if draw(st.booleans()):
+        table["analysis"] = {
+            "scheme": draw(st.sampled_from(["conservative", "published"])),
+            "keep_every": draw(st.integers(1, 4)),
+        }
+    return table
+
+
+@st.composite
 def design_cases(draw: st.DrawFn) -> Table:
     return {
         "structure": "pier-p1",

@@ -264,7 +264,9 @@ def test_bounding_analysis_by_hand(monkeypatch: pytest.MonkeyPatch) -> None:
         else:
             rows = [{"ambient_degC": t, **dict(zip(demands, v, strict=True))}
                     for t, v in coupled.items()]  # fmt: skip
-        return SimpleNamespace(table=pd.DataFrame(rows).assign(motion="m"))
+        table = pd.DataFrame(rows).assign(motion="m", beyond_tested="strain")
+        none = pd.DataFrame()
+        return SimpleNamespace(table=table, tested_range=none, outcome="completed", sentence="")
 
     monkeypatch.setattr(bounds, "run_earthquake", analyse)
     models = {
@@ -286,3 +288,4 @@ def test_bounding_analysis_by_hand(monkeypatch: pytest.MonkeyPatch) -> None:
     assert_allclose(table["envelope_over_coupled"], [2.0 / 1.5, 0.8, 1.5, 1.0])
     assert table["verdict"].tolist() == ["wasteful", "unsafe", "wasteful", "good"]
     assert table["coupled_-20_degC"].tolist() == coupled[-20.0]
+    assert set(table["beyond_tested"]) == {"strain"}

@@ -21,7 +21,7 @@ from thermobearing.border import errors, tables
 from thermobearing.border.errors import InputError
 from thermobearing.border.toml import DEEPEST
 from thermobearing.border.units import parse_quantity
-from thermobearing.commands.check import describe_file
+from thermobearing.commands.check import check_file
 from thermobearing.design.case import load_design_case
 from thermobearing.design.factors import chosen_cycles, temperature_factors
 from thermobearing.design.scale import scaled_bearing
@@ -43,7 +43,7 @@ LOADERS: list[Callable[[Path], Any]] = [
     load_earthquake_case,
     load_design_case,
     load_test,
-    describe_file,
+    check_file,
 ]
 LONG = "x" * 300  # longer than a file system allows
 TEST = "time_s,displacement_mm,force_kN\n" + "".join(
@@ -95,7 +95,7 @@ def test_numbers_and_nesting_beyond_toml(
 def test_command_that_is_no_word(value: Any, tmp_path: Path) -> None:
     path = write_toml(tmp_path / "case.toml", {"command": value})
     told(lambda: load_earthquake_case(path), "command = ", '"bridge" or "hybrid"')
-    told(lambda: describe_file(path), "command = ", '"bridge" or "hybrid"')
+    told(lambda: check_file(path), "command = ", '"bridge" or "hybrid"')
 
 
 def test_tables_of_a_study_that_are_none() -> None:

@@ -135,8 +135,9 @@ FULL_PROFILE = np.linspace(-10.0, 20.0, 86).tolist()  # a temperature for each c
         (HDR, {"stack": "full", "initial": FULL_PROFILE, "heat_source": "dissipation"}),
         ("shen-lhdr-specimen", {"model": "single-temperature", "lower_face": EndFace(eta=1.0)}),
         ("shen-lhdr-specimen", {"initial_lead": 60.0, "lead_ends": "finite-plate"}),
+        ("shen-lhdr-specimen", {"lead_ends": "half-space", "clock": "lead"}),
     ],
-    ids=["published", "monotone", "full height", "one temperature", "lead"],
+    ids=["published", "monotone", "full height", "one temperature", "lead", "clock"],
 )
 def test_element_with_options_is_the_run(bearing: str, given: dict[str, Any]) -> None:
     result = tb.run(bearing, SHORT, ambient=0.0, **given)
@@ -193,7 +194,7 @@ def test_resolved_study_says_every_option_and_reads_back() -> None:
     )
     table = tomllib.loads(study.to_toml())
     assert table["analysis"]["model"] == "adiabatic"
-    unset = {"heat_source", "lead_ends"}  # those of each bearing
+    unset = {"heat_source", "lead_ends", "clock"}  # those of each bearing
     assert set(ModelOptions.model_fields) - set(table["analysis"]) == unset
     assert make_earthquake_case(table, "again").model_dump() == study.model_dump()
 

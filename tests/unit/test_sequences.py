@@ -5,11 +5,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 import tomli_w
 from typer.testing import CliRunner
 
 import thermobearing as tb
+from tests.unit.inputs import command
 from thermobearing.cli import app
 from thermobearing.sequences import SequenceResult, load_sequence_case, make_sequence_case
 
@@ -102,7 +104,14 @@ def test_what_passes_the_rig_is_said_and_goes_on(result: SequenceResult) -> None
 def test_files_are_whole_and_read_back(result: SequenceResult, tmp_path: Path) -> None:
     out = result.save(tmp_path / "out", figures=False)
     names = sorted(path.name for path in out.iterdir())
-    assert names == ["case.resolved.toml", "parts", "rig.csv", "summary.json", "table.csv"]
+    assert names == [
+        "case.resolved.toml",
+        "parts",
+        "rig.csv",
+        "summary.json",
+        "table.csv",
+        "tested_range.csv",
+    ]
     assert json.loads((out / "summary.json").read_text())["outcome"] == "completed"
     again = tb.load_result(out)
     assert isinstance(again, SequenceResult)
@@ -129,7 +138,8 @@ def test_the_command(tmp_path: Path) -> None:
     done = CliRunner().invoke(app, words, env={"COLUMNS": "200"})
     assert done.exit_code == 0, done.output
     assert "01-CL-1st" in done.output
-    assert "warning" not in done.output
+    assert "rig cannot do it" not in done.output
+    assert "below the 50 % tested" in done.output
     assert (tmp_path / "out" / "figures" / "sequence.png").stat().st_size > 5000
     case.write_text(tomli_w.dumps(TABLE | {"parts": [{"part": "rest"}]}))
     done = CliRunner().invoke(app, ["sequence", str(case), "-o", str(tmp_path / "new")])
@@ -165,3 +175,24 @@ def test_a_rig_in_a_test_and_in_a_study() -> None:
     assert told.rig["passed"].all()
     assert list(told.table["beyond_rig"]) == ["speed", "speed"]
     assert any("faster than the 9 mm/s of rig" in text for text in told.warnings)
+
+
+def test_a_rig_by_name_in_python_and_on_the_command_line(tmp_path: Path) -> None:
+    """A small one, which every command is too much for; the built-in ones are listed."""
+    (tmp_path / "small.toml").write_text('name = "small"\nforce = "1 kN"\n')
+    small = tmp_path / "small.toml"
+    test = tb.cyclic_test(strain=[0.5], cycles=1, rest=None)
+    told = tb.run("shen-hdr-specimen", test, rig=small).summary()["warnings"]
+    assert any("more than the 1 kN of small" in text for text in told)
+    quick = ["--rig", small, "--no-figures", "--ambient", "0", "--bearing", "shen-hdr-specimen"]
+    for name, more in (("cyclic", ["--dt", "1"]), ("hybrid", ["--duration", "1"])):
+        done = command(name, *quick, *more, "-o", tmp_path / name)
+        assert done.exit_code == 0, done.output
+        (row,) = pd.read_csv(tmp_path / name / "rig.csv").to_dict("records")
+        assert (row["limit"], row["rig"], row["passed"]) == ("force", 1.0, True)
+    wrong = command("cyclic", "--rig", "shen-rigg", "-o", tmp_path / "wrong")
+    assert wrong.exit_code == 2
+    assert 'did you mean "shen-rig"' in wrong.stderr
+    listed = command("list", "--json")
+    assert json.loads(listed.stdout.splitlines()[-1])["rigs"] == ["shen-rig"]
+    assert "Biaxial rig" in listed.stdout

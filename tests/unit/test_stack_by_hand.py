@@ -106,7 +106,7 @@ def test_numbers_of_rubber() -> None:
 
 @pytest.mark.parametrize("clock", ["steel", "lead"])
 def test_numbers_of_lead_and_rate(clock: str) -> None:
-    """The dimensionless clock is that of steel, unless the bearing says otherwise."""
+    """The dimensionless clock is that of the medium that the bearing names."""
     assert LHDR.lead is not None
     assert LHDR.rate is not None
     assert LHDR.materials.lead is not None

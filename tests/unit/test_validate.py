@@ -12,9 +12,10 @@ import pytest
 import thermobearing as tb
 from tests.unit.inputs import command
 from thermobearing.identify.forward import ForwardModel, Prediction
+from thermobearing.identify.loops import largest_of, loops_of
 from thermobearing.identify.record import TestRecord
 from thermobearing.validate.result import BEYOND, TOLD, WITHIN, Validation
-from thermobearing.validate.run import largest_loop, loops_of, rise_errors
+from thermobearing.validate.run import rise_errors
 
 HDR, LHDR = "shen-hdr-specimen", "shen-lhdr-specimen"
 TEST = tb.cyclic_test(strain=[1.0, 2.0], cycles=2, rest=None)
@@ -79,9 +80,10 @@ def sines(sizes: tuple[float, ...]) -> TestRecord:
 
 def test_measures_of_loops_whose_answer_is_known() -> None:
     record = sines((10.0, 40.0, 40.0, 20.0))
-    loops = loops_of(record, np.where(record.force > 0.0, 1.5, 0.5) * record.force)
+    force = np.where(record.force > 0.0, 1.5, 0.5) * record.force
+    loops = loops_of(record, force)
     assert [loop.number for loop in loops] == [1, 1, 2, 1]
-    top = largest_loop(loops)
+    top = largest_of(record, force, loops)
     assert top is loops[1]  # the first of equals
     assert top.displacement_max == pytest.approx(40.0)
     assert top.displacement_min == pytest.approx(-40.0)
@@ -92,7 +94,25 @@ def test_measures_of_loops_whose_answer_is_known() -> None:
     assert top.ratios["F+"] == pytest.approx(1.5)
     assert top.ratios["F-"] == pytest.approx(0.5)
     assert top.ratios["K_eq"] == pytest.approx(1.0)
-    assert largest_loop([]) is None
+    assert largest_of(sines((0.0,)), force, []) is None
+
+
+def test_the_largest_loop_may_be_no_full_cycle() -> None:
+    """The farthest excursion to one side and the one after it, which belong to two cycles."""
+    record = sines((10.0, 40.0, 60.0))
+    half = len(record.time) // 3 * 3 // 2  # in the middle of the second cycle
+    x = np.where(np.arange(len(record.time)) < half, 0.5, 1.0) * record.displacement
+    force = np.where(np.arange(len(record.time)) < half, 0.5, 1.0) * record.force
+    x[4001:], force[4001:] = 0.5 * x[4001:], 0.5 * force[4001:]
+    record = replace(record, displacement=x, force=force)  # 5, 20, -40, 30, -30
+    loops = loops_of(record, force)
+    top = largest_of(record, force, loops)
+    assert top is not None
+    assert (top.first, top.last) == pytest.approx((half, 5000), abs=1)
+    assert (top.cycle, top.number) == (0, 0)
+    assert top.displacement_min == pytest.approx(-40.0)
+    assert top.displacement_max == pytest.approx(30.0)
+    assert [loop.cycle for loop in loops] == [1, 2, 3]
 
 
 def test_rise_errors_in_time() -> None:
@@ -168,7 +188,7 @@ def test_command(tmp_path: Path, record: TestRecord) -> None:
     assert told["comparisons"][0]["errors"]["temperature"]["verdict"] == "told"
     files = {str(path.relative_to(out)) for path in out.rglob("*.*")}
     drawn = ("loops", "ratios", "cycles", "residuals", "temperatures")
-    tables = {"summary.json", "table.csv", "cycles.csv", "fit.csv"}
+    tables = {"summary.json", "table.csv", "cycles.csv", "fit.csv", "tested_range.csv"}
     assert files == tables | {f"figures/{name}.png" for name in drawn}
     fit = pd.read_csv(out / "fit.csv")
     assert len(fit) == len(record.time)

@@ -154,3 +154,79 @@ def test_a_damaged_state_in_a_case_is_told(tmp_path: Path) -> None:
         broken = {k: v for k, v in (state | change).items() if v is not None}
         with pytest.raises(tb.InputError, match=piece):
             tb.cyclic.make_case(table | {"initial_state": broken}, "case")
+
+
+LHDR, HDR = "shen-lhdr-specimen", "shen-hdr-specimen"
+SHORT = made([HELD, BACK, CYCLES])
+
+
+@pytest.fixture(scope="module")
+def study() -> tb.earthquake.EarthquakeResult:
+    """Two bearings of different stacks, at two temperatures."""
+    return tb.hybrid([HDR, LHDR], ambient=[-20.0, 0.0], duration=4.0)
+
+
+def test_a_test_goes_on_from_a_hybrid_one_as_in_a_sequence(tmp_path: Path) -> None:
+    """hybrid -> cyclic -> hybrid, each from the result of the one before: the sequence."""
+    steps = [
+        {"step": "rest", "duration": "40 s"},
+        {"step": "ramp", "to": "0 mm", "speed": "25 mm/s"},
+        {"step": "cycles", "strain": 1.5, "wave": "sine", "period": "3 s", "count": 1},
+    ]
+    cyclic = {"part": "cyclic", "dt": "30 ms", "steps": steps}
+    parts = [{"part": "hybrid", "duration": "4 s"}, cyclic, {"part": "hybrid", "duration": "3 s"}]
+    wanted = tb.sequence({"bearing": LHDR, "ambient": "-20 degC", "parts": parts})
+    first = tb.hybrid(LHDR, ambient=-20, duration=4, keep_every=1)
+    first.save(tmp_path / "first", figures=False)
+    second = tb.run(LHDR, SHORT, -20.0, initial=tmp_path / "first")
+    third = tb.hybrid(LHDR, ambient=-20, duration=3, keep_every=1, initial_result=second)
+    for name in ("force", "temperature", "lead_temperature"):
+        close(second[name].values, wanted[1].dataset[name].values, name)  # type: ignore[union-attr]
+    for key in (*(PREFIX + key for key in MEMORY), "final_temperature", "bearing_force"):
+        close(third.dataset[key].values, wanted[2].dataset[key].values, key)
+
+
+def test_the_run_of_the_same_bearing_and_temperature_goes_on(
+    study: tb.earthquake.EarthquakeResult,
+) -> None:
+    for name in (HDR, LHDR):
+        for air in (-20.0, 0.0):
+            alone = tb.hybrid(name, ambient=air, duration=4.0)
+            one = tb.run(name, SHORT, air, initial=alone)
+            of_study = tb.run(name, SHORT, air, initial=study)
+            close(of_study["force"].values, one["force"].values, name)
+            assert abs(one["force"].values[0, 0]) > 0.0
+
+
+def test_what_no_test_can_go_on_from(study: tb.earthquake.EarthquakeResult, tmp_path: Path) -> None:
+    for call, said in (
+        (
+            lambda: tb.run("lrb-example", SHORT, 0.0, initial=study),
+            'is a test of "shen-hdr-specimen"',
+        ),
+        (lambda: tb.run(HDR, SHORT, 5.0, initial=study), r"has 2 runs, at \[-20.   0.\] degC"),
+        (lambda: tb.hybrid([HDR, LHDR], initial_result=study), "is of one bearing"),
+        (lambda: tb.bridge("shen-bilinear-bridge", initial_result=study), "none that is bilinear"),
+        (lambda: tb.hybrid(HDR, ambient=0, initial_result=tmp_path), "initial_result: .*no result"),
+        (lambda: tb.hybrid(HDR, ambient=0, initial_result=3), "must be the path of a result"),  # type: ignore[arg-type]
+    ):
+        with pytest.raises(tb.InputError, match=said):
+            call()
+    cold = tb.bridge("shen-bilinear-bridge", "jra-ii-i-1", 0, duration=1)
+    assert not [name for name in cold.dataset if str(name).startswith(PREFIX)]
+    with pytest.raises(tb.InputError, match="holds no ends"):
+        tb.run(HDR, SHORT, 0.0, initial=cold)
+
+
+def test_a_case_file_names_the_earlier_result(
+    study: tb.earthquake.EarthquakeResult, tmp_path: Path
+) -> None:
+    study.save(tmp_path / "mine", figures=False)
+    file = tmp_path / "case.toml"
+    file.write_text(f'bearings = "{HDR}"\nambient = "0 degC"\ninitial_result = "mine"\n')
+    case = tb.earthquake.load_earthquake_case(file, command="hybrid")
+    assert case.initial_state is not None
+    force = study.dataset[PREFIX + "force"].values[1]  # of HDR at 0 degC
+    assert case.initial_state.force == force
+    file.write_text(case.to_toml())
+    assert tb.earthquake.load_earthquake_case(file).initial_state == case.initial_state

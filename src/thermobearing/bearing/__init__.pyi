@@ -6,3 +6,4 @@ from .bilinear import load_bilinear as load_bilinear
 from .library import list_bearings as list_bearings
 from .library import load_bearing as load_bearing
 from .model import Bearing as Bearing
+from .validity import Validity as Validity

@@ -5,8 +5,13 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
+from thermobearing.bearing.library import list_bearings, load_bearing
+from thermobearing.bearing.model import Bearing
+from thermobearing.bearing.validity import Validity
+from thermobearing.border.errors import InputError, is_file, nearest
 from thermobearing.border.library import Library
 from thermobearing.border.schema import Strict, in_unit, validated
+from thermobearing.border.toml import read_toml, split_sources
 
 Stiffness = Annotated[float, in_unit("kN/mm"), Field(ge=1e-6, le=1e7)]  # 0.1 to 1000 kN/mm
 
@@ -22,6 +27,7 @@ class BilinearBearing(Strict):
     strength : Q_d, force at zero displacement [kN], in [1e-6, 1e7].
     initial_stiffness, post_yield_stiffness : K_1 > K_2 [kN/mm], in
         [1e-6, 1e7].
+    tested_range : what it was designed or tested for; None where that is not given.
     """
 
     name: Annotated[str, Field(min_length=1)]
@@ -32,6 +38,7 @@ class BilinearBearing(Strict):
     strength: Annotated[float, in_unit("kN"), Field(ge=1e-6, le=1e7)]  # Q_d
     initial_stiffness: Stiffness  # K_1
     post_yield_stiffness: Stiffness  # K_2
+    tested_range: Validity | None = None
 
     @model_validator(mode="after")
     def _stiff_first(self) -> "BilinearBearing":
@@ -72,3 +79,33 @@ def load_bilinear(name_or_path: str | Path) -> BilinearBearing:
     """
     table, where = BILINEAR.read(name_or_path)
     return validated(BilinearBearing, table, where)
+
+
+def load_device(name_or_path: str | Path) -> Bearing | BilinearBearing:
+    """A bearing, or a bilinear one, by name or file.
+
+    Parameters
+    ----------
+    name_or_path : of the library, or a TOML file.
+
+    Raises
+    ------
+    InputError : no such bearing, or faults in the file.
+
+    Examples
+    --------
+    >>> load_device("shen-bilinear-bridge").kind, load_device("shen-hdr-specimen").kind
+    ('bilinear', 'HDR')
+    """
+    text = str(name_or_path)
+    if text in list_bilinear():
+        return load_bilinear(text)
+    if text.endswith(".toml") and is_file(Path(text)):
+        table = read_toml(Path(text))
+        if split_sources(table)[0].get("kind") == "bilinear":
+            return load_bilinear(text)
+        return load_bearing(text)
+    if text in list_bearings() or "/" in text or text.endswith(".toml"):
+        return load_bearing(text)
+    known = [*list_bearings(), *list_bilinear()]
+    raise InputError(f'no bearing is called "{text}"{nearest(text, known)}')

@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, PrivateAttr, field_validator, model_validator
 
 from thermobearing.bearing.temperature import TemperatureLaw
+from thermobearing.bearing.validity import Validity
 from thermobearing.border.schema import Strict, in_unit
 from thermobearing.border.showing import facts_html
 from thermobearing.border.units import CUBIC_MM_PER_CUBIC_M, NEWTON_PER_KILONEWTON
@@ -188,15 +189,19 @@ class Scragging(Strict):
     mullins_renewal: Annotated[float, Field(ge=1e-4, le=10)] = 0.05  # l
 
 
+Clock = Literal["steel", "lead"]
+
+
 class LeadCores(Strict):
     """Lead cores in parallel; numbers of ONE core (Eq. 5.1-5.7, Table 5.2).
 
-    `softening` is E2 of sigma_Y exp(-E2 (T - T_0)), zero for constant strength. `confined`
+    `softening` is E2 of sigma_Y exp(-E2 (T_l - T_0)), zero for constant strength. `confined`
     cores (in springs) pass heat to the end plates only. `clock` says whose diffusivity makes
-    t+ dimensionless: that of steel (Kalpakidis & Constantinou) or of lead (as Eq. 5.6 prints).
-    `surface_ratio` and `clock` are for `lead_ends = "half-space"`. `end_spreading` is for confined
-    cores on finite plates (the default): the resistance of the end plate to one core, relative
-    to a core that stands on nothing but it.
+    t+ dimensionless: that of steel (Kalpakidis & Constantinou) or of lead (as Eq. 5.6 prints); if
+    it is left out, lead with the published scheme and steel otherwise. `surface_ratio` and `clock`
+    are for `lead_ends = "half-space"`. `end_spreading` is for confined cores on finite plates (the
+    default): the resistance of the end plate to one core, relative to a core that stands on
+    nothing but it.
     """
 
     cores: Annotated[int, Field(ge=1, le=1000)]  # n_l
@@ -207,7 +212,7 @@ class LeadCores(Strict):
     reference_temperature: Annotated[float, in_unit("degC"), Field(ge=-100, le=100)]  # T_0
     surface_ratio: Annotated[float, Field(ge=1e-3, le=1)] = 0.5  # p
     confined: bool
-    clock: Literal["steel", "lead"] = "steel"
+    clock: Clock | None = None
     end_spreading: Annotated[float, Field(ge=1e-3, le=1)] = 1.0
 
     @property
@@ -263,6 +268,7 @@ class Bearing(Strict):
         classes; `temperature_law` is None where nothing but m_T and n_T is stated,
         `scragging` is None for rubber that has worked already, `lead` without lead cores,
         `rate` without rate dependence.
+    tested_range : what it was tested at (`Validity`); None where that is not given.
     """
 
     name: Annotated[str, Field(min_length=1)]
@@ -273,6 +279,7 @@ class Bearing(Strict):
     materials: Materials
     hysteresis: RubberHysteresis
     temperature_law: TemperatureLaw | None = None
+    tested_range: Validity | None = None
     scragging: Scragging | None = None
     lead: LeadCores | None = None
     rate: RateDependence | None = None

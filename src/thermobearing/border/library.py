@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cache
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -10,9 +11,14 @@ from thermobearing.border.errors import InputError, nearest
 from thermobearing.border.toml import read_toml, split_sources
 
 
+@cache
+def _data() -> Path:
+    return Path(str(resources.files("thermobearing").joinpath("data")))
+
+
 def data_path(*parts: str) -> Path:
     """A file or folder of the data shipped with the package."""
-    return Path(str(resources.files("thermobearing").joinpath("data", *parts)))
+    return _data().joinpath(*parts)
 
 
 def is_path(name_or_path: str | Path) -> bool:
@@ -26,6 +32,11 @@ def unknown_name(what: str, name: str, known: Iterable[str]) -> InputError:
     return InputError(f'no {what} is called "{name}"{nearest(name, known)}')
 
 
+@cache
+def _names(folder: str) -> tuple[str, ...]:
+    return tuple(sorted(path.stem for path in data_path(folder).glob("*.toml")))
+
+
 @dataclass(frozen=True)
 class Library:
     """The built-in things of one kind, a TOML file each, and the user's own files beside them."""
@@ -35,7 +46,7 @@ class Library:
 
     def names(self) -> list[str]:
         """Names of the built-in ones, sorted."""
-        return sorted(path.stem for path in data_path(self.folder).glob("*.toml"))
+        return list(_names(self.folder))
 
     def path(self, name_or_path: str | Path) -> Path:
         """The file that a name or a path stands for.

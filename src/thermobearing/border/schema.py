@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterable, Iterator
+from functools import cache
 from typing import Any, TypeVar, get_args
 
 from annotated_types import Ge, Gt, Le, Lt
@@ -82,20 +83,32 @@ class _Converted:
 
 def _is_absurd(model: type[BaseModel], name: str, value: float) -> bool:
     """Whether a number is so large, or so close to a zero it may not be, that it must be a slip."""
+    bounded, positive = _limits_of(model, name)
+    return (not bounded and abs(value) > HUGEST) or (positive and value < 1.0 / HUGEST)
+
+
+# What a field allows is asked for every number of every record that is made.
+@cache
+def _limits_of(model: type[BaseModel], name: str) -> tuple[bool, bool]:
+    """Whether a field has an upper limit, and whether it must be more than zero."""
     parts = list(_parts(model.model_fields[name]))
     bounded = any(isinstance(part, Le | Lt) for part in parts)
-    positive = any(isinstance(part, Gt) and part.gt == 0 for part in parts)
-    return (not bounded and abs(value) > HUGEST) or (positive and value < 1.0 / HUGEST)
+    return bounded, any(isinstance(part, Gt) and part.gt == 0 for part in parts)
+
+
+@cache
+def _is_plain(model: type[BaseModel], name: str) -> tuple[bool, bool]:
+    """Whether a field is a plain number, and whether it is true or false only."""
+    types = {item for item in _parts(model.model_fields[name]) if isinstance(item, type)}
+    number = bool(types & {int, float}) and not types & {bool, str}
+    return number and unit_of(model, name) is None, types == {bool}
 
 
 def _plain(model: type[BaseModel], name: str, value: Any) -> Any:
     """The value, marked where text or true stands for a plain number, or 1 for true."""
-    field = model.model_fields.get(name)
-    if field is None or not isinstance(value, bool | str | int | float):
+    if name not in model.model_fields or not isinstance(value, bool | str | int | float):
         return value
-    types = {item for item in _parts(field) if isinstance(item, type)}
-    plain = types & {int, float} and not types & {bool, str} and unit_of(model, name) is None
-    truth = types == {bool}
+    plain, truth = _is_plain(model, name)
     wrong = (plain and isinstance(value, bool | str)) or (truth and not isinstance(value, bool))
     return _Converted(value) if wrong else value
 
@@ -163,6 +176,7 @@ def _parts(item: Any) -> Iterator[Any]:
         yield from _parts(part)
 
 
+@cache
 def unit_of(model: type[BaseModel], name: str) -> str | None:
     """Unit of a field declared with `in_unit`, None for a pure number or a nested table."""
     for item in _parts(model.model_fields[name]):

@@ -7,6 +7,24 @@ from typing import Any
 MOST_ROWS = 60  # of a table in a notebook
 
 
+class Shown:
+    """Short words for a result, and in a notebook its table and warnings.
+
+    What inherits from it has `outcome`, `table` (a DataFrame) and `warnings` (sentences).
+    """
+
+    @property
+    def headline(self: Any) -> str:
+        """What it is and how it ended, in a line."""
+        return f"{type(self).__name__}: {getattr(self, 'outcome', 'completed')}"
+
+    def __repr__(self: Any) -> str:
+        return f"<{self.headline}>"
+
+    def _repr_html_(self: Any) -> str:
+        return table_html(self.headline, self.table, self.warnings)
+
+
 def facts_html(title: str, facts: Mapping[str, str]) -> str:
     """A titled list of names and values.
 

@@ -40,6 +40,23 @@ Quiet = Annotated[
     bool,
     typer.Option("-q", "--quiet", help="No progress bar, no tables.", rich_help_panel=RESULT),
 ]
+RigName = Annotated[
+    str | None,
+    typer.Option(
+        "--rig",
+        help="Rig that is to do it: name or file.",
+        metavar="NAME/FILE",
+        rich_help_panel=INPUT,
+    ),
+]
+Limit = Annotated[
+    list[str] | None,
+    typer.Option(
+        help="Largest relative error of K_eq, h_eq (0.15 each), energy, force, temperature or "
+        "NRMSE, of tests that are not fitted; may be repeated.",
+        metavar="QUANTITY=NUMBER",
+    ),
+]
 
 
 def _fail(message: str, status: int, outcome: str, as_json: bool) -> typer.Exit:
@@ -111,6 +128,11 @@ def numbers_by_name(given: Sequence[str], option: str, form: str) -> dict[str, f
         except ValueError:
             raise InputError(f'{option} "{text}": give {form}') from None
     return found
+
+
+def limit_numbers(given: Sequence[str] | None) -> dict[str, float]:
+    """Those of `Limit`."""
+    return numbers_by_name(given or [], "--limit", "QUANTITY=NUMBER, such as K_eq=0.1")
 
 
 COMPILING = "compiling: once after installing, for ten seconds to a minute"

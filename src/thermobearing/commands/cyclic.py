@@ -18,6 +18,7 @@ from thermobearing.commands.common import (
     NoFigures,
     Output,
     Quiet,
+    RigName,
     megabytes,
     reported,
     with_progress,
@@ -68,6 +69,9 @@ HeatSource = Annotated[str | None, typer.Option(help="work or dissipation.", ric
 LeadEnds = Annotated[
     str | None, typer.Option(help="finite-plate or half-space.", rich_help_panel=MODEL)
 ]
+Clock = Annotated[
+    str | None, typer.Option(help="Of a half-space: lead or steel.", rich_help_panel=MODEL)
+]
 EarlierModel = Annotated[
     str | None,
     typer.Option(help="An earlier model, see docs/theory.md.", rich_help_panel=MODEL),
@@ -106,10 +110,12 @@ def cyclic(
     hardening: Hardening = None,
     heat_source: HeatSource = None,
     lead_ends: LeadEnds = None,
+    clock: Clock = None,
     model: EarlierModel = None,
     compare: Compare = False,
     keep_every: KeepEvery = None,
     complete: CompleteHistories = False,
+    rig: RigName = None,
     output: Output = None,
     force: Force = False,
     no_figures: NoFigures = False,
@@ -136,8 +142,10 @@ def cyclic(
         "hardening": hardening,
         "heat_source": heat_source,
         "lead_ends": lead_ends,
+        "clock": clock,
         "model": model,
         "keep_every": keep_every,
+        "rig": rig,
     }
     if case is None:
         whole = make_case({}, "command line", **overrides)

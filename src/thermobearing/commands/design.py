@@ -108,4 +108,4 @@ def bounds(
     report.save(target, force=force, figures=not no_figures)
     if not quiet:
         print_bounds(report)
-    return written("completed", "", target, as_json=as_json, quiet=quiet)
+    return written(report.outcome, report.sentence, target, as_json=as_json, quiet=quiet)

@@ -15,6 +15,7 @@ from thermobearing.commands.common import (
     NoFigures,
     Output,
     Quiet,
+    RigName,
     reported,
     with_progress,
     written,
@@ -105,6 +106,7 @@ def bridge(
     duration: Duration = None,
     model: Model_ = None,
     compare: Compare = False,
+    rig: RigName = None,
     output: Output = None,
     force: Force = False,
     no_figures: NoFigures = False,
@@ -124,6 +126,7 @@ def bridge(
         "dt": dt,
         "duration": duration,
         "model": model,
+        "rig": rig,
     }
     complete = _case("bridge", case, overrides)
     return _carry_out(complete, output, force, no_figures, as_json, quiet, compare)
@@ -161,6 +164,7 @@ def hybrid(
     duration: Duration = None,
     model: Model_ = None,
     compare: Compare = False,
+    rig: RigName = None,
     output: Output = None,
     force: Force = False,
     no_figures: NoFigures = False,
@@ -183,6 +187,7 @@ def hybrid(
         "dt": dt,
         "duration": duration,
         "model": model,
+        "rig": rig,
         "laboratory": {key: value for key, value in lab.items() if value is not None} or None,
     }
     complete = _case("hybrid", case, overrides)

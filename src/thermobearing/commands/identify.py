@@ -1,6 +1,7 @@
 """`thermobearing identify`: parameters of a bearing from its tests, or a look at the tests."""
 
 import re
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -13,13 +14,16 @@ from thermobearing.commands.common import (
     SEARCH,
     AsJson,
     Force,
+    Limit,
     NoFigures,
     Output,
     Quiet,
     announce_compiling,
     echo_json,
+    limit_numbers,
     numbers_by_name,
     reported,
+    with_progress,
     written,
 )
 
@@ -27,7 +31,8 @@ if TYPE_CHECKING:
     from thermobearing.bearing.model import Bearing
     from thermobearing.identify.checks import CheckReport
     from thermobearing.identify.record import TestRecord
-
+    from thermobearing.identify.result import Identification
+    from thermobearing.validate.held_out_result import CrossValidation
 
 Spreads = Annotated[
     list[str] | None,
@@ -38,9 +43,38 @@ Spreads = Annotated[
         rich_help_panel=INPUT,
     ),
 ]
+Method = Annotated[
+    str,
+    typer.Option(
+        help="least-squares, krill-herd or differential-evolution.", rich_help_panel=SEARCH
+    ),
+]
+Polish = Annotated[
+    bool,
+    typer.Option("--polish/--no-polish", help="End with least squares.", rich_help_panel=SEARCH),
+]
+Starts = Annotated[int, typer.Option(help="Starts of least squares.", rich_help_panel=SEARCH)]
+Evaluations = Annotated[
+    int, typer.Option(help="Budget of the other methods.", rich_help_panel=SEARCH)
+]
+Loss = Annotated[
+    str, typer.Option(help="linear, soft_l1, huber or cauchy.", rich_help_panel=SEARCH)
+]
+Thermocouples = Annotated[
+    bool,
+    typer.Option("--temperatures", help="Fit the thermocouples too.", rich_help_panel=INPUT),
+]
 Predicted = Annotated[
     list[float] | None,
     typer.Option(help="Ambient temperature [degC] to predict a band at; may be repeated."),
+]
+HeldOut = Annotated[
+    list[Path] | None,
+    typer.Option(help="Test to judge the fit by, not fitted; may be repeated.", metavar="FILE"),
+]
+Folds = Annotated[
+    int | None,
+    typer.Option(help="Hold every test out once, in so many groups; then fit to all of them."),
 ]
 
 
@@ -64,32 +98,13 @@ def identify(
         ),
     ] = None,
     assumed: Spreads = None,
-    method: Annotated[
-        str,
-        typer.Option(
-            help="least-squares, krill-herd or differential-evolution.", rich_help_panel=SEARCH
-        ),
-    ] = "least-squares",
-    polish: Annotated[
-        bool,
-        typer.Option(
-            "--polish/--no-polish", help="End with least squares.", rich_help_panel=SEARCH
-        ),
-    ] = True,
+    method: Method = "least-squares",
+    polish: Polish = True,
     seed: Annotated[int, typer.Option(help="Of all random numbers.", rich_help_panel=SEARCH)] = 0,
-    starts: Annotated[
-        int, typer.Option(help="Starts of least squares.", rich_help_panel=SEARCH)
-    ] = 3,
-    evaluations: Annotated[
-        int, typer.Option(help="Budget of the other methods.", rich_help_panel=SEARCH)
-    ] = 2000,
-    loss: Annotated[
-        str, typer.Option(help="linear, soft_l1, huber or cauchy.", rich_help_panel=SEARCH)
-    ] = "linear",
-    temperatures: Annotated[
-        bool,
-        typer.Option("--temperatures", help="Fit the thermocouples too.", rich_help_panel=INPUT),
-    ] = False,
+    starts: Starts = 3,
+    evaluations: Evaluations = 2000,
+    loss: Loss = "linear",
+    temperatures: Thermocouples = False,
     from_start: Annotated[
         bool,
         typer.Option(
@@ -101,6 +116,9 @@ def identify(
         bool, typer.Option("--posterior", help="Sample the posterior (needs emcee).")
     ] = False,
     predict: Predicted = None,
+    hold_out: HeldOut = None,
+    folds: Folds = None,
+    limit: Limit = None,
     output: Output = None,
     force: Force = False,
     no_figures: NoFigures = False,
@@ -108,30 +126,56 @@ def identify(
     quiet: Quiet = False,
 ) -> int:
     """Identify a bearing's parameters from cyclic tests, with their uncertainty."""
-    from thermobearing.identify.case import make_identify_case
     from thermobearing.identify.posterior import forecast
-    from thermobearing.identify.run import run_identify
-    from thermobearing.identify.screen import print_identification
+    from thermobearing.identify.result import Identification
 
-    records, bearing, target = _read(tests, start, check, output, force)
+    held = hold_out or []
+    records, bearing, target = _read([*tests, *held], start, check, output, force)
     if check or bearing is None:
         return _look_over(records, bearing, target, force, no_figures, as_json, quiet)
-    names = [name.strip() for name in free.split(",")] if free is not None else None
     announce_compiling(quiet)
-    search = {"method": method, "seed": seed, "starts": starts, "evaluations": evaluations}
     how: dict[str, Any] = {
-        **{"loss": loss, "temperatures": temperatures, "blind": not from_start},
-        "polish": polish,
+        "free": [name.strip() for name in free.split(",")] if free is not None else None,
+        **{"method": method, "seed": seed, "starts": starts, "evaluations": evaluations},
+        **{"loss": loss, "temperatures": temperatures, "blind": not from_start, "polish": polish},
         "assumed": numbers_by_name(assumed or [], "--assumed", "KEY=NUMBER, such as sigma_Y=0.1"),
     }
-    found = run_identify(make_identify_case(records, bearing, free=names, **search, **how))
+    if held or folds is not None or limit:
+        how |= {"hold_out": records[len(tests) :], "folds": folds, "limits": limit_numbers(limit)}
+    found = _found(records[: len(tests)], bearing, how, quiet)
     drawn = None
     if posterior or predict:
-        drawn = forecast(found, predict or [], posterior=posterior, seed=seed)
+        final = found if isinstance(found, Identification) else found.final
+        drawn = forecast(final, predict or [], posterior=posterior, seed=seed)
     found.save(target, force=force, figures=not no_figures, forecast=drawn)
     if not quiet:
-        print_identification(found)
+        _show(found, drawn.warnings if drawn else ())
     return written(found.outcome, found.sentence, target, as_json=as_json, quiet=quiet)
+
+
+def _found(
+    records: "list[TestRecord]", bearing: "Bearing", how: dict[str, Any], quiet: bool
+) -> "Identification | CrossValidation":
+    """A fit to all tests, or one that is judged by those held out."""
+    from thermobearing.identify.case import make_identify_case
+    from thermobearing.identify.run import run_identify
+    from thermobearing.validate.hold_out import make_hold_out_case, run_hold_out
+
+    if "hold_out" not in how:
+        return run_identify(make_identify_case(records, bearing, **how))
+    case = make_hold_out_case(records, bearing, **how)
+    return with_progress(lambda show: run_hold_out(case, progress=show), "fits", quiet)
+
+
+def _show(found: "Identification | CrossValidation", more: Sequence[str] = ()) -> None:
+    from thermobearing.identify.result import Identification
+    from thermobearing.identify.screen import print_identification
+    from thermobearing.validate.screen import print_cross_validation
+
+    if isinstance(found, Identification):
+        print_identification(found, more)
+    else:
+        print_cross_validation(found, more)
 
 
 def _read(

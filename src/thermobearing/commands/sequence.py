@@ -12,6 +12,7 @@ from thermobearing.commands.common import (
     NoFigures,
     Output,
     Quiet,
+    RigName,
     reported,
     with_progress,
     written,
@@ -25,9 +26,7 @@ def sequence(
         str | None, typer.Option(help="Library name or TOML file.", metavar="NAME/FILE")
     ] = None,
     ambient: Annotated[float | None, typer.Option(help="Ambient temperature [degC].")] = None,
-    rig: Annotated[
-        str | None, typer.Option(help="Rig that is to do it: name or file.", metavar="NAME/FILE")
-    ] = None,
+    rig: RigName = None,
     output: Output = None,
     force: Force = False,
     no_figures: NoFigures = False,

@@ -9,11 +9,12 @@ import typer
 from thermobearing.commands.common import (
     AsJson,
     Force,
+    Limit,
     NoFigures,
     Output,
     Quiet,
     announce_compiling,
-    numbers_by_name,
+    limit_numbers,
     reported,
     written,
 )
@@ -31,14 +32,7 @@ def validate(
         list[str] | None,
         typer.Option(help="multi-layer (default) or an earlier model; may be repeated."),
     ] = None,
-    limit: Annotated[
-        list[str] | None,
-        typer.Option(
-            help="Largest relative error of K_eq, h_eq (0.15 each), energy, force, temperature or "
-            "NRMSE; may be repeated.",
-            metavar="QUANTITY=NUMBER",
-        ),
-    ] = None,
+    limit: Limit = None,
     output: Output = None,
     force: Force = False,
     no_figures: NoFigures = False,
@@ -55,7 +49,7 @@ def validate(
         [bearing, *(beside or [])],
         tests,
         models=model or ["multi-layer"],  # type: ignore[arg-type]
-        limits=numbers_by_name(limit or [], "--limit", "QUANTITY=NUMBER, such as K_eq=0.1"),
+        limits=limit_numbers(limit),
     )
     target = output or Path("validate-" + re.sub(r"[^\w.+-]+", "-", case.bearings[0].name))
     check_target(target, force=force)

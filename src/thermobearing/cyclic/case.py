@@ -5,7 +5,7 @@ case.resolved.toml beside every result; running that file again gives the same b
 """
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, field_validator
 
@@ -20,15 +20,12 @@ from thermobearing.core.records import labels
 from thermobearing.core.types import Books
 from thermobearing.cyclic.protocol import CyclicTest, cyclic_test, survey
 from thermobearing.cyclic.rig import Rig, settle_rig
-from thermobearing.cyclic.start import final_state, of_another_bearing
+from thermobearing.cyclic.start import left_by, settle_start
 from thermobearing.model.earlier import needs_full_stack
 from thermobearing.model.effort import too_much
 from thermobearing.model.handover import SpecimenState, misfit
 from thermobearing.model.options import ModelOptions, build_model
 from thermobearing.model.stack import build_stack
-
-if TYPE_CHECKING:
-    from thermobearing.cyclic.result import Result
 
 Group = Literal["rubber", "layer_displacement", "hysteretic", "cells"]
 Temperature = Annotated[float, in_unit("degC"), Field(ge=-100, le=100)]
@@ -182,37 +179,6 @@ def _make_absolute(table: dict[str, Any], folder: Path) -> None:
         table["rig"] = str((folder / table["rig"]).absolute())
 
 
-def _settle_start(table: dict[str, Any]) -> tuple[list[str], "Result | None"]:
-    """What is wrong with the start, and the earlier result that `initial_result` stands for."""
-    from thermobearing.cyclic.files import load_cyclic
-    from thermobearing.cyclic.result import Result
-
-    ways = [key for key in WAYS if key in table]
-    if len(ways) > 1:
-        return [f"give only one of {', '.join(WAYS)}; got {ways}"], None
-    result = table.pop("initial_result", None)
-    if result is None or isinstance(result, Result):
-        return [], result
-    if not isinstance(result, str | Path) or not str(result):
-        return [f"initial_result = {result!r}: must be the path of a result"], None
-    try:
-        return [], load_cyclic(Path(result))
-    except InputError as error:
-        return error.lines("initial_result"), None
-
-
-def _going_on(case: Case, earlier: "Result", where: str) -> Case:
-    """The case, begun where an earlier result ended."""
-    try:
-        state = final_state(earlier.dataset, case.ambient)
-        fault = of_another_bearing(earlier.dataset, case.bearing) if state.whole else ""
-        if fault:
-            raise InputError(fault)
-    except InputError as error:
-        raise InputError(error.lines("initial_result"), where) from None
-    return case.model_copy(update={"initial_state": state})
-
-
 def make_case(table: dict[str, Any], where: str, **overrides: Any) -> Case:
     """A checked case from a table and overrides, with the defaults filled in.
 
@@ -243,7 +209,7 @@ def make_case(table: dict[str, Any], where: str, **overrides: Any) -> Case:
     if overrides.get("ambient") is not None:
         table.pop("ambient_series", None)
     _make_absolute(table, Path())
-    problems, earlier = _settle_start(table)
+    problems, earlier = settle_start(table, WAYS)
     problems += settle_rig(table, Path())
     if "ambient" in table and table.get("ambient_series") is not None:
         problems.append("give ambient or ambient_series, not both")
@@ -263,7 +229,8 @@ def make_case(table: dict[str, Any], where: str, **overrides: Any) -> Case:
     except InputError as error:
         raise InputError([*problems, *error.problems], where) from None
     if earlier is not None and not problems:
-        case = _going_on(case, earlier, where)
+        state = left_by(earlier, case.bearing, case.ambient, where)
+        case = case.model_copy(update={"initial_state": state})
     problems += case.faults() if not problems else []
     if problems:
         raise InputError(problems, where)

@@ -16,9 +16,10 @@ from thermobearing.border.errors import InputError
 from thermobearing.cyclic.lead_figures import draw_force_shares, draw_lead_temperature
 from thermobearing.cyclic.loop_figure import add_loops, draw_loops
 from thermobearing.cyclic.profile_figure import draw_profiles
-from thermobearing.cyclic.result import Result
+from thermobearing.cyclic.result import Result, run_name
 from thermobearing.cyclic.time_axis import TimeAxis
 from thermobearing.results import drawing
+from thermobearing.results.ranges import limits_passed
 
 Floats = NDArray[np.float64]
 
@@ -62,7 +63,10 @@ class Figures:
         """The ambient temperature, and what ended the run if it did not complete."""
         outcome = str(self._data["outcome"].values[run])
         ended = "" if outcome == "completed" else f" ({outcome.replace('_', ' ')})"
-        return f"ambient {drawing.degrees(self._ambient[run])}{ended}"
+        rows = self._result.tested_range.to_dict("records")
+        untested = "ambient" in limits_passed(rows, [run_name(self._ambient[run])])[0].split()
+        told = " (not tested)" if untested else ""
+        return f"ambient {drawing.degrees(self._ambient[run])}{told}{ended}"
 
     def _needs(self, name: str, figure: str, group: str) -> None:
         if name not in self._data:

@@ -34,6 +34,8 @@ def draw_loops(result: Result, title: str, titles: Sequence[str], colours: Seque
         ax.tick_params(labelbottom=run + columns >= count)
     for ax in axes[count:]:
         ax.remove()
+    ends = [100.0 * result.tested_to(run, "strain") for run in range(count)]
+    drawing.shade_untested(axes[:count], [(-end, end) for end in ends])
     return figure
 
 

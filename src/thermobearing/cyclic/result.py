@@ -10,7 +10,7 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
-from thermobearing.border.showing import table_html
+from thermobearing.border.showing import Shown, table_html
 from thermobearing.cyclic.measures import measures_dataset
 from thermobearing.results.metrics import (
     LEAST_WARMING,
@@ -19,8 +19,9 @@ from thermobearing.results.metrics import (
     measure_cycle,
     relative_residual,
 )
+from thermobearing.results.ranges import largest_tested
 from thermobearing.results.selection import chosen_runs, selected
-from thermobearing.results.writing import from_attribute, rig_summary
+from thermobearing.results.writing import from_attribute, limits_of, limits_summary
 
 if TYPE_CHECKING:
     from thermobearing.cyclic.figures import Figures
@@ -30,7 +31,7 @@ Ints = NDArray[np.int64]
 CYCLES = "closed_cycle"  # dimension of the measures in a file, and the beginning of their names
 
 
-class Result:
+class Result(Shown):
     """Outcome of an analysis at one or several ambient temperatures.
 
     Attributes
@@ -53,16 +54,18 @@ class Result:
     def __getitem__(self, name: str) -> xr.DataArray:
         return self.dataset[name]
 
-    def __repr__(self) -> str:
+    @property
+    def headline(self) -> str:
+        """What it is, in a line."""
         ambient = ", ".join(f"{t:g}" for t in self.dataset["ambient"].values)
         steps = int(self.dataset["steps"].sum())
         return (
-            f"<Result of {self.bearing_name} at {ambient} degC: {steps} steps, "
-            f"{len(self.cycles)} cycles, {self.outcome}>"
+            f"Result of {self.bearing_name} at {ambient} degC: {steps} steps, "
+            f"{len(self.cycles)} cycles, {self.outcome}"
         )
 
     def _repr_html_(self) -> str:
-        return table_html(repr(self)[1:-1], self.cycles, self.warnings)
+        return table_html(self.headline, self.cycles, self.warnings)
 
     def show(self) -> None:
         """Print the tables that the command prints: cycles and energy books of each run."""
@@ -91,7 +94,7 @@ class Result:
         """
         data = self.dataset
         runs = chosen_runs({"ambient": data["ambient"].values}, {"ambient": ambient})
-        chosen = selected(data, "ambient", runs)
+        chosen = selected(data, "ambient", runs, [run_name(t) for t in data["ambient"].values])
         if CYCLES in data.dims:
             mine = np.isin(data[f"{CYCLES}_ambient_degC"].values, chosen["ambient"].values)
             chosen = chosen.isel({CYCLES: np.flatnonzero(mine)})
@@ -141,8 +144,17 @@ class Result:
     @property
     def rig(self) -> pd.DataFrame:
         """What each run asks of each limit of the rig, and whether it passes it; empty without."""
-        told = "rig" in self.dataset.attrs  # if one was named
-        return pd.DataFrame(from_attribute(self.dataset, "rig") if told else [])
+        return limits_of(self.dataset, "rig")
+
+    @property
+    def tested_range(self) -> pd.DataFrame:
+        """What each run asks of the range that the bearing was tested in; empty if not given."""
+        return limits_of(self.dataset, "tested_range")
+
+    def tested_to(self, run: int, limit: str) -> float:
+        """Largest tested value of a quantity that a run goes beyond; infinite where it does not."""
+        name = run_name(float(self.dataset["ambient"].values[run]))
+        return largest_tested(self.tested_range.to_dict("records"), name, limit)
 
     def time(self, run: int) -> Floats:
         """Times of the kept steps of a run [s]."""
@@ -312,7 +324,7 @@ class Result:
             "version": attrs["version"],
             "outcome": self.outcome,
             "warnings": self.warnings,
-            **rig_summary(self.rig),
+            **limits_summary(self.rig, self.tested_range),
             "runs": [self._run_summary(run) for run in range(self.dataset.sizes["ambient"])],
         }
 
@@ -361,6 +373,11 @@ class Result:
         from thermobearing.cyclic.files import save_result
 
         return save_result(self, Path(directory), force=force, figures=figures)
+
+
+def run_name(ambient: float) -> str:
+    """What a run is called in sentences."""
+    return f"the run at {ambient:g} degC"
 
 
 def _cycle_summary(row: dict[Any, Any]) -> dict[str, Any]:

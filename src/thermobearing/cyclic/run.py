@@ -14,15 +14,16 @@ from typing import Any
 import numpy as np
 
 from thermobearing.bearing.ambient import Ambient
-from thermobearing.bearing.model import Bearing
+from thermobearing.bearing.model import Bearing, Clock
 from thermobearing.cyclic.case import Case, Group, Histories, make_case
 from thermobearing.cyclic.equivalent import bilinear_parameters
 from thermobearing.cyclic.history import History, run_segments
 from thermobearing.cyclic.label import label
 from thermobearing.cyclic.protocol import CyclicTest
 from thermobearing.cyclic.result import Result
+from thermobearing.cyclic.rig import Rig
 from thermobearing.cyclic.segments import build_segments
-from thermobearing.cyclic.start import initial_temperatures
+from thermobearing.cyclic.start import Earlier, initial_temperatures
 from thermobearing.model.constants import Hardening, HeatSource, Integrator, LeadEnds
 from thermobearing.model.earlier import Model
 from thermobearing.model.handover import begun_from
@@ -44,15 +45,17 @@ def run(
     hardening: Hardening | None = None,
     heat_source: HeatSource | None = None,
     lead_ends: LeadEnds | None = None,
+    clock: Clock | None = None,
     upper_face: EndFace | None = None,
     lower_face: EndFace | None = None,
-    initial: float | Sequence[float] | Result | str | Path | None = None,
+    initial: float | Sequence[float] | Earlier | str | Path | None = None,
     initial_lead: float | None = None,
     keep: Sequence[Group] | None = None,
     keep_every: int | None = None,
     histories: Histories | None = None,
     stack: Stacked | None = None,
     model: Model | None = None,
+    rig: Rig | str | Path | dict[str, Any] | None = None,
     progress: Progress | None = None,
 ) -> Result:
     """Put a bearing through a displacement-controlled test.
@@ -71,10 +74,13 @@ def run(
         for natural rubber (LRB), else work.
     lead_ends : how lead passes heat to steel: "finite-plate" (default) or "half-space"
         (Eq. 5.4-5.5), which the published scheme and the earlier models have.
+    clock : of lead on a half-space, "lead" (Eq. 5.6 as printed) or "steel"; by default that of the
+        bearing, or, if it says none, lead with the published scheme and steel otherwise.
     upper_face, lower_face : heat exchange of the end faces; eta_B = 2 by default.
     initial : temperature at the start [degC]: uniform, or one per cell (upper face first); the
-        ambient temperature by default. Or an earlier result of the same bearing, or its directory:
-        the test goes on where that one ended, with temperatures, forces and all memory.
+        ambient temperature by default. Or an earlier result of the same bearing (of a test, or of
+        `hybrid` or `bridge`), or its directory: the test goes on where that one ended, with
+        temperatures, forces and all memory.
     initial_lead : lead temperature at the start [degC]; that of the cells beside it by default.
     keep : of "rubber", "layer_displacement", "hysteretic", "cells": histories to keep
         besides displacement, force and energy; the first and last by default.
@@ -83,6 +89,8 @@ def run(
         cycle, or "complete".
     stack : "auto" (default), "half" or "full" height.
     model : "multi-layer" (default) or an earlier model to compare with (model/earlier.py).
+    rig : limits of force [kN], stroke [mm] and speed [mm/s] that are told when a run passes them:
+        a name ("shen-rig"), a file or a table; none by default.
     progress : called with (steps done, all steps).
 
     Returns
@@ -101,7 +109,7 @@ def run(
     True
     """
     series = ambient if isinstance(ambient, Ambient) else None
-    earlier = isinstance(initial, Result | str | Path)
+    earlier = isinstance(initial, Earlier | str | Path)
     uniform = initial is None or np.ndim(initial) == 0  # type: ignore[arg-type]
     options: dict[str, Any] = {
         "bearing": bearing,
@@ -113,6 +121,7 @@ def run(
         "hardening": hardening,
         "heat_source": heat_source,
         "lead_ends": lead_ends,
+        "clock": clock,
         "stack": stack,
         "model": model,
         "upper_face": upper_face,
@@ -124,6 +133,7 @@ def run(
         "initial_profile": None if uniform or earlier else initial,
         "initial_result": initial if earlier else None,
         "initial_lead": initial_lead,
+        "rig": rig,
     }
     return run_case(make_case({}, "run()", **options), series=series, progress=progress)
 

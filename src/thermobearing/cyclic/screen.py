@@ -2,9 +2,10 @@
 
 from typing import Any
 
-from thermobearing.cyclic.result import Result
+from thermobearing.cyclic.result import Result, run_name
 from thermobearing.results.metrics import CycleMeasures
-from thermobearing.results.screen import print_table, say, say_warnings
+from thermobearing.results.ranges import titles_passed
+from thermobearing.results.screen import print_table, print_warnings, say
 
 HEADS = ("strain", "cycle", "G_e MPa", "h_eq", "energy kN mm", "Q_d kN", "K_d kN/mm")
 
@@ -12,8 +13,8 @@ HEADS = ("strain", "cycle", "G_e MPa", "h_eq", "energy kN mm", "Q_d kN", "K_d kN
 def print_result(result: Result, compared: dict[str, Result] | None = None) -> None:
     """Per-cycle table of each run, its energy books, and earlier models beside it."""
     say(f"{result.dataset.attrs['title']} ({result.dataset.attrs['scheme']})", "bold")
-    say_warnings(result.warnings)
-    cycles = result.cycles
+    print_warnings(result.warnings)
+    cycles, reached = result.cycles, result.tested_range.to_dict("records")
     warm = [str(name) for name in cycles.columns if _is_place(str(name))]
     for run, ambient in enumerate(result["ambient"].values):
         mine = cycles[cycles["ambient_degC"] == ambient] if len(cycles) else cycles
@@ -21,9 +22,11 @@ def print_result(result: Result, compared: dict[str, Result] | None = None) -> N
             [*_cycle_cells(row), *(f"{row[name]:.2f}" for name in warm)]
             for row in mine.to_dict("records")
         ]
+        untested = titles_passed(reached, run_name(float(ambient)))
+        told = f"; not tested: {untested}" if untested else ""
         if rows:
             heads = [*HEADS, *(_place_title(name) for name in warm)]
-            print_table(heads, rows, title=f"{ambient:g} degC", keys=2)
+            print_table(heads, rows, title=f"{ambient:g} degC{told}", keys=2)
         _print_books(result, run)
     if compared:
         print_comparison(compared)

@@ -1,7 +1,9 @@
 """Where a run starts: temperatures uniform or cell by cell, or the end of an earlier result."""
 
 import tomllib
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 import numpy as np
 import xarray as xr
@@ -11,6 +13,7 @@ from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
 from thermobearing.border.toml import to_table
 from thermobearing.model.handover import MEMORY, PREFIX, SpecimenState, specimen_state
+from thermobearing.results.reading import read_dataset
 
 if TYPE_CHECKING:
     from thermobearing.cyclic.case import Case
@@ -19,51 +22,113 @@ Floats = NDArray[np.float64]
 TEXTS = ("name", "description", "citation")  # of a bearing: nothing that it does
 
 
-def final_state(data: xr.Dataset, ambient: list[float]) -> SpecimenState:
-    """Where a bearing was at the end of an earlier result, in the run at the same ambient.
+@runtime_checkable
+class Earlier(Protocol):
+    """A result of any analysis that leaves bearings behind, which stand in its dataset."""
 
-    Results that hold no state (before 0.2) give temperatures only.
+    @property
+    def dataset(self) -> xr.Dataset:
+        """Histories, ends and the case."""
+
+
+def settle_start(table: dict[str, Any], ways: Sequence[str]) -> tuple[list[str], xr.Dataset | None]:
+    """What is wrong with the start in a case, and the dataset that `initial_result` stands for."""
+    given = [key for key in ways if key in table]
+    if len(given) > 1:
+        return [f"give only one of {', '.join(ways)}; got {given}"], None
+    result = table.pop("initial_result", None)
+    if result is None or isinstance(result, Earlier):
+        return [], None if result is None else result.dataset
+    if not isinstance(result, str | Path) or not str(result):
+        return [f"initial_result = {result!r}: must be the path of a result"], None
+    try:
+        return [], read_dataset(result, ("case",))
+    except InputError as error:
+        return error.lines("initial_result"), None
+
+
+def left_by(data: xr.Dataset, bearing: Bearing, ambient: list[float], where: str) -> SpecimenState:
+    """Where an earlier result left a bearing, in the run at the same ambient temperature.
 
     Raises
     ------
-    InputError : several runs, and none or several of them asked for.
+    InputError : a whole state of another bearing, none, or several runs; `where` names the file.
     """
-    run = _same_run(data, ambient)
+    name, fault = _whose(data, bearing)
+    try:
+        state = final_state(data, ambient, name)
+        if fault and state.whole:
+            raise InputError(fault)
+    except InputError as error:
+        raise InputError(error.lines("initial_result"), where) from None
+    return state
+
+
+def final_state(data: xr.Dataset, ambient: list[float], bearing: str = "") -> SpecimenState:
+    """Where a bearing was at the end of an earlier result, in the run at the same ambient.
+
+    Results of tests that hold no state (before 0.2) give temperatures only. `bearing` is the name
+    of one of a study of several.
+
+    Raises
+    ------
+    InputError : several runs, and none or several of them asked for; a study that holds no ends.
+    """
+    run = _same_run(data, ambient, bearing)
+    if "final_temperature" not in data:
+        raise InputError(
+            "holds no ends of its bearings: they are bilinear, on several lines of a structure, or "
+            "of a version that did not keep them"
+        )
     memory = None
     if PREFIX + MEMORY[0] in data:
         memory = {
-            key: data[PREFIX + key].values[run] if PREFIX + key in data else [] for key in MEMORY
+            key: _there(data[PREFIX + key].values[run]) if PREFIX + key in data else []
+            for key in MEMORY
         }
     return specimen_state(
-        data["final_temperature"].values[run],
+        _there(data["final_temperature"].values[run]),
         float(data["final_lead_temperature"].values[run]),
         memory,
     )
 
 
-def _same_run(data: xr.Dataset, ambient: list[float]) -> int:
+def _there(values: Any) -> Any:
+    """Without the NaN that fill up the tables of smaller bearings of a study."""
+    return values[np.isfinite(values)] if np.ndim(values) else values
+
+
+def _same_run(data: xr.Dataset, ambient: list[float], bearing: str) -> int:
     """Number of the run of a result at an ambient temperature; the only run, if there is one."""
-    runs = data["ambient"].values
+    runs = np.arange(data["ambient"].size)
+    if "bearing" in data.coords:
+        runs = runs[data["bearing"].values == bearing]
+    air = data["ambient"].values[runs]
     if len(runs) == 1:
-        return 0
-    match: Any = np.flatnonzero(runs == ambient[0]) if len(ambient) == 1 else []
+        return int(runs[0])
+    match: Any = runs[air == ambient[0]] if len(ambient) == 1 else []
     if len(match) != 1:
-        raise InputError(f"has {len(runs)} runs, at {runs} degC; start at one of them only")
+        raise InputError(f"has {len(runs)} runs, at {air} degC; start at one of them only")
     return int(match[0])
 
 
-def of_another_bearing(data: xr.Dataset, bearing: Bearing) -> str:
-    """Why a whole state does not belong to a bearing; empty if it does."""
-    theirs = tomllib.loads(data.attrs["case"])["bearing"]
+def _whose(data: xr.Dataset, bearing: Bearing) -> tuple[str, str]:
+    """Name of the bearing in an earlier result that this is, and why it is none of them."""
+    case = tomllib.loads(data.attrs["case"])
+    theirs = case["bearings"] if "bearings" in case else [case["bearing"]]
     ours = to_table(bearing)
-    differ = [key for key in ours | theirs if theirs.get(key) != ours.get(key)]
-    if not set(differ) - set(TEXTS):
-        return ""
-    return (
-        f'is a test of "{data.attrs["bearing"]}", not of this "{bearing.name}" (they differ in '
-        f"{', '.join(differ)}); forces and memory go with the bearing, temperatures alone may be "
-        "given as initial_profile"
-    )
+    faults = []
+    for table in theirs:
+        differ = [key for key in ours | table if table.get(key) != ours.get(key)]
+        if not set(differ) - set(TEXTS):
+            return table["name"], ""
+        faults.append(
+            f'is a test of "{table["name"]}", not of this "{bearing.name}" (they differ in '
+            f"{', '.join(differ)}); forces and memory go with the bearing, temperatures alone may "
+            "be given as initial_profile of a cyclic test"
+        )
+    names = [table["name"] for table in theirs]
+    return next((n for n in names if n == bearing.name), names[0]), faults[0]
 
 
 def initial_temperatures(case: "Case", cells: int, ambient: float) -> Floats:

@@ -13,6 +13,7 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from thermobearing.bearing.model import Bearing
+from thermobearing.bearing.validity import ranges_of
 from thermobearing.border.errors import InputError
 from thermobearing.cyclic.result import Result
 from thermobearing.design.bounds import DEMANDS
@@ -65,6 +66,10 @@ class DesignFigures:
             values = table[column].to_numpy()
             ax.plot(numbers, values, color=colour, marker=marker, linewidth=1.2, label=name)
         ax.set_xticks(numbers)
+        ranges = ranges_of(self._design.bearing) or {}
+        end = ranges["strain"][1] * self._design.bearing.total_rubber_thickness
+        if self._design.last.found > end:
+            drawing.mark_tested(ax, end, "the curves end here")
         drawing.name_axes(ax, "round", "displacement of the bearing [mm]")
         ax.legend(fontsize=drawing.SMALL, frameon=False)
         return figure
@@ -179,6 +184,8 @@ class FactorFigures:
             title = f"{quantity} / {quantity} at reference"
             drawing.name_axes(ax, "ambient temperature [°C]", "", title)
             ax.title.set_fontsize(drawing.SMALL)
+        tested = (ranges_of(report.bearings[0]) or {}).get("ambient", (-np.inf, np.inf))
+        drawing.shade_untested(axes, [tested] * len(axes))
         handles = [Line2D([], [], color=colour, label=label) for colour, label in LOOKS.values()]
         drawing.legend_below(figure, handles)
         return figure
@@ -246,6 +253,9 @@ def draw_bounds(table: pd.DataFrame, title: str) -> Figure:
             values = rows[f"coupled_{temperature:g}_degC"].to_numpy()
             ax.plot(at, values, "o", color=colour, markersize=4.5, zorder=3)
         ax.set_ylim(bottom=0.0)
+        most = (table.attrs.get("ranges") or {}).get("strain", (0.0, np.inf))[1]
+        if column == "bearing_strain_max" and ax.get_ylim()[1] > most:
+            drawing.mark_tested(ax, most, "tested to here")
         ax.set_xticks(at, motions, rotation=60, ha="right", rotation_mode="anchor")
         drawing.name_axes(ax, "", "", label)
     handles = [

@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 import thermobearing
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.model import Bearing
+from thermobearing.bearing.validity import ranges_of
 from thermobearing.border.library import data_path
-from thermobearing.border.showing import table_html
+from thermobearing.border.showing import Shown
 from thermobearing.border.toml import read_toml
 from thermobearing.cyclic.result import Result
 from thermobearing.design.bilinear import BoundModel, bound_models, bounds_table
@@ -22,7 +23,15 @@ from thermobearing.design.case import DesignCase
 from thermobearing.design.equal import EqualBearing, third_cycle
 from thermobearing.design.factors import published_tables
 from thermobearing.design.sizing import Check, Size
+from thermobearing.design.tested import (
+    asked_by_bounds,
+    asked_by_design,
+    warnings_of_bounds,
+    warnings_of_design,
+)
 from thermobearing.earthquake.result import EarthquakeResult
+from thermobearing.results.ranges import outside_tests
+from thermobearing.results.writing import limits_summary
 
 if TYPE_CHECKING:
     from thermobearing.design.figures import BoundsFigures, DesignFigures, FactorFigures
@@ -98,8 +107,8 @@ class Round:
         }
 
 
-@dataclass(frozen=True)
-class Design:
+@dataclass(frozen=True, repr=False)
+class Design(Shown):
     """What the loop came to.
 
     Attributes
@@ -123,16 +132,6 @@ class Design:
     study: EarthquakeResult
     equal: list[EqualBearing] = field(default_factory=list)
 
-    def __repr__(self) -> str:
-        size = self.last.size
-        return (
-            f"<Design of {self.case.structure.name}: {size.side:g} mm, "
-            f"{size.layers}x{size.layer_thickness:g}, {len(self.rounds)} rounds, {self.outcome}>"
-        )
-
-    def _repr_html_(self) -> str:
-        return table_html(repr(self)[1:-1], self.table, [self.sentence])
-
     @property
     def last(self) -> Round:
         """The final turn."""
@@ -147,6 +146,16 @@ class Design:
     def table(self) -> pd.DataFrame:
         """One row per round."""
         return pd.DataFrame([turn.row() for turn in self.rounds])
+
+    @property
+    def tested_range(self) -> pd.DataFrame:
+        """What the last round asks of the curves, and equal bearings of their tests."""
+        return pd.DataFrame(asked_by_design(self))
+
+    @property
+    def warnings(self) -> list[str]:
+        """What a reader must know: what left the tested ranges."""
+        return warnings_of_design(self)
 
     @property
     def sheet(self) -> list[dict[str, Any]]:
@@ -176,6 +185,8 @@ class Design:
             "version": thermobearing.__version__,
             "outcome": self.outcome,
             "sentence": self.sentence,
+            "warnings": self.warnings,
+            **limits_summary(pd.DataFrame(), self.tested_range),
             "first_within_10_percent": self.first_within,
             "rounds": [turn.row() for turn in self.rounds],
             "checks": self.sheet,
@@ -213,8 +224,8 @@ class Design:
         return save_design(self, Path(directory), force=force, figures=figures)
 
 
-@dataclass(frozen=True)
-class BoundsReport:
+@dataclass(frozen=True, repr=False)
+class BoundsReport(Shown):
     """Bounding analyses beside the coupled model, for some bearings.
 
     Attributes
@@ -224,16 +235,32 @@ class BoundsReport:
 
     tables: dict[str, pd.DataFrame]
 
-    def __repr__(self) -> str:
-        return f"<BoundsReport of {', '.join(self.tables)}>"
-
-    def _repr_html_(self) -> str:
-        return table_html(repr(self)[1:-1], self.table, list(self.paragraphs.values()))
-
     @property
     def table(self) -> pd.DataFrame:
         """All tables below each other."""
         return pd.concat([table.assign(bearing=name) for name, table in self.tables.items()])
+
+    @property
+    def outcome(self) -> str:
+        """Completed, or what ended a run early."""
+        ended = [name for t in self.tables.values() for name in t.attrs.get("ended", [])]
+        return ended[0] if ended else "completed"
+
+    @property
+    def sentence(self) -> str:
+        """What the outcome means and what to try."""
+        said = [text for t in self.tables.values() for text in t.attrs.get("sentences", [])]
+        return said[0] if said else ""
+
+    @property
+    def tested_range(self) -> pd.DataFrame:
+        """What the coupled model asks of the range that each bearing was tested in."""
+        return pd.DataFrame(asked_by_bounds(self.tables))
+
+    @property
+    def warnings(self) -> list[str]:
+        """What a reader must know: what left the tested ranges."""
+        return warnings_of_bounds(self.tables)
 
     @property
     def paragraphs(self) -> dict[str, str]:
@@ -245,7 +272,9 @@ class BoundsReport:
         return {
             "command": "bounds",
             "version": thermobearing.__version__,
-            "outcome": "completed",
+            "outcome": self.outcome,
+            "warnings": self.warnings,
+            **limits_summary(pd.DataFrame(), self.tested_range),
             "paragraphs": self.paragraphs,
             "rows": {name: table.to_dict("records") for name, table in self.tables.items()},
         }
@@ -277,8 +306,8 @@ class BoundsReport:
         return save_bounds(self, Path(directory), force=force, figures=figures)
 
 
-@dataclass(frozen=True)
-class FactorReport:
+@dataclass(frozen=True, repr=False)
+class FactorReport(Shown):
     """Temperature factors of a bearing, and what follows from them.
 
     Attributes
@@ -297,12 +326,6 @@ class FactorReport:
     cycles: str
     sizes: tuple[pd.DataFrame, dict[float, Result]] | None = None
 
-    def __repr__(self) -> str:
-        return f"<FactorReport of {self.name}: {self.motion}, reference {self.reference:g} degC>"
-
-    def _repr_html_(self) -> str:
-        return table_html(repr(self)[1:-1], self.table)
-
     @property
     def name(self) -> str:
         """Of the bearing that gives the values."""
@@ -312,6 +335,17 @@ class FactorReport:
     def strain(self) -> float:
         """The largest strain, that of the bounds and the figure."""
         return float(self.table["strain"].max())
+
+    @property
+    def tested_range(self) -> pd.DataFrame:
+        """What the runs of the first bearing ask of the range that it was tested in."""
+        return pd.DataFrame(self.table.attrs.get("tested_range", []))
+
+    @property
+    def warnings(self) -> list[str]:
+        """What a reader must know: what left the tested range."""
+        rows = self.table.attrs.get("tested_range", [])
+        return outside_tests(self.name, rows, ranges_of(self.bearings[0]))
 
     @cached_property
     def bounds(self) -> list[BoundModel]:
@@ -327,6 +361,8 @@ class FactorReport:
             "version": thermobearing.__version__,
             "outcome": "completed",
             "reference_degC": self.reference,
+            "warnings": self.warnings,
+            **limits_summary(pd.DataFrame(), self.tested_range),
             "motion": self.motion,
             "cycles": self.cycles,
             "bounds": bounds_table(self.bounds).to_dict("records"),

@@ -15,6 +15,7 @@ from typing import Any
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.library import load_bearing
 from thermobearing.bearing.model import Bearing
+from thermobearing.bearing.validity import Validity
 from thermobearing.border.errors import InputError
 from thermobearing.cyclic.equivalent import DESIGN_STRAIN
 from thermobearing.design.bounds import AIR, BEARINGS, bounds_study, first_motions
@@ -101,6 +102,7 @@ def one_turn(case: DesignCase, number: int, assumed: float) -> Turn:
         strength=model.strength,
         initial_stiffness=model.initial,
         post_yield_stiffness=model.post_yield,
+        tested_range=Validity(strain=[curves.smallest_strain, curves.largest_strain]),
     )
     study = run_earthquake(earthquake_of(case, bearing, stiffness))
     found = float(study["bearing_displacement_max"].max())

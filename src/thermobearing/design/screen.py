@@ -3,7 +3,7 @@
 from thermobearing.design.bilinear import bounds_table
 from thermobearing.design.case import DesignCase, bearing_weight
 from thermobearing.design.result import BoundsReport, Design, FactorReport, Round, source_design
-from thermobearing.results.screen import print_table, say
+from thermobearing.results.screen import print_table, print_warnings, say
 
 COLUMNS = {  # of the rounds: head, width
     "round": 5,
@@ -102,6 +102,7 @@ def print_design(design: Design) -> None:
             f"equal K_B: {item.bearing.name}, K_eq {item.stiffness:.3f} kN/mm, "
             f"h_eq {item.damping:.3f} at 23 degC without heating"
         )
+    print_warnings(design.warnings)
 
 
 def _print_checks(design: Design) -> None:
@@ -150,6 +151,7 @@ def print_bounds(report: BoundsReport) -> None:
     """
     for text in report.paragraphs.values():
         say(text + "\n")
+    print_warnings(report.warnings)
 
 
 def print_factors(report: FactorReport) -> None:
@@ -179,6 +181,7 @@ def print_factors(report: FactorReport) -> None:
             f"{row['bound']} bound ({row['basis']} cycle, {row['ambient_degC']:g} degC): Q_d "
             f"{row['Q_d_kN']:.1f} kN, K_1 {row['K_1_kN_mm']:.2f}, K_2 {row['K_2_kN_mm']:.3f} kN/mm"
         )
+    print_warnings(report.warnings)
 
 
 def _print_factors(report: FactorReport) -> None:

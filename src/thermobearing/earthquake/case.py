@@ -7,16 +7,16 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field, field_validator
 
 from thermobearing.bearing.ambient import Ambient
-from thermobearing.bearing.bilinear import BilinearBearing, list_bilinear, load_bilinear
-from thermobearing.bearing.library import list_bearings, load_bearing
+from thermobearing.bearing.bilinear import BilinearBearing, load_bilinear, load_device
 from thermobearing.bearing.model import Bearing
-from thermobearing.border.errors import InputError, is_file, nearest
+from thermobearing.border.errors import InputError, is_file
 from thermobearing.border.overrides import overridden
 from thermobearing.border.schema import Strict, in_unit, validated
 from thermobearing.border.toml import read_toml, split_sources, to_toml
 from thermobearing.cyclic.case import Temperature, each_once
 from thermobearing.cyclic.protocol import LONGEST
 from thermobearing.cyclic.rig import Rig, settle_rig
+from thermobearing.cyclic.start import left_by, settle_start
 from thermobearing.model.handover import SpecimenState, misfit
 from thermobearing.model.options import ModelOptions, build_model
 from thermobearing.motions.library import list_motions, load_motion
@@ -47,6 +47,7 @@ DEFAULTS: dict[str, dict[str, Any]] = {
         "duration": "20 s",
     },
 }
+WAYS = ("initial_result", "initial_state")  # to start
 PSEUDO_DYNAMIC_SPEED = 10.0  # of the source's test [mm/s]
 Mode = Literal["rt", "pd"]
 ONE_OR_SEVERAL = BeforeValidator(lambda mode: (mode,) if isinstance(mode, str) else mode)
@@ -138,6 +139,7 @@ class EarthquakeCase(Strict):
     analysis : how to compute, and what to keep.
     laboratory : of a specimen in the loop.
     initial_state : where an earlier test left the bearing; of one bearing that is not bilinear.
+        `initial_result` of a file becomes it.
     rig : limits of the rig that moves the specimen; a run that passes one says so.
     """
 
@@ -199,7 +201,7 @@ class EarthquakeCase(Strict):
         for bearing in self.bearings:
             if isinstance(bearing, Bearing):
                 misfits = self.analysis.settled(bearing).misfits(bearing)
-                found += [f'analysis.{text}; "{bearing.name}" is none' for text in misfits]
+                found += [f"analysis.{text}" for text in misfits]
         return found
 
     def _misfits_of_state(self) -> list[str]:
@@ -269,10 +271,18 @@ def make_earthquake_case(
         overrides["laboratory"] = overridden(table.get("laboratory", {}), lab, Laboratory)
     table = overridden(table, overrides, EarthquakeCase, {"analysis": EarthquakeAnalysis})
     problems, motions = _settle(table, command, folder)
+    faults, earlier = settle_start(table, WAYS)
+    problems += faults
     try:
         case = validated(EarthquakeCase, table, where)
     except InputError as error:
         raise InputError([*problems, *error.problems], where) from None
+    if earlier is not None and not problems:
+        one = case.bearings[0]
+        if len(case.bearings) > 1 or not isinstance(one, Bearing):
+            raise InputError("initial_result: is of one bearing, and none that is bilinear", where)
+        state = left_by(earlier, one, case.ambient, where)
+        case = case.model_copy(update={"initial_state": state})
     problems += [*case.faults(), *case.length_faults(motions)] if not problems else []
     if problems:
         raise InputError(problems, where)
@@ -319,6 +329,8 @@ def _settle(
     if table.get("weather") is not None and isinstance(table["weather"], str):
         table["weather"] = str((folder / table["weather"]).absolute())
         table.setdefault("ambient", ["0 degC"])  # not used
+    if isinstance(table.get("initial_result"), str) and table["initial_result"]:
+        table["initial_result"] = folder / table["initial_result"]
     problems += settle_rig(table, folder)
     for key, value in DEFAULTS[command].items():
         table.setdefault(key, value)
@@ -336,7 +348,7 @@ def _settle(
             problems, "structure", load_structure, structure, folder, list_structures()
         )
     table["bearings"] = [
-        _named(problems, f"bearings[{k}]", _load_device, item, folder, [])
+        _named(problems, f"bearings[{k}]", load_device, item, folder, [])
         if isinstance(item, str | Path)
         else item
         for k, item in enumerate(table["bearings"])
@@ -363,22 +375,6 @@ def _named(
             if key == "structure"
             else load_bilinear("shen-bilinear-bridge")
         )
-
-
-def _load_device(name_or_path: str | Path) -> Device:
-    """A bearing, or a bilinear one, by name or file."""
-    text = str(name_or_path)
-    if text in list_bilinear():
-        return load_bilinear(text)
-    if text.endswith(".toml") and is_file(Path(text)):
-        table = read_toml(Path(text))
-        if split_sources(table)[0].get("kind") == "bilinear":
-            return load_bilinear(text)
-        return load_bearing(text)
-    if text in list_bearings() or "/" in text or text.endswith(".toml"):
-        return load_bearing(text)
-    known = [*list_bearings(), *list_bilinear()]
-    raise InputError(f'no bearing is called "{text}"{nearest(text, known)}')
 
 
 def _motion(

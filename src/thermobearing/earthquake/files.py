@@ -12,12 +12,17 @@ from thermobearing.results.directory import (
     HISTORY,
     MODES,
     RESOLVED,
-    RIG,
     TABLE,
     write_directory,
 )
 from thermobearing.results.reading import read_dataset
-from thermobearing.results.writing import DIGITS, write_csv, write_dataset, write_summary
+from thermobearing.results.writing import (
+    DIGITS,
+    write_csv,
+    write_dataset,
+    write_limits,
+    write_summary,
+)
 
 
 def save_earthquake(
@@ -50,8 +55,7 @@ def save_earthquake(
         write_csv(folder / TABLE, result.table)
         if has_both(result):
             write_csv(folder / MODES, modes_table(result))
-        if len(result.rig):
-            write_csv(folder / RIG, result.rig)
+        write_limits(folder, result.rig, result.tested_range)
         _write_histories(result, folder / HISTORY)
         write_dataset(result.dataset, folder / DATASET)
         if figures:

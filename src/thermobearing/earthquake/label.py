@@ -11,14 +11,13 @@ from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.core.records import Floats, Rows, labels
 from thermobearing.core.types import Books
 from thermobearing.cyclic.label import stack_labels
-from thermobearing.cyclic.rig import asked_of, beyond
 from thermobearing.earthquake.case import EarthquakeCase
+from thermobearing.earthquake.ends import labelled_ends
+from thermobearing.earthquake.reached import warnings_of
 from thermobearing.earthquake.result import EarthquakeResult
-from thermobearing.model.earlier import BLIND
 from thermobearing.model.options import BearingModel
 from thermobearing.model.outcomes import INTERRUPTED
 from thermobearing.model.outcomes import SENTENCES as RUN_SENTENCES
-from thermobearing.model.temperature import outside_law
 from thermobearing.results.largest_loop import largest_loop
 from thermobearing.results.writing import as_attribute
 from thermobearing.structure.matrices import (
@@ -106,6 +105,7 @@ def label_study(
         data |= _stacks(tasks, data["temperature"][1].shape[2])
     for name, values, unit_name in _scalars(tasks, histories, traces):
         data[name] = (("run",), values, {"units": unit_name})
+    data |= labelled_ends(tasks, histories)
     dataset = xr.Dataset(
         data,
         coords={
@@ -116,7 +116,7 @@ def label_study(
             "layer": np.arange(1, data["rubber_temperature"][1].shape[2] + 1),
             "body": np.array([body.name for body in case.structure.bodies], dtype=str),
         },
-        attrs=_attributes(case, tasks, histories) | _warnings(case, tasks, traces),
+        attrs=_attributes(case, tasks, histories) | warnings_of(case, tasks, histories, traces),
     )
     return EarthquakeResult(dataset)
 
@@ -318,45 +318,6 @@ def _attributes(
         attrs[f"initial_periods_s:{name}"] = list(_initial_periods(task))
         attrs[f"bilinear:{name}"] = int(isinstance(task.device.bearing, BilinearBearing))
     return attrs
-
-
-def _asked_of_rig(
-    case: EarthquakeCase, tasks: Sequence["Task"], traces: list[dict[str, Floats]]
-) -> list[dict[str, Any]]:
-    """What each run asks of the rig, the speed on the clock of the specimen."""
-    found = []
-    for task, trace in zip(tasks, traces, strict=True):
-        name = f"{task.device.bearing.name}, {task.shaking.motion.name}, {task.ambient:g} degC"
-        names = ("bearing_force", "bearing_displacement", "bearing_speed")
-        found += asked_of(case.rig, name, [float(np.abs(trace[n]).max()) for n in names])
-    return found
-
-
-def _warnings(
-    case: EarthquakeCase, tasks: Sequence["Task"], traces: list[dict[str, Floats]]
-) -> dict[str, Any]:
-    """Limits of the rig that are passed, and rubber outside the range of its temperature law."""
-    rig = _asked_of_rig(case, tasks, traces)
-    found = beyond(case.rig, rig)
-    for bearing in {task.device.bearing.name: task.device.bearing for task in tasks}.values():
-        if isinstance(bearing, BilinearBearing):
-            continue
-        runs = [
-            (
-                ", ".join(
-                    part
-                    for part in (task.shaking.motion.name, f"{task.ambient:g} degC", task.mode)
-                    if part
-                ),
-                trace["time"],
-                trace["rubber_temperature"],
-            )
-            for task, trace in zip(tasks, traces, strict=True)
-            if task.device.bearing.name == bearing.name
-        ]
-        blind = tasks[0].case.analysis.model in BLIND
-        found += [] if blind else outside_law(bearing.name, bearing.temperature_law, runs)
-    return {"warnings": as_attribute(found)} | ({"rig": as_attribute(rig)} if rig else {})
 
 
 def _initial_periods(task: "Task") -> Floats:

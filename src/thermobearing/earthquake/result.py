@@ -1,5 +1,6 @@
 """A study of a structure in earthquakes: histories, peaks, energy books, tables."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -7,72 +8,24 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from thermobearing.border.showing import table_html
+from thermobearing.border.showing import Shown
 from thermobearing.core.records import Floats
+from thermobearing.earthquake.columns import BEARING, COLUMNS, HISTORY, LABELS, LOOP, STRUCTURE
 from thermobearing.results.metrics import LEAST_ENERGY, LEAST_HEAT
+from thermobearing.results.ranges import largest_tested, limits_passed
 from thermobearing.results.selection import chosen_runs, gridded, selected
-from thermobearing.results.writing import from_attribute, limits_passed, rig_summary
+from thermobearing.results.writing import from_attribute, limits_of, limits_summary
 
 if TYPE_CHECKING:
     from thermobearing.earthquake.figures import EarthquakeFigures
 
-BEARING = (
-    "work_in",
-    "heat_released",
-    "recoverable",
-    "heat_stored",
-    "heat_lost_ends",
-    "heat_lost_sides",
-)
-STRUCTURE = ("input", "kinetic", "damping", "springs", "hinges", "bearings")
-COLUMNS = {  # of the table: name in the dataset, factor
-    "bearing_strain_max": ("bearing_strain_max", 1.0),
-    "bearing_force_max_kN": ("bearing_force_max", 1.0),
-    "bearing_energy_kN_mm": ("bearing_energy_end", 1.0),
-    "pier_displacement_max_mm": ("pier_displacement_max", 1.0),
-    "pier_ductility": ("pier_ductility", 1.0),
-    "pier_moment_max_kN_m": ("pier_moment_max", 1.0),
-    "deck_acceleration_max_m_s2": ("deck_acceleration_max", 1.0),
-    "pier_top_acceleration_max_m_s2": ("pier_top_acceleration_max", 1.0),
-    "pier_top_displacement_max_mm": ("pier_top_displacement_max", 1.0),
-    "pier_displacement_residual_mm": ("pier_displacement_residual", 1.0),
-}
-LOOP = {  # of the largest loop: name in the dataset
-    "loop_F_plus_kN": "loop_force_max",
-    "loop_F_minus_kN": "loop_force_min",
-    "loop_D_plus_mm": "loop_displacement_max",
-    "loop_D_minus_mm": "loop_displacement_min",
-    "loop_K_eq_kN_mm": "loop_stiffness",
-    "loop_h_eq": "loop_damping_ratio",
-    "loop_G_e_MPa": "loop_modulus",
-    "loop_energy_kN_mm": "loop_energy",
-}
-LABELS = ("bearing", "motion", "ambient", "mode")  # of a run
-HISTORY = {  # columns of a history: name in the dataset
-    "time_s": "time",
-    "ground_m_s2": "ground_acceleration",
-    "displacement_mm": "bearing_displacement",
-    "strain": "bearing_strain",
-    "force_kN": "bearing_force",
-    "rubber_force_kN": "rubber_force",
-    "lead_force_kN": "lead_force",
-    "viscous_force_kN": "viscous_force",
-    "energy_kN_mm": "bearing_energy",
-    "pier_displacement_mm": "pier_displacement",
-    "pier_rotation_rad": "pier_rotation",
-    "pier_moment_kN_m": "pier_moment",
-    "pier_top_acceleration_m_s2": "pier_top_acceleration",
-    "deck_displacement_mm": "deck_displacement",
-    "deck_acceleration_m_s2": "deck_acceleration",
-    "lead_degC": "lead_temperature",
-}
 # Of the input. In the default study, bearings of runs below it move 13 to 19 % farther without
 # viscous damping, those of runs above it 12 to 200 %: there the assumed ratios count as much as
 # the bearing.
 LARGEST_DAMPING_SHARE = 0.25
 
 
-class EarthquakeResult:
+class EarthquakeResult(Shown):
     """Runs of one study.
 
     Attributes
@@ -87,15 +40,14 @@ class EarthquakeResult:
     def __getitem__(self, name: str) -> xr.DataArray:
         return self.dataset[name]
 
-    def __repr__(self) -> str:
+    @property
+    def headline(self) -> str:
+        """What it is, in a line."""
         counts = [len(set(self.dataset[name].values.tolist())) for name in LABELS[:3]]
         return (
-            f"<EarthquakeResult of {self.dataset.attrs['structure']}: {self.runs} runs (bearings "
-            f"{counts[0]}, motions {counts[1]}, temperatures {counts[2]}), {self.outcome}>"
+            f"EarthquakeResult of {self.dataset.attrs['structure']}: {self.runs} runs (bearings "
+            f"{counts[0]}, motions {counts[1]}, temperatures {counts[2]}), {self.outcome}"
         )
-
-    def _repr_html_(self) -> str:
-        return table_html(repr(self)[1:-1], self.table, self.warnings)
 
     def show(self) -> None:
         """Print the tables that the command prints."""
@@ -123,7 +75,7 @@ class EarthquakeResult:
         """
         data = self.dataset
         labels = {name: data[name].values for name in LABELS if name in data.coords}
-        return EarthquakeResult(selected(data, "run", chosen_runs(labels, chosen)))
+        return EarthquakeResult(selected(data, "run", chosen_runs(labels, chosen), self.run_names))
 
     def to_dataset(self) -> xr.Dataset:
         """The dataset with bearing, motion and ambient temperature as dimensions.
@@ -179,7 +131,8 @@ class EarthquakeResult:
         The mode is that of the laboratory, and not there without one. `energy_of_warmest` is the
         bearing's energy over that at the warmest temperature of the same bearing, motion and
         mode, `damping_of_input` the share of the energy that viscous damping takes from the
-        input, `beyond_rig` what the run asks too much of, if a rig is named.
+        input, `beyond_rig` what the run asks too much of, if a rig is named, `beyond_tested`
+        the quantities in which it leaves the tested range of its bearing.
         """
         frame = pd.DataFrame(
             {
@@ -204,7 +157,8 @@ class EarthquakeResult:
             if variable in self.dataset:
                 frame[name] = self.dataset[variable].values
         if len(self.rig):
-            frame["beyond_rig"] = limits_passed(self.rig, self.runs)
+            frame["beyond_rig"] = limits_passed(self.rig.to_dict("records"), self.run_names)
+        frame["beyond_tested"] = limits_passed(self.tested_range.to_dict("records"), self.run_names)
         return frame
 
     @property
@@ -243,8 +197,24 @@ class EarthquakeResult:
     @property
     def rig(self) -> pd.DataFrame:
         """What each run asks of each limit of the rig, and whether it passes it; empty without."""
-        told = "rig" in self.dataset.attrs  # if one was named
-        return pd.DataFrame(from_attribute(self.dataset, "rig") if told else [])
+        return limits_of(self.dataset, "rig")
+
+    @property
+    def tested_range(self) -> pd.DataFrame:
+        """What each run asks of the range that its bearing was tested in, where that is given."""
+        return limits_of(self.dataset, "tested_range")
+
+    def tested_to(self, runs: Sequence[int], limit: str) -> float:
+        """Largest tested value of a quantity that one of some runs goes beyond; else infinite."""
+        rows, names = self.tested_range.to_dict("records"), self.run_names
+        return min((largest_tested(rows, names[run], limit) for run in runs), default=np.inf)
+
+    @property
+    def run_names(self) -> list[str]:
+        """What each run is called in sentences and tables."""
+        names = ("bearing", "motion", "ambient")
+        told = zip(*(self.dataset[name].values for name in names), self.modes, strict=True)
+        return [run_name(str(b), str(m), float(air), mode) for b, m, air, mode in told]
 
     @property
     def energy(self) -> pd.DataFrame:
@@ -360,7 +330,7 @@ class EarthquakeResult:
             "version": attrs["version"],
             "outcome": self.outcome,
             "warnings": self.warnings,
-            **rig_summary(self.rig),
+            **limits_summary(self.rig, self.tested_range),
             "periods_s": _numbers(attrs.get("periods_s", [])),
             "damping": attrs["damping"],
             "damping_ratios": _numbers(attrs.get("damping_ratios", [])),
@@ -382,6 +352,11 @@ class EarthquakeResult:
         from thermobearing.earthquake.files import save_earthquake
 
         return save_earthquake(self, Path(directory), force=force, figures=figures)
+
+
+def run_name(bearing: str, motion: str, ambient: float, mode: str) -> str:
+    """What a run is called: bearing, motion, air and mode of the laboratory, as far as they are."""
+    return ", ".join(part for part in (bearing, motion, f"{ambient:g} degC", mode) if part)
 
 
 def _numbers(attribute: Any) -> list[float]:

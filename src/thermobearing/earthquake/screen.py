@@ -7,7 +7,7 @@ import pandas as pd
 
 from thermobearing.earthquake.modes import has_both, modes_table
 from thermobearing.earthquake.result import EarthquakeResult
-from thermobearing.results.screen import print_table, say, say_warnings
+from thermobearing.results.screen import print_table, print_warnings, say
 
 TITLE = "real time over pseudo-dynamic"
 RATIOS = {  # columns of modes.csv
@@ -59,12 +59,15 @@ def print_study(
         _print_runs(result, table[table["bearing"] == name], both)
     for name, rows in modes_table(result).groupby("bearing", sort=False) if both else ():
         _print_modes(str(name), rows)
+    marked = table["beyond_tested"].str.split().explode()
+    if marked.isin(["strain", "ambient"]).any():
+        say("! beyond what the bearing was tested at")
     if compared:
         _print_comparison(compared)
     if result.runs:
         worst = float(result.energy["structure_residual"].abs().max())
         say(f"energy books: largest residual {worst:.1e} of the input")
-    say_warnings(result.warnings)
+    print_warnings(result.warnings)
 
 
 def _print_comparison(results: dict[str, EarthquakeResult]) -> None:
@@ -119,8 +122,8 @@ def _print_runs(result: EarthquakeResult, rows: pd.DataFrame, both: bool) -> Non
 def _cells(row: dict[Any, Any], hottest: dict[str, float], both: bool) -> list[str]:
     return [
         f"{row['motion']} {row['mode']}" if both else row["motion"],
-        f"{row['ambient_degC']:g}",
-        f"{row['bearing_strain_max']:.0%}",
+        f"{row['ambient_degC']:g}" + _mark(row, "ambient"),
+        f"{row['bearing_strain_max']:.0%}" + _mark(row, "strain"),
         f"{row['bearing_force_max_kN']:.0f}",
         f"{1e-3 * row['bearing_energy_kN_mm']:.1f}",
         f"{row['energy_of_warmest']:.0%}",
@@ -136,3 +139,8 @@ def _cells(row: dict[Any, Any], hottest: dict[str, float], both: bool) -> list[s
 def _told(value: float, form: str) -> str:
     """A number, or nothing where there is none."""
     return "" if value != value else form.format(value)
+
+
+def _mark(row: dict[Any, Any], quantity: str) -> str:
+    """A mark beside a number that the bearing was not tested at."""
+    return "!" if quantity in str(row["beyond_tested"]).split() else ""

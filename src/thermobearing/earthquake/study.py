@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import Any, Never, TypeAlias, TypeVar
 
 from thermobearing.bearing.bilinear import BilinearBearing
-from thermobearing.bearing.model import Bearing
+from thermobearing.bearing.model import Bearing, Clock
 from thermobearing.border.errors import InputError, nearest
 from thermobearing.cyclic.rig import Rig
+from thermobearing.cyclic.start import Earlier
 from thermobearing.earthquake.case import Command, Kept, Laboratory, Motion, make_earthquake_case
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.earthquake.run import Progress, run_earthquake
@@ -42,6 +43,7 @@ def bridge(
     hardening: Hardening | None = None,
     heat_source: HeatSource | None = None,
     lead_ends: LeadEnds | None = None,
+    clock: Clock | None = None,
     upper_face: EndFace | None = None,
     lower_face: EndFace | None = None,
     stack: Stacked | None = None,
@@ -50,6 +52,7 @@ def bridge(
     keep_every: int | None = None,
     laboratory: Laboratory | dict[str, Any] | None = None,
     initial_state: SpecimenState | None = None,
+    initial_result: Earlier | str | Path | None = None,
     rig: Rig | str | Path | dict[str, Any] | None = None,
     executor: Executor | None = None,
     progress: Progress | None = None,
@@ -80,6 +83,8 @@ def bridge(
         (LRB), which gives its elastic work back, and work for the others.
     lead_ends : how lead passes heat to steel: "finite-plate" (default) or "half-space"
         (Eq. 5.4-5.5), which the published scheme and the earlier models have.
+    clock : of lead on a half-space, "lead" (Eq. 5.6 as printed) or "steel"; by default that of the
+        bearing, or, if it says none, lead with the published scheme and steel otherwise.
     upper_face, lower_face : heat exchange of the end faces; eta_B = 2 by default.
     stack : "auto" (default), "half" or "full" height.
     model : "multi-layer" (default) or an earlier model to compare with (model/earlier.py).
@@ -88,6 +93,8 @@ def bridge(
     keep_every : keep every n-th step of the histories, >= 1; 2 by default.
     laboratory : of a specimen in the loop, see `hybrid`; none by default.
     initial_state : where an earlier test left the one bearing; virgin by default.
+    initial_result : the earlier result itself instead, of `run`, `hybrid` or `bridge`, or its
+        directory; of several runs that of this bearing at this ambient temperature.
     rig : limits of force [kN], stroke [mm] and speed [mm/s] that are told when a run passes them:
         a name ("shen-rig"), a file or a table; none by default.
     executor : any `concurrent.futures` executor; threads by default.
@@ -111,9 +118,7 @@ def bridge(
     """
     return _study(
         "bridge",
-        misspelt,
-        executor,
-        progress,
+        (misspelt, executor, progress),
         bearings=bearing,
         motions=motion,
         ambient=ambient,
@@ -129,6 +134,7 @@ def bridge(
         hardening=hardening,
         heat_source=heat_source,
         lead_ends=lead_ends,
+        clock=clock,
         upper_face=upper_face,
         lower_face=lower_face,
         stack=stack,
@@ -137,6 +143,7 @@ def bridge(
         keep_every=keep_every,
         laboratory=laboratory,
         initial_state=initial_state,
+        initial_result=initial_result,
         rig=rig,
     )
 
@@ -158,6 +165,7 @@ def hybrid(
     hardening: Hardening | None = None,
     heat_source: HeatSource | None = None,
     lead_ends: LeadEnds | None = None,
+    clock: Clock | None = None,
     upper_face: EndFace | None = None,
     lower_face: EndFace | None = None,
     stack: Stacked | None = None,
@@ -166,6 +174,7 @@ def hybrid(
     keep_every: int | None = None,
     laboratory: Laboratory | dict[str, Any] | None = None,
     initial_state: SpecimenState | None = None,
+    initial_result: Earlier | str | Path | None = None,
     rig: Rig | str | Path | dict[str, Any] | None = None,
     executor: Executor | None = None,
     progress: Progress | None = None,
@@ -186,8 +195,10 @@ def hybrid(
         of the actuator, `force_noise` (standard deviation of the measured force) and its
         `seed`; numbers as text with their unit.
     weather, duration, dt, mass, damping, scheme, integrator : as of `bridge`.
-    hardening, heat_source, lead_ends, upper_face, lower_face, stack, model : as of `bridge`.
-    keep, keep_every, initial_state, rig, executor, progress, misspelt : as of `bridge`.
+    hardening, heat_source, lead_ends, clock, upper_face, lower_face, stack, model : as of
+        `bridge`.
+    keep, keep_every, initial_state, initial_result, rig : as of `bridge`.
+    executor, progress, misspelt : as of `bridge`.
 
     Returns
     -------
@@ -206,9 +217,7 @@ def hybrid(
     """
     return _study(
         "hybrid",
-        misspelt,
-        executor,
-        progress,
+        (misspelt, executor, progress),
         bearings=bearing,
         motions=motion,
         ambient=ambient,
@@ -224,6 +233,7 @@ def hybrid(
         hardening=hardening,
         heat_source=heat_source,
         lead_ends=lead_ends,
+        clock=clock,
         upper_face=upper_face,
         lower_face=lower_face,
         stack=stack,
@@ -232,18 +242,18 @@ def hybrid(
         keep_every=keep_every,
         laboratory=laboratory,
         initial_state=initial_state,
+        initial_result=initial_result,
         rig=rig,
     )
 
 
 def _study(
     command: Command,
-    misspelt: Mapping[str, object],
-    executor: Executor | None,
-    progress: Progress | None,
+    how: tuple[Mapping[str, object], Executor | None, Progress | None],
     **given: Any,
 ) -> EarthquakeResult:
     """What `bridge` and `hybrid` do with their arguments."""
+    misspelt, executor, progress = how
     where = f"{command}()"
     if misspelt:
         known = signature(bridge).parameters.keys() - {"misspelt"}

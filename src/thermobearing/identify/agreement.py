@@ -7,16 +7,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from thermobearing.bearing.model import Bearing
-from thermobearing.identify.cycles import cycles_of
 from thermobearing.identify.forward import Prediction
+from thermobearing.identify.loops import loops_of
 from thermobearing.identify.record import TestRecord
-from thermobearing.results.metrics import loop_energy
 
 Floats = NDArray[np.float64]
 
 POOR = 0.98  # coefficient of determination below which the fit is called poor
 FIRST_CYCLE = 0.04  # of the peak force: first cycles stiffer than later ones by this are told
-SMOOTHED = 20  # running means of a cycle over a twentieth of it, for its peaks
 ENERGY = 0.15  # error of a cycle's energy that is told
 
 
@@ -146,33 +144,16 @@ def fit_of_record(record: TestRecord, prediction: Prediction, bearing: Bearing) 
     )
 
 
-def peaks(force: Floats) -> tuple[float, float]:
-    """Highest and lowest force of a cycle, of a short running mean: noise adds to extremes."""
-    window = max(1, len(force) // SMOOTHED)
-    mean = np.convolve(force, np.full(window, 1.0 / window), "valid")
-    return float(mean.max()), float(mean.min())
-
-
 def _cycle_errors(record: TestRecord, force: Floats, bearing: Bearing) -> list[CycleErrors]:
-    found = []
-    for number, cycle in enumerate(cycles_of(record), start=1):
-        if cycle.closing:
-            continue
-        rows = slice(cycle.first, cycle.last + 1)
-        x, test, model = record.displacement[rows], record.force[rows], force[rows]
-        a, b = peaks(test), peaks(model)
-        # G_e and h_eq as in Eq. 3.1 and 3.2; displacements are the same, and cancel.
-        stiffness = (abs(b[0]) + abs(b[1])) / (abs(a[0]) + abs(a[1]))
-        energy = loop_energy(x, model) / loop_energy(x, test)
-        found.append(
-            CycleErrors(
-                cycle=number,
-                number=cycle.number,
-                amplitude_strain=cycle.amplitude / bearing.total_rubber_thickness,
-                G_eq_error=stiffness - 1.0,
-                h_eq_error=energy / stiffness - 1.0,
-                energy_error=energy - 1.0,
-                force_max_error=max(map(abs, b)) / max(map(abs, a)) - 1.0,
-            )
+    return [
+        CycleErrors(
+            cycle=loop.cycle,
+            number=loop.number,
+            amplitude_strain=loop.amplitude / bearing.total_rubber_thickness,
+            G_eq_error=loop.ratios["K_eq"] - 1.0,  # displacements are the same, and cancel
+            h_eq_error=loop.ratios["h_eq"] - 1.0,
+            energy_error=loop.ratios["energy"] - 1.0,
+            force_max_error=loop.peak_ratio - 1.0,
         )
-    return found
+        for loop in loops_of(record, force)
+    ]

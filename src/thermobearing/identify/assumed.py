@@ -65,7 +65,9 @@ class Group(Strict):
         return self.absolute if self.absolute is not None else (self.relative or 0.0) * abs(value)
 
 
-class _Groups(Strict):
+class Groups(Strict):
+    """What data/identify/assumed.toml says."""
+
     groups: list[Group]
 
 
@@ -83,7 +85,7 @@ def usual_groups() -> tuple[Group, ...]:
     [0.15]
     """
     path = data_path("identify", "assumed.toml")
-    return tuple(validated(_Groups, read_toml(path), str(path)).groups)
+    return tuple(validated(Groups, read_toml(path), str(path)).groups)
 
 
 def chosen_groups(given: Mapping[str, float] | None) -> tuple[Group, ...]:

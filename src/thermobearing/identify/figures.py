@@ -216,7 +216,8 @@ class IdentificationFigures:
         -------
         Figure
         """
-        title = self._title(f"predicted at {drawing.degrees(band.ambient)}")
+        told = " (not tested)" if band.beyond_tested else ""
+        title = self._title(f"predicted at {drawing.degrees(band.ambient)}{told}")
         figure, (loops, width) = drawing.panels(1, 2, (10.0, 4.2), title)
         loops.plot(band.displacement, band.best, color=drawing.INK, linewidth=0.6)
         text = f"peak {band.peak:.4g} kN, 95 % {band.peak_lower:.4g} to {band.peak_upper:.4g} kN"

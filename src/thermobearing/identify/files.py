@@ -116,19 +116,30 @@ def save_identification(
     """
 
     def fill(folder: Path) -> None:
-        content = found.summary()
-        if forecast is not None:
-            content["posterior"] = forecast.summary()
-            text = _samples_text(found, forecast.samples)
-            (folder / SAMPLES).write_text(text, encoding="utf-8")
-        write_summary(folder, content)
-        text = tomli_w.dumps(bearing_table(found))
-        (folder / IDENTIFIED).write_text(text, encoding="utf-8")
-        (folder / FIT_TABLE).write_text(fit_text(found), encoding="utf-8")
-        if figures:
-            found.plot.save_all(folder / FIGURES, bands=forecast.bands if forecast else ())
+        fill_identification(folder, found, found.summary(), forecast, figures=figures)
 
     return write_directory(directory, fill, force=force)
+
+
+def fill_identification(
+    folder: Path,
+    found: Identification,
+    summary: dict[str, Any],
+    forecast: Forecast | None,
+    *,
+    figures: bool,
+) -> None:
+    """Write the files of a fit into a folder; `summary` may tell more than the fit's own."""
+    if forecast is not None:
+        summary = summary | {"posterior": forecast.summary()}
+        text = _samples_text(found, forecast.samples)
+        (folder / SAMPLES).write_text(text, encoding="utf-8")
+    write_summary(folder, summary)
+    text = tomli_w.dumps(bearing_table(found))
+    (folder / IDENTIFIED).write_text(text, encoding="utf-8")
+    (folder / FIT_TABLE).write_text(fit_text(found), encoding="utf-8")
+    if figures:
+        found.plot.save_all(folder / FIGURES, bands=forecast.bands if forecast else ())
 
 
 def bearing_table(found: Identification) -> dict[str, Any]:
@@ -159,11 +170,14 @@ def bearing_table(found: Identification) -> dict[str, Any]:
         "description": f"{found.bearing.description} (identified from tests)".strip(),
         "citation": f"thermobearing {thermobearing.__version__} identify, {found.method}; {fitted}",
     }
-    law = _range_of_law(found)
+    law, tested = _range_of_law(found), found.tested_range
+    sources |= {f"tested_range.{name}": _tested_source(found, name) for name in tested.ranges()}
     if law is not found.bearing.temperature_law:
         keys = ("temperature_law.coldest", "temperature_law.warmest")
         sources |= dict.fromkeys(keys, "air of the tests; the rubber itself was warmer")
-    table = to_table(found.bearing.model_copy(update=named | {"temperature_law": law}))
+    table = to_table(
+        found.bearing.model_copy(update=named | {"temperature_law": law, "tested_range": tested})
+    )
     for key, source in sources.items():
         *tables, name = key.split(".")
         inner: Any = table
@@ -172,6 +186,12 @@ def bearing_table(found: Identification) -> dict[str, Any]:
         if name in inner and name not in named and not isinstance(inner[name], dict):
             inner[name] = {"value": inner[name], "source": source}
     return table
+
+
+def _tested_source(found: Identification, name: str) -> str:
+    """Where an end of the tested range comes from."""
+    tests = ", ".join(record.name for record in found.records)
+    return f"the fitted model in {tests}" if name == "lead_temperature" else f"tests {tests}"
 
 
 def _range_of_law(found: Identification) -> TemperatureLaw | None:

@@ -42,6 +42,7 @@ class Prediction:
     force: Floats  # [kN]
     temperatures: dict[str, Floats]  # by title of the thermocouple [degC]
     outcome: str
+    lead: tuple[float, float] | None = None  # coldest and warmest lead in the run [degC]
 
 
 @dataclass(frozen=True)
@@ -226,6 +227,7 @@ class ForwardModel:
         self._initial = np.full(len(self._constants.cells.capacity), self._at)
         self._groups = ("rubber",) if record.places else ()
         self._layers = self._thermocouples(bearing)
+        self.ended = ""  # outcome of the last run
 
     @property
     def steps(self) -> int:
@@ -270,12 +272,15 @@ class ForwardModel:
         )
         if history.outcome == INTERRUPTED:
             raise KeyboardInterrupt
+        self.ended = history.outcome
         if history.outcome != "completed":
             return None
+        lead = history.rows.books["lead_temperature"] if constants.lead.cores > 0.0 else None
         return Prediction(
             self._at_samples(history.rows.books["force"]),
             {title: self._at_samples(at(history.rows, j)) for title, j in self._layers.items()},
             history.outcome,
+            None if lead is None else (float(lead.min()), float(lead.max())),
         )
 
     def _at_samples(self, values: Floats) -> Floats:

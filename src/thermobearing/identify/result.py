@@ -10,13 +10,15 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from thermobearing.bearing.model import Bearing
-from thermobearing.border.showing import table_html
+from thermobearing.bearing.validity import Validity
+from thermobearing.border.showing import Shown
 from thermobearing.identify.agreement import RecordFit, fit_of_record
 from thermobearing.identify.checks import CheckReport
 from thermobearing.identify.forward import Prediction
 from thermobearing.identify.parameters import ParameterSet
 from thermobearing.identify.problem import Problem
 from thermobearing.identify.record import TestRecord
+from thermobearing.identify.tested import range_of_tests
 from thermobearing.identify.uncertainty import Estimate, Uncertainty
 
 if TYPE_CHECKING:
@@ -28,8 +30,8 @@ Floats = NDArray[np.float64]
 SENTENCES = {"not_converged": "The search stopped before it converged. Give more --starts."}
 
 
-@dataclass(frozen=True)
-class Identification:
+@dataclass(frozen=True, repr=False)
+class Identification(Shown):
     """What a fit found.
 
     Attributes
@@ -71,16 +73,15 @@ class Identification:
     outcome: str
     problem: Problem
 
-    def __repr__(self) -> str:
+    @property
+    def headline(self) -> str:
+        """What it is, in a line."""
         free = ", ".join(
             f"{item.parameter.kind.symbol} = {item.value:.4g}"
             for item in self.uncertainty.estimates.values()
         )
         fits = ", ".join(f"{fit.R2:.4f}" for fit in self.fits)
-        return f"<Identification of {self.bearing.name}: {free}; R2 {fits}; {self.outcome}>"
-
-    def _repr_html_(self) -> str:
-        return table_html(repr(self)[1:-1], self.table, self.warnings)
+        return f"Identification of {self.bearing.name}: {free}; R2 {fits}; {self.outcome}"
 
     def show(self) -> None:
         """Print the tables that the command prints."""
@@ -117,6 +118,12 @@ class Identification:
             fit_of_record(record, prediction, self.bearing)
             for record, prediction in zip(self.records, self.predictions, strict=True)
         ]
+
+    @cached_property
+    def tested_range(self) -> Validity:
+        """What these tests cover; it goes into the file of the bearing."""
+        rubber = self.bearing.total_rubber_thickness
+        return range_of_tests(self.records, self.predictions, rubber)
 
     @property
     def sentence(self) -> str:

@@ -34,6 +34,7 @@ from thermobearing.identify.result import Identification
 from thermobearing.identify.search import polish as polished
 from thermobearing.identify.search import search
 from thermobearing.identify.start import loop_start
+from thermobearing.identify.tested import range_of_tests
 from thermobearing.identify.uncertainty import estimate
 
 Floats = NDArray[np.float64]
@@ -167,9 +168,10 @@ def run_identify(case: IdentifyCase) -> Identification:
     predictions = [p for p in problem.predict(cube) if p is not None]
     if len(predictions) != len(records):
         raise InputError("the model does not get through these tests with any parameters tried")
+    covered = range_of_tests(records, predictions, base.total_rubber_thickness)
     uncertainty = estimate(problem, cube, chosen_groups(case.assumed))
     return Identification(
-        bearing=problem.pset.checked(cube),
+        bearing=problem.pset.checked(cube).model_copy(update={"tested_range": covered}),
         pset=problem.pset,
         cube=cube,
         records=records,

@@ -1,8 +1,10 @@
 """Tables of a fit, and findings about tests, on the terminal."""
 
+from collections.abc import Sequence
+
 from thermobearing.identify.checks import CheckReport
 from thermobearing.identify.result import Identification
-from thermobearing.results.screen import print_table, say_warnings
+from thermobearing.results.screen import print_table, print_warnings
 
 MARKS = {"refused": "REFUSED", "warning": "warning", "note": "note"}
 HEADS = ("parameter", "unit", "value", "standard error", "95 % interval")
@@ -33,12 +35,13 @@ def print_checks(reports: list[CheckReport]) -> None:
             print(f"  {MARKS[finding.level]:8} {finding.check}: {finding.sentence}")
 
 
-def print_identification(found: Identification) -> None:
+def print_identification(found: Identification, more: Sequence[str] = ()) -> None:
     """Parameters, measures of each record, warnings.
 
     Parameters
     ----------
     found : from `identify_bearing`.
+    more : further warnings, of a prediction.
 
     Examples
     --------
@@ -54,7 +57,7 @@ def print_identification(found: Identification) -> None:
     """
     _print_parameters(found)
     _print_measures(found)
-    say_warnings(found.warnings)
+    print_warnings([*found.warnings, *more])
 
 
 def _print_parameters(found: Identification) -> None:

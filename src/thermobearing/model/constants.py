@@ -4,7 +4,7 @@ from typing import Literal
 
 import numpy as np
 
-from thermobearing.bearing.model import Bearing
+from thermobearing.bearing.model import Bearing, Clock, LeadCores
 from thermobearing.core.records import Floats, filled
 from thermobearing.core.types import (
     EULER,
@@ -51,15 +51,16 @@ def build_constants(
     heat_source: HeatSource = "work",
     lead_ends: LeadEnds = "half-space",
     hardening: Hardening = "printed",
+    clock: Clock | None = None,
 ) -> Constants:
     """The numbers one coupled step needs, from a bearing and its stack.
 
     `lower` is None for a half stack: its last cell lies at the symmetry plane. `lead_ends`
-    "finite-plate" needs lead and the conservative scheme.
+    "finite-plate" needs lead and the conservative scheme. `clock` is that of `lead_clock`.
     """
     make = conservative_rates if scheme == "conservative" else published_rates
     rates = make(stack, upper, lower)
-    lead, end, side = _lead(bearing, stack, published=scheme == "published")
+    lead, end, side = _lead(bearing, stack, published=scheme == "published", clock=clock)
     network = half_space(end, side)
     if lead_ends == "finite-plate":
         network = lead_network(bearing, stack, upper, lower)
@@ -108,6 +109,7 @@ def with_parameters(constants: Constants, bearing: Bearing, stack: Stack) -> Con
     """
     integrator: Integrator = "euler" if constants.rubber.integrator == EULER else "exact"
     lead, _, _ = _lead(bearing, stack, published=constants.lead.published)
+    lead = lead._replace(clock_rate=constants.lead.clock_rate)  # whatever clock was chosen
     return constants._replace(
         rubber=_rubber(bearing, integrator, monotone=constants.rubber.monotone),
         lead=lead,
@@ -115,7 +117,16 @@ def with_parameters(constants: Constants, bearing: Bearing, stack: Stack) -> Con
     )
 
 
-def _lead(bearing: Bearing, stack: Stack, *, published: bool) -> tuple[Lead, Floats, Floats]:
+def lead_clock(lead: LeadCores, *, published: bool, asked: Clock | None = None) -> Clock:
+    """Whose diffusivity makes t+ dimensionless: as asked for, else as the bearing says, else that
+    of lead (Eq. 5.6 as printed) with the published scheme and of steel with the conservative one.
+    """
+    return asked or lead.clock or ("lead" if published else "steel")
+
+
+def _lead(
+    bearing: Bearing, stack: Stack, *, published: bool, clock: Clock | None = None
+) -> tuple[Lead, Floats, Floats]:
     """Numbers of the lead cores, and their conductances to each cell: ends, sides (5.1-5.7)."""
     nothing = np.zeros(len(stack.part))
     given, material = bearing.lead, bearing.materials.lead
@@ -124,7 +135,7 @@ def _lead(bearing: Bearing, stack: Stack, *, published: bool) -> tuple[Lead, Flo
         return none, nothing, nothing
     steel = bearing.materials.steel
     conductivity = steel.conductivity / MM_PER_M
-    medium = steel if given.clock == "steel" else material
+    medium = steel if lead_clock(given, published=published, asked=clock) == "steel" else material
     diffusivity = medium.conductivity / MM_PER_M / medium.volumetric_heat
     height = float(stack.beside_lead.sum())
     one_end = given.core_area * given.surface_ratio * conductivity / given.radius

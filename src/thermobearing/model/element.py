@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from thermobearing.bearing.ambient import check_temperature
 from thermobearing.bearing.library import as_bearing
-from thermobearing.bearing.model import Bearing
+from thermobearing.bearing.model import Bearing, Clock
 from thermobearing.border.errors import InputError, nearest
 from thermobearing.border.schema import validated
 from thermobearing.core.march import copy_state
@@ -72,6 +72,8 @@ class BearingElement:
         (LRB), which gives its elastic work back, and work for the others.
     lead_ends : how lead passes heat to steel: "finite-plate" (default) or "half-space"
         (Eq. 5.4-5.5), which the published scheme and the earlier models have.
+    clock : of lead on a half-space, "lead" (Eq. 5.6 as printed) or "steel"; by default that of the
+        bearing, or, if it says none, lead with the published scheme and steel otherwise.
     upper_face, lower_face : heat exchange of the end faces; eta_B = 2 by default.
     stack : "auto" (default), "half" or "full" height.
     model : "multi-layer" (default) or an earlier model (model/earlier.py) but "bilinear", whose
@@ -102,6 +104,7 @@ class BearingElement:
         hardening: Hardening | None = None,
         heat_source: HeatSource | None = None,
         lead_ends: LeadEnds | None = None,
+        clock: Clock | None = None,
         upper_face: EndFace | None = None,
         lower_face: EndFace | None = None,
         stack: Stacked | None = None,
@@ -114,6 +117,7 @@ class BearingElement:
             "hardening": hardening,
             "heat_source": heat_source,
             "lead_ends": lead_ends,
+            "clock": clock,
             "upper_face": upper_face,
             "lower_face": lower_face,
             "stack": stack,

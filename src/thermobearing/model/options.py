@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
-from thermobearing.bearing.model import Bearing
+from thermobearing.bearing.model import Bearing, Clock
 from thermobearing.border.errors import InputError
 from thermobearing.border.schema import Strict, in_unit
 from thermobearing.core.types import Constants
@@ -20,6 +20,7 @@ from thermobearing.model.constants import (
     Integrator,
     LeadEnds,
     build_constants,
+    lead_clock,
 )
 from thermobearing.model.earlier import (
     BilinearParameters,
@@ -31,6 +32,7 @@ from thermobearing.model.stack import Face, Scheme, Stack, build_stack
 
 Stacked = Literal["auto", "half", "full"]
 WITH_LEAD_ENDS = ("multi-layer", "temperature-blind")  # the others have the formula of Eq. 5.5
+WITH_CLOCK = (*WITH_LEAD_ENDS, "lead-alone")  # in the others lead passes no heat, or at once
 DEFAULT_ETA = 2.0  # the source uses a "middle" value between 1 and 3 (Eq. 4.15)
 
 
@@ -78,6 +80,9 @@ class ModelOptions(Strict):
     lead_ends : how lead passes heat to steel: "finite-plate" (default: plates of finite
         thickness, shims as fins) or "half-space" (Eq. 5.4-5.5, with surface_ratio and clock);
         the published scheme and the earlier models have the latter.
+    clock : of lead on a half-space: whose diffusivity makes t+ of Eq. 5.6 dimensionless, "lead" as
+        printed or "steel" (Kalpakidis & Constantinou 2009); None for that of the bearing, or, if
+        it says none, lead with the published scheme and steel with the conservative one.
     stack : "auto" (default) models the upper half when both faces are alike, else the whole
         height; "half" or "full".
     upper_face, lower_face : heat exchange of the end faces; eta_B = 2 by default.
@@ -89,6 +94,7 @@ class ModelOptions(Strict):
     hardening: Hardening = "printed"
     heat_source: HeatSource | None = None
     lead_ends: LeadEnds | None = None
+    clock: Clock | None = None
     stack: Stacked = "auto"
     upper_face: EndFace = EndFace(eta=DEFAULT_ETA)
     lower_face: EndFace = EndFace(eta=DEFAULT_ETA)
@@ -116,21 +122,49 @@ class ModelOptions(Strict):
     def misfits(self, bearing: Bearing) -> list[str]:
         """What a bearing lacks for these options, in sentences that begin with the key."""
         found = []
-        if self.model == "lead-alone" and bearing.lead is None:
-            found.append('model = "lead-alone": needs a bearing with lead')
-        if self.lead_ends == "finite-plate" and bearing.lead is None:
-            found.append('lead_ends = "finite-plate": needs a bearing with lead')
+        if bearing.lead is None:
+            asked = [
+                ("model", self.model, self.model == "lead-alone"),
+                ("lead_ends", self.lead_ends, self.lead_ends == "finite-plate"),
+                ("clock", self.clock, self.clock is not None),
+            ]
+            found += [
+                f'{key} = "{value}": needs a bearing with lead; "{bearing.name}" has none'
+                for key, value, needs in asked
+                if needs
+            ]
+        elif self.clock is not None and not self._has_clock(bearing):
+            finite = self.model in WITH_LEAD_ENDS
+            why = 'lead_ends "finite-plate"' if finite else f'model "{self.model}"'
+            way = 'take lead_ends = "half-space" or scheme = "published", or ' if finite else ""
+            found.append(f'clock = "{self.clock}": {why} has no clock; {way}leave it out')
         return found
+
+    def _lead_ends(self, bearing: Bearing) -> LeadEnds:
+        """As asked for, where there is a choice."""
+        finite = bearing.lead is not None and self.scheme == "conservative"
+        if not finite or self.model not in WITH_LEAD_ENDS or self.lead_ends == "half-space":
+            return "half-space"
+        return "finite-plate"
+
+    def _has_clock(self, bearing: Bearing) -> bool:
+        """Whether the diffusivity of t+ changes anything."""
+        formula = self._lead_ends(bearing) == "half-space" and self.model in WITH_CLOCK
+        return bearing.lead is not None and formula
 
     def settled(self, bearing: Bearing) -> Self:
         """The same with what depends on the bearing filled in."""
-        finite = bearing.lead is not None and self.scheme == "conservative"
-        if not finite or self.model not in WITH_LEAD_ENDS or self.lead_ends == "half-space":
-            lead_ends: LeadEnds = "half-space"
-        else:
-            lead_ends = "finite-plate"
-        source = self.heat_source or default_heat_source(bearing)
-        return self.model_copy(update={"heat_source": source, "lead_ends": lead_ends})
+        lead, clock = bearing.lead, self.clock
+        if lead is None:
+            clock = None
+        elif self._has_clock(bearing):
+            clock = lead_clock(lead, published=self.scheme == "published", asked=clock)
+        filled = {
+            "heat_source": self.heat_source or default_heat_source(bearing),
+            "lead_ends": self._lead_ends(bearing),
+            "clock": clock,
+        }
+        return self.model_copy(update=filled)
 
 
 @dataclass(frozen=True)
@@ -204,6 +238,7 @@ def build_model(
         heat_source=options.heat_source or default_heat_source(bearing),
         lead_ends=options.lead_ends or "half-space",
         hardening=options.hardening,
+        clock=options.clock,
     )
     if options.model == "bilinear" and backbone is None:
         raise InputError('model "bilinear" is for tests and earthquakes; give bilinear constants')

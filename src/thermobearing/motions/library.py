@@ -6,11 +6,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from thermobearing.border.errors import InputError, is_file
 from thermobearing.border.library import data_path, unknown_name
 from thermobearing.motions.readers import read_motion
 from thermobearing.motions.record import GroundMotion
+
+Floats = NDArray[np.float64]
 
 STORED_DT = 0.01  # [s]
 FILE = "jra-level-2-stand-ins.npz"
@@ -26,6 +29,12 @@ def stored_motions() -> Path:
 def _about() -> dict[str, dict[str, str]]:
     with np.load(stored_motions()) as stored:
         return dict(json.loads(str(stored[ABOUT])))
+
+
+@cache
+def _stored(name: str) -> Floats:
+    with np.load(stored_motions()) as stored:
+        return np.asarray(stored[name], dtype=np.float64)
 
 
 def list_motions() -> list[str]:
@@ -64,9 +73,7 @@ def load_motion(name_or_path: str | Path, **options: Any) -> GroundMotion:
         given = sorted(key for key, value in options.items() if value not in (None, False))
         if given:
             raise InputError(f'"{text}" is built in and takes no {", ".join(given)}')
-        with np.load(stored_motions()) as stored:
-            values = np.asarray(stored[text], dtype=np.float64)
-        return GroundMotion(text, STORED_DT, values, **_about()[text])
+        return GroundMotion(text, STORED_DT, _stored(text).copy(), **_about()[text])
     path = Path(text)
     looks_like_a_path = isinstance(name_or_path, Path) or path.suffix or "/" in text
     if not looks_like_a_path and not is_file(path):

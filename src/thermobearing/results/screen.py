@@ -5,7 +5,7 @@ go to a terminal has no width (unless COLUMNS says one), no colours and no frame
 """
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from rich.console import Console
 from rich.text import Text
@@ -31,7 +31,7 @@ def say(text: str, style: str = "") -> None:
     console.print(Text(text, style=style), soft_wrap=not console.is_terminal)
 
 
-def say_warnings(warnings: Sequence[str]) -> None:
+def print_warnings(warnings: Iterable[str]) -> None:
     """A paragraph for each warning.
 
     Parameters
@@ -40,7 +40,7 @@ def say_warnings(warnings: Sequence[str]) -> None:
 
     Examples
     --------
-    >>> say_warnings(["the lead melts"])
+    >>> print_warnings(["the lead melts"])
     warning: the lead melts
     """
     for warning in warnings:

@@ -1,6 +1,6 @@
 """Some of the runs of a result, by their labels."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -9,6 +9,7 @@ import xarray as xr
 from thermobearing.border.errors import InputError, nearest
 from thermobearing.results.writing import as_attribute, from_attribute
 
+REACHED = ("rig", "tested_range")  # attributes: what each run reached
 CLOSE = 1e-9  # of a number that is asked for, relative to itself
 
 
@@ -60,7 +61,7 @@ def _same(labels: Any, value: Any) -> Any:
     return np.array([str(item) == str(value) for item in there])
 
 
-def selected(data: xr.Dataset, dimension: str, runs: list[int]) -> xr.Dataset:
+def selected(data: xr.Dataset, dimension: str, runs: list[int], names: Sequence[str]) -> xr.Dataset:
     """Some runs of a dataset, and what its attributes say of them.
 
     Parameters
@@ -68,14 +69,15 @@ def selected(data: xr.Dataset, dimension: str, runs: list[int]) -> xr.Dataset:
     data : of several runs.
     dimension : that the runs have in it.
     runs : their numbers.
+    names : what each of all runs is called in the rows of `results.ranges.compared`.
     """
-    found = data.isel({dimension: runs})
-    if "rig" not in data.attrs:
-        return found
-    rows = from_attribute(data, "rig")  # as many for each run
-    each = len(rows) // data.sizes[dimension]
-    mine = [rows[run * each + k] for run in runs for k in range(each)]
-    return found.assign_attrs(rig=as_attribute(mine))
+    mine = {names[run] for run in runs}
+    told = {
+        key: as_attribute([row for row in from_attribute(data, key) if row["run"] in mine])
+        for key in REACHED
+        if key in data.attrs
+    }
+    return data.isel({dimension: runs}).assign_attrs(told)
 
 
 def gridded(data: xr.Dataset, names: list[str]) -> xr.Dataset:

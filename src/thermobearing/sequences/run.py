@@ -10,10 +10,11 @@ from thermobearing.cyclic.result import Result
 from thermobearing.cyclic.run import run_case
 from thermobearing.cyclic.start import final_state
 from thermobearing.earthquake.case import EarthquakeCase
+from thermobearing.earthquake.ends import end_of
 from thermobearing.earthquake.label import label_study
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.earthquake.run import build_tasks, run_task
-from thermobearing.model.handover import SpecimenState, memory_of, specimen_state
+from thermobearing.model.handover import SpecimenState
 from thermobearing.sequences.case import SequenceCase, load_sequence_case, make_sequence_case
 from thermobearing.sequences.result import SequenceResult
 
@@ -101,7 +102,4 @@ def _run_part(case: Case | EarthquakeCase) -> tuple[Result | EarthquakeResult, S
         return result, final_state(result.dataset, case.ambient)
     (task,) = build_tasks(case)
     history = run_task(task)
-    end = history.end()
-    lead = end.books[0].lead_temperature if task.device.constants.lead.cores else float("nan")
-    state = specimen_state(end.temperature, lead, memory_of(end))
-    return label_study(case, [task], [history]), state
+    return label_study(case, [task], [history]), end_of(task, history)

@@ -2,9 +2,9 @@
 
 The damping matrix is that of the structure without its bearings, whose hysteresis is their
 damping. What only bearings hold (the deck) then moves freely, and meets no dashpot to the ground;
-every other motion has the ratios of its parts weighed with strain energy. The exception is
+every other motion has the ratios of its parts weighed with strain energy. The exceptions are
 `source`: Rayleigh damping through modes 1 and 2 of the whole structure, whose mass term holds
-the deck too.
+the deck too; and `element`, where bearings that are given a ratio have a dashpot across them.
 """
 
 import numpy as np
@@ -105,10 +105,10 @@ def rayleigh_ratios(damping: Damping, modes: Modes, wanted: Floats, where: str) 
 def dashpots(parts: list[Part], modes: Modes) -> Floats:
     """C = sum 2 xi_e/omega_e K_e, omega_e of the mode in which the part stores the largest share.
 
-    These are c_2 and c_3 of Eq. 6.5-6.7 (c_3 once for each ground spring); c_1, across the
-    bearings, is zero.
+    Of springs and hinges these are c_2 and c_3 of Eq. 6.5-6.7 (c_3 once for each ground spring),
+    of the bearings c_1 of Eq. 6.4-6.7, zero in Table 6.2.
     """
-    matrix = np.zeros_like(parts[0][1])
+    matrix = np.zeros((len(modes.shapes), len(modes.shapes)))
     for part in parts:
         share = energies(part, modes.shapes) / modes.frequencies**2
         matrix += 2.0 * part[0] / modes.frequencies[int(np.argmax(share))] * part[1]
@@ -161,14 +161,15 @@ def build_damping(structure: Structure, matrices: Matrices, modes: Modes) -> Flo
         matrix = source_matrix(structure, matrices, modes)
     elif damping.kind == "none":
         matrix = np.zeros_like(matrices.mass)
+    elif damping.kind == "element":
+        matrix = dashpots(parts, bare_modes(structure, matrices))
+        matrix += dashpots(line_parts(structure, matrices), modes)
     else:
         bare = bare_modes(structure, matrices)
         if not len(bare.frequencies):  # everything stands on bearings
             return np.zeros_like(matrices.mass)
         wanted = weighed_ratios(parts, bare)
-        if damping.kind == "element":
-            matrix = dashpots(parts, bare)
-        elif damping.kind == "modal":
+        if damping.kind == "modal":
             matrix = from_ratios(matrices.mass, bare, modal_ratios(damping, wanted, where))
         else:
             ratios = rayleigh_ratios(damping, bare, wanted, where)

@@ -87,7 +87,7 @@ class BearingLine(Strict):
     """Equal bearings side by side between `body` (above) and `base`.
 
     `equivalent_stiffness` is that of one bearing at its design displacement, for eigenvalues;
-    `damping_ratio` weighs in the damping of kind "source" only.
+    `damping_ratio` counts in the damping of kinds "source" and "element" (c_1 of Eq. 6.4) only.
     `scale` is the length of the modelled specimen over that of the bearing in the structure.
     """
 
@@ -219,7 +219,7 @@ def list_structures() -> list[str]:
     Examples
     --------
     >>> list_structures()
-    ['hybrid-pier', 'pier-p1']
+    ['hybrid-pier', 'hybrid-pier-two-bearings', 'pier-p1']
     """
     return STRUCTURES.names()
 

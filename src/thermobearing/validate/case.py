@@ -95,11 +95,17 @@ def make_validate_case(
         bearings=[as_bearing(item) for item in some],
         records=[item if isinstance(item, TestRecord) else load_test(item) for item in tests],
         models=list(dict.fromkeys(wanted)),
-        limits=dict(LIMITS) | _checked(limits or {}),
+        limits=dict(LIMITS) | checked_limits(limits or {}),
     )
 
 
-def _checked(limits: Mapping[str, float]) -> dict[str, float]:
+def checked_limits(limits: Mapping[str, float]) -> dict[str, float]:
+    """Limits that can be: known quantities, more than 0 and at most 10.
+
+    Raises
+    ------
+    InputError : an unknown quantity, or a number out of range.
+    """
     for name, value in limits.items():
         if name not in QUANTITIES:
             raise InputError(f'limit of "{name}"{nearest(name, QUANTITIES)}')

@@ -9,11 +9,10 @@ from matplotlib.lines import Line2D
 
 from thermobearing.identify.record import TestRecord
 from thermobearing.results import drawing
-from thermobearing.validate.result import Comparison, Validation
+from thermobearing.validate.result import RATIOS, Comparison, Validation
 
 TEST = "#8a8f98"
 BINS = 3000
-MEASURES = ("F+", "F-", "K_eq", "h_eq", "energy")
 
 
 class ValidationFigures:
@@ -63,17 +62,29 @@ class ValidationFigures:
                 kept = drawing.thin_loops(x, force, *spans)
                 ax.plot(x[kept], force[kept], color=self._colours[_name(item)], linewidth=0.7)
             drawing.name_axes(ax, "displacement [mm]", "force [kN]", _title(record))
+            end = self._tested_to(record)
+            drawing.shade_untested([ax], [(-end, end)])
         for ax in axes[len(self._records) :]:
             ax.set_visible(False)
         drawing.legend_below(figure, self._handles())
         return figure
 
+    def _tested_to(self, record: TestRecord) -> float:
+        """Displacement [mm] of the largest tested strain that a test goes beyond; else infinite."""
+        ends = [
+            row["largest"] / row["asked"] * record.peak_displacement
+            for item in self._of(record)
+            for row in item.asked
+            if row["limit"] == "strain" and row["passed"] and row["asked"] > row["largest"]
+        ]
+        return min(ends, default=np.inf)
+
     def ratios(self) -> Figure:
         """Model over test of the largest loop: a group of bars for each test (Figs. 5.11, 5.14)."""
-        size = (max(6.5, 2.0 + 2.6 * len(self._records)), 1.9 * len(MEASURES))
-        figure, axes = drawing.panels(len(MEASURES), 1, size, "largest loop, model over test")
+        size = (max(6.5, 2.0 + 2.6 * len(self._records)), 1.9 * len(RATIOS))
+        figure, axes = drawing.panels(len(RATIOS), 1, size, "largest loop, model over test")
         width = 0.8 / max(len(self._names), 1)
-        for ax, measure in zip(axes, MEASURES, strict=True):
+        for ax, measure in zip(axes, RATIOS, strict=True):
             for place, record in enumerate(self._records):
                 for item in self._of(record):
                     if item.largest is None:
@@ -95,10 +106,10 @@ class ValidationFigures:
 
     def cycles(self) -> Figure:
         """Model over test of every cycle: a column for each test."""
-        size = (max(5.5, 1.0 + 3.4 * len(self._records)), 1.0 + 1.9 * len(MEASURES))
+        size = (max(5.5, 1.0 + 3.4 * len(self._records)), 1.0 + 1.9 * len(RATIOS))
         title = "every cycle: model over test"
-        figure, axes = drawing.panels(len(MEASURES), len(self._records), size, title)
-        for line, measure in enumerate(MEASURES):
+        figure, axes = drawing.panels(len(RATIOS), len(self._records), size, title)
+        for line, measure in enumerate(RATIOS):
             for place, record in enumerate(self._records):
                 ax = axes[line * len(self._records) + place]
                 for item in self._of(record):
@@ -113,7 +124,7 @@ class ValidationFigures:
                 drawing.name_axes(ax, y=measure if place == 0 else "")
                 if line == 0:
                     drawing.name_axes(ax, title=_title(record))
-                if line == len(MEASURES) - 1:
+                if line == len(RATIOS) - 1:
                     drawing.name_axes(ax, "cycle")
         drawing.legend_below(figure, self._handles(test=False))
         return figure
@@ -150,12 +161,13 @@ class ValidationFigures:
         drawing.legend_below(figure, self._handles(test=False))
         return figure
 
-    def save_all(self, folder: Path) -> list[Path]:
+    def save_all(self, folder: Path, prefix: str = "") -> list[Path]:
         """Every figure, as PNG.
 
         Parameters
         ----------
         folder : where to; made if it does not exist.
+        prefix : of the names of the files.
 
         Returns
         -------
@@ -169,7 +181,7 @@ class ValidationFigures:
         }
         if any(record.temperatures for record in self._records):
             figures["temperatures"] = self.temperatures
-        return drawing.save_figures(figures, folder)
+        return drawing.save_figures({prefix + name: draw for name, draw in figures.items()}, folder)
 
 
 def _name(item: Comparison) -> str:

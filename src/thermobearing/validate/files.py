@@ -1,13 +1,16 @@
-"""Result directory of a validation."""
+"""Result directories of a validation, and of a fit with tests held out."""
 
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
-from thermobearing.results.directory import FIGURES, FIT_TABLE, TABLE, write_directory
+from thermobearing.identify.files import fill_identification
+from thermobearing.identify.posterior import Forecast
+from thermobearing.results.directory import FIGURES, FIT_TABLE, FOLDS, TABLE, write_directory
 from thermobearing.results.directory import VALIDATED_CYCLES as CYCLES
-from thermobearing.results.writing import write_csv, write_summary
+from thermobearing.results.writing import write_csv, write_limits, write_summary
+from thermobearing.validate.held_out_result import CrossValidation
 from thermobearing.validate.result import Validation
 
 
@@ -37,6 +40,46 @@ def save_validation(
         found.table.to_csv(folder / TABLE, index=False)
         found.cycles.to_csv(folder / CYCLES, index=False)
         write_csv(folder / FIT_TABLE, samples(found))
+        write_limits(folder, pd.DataFrame(), found.tested_range)
+        if figures:
+            found.plot.save_all(folder / FIGURES)
+
+    return write_directory(directory, fill, force=force)
+
+
+def save_cross_validation(
+    found: CrossValidation,
+    directory: Path,
+    *,
+    force: bool = False,
+    figures: bool = True,
+    forecast: Forecast | None = None,
+) -> Path:
+    """Write what `save_identification` writes of the final fit, table.csv, cycles.csv, folds.csv.
+
+    Parameters
+    ----------
+    found : what to write.
+    directory : made if needed, with its parents.
+    force : replace an earlier result directory.
+    figures : draw the figures too.
+    forecast : samples of the posterior of the final fit, and bands.
+
+    Returns
+    -------
+    Path : the directory.
+
+    Raises
+    ------
+    OutputError : see `write_directory`; nothing is left.
+    """
+
+    def fill(folder: Path) -> None:
+        fill_identification(folder, found.final, found.summary(), forecast, figures=figures)
+        write_csv(folder / TABLE, found.table)
+        write_csv(folder / CYCLES, found.judged.cycles)
+        if found.folds:
+            write_csv(folder / FOLDS, found.parameters)
         if figures:
             found.plot.save_all(folder / FIGURES)
 

@@ -1,6 +1,6 @@
 """What a validation found: each test beside each bearing and model, ratios, verdicts."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -9,9 +9,13 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from thermobearing.border.showing import table_html
+from thermobearing.border.showing import Shown
 from thermobearing.identify.forward import Prediction
+from thermobearing.identify.loops import Loop
 from thermobearing.identify.record import TestRecord
+from thermobearing.model.outcomes import SENTENCES as OUTCOMES
+from thermobearing.results.ranges import Row
+from thermobearing.results.writing import limits_summary
 from thermobearing.validate.case import QUANTITIES
 
 if TYPE_CHECKING:
@@ -23,33 +27,8 @@ SENTENCES = {
     "partly": "The model did not get through every test; see the outcome of each in the table. "
     "Smaller strains, a warmer start or another model would.",
 }
+RATIOS = ("F+", "F-", "K_eq", "h_eq", "energy")  # of the largest loop, model over test
 WITHIN, BEYOND, TOLD = "within", "beyond", "told"
-
-
-@dataclass(frozen=True)
-class Loop:
-    """One cycle of a test and of the model.
-
-    Attributes
-    ----------
-    cycle, number : of the record, and within its amplitude, from 1.
-    amplitude : of the displacement [mm]; that of the test moves the model.
-    displacement_max, displacement_min : D+ and D- [mm].
-    test, model : F+ and F- [kN], K_eq [kN/mm], h_eq and energy [kN mm], by name.
-    """
-
-    cycle: int
-    number: int
-    amplitude: float
-    displacement_max: float
-    displacement_min: float
-    test: dict[str, float]
-    model: dict[str, float]
-
-    @property
-    def ratios(self) -> dict[str, float]:
-        """Model over test."""
-        return {name: self.model[name] / value for name, value in self.test.items()}
 
 
 @dataclass(frozen=True)
@@ -64,9 +43,12 @@ class Comparison:
     R2 : coefficient of determination of the force, Eq. 4.38.
     NRMSE : root mean square error of the force over the largest force of the test.
     loops : full cycles.
-    largest : the cycle that holds the largest displacement; None where there is no full cycle.
+    largest : the loop that holds the largest displacement, one of `loops` or not; None where none
+        does.
     temperature_errors : RE of Eq. 4.39 in time, by thermocouple; nan where the test has not yet
         warmed by a twentieth of its largest rise.
+    outcome : of the model's run, as of a cyclic test.
+    asked : what the test asks of the range that the bearing was tested in, rows of `compared`.
     """
 
     bearing: str
@@ -78,6 +60,8 @@ class Comparison:
     loops: list[Loop]
     largest: Loop | None
     temperature_errors: dict[str, Floats]
+    outcome: str = "completed"
+    asked: list[Row] = field(default_factory=list)
 
     @property
     def errors(self) -> dict[str, float]:
@@ -97,14 +81,15 @@ def _worst(errors: list[float]) -> float:
     return max(errors, key=abs) if errors else float("nan")
 
 
-@dataclass(frozen=True)
-class Validation:
+@dataclass(frozen=True, repr=False)
+class Validation(Shown):
     """What a validation found.
 
     Attributes
     ----------
     comparisons : of every test with every bearing and model.
     limits : largest relative error by quantity.
+    warnings : what a reader must know.
 
     Examples
     --------
@@ -118,12 +103,12 @@ class Validation:
 
     comparisons: list[Comparison]
     limits: dict[str, float]
+    warnings: list[str] = field(default_factory=list)
 
-    def __repr__(self) -> str:
-        return f"<Validation: {len(self.comparisons)} comparisons, {self.verdict}, {self.outcome}>"
-
-    def _repr_html_(self) -> str:
-        return table_html(repr(self)[1:-1], self.table)
+    @property
+    def headline(self) -> str:
+        """What it is, in a line."""
+        return f"Validation: {len(self.comparisons)} comparisons, {self.verdict}, {self.outcome}"
 
     def show(self) -> None:
         """Print the tables that the command prints."""
@@ -140,11 +125,18 @@ class Validation:
     @property
     def sentence(self) -> str:
         """What the outcome means and what to try; empty when it completed."""
-        return SENTENCES.get(self.outcome, "")
+        ended = [item.outcome for item in self.comparisons if item.outcome != "completed"]
+        why = [OUTCOMES[name] for name in dict.fromkeys(ended) if name in OUTCOMES]
+        return " ".join([SENTENCES[self.outcome], *why]) if self.outcome in SENTENCES else ""
+
+    @property
+    def tested_range(self) -> pd.DataFrame:
+        """What each test asks of the range that each bearing was tested in, where it is given."""
+        return pd.DataFrame([row for item in self.comparisons for row in item.asked])
 
     @cached_property
     def table(self) -> pd.DataFrame:
-        """One row for each test, bearing and model: R2, and the largest errors and verdicts."""
+        """One row for each test, bearing and model: R2, largest errors, verdicts, largest loop."""
         rows = []
         for item in self.comparisons:
             row: dict[str, Any] = {
@@ -152,12 +144,15 @@ class Validation:
                 "ambient_degC": item.record.ambient,
                 "bearing": item.bearing,
                 "model": item.model,
-                "outcome": "completed" if item.prediction else "did not get through",
+                "outcome": item.outcome,
                 "R2": item.R2,
             }
             for name, error in item.errors.items():
                 row[f"{name}_error"] = error
                 row[f"{name}_verdict"] = self._verdict(name, error)
+            row["beyond_tested"] = " ".join(r["limit"] for r in item.asked if r["passed"])
+            ratios = item.largest.ratios if item.largest else {}
+            row |= {f"{name}_ratio": ratios.get(name, float("nan")) for name in RATIOS}
             rows.append(row)
         return pd.DataFrame(rows)
 
@@ -212,6 +207,8 @@ class Validation:
             "outcome": self.outcome,
             "verdict": self.verdict,
             "limits": self.limits,
+            "warnings": self.warnings,
+            **limits_summary(pd.DataFrame(), self.tested_range),
             "comparisons": [self._told(item) for item in self.comparisons],
         }
 
@@ -224,6 +221,7 @@ class Validation:
             "ambient_degC": item.record.ambient,
             "bearing": item.bearing,
             "model": item.model,
+            "outcome": item.outcome,
             "R2": _number(item.R2),
             "errors": {
                 name: {
@@ -237,7 +235,7 @@ class Validation:
             "largest_loop": None
             if largest is None
             else {
-                "cycle": largest.cycle,
+                "cycle": largest.cycle or None,
                 "D+_mm": largest.displacement_max,
                 "D-_mm": largest.displacement_min,
                 "test": largest.test,

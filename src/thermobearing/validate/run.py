@@ -12,15 +12,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from thermobearing.bearing.model import Bearing
+from thermobearing.bearing.validity import ranges_of
 from thermobearing.border.errors import InputError
-from thermobearing.identify.agreement import determination, peaks
+from thermobearing.identify.agreement import determination
 from thermobearing.identify.checks import check_test
-from thermobearing.identify.cycles import cycles_of
 from thermobearing.identify.forward import ForwardModel, Prediction
+from thermobearing.identify.loops import largest_of, loops_of
 from thermobearing.identify.record import TestRecord
+from thermobearing.identify.tested import reached_in
 from thermobearing.model.earlier import Model
 from thermobearing.model.options import ModelOptions
-from thermobearing.results.metrics import loop_energy
+from thermobearing.results.ranges import asked_of_tests, outside_tests
 from thermobearing.validate.case import (
     Chosen,
     Test,
@@ -28,7 +30,7 @@ from thermobearing.validate.case import (
     make_validate_case,
     models_of,
 )
-from thermobearing.validate.result import Comparison, Loop, Validation
+from thermobearing.validate.result import Comparison, Validation
 
 Floats = NDArray[np.float64]
 
@@ -96,31 +98,48 @@ def run_validate(case: ValidateCase) -> Validation:
     >>> run_validate(tb.validate.make_validate_case("shen-hdr-specimen", record)).outcome
     'completed'
     """
+    refuse_unusable(case.records, case.bearings[0])
+    found, said = [], []
+    for bearing in case.bearings:
+        mine = [
+            _comparison(bearing, model, record)
+            for model in models_of(case, bearing)
+            for record in case.records
+        ]
+        rows = [row for item in mine for row in item.asked]
+        said += outside_tests(bearing.name, rows, ranges_of(bearing))
+        found += mine
+    return Validation(found, dict(case.limits), said)
+
+
+def refuse_unusable(records: Sequence[TestRecord], bearing: Bearing) -> None:
+    """Tests that no model can be judged by; any history will do.
+
+    Raises
+    ------
+    InputError : what is wrong with each of them.
+    """
     refused = [
         f"{record.file or record.name}: {finding.sentence}"
-        for record in case.records
-        for finding in check_test(record, case.bearings[0]).findings
+        for record in records
+        for finding in check_test(record, bearing).findings
         if finding.level == "refused" and finding.check not in NOT_NEEDED
     ]
     if refused:
         raise InputError(refused)
-    return Validation(
-        [
-            _comparison(bearing, model, record)
-            for bearing in case.bearings
-            for model in models_of(case, bearing)
-            for record in case.records
-        ],
-        dict(case.limits),
-    )
 
 
 def _comparison(bearing: Bearing, model: Model, record: TestRecord) -> Comparison:
     options = ModelOptions(model=model)
-    found = ForwardModel(record, bearing, fine=True, options=options).run_as_built()
+    forward = ForwardModel(record, bearing, fine=True, options=options)
+    found = forward.run_as_built()
+    lead = found.lead if found else None
+    reached = reached_in(record, bearing.total_rubber_thickness, record.ambient, lead)
+    name = f"{bearing.name}, {model}, {record.name}, {record.ambient:g} degC"
+    asked = asked_of_tests(name, reached, ranges_of(bearing))
     if found is None:
-        nan = float("nan")
-        return Comparison(bearing.name, model, record, None, nan, nan, [], None, {})
+        nan, ended = float("nan"), forward.ended
+        return Comparison(bearing.name, model, record, None, nan, nan, [], None, {}, ended, asked)
     loops = loops_of(record, found.force)
     off = found.force - record.force
     return Comparison(
@@ -131,69 +150,11 @@ def _comparison(bearing: Bearing, model: Model, record: TestRecord) -> Compariso
         R2=determination(record.force, found.force),
         NRMSE=float(np.sqrt(np.mean(off**2))) / record.peak_force,
         loops=loops,
-        largest=largest_loop(loops),
+        largest=largest_of(record, found.force, loops),
         temperature_errors=rise_errors(record, found),
+        outcome=forward.ended,
+        asked=asked,
     )
-
-
-def loops_of(record: TestRecord, force: Floats) -> list[Loop]:
-    """Full cycles of a record, measured in the test and in the model.
-
-    Parameters
-    ----------
-    record : a test.
-    force : of the model at its samples [kN].
-
-    Returns
-    -------
-    list of Loop : in the order of time; without closing cycles and those that do no work.
-
-    Examples
-    --------
-    >>> from thermobearing.identify.record import record_from_arrays
-    >>> t = np.linspace(0.0, 1.0, 2001)
-    >>> x, f = 30.0 * np.sin(2.0 * np.pi * t), 60.0 * np.sin(2.0 * np.pi * t + 0.3)
-    >>> (loop,) = loops_of(record_from_arrays(t, x, f, 23.0), 1.1 * f)
-    >>> {name: round(ratio, 3) for name, ratio in loop.ratios.items()}
-    {'F+': 1.1, 'F-': 1.1, 'K_eq': 1.1, 'h_eq': 1.0, 'energy': 1.1}
-    """
-    found = []
-    for place, cycle in enumerate(cycles_of(record), start=1):
-        rows = slice(cycle.first, cycle.last + 1)
-        x = record.displacement[rows]
-        test, model = _measures(x, record.force[rows]), _measures(x, force[rows])
-        if cycle.closing or test["energy"] <= 0.0:
-            continue
-        high, low = float(x.max()), float(x.min())
-        found.append(Loop(place, cycle.number, cycle.amplitude, high, low, test, model))
-    return found
-
-
-def _measures(x: Floats, force: Floats) -> dict[str, float]:
-    """K_eq and h_eq as in Eq. 3.1 and 3.2."""
-    high, low = peaks(force)
-    span = float(np.ptp(x))
-    stiffness, energy = (high - low) / span, loop_energy(x, force)
-    damping = 2.0 * energy / (np.pi * stiffness * span**2)
-    return {"F+": high, "F-": low, "K_eq": stiffness, "h_eq": damping, "energy": energy}
-
-
-def largest_loop(loops: list[Loop]) -> Loop | None:
-    """The cycle that holds the largest displacement to either side; the first of equals.
-
-    Parameters
-    ----------
-    loops : of one record.
-
-    Returns
-    -------
-    Loop, or None where there is none.
-    """
-
-    def reach(loop: Loop) -> float:
-        return max(abs(loop.displacement_max), abs(loop.displacement_min))
-
-    return max(loops, key=reach) if loops else None
 
 
 def rise_errors(record: TestRecord, found: Prediction) -> dict[str, Floats]:

@@ -1,20 +1,24 @@
 """The tables of a validation on the terminal."""
 
+from collections.abc import Sequence
 from typing import Any
 
-from thermobearing.results.screen import print_table, say
+from thermobearing.identify.screen import print_identification
+from thermobearing.results.screen import print_table, print_warnings, say
 from thermobearing.validate.case import QUANTITIES
+from thermobearing.validate.held_out_result import CrossValidation
 from thermobearing.validate.result import BEYOND, Validation
 
 HEADS = ("test", "degC", "R²", "K_eq", "h_eq", "energy", "force", "rise", "NRMSE")
 
 
-def print_validation(found: Validation) -> None:
+def print_validation(found: Validation, which: str = "tests") -> None:
     """Largest errors of each comparison, those beyond their limit marked, and the verdict.
 
     Parameters
     ----------
     found : from `validate`.
+    which : what its tests are called.
     """
     for (bearing, model), rows in found.table.groupby(["bearing", "model"], sort=False):
         cells = [
@@ -26,11 +30,39 @@ def print_validation(found: Validation) -> None:
             )
             for row in rows.to_dict("records")
         ]
-        title = f"{bearing}, {model}: largest errors, model against test"
+        title = f"{bearing}, {model}: largest errors, model against {which}"
         styles = ["yellow" if any("!" in cell for cell in line) else "" for line in cells]
         print_table(HEADS, cells, title=title, keys=2, styles=styles)
     limits = ", ".join(f"{name} {limit:.0%}" for name, limit in found.limits.items())
     say(f"limits: {limits}; verdict: {found.verdict} (! beyond its limit)")
+    print_warnings(found.warnings)
+
+
+def print_cross_validation(found: CrossValidation, more: Sequence[str] = ()) -> None:
+    """The final fit, parameters by fold, and both kinds of tests.
+
+    Parameters
+    ----------
+    found : from `cross_validate`.
+    more : further warnings, of a prediction.
+    """
+    print_identification(found.final, more)
+    if found.folds:
+        _print_folds(found)
+    print_validation(found.fitted, "tests it is fitted to")
+    print_validation(found.held_out, "tests held out")
+
+
+def _print_folds(found: CrossValidation) -> None:
+    symbols = list(found.free)
+    rows = []
+    for row in found.parameters.to_dict("records"):
+        group = found.groups[row["fold"] - 1] if row["fold"] else []
+        names = ", ".join(record.name for record in group) or "none"
+        shown = [f"{row[symbol]:.4g}" for symbol in symbols]
+        rows.append((str(row["fold"] or "all"), names, *shown))
+    rows.append(("", "jackknife standard error", *(f"{found.spread[s]:.2g}" for s in symbols)))
+    print_table(("fold", "held out", *symbols), rows, title="without each fold", keys=2)
 
 
 def _cell(row: dict[Any, Any], name: str) -> str:

@@ -1,0 +1,95 @@
+"""What the runs of a study reached, beside rig, tested range and temperature law: sentences."""
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from thermobearing.bearing.bilinear import BilinearBearing
+from thermobearing.bearing.validity import ranges_of
+from thermobearing.core.records import Floats
+from thermobearing.cyclic.rig import asked_of, beyond
+from thermobearing.earthquake.case import EarthquakeCase
+from thermobearing.earthquake.result import run_name
+from thermobearing.model.earlier import BLIND
+from thermobearing.model.temperature import outside_law
+from thermobearing.results.ranges import Ends, Row, asked_of_tests, outside_tests, reached_by
+from thermobearing.results.writing import as_attribute
+from thermobearing.structure.run import StructureHistory
+
+if TYPE_CHECKING:
+    from thermobearing.earthquake.task import Task
+
+Traces = Sequence[Mapping[str, Floats]]
+
+
+def warnings_of(
+    case: EarthquakeCase,
+    tasks: Sequence["Task"],
+    histories: Sequence[StructureHistory],
+    traces: Traces,
+) -> dict[str, Any]:
+    """Attributes of the dataset: sentences, what was asked of the rig and of the bearings."""
+    rig = _asked_of_rig(case, tasks, traces)
+    found, asked = beyond(case.rig, rig), []
+    for bearing in {task.device.bearing.name: task.device.bearing for task in tasks}.values():
+        mine = [k for k, task in enumerate(tasks) if task.device.bearing.name == bearing.name]
+        ranges = ranges_of(bearing)
+        rows: list[Row] = []
+        for k in mine:
+            rows += asked_of_tests(_name(tasks[k]), reached(tasks[k], histories[k]), ranges)
+        found += outside_tests(bearing.name, rows, ranges)
+        asked += rows
+        if isinstance(bearing, BilinearBearing) or case.analysis.model in BLIND:
+            continue
+        runs = [
+            (_name(tasks[k], bearing=False), traces[k]["time"], traces[k]["rubber_temperature"])
+            for k in mine
+        ]
+        found += outside_law(bearing.name, bearing.temperature_law, runs)
+    told = {"rig": rig, "tested_range": asked}
+    attributes = {name: as_attribute(rows) for name, rows in told.items() if rows}
+    return {"warnings": as_attribute(found)} | attributes
+
+
+def reached(task: "Task", history: StructureHistory) -> dict[str, float | Ends]:
+    """What a run asks of its bearings, each quantity by the line that goes farthest."""
+    found: dict[str, float | Ends] = {}
+    lead = task.device.stack is not None and task.device.constants.lead.cores > 0.0
+    for line in range(len(task.case.structure.bearings)):
+        rows = history.bearing(line)
+        steps = np.maximum(np.diff(rows["clock"]), np.finfo(float).tiny)
+        speed = np.abs(np.diff(rows["displacement"])) / steps
+        one = reached_by(
+            rows["clock"],
+            rows["displacement"],
+            float(speed.max()) if len(speed) else 0.0,
+            rubber=task.device.bearing.total_rubber_thickness,
+            ambient=(task.ambient, task.ambient),
+            lead=rows["lead_temperature"] if lead else None,
+        )
+        found = {name: _farther(found.get(name, value), value) for name, value in one.items()}
+    return found
+
+
+def _farther(one: float | Ends, other: float | Ends) -> float | Ends:
+    """What holds both."""
+    if isinstance(one, tuple) and isinstance(other, tuple):
+        return min(one[0], other[0]), max(one[1], other[1])
+    return one if isinstance(one, tuple) or isinstance(other, tuple) else max(one, other)
+
+
+def _name(task: "Task", *, bearing: bool = True) -> str:
+    """What a run is called, with or without its bearing."""
+    name = task.device.bearing.name if bearing else ""
+    return run_name(name, task.shaking.motion.name, task.ambient, task.mode)
+
+
+def _asked_of_rig(case: EarthquakeCase, tasks: Sequence["Task"], traces: Traces) -> list[Row]:
+    """What each run asks of the rig, the speed on the clock of the specimen."""
+    found = []
+    names = ("bearing_force", "bearing_displacement", "bearing_speed")
+    for task, trace in zip(tasks, traces, strict=True):
+        peaks = [float(np.abs(trace[name]).max()) for name in names]
+        found += asked_of(case.rig, _name(task), peaks)
+    return found

@@ -1,0 +1,232 @@
+"""The story of a fit that is judged by tests it has not seen.
+
+    tests -> some are held out -> fit to the others -> the fitted bearing beside those held out
+
+Either the user says which tests are held out, or every test is once: `folds` groups of them, one
+fit without each group, and a last one to all of them. Tests are judged by `run_validate`.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from thermobearing.bearing.model import Bearing
+from thermobearing.border.errors import InputError, shortened
+from thermobearing.border.numbers import is_number
+from thermobearing.identify.case import IdentifyCase, Test, make_identify_case
+from thermobearing.identify.checks import check_test
+from thermobearing.identify.record import TestRecord, load_test
+from thermobearing.identify.result import Identification
+from thermobearing.identify.run import run_identify
+from thermobearing.validate.case import LIMITS, ValidateCase, checked_limits
+from thermobearing.validate.held_out_result import CrossValidation
+from thermobearing.validate.result import Comparison, Validation
+from thermobearing.validate.run import refuse_unusable, run_validate
+
+Progress = Callable[[int, int], None]
+
+
+@dataclass(frozen=True)
+class HoldOutCase:
+    """Everything that a fit with tests held out needs; see `make_hold_out_case`.
+
+    Attributes
+    ----------
+    fit : of the tests that the last fit is to, with its options.
+    held_out : tests that no fit sees; empty with folds.
+    folds : groups of the tests, each of which one fit does not see; 0 with tests held out.
+    limits : largest relative error by quantity.
+    """
+
+    fit: IdentifyCase
+    held_out: list[TestRecord]
+    folds: int = 0
+    limits: dict[str, float] = field(default_factory=lambda: dict(LIMITS))
+
+
+def cross_validate(
+    records: Sequence[Test] | Test,
+    bearing: Bearing | str | Path,
+    *,
+    hold_out: Sequence[Test] | Test = (),
+    folds: int | None = None,
+    limits: Mapping[str, float] | None = None,
+    progress: Progress | None = None,
+    **fit: Any,
+) -> CrossValidation:
+    """Fit a bearing to some tests and judge it by the others.
+
+    Parameters
+    ----------
+    records : tests of one bearing (`load_test`, `record_from_arrays`, or paths).
+    bearing : geometry and materials, and the values of what is not free.
+    hold_out : tests that are not fitted, of any history; one that is among `records` too is taken
+        from them.
+    folds : instead: every test is held out once, in so many groups, from 2 to the number of tests.
+        Tests near each other in temperature go to different groups, so that every fit has
+        warm and cold ones.
+    limits : largest relative error by quantity, as of `validate`.
+    progress : called with (fits done, all).
+    fit : the other arguments of `identify_bearing`.
+
+    Returns
+    -------
+    CrossValidation
+
+    Raises
+    ------
+    InputError : nothing is held out, or everything; a test that cannot be used; what
+        `identify_bearing` and `validate` refuse.
+
+    Examples
+    --------
+    >>> import thermobearing as tb
+    >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
+    >>> warm, cold = (tb.identify.synthetic_record("shen-hdr-specimen", t, test) for t in (23, -9))
+    >>> found = cross_validate(warm, "shen-hdr-specimen", hold_out=cold, free=["K_r"], starts=1)
+    >>> found.verdict
+    'within'
+    """
+    case = make_hold_out_case(
+        records, bearing, hold_out=hold_out, folds=folds, limits=limits, **fit
+    )
+    return run_hold_out(case, progress=progress)
+
+
+def make_hold_out_case(
+    records: Sequence[Test] | Test,
+    bearing: Bearing | str | Path,
+    *,
+    hold_out: Sequence[Test] | Test = (),
+    folds: int | None = None,
+    limits: Mapping[str, float] | None = None,
+    **fit: Any,
+) -> HoldOutCase:
+    """A checked case of a fit with tests held out.
+
+    Parameters
+    ----------
+    records, bearing, hold_out, folds, limits, fit : as of `cross_validate`.
+
+    Returns
+    -------
+    HoldOutCase
+
+    Raises
+    ------
+    InputError : nothing is held out, or everything; folds out of range; what
+        `make_identify_case` refuses.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from thermobearing.identify.record import record_from_arrays
+    >>> t = np.linspace(0.0, 10.0, 200)
+    >>> tests = [record_from_arrays(t, np.sin(t), 2.0 * np.sin(t), at) for at in (23.0, 0.0)]
+    >>> case = make_hold_out_case(tests, "shen-hdr-specimen", hold_out=tests[1])
+    >>> len(case.fit.records), len(case.held_out)
+    (1, 1)
+    """
+    kept, out = _records(records), _records(hold_out)
+    if bool(out) == (folds is not None):
+        raise InputError("give either tests to hold out or a number of folds")
+    kept = [record for record in kept if not any(_same(record, other) for other in out)]
+    if not kept:
+        raise InputError("every test is held out: none is left to fit")
+    if folds is not None:
+        _check_folds(folds, len(kept))
+    once = [record for i, record in enumerate(out) if not any(_same(record, o) for o in out[:i])]
+    return HoldOutCase(
+        fit=make_identify_case(kept, bearing, **fit),
+        held_out=once,
+        folds=folds or 0,
+        limits=dict(LIMITS) | checked_limits(limits or {}),
+    )
+
+
+def _records(given: Sequence[Test] | Test) -> list[TestRecord]:
+    several = [given] if isinstance(given, TestRecord | str | Path) else list(given)
+    return [item if isinstance(item, TestRecord) else load_test(item) for item in several]
+
+
+def _same(one: TestRecord, other: TestRecord) -> bool:
+    """Whether two records are one test: the same object, or of the same file."""
+    if one is other:
+        return True
+    return bool(one.file and other.file) and Path(one.file).resolve() == Path(other.file).resolve()
+
+
+def _check_folds(folds: int, tests: int) -> None:
+    if tests < 2:
+        raise InputError("folds: one test alone cannot be held out of itself; give more tests")
+    if not isinstance(folds, int) or isinstance(folds, bool) or not 2 <= folds <= tests:
+        said = shortened(str(folds)) if is_number(folds) else "that"
+        raise InputError(
+            f"folds = {said}: must be a whole number from 2 to the number of tests, {tests}"
+        )
+
+
+def run_hold_out(case: HoldOutCase, *, progress: Progress | None = None) -> CrossValidation:
+    """Carry out a complete case.
+
+    Parameters
+    ----------
+    case : from `make_hold_out_case`.
+    progress : called with (fits done, all).
+
+    Returns
+    -------
+    CrossValidation
+
+    Raises
+    ------
+    InputError : a test that cannot be used, before anything is fitted; a fit that does not get
+        through, with the number of its fold.
+
+    Examples
+    --------
+    >>> import thermobearing as tb
+    >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
+    >>> tests = [tb.identify.synthetic_record("shen-hdr-specimen", t, test) for t in (23, -9)]
+    >>> case = make_hold_out_case(tests, "shen-hdr-specimen", folds=2, free=["K_r"], starts=1)
+    >>> found = run_hold_out(case)
+    >>> len(found.folds), found.verdict
+    (2, 'within')
+    """
+    tests, base = case.fit.records, case.fit.bearing
+    refused = [line for record in tests for line in check_test(record, base).refusals]
+    if refused:
+        raise InputError(refused)
+    refuse_unusable(case.held_out, base)
+    groups = _groups(tests, case.folds) or [case.held_out]
+    told = progress or (lambda done, of: None)
+    many = case.folds + 1
+    told(0, many)
+    final, folds = run_identify(case.fit), []
+    told(1, many)
+    for number, group in enumerate(groups if case.folds else [], start=1):
+        seen = [record for record in tests if not any(record is other for other in group)]
+        try:
+            folds.append(run_identify(replace(case.fit, records=seen)))
+        except InputError as error:
+            raise InputError(error.lines(f"fold {number}")) from None
+        told(number + 1, many)
+    judged = [_judged(found, group) for found, group in zip(folds or [final], groups, strict=True)]
+    return CrossValidation(
+        final=final,
+        folds=folds,
+        groups=groups,
+        fitted=Validation(_judged(final, tests), case.limits),
+        held_out=Validation([item for items in judged for item in items], case.limits),
+    )
+
+
+def _groups(tests: list[TestRecord], folds: int) -> list[list[TestRecord]]:
+    """Tests dealt out by their temperature, like cards: none of the groups has the cold ones."""
+    order = sorted(range(len(tests)), key=lambda i: tests[i].ambient)
+    return [[tests[i] for i in sorted(order[k::folds])] for k in range(folds)]
+
+
+def _judged(found: Identification, records: list[TestRecord]) -> list[Comparison]:
+    return run_validate(ValidateCase([found.bearing], records)).comparisons

@@ -1,0 +1,164 @@
+"""What the source says about its hybrid test, as criteria on computed numbers. No tests.
+
+Each criterion has the place in the source, a text of our numbers and whether they agree. Those of
+chapter 3 depend on how many bearings the specimen stands for (`benchmarks/bearing_count.py`);
+all are used by tests/validation/test_source_hybrid.py and `benchmarks/source_hybrid.py`.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+import thermobearing as tb
+from thermobearing.core.types import Floats
+from thermobearing.earthquake.result import EarthquakeResult
+from thermobearing.structure.matrices import find_modes, line_stiffness
+from thermobearing.structure.model import Structure, load_structure
+from thermobearing.structure.run import prepare_structure
+
+HDR, LHDR = "shen-hdr-specimen", "shen-lhdr-specimen"
+AMBIENT = [23.0, 0.0, -20.0]  # [degC]
+STIFFNESS = 376.0  # of all bearings, Table 3.5 [kN/mm]
+PLAN = 1440.0  # side of a bearing, 3.4.1 [mm]
+GRAVITY = 9.80665  # [m/s2]
+AGREES = 0.05  # relative, with a printed number
+ABOUT = (1.7, 2.3)  # what "approximately twice" may mean
+SAME = 0.10  # "no significant difference" of peaks
+NEAR = 2.5  # K, of temperatures that a text reads off a figure
+SECONDS = (5.0, 10.0, 20.0)  # of the first-layer temperatures of 3.4.4
+
+
+def structure_with(count: int) -> Structure:
+    """The hybrid pier on so many bearings; together they keep the printed linear stiffness."""
+    structure = load_structure("hybrid-pier")
+    changes = {"count": count, "equivalent_stiffness": STIFFNESS / count}
+    line = structure.bearings[0].model_copy(update=changes)
+    return structure.model_copy(update={"bearings": [line]})
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """Numbers of both specimens in both modes, from 23 to -20 degC."""
+
+    count: int
+    result: EarthquakeResult
+    table: pd.DataFrame
+    stiffness: dict[str, Floats]  # of all bearings at the start [kN/mm]
+    periods: dict[str, Floats]  # first, with it [s]
+
+    def rows(self, bearing: str, mode: str, column: str) -> Floats:
+        """Of the table, warm to cold."""
+        t = self.table
+        rows = t[(t["bearing"] == bearing) & (t["mode"] == mode)]
+        rows = rows.sort_values("ambient_degC", ascending=False)
+        return np.asarray(rows[column], dtype=float)
+
+    def force(self, bearing: str, mode: str) -> Floats:
+        """Of the specimen [kN]."""
+        return self.rows(bearing, mode, "bearing_force_max_kN")
+
+    def ratio(self, bearing: str, column: str) -> Floats:
+        """Real time over pseudo-dynamic."""
+        return self.rows(bearing, "rt", column) / self.rows(bearing, "pd", column)
+
+    def energies(self, mode: str) -> Floats:
+        """LHDR over HDR."""
+        column = "bearing_energy_kN_mm"
+        return self.rows(LHDR, mode, column) / self.rows(HDR, mode, column)
+
+    def run(self, bearing: str, mode: str, ambient: float) -> int:
+        """Number of a run."""
+        t = self.table
+        found = (t["bearing"] == bearing) & (t["mode"] == mode) & (t["ambient_degC"] == ambient)
+        return int(t.index[found][0])
+
+    def outer_layer(self) -> Floats:
+        """LHDR at -20 degC in real time, at 5, 10, 20 s [degC]."""
+        run = self.run(LHDR, "rt", -20.0)
+        time = self.result["time"].values[run]
+        whole = np.isfinite(time)
+        outer = self.result["rubber_temperature"].values[run, :, 0]
+        return np.interp(SECONDS, time[whole], outer[whole])
+
+    def rate_share(self, ambient: float, until: float = 2.0) -> float:
+        """Largest share of the rate-dependent force in the three parts of the force: LHDR, in the
+        first seconds of the pseudo-dynamic test (Fig. 5.15).
+        """
+        run = self.run(LHDR, "pd", ambient)
+        time = self.result["time"].values[run]
+        first = (time > 0.0) & (time <= until)
+        names = ("viscous_force", "rubber_force", "lead_force")
+        parts = np.abs([self.result[name].values[run][first] for name in names])
+        return float((parts[0] / parts.sum(axis=0)).max())
+
+
+def initial_stiffness(bearing: str, ambient: float) -> float:
+    """Of one specimen at rest [kN/mm]; so slowly that the rate branch gives nothing."""
+    return tb.BearingElement(bearing, ambient).set_trial(1e-9, dt=1e6).tangent
+
+
+def evidence(count: int, motion: Any = None, **options: Any) -> Evidence:
+    """Both specimens, three temperatures, both modes; `options` are those of `tb.hybrid`."""
+    structure = structure_with(count)
+    lab = {"mode": ["rt", "pd"]}
+    result = tb.hybrid(
+        None, motion, AMBIENT, structure=structure, laboratory=lab, duration=20.0, **options
+    )
+    prepared = prepare_structure(structure)
+    scale = structure.bearings[0].scale
+    stiffness, periods = {}, {}
+    for bearing in (HDR, LHDR):
+        each = np.array([initial_stiffness(bearing, t) for t in AMBIENT]) / scale
+        stiffness[bearing] = count * each
+        found = []
+        for k in each:
+            line = line_stiffness(structure, prepared.matrices, np.array([k]))
+            whole = prepared.matrices.springs + line
+            found.append(find_modes(prepared.matrices.mass, whole).periods[0])
+        periods[bearing] = np.array(found)
+    return Evidence(count, result, result.table, stiffness, periods)
+
+
+@dataclass(frozen=True)
+class Criterion:
+    """What the source says, what we get, and whether that agrees.
+
+    `hard`: a printed number of the test or a limit of its machine, not a trend.
+    """
+
+    what: str
+    source: str
+    numbers: Callable[[Evidence], str]
+    holds: Callable[[Evidence], bool]
+    hard: bool = False
+
+
+def told(values: Floats, form: str = ".2f") -> str:
+    """Numbers in a row."""
+    return " ".join(format(value, form) for value in np.atleast_1d(values))
+
+
+def damping_ratios(bearing: str, strain: float = 1.75) -> Floats:
+    """h_eq of the third cycle, warm to cold."""
+    table = tb.run(bearing, tb.cyclic_test(strain=[strain], cycles=3), AMBIENT).cycles
+    third = table[table["cycle"] == 3].set_index("ambient_degC")["h_eq"]
+    return np.array([third[ambient] for ambient in AMBIENT])
+
+
+def axial_stress(e: Evidence) -> float:
+    """Of the deck on so many bearings [MPa]."""
+    deck = next(m for m in load_structure("hybrid-pier").masses if m.body == "deck")
+    return deck.mass * 1e6 * GRAVITY / (e.count * PLAN**2)
+
+
+def colder(values: Floats) -> bool:
+    """Larger the colder it is."""
+    return bool(np.all(np.diff(values) > 0.0))
+
+
+def pair(quantity: Callable[[str], Floats], form: str = ".2f") -> str:
+    """HDR; LHDR."""
+    return f"{told(quantity(HDR), form)}; {told(quantity(LHDR), form)}"
