@@ -81,6 +81,11 @@ RECORDING = 1e-9  # of the amplitude: slopes of 1e5 mm/s times the rounding of t
 MEAN = 1e-12  # areas of some hundred trapezia
 SETTLED = 0.01  # K after 1e6 s; Crank-Nicolson rings in the steps of 600 s, 3e-3 measured
 LOOP = 1e-12  # sums of some thousand products
+FORCES_ADD_UP = 1e-7  # of the peak: layers share a displacement to 1e-10 mm and 1e-8 of the peak
+OTHER_STEPS = 1e-3  # of a loop's area, a thousand steps and more: 5e-5 from one size to another
+SECOND_DECIMAL, THIRD_DECIMAL = 0.006, 0.0006  # numbers in docs/theory.md, rounded so
+SIX_DIGITS = 1e-5  # numbers that stand in a file with six digits
+PRINTED_G = 1e-3  # lrb-example prints K_r and K_l with three and four digits
 LOOP_POINTS = 1e-5  # 2000 points on an ellipse, 8e-7; an end between two points
 FITTED_RANGE = 2e-3  # of the slope: 20 000 points, a few more or less at the ends of the range
 POLYGON = 1e-6  # 4000 points on an ellipse: (2 pi / n)^2 / 6 = 4e-7

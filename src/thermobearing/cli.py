@@ -1,8 +1,9 @@
 """The command `thermobearing`: thin calls into the library, clear ends.
 
 Exit status: 0 done; 2 bad input or a target that cannot be written (one message, nothing
-written); 3 the analysis ended early (partial results written); 130 interrupted (partial
-results kept). Heavy imports wait until a command needs them, so that --help is quick.
+written); 3 the analysis ended early (partial results written); 4 a poor fit (written, the
+bearing marked); 130 interrupted (partial results kept). Heavy imports wait until a command needs
+them, so that --help is quick.
 """
 
 import sys
@@ -83,6 +84,7 @@ def _example(*words: str) -> str:
 def list_(as_json: AsJson = False) -> int:
     """What is built in."""
     from thermobearing.bearing.bilinear import list_bilinear, load_bilinear
+    from thermobearing.bearing.compound import list_compounds, load_compound
     from thermobearing.bearing.library import list_bearings, load_bearing
     from thermobearing.cyclic.rig import RIGS, load_rig
     from thermobearing.motions.library import list_motions
@@ -93,6 +95,9 @@ def list_(as_json: AsJson = False) -> int:
         typer.echo(f"{bearing.name:24}  {bearing.kind:8}  {bearing.description}")
     for backbone in map(load_bilinear, list_bilinear()):
         typer.echo(f"{backbone.name:24}  {backbone.kind:8}  {backbone.description}")
+    typer.echo("")
+    for compound in map(load_compound, list_compounds()):
+        typer.echo(f"{compound.name:24}  compound  {compound.description}")
     typer.echo("")
     for structure in map(load_structure, list_structures()):
         typer.echo(f"{structure.name:24}  structure  {structure.description}")
@@ -106,6 +111,7 @@ def list_(as_json: AsJson = False) -> int:
             {
                 "bearings": [bearing.name for bearing in bearings],
                 "bilinear_bearings": list_bilinear(),
+                "compounds": list_compounds(),
                 "structures": list_structures(),
                 "rigs": [rig.name for rig in rigs],
                 "motions": motions,
@@ -117,7 +123,7 @@ def list_(as_json: AsJson = False) -> int:
 @app.command(cls=Command, rich_help_panel=FILES, epilog=_example("check bearing.toml"))
 @reported
 def check(
-    file: Annotated[Path, typer.Argument(help="A bearing, a case, or any other TOML.")],
+    file: Annotated[Path, typer.Argument(help="A bearing, a compound, a case, or any other TOML.")],
     as_json: AsJson = False,
 ) -> int:
     """Validate a file without running it, and say what was understood.
@@ -187,6 +193,13 @@ _add(
 _add("bridge", earthquake.bridge, ANALYSES, "bridge --motion jra-ii-i-1 --ambient -20 -o pier")
 _add("hybrid", earthquake.hybrid, ANALYSES, "hybrid --mode rt --mode pd --ambient -20 -o hybrid")
 _add("sequence", sequence.sequence, ANALYSES, "sequence case.toml -o sequence")
+_add(
+    "new",
+    new,
+    FILES,
+    "new pier-3 --compound natural-rubber --plan 1000x1000mm --layers 20x8mm --shim 3mm "
+    "--lead 180mm",
+)
 _add("identify", identify, LABORATORY, "identify cold.csv warm.csv --bearing mine.toml -o fit")
 _add("validate", validate, LABORATORY, "validate mine.toml other-test.csv --limit energy=0.2")
 _add("design", design.design, OFFICE, "design --motion jra-ii-i-1 --compound G10 -o design")

@@ -108,6 +108,7 @@ def test_library_files_are_described(tmp_path: Path) -> None:
     for folder, kind in (
         ("bearings", "bearing"),
         ("bilinear", "bilinear bearing"),
+        ("compounds", "compound"),
         ("structures", "structure"),
     ):
         for path in (LIBRARY / folder).glob("*.toml"):

@@ -207,6 +207,7 @@ def test_list() -> None:
     assert done.exit_code == 0
     told = last_line(done)
     assert told["bearings"] == tb.bearing.list_bearings()
+    assert told["compounds"] == tb.bearing.list_compounds()
     assert told["structures"] == tb.structure.list_structures()
     assert told["motions"] == tb.motions.list_motions()
     shown = [

@@ -14,12 +14,12 @@ from thermobearing.design import bounds, equal, run
 from thermobearing.design.bilinear import bound_models, bounds_table, opensees_text
 from thermobearing.design.case import make_design_case
 from thermobearing.design.result import Design, Round
-from thermobearing.design.rubber import damping_ratio, equivalent_stiffness, load_compound
+from thermobearing.design.rubber import damping_ratio, equivalent_stiffness, load_rubber
 from thermobearing.design.sizing import Check, Size, SizingRules, size_bearing
 from thermobearing.model.earlier import BilinearParameters
 
 LHDR = tb.load_bearing("shen-lhdr-bridge")
-G8 = load_compound("G8")
+G8 = load_rubber("G8")
 
 
 def case_of(**table: Any) -> Any:
@@ -168,15 +168,22 @@ def test_limits_may_be_upper_or_lower() -> None:
 
 
 def test_stiffness_of_a_layer_follows_the_rubber_area() -> None:
-    """Four cores are not rubber, before nor after."""
+    """Four cores are not rubber, before nor after; lead and rate branch shear over all layers."""
     assert LHDR.lead is not None
+    assert LHDR.rate is not None
     bearing = equal.with_side(LHDR, 600.0, 7)
     lead = 4 * np.pi * (0.5 * LHDR.lead.diameter) ** 2
     side = LHDR.area**0.5
     wanted = (600.0**2 - lead) / (side**2 - lead) * LHDR.hysteresis.layer_stiffness
     assert bearing.hysteresis.layer_stiffness == pytest.approx(wanted, rel=tol.LOOP)
     assert (bearing.area, bearing.geometry.rubber_layers) == (360_000.0, 7)
-    assert bearing.lead == LHDR.lead
+    assert bearing.lead is not None
+    assert bearing.rate is not None
+    assert bearing.lead.stiffness == pytest.approx(6 / 7 * LHDR.lead.stiffness, rel=tol.LOOP)
+    assert bearing.lead.model_copy(update={"stiffness": LHDR.lead.stiffness}) == LHDR.lead
+    share = 6 / 7 * wanted / LHDR.hysteresis.layer_stiffness
+    assert bearing.rate.stiffness == pytest.approx(share * LHDR.rate.stiffness, rel=tol.LOOP)
+    assert bearing.rate.damping == pytest.approx(share * LHDR.rate.damping, rel=tol.LOOP)
 
 
 @pytest.mark.parametrize(

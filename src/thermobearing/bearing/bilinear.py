@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
+from thermobearing.bearing.exposure import Exposure
 from thermobearing.bearing.library import list_bearings, load_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.bearing.validity import Validity
@@ -28,6 +29,7 @@ class BilinearBearing(Strict):
     initial_stiffness, post_yield_stiffness : K_1 > K_2 [kN/mm], in
         [1e-6, 1e7].
     tested_range : what it was designed or tested for; None where that is not given.
+    exposure : factors for long cold and age (`Exposure`); None where there are none.
     """
 
     name: Annotated[str, Field(min_length=1)]
@@ -39,6 +41,7 @@ class BilinearBearing(Strict):
     initial_stiffness: Stiffness  # K_1
     post_yield_stiffness: Stiffness  # K_2
     tested_range: Validity | None = None
+    exposure: Exposure | None = None
 
     @model_validator(mode="after")
     def _stiff_first(self) -> "BilinearBearing":

@@ -5,9 +5,12 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from thermobearing.bearing.bilinear import BilinearBearing, load_bilinear
+from thermobearing.bearing.compound import Compound, load_compound
 from thermobearing.bearing.library import load_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.bearing.plausible import implausible
+from thermobearing.bearing.temperature import TemperatureLaw
+from thermobearing.bearing.validity import Validity
 from thermobearing.border.errors import InputError, is_file
 from thermobearing.border.toml import read_toml, split_sources
 from thermobearing.commands.check_data import DATA, data_facts
@@ -42,9 +45,9 @@ class Checked(NamedTuple):
 def check_file(path: Path) -> Checked:
     """Kind of a TOML file, its main facts, and numbers that usual bearings do not have.
 
-    Kinds: "bearing", "bilinear bearing", "structure", "rig", "test record" (the file beside a
-    CSV), "earthquake case", "sequence case", "design case", "case" of a cyclic test, and those of
-    the package's own data.
+    Kinds: "bearing", "bilinear bearing", "compound", "structure", "rig", "test record" (the file
+    beside a CSV), "earthquake case", "sequence case", "design case", "case" of a cyclic test, and
+    those of the package's own data.
 
     Raises
     ------
@@ -69,6 +72,8 @@ def kind_of(table: dict[str, Any], path: Path) -> str:
     keys = set(table)
     if table.get("kind") == "bilinear":
         return "bilinear bearing"
+    if table.get("kind") == "compound":
+        return "compound"
     for kind, its in (
         ("structure", {"bodies"}),
         ("sequence case", {"parts"}),
@@ -96,6 +101,10 @@ def _bearing(path: Path) -> tuple[dict[str, str], list[Bearing]]:
 def _bilinear(path: Path) -> tuple[dict[str, str], list[BilinearBearing]]:
     bearing = load_bilinear(path)
     return bilinear_facts(bearing), [bearing]
+
+
+def _compound(path: Path) -> tuple[dict[str, str], list[Bearing]]:
+    return compound_facts(load_compound(path)), []
 
 
 def _structure(path: Path) -> tuple[dict[str, str], list[Bearing]]:
@@ -136,6 +145,7 @@ def _case(path: Path) -> tuple[dict[str, str], list[Bearing]]:
 KINDS: dict[str, Callable[[Path], tuple[dict[str, str], Any]]] = {
     "bearing": _bearing,
     "bilinear bearing": _bilinear,
+    "compound": _compound,
     "structure": _structure,
     "rig": _rig,
     "test record": _record,
@@ -267,18 +277,43 @@ def bearing_facts(bearing: Bearing) -> dict[str, str]:
         "description": bearing.description,
         "plan": f"{g.plan.shape}, {bearing.area:g} mm2",
         "rubber": f"{g.rubber_layers} x {g.rubber_thickness:g} = {g.total_rubber_thickness:g} mm",
+        "end plates": f"{g.end_plate_thickness:g} mm",
         "shape factors": f"S1 = {g.first_shape_factor:.3g}, S2 = {g.second_shape_factor:.3g}",
-        "temperatures": _range(bearing),
-        "tested at": _tested(bearing),
+        "temperatures": _range(bearing.temperature_law),
+        "tested at": _tested(bearing.tested_range),
         "cells": f"{len(half.part)} in the half stack, {len(full.part)} in the full one",
     }
 
 
-def _tested(bearing: Bearing) -> str:
-    """What the bearing was tested at."""
-    if bearing.tested_range is None:
+def compound_facts(compound: Compound) -> dict[str, str]:
+    """Stresses and strains of a compound, and what it says nothing of."""
+    rubber, lead, rate = compound.rubber, compound.lead, compound.rate
+    facts = {
+        "name": compound.name,
+        "family": compound.family,
+        "description": compound.description,
+        "rubber": f"K_r t_r/A = {rubber.shear_modulus:.4g} MPa, alpha_0 = "
+        f"{rubber.post_yield_ratio:.3g}, yield strain {rubber.yield_strain:.3g}, at "
+        f"{rubber.reference_temperature:g} degC",
+        "m_T, n_T": f"{rubber.elastic_temperature_coefficient:g}, "
+        f"{rubber.hysteretic_temperature_coefficient:g} per 100 K",
+        "temperatures": _range(compound.temperature_law),
+        "tested at": _tested(compound.tested_range),
+        "lead": f"{lead.yield_stress:g} MPa at {lead.reference_temperature:g} degC"
+        if lead
+        else "nothing is said of it",
+        "rate": f"K_v H/A = {rate.shear_modulus:.3g} MPa" if rate else "does not matter",
+    }
+    keys = ("rubber.elastic_temperature_coefficient", "rubber.hysteretic_temperature_coefficient")
+    borrowed = sorted({compound.sources[key] for key in keys if key in compound.sources})
+    return facts | {"source of m_T, n_T": "; ".join(borrowed)} if borrowed else facts
+
+
+def _tested(tested: Validity | None) -> str:
+    """What a bearing or a compound was tested at."""
+    if tested is None:
         return "range not given (tested_range)"
-    ranges = bearing.tested_range.ranges()
+    ranges = tested.ranges()
     return ", ".join(
         f"{TESTED[name][1]} {TESTED[name][2] * low:g} to {TESTED[name][2] * high:g}"
         f"{TESTED[name][3]}"
@@ -286,9 +321,8 @@ def _tested(bearing: Bearing) -> str:
     )
 
 
-def _range(bearing: Bearing) -> str:
+def _range(law: TemperatureLaw | None) -> str:
     """Where the temperature law is known."""
-    law = bearing.temperature_law
     if law is None or law.range is None:
         return "the range of the temperature law is not stated (temperature_law)"
     low, high = law.range

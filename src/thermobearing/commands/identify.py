@@ -64,9 +64,28 @@ Thermocouples = Annotated[
     bool,
     typer.Option("--temperatures", help="Fit the thermocouples too.", rich_help_panel=INPUT),
 ]
+FromStart = Annotated[
+    bool,
+    typer.Option("--from-start", help="Begin at the bearing's own values.", rich_help_panel=INPUT),
+]
+Sampled = Annotated[bool, typer.Option("--posterior", help="Sample the posterior (needs emcee).")]
 Predicted = Annotated[
     list[float] | None,
     typer.Option(help="Ambient temperature [degC] to predict a band at; may be repeated."),
+]
+Despike = Annotated[
+    bool, typer.Option("--despike", help="Take spikes out of all tests before the fit.")
+]
+Detrend = Annotated[
+    str,
+    typer.Option(
+        help="Take the drift of zero out of all tests: of force, displacement or both.",
+        metavar="SIGNAL",
+    ),
+]
+AcceptPoor = Annotated[
+    bool,
+    typer.Option("--accept-poor", help="Write the bearing of a poor fit (status 4) unmarked."),
 ]
 HeldOut = Annotated[
     list[Path] | None,
@@ -105,20 +124,16 @@ def identify(
     evaluations: Evaluations = 2000,
     loss: Loss = "linear",
     temperatures: Thermocouples = False,
-    from_start: Annotated[
-        bool,
-        typer.Option(
-            "--from-start", help="Begin at the bearing's own values.", rich_help_panel=INPUT
-        ),
-    ] = False,
+    from_start: FromStart = False,
     check: Annotated[bool, typer.Option("--check", help="Only look the tests over.")] = False,
-    posterior: Annotated[
-        bool, typer.Option("--posterior", help="Sample the posterior (needs emcee).")
-    ] = False,
+    posterior: Sampled = False,
     predict: Predicted = None,
     hold_out: HeldOut = None,
     folds: Folds = None,
     limit: Limit = None,
+    despike: Despike = False,
+    detrend: Detrend = "",
+    accept_poor: AcceptPoor = False,
     output: Output = None,
     force: Force = False,
     no_figures: NoFigures = False,
@@ -128,9 +143,11 @@ def identify(
     """Identify a bearing's parameters from cyclic tests, with their uncertainty."""
     from thermobearing.identify.posterior import forecast
     from thermobearing.identify.result import Identification
+    from thermobearing.identify.treatment import to_be_treated
 
     held = hold_out or []
     records, bearing, target = _read([*tests, *held], start, check, output, force)
+    records = to_be_treated(records, despike, detrend)
     if check or bearing is None:
         return _look_over(records, bearing, target, force, no_figures, as_json, quiet)
     announce_compiling(quiet)
@@ -138,6 +155,7 @@ def identify(
         "free": [name.strip() for name in free.split(",")] if free is not None else None,
         **{"method": method, "seed": seed, "starts": starts, "evaluations": evaluations},
         **{"loss": loss, "temperatures": temperatures, "blind": not from_start, "polish": polish},
+        "accept_poor": accept_poor,
         "assumed": numbers_by_name(assumed or [], "--assumed", "KEY=NUMBER, such as sigma_Y=0.1"),
     }
     if held or folds is not None or limit:

@@ -4,6 +4,7 @@ import numpy as np
 
 import thermobearing
 from thermobearing.bearing.ambient import Ambient
+from thermobearing.bearing.exposure import exposure_attribute, exposures, told_of
 from thermobearing.bearing.validity import ranges_of
 from thermobearing.core.records import labels
 from thermobearing.core.types import Books, RubberBooks
@@ -132,6 +133,7 @@ def label(
     ]
     rows = asked(case, segments, climates, histories)
     constants, options = model.constants, model.options
+    factors = exposures([case.bearing], case.analysis.exposure)
     lead_capacity = constants.lead.cores * constants.lead.capacity
     attributes = {
         "title": f"{case.bearing.name}, {case.test.name}",
@@ -154,11 +156,13 @@ def label(
             {"kind": s.kind, "label": s.label, "amplitude_strain": s.amplitude_strain}
             for s in segments
         ],
-        "warnings": warnings_of(case, segments, climates)
+        "warnings": told_of(factors)
+        + warnings_of(case, segments, climates)
         + extrapolated(case, climates, histories)
         + beyond(case.rig, rows["rig"])
         + outside_tests(case.bearing.name, rows["tested_range"], ranges_of(case.bearing)),
         **{name: found for name, found in rows.items() if found},
+        **exposure_attribute(factors),
         "sentences": SENTENCES | SHARING_SENTENCES,
     }
     return Result(

@@ -21,7 +21,12 @@ from thermobearing.results.metrics import (
 )
 from thermobearing.results.ranges import largest_tested
 from thermobearing.results.selection import chosen_runs, selected
-from thermobearing.results.writing import from_attribute, limits_of, limits_summary
+from thermobearing.results.writing import (
+    exposure_summary,
+    from_attribute,
+    limits_of,
+    limits_summary,
+)
 
 if TYPE_CHECKING:
     from thermobearing.cyclic.figures import Figures
@@ -325,6 +330,7 @@ class Result(Shown):
             "outcome": self.outcome,
             "warnings": self.warnings,
             **limits_summary(self.rig, self.tested_range),
+            **exposure_summary(self.dataset),
             "runs": [self._run_summary(run) for run in range(self.dataset.sizes["ambient"])],
         }
 

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from thermobearing.bearing.ambient import Ambient
+from thermobearing.bearing.exposure import Exposure
 from thermobearing.bearing.model import Bearing, Clock
 from thermobearing.cyclic.case import Case, Group, Histories, make_case
 from thermobearing.cyclic.equivalent import bilinear_parameters
@@ -55,6 +56,7 @@ def run(
     histories: Histories | None = None,
     stack: Stacked | None = None,
     model: Model | None = None,
+    exposure: Exposure | dict[str, Any] | None = None,
     rig: Rig | str | Path | dict[str, Any] | None = None,
     progress: Progress | None = None,
 ) -> Result:
@@ -89,6 +91,8 @@ def run(
         cycle, or "complete".
     stack : "auto" (default), "half" or "full" height.
     model : "multi-layer" (default) or an earlier model to compare with (model/earlier.py).
+    exposure : factors for long cold and age, {"stiffness": 1.3, "strength": 1.2, "source": "..."};
+        by default those of the bearing, which is none.
     rig : limits of force [kN], stroke [mm] and speed [mm/s] that are told when a run passes them:
         a name ("shen-rig"), a file or a table; none by default.
     progress : called with (steps done, all steps).
@@ -124,6 +128,7 @@ def run(
         "clock": clock,
         "stack": stack,
         "model": model,
+        "exposure": exposure,
         "upper_face": upper_face,
         "lower_face": lower_face,
         "keep": keep,

@@ -9,7 +9,7 @@ from thermobearing.border.errors import InputError
 from thermobearing.border.overrides import overridden
 from thermobearing.border.schema import Strict, in_unit, validated
 from thermobearing.border.toml import read_toml, split_sources, to_toml
-from thermobearing.design.rubber import Kind, load_compound
+from thermobearing.design.rubber import Kind, load_rubber
 from thermobearing.design.sizing import SizingRules
 from thermobearing.earthquake.case import Motion, make_earthquake_case
 from thermobearing.motions.record import STANDARD_GRAVITY
@@ -91,7 +91,7 @@ def make_design_case(
     table["structure"], table["motions"] = settled.structure, settled.motions
     case = validated(DesignCase, table, where)
     try:
-        load_compound(case.compound, case.compound_kind)
+        load_rubber(case.compound, case.compound_kind)
     except InputError as error:
         raise InputError(error.lines("compound"), where) from None
     if len(case.structure.bearings) != 1:

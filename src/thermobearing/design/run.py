@@ -29,7 +29,7 @@ from thermobearing.design.factors import (
     temperature_factors,
 )
 from thermobearing.design.result import BoundsReport, Design, FactorReport, Round
-from thermobearing.design.rubber import bilinear_of, load_compound, load_curves
+from thermobearing.design.rubber import bilinear_of, load_curves, load_rubber
 from thermobearing.design.scale import scale_study
 from thermobearing.design.sizing import Check, checks_of, design_values, size_bearing
 from thermobearing.earthquake.case import EarthquakeCase, make_earthquake_case
@@ -86,7 +86,7 @@ class Turn:
 
 def one_turn(case: DesignCase, number: int, assumed: float) -> Turn:
     """Size for a displacement and analyse."""
-    compound = load_compound(case.compound, case.compound_kind)
+    compound = load_rubber(case.compound, case.compound_kind)
     size = size_bearing(assumed, bearing_weight(case), case.sizing)
     effective = case.effective_displacement_factor * assumed
     thickness = size.total_rubber_thickness

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from thermobearing.bearing.bilinear import BilinearBearing
+from thermobearing.bearing.exposure import exposure_attribute, exposures, told_of
 from thermobearing.bearing.validity import ranges_of
 from thermobearing.core.records import Floats
 from thermobearing.cyclic.rig import asked_of, beyond
@@ -47,7 +48,9 @@ def warnings_of(
             for k in mine
         ]
         found += outside_law(bearing.name, bearing.temperature_law, runs)
-    told = {"rig": rig, "tested_range": asked}
+    factors = exposures([task.device.bearing for task in tasks], case.analysis.exposure)
+    found = told_of(factors) + found
+    told = {"rig": rig, "tested_range": asked, **exposure_attribute(factors)}
     attributes = {name: as_attribute(rows) for name, rows in told.items() if rows}
     return {"warnings": as_attribute(found)} | attributes
 

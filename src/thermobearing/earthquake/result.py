@@ -14,7 +14,12 @@ from thermobearing.earthquake.columns import BEARING, COLUMNS, HISTORY, LABELS, 
 from thermobearing.results.metrics import LEAST_ENERGY, LEAST_HEAT
 from thermobearing.results.ranges import largest_tested, limits_passed
 from thermobearing.results.selection import chosen_runs, gridded, selected
-from thermobearing.results.writing import from_attribute, limits_of, limits_summary
+from thermobearing.results.writing import (
+    exposure_summary,
+    from_attribute,
+    limits_of,
+    limits_summary,
+)
 
 if TYPE_CHECKING:
     from thermobearing.earthquake.figures import EarthquakeFigures
@@ -331,6 +336,7 @@ class EarthquakeResult(Shown):
             "outcome": self.outcome,
             "warnings": self.warnings,
             **limits_summary(self.rig, self.tested_range),
+            **exposure_summary(self.dataset),
             "periods_s": _numbers(attrs.get("periods_s", [])),
             "damping": attrs["damping"],
             "damping_ratios": _numbers(attrs.get("damping_ratios", [])),

@@ -18,6 +18,7 @@ import numpy as np
 
 from thermobearing.bearing.ambient import Ambient
 from thermobearing.bearing.bilinear import BilinearBearing
+from thermobearing.bearing.exposure import exposed_bilinear
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
 from thermobearing.core.types import Floats
@@ -50,8 +51,9 @@ BLIND = np.zeros(1)  # temperature of a bilinear bearing, which has none: no rou
 def build_device(case: EarthquakeCase, bearing: Bearing | BilinearBearing) -> Device:
     """Constants of the coupled step for a bearing of the case."""
     if isinstance(bearing, BilinearBearing):
+        made = exposed_bilinear(bearing, case.analysis.exposure)
         parameters = BilinearParameters(
-            bearing.strength, bearing.post_yield_stiffness, bearing.initial_stiffness
+            made.strength, made.post_yield_stiffness, made.initial_stiffness
         )
         return Device(bearing, bilinear_constants(parameters), None)
     model = build_model(bearing, case.analysis, backbone=bilinear_parameters)

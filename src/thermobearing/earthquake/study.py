@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, Never, TypeAlias, TypeVar
 
 from thermobearing.bearing.bilinear import BilinearBearing
+from thermobearing.bearing.exposure import Exposure
 from thermobearing.bearing.model import Bearing, Clock
 from thermobearing.border.errors import InputError, nearest
 from thermobearing.cyclic.rig import Rig
@@ -48,6 +49,7 @@ def bridge(
     lower_face: EndFace | None = None,
     stack: Stacked | None = None,
     model: Model | None = None,
+    exposure: Exposure | dict[str, Any] | None = None,
     keep: Sequence[Kept] | None = None,
     keep_every: int | None = None,
     laboratory: Laboratory | dict[str, Any] | None = None,
@@ -88,6 +90,8 @@ def bridge(
     upper_face, lower_face : heat exchange of the end faces; eta_B = 2 by default.
     stack : "auto" (default), "half" or "full" height.
     model : "multi-layer" (default) or an earlier model to compare with (model/earlier.py).
+    exposure : factors for long cold and age, {"stiffness": 1.3, "strength": 1.2, "source": "..."};
+        by default those of the bearing, which is none.
     keep : histories of temperatures: ["rubber"] by default; ["rubber", "cells"] for the profiles
         through the height too.
     keep_every : keep every n-th step of the histories, >= 1; 2 by default.
@@ -135,12 +139,8 @@ def bridge(
         heat_source=heat_source,
         lead_ends=lead_ends,
         clock=clock,
-        upper_face=upper_face,
-        lower_face=lower_face,
-        stack=stack,
-        model=model,
-        keep=keep,
-        keep_every=keep_every,
+        **{"upper_face": upper_face, "lower_face": lower_face, "stack": stack},
+        **{"model": model, "exposure": exposure, "keep": keep, "keep_every": keep_every},
         laboratory=laboratory,
         initial_state=initial_state,
         initial_result=initial_result,
@@ -170,6 +170,7 @@ def hybrid(
     lower_face: EndFace | None = None,
     stack: Stacked | None = None,
     model: Model | None = None,
+    exposure: Exposure | dict[str, Any] | None = None,
     keep: Sequence[Kept] | None = None,
     keep_every: int | None = None,
     laboratory: Laboratory | dict[str, Any] | None = None,
@@ -195,8 +196,8 @@ def hybrid(
         of the actuator, `force_noise` (standard deviation of the measured force) and its
         `seed`; numbers as text with their unit.
     weather, duration, dt, mass, damping, scheme, integrator : as of `bridge`.
-    hardening, heat_source, lead_ends, clock, upper_face, lower_face, stack, model : as of
-        `bridge`.
+    hardening, heat_source, lead_ends, clock, upper_face, lower_face, stack, model, exposure : as
+        of `bridge`.
     keep, keep_every, initial_state, initial_result, rig : as of `bridge`.
     executor, progress, misspelt : as of `bridge`.
 
@@ -234,12 +235,8 @@ def hybrid(
         heat_source=heat_source,
         lead_ends=lead_ends,
         clock=clock,
-        upper_face=upper_face,
-        lower_face=lower_face,
-        stack=stack,
-        model=model,
-        keep=keep,
-        keep_every=keep_every,
+        **{"upper_face": upper_face, "lower_face": lower_face, "stack": stack},
+        **{"model": model, "exposure": exposure, "keep": keep, "keep_every": keep_every},
         laboratory=laboratory,
         initial_state=initial_state,
         initial_result=initial_result,

@@ -290,7 +290,7 @@ def check_figure(report: CheckReport) -> Figure:
 
 
 def _draw_histories(report: CheckReport, top: Axes, middle: Axes) -> None:
-    """Displacement and force over samples, the begin of each cycle, clipped samples."""
+    """Displacement and force over samples, cycles, rests, spikes, clipped samples."""
     record = report.record
     number = np.arange(len(record.time))
     starts = [cycle.first for cycle in report.cycles]
@@ -302,22 +302,37 @@ def _draw_histories(report: CheckReport, top: Axes, middle: Axes) -> None:
         ax.plot(number[kept], values[kept], color=drawing.INK, linewidth=0.7)
         ax.plot(starts, np.zeros(len(starts)), "|", color=MODEL, markersize=7)
         drawing.name_axes(ax, "sample", name)
-    top.set_title("bars: begin of each cycle found", fontsize=drawing.NORMAL, loc="left")
+    told = "bars: begin of each cycle found"
     clipped = report.clipped
     middle.plot(number[clipped], record.force[clipped], "x", color=MODEL, markersize=4)
+    found = report.treatment
+    if found is not None:
+        for ax, name in ((top, "displacement"), (middle, "force")):
+            for first, last in found.rests:
+                ax.axvspan(first, last, color=TEST, alpha=0.25, linewidth=0.0)
+            bad = found.spikes[name]
+            ax.plot(number[bad], getattr(record, name)[bad], "o", color=MODEL, markersize=4)
+        told += "; grey: rests" if found.rests else ""
+        told += "; dots: spikes" if any(bad.any() for bad in found.spikes.values()) else ""
+    top.set_title(told, fontsize=drawing.NORMAL, loc="left")
 
 
 def _draw_middles(report: CheckReport, ax: Axes) -> None:
     """Middle of each loop, for drift and offset."""
     full = [cycle for cycle in report.cycles if not cycle.closing]
-    for values, name, colour in (
-        (report.record.displacement, "displacement", "#0077BB"),
-        (report.record.force, "force", "#EE7733"),
-    ):
+    record = report.steady
+    for name, colour in (("displacement", "#0077BB"), ("force", "#EE7733")):
+        values = getattr(record, name)
         peak = max(float(np.abs(values).max()), 1e-12)
         loops = [values[cycle.first : cycle.last + 1] for cycle in full]
         mids = [50.0 * (loop.max() + loop.min()) / peak for loop in loops]
         ax.plot(np.arange(1, len(mids) + 1), mids, "o-", color=colour, markersize=3, label=name)
+        drift = report.treatment.drifts.get(name) if report.treatment else None
+        if drift is not None:
+            begins = record.time[[cycle.first for cycle in full]]
+            away = drift.begin + drift.slope * (begins - drift.times[0])
+            number, label = np.arange(1, len(away) + 1), f"drift of {name}"
+            ax.plot(number, 100.0 * away / peak, "--", color=colour, linewidth=1.0, label=label)
     ax.axhline(0.0, color=drawing.GREY, linewidth=0.8)
     drawing.name_axes(ax, "cycle", "middle of loop [% of peak]", "drift and offset")
     ax.legend(fontsize=drawing.SMALL, frameon=False)

@@ -9,13 +9,16 @@ import numpy as np
 import tomli_w
 
 import thermobearing
+from thermobearing.bearing.library import bearing_from_table
+from thermobearing.bearing.scaling import compound_of
 from thermobearing.bearing.temperature import TemperatureLaw
-from thermobearing.border.toml import to_table
+from thermobearing.border.toml import sourced_toml, to_table, with_sources
 from thermobearing.identify.checks import CheckReport, checks_summary
 from thermobearing.identify.kinds import M_T, N_T
 from thermobearing.identify.posterior import Forecast, Samples
 from thermobearing.identify.result import Identification
 from thermobearing.results.directory import (
+    COMPOUND,
     FIGURES,
     FIT_TABLE,
     IDENTIFIED,
@@ -84,7 +87,7 @@ def save_identification(
     figures: bool = True,
     forecast: Forecast | None = None,
 ) -> Path:
-    """Write summary.json, bearing.toml, fit.csv, posterior.csv and figures.
+    """Write summary.json, bearing.toml, compound.toml, fit.csv, posterior.csv and figures.
 
     Parameters
     ----------
@@ -112,7 +115,7 @@ def save_identification(
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     written = save_identification(found, Path(folder) / "fit", figures=False)
     ...     print(sorted(path.name for path in written.iterdir()))
-    ['bearing.toml', 'fit.csv', 'summary.json']
+    ['bearing.toml', 'compound.toml', 'fit.csv', 'summary.json']
     """
 
     def fill(folder: Path) -> None:
@@ -137,6 +140,8 @@ def fill_identification(
     write_summary(folder, summary)
     text = tomli_w.dumps(bearing_table(found))
     (folder / IDENTIFIED).write_text(text, encoding="utf-8")
+    if found.outcome != "poor_fit":  # nobody should make bearings of it
+        (folder / COMPOUND).write_text(compound_text(found), encoding="utf-8")
     (folder / FIT_TABLE).write_text(fit_text(found), encoding="utf-8")
     if figures:
         found.plot.save_all(folder / FIGURES, bands=forecast.bands if forecast else ())
@@ -170,6 +175,8 @@ def bearing_table(found: Identification) -> dict[str, Any]:
         "description": f"{found.bearing.description} (identified from tests)".strip(),
         "citation": f"thermobearing {thermobearing.__version__} identify, {found.method}; {fitted}",
     }
+    if found.outcome == "poor_fit":
+        named["poor_fit"] = "; ".join(found.poor)
     law, tested = _range_of_law(found), found.tested_range
     sources |= {f"tested_range.{name}": _tested_source(found, name) for name in tested.ranges()}
     if law is not found.bearing.temperature_law:
@@ -178,14 +185,32 @@ def bearing_table(found: Identification) -> dict[str, Any]:
     table = to_table(
         found.bearing.model_copy(update=named | {"temperature_law": law, "tested_range": tested})
     )
-    for key, source in sources.items():
-        *tables, name = key.split(".")
-        inner: Any = table
-        for part in tables:
-            inner = inner.get(part, {})
-        if name in inner and name not in named and not isinstance(inner[name], dict):
-            inner[name] = {"value": inner[name], "source": source}
-    return table
+    return with_sources(table, sources)
+
+
+def compound_text(found: Identification) -> str:
+    """The rubber and lead of the fitted specimen, its size divided out, as a library file.
+
+    Parameters
+    ----------
+    found : from `identify_bearing`.
+
+    Returns
+    -------
+    str : TOML, ready for `load_compound` and `thermobearing new --compound`.
+
+    Examples
+    --------
+    >>> import thermobearing as tb
+    >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
+    >>> record = tb.identify.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
+    >>> found = tb.identify_bearing(record, "shen-hdr-specimen", free=["K_r"], starts=1)
+    >>> compound_text(found).splitlines()[1]
+    'name = "shen-hdr-specimen-compound"'
+    """
+    fitted = bearing_from_table(bearing_table(found), "fit")
+    compound = compound_of(fitted, f"{found.bearing.name}-compound")
+    return sourced_toml(compound, compound.sources)
 
 
 def _tested_source(found: Identification, name: str) -> str:

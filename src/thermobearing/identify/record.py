@@ -7,7 +7,7 @@ one line of time. What had to be assumed (clock, ambient temperature) is written
 import re
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -66,6 +66,8 @@ class Sidecar(Strict):
     weight: Weight = 1.0
     first_cycle_weight: Weight = 1.0
     cycle_balance: Annotated[float, Field(ge=0, le=1)] = 0.0
+    despike: bool = False
+    detrend: Literal["", "force", "displacement", "both"] = ""
 
     @classmethod
     def conflicts(cls, given: dict[str, Any]) -> list[str]:
@@ -106,6 +108,8 @@ class TestRecord:
         them, to that power. Small cycles count for nothing else where large ones are in the record.
     assumptions : what the file did not say.
     bearing : name or file of the bearing, if the sidecar gave one.
+    despike : take spikes out before a fit.
+    detrend : whose drift to take out before a fit: "force", "displacement", "both", or "".
     """
 
     __test__ = False  # not a test for pytest
@@ -124,6 +128,8 @@ class TestRecord:
     cycle_balance: float = 0.0
     assumptions: tuple[str, ...] = ()
     bearing: str | None = None
+    despike: bool = False
+    detrend: str = ""
 
     @property
     def peak_force(self) -> float:
@@ -261,6 +267,8 @@ def _assemble(sidecar: Sidecar, blocks: list[BlockFile], folder: Path, path: Pat
         weight=sidecar.weight,
         first_cycle_weight=sidecar.first_cycle_weight,
         cycle_balance=sidecar.cycle_balance,
+        despike=sidecar.despike,
+        detrend=sidecar.detrend,
         assumptions=tuple(dict.fromkeys(assumptions)),
         bearing=str(folder / where) if inside and where else sidecar.bearing,
     )

@@ -19,6 +19,7 @@ RESOLVED, FIGURES, COMPARISON = "case.resolved.toml", "figures", "comparison.csv
 TABLE, MODES, RIG, PARTS = "table.csv", "modes.csv", "rig.csv", "parts"
 TESTED_RANGE = "tested_range.csv"
 IDENTIFIED, FIT_TABLE, SAMPLES = "bearing.toml", "fit.csv", "posterior.csv"
+COMPOUND = "compound.toml"
 # Everything that any command writes into a result directory; nothing else is ever deleted.
 RESULT_NAMES = {SUMMARY, DATASET, HISTORY, RESOLVED, FIGURES, COMPARISON, TABLE, ".DS_Store"}
 RESULT_NAMES |= {RIG, TESTED_RANGE, PARTS}
@@ -31,7 +32,7 @@ ROUNDS, CHECKS, BEARINGS = "rounds.csv", "checks.csv", "bearings"
 RESULT_NAMES |= {ROUNDS, CHECKS, BEARINGS}
 VALIDATED_CYCLES, FOLDS = "cycles.csv", "folds.csv"
 RESULT_NAMES |= {VALIDATED_CYCLES, FOLDS}
-RESULT_NAMES |= {IDENTIFIED, FIT_TABLE, SAMPLES}
+RESULT_NAMES |= {IDENTIFIED, COMPOUND, FIT_TABLE, SAMPLES}
 
 
 def check_target(directory: Path, *, force: bool) -> None:

@@ -48,6 +48,12 @@ def limits_summary(rig: "pd.DataFrame", tested: "pd.DataFrame") -> dict[str, Any
     return {name: table.to_dict("records") for name, table in tables.items() if len(table)}
 
 
+def exposure_summary(dataset: "xr.Dataset") -> dict[str, Any]:
+    """What summary.json says of the exposure factors; nothing where all are 1."""
+    told = "exposure" in dataset.attrs
+    return {"exposure": from_attribute(dataset, "exposure")} if told else {}
+
+
 def write_limits(folder: Path, rig: "pd.DataFrame", tested: "pd.DataFrame") -> None:
     """Write rig.csv and tested_range.csv, where there is something to write."""
     for name, table in ((RIG, rig), (TESTED_RANGE, tested)):

@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from thermobearing.bearing.exposure import exposures, told_of
 from thermobearing.bearing.model import Bearing
 from thermobearing.bearing.validity import ranges_of
 from thermobearing.border.errors import InputError
@@ -106,6 +107,7 @@ def run_validate(case: ValidateCase) -> Validation:
             for model in models_of(case, bearing)
             for record in case.records
         ]
+        said += told_of(exposures([bearing], None))
         rows = [row for item in mine for row in item.asked]
         said += outside_tests(bearing.name, rows, ranges_of(bearing))
         found += mine
