@@ -28,6 +28,7 @@ from thermobearing.commands.common import (
 from thermobearing.commands.help import Command, Group
 from thermobearing.commands.identify import identify
 from thermobearing.commands.motions import app as motions
+from thermobearing.commands.new import new
 from thermobearing.commands.streams import patient_streams
 from thermobearing.commands.threads import one_blas_thread
 from thermobearing.commands.validate import validate

@@ -1,7 +1,7 @@
 """The room's results on the terminal: rounds as they come, sheets, paragraphs, factors."""
 
 from thermobearing.design.bilinear import bounds_table
-from thermobearing.design.case import DesignCase, bearing_weight
+from thermobearing.design.case import DesignCase, bearing_weight, make_design_case
 from thermobearing.design.result import BoundsReport, Design, FactorReport, Round, source_design
 from thermobearing.results.screen import print_table, print_warnings, say
 
@@ -96,7 +96,8 @@ def print_design(design: Design) -> None:
     if design.first_within is not None:
         say(f"Round {design.first_within} was the first within the 10 % of the printed loop.")
     _print_checks(design)
-    say(f"\n{_source()}")
+    if _is_of_the_source(design.case):
+        say(f"\n{_source()}")
     for item in design.equal:
         say(
             f"equal K_B: {item.bearing.name}, K_eq {item.stiffness:.3f} kN/mm, "
@@ -116,6 +117,13 @@ def _print_checks(design: Design) -> None:
     styles = ["" if check.passed else "bold red" for check in design.checks]
     heads = ("checks", "value", "limit", "verdict", "source of the limit")
     print_table(heads, rows, title=" ", styles=styles)
+
+
+def _is_of_the_source(case: DesignCase) -> bool:
+    """Whether it is the bridge that the source sized, not one of the user's own."""
+    printed = make_design_case({}, "default")
+    keys = {"structure", "compound", "compound_kind", "weight"}
+    return case.model_dump(include=keys) == printed.model_dump(include=keys)
 
 
 def _source() -> str:
