@@ -254,3 +254,6 @@ HISTORY_DIGITS = 1e-6  # of the largest: sums of histories kept with seven digit
 SECOND_DIFFERENCE = 0.02  # of the largest acceleration: displacements with seven digits over dt^2
 SIMILAR = 1e-9  # of the peak: the same test in other units, two thousand steps of rounding
 HEAT_OF_CELLS = 1e-4  # single precision of the cells, at -20 degC 1e-6 K of some kelvin
+
+# Peak of one mass by the ten-line integrator of docs/python.md (first order) at dt and at dt/2.
+SIMPLEST_INTEGRATOR = 0.03

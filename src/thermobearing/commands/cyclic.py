@@ -127,10 +127,6 @@ def cyclic(
 ) -> int:
     """Displacement-controlled cyclic test of a bearing, heat and hysteresis coupled."""
     from thermobearing.cyclic.case import load_case, make_case
-    from thermobearing.cyclic.files import save_result
-    from thermobearing.cyclic.run import run_case
-    from thermobearing.cyclic.screen import print_result
-    from thermobearing.results.directory import check_target
 
     words = {"cycles": cycles, "wave": wave, "frequency": frequency, "period": period}
     words |= {"speed": speed, "rest": rest}
@@ -155,6 +151,24 @@ def cyclic(
         whole = make_case({}, "command line", **overrides)
     else:
         whole = load_case(case, **overrides)
+    return _carry_out(whole, output, force, no_figures, as_json, quiet, compare)
+
+
+def _carry_out(
+    whole: "Case",
+    output: Path | None,
+    force: bool,
+    no_figures: bool,
+    as_json: bool,
+    quiet: bool,
+    compare: bool,
+) -> int:
+    """Check the target, run, write, tell."""
+    from thermobearing.cyclic.files import save_result
+    from thermobearing.cyclic.run import run_case
+    from thermobearing.cyclic.screen import print_result
+    from thermobearing.results.directory import check_target
+
     target = output or Path("cyclic-" + re.sub(r"[^\w.+-]+", "-", whole.bearing.name))
     check_target(target, force=force)
     _announce_size(whole, quiet)

@@ -97,25 +97,27 @@ Folds = Annotated[
 ]
 
 
+Start = Annotated[
+    str | None,
+    typer.Option(
+        "--bearing",
+        "--start",
+        help="Geometry, fixed values.",
+        metavar="NAME/FILE",
+        rich_help_panel=INPUT,
+    ),
+]
+Free = Annotated[
+    str | None,
+    typer.Option(help="Free parameters, such as K_r,d_y or n_T=2.4*m_T.", rich_help_panel=INPUT),
+]
+
+
 @reported
 def identify(
     tests: Annotated[list[Path], typer.Argument(help="Tests: CSV files or their TOML sidecars.")],
-    start: Annotated[
-        str | None,
-        typer.Option(
-            "--bearing",
-            "--start",
-            help="Geometry, fixed values.",
-            metavar="NAME/FILE",
-            rich_help_panel=INPUT,
-        ),
-    ] = None,
-    free: Annotated[
-        str | None,
-        typer.Option(
-            help="Free parameters, such as K_r,d_y or n_T=2.4*m_T.", rich_help_panel=INPUT
-        ),
-    ] = None,
+    start: Start = None,
+    free: Free = None,
     assumed: Spreads = None,
     method: Method = "least-squares",
     polish: Polish = True,
