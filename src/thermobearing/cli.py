@@ -13,7 +13,6 @@ from typing import Annotated, Any
 import typer
 
 import thermobearing
-from thermobearing.border.errors import InputError
 from thermobearing.commands import cyclic, design, earthquake, factors, sequence
 from thermobearing.commands.common import (
     ANALYSES,
@@ -27,9 +26,12 @@ from thermobearing.commands.common import (
 )
 from thermobearing.commands.help import Command, Group
 from thermobearing.commands.identify import identify
+from thermobearing.commands.intake import intake
+from thermobearing.commands.measure import measure
 from thermobearing.commands.motions import app as motions
 from thermobearing.commands.new import new
 from thermobearing.commands.streams import patient_streams
+from thermobearing.commands.structures import app as structures
 from thermobearing.commands.threads import one_blas_thread
 from thermobearing.commands.validate import validate
 
@@ -144,42 +146,6 @@ def check(
     return 0
 
 
-@app.command(
-    cls=Command,
-    rich_help_panel=LABORATORY,
-    epilog=_example("measure test.csv --bearing shen-hdr-specimen"),
-)
-@reported
-def measure(
-    file: Annotated[Path, typer.Argument(help="CSV with displacement and force.")],
-    bearing: Annotated[
-        str, typer.Option(help="Library name or TOML file: plan area and rubber thickness.")
-    ],
-    as_json: AsJson = False,
-) -> int:
-    """Equivalent modulus, damping and energy of each cycle of a measured history."""
-    import dataclasses
-
-    from thermobearing.bearing.library import load_bearing
-    from thermobearing.border.tables import read_columns
-    from thermobearing.cyclic.screen import print_measures
-    from thermobearing.results.metrics import measure_history
-
-    data = read_columns(file, {"displacement": "mm", "force": "kN"})
-    specimen = load_bearing(bearing)
-    rubber = specimen.total_rubber_thickness
-    try:
-        cycles = measure_history(
-            data["displacement"], data["force"], area=specimen.area, total_rubber_thickness=rubber
-        )
-    except InputError as error:
-        raise InputError(error.problems, str(file)) from None
-    print_measures(cycles, rubber)
-    if as_json:
-        echo_json({"cycles": [dataclasses.asdict(cycle) for cycle in cycles]})
-    return 0
-
-
 def _add(name: str, command: Any, panel: str, *examples: str) -> None:
     app.command(name, cls=Command, rich_help_panel=panel, epilog=_example(*examples))(command)
 
@@ -194,6 +160,8 @@ _add(
 _add("bridge", earthquake.bridge, ANALYSES, "bridge --motion jra-ii-i-1 --ambient -20 -o pier")
 _add("hybrid", earthquake.hybrid, ANALYSES, "hybrid --mode rt --mode pd --ambient -20 -o hybrid")
 _add("sequence", sequence.sequence, ANALYSES, "sequence case.toml -o sequence")
+_add("measure", measure, LABORATORY, "measure test.csv --bearing shen-hdr-specimen")
+_add("intake", intake, LABORATORY, "intake cold.xlsx warm.csv --bearing mine.toml -o looked")
 _add(
     "new",
     new,
@@ -207,6 +175,7 @@ _add("design", design.design, OFFICE, "design --motion jra-ii-i-1 --compound G10
 _add("bounds", design.bounds, OFFICE, "bounds --bearing shen-hdr-bridge --ambient -20")
 _add("lambda", factors.lambda_, OFFICE, "lambda shen-hdr-bridge --strain 1.75 -o factors")
 app.add_typer(motions, name="motions", rich_help_panel=FILES)
+app.add_typer(structures, name="structures", rich_help_panel=FILES)
 
 
 def main() -> None:

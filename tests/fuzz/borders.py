@@ -14,7 +14,8 @@ from tests.fuzz import grammar
 from tests.fuzz.judge import COMPLETED, TYPED, Example
 from tests.fuzz.mutations import UNITS, damaged, plain_numbers, rows_of_numbers, toml_files
 from thermobearing.bearing.bilinear import load_bilinear
-from thermobearing.border.tables import Layout, read_columns
+from thermobearing.border.layout import Layout
+from thermobearing.border.tables import read_columns
 from thermobearing.border.units import parse_quantity
 from thermobearing.commands.check import check_file
 from thermobearing.cyclic.case import load_case, make_case
@@ -386,7 +387,11 @@ def library_borders() -> list[Border]:
         toml_border("design case", grammar.design_cases(), load_design_case, 60),
         toml_border("check", _any_table(), _check_and_describe, 120),
         Border("test sidecar", grammar.sidecars().flatmap(toml_files).map(_sidecar_file), 140),
-        Border("test record", rows_of_numbers(grammar.TEST).map(_record_file), 100),
+        Border(
+            "test record",
+            grammar.laboratory_files().flatmap(rows_of_numbers).map(_record_file),
+            100,
+        ),
         Border("table", _tables(), 180),
         Border("motions file", _motion_files(), 240),
         Border("motions arithmetic", _motion_arithmetic(), 100),

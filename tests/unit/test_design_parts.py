@@ -13,7 +13,8 @@ from tests import tolerances as tol
 from thermobearing.design import bounds, equal, run
 from thermobearing.design.bilinear import bound_models, bounds_table, opensees_text
 from thermobearing.design.case import make_design_case
-from thermobearing.design.result import Design, Round
+from thermobearing.design.result import Design
+from thermobearing.design.rounds import Round, two_sizes
 from thermobearing.design.rubber import damping_ratio, equivalent_stiffness, load_rubber
 from thermobearing.design.sizing import Check, Size, SizingRules, size_bearing
 from thermobearing.model.earlier import BilinearParameters
@@ -122,6 +123,43 @@ def test_loop_that_swings_goes_half_way(monkeypatch: pytest.MonkeyPatch) -> None
     assert assumed[4] == pytest.approx(225.0 + 0.25 * 75.0)
     assert design.outcome == "not_converged"
     assert len(design.rounds) == 5
+
+
+def sized(number: int, assumed: float, found: float, layers: int) -> Round:
+    """A round of a size with so many layers."""
+    size = Size(600.0, layers, 14.0)
+    return Round(number, assumed, size, 2.6, 0.15, 125.0, 1.8, 9.5, found, 1.0)
+
+
+def test_two_sizes_that_alternate_end_the_loop(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Below 250 mm 8 layers move 300, above 9 layers move 200: before, 40 rounds of that."""
+    checks: list[str] = []
+
+    def turn(case: Any, number: int, assumed: float) -> Any:
+        low = assumed < 250.0
+        one = sized(number, assumed, 300.0 if low else 200.0, 8 if low else 9)
+        checks.append("low" if low else "high")
+        study = SimpleNamespace(outcome="completed")
+        return SimpleNamespace(round=one, checks=[checks[-1]], bearing=None, study=study)
+
+    monkeypatch.setattr(run, "one_turn", turn)
+    design = run.run_design(case_of(start="200 mm"))
+    assert design.outcome == "two_sizes"
+    assert design.usable
+    assert len(design.rounds) < 15
+    assert design.last.size.layers == 9  # sized for more than it moves
+    assert design.last.difference < 0.0
+    assert design.checks == ["high"]  # type: ignore[comparison-overlap]
+    assert "8x14 mm, sized for" in design.sentence
+    assert "the safer one, 600 mm with 9x14 mm" in design.sentence
+
+
+def test_one_size_with_a_jump_is_not_two() -> None:
+    """Nor two sizes far from each other, where a design may be between."""
+    assert two_sizes([sized(1, 250.0, 300.0, 8), sized(2, 251.0, 200.0, 8)], 0.01) is None
+    assert two_sizes([sized(1, 200.0, 300.0, 8), sized(2, 251.0, 200.0, 9)], 0.01) is None
+    low, high = sized(1, 250.0, 300.0, 8), sized(2, 251.0, 200.0, 9)
+    assert two_sizes([sized(3, 230.0, 300.0, 8), high, low], 0.01) == (low, high)
 
 
 def test_far_below_is_not_converged(monkeypatch: pytest.MonkeyPatch) -> None:

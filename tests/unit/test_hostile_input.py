@@ -17,7 +17,7 @@ from tests.unit.inputs import (
     write_toml,
 )
 from thermobearing.bearing.bilinear import load_bilinear
-from thermobearing.border import errors, tables
+from thermobearing.border import encodings, errors, tables
 from thermobearing.border.errors import InputError
 from thermobearing.border.toml import DEEPEST
 from thermobearing.border.units import parse_quantity
@@ -147,12 +147,12 @@ def test_names_longer_than_the_system_allows(call: Callable[[Path], Any], tmp_pa
 
 def test_files_without_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A device that never stops, and a file too large to be meant."""
-    monkeypatch.setattr(tables, "LARGEST_FILE", 1000)
+    monkeypatch.setattr(encodings, "LARGEST_FILE", 1000)
     endless = Path("/dev/zero")
     if endless.exists():
-        told(lambda: tables.read_text(endless), "is larger than 0.001 MB")
+        told(lambda: encodings.read_text(endless), "is larger than 0.001 MB")
     (tmp_path / "large.csv").write_text("1" * 1001)
-    told(lambda: tables.read_text(tmp_path / "large.csv"), "is larger than")
+    told(lambda: encodings.read_text(tmp_path / "large.csv"), "is larger than")
     assert errors.read_bytes(tmp_path / "large.csv", 1001) == b"1" * 1001
 
 

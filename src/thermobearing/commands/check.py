@@ -12,6 +12,7 @@ from thermobearing.bearing.plausible import implausible
 from thermobearing.bearing.temperature import TemperatureLaw
 from thermobearing.bearing.validity import Validity
 from thermobearing.border.errors import InputError, is_file
+from thermobearing.border.sidecar import Sidecar
 from thermobearing.border.toml import read_toml, split_sources
 from thermobearing.commands.check_data import DATA, data_facts
 from thermobearing.cyclic.case import Case, load_case
@@ -20,7 +21,7 @@ from thermobearing.cyclic.rig import LIMITS, load_rig
 from thermobearing.cyclic.segments import build_segments
 from thermobearing.design.case import DesignCase, bearing_weight, load_design_case
 from thermobearing.earthquake.case import EarthquakeCase, load_earthquake_case
-from thermobearing.identify.record import Sidecar, TestRecord, load_test
+from thermobearing.identify.record import TestRecord, load_test
 from thermobearing.model.stack import build_stack
 from thermobearing.results.ranges import TESTED
 from thermobearing.sequences.case import SequenceCase, load_sequence_case

@@ -58,6 +58,9 @@ Structure_ = Annotated[
         "--structure", help="Name or TOML file.", metavar="NAME/FILE", rich_help_panel=INPUT
     ),
 ]
+FixedBase = Annotated[
+    bool, typer.Option("--fixed-base", help="Leave out the springs of the foundation.")
+]
 Method = Annotated[
     str | None,
     typer.Option(
@@ -102,6 +105,7 @@ def bridge(
         str | None, typer.Option(help="consistent or published.", rich_help_panel=MODEL)
     ] = None,
     structure: Structure_ = None,
+    fixed_base: FixedBase = False,
     damping: Damping_ = None,
     method: Method = None,
     dt: Dt = None,
@@ -124,6 +128,7 @@ def bridge(
         "weather": weather,
         "mass": mass,
         "structure": structure,
+        "fixed_base": fixed_base or None,
         "damping": damping,
         "method": method,
         "dt": dt,
@@ -150,6 +155,7 @@ def hybrid(
     motion: Motions = None,
     ambient: Ambients = None,
     structure: Structure_ = None,
+    fixed_base: FixedBase = False,
     damping: Damping_ = None,
     delay: Annotated[
         float | None, typer.Option(help="Delay of the actuator [s].", rich_help_panel="Laboratory")
@@ -187,6 +193,7 @@ def hybrid(
         "motions": motion or None,
         "ambient": ambient or None,
         "structure": structure,
+        "fixed_base": fixed_base or None,
         "damping": damping,
         "method": method,
         "dt": dt,

@@ -103,19 +103,23 @@ def _print_books(result: Result, run: int) -> None:
         )
 
 
-def print_measures(cycles: list[CycleMeasures], total_rubber_thickness: float) -> None:
-    """Measures of each cycle of a measured history."""
-    heads = ("cycle", "strain", *HEADS[2:])
+def print_measures(
+    cycles: list[CycleMeasures], ends: list[str], total_rubber_thickness: float
+) -> None:
+    """Measures of each cycle of a measured history, and how it ends."""
+    heads = ("cycle", "strain", "K_eq kN/mm", *HEADS[2:], "ends")
     rows = [
         (
             str(number),
             f"{m.amplitude_mm / total_rubber_thickness:.1%}",
+            f"{m.stiffness_kN_mm:.3f}",
             f"{m.G_eq_MPa:.3f}",
             f"{m.h_eq:.4f}",
             f"{m.energy_kN_mm:.0f}",
             f"{m.characteristic_strength_kN:.2f}",
             f"{m.post_yield_stiffness_kN_mm:.3f}",
+            end,
         )
-        for number, m in enumerate(cycles, 1)
+        for number, (m, end) in enumerate(zip(cycles, ends, strict=True), 1)
     ]
     print_table(heads, rows)

@@ -147,6 +147,7 @@ def bounds_study(
             )
     found = pd.DataFrame(rows)
     found.attrs["tested_range"] = studies[1].tested_range.to_dict("records")
+    found.attrs["structure"] = whole.structure.name
     found.attrs["ended"] = [study.outcome for study in studies if study.outcome != "completed"]
     found.attrs["sentences"] = [study.sentence for study in studies if study.outcome != "completed"]
     found.attrs["ranges"] = ranges_of(bearing)
@@ -205,9 +206,10 @@ def paragraph(table: pd.DataFrame, name: str) -> str:
             f"{title.split(' [')[0]}: {ratios.min():.2f} to {ratios.max():.2f} of what the coupled "
             f"model gives (unsafe for {unsafe}, wasteful for {wasteful} of {len(ratios)} motions)"
         )
+    on = f" on {table.attrs['structure']}" if "structure" in table.attrs else ""
     worst = table.loc[int(np.argmin(table["envelope_over_coupled"].to_numpy()))]
     return (
-        f"{name}: the envelope of the two bilinear bounds against the coupled model. "
+        f"{name}{on}: the envelope of the two bilinear bounds against the coupled model. "
         + "; ".join(sentences)
         + f". The least safe is {DEMANDS[str(worst['demand'])].split(' [')[0]} under "
         f"{worst['motion']} ({worst['envelope_over_coupled']:.2f})."

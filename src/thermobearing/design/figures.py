@@ -56,7 +56,9 @@ class DesignFigures:
 
     def rounds(self) -> Figure:
         """Assumed and found displacement, round by round."""
-        figure, (ax,) = drawing.panels(1, 1, (6.5, 3.6), "Design loop")
+        figure, (ax,) = drawing.panels(
+            1, 1, (6.5, 3.6), f"{self._design.case.structure.name}: design loop"
+        )
         table = self._design.table
         numbers = table["round"].to_numpy()
         for column, name, colour, marker in (
@@ -76,7 +78,7 @@ class DesignFigures:
 
     def equal(self) -> Figure:
         """Loops of the bilinear bearing and the layered ones of its stiffness, as Fig. 6.6."""
-        title = "Bearings of equal stiffness, 23 degC"
+        title = f"{self._design.case.structure.name}: bearings of equal stiffness, 23 degC"
         figure, (ax,) = drawing.panels(1, 1, (6.0, 4.4), title)
         loops = self._design.loops
         for (name, (x, force)), colour in zip(loops.items(), LOOPS, strict=False):
@@ -128,7 +130,8 @@ class BoundsFigures:
         -------
         Figure
         """
-        title = f"{name}: bilinear bounds (bars) and coupled model (dots)"
+        on = self._report.structure
+        title = f"{name} on {on}: bilinear bounds (bars) and coupled model (dots)"
         return draw_bounds(self._report.tables[name], title)
 
     def save_all(self, folder: Path) -> list[Path]:

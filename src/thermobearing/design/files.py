@@ -19,6 +19,7 @@ from thermobearing.results.directory import (
     ROUNDS,
     SCALE,
     TABLE,
+    TEMPERATURES,
     write_directory,
 )
 from thermobearing.results.writing import write_csv, write_limits, write_summary
@@ -63,6 +64,8 @@ def save_design(
         write_csv(folder / ROUNDS, design.table)
         write_csv(folder / CHECKS, pd.DataFrame(design.sheet))
         write_limits(folder, pd.DataFrame(), design.tested_range)
+        if len(design.temperatures):
+            write_csv(folder / TEMPERATURES, design.temperatures)
         (folder / BEARINGS).mkdir()
         for name, text in _bearings(design).items():
             (folder / BEARINGS / f"{name}.toml").write_text(text, encoding="utf-8")

@@ -16,13 +16,16 @@ from thermobearing.bearing.validity import ranges_of
 from thermobearing.border.library import data_path
 from thermobearing.border.showing import Shown
 from thermobearing.border.toml import read_toml
+from thermobearing.cyclic.equivalent import post_yield_ratio
 from thermobearing.cyclic.result import Result
 from thermobearing.design.bilinear import BoundModel, bound_models, bounds_table
 from thermobearing.design.bounds import paragraph
 from thermobearing.design.case import DesignCase
 from thermobearing.design.equal import EqualBearing, third_cycle
-from thermobearing.design.factors import published_tables
-from thermobearing.design.sizing import Check, Size
+from thermobearing.design.factors import coldest_factors, published_codes, published_tables
+from thermobearing.design.peaks import coldest_sentences, envelope, few_motions, peak_rule
+from thermobearing.design.rounds import Round
+from thermobearing.design.sizing import Check
 from thermobearing.design.tested import (
     asked_by_bounds,
     asked_by_design,
@@ -57,56 +60,6 @@ def source_design() -> dict[str, Any]:
     return read_toml(data_path("design", "source.toml"))
 
 
-@dataclass(frozen=True)
-class Round:
-    """One turn of the loop.
-
-    Attributes
-    ----------
-    number : from 1.
-    assumed : design displacement u_B that the bearing was sized for [mm].
-    size : the bearing.
-    stiffness, damping : K_B [kN/mm] and h_B at u_B.
-    strength, post_yield, initial : Q_d [kN], K_2, K_1 [kN/mm] of the bilinear model.
-    found : largest displacement over the motions [mm].
-    ductility : largest of the pier over the motions.
-    """
-
-    number: int
-    assumed: float
-    size: Size
-    stiffness: float
-    damping: float
-    strength: float
-    post_yield: float
-    initial: float
-    found: float
-    ductility: float
-
-    @property
-    def difference(self) -> float:
-        """Found over assumed displacement, less one."""
-        return self.found / self.assumed - 1.0
-
-    def row(self) -> dict[str, Any]:
-        """The round as people read it."""
-        return {
-            "round": self.number,
-            "u_B_assumed_mm": self.assumed,
-            "side_mm": self.size.side,
-            "layers": self.size.layers,
-            "layer_thickness_mm": self.size.layer_thickness,
-            "K_B_kN_mm": self.stiffness,
-            "h_B": self.damping,
-            "Q_d_kN": self.strength,
-            "K_1_kN_mm": self.initial,
-            "K_2_kN_mm": self.post_yield,
-            "u_found_mm": self.found,
-            "difference": self.difference,
-            "pier_ductility": self.ductility,
-        }
-
-
 @dataclass(frozen=True, repr=False)
 class Design(Shown):
     """What the loop came to.
@@ -115,12 +68,14 @@ class Design(Shown):
     ----------
     case : what was to be designed.
     rounds : all turns.
-    outcome : "converged", or why not.
+    outcome : "converged", "two_sizes" (the safer of two that alternate was taken), or why not.
     sentence : the same for people.
-    checks : the calculation sheet of the last round.
-    bearing : bilinear bearing of the last round.
-    study : the last dynamic analyses.
-    equal : layered bearings scaled to the stiffness of the last round.
+    checks : the calculation sheet of the round that was taken.
+    bearing : bilinear bearing of that round.
+    study : its dynamic analyses.
+    equal : layered bearings scaled to the stiffness of that round.
+    chosen : number of the round that was taken; the last by default.
+    temperatures : what the layered bearings do at every temperature; see `judged`.
     """
 
     case: DesignCase
@@ -131,11 +86,18 @@ class Design(Shown):
     bearing: BilinearBearing
     study: EarthquakeResult
     equal: list[EqualBearing] = field(default_factory=list)
+    chosen: int = 0
+    temperatures: pd.DataFrame = field(default_factory=pd.DataFrame)
 
     @property
     def last(self) -> Round:
-        """The final turn."""
-        return self.rounds[-1]
+        """The turn that was taken."""
+        return self.rounds[self.chosen - 1]
+
+    @property
+    def usable(self) -> bool:
+        """Whether there is a design."""
+        return self.outcome in ("converged", "two_sizes")
 
     @property
     def first_within(self) -> int | None:
@@ -155,7 +117,7 @@ class Design(Shown):
     @property
     def warnings(self) -> list[str]:
         """What a reader must know: what left the tested ranges."""
-        return warnings_of_design(self)
+        return [*few_motions(self.case.motions, self.case.peaks), *warnings_of_design(self)]
 
     @property
     def sheet(self) -> list[dict[str, Any]]:
@@ -182,6 +144,8 @@ class Design(Shown):
         source = source_design()
         return {
             "command": "design",
+            "structure": self.case.structure.name,
+            "bearing": self.bearing.name,
             "version": thermobearing.__version__,
             "outcome": self.outcome,
             "sentence": self.sentence,
@@ -189,7 +153,12 @@ class Design(Shown):
             **limits_summary(pd.DataFrame(), self.tested_range),
             "first_within_10_percent": self.first_within,
             "rounds": [turn.row() for turn in self.rounds],
+            "chosen_round": self.last.number,
+            "peaks": peak_rule(self.case.peaks).model_dump(),
             "checks": self.sheet,
+            "temperatures": self.temperatures.to_dict("records"),
+            "envelope": envelope(self.temperatures).to_dict("records"),
+            "coldest_day": coldest_sentences(self.temperatures),
             "equal": [
                 {"name": item.bearing.name, "K_eq_kN_mm": item.stiffness, "h_eq": item.damping}
                 for item in self.equal
@@ -238,7 +207,12 @@ class BoundsReport(Shown):
     @property
     def table(self) -> pd.DataFrame:
         """All tables below each other."""
-        return pd.concat([table.assign(bearing=name) for name, table in self.tables.items()])
+        return pd.concat(
+            [
+                table.assign(bearing=name, structure=self.structure)
+                for name, table in self.tables.items()
+            ]
+        )
 
     @property
     def outcome(self) -> str:
@@ -263,6 +237,12 @@ class BoundsReport(Shown):
         return warnings_of_bounds(self.tables)
 
     @property
+    def structure(self) -> str:
+        """What the bearings stand on."""
+        names = [str(table.attrs.get("structure", "")) for table in self.tables.values()]
+        return names[0] if names else ""
+
+    @property
     def paragraphs(self) -> dict[str, str]:
         """The result in words, by name of the bearing."""
         return {name: paragraph(table, name) for name, table in self.tables.items()}
@@ -271,6 +251,7 @@ class BoundsReport(Shown):
         """The content of summary.json."""
         return {
             "command": "bounds",
+            "structure": self.structure,
             "version": thermobearing.__version__,
             "outcome": self.outcome,
             "warnings": self.warnings,
@@ -350,7 +331,13 @@ class FactorReport(Shown):
     @cached_property
     def bounds(self) -> list[BoundModel]:
         """Lower and upper bilinear model."""
-        return bound_models(self.table, self.strain, self.bearings[0].total_rubber_thickness)
+        first = self.bearings[0]
+        return bound_models(self.table, self.strain, first.total_rubber_thickness, first.kind)
+
+    @property
+    def coldest(self) -> list[str]:
+        """What the coldest temperature makes of the bearing at the largest strain, in words."""
+        return coldest_factors(self.table, self.strain)
 
     def summary(self) -> dict[str, Any]:
         """The content of summary.json."""
@@ -366,6 +353,9 @@ class FactorReport(Shown):
             "motion": self.motion,
             "cycles": self.cycles,
             "bounds": bounds_table(self.bounds).to_dict("records"),
+            "stiffness_ratio": post_yield_ratio(self.bearings[0].kind).model_dump(),
+            "coldest_day": self.coldest,
+            "codes": [item.model_dump() for item in published_codes()],
             "factors": self.table.to_dict("records"),
             "published": [item.model_dump() for item in published_tables()],
         }

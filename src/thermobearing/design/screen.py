@@ -1,8 +1,12 @@
 """The room's results on the terminal: rounds as they come, sheets, paragraphs, factors."""
 
+from thermobearing.cyclic.equivalent import post_yield_ratio
 from thermobearing.design.bilinear import bounds_table
 from thermobearing.design.case import DesignCase, bearing_weight, make_design_case
-from thermobearing.design.result import BoundsReport, Design, FactorReport, Round, source_design
+from thermobearing.design.factors import published_codes
+from thermobearing.design.peaks import coldest_sentences, peak_rule
+from thermobearing.design.result import BoundsReport, Design, FactorReport, source_design
+from thermobearing.design.rounds import Round
 from thermobearing.results.screen import print_table, print_warnings, say
 
 COLUMNS = {  # of the rounds: head, width
@@ -93,6 +97,9 @@ def print_design(design: Design) -> None:
     True
     """
     say(design.sentence)
+    rule = peak_rule(design.case.peaks)
+    mark = " (unverified)" if rule.unverified else ""
+    say(f"Peaks are {rule.says}; {rule.source}{mark}.")
     if design.first_within is not None:
         say(f"Round {design.first_within} was the first within the 10 % of the printed loop.")
     _print_checks(design)
@@ -103,6 +110,8 @@ def print_design(design: Design) -> None:
             f"equal K_B: {item.bearing.name}, K_eq {item.stiffness:.3f} kN/mm, "
             f"h_eq {item.damping:.3f} at 23 degC without heating"
         )
+    for sentence in coldest_sentences(design.temperatures):
+        say(sentence)
     print_warnings(design.warnings)
 
 
@@ -189,6 +198,14 @@ def print_factors(report: FactorReport) -> None:
             f"{row['bound']} bound ({row['basis']} cycle, {row['ambient_degC']:g} degC): Q_d "
             f"{row['Q_d_kN']:.1f} kN, K_1 {row['K_1_kN_mm']:.2f}, K_2 {row['K_2_kN_mm']:.3f} kN/mm"
         )
+    ratio = post_yield_ratio(report.bearings[0].kind)
+    mark = " (unverified)" if ratio.unverified else ""
+    say(f"K_2/K_1 {ratio.ratio:.3g}: {ratio.source}{mark}")
+    for sentence in report.coldest:
+        say(sentence)
+    for code in published_codes():
+        mark = " (unverified)" if code.unverified else ""
+        say(f"{code.code}: {code.says}{mark}")
     print_warnings(report.warnings)
 
 

@@ -10,7 +10,9 @@ from thermobearing.results.directory import (
     DATASET,
     FIGURES,
     HISTORY,
+    LINES,
     MODES,
+    PIERS,
     RESOLVED,
     TABLE,
     write_directory,
@@ -35,6 +37,8 @@ def save_earthquake(
 ) -> Path:
     """Write summary.json, table.csv, history.csv, result.nc, case.resolved.toml and figures.
 
+    With several bearing lines or piers also lines.csv and piers.csv.
+
     Parameters
     ----------
     result : what to write.
@@ -56,6 +60,9 @@ def save_earthquake(
         if has_both(result):
             write_csv(folder / MODES, modes_table(result))
         write_limits(folder, result.rig, result.tested_range)
+        for name, parts in ((LINES, result.lines), (PIERS, result.piers)):
+            if len(parts):
+                write_csv(folder / name, parts)
         _write_histories(result, folder / HISTORY)
         write_dataset(result.dataset, folder / DATASET)
         if figures:

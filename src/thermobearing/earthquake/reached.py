@@ -7,6 +7,7 @@ import numpy as np
 
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.exposure import exposure_attribute, exposures, told_of
+from thermobearing.bearing.model import Bearing
 from thermobearing.bearing.validity import ranges_of
 from thermobearing.core.records import Floats
 from thermobearing.cyclic.rig import asked_of, beyond
@@ -33,42 +34,61 @@ def warnings_of(
     """Attributes of the dataset: sentences, what was asked of the rig and of the bearings."""
     rig = _asked_of_rig(case, tasks, traces)
     found, asked = beyond(case.rig, rig), []
-    for bearing in {task.device.bearing.name: task.device.bearing for task in tasks}.values():
-        mine = [k for k, task in enumerate(tasks) if task.device.bearing.name == bearing.name]
+    for bearing, mine in _bearings(tasks).values():
         ranges = ranges_of(bearing)
         rows: list[Row] = []
-        for k in mine:
-            rows += asked_of_tests(_name(tasks[k]), reached(tasks[k], histories[k]), ranges)
+        for k, lines in mine:
+            name = _name(tasks[k], bearing.name)
+            rows += asked_of_tests(name, reached(tasks[k], histories[k], lines), ranges)
         found += outside_tests(bearing.name, rows, ranges)
         asked += rows
         if isinstance(bearing, BilinearBearing) or case.analysis.model in BLIND:
             continue
         runs = [
-            (_name(tasks[k], bearing=False), traces[k]["time"], traces[k]["rubber_temperature"])
-            for k in mine
+            (_name(tasks[k]), traces[k]["time"], histories[k].layers(line))
+            for k, lines in mine
+            for line in lines
         ]
         found += outside_law(bearing.name, bearing.temperature_law, runs)
-    factors = exposures([task.device.bearing for task in tasks], case.analysis.exposure)
+    standing = [one.device.bearing for task in tasks for one in task.lines]
+    factors = exposures(standing, case.analysis.exposure)
     found = told_of(factors) + found
     told = {"rig": rig, "tested_range": asked, **exposure_attribute(factors)}
     attributes = {name: as_attribute(rows) for name, rows in told.items() if rows}
     return {"warnings": as_attribute(found)} | attributes
 
 
-def reached(task: "Task", history: StructureHistory) -> dict[str, float | Ends]:
-    """What a run asks of its bearings, each quantity by the line that goes farthest."""
+def _bearings(
+    tasks: Sequence["Task"],
+) -> dict[str, tuple[Bearing | BilinearBearing, list[tuple[int, list[int]]]]]:
+    """Every bearing by name, and in which runs it stands on which lines."""
+    found: dict[str, tuple[Bearing | BilinearBearing, list[tuple[int, list[int]]]]] = {}
+    for k, task in enumerate(tasks):
+        lines: dict[str, list[int]] = {}
+        for line, one in enumerate(task.lines):
+            lines.setdefault(one.device.bearing.name, []).append(line)
+            found.setdefault(one.device.bearing.name, (one.device.bearing, []))
+        for name, mine in lines.items():
+            found[name][1].append((k, mine))
+    return found
+
+
+def reached(
+    task: "Task", history: StructureHistory, lines: Sequence[int]
+) -> dict[str, float | Ends]:
+    """What a run asks of the bearings of some lines, each by the line that goes farthest."""
     found: dict[str, float | Ends] = {}
-    lead = task.device.stack is not None and task.device.constants.lead.cores > 0.0
-    for line in range(len(task.case.structure.bearings)):
-        rows = history.bearing(line)
+    for line in lines:
+        rows, mine = history.bearing(line), task.lines[line]
+        lead = mine.device.stack is not None and mine.device.constants.lead.cores > 0.0
         steps = np.maximum(np.diff(rows["clock"]), np.finfo(float).tiny)
         speed = np.abs(np.diff(rows["displacement"])) / steps
         one = reached_by(
             rows["clock"],
             rows["displacement"],
             float(speed.max()) if len(speed) else 0.0,
-            rubber=task.device.bearing.total_rubber_thickness,
-            ambient=(task.ambient, task.ambient),
+            rubber=mine.device.bearing.total_rubber_thickness,
+            ambient=(mine.ambient, mine.ambient),
             lead=rows["lead_temperature"] if lead else None,
         )
         found = {name: _farther(found.get(name, value), value) for name, value in one.items()}
@@ -82,10 +102,9 @@ def _farther(one: float | Ends, other: float | Ends) -> float | Ends:
     return one if isinstance(one, tuple) or isinstance(other, tuple) else max(one, other)
 
 
-def _name(task: "Task", *, bearing: bool = True) -> str:
-    """What a run is called, with or without its bearing."""
-    name = task.device.bearing.name if bearing else ""
-    return run_name(name, task.shaking.motion.name, task.ambient, task.mode)
+def _name(task: "Task", bearing: str = "") -> str:
+    """What a run is called, with or without a bearing."""
+    return run_name(bearing, task.shaking.motion.name, task.ambient, task.mode)
 
 
 def _asked_of_rig(case: EarthquakeCase, tasks: Sequence["Task"], traces: Traces) -> list[Row]:
@@ -94,5 +113,5 @@ def _asked_of_rig(case: EarthquakeCase, tasks: Sequence["Task"], traces: Traces)
     names = ("bearing_force", "bearing_displacement", "bearing_speed")
     for task, trace in zip(tasks, traces, strict=True):
         peaks = [float(np.abs(trace[name]).max()) for name in names]
-        found += asked_of(case.rig, _name(task), peaks)
+        found += asked_of(case.rig, _name(task, task.told.device.bearing.name), peaks)
     return found

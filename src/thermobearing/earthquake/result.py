@@ -11,6 +11,7 @@ import xarray as xr
 from thermobearing.border.showing import Shown
 from thermobearing.core.records import Floats
 from thermobearing.earthquake.columns import BEARING, COLUMNS, HISTORY, LABELS, LOOP, STRUCTURE
+from thermobearing.earthquake.parts import LINES, PIERS, parts_columns, parts_table
 from thermobearing.results.metrics import LEAST_ENERGY, LEAST_HEAT
 from thermobearing.results.ranges import largest_tested, limits_passed
 from thermobearing.results.selection import chosen_runs, gridded, selected
@@ -183,6 +184,20 @@ class EarthquakeResult(Shown):
         return frame
 
     @property
+    def lines(self) -> pd.DataFrame:
+        """One row per run and bearing line: bearing, count, air, peaks; empty with one of all.
+
+        `force_max_kN` and `energy_kN_mm` are of one modelled bearing, `total_force_max_kN` of all
+        bearings of the line in the structure.
+        """
+        return parts_table(self.dataset, "line", LINES)
+
+    @property
+    def piers(self) -> pd.DataFrame:
+        """One row per run and pier: displacement, ductility of its own hinge, moment; likewise."""
+        return parts_table(self.dataset, "pier_part", PIERS)
+
+    @property
     def warnings(self) -> list[str]:
         """What a reader must know before using the numbers."""
         told = "warnings" in self.dataset.attrs  # results of 0.1 have none
@@ -269,6 +284,8 @@ class EarthquakeResult(Shown):
                 if str(body) not in told:
                     values = data["body_acceleration"].values[:count, k]
                     frame[f"{body}_acceleration_m_s2"] = values
+        for column, values in parts_columns(data, count).items():
+            frame[column] = values
         for k in range(data.sizes["layer"]):
             frame[f"rubber{k + 1}_degC"] = data["rubber_temperature"].values[:count, k]
         return frame
@@ -312,6 +329,7 @@ class EarthquakeResult(Shown):
         """What summary.json says; energies of one bearing and of the whole structure."""
         attrs, table, energy = self.dataset.attrs, self.table, self.energy
         runs = []
+        parts = {"lines": self.lines, "piers": self.piers}
         for run in range(self.runs):
             rubber = self.dataset["rubber_temperature"].values[run]
             lead = self.dataset["lead_temperature"].values[run]
@@ -323,6 +341,11 @@ class EarthquakeResult(Shown):
                 self.dataset["layer_force_mismatch_max"].values[run]
             )
             row["energy"] = {str(k): _plain(v) for k, v in energy.iloc[run].items()}
+            for name, table_ in parts.items():
+                if len(table_):
+                    each = len(table_) // self.runs
+                    mine = table_.iloc[run * each : (run + 1) * each].to_dict("records")
+                    row[name] = [{str(k): _plain(v) for k, v in one.items()} for one in mine]
             runs.append(row)
         names = list(dict.fromkeys(str(name) for name in self.dataset["bearing"].values))
         return {

@@ -44,12 +44,32 @@ HEADS = (
 )
 
 
+PARTS = {  # columns of lines.csv and piers.csv: head, how a number is told
+    "line": {
+        "count": ("n", "{:.0f}"),
+        "line_ambient_degC": ("its air", "{:g}"),
+        "strain_max": ("strain", "{:.0%}"),
+        "force_max_kN": ("kN each", "{:.0f}"),
+        "total_force_max_kN": ("kN all", "{:.0f}"),
+        "rubber_max_degC": ("rubber degC", "{:.1f}"),
+    },
+    "pier": {
+        "displacement_max_mm": ("mm", "{:.1f}"),
+        "displacement_residual_mm": ("left mm", "{:.1f}"),
+        "ductility": ("ductility", "{:.2f}"),
+        "moment_max_kN_m": ("kN m", "{:.0f}"),
+        "top_acceleration_max_m_s2": ("top m/s2", "{:.2f}"),
+    },
+}
+
+
 def print_study(
     result: EarthquakeResult, compared: dict[str, EarthquakeResult] | None = None
 ) -> None:
     """Periods and damping, one table per bearing, earlier models, the worst energy residual."""
     attrs = result.dataset.attrs
-    say(f"{attrs['title']} ({attrs['mass']} mass, {attrs['method']})", "bold")
+    title = f"{attrs['structure']}: {attrs['title']}"
+    say(f"{title} ({attrs['mass']} mass, {attrs['method']})", "bold")
     periods = ", ".join(f"{float(value):.3f}" for value in attrs.get("periods_s", []))
     ratios = ", ".join(f"{float(value):.1%}" for value in attrs.get("damping_ratios", []))
     say(f"periods {periods} s with equivalent stiffness")
@@ -59,6 +79,9 @@ def print_study(
         _print_runs(result, table[table["bearing"] == name], both)
     for name, rows in modes_table(result).groupby("bearing", sort=False) if both else ():
         _print_modes(str(name), rows)
+    for part, rows in (("line", result.lines), ("pier", result.piers)):
+        if len(rows) and len(set(rows[part])) > 1:
+            _print_parts(part, rows)
     marked = table["beyond_tested"].str.split().explode()
     if marked.isin(["strain", "ambient"]).any():
         say("! beyond what the bearing was tested at")
@@ -117,6 +140,19 @@ def _print_runs(result: EarthquakeResult, rows: pd.DataFrame, both: bool) -> Non
         keys=len(KEYS),
         styles=["" if outcome == "completed" else "red" for outcome in rows["outcome"]],
     )
+
+
+def _print_parts(part: str, rows: pd.DataFrame) -> None:
+    """A row for each run and bearing line, or pier."""
+    shown = PARTS[part]
+    cells = []
+    for row in rows.sort_values(part, kind="stable").to_dict("records"):
+        bearing = row.get("line_bearing", row["bearing"])
+        motion = f"{row['motion']} {row['mode']}" if "mode" in row else row["motion"]
+        numbers = [_told(row[column], form) for column, (_, form) in shown.items()]
+        cells.append((str(row[part]), bearing, motion, f"{row['ambient_degC']:g}", *numbers))
+    heads = (part, "bearing", "motion", "degC", *(head for head, _ in shown.values()))
+    print_table(heads, cells, title=f"{part}s", keys=4)
 
 
 def _cells(row: dict[Any, Any], hottest: dict[str, float], both: bool) -> list[str]:

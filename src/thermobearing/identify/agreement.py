@@ -59,6 +59,7 @@ class RecordFit:
             "R2": self.R2,
             "NRMSE": self.NRMSE,
             "temperature_error": self.temperature_error,
+            "unused_columns": list(self.record.unused),
             "cycles": [vars(cycle) for cycle in self.cycles],
         }
 

@@ -162,6 +162,8 @@ def check_test(
     report.clipped = np.zeros(len(record.time), dtype=bool)
     for text in record.assumptions:
         report.warn("assumed", text)
+    if record.unused:
+        report.note("columns", f"columns not used: {', '.join(record.unused)}")
     if not _is_a_test(report):
         return report
     report.treatment = treat(record)

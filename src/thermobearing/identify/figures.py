@@ -18,6 +18,7 @@ from thermobearing.identify.forward import Prediction
 from thermobearing.identify.posterior import Band
 from thermobearing.identify.record import TestRecord
 from thermobearing.identify.result import Identification
+from thermobearing.identify.thermocouples import draw_thermocouples
 from thermobearing.results import drawing
 
 Floats = NDArray[np.float64]
@@ -205,6 +206,25 @@ class IdentificationFigures:
         drawing.legend_below(figure, [line for line in lines if isinstance(line, Line2D)])
         return figure
 
+    def temperatures(self) -> Figure:
+        """Thermocouples of the tests in time, the model at their places dashed."""
+        pairs = [
+            (panel.title, panel.record, prediction)
+            for panel, prediction in zip(self._panels, self._found.predictions, strict=True)
+            if panel.record.temperatures
+        ]
+        size = (9.0, 0.9 + 3.0 * max(len(pairs), 1))
+        title = self._title("thermocouples (full: test, dashed: model)")
+        figure, axes = drawing.panels(max(len(pairs), 1), 1, size, title)
+        for ax, (named, record, prediction) in zip(axes, pairs, strict=False):
+            ax.legend(
+                handles=draw_thermocouples(ax, record, prediction),
+                fontsize=drawing.SMALL,
+                frameon=False,
+            )
+            drawing.name_axes(ax, title=named)
+        return figure
+
     def band(self, band: Band) -> Figure:
         """Loops at a temperature with their 95 % band over samples, and the peak force.
 
@@ -249,6 +269,8 @@ class IdentificationFigures:
             "correlation": self.correlation,
             "cycles": self.cycles,
         }
+        if any(panel.record.temperatures for panel in self._panels):
+            figures["temperatures"] = self.temperatures
         figures |= {f"band_{band.ambient:g}": partial(self.band, band) for band in bands}
         return drawing.save_figures(figures, folder)
 

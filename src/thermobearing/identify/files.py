@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import tomli_w
 
 import thermobearing
@@ -23,6 +24,7 @@ from thermobearing.results.directory import (
     FIT_TABLE,
     IDENTIFIED,
     SAMPLES,
+    THERMOCOUPLES,
     write_directory,
 )
 from thermobearing.results.writing import write_summary
@@ -87,7 +89,8 @@ def save_identification(
     figures: bool = True,
     forecast: Forecast | None = None,
 ) -> Path:
-    """Write summary.json, bearing.toml, compound.toml, fit.csv, posterior.csv and figures.
+    """Write summary.json, bearing.toml, compound.toml, fit.csv, thermocouples.csv, posterior.csv
+    and figures.
 
     Parameters
     ----------
@@ -143,6 +146,9 @@ def fill_identification(
     if found.outcome != "poor_fit":  # nobody should make bearings of it
         (folder / COMPOUND).write_text(compound_text(found), encoding="utf-8")
     (folder / FIT_TABLE).write_text(fit_text(found), encoding="utf-8")
+    rows = found.thermocouples
+    if rows:
+        pd.DataFrame(rows).to_csv(folder / THERMOCOUPLES, index=False)
     if figures:
         found.plot.save_all(folder / FIGURES, bands=forecast.bands if forecast else ())
 
@@ -260,7 +266,8 @@ def fit_text(found: Identification) -> str:
 
     Returns
     -------
-    str : one row per sample: record, time [s], displacement [mm], force and model force [kN].
+    str : one row per sample: record, time [s], displacement [mm], force and model force [kN], and
+        each thermocouple with the model at its place [degC].
 
     Examples
     --------
@@ -271,20 +278,30 @@ def fit_text(found: Identification) -> str:
     >>> fit_text(found).splitlines()[0]
     'record,time_s,displacement_mm,force_kN,model_force_kN'
     """
-    lines = ["record,time_s,displacement_mm,force_kN,model_force_kN\n"]
+    frames = []
     for number, (record, prediction) in enumerate(
         zip(found.records, found.predictions, strict=True)
     ):
-        columns = (record.time, record.displacement, record.force, prediction.force)
-        rows = np.column_stack([np.full(len(record.time), float(number)), *columns])
-        lines.append(("%d,%.9g,%.9g,%.9g,%.9g\n" * len(rows)) % tuple(rows.ravel().tolist()))
-    return "".join(lines)
+        columns: dict[str, Any] = {
+            "record": np.full(len(record.time), number),
+            "time_s": record.time,
+            "displacement_mm": record.displacement,
+            "force_kN": record.force,
+            "model_force_kN": prediction.force,
+        }
+        for title, values in record.temperatures.items():
+            columns[title] = values
+            columns[f"model_{title}"] = prediction.temperatures[title]
+        frames.append(pd.DataFrame(columns))
+    return str(pd.concat(frames).to_csv(index=False, float_format="%.9g", lineterminator="\n"))
 
 
 def _samples_text(found: Identification, samples: Samples) -> str:
-    """CSV of draws, a column per free parameter."""
-    free = found.pset.free
-    lines = [",".join(p.kind.symbol for p in free)]
+    """CSV of draws, a column for each free parameter, then those tied to them."""
+    tied = [p for p in found.pset.parameters if p.tie is not None]
+    kinds = [p.kind for p in (*found.pset.free, *tied)]
+    lines = [",".join(kind.symbol for kind in kinds)]
     for row in samples.cube:
-        lines.append(",".join(f"{p.at(float(u)):.6g}" for p, u in zip(free, row, strict=True)))
+        values = found.pset.values(row)
+        lines.append(",".join(f"{values[kind.key]:.6g}" for kind in kinds))
     return "\n".join(lines) + "\n"

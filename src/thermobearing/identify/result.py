@@ -20,6 +20,7 @@ from thermobearing.identify.problem import Problem
 from thermobearing.identify.record import TestRecord
 from thermobearing.identify.sensitivity import Sensitivity
 from thermobearing.identify.tested import range_of_tests
+from thermobearing.identify.thermocouples import thermocouple_rows
 from thermobearing.identify.uncertainty import Estimate, Uncertainty
 
 if TYPE_CHECKING:
@@ -162,6 +163,15 @@ class Identification(Shown):
         return replace(self, outcome="poor_fit") if self.poor and not accept_poor else self
 
     @property
+    def thermocouples(self) -> list[dict[str, Any]]:
+        """Thermocouples of all tests beside the model, a row each; see `thermocouple_rows`."""
+        return [
+            {"test": record.name, **row}
+            for record, prediction in zip(self.records, self.predictions, strict=True)
+            for row in thermocouple_rows(record, prediction)
+        ]
+
+    @property
     def sentence(self) -> str:
         """What the outcome means and what to try; empty when it completed."""
         sentence = SENTENCES.get(self.outcome, "")
@@ -206,6 +216,7 @@ class Identification(Shown):
                 for fit, check in zip(self.fits, self.checks, strict=True)
             ],
             "poor": self.poor,
+            "thermocouples": self.thermocouples,
             "correlation": {
                 "parameters": list(estimates),
                 "matrix": self.uncertainty.correlation.tolist(),

@@ -1,9 +1,13 @@
 """Tables of a fit, and findings about tests, on the terminal."""
 
 from collections.abc import Sequence
+from typing import Any
 
+from thermobearing.border.errors import printable
 from thermobearing.identify.checks import CheckReport
+from thermobearing.identify.record import TestRecord
 from thermobearing.identify.result import Identification
+from thermobearing.identify.thermocouples import COLUMNS, thermocouple_cells
 from thermobearing.results.screen import print_table, print_warnings
 
 MARKS = {"refused": "REFUSED", "warning": "warning", "note": "note"}
@@ -57,7 +61,34 @@ def print_identification(found: Identification, more: Sequence[str] = ()) -> Non
     """
     _print_parameters(found)
     _print_measures(found)
+    print_thermocouples(found.thermocouples, "thermocouples, model beside test")
+    print_unused(found.records)
     print_warnings([*found.warnings, *more])
+
+
+def print_unused(records: list[TestRecord]) -> None:
+    """Columns of each test that nothing was made of.
+
+    Parameters
+    ----------
+    records : tests; each is named once.
+    """
+    for name, unused in dict.fromkeys((record.name, record.unused) for record in records):
+        if unused:
+            print(printable(f"{name}: columns not used: {', '.join(unused)}"))
+
+
+def print_thermocouples(rows: list[dict[str, Any]], title: str) -> None:
+    """A table of thermocouples, if there are any.
+
+    Parameters
+    ----------
+    rows : from `thermocouple_rows`, with the name of the test.
+    title : of the table.
+    """
+    if rows:
+        cells = [(str(row["test"]), *thermocouple_cells(row)) for row in rows]
+        print_table(("test", *COLUMNS.values()), cells, title=title, keys=3)
 
 
 def _print_parameters(found: Identification) -> None:

@@ -105,7 +105,7 @@ def newmark_step(
             limit += force * force / abs(motion.matrix[i, i])
         motion.books[0].iterations += 1.0
         if norm <= limit:
-            return settle_bearings(bearings, ambient)
+            return settle_bearings(system, bearings, ambient)
         if not solve_dense(motion.matrix, unknowns):
             return NO_EQUILIBRIUM
         for i in range(n):

@@ -13,6 +13,7 @@ from thermobearing.border.showing import Shown
 from thermobearing.identify.forward import Prediction
 from thermobearing.identify.loops import Loop
 from thermobearing.identify.record import TestRecord
+from thermobearing.identify.thermocouples import thermocouple_rows
 from thermobearing.model.outcomes import SENTENCES as OUTCOMES
 from thermobearing.results.ranges import Row
 from thermobearing.results.writing import limits_summary
@@ -180,6 +181,24 @@ class Validation(Shown):
                 rows.append(row)
         return pd.DataFrame(rows)
 
+    @cached_property
+    def thermocouples(self) -> pd.DataFrame:
+        """One row for each thermocouple of each test, bearing and model: test, model, errors."""
+        return pd.DataFrame(
+            [
+                {
+                    "test": item.record.name,
+                    "ambient_degC": item.record.ambient,
+                    "bearing": item.bearing,
+                    "model": item.model,
+                    **row,
+                }
+                for item in self.comparisons
+                if item.prediction is not None
+                for row in thermocouple_rows(item.record, item.prediction)
+            ]
+        )
+
     def _verdict(self, name: str, error: float) -> str:
         if name not in self.limits or not np.isfinite(error):
             return TOLD
@@ -221,6 +240,10 @@ class Validation(Shown):
             "ambient_degC": item.record.ambient,
             "bearing": item.bearing,
             "model": item.model,
+            "unused_columns": list(item.record.unused),
+            "thermocouples": []
+            if item.prediction is None
+            else thermocouple_rows(item.record, item.prediction),
             "outcome": item.outcome,
             "R2": _number(item.R2),
             "errors": {

@@ -3,7 +3,11 @@
 from collections.abc import Sequence
 from typing import Any
 
-from thermobearing.identify.screen import print_identification
+from thermobearing.identify.screen import (
+    print_identification,
+    print_thermocouples,
+    print_unused,
+)
 from thermobearing.results.screen import print_table, print_warnings, say
 from thermobearing.validate.case import QUANTITIES
 from thermobearing.validate.held_out_result import CrossValidation
@@ -33,6 +37,16 @@ def print_validation(found: Validation, which: str = "tests") -> None:
         title = f"{bearing}, {model}: largest errors, model against {which}"
         styles = ["yellow" if any("!" in cell for cell in line) else "" for line in cells]
         print_table(HEADS, cells, title=title, keys=2, styles=styles)
+    shown = found.thermocouples
+    for (bearing, model), rows in (
+        shown.groupby(["bearing", "model"], sort=False) if len(shown) else ()
+    ):
+        some: list[dict[Any, Any]] = (
+            rows.astype(object).where(rows.notna(), None).to_dict("records")
+        )
+        title = f"{bearing}, {model}: thermocouples, model beside test"
+        print_thermocouples(some, title)
+    print_unused([item.record for item in found.comparisons])
     limits = ", ".join(f"{name} {limit:.0%}" for name, limit in found.limits.items())
     say(f"limits: {limits}; verdict: {found.verdict} (! beyond its limit)")
     print_warnings(found.warnings)
