@@ -3,8 +3,8 @@
 from thermobearing.cyclic.equivalent import post_yield_ratio
 from thermobearing.design.bilinear import bounds_table
 from thermobearing.design.case import DesignCase, bearing_weight, make_design_case
-from thermobearing.design.factors import published_codes
 from thermobearing.design.peaks import coldest_sentences, peak_rule
+from thermobearing.design.published import published_codes
 from thermobearing.design.result import BoundsReport, Design, FactorReport, source_design
 from thermobearing.design.rounds import Round
 from thermobearing.results.screen import print_table, print_warnings, say
