@@ -58,7 +58,7 @@ app = typer.Typer(
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     rich_markup_mode="markdown",  # or units in brackets vanish from the help
-    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 200},
+    context_settings={"help_option_names": ["-h", "--help"]},
 )
 
 

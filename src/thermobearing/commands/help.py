@@ -3,14 +3,18 @@
 On a terminal typer draws panels with rich. Elsewhere the same panels are plain sections.
 """
 
+import shutil
 import sys
 from typing import Any
 
 import typer.core
 
+WIDTH, MOST = 100, 200  # letters of a line where COLUMNS does not say, and at most
+
 
 def _plain(command: Any, ctx: Any, formatter: Any) -> None:
     """Usage, help, a section for each panel, the example."""
+    formatter.width = min(shutil.get_terminal_size((WIDTH, 24)).columns, MOST)
     command.format_usage(ctx, formatter)
     command.format_help_text(ctx, formatter)
     sections: dict[str, list[tuple[str, str]]] = {}
