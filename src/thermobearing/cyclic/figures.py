@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from thermobearing.border.errors import InputError
 from thermobearing.cyclic.lead_figures import draw_force_shares, draw_lead_temperature
-from thermobearing.cyclic.profile_figure import draw_profiles
+from thermobearing.cyclic.profile_figure import draw_layer_shear, draw_profiles
 from thermobearing.cyclic.result import Result
 from thermobearing.cyclic.time_axis import TimeAxis
 from thermobearing.results import drawing
@@ -269,18 +269,22 @@ class Figures:
         Raises
         ------
         NothingToDrawError : cell temperatures were not kept.
-
-        Examples
-        --------
-        >>> import thermobearing as tb
-        >>> result = tb.run("shen-hdr-specimen", tb.cyclic_test(strain=[0.5], cycles=1))
-        >>> result.plot.profiles().axes[0].get_ylabel()
-        'distance from the upper face [mm]'
         """
         self._needs("temperature", "profiles", "cells")
         titles = [self._run_title(run) for run in range(len(self._ambient))]
         title = self._title("temperature at the end of each loading")
         return draw_profiles(self._result, title, titles)
+
+    def layer_shear(self) -> Figure:
+        """Displacement of each layer at the last peak of each amplitude, as Fig. 4.1 sketches it.
+
+        Raises
+        ------
+        NothingToDrawError : layer displacements were not kept (`keep`).
+        """
+        self._needs("layer_displacement", "layer_shear", "layer_displacement")
+        titles = [self._run_title(run) for run in range(len(self._ambient))]
+        return draw_layer_shear(self._result, self._title("shear of the layers"), titles)
 
     def lead_temperature(self) -> Figure:
         """Temperature of the lead beside that of the innermost rubber layer, as Fig. 5.8.
@@ -378,6 +382,7 @@ class Figures:
             ("lead_temperature", self.lead_temperature),
             ("force_shares", self.force_shares),
             ("profiles", self.profiles),
+            ("layer_shear", self.layer_shear),
             ("energy_balance", self.energy),
         ):
             try:
