@@ -42,7 +42,7 @@ IN_README = (
     "lead rise against OpenSees LeadRubberX while heating",
     "K_eq of the bridge bearing at 178 mm, K_r = 25 kN/mm, against Table 6.1",
     "K_eq of the LHDR bridge bearing at 178 mm against Table 6.1",
-    "energy of LHDR over HDR, Table 3.4, -20, 0, 23 degC",
+    "hybrid test, 8 bearings, energy of LHDR over HDR at 23, 0, -20 degC: rt; pd",
     "pier-p1, bilinear bearings, force against OpenSees: peak, whole history",
     "energy books of pier P1, shen-lhdr-bridge, average-acceleration, of the input",
     "first period of pier-p1, published mass",

@@ -81,7 +81,16 @@ RECORDING = 1e-9  # of the amplitude: slopes of 1e5 mm/s times the rounding of t
 MEAN = 1e-12  # areas of some hundred trapezia
 SETTLED = 0.01  # K after 1e6 s; Crank-Nicolson rings in the steps of 600 s, 3e-3 measured
 LOOP = 1e-12  # sums of some thousand products
+FORCES_ADD_UP = 1e-7  # of the peak: layers share a displacement to 1e-10 mm and 1e-8 of the peak
+OTHER_STEPS = 1e-3  # of a loop's area, a thousand steps and more: 5e-5 from one size to another
+SECOND_DECIMAL, THIRD_DECIMAL = 0.006, 0.0006  # numbers in docs/theory.md, rounded so
+SIX_DIGITS = 1e-5  # numbers that stand in a file with six digits
+PRINTED_G = 1e-3  # lrb-example prints K_r and K_l with three and four digits
 LOOP_POINTS = 1e-5  # 2000 points on an ellipse, 8e-7; an end between two points
+FORCE_AT_A_REST = (
+    0.05  # of Q_d: 2 kN/mm of stiffness over 0.4 mm beside zero and a jitter of 0.02 mm
+)
+FITTED_RISE = 0.01  # of a rise that another grid of steps gives
 FITTED_RANGE = 2e-3  # of the slope: 20 000 points, a few more or less at the ends of the range
 POLYGON = 1e-6  # 4000 points on an ellipse: (2 pi / n)^2 / 6 = 4e-7
 NOISY_CROSSING = 0.01  # of the period: 1 % of noise over the slope 2 pi, some four sigma
@@ -139,6 +148,7 @@ STEP_PEAKS = 0.01  # peaks when the step is halved, as asked
 NEWMARK_ORDER = 0.1
 TAKEDA = 1e-12  # straight lines, relative to the yield moment
 SAME_MOTION = 1e-9  # of the peak, between two ways to the same structure
+STIFF_SPRINGS = 2e-3  # a footing on springs 1e6 times as stiff, beside one that is held
 PERIOD_TABLE = 5e-4  # s: periods are printed with three digits
 EXACT_LINEAR = 2e-4  # of the peak, dt 2.5 ms against the exact solution of the linear structure
 DELAYED = 2e-3  # of the peak displacement; a quarter of a step comes to 8e-3
@@ -249,3 +259,5 @@ HISTORY_DIGITS = 1e-6  # of the largest: sums of histories kept with seven digit
 SECOND_DIFFERENCE = 0.02  # of the largest acceleration: displacements with seven digits over dt^2
 SIMILAR = 1e-9  # of the peak: the same test in other units, two thousand steps of rounding
 HEAT_OF_CELLS = 1e-4  # single precision of the cells, at -20 degC 1e-6 K of some kelvin
+DRIFT_FOUND = 0.15  # of a drift through the middles of four cycles only; 0.11 measured
+FOUR_DECIMALS = 5.1e-5  # half a unit of the last digit of 1.0000

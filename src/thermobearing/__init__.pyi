@@ -6,6 +6,7 @@ from . import cyclic as cyclic
 from . import design as design
 from . import earthquake as earthquake
 from . import identify as identify
+from . import intake as intake
 from . import model as model
 from . import motions as motions
 from . import results as results

@@ -1,8 +1,9 @@
 """The command `thermobearing`: thin calls into the library, clear ends.
 
 Exit status: 0 done; 2 bad input or a target that cannot be written (one message, nothing
-written); 3 the analysis ended early (partial results written); 130 interrupted (partial
-results kept). Heavy imports wait until a command needs them, so that --help is quick.
+written); 3 the analysis ended early (partial results written); 4 a poor fit (written, the
+bearing marked); 130 interrupted (partial results kept). Heavy imports wait until a command needs
+them, so that --help is quick.
 """
 
 import contextlib
@@ -20,19 +21,25 @@ from thermobearing.commands import design, earthquake, factors, sequence
 from thermobearing.commands.common import (
     BAD_INPUT,
     AsJson,
+    Exposed,
     Force,
     NoFigures,
     Output,
     Quiet,
     RigName,
     echo_json,
+    exposure_given,
     reported,
     with_progress,
     written,
 )
 from thermobearing.commands.identify import identify
+from thermobearing.commands.intake import intake
+from thermobearing.commands.measure import measure
 from thermobearing.commands.motions import app as motions
+from thermobearing.commands.new import new
 from thermobearing.commands.streams import patient_streams
+from thermobearing.commands.structures import app as structures
 from thermobearing.commands.threads import one_blas_thread
 from thermobearing.commands.validate import validate
 
@@ -84,6 +91,7 @@ def _common(
 
 
 app.add_typer(motions, name="motions")
+app.add_typer(structures, name="structures")
 app.command()(earthquake.bridge)
 app.command()(earthquake.hybrid)
 app.command()(sequence.sequence)
@@ -92,18 +100,22 @@ app.command()(design.bounds)
 app.command("lambda")(factors.lambda_)
 
 
+BearingName = Annotated[
+    str | None, typer.Option(help="Library name or TOML file.", metavar="NAME/FILE")
+]
+Ambients = Annotated[
+    list[float] | None, typer.Option(help="Ambient temperature [degC]; may be repeated.")
+]
+
+
 @app.command()
 @reported
 def cyclic(
     case: Annotated[
         Path | None, typer.Argument(help="Case file; without one, Table 3.4 on the HDR specimen.")
     ] = None,
-    bearing: Annotated[
-        str | None, typer.Option(help="Library name or TOML file.", metavar="NAME/FILE")
-    ] = None,
-    ambient: Annotated[
-        list[float] | None, typer.Option(help="Ambient temperature [degC]; may be repeated.")
-    ] = None,
+    bearing: BearingName = None,
+    ambient: Ambients = None,
     dt: Annotated[float | None, typer.Option(help="Largest time step in motion [s].")] = None,
     scheme: Annotated[str | None, typer.Option(help="conservative or published.")] = None,
     integrator: Annotated[str | None, typer.Option(help="exact or euler.")] = None,
@@ -112,6 +124,7 @@ def cyclic(
     lead_ends: Annotated[str | None, typer.Option(help="finite-plate or half-space.")] = None,
     clock: Annotated[str | None, typer.Option(help="Of a half-space: lead or steel.")] = None,
     model: Annotated[str | None, typer.Option(help="An earlier model, see docs/theory.md.")] = None,
+    exposure: Exposed = None,
     compare: Annotated[bool, typer.Option("--compare", help="Earlier models beside it.")] = False,
     keep_every: Annotated[int | None, typer.Option(help="Keep every n-th step.")] = None,
     rig: RigName = None,
@@ -139,6 +152,7 @@ def cyclic(
         "lead_ends": lead_ends,
         "clock": clock,
         "model": model,
+        "exposure": exposure_given(exposure),
         "keep_every": keep_every,
         "rig": rig,
     }
@@ -171,6 +185,7 @@ def _others(case: "Case", result: "Result") -> "dict[str, Result]":
 def list_(as_json: AsJson = False) -> int:
     """What is built in."""
     from thermobearing.bearing.bilinear import list_bilinear, load_bilinear
+    from thermobearing.bearing.compound import list_compounds, load_compound
     from thermobearing.bearing.library import list_bearings, load_bearing
     from thermobearing.cyclic.rig import RIGS, load_rig
     from thermobearing.motions.library import list_motions
@@ -181,6 +196,9 @@ def list_(as_json: AsJson = False) -> int:
         typer.echo(f"{bearing.name:24}  {bearing.kind:8}  {bearing.description}")
     for backbone in map(load_bilinear, list_bilinear()):
         typer.echo(f"{backbone.name:24}  {backbone.kind:8}  {backbone.description}")
+    typer.echo("")
+    for compound in map(load_compound, list_compounds()):
+        typer.echo(f"{compound.name:24}  compound  {compound.description}")
     typer.echo("")
     for structure in map(load_structure, list_structures()):
         typer.echo(f"{structure.name:24}  structure  {structure.description}")
@@ -194,6 +212,7 @@ def list_(as_json: AsJson = False) -> int:
             {
                 "bearings": [bearing.name for bearing in bearings],
                 "bilinear_bearings": list_bilinear(),
+                "compounds": list_compounds(),
                 "structures": list_structures(),
                 "rigs": [rig.name for rig in rigs],
                 "motions": motions,
@@ -205,56 +224,31 @@ def list_(as_json: AsJson = False) -> int:
 @app.command()
 @reported
 def check(
-    file: Annotated[Path, typer.Argument(help="A bearing or a case, in TOML.")],
+    file: Annotated[Path, typer.Argument(help="A bearing, a compound, a case, or any other TOML.")],
     as_json: AsJson = False,
 ) -> int:
     """Validate a file without running it, and say what was understood.
 
-    Of a bearing also what its heat cells cost in accuracy, by a short test on it.
+    Numbers that usual bearings do not have are warnings: units, signs. Of a bearing also what its
+    heat cells cost in accuracy, by a short test on it.
     """
-    from thermobearing.commands.check import cells_facts, describe_file
-    from thermobearing.results.screen import print_facts
+    from rich.console import Console
 
-    kind, facts = describe_file(file)
+    from thermobearing.commands.check import cells_facts, check_file
+    from thermobearing.results.screen import print_facts, print_warnings
+
+    kind, facts, warnings = check_file(file)
     facts |= cells_facts(file) if kind == "bearing" else {}
     print_facts(f"{file}: a valid {kind}", facts)
+    print_warnings(Console(), warnings)
     if as_json:
-        echo_json({"outcome": "valid", "kind": kind, "file": str(file)})
+        echo_json({"outcome": "valid", "kind": kind, "file": str(file), "warnings": warnings})
     return 0
 
 
-@app.command()
-@reported
-def measure(
-    file: Annotated[Path, typer.Argument(help="CSV with displacement and force.")],
-    bearing: Annotated[
-        str, typer.Option(help="Library name or TOML file: plan area and rubber thickness.")
-    ],
-    as_json: AsJson = False,
-) -> int:
-    """Equivalent modulus, damping and energy of each cycle of a measured history."""
-    import dataclasses
-
-    from thermobearing.bearing.library import load_bearing
-    from thermobearing.border.tables import read_columns
-    from thermobearing.cyclic.screen import print_measures
-    from thermobearing.results.metrics import measure_history
-
-    data = read_columns(file, {"displacement": "mm", "force": "kN"})
-    specimen = load_bearing(bearing)
-    rubber = specimen.total_rubber_thickness
-    try:
-        cycles = measure_history(
-            data["displacement"], data["force"], area=specimen.area, total_rubber_thickness=rubber
-        )
-    except InputError as error:
-        raise InputError(error.problems, str(file)) from None
-    print_measures(cycles, rubber)
-    if as_json:
-        echo_json({"cycles": [dataclasses.asdict(cycle) for cycle in cycles]})
-    return 0
-
-
+app.command()(new)
+app.command()(measure)
+app.command()(intake)
 app.command()(identify)
 app.command()(validate)
 

@@ -87,7 +87,7 @@ def test_make_targets_exist() -> None:
 
 
 def test_case_in_the_docs_is_valid(tmp_path: Path) -> None:
-    from thermobearing.commands.check import describe_file
+    from thermobearing.commands.check import check_file
 
     found = {}
     for case in blocks((ROOT / "docs" / "files.md").read_text(), "toml"):
@@ -98,20 +98,21 @@ def test_case_in_the_docs_is_valid(tmp_path: Path) -> None:
             encoding="utf-8",
         )
         (tmp_path / "record.csv").write_text("t_s,acc_gal\n0,0\n0.01,300\n0.02,-200\n0.03,0\n")
-        found[describe_file(path)[0]] = path
+        found[check_file(path).kind] = path
     assert set(found) == {"case", "earthquake case", "sequence case"}
 
 
 def test_library_files_are_described(tmp_path: Path) -> None:
-    from thermobearing.commands.check import describe_file
+    from thermobearing.commands.check import check_file
 
     for folder, kind in (
         ("bearings", "bearing"),
         ("bilinear", "bilinear bearing"),
+        ("compounds", "compound"),
         ("structures", "structure"),
     ):
         for path in (LIBRARY / folder).glob("*.toml"):
-            assert describe_file(path)[0] == kind, path
+            assert check_file(path).kind == kind, path
 
 
 def test_numbers_are_the_generated_ones() -> None:

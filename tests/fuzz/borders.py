@@ -14,9 +14,10 @@ from tests.fuzz import grammar
 from tests.fuzz.judge import COMPLETED, TYPED, Example
 from tests.fuzz.mutations import UNITS, damaged, plain_numbers, rows_of_numbers, toml_files
 from thermobearing.bearing.bilinear import load_bilinear
-from thermobearing.border.tables import Layout, read_columns
+from thermobearing.border.layout import Layout
+from thermobearing.border.tables import read_columns
 from thermobearing.border.units import parse_quantity
-from thermobearing.commands.check import describe_file
+from thermobearing.commands.check import check_file
 from thermobearing.cyclic.case import load_case, make_case
 from thermobearing.cyclic.protocol import survey
 from thermobearing.design.case import load_design_case, make_design_case
@@ -87,7 +88,7 @@ def toml_border(
 
 def _check_and_describe(path: Path) -> None:
     """The command `check` reads any of them."""
-    kind, facts = describe_file(path)
+    kind, facts, _ = check_file(path)
     assert kind
     assert all("nan" not in fact.split() for fact in facts.values()), facts
 
@@ -386,7 +387,11 @@ def library_borders() -> list[Border]:
         toml_border("design case", grammar.design_cases(), load_design_case, 60),
         toml_border("check", _any_table(), _check_and_describe, 120),
         Border("test sidecar", grammar.sidecars().flatmap(toml_files).map(_sidecar_file), 140),
-        Border("test record", rows_of_numbers(grammar.TEST).map(_record_file), 100),
+        Border(
+            "test record",
+            grammar.laboratory_files().flatmap(rows_of_numbers).map(_record_file),
+            100,
+        ),
         Border("table", _tables(), 180),
         Border("motions file", _motion_files(), 240),
         Border("motions arithmetic", _motion_arithmetic(), 100),

@@ -91,6 +91,7 @@ BOUNDS: dict[str, Values] = {
     "--bearing": some("shen-hdr-bridge"), "--motion": some("motion.csv"),
     "--strain": some("1", "1.75"),
 }  # fmt: skip
+INTAKE: dict[str, Values] = {"--bearing": some(*NAMES)}
 MEASURE: dict[str, Values] = {"--bearing": some(*NAMES)}
 
 
@@ -234,8 +235,13 @@ def command_borders() -> list[Border]:
         ),
     }
     looked = ["show", "spectrum"]
+    books = damaged(grammar.workbook()).map(lambda raw: (["t.xlsx"], {"t.xlsx": raw}))
+    tables = grammar.laboratory_files().flatmap(lambda text: _table(text, "t.csv"))
     return [
         Border("command", st.one_of(*files.values()), 60),
+        Border(
+            "command intake", _command(["intake"], INTAKE, st.one_of(tables, tables, books)), 60
+        ),
         Border("command cyclic", _command(["cyclic"], CYCLIC, case), 32),
         Border("command bridge", _command(["bridge"], BRIDGE, study), 16),
         Border("command bridge, no case", _command(["bridge"], BRIDGE, _no_file(), ONE_RUN), 10),

@@ -69,7 +69,7 @@ BAD: list[tuple[str, str, dict[str, Any], list[str]]] = [
     ("word", changed(CSV, 50, "0.48,lost"), {}, ["line 50", '"lost" is not a number']),
     ("empty cell", changed(CSV, 50, "0.48,"), {}, ["line 50", "a gap in the record"]),
     ("missing cell", changed(CSV, 50, "0.48"), {}, ["line 50", "1 columns instead of 2"]),
-    ("decimal commas", "0,00;1,5\n0,01;2,5\n", {}, ["no numbers", "take a point"]),
+    ("both decimal marks", "0.00;1,5\n0.01;2,5\n", {}, ["decimal point", "decimal comma"]),
     ("component not chosen", TWO, {"unit": "gal", "dt": 0.01}, ["2 components", "component"]),
     ("no such component", TWO, {"unit": "gal", "dt": 0.01, **NS}, ['no component "NS"']),
     ("time only", "t_s\n0\n0.01\n0.02\n", {}, ["no acceleration"]),

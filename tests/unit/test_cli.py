@@ -206,6 +206,7 @@ def test_list() -> None:
     assert done.exit_code == 0
     told = last_line(done)
     assert told["bearings"] == tb.bearing.list_bearings()
+    assert told["compounds"] == tb.bearing.list_compounds()
     assert told["structures"] == tb.structure.list_structures()
     assert told["motions"] == tb.motions.list_motions()
     shown = [
@@ -240,7 +241,8 @@ def test_check_of_a_bearing_and_of_a_case(tmp_path: Path) -> None:
     bearing = write_toml(tmp_path / "mine.toml", specimen_table())
     done = command("check", bearing, "--json")
     assert done.exit_code == 0
-    assert last_line(done) == {"outcome": "valid", "kind": "bearing", "file": str(bearing)}
+    told = {"outcome": "valid", "kind": "bearing", "file": str(bearing), "warnings": []}
+    assert last_line(done) == told
     assert "S1 = 12, S2 = 8" in done.stdout
     rest = {"step": "rest", "within": "1 K"}
     path = steps_case(tmp_path / "case.toml", CYCLES, rest)

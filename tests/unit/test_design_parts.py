@@ -13,13 +13,14 @@ from tests import tolerances as tol
 from thermobearing.design import bounds, equal, run
 from thermobearing.design.bilinear import bound_models, bounds_table, opensees_text
 from thermobearing.design.case import make_design_case
-from thermobearing.design.result import Design, Round
-from thermobearing.design.rubber import damping_ratio, equivalent_stiffness, load_compound
+from thermobearing.design.result import Design
+from thermobearing.design.rounds import Round, two_sizes
+from thermobearing.design.rubber import damping_ratio, equivalent_stiffness, load_rubber
 from thermobearing.design.sizing import Check, Size, SizingRules, size_bearing
 from thermobearing.model.earlier import BilinearParameters
 
 LHDR = tb.load_bearing("shen-lhdr-bridge")
-G8 = load_compound("G8")
+G8 = load_rubber("G8")
 
 
 def case_of(**table: Any) -> Any:
@@ -124,6 +125,43 @@ def test_loop_that_swings_goes_half_way(monkeypatch: pytest.MonkeyPatch) -> None
     assert len(design.rounds) == 5
 
 
+def sized(number: int, assumed: float, found: float, layers: int) -> Round:
+    """A round of a size with so many layers."""
+    size = Size(600.0, layers, 14.0)
+    return Round(number, assumed, size, 2.6, 0.15, 125.0, 1.8, 9.5, found, 1.0)
+
+
+def test_two_sizes_that_alternate_end_the_loop(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Below 250 mm 8 layers move 300, above 9 layers move 200: before, 40 rounds of that."""
+    checks: list[str] = []
+
+    def turn(case: Any, number: int, assumed: float) -> Any:
+        low = assumed < 250.0
+        one = sized(number, assumed, 300.0 if low else 200.0, 8 if low else 9)
+        checks.append("low" if low else "high")
+        study = SimpleNamespace(outcome="completed")
+        return SimpleNamespace(round=one, checks=[checks[-1]], bearing=None, study=study)
+
+    monkeypatch.setattr(run, "one_turn", turn)
+    design = run.run_design(case_of(start="200 mm"))
+    assert design.outcome == "two_sizes"
+    assert design.usable
+    assert len(design.rounds) < 15
+    assert design.last.size.layers == 9  # sized for more than it moves
+    assert design.last.difference < 0.0
+    assert design.checks == ["high"]  # type: ignore[comparison-overlap]
+    assert "8x14 mm, sized for" in design.sentence
+    assert "the safer one, 600 mm with 9x14 mm" in design.sentence
+
+
+def test_one_size_with_a_jump_is_not_two() -> None:
+    """Nor two sizes far from each other, where a design may be between."""
+    assert two_sizes([sized(1, 250.0, 300.0, 8), sized(2, 251.0, 200.0, 8)], 0.01) is None
+    assert two_sizes([sized(1, 200.0, 300.0, 8), sized(2, 251.0, 200.0, 9)], 0.01) is None
+    low, high = sized(1, 250.0, 300.0, 8), sized(2, 251.0, 200.0, 9)
+    assert two_sizes([sized(3, 230.0, 300.0, 8), high, low], 0.01) == (low, high)
+
+
 def test_far_below_is_not_converged(monkeypatch: pytest.MonkeyPatch) -> None:
     turns(monkeypatch, lambda assumed: 0.5 * assumed)
     assert run.run_design(case_of(most_rounds=3)).outcome == "not_converged"
@@ -168,15 +206,22 @@ def test_limits_may_be_upper_or_lower() -> None:
 
 
 def test_stiffness_of_a_layer_follows_the_rubber_area() -> None:
-    """Four cores are not rubber, before nor after."""
+    """Four cores are not rubber, before nor after; lead and rate branch shear over all layers."""
     assert LHDR.lead is not None
+    assert LHDR.rate is not None
     bearing = equal.with_side(LHDR, 600.0, 7)
     lead = 4 * np.pi * (0.5 * LHDR.lead.diameter) ** 2
     side = LHDR.area**0.5
     wanted = (600.0**2 - lead) / (side**2 - lead) * LHDR.hysteresis.layer_stiffness
     assert bearing.hysteresis.layer_stiffness == pytest.approx(wanted, rel=tol.LOOP)
     assert (bearing.area, bearing.geometry.rubber_layers) == (360_000.0, 7)
-    assert bearing.lead == LHDR.lead
+    assert bearing.lead is not None
+    assert bearing.rate is not None
+    assert bearing.lead.stiffness == pytest.approx(6 / 7 * LHDR.lead.stiffness, rel=tol.LOOP)
+    assert bearing.lead.model_copy(update={"stiffness": LHDR.lead.stiffness}) == LHDR.lead
+    share = 6 / 7 * wanted / LHDR.hysteresis.layer_stiffness
+    assert bearing.rate.stiffness == pytest.approx(share * LHDR.rate.stiffness, rel=tol.LOOP)
+    assert bearing.rate.damping == pytest.approx(share * LHDR.rate.damping, rel=tol.LOOP)
 
 
 @pytest.mark.parametrize(
@@ -264,7 +309,9 @@ def test_bounding_analysis_by_hand(monkeypatch: pytest.MonkeyPatch) -> None:
         else:
             rows = [{"ambient_degC": t, **dict(zip(demands, v, strict=True))}
                     for t, v in coupled.items()]  # fmt: skip
-        return SimpleNamespace(table=pd.DataFrame(rows).assign(motion="m"))
+        table = pd.DataFrame(rows).assign(motion="m", beyond_tested="strain")
+        none = pd.DataFrame()
+        return SimpleNamespace(table=table, tested_range=none, outcome="completed", sentence="")
 
     monkeypatch.setattr(bounds, "run_earthquake", analyse)
     models = {
@@ -286,3 +333,4 @@ def test_bounding_analysis_by_hand(monkeypatch: pytest.MonkeyPatch) -> None:
     assert_allclose(table["envelope_over_coupled"], [2.0 / 1.5, 0.8, 1.5, 1.0])
     assert table["verdict"].tolist() == ["wasteful", "unsafe", "wasteful", "good"]
     assert table["coupled_-20_degC"].tolist() == coupled[-20.0]
+    assert set(table["beyond_tested"]) == {"strain"}

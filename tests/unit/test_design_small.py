@@ -7,7 +7,7 @@ import pytest
 import thermobearing as tb
 from thermobearing.design.bounds import first_motions
 from thermobearing.design.case import make_design_case
-from thermobearing.design.rubber import checked_strain, load_compound
+from thermobearing.design.rubber import checked_strain, load_rubber
 from thermobearing.design.run import run_factors
 
 
@@ -36,6 +36,6 @@ def test_curves_end_at_their_strains(strain: float) -> None:
 
 
 def test_each_kind_of_rubber_has_its_own_curves() -> None:
-    curves: list[Any] = [load_compound("G8", kind) for kind in ("HDR", "HDR-S")]  # type: ignore[arg-type]
+    curves: list[Any] = [load_rubber("G8", kind) for kind in ("HDR", "HDR-S")]  # type: ignore[arg-type]
     assert [item.kind for item in curves] == ["HDR", "HDR-S"]
     assert [item.shear_modulus[0] for item in curves] == [2.3686, 3.477]

@@ -39,6 +39,7 @@ RUN_KEYS |= {"bearing_strain_max", "bearing_force_max_kN", "bearing_energy_kN_mm
 RUN_KEYS |= {"pier_displacement_max_mm", "pier_ductility", "pier_moment_max_kN_m"}
 RUN_KEYS |= {"deck_acceleration_max_m_s2"}
 FILES = {"summary.json", "table.csv", "history.csv", "result.nc", "case.resolved.toml", "figures"}
+FILES |= {"tested_range.csv"}
 FIGURES = {"loops.png", "strain.png", "energy.png", "pier.png", "deck.png", "peaks.png"}
 FIGURES |= {"hinge.png", "temperature.png", "shares.png", "pier_acceleration.png"}
 FIGURES |= {"largest_loops.png"}

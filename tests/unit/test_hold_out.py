@@ -96,7 +96,8 @@ def test_parameters_by_fold(folded: CrossValidation) -> None:
     table = folded.parameters.set_index("fold")
     assert table.index.tolist() == [0, 1, 2, 3, 4, 5]
     assert table["tests"].tolist() == [5, 4, 4, 4, 4, 4]
-    without_it = folded.fold_of(next(r for r in folded.final.records if r.name == "fault"))
+    held = (item.record for item in folded.held_out.comparisons)
+    without_it = folded.fold_of(next(record for record in held if record.name == "fault"))
     assert table["K_r"][without_it] == pytest.approx(30.738, rel=0.01)
     others = table["K_r"].drop([0, without_it])
     assert (others > 31.5).all()

@@ -17,11 +17,11 @@ from tests.unit.inputs import (
     write_toml,
 )
 from thermobearing.bearing.bilinear import load_bilinear
-from thermobearing.border import errors, tables
+from thermobearing.border import encodings, errors, tables
 from thermobearing.border.errors import InputError
 from thermobearing.border.toml import DEEPEST
 from thermobearing.border.units import parse_quantity
-from thermobearing.commands.check import describe_file
+from thermobearing.commands.check import check_file
 from thermobearing.design.case import load_design_case
 from thermobearing.design.factors import chosen_cycles, temperature_factors
 from thermobearing.design.scale import scaled_bearing
@@ -43,7 +43,7 @@ LOADERS: list[Callable[[Path], Any]] = [
     load_earthquake_case,
     load_design_case,
     load_test,
-    describe_file,
+    check_file,
 ]
 LONG = "x" * 300  # longer than a file system allows
 TEST = "time_s,displacement_mm,force_kN\n" + "".join(
@@ -95,7 +95,7 @@ def test_numbers_and_nesting_beyond_toml(
 def test_command_that_is_no_word(value: Any, tmp_path: Path) -> None:
     path = write_toml(tmp_path / "case.toml", {"command": value})
     told(lambda: load_earthquake_case(path), "command = ", '"bridge" or "hybrid"')
-    told(lambda: describe_file(path), "command = ", '"bridge" or "hybrid"')
+    told(lambda: check_file(path), "command = ", '"bridge" or "hybrid"')
 
 
 def test_tables_of_a_study_that_are_none() -> None:
@@ -147,12 +147,12 @@ def test_names_longer_than_the_system_allows(call: Callable[[Path], Any], tmp_pa
 
 def test_files_without_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A device that never stops, and a file too large to be meant."""
-    monkeypatch.setattr(tables, "LARGEST_FILE", 1000)
+    monkeypatch.setattr(encodings, "LARGEST_FILE", 1000)
     endless = Path("/dev/zero")
     if endless.exists():
-        told(lambda: tables.read_text(endless), "is larger than 0.001 MB")
+        told(lambda: encodings.read_text(endless), "is larger than 0.001 MB")
     (tmp_path / "large.csv").write_text("1" * 1001)
-    told(lambda: tables.read_text(tmp_path / "large.csv"), "is larger than")
+    told(lambda: encodings.read_text(tmp_path / "large.csv"), "is larger than")
     assert errors.read_bytes(tmp_path / "large.csv", 1001) == b"1" * 1001
 
 

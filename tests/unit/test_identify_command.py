@@ -10,6 +10,7 @@ import pytest
 from typer.testing import CliRunner
 
 import thermobearing as tb
+from tests import tolerances as tol
 from thermobearing.border.errors import InputError
 from thermobearing.cli import app
 from thermobearing.identify.forward import ForwardModel
@@ -92,6 +93,14 @@ def test_fitted_bearing_is_a_library_file(folder: Path, tmp_path: Path) -> None:
     assert bearing.sources["geometry.rubber_layers"] == "Table 3.1"
     again = tb.run(bearing, tb.cyclic_test(strain=[1.0], cycles=1), ambient=23)
     assert again.outcome == "completed"
+    compound = tb.bearing.load_compound(out / "compound.toml")
+    assert "identified from at23" in compound.sources["rubber.shear_modulus"]
+    size = {"plan": "240x240mm", "layers": "6x5mm", "shim": "3.2mm"}
+    made = tb.bearing.new_bearing("again", compound, **size)
+    for key, value in bearing.hysteresis.model_dump().items():
+        assert getattr(made.hysteresis, key) == pytest.approx(value, rel=tol.ROUNDING), key
+    assert made.tested_range == bearing.tested_range
+    assert invoke(folder / "at23.csv", "-o", out, "--no-figures", "-q", "--force")[0] == 0
 
 
 def test_check_alone(folder: Path, tmp_path: Path) -> None:

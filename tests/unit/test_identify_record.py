@@ -8,7 +8,8 @@ from numpy.testing import assert_allclose
 
 from tests import tolerances as tol
 from thermobearing.border.errors import InputError
-from thermobearing.identify.record import ASSUMED_AMBIENT, ASSUMED_SPEED, load_test
+from thermobearing.border.sidecar import ASSUMED_SPEED
+from thermobearing.identify.record import ASSUMED_AMBIENT, load_test
 
 TIME = np.arange(400) * 0.02
 X = 30.0 * np.sin(2.0 * np.pi * 0.5 * TIME)
@@ -117,7 +118,7 @@ def test_thermocouples(tmp_path: Path) -> None:
         ('speed = "3 mm/s"\nsampling = "3 Hz"\n', "either speed or sampling"),
         ('[columns]\nforce = "Kraft"\n', 'no column "Kraft"'),
         ('[units]\nforce = "mm"\n', "cannot be converted"),
-        ('[columns]\nForce = "x"\n', "known: displacement, force, time"),
+        ('[columns]\nForce = "x"\n', "known: ambient, displacement, force, time"),
         ('[thermocouples]\nT = "steel 1"\n', "must be"),
         ("lines_before = 900\n", "lines"),
     ],

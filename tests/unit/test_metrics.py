@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 import thermobearing as tb
 from tests import tolerances as tol
-from thermobearing.results.metrics import CycleMeasures, find_cycles, loop_energy
+from thermobearing.results.metrics import CycleMeasures, find_cycles, found_cycles, loop_energy
 
 Floats = NDArray[np.float64]
 AREA, RUBBER = 57600.0, 30.0  # mm2, mm
@@ -223,3 +223,44 @@ def test_unusable_cycles() -> None:
         )
     with pytest.raises(tb.InputError, match="without displacement"):
         measured(np.zeros(50), np.ones(50))
+
+
+def rested(gap: int, jitter: float, level: float) -> tuple[Floats, Floats, list[tuple[int, int]]]:
+    """Three bilinear cycles with rests between them, in which force is lost and the rig jitters."""
+    d, f = bilinear(60.0, 30.0, 12.0, 2.0)
+    rng = np.random.default_rng(5)
+    noise = jitter * rng.normal(size=gap)
+    lost = 30.0 * np.exp(-np.arange(gap) / max(1.0, 0.1 * gap)) + 2.0 * noise
+    parts = [(d, f), (level + noise, lost)] * 3
+    rests = [(k * (len(d) + gap) + len(d), (k + 1) * (len(d) + gap) - 1) for k in range(3) if gap]
+    return np.concatenate([p[0] for p in parts]), np.concatenate([p[1] for p in parts]), rests
+
+
+@pytest.mark.parametrize("told", [True, False])
+@pytest.mark.parametrize(("gap", "jitter", "level"), [(2, 0, 0), (4000, 0, 0), (4000, 0.02, 0)])
+def test_strength_of_cycles_before_a_rest(
+    gap: int, jitter: float, level: float, told: bool
+) -> None:
+    """The force that is lost in a rest belongs to no cycle, whether the rest is known or not."""
+    d, f, rests = rested(gap, jitter, level)
+    known = rests if told else []
+    cycles = tb.results.measure_history(d, f, area=AREA, total_rubber_thickness=RUBBER, rests=known)
+    strengths = [cycle.characteristic_strength_kN for cycle in cycles]
+    assert_allclose(strengths, 30.0, rtol=tol.FORCE_AT_A_REST)
+    assert [cycle.ends for cycle in found_cycles(d, rests=known)] == (
+        ["rest"] * 3 if told or gap > 2 else ["closed"] * 3
+    )
+
+
+@pytest.mark.parametrize("level", [-0.4, 0.4])
+def test_rests_beside_zero(level: float) -> None:
+    d, f, rests = rested(500, 0.02, level)
+    cycles = tb.results.measure_history(d, f, area=AREA, total_rubber_thickness=RUBBER, rests=rests)
+    strengths = [cycle.characteristic_strength_kN for cycle in cycles]
+    assert_allclose(strengths, 30.0, rtol=tol.FORCE_AT_A_REST)
+
+
+def test_a_cycle_that_does_not_close_is_told_apart() -> None:
+    d, _ = bilinear(60.0, 30.0, 12.0, 2.0)
+    found = found_cycles(np.concatenate([d, d[1 : len(d) // 2]]))
+    assert [cycle.ends for cycle in found] == ["closed", "incomplete"]

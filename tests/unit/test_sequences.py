@@ -104,7 +104,14 @@ def test_what_passes_the_rig_is_said_and_goes_on(result: SequenceResult) -> None
 def test_files_are_whole_and_read_back(result: SequenceResult, tmp_path: Path) -> None:
     out = result.save(tmp_path / "out", figures=False)
     names = sorted(path.name for path in out.iterdir())
-    assert names == ["case.resolved.toml", "parts", "rig.csv", "summary.json", "table.csv"]
+    assert names == [
+        "case.resolved.toml",
+        "parts",
+        "rig.csv",
+        "summary.json",
+        "table.csv",
+        "tested_range.csv",
+    ]
     assert json.loads((out / "summary.json").read_text())["outcome"] == "completed"
     again = tb.load_result(out)
     assert isinstance(again, SequenceResult)
@@ -131,7 +138,8 @@ def test_the_command(tmp_path: Path) -> None:
     done = CliRunner().invoke(app, words, env={"COLUMNS": "200"})
     assert done.exit_code == 0, done.output
     assert "01-CL-1st" in done.output
-    assert "warning" not in done.output
+    assert "rig cannot do it" not in done.output
+    assert "below the 50 % tested" in done.output
     assert (tmp_path / "out" / "figures" / "sequence.png").stat().st_size > 5000
     case.write_text(tomli_w.dumps(TABLE | {"parts": [{"part": "rest"}]}))
     done = CliRunner().invoke(app, ["sequence", str(case), "-o", str(tmp_path / "new")])

@@ -11,7 +11,7 @@ from tests import tolerances as tol
 from tests.unit import motion_files as files
 from thermobearing.cyclic.equivalent import isothermal_cycle
 from thermobearing.design.case import make_design_case
-from thermobearing.design.rubber import load_compound, load_curves
+from thermobearing.design.rubber import load_curves, load_rubber
 from thermobearing.design.run import one_turn
 from thermobearing.design.scale import scaled_bearing
 from thermobearing.design.sizing import design_values
@@ -115,5 +115,5 @@ def test_a_first_guess_outside_the_curves_takes_their_nearest_strain() -> None:
     case = make_design_case({}, "test", motions=["jra-ii-i-1"], dt=0.01)
     turn = one_turn(case, 1, 1.0).round  # 1 mm over 14 mm of rubber; the curves begin at 20 %
     nearest = load_curves().smallest_strain * turn.size.total_rubber_thickness
-    expected = design_values(load_compound("G8", "HDR"), turn.size, nearest)
+    expected = design_values(load_rubber("G8", "HDR"), turn.size, nearest)
     assert (turn.stiffness, turn.damping) == expected

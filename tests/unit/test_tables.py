@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import thermobearing as tb
 from tests import tolerances as tol
-from thermobearing.border.tables import Layout
+from thermobearing.border.layout import Layout
 
 WANTED = {"time": "s", "displacement": "mm"}
 

@@ -188,7 +188,8 @@ def test_command(tmp_path: Path, record: TestRecord) -> None:
     assert told["comparisons"][0]["errors"]["temperature"]["verdict"] == "told"
     files = {str(path.relative_to(out)) for path in out.rglob("*.*")}
     drawn = ("loops", "ratios", "cycles", "residuals", "temperatures")
-    tables = {"summary.json", "table.csv", "cycles.csv", "fit.csv"}
+    tables = {"summary.json", "table.csv", "cycles.csv", "fit.csv", "thermocouples.csv"}
+    tables |= {"tested_range.csv"}
     assert files == tables | {f"figures/{name}.png" for name in drawn}
     fit = pd.read_csv(out / "fit.csv")
     assert len(fit) == len(record.time)

@@ -62,9 +62,10 @@ def test_bilinear_has_the_stiffness_and_the_loop_of_the_bearing(name: str) -> No
     p = bilinear_parameters(tb.load_bearing(name))
     test = tb.cyclic_test(strain=[1.75], cycles=2, closing_strain=None)
     second = tb.run(name, test, ambient=23.0, model="bilinear").cycles.iloc[1]
-    amplitude = 1.75 * tb.load_bearing(name).total_rubber_thickness
+    bearing = tb.load_bearing(name)
+    amplitude = 1.75 * bearing.total_rubber_thickness
     stiffness = (p.strength + p.post_yield * amplitude) / amplitude
-    again = backbone(stiffness, float(second["energy_kN_mm"]), amplitude)
+    again = backbone(stiffness, float(second["energy_kN_mm"]), amplitude, bearing.kind)
     assert_allclose([again.strength, again.post_yield], [p.strength, p.post_yield], rtol=5e-3)
     assert p.initial > p.post_yield > 0.0
 

@@ -230,7 +230,14 @@ def test_command(tmp_path: Path) -> None:
     assert "reference 23 degC" in done.output
     assert "cycles 1-3" in done.output
     names = {str(p.relative_to(tmp_path / "out")) for p in (tmp_path / "out").rglob("*.*")}
-    tables = {"factors.csv", "bounds.csv", "bounds.tcl", "bounds.py", "scale.csv"}
+    tables = {
+        "factors.csv",
+        "bounds.csv",
+        "bounds.tcl",
+        "bounds.py",
+        "scale.csv",
+        "tested_range.csv",
+    }
     assert names == tables | {"summary.json", "figures/factors.png", "figures/scale.png"}
     told = json.loads((tmp_path / "out" / "summary.json").read_text())
     assert told["reference_degC"] == 23.0

@@ -82,6 +82,25 @@ def test_coverage_of_the_intervals(memory: float, measured: Recorder) -> None:
     assert tol.COVERAGE_LOW <= share <= 1.0  # 84 draws: the upper limit is left to the bench
 
 
+def test_coverage_with_a_logger_that_runs_through_rests() -> None:
+    """Jitter of 0.02 mm at 20 Hz; forty problems in the bench."""
+    test = tb.cyclic_test(strain=[0.5, 1.5, 2.5], cycles=3, rest=60.0)
+    logger = {"sampling": 20.0, "jitter": 0.02, "through_rests": True}
+    inside = []
+    for seed in range(3):
+        records = [
+            synthetic_record(HDR, at, test, seed=600 + 10 * seed + i, **logger)  # type: ignore[arg-type]
+            for i, at in enumerate((-20.0, 23.0))
+        ]
+        found = identify_bearing(records, HDR, starts=1, blind=False)
+        assert min(fit.R2 for fit in found.fits) > tol.DETERMINATION
+        inside += [
+            item.lower <= true_value(HDR, key) <= item.upper
+            for key, item in found.uncertainty.estimates.items()
+        ]
+    assert np.mean(inside) >= tol.COVERAGE_LOW
+
+
 def test_another_law_is_noticed() -> None:
     """First cycles made 10 % stiffer on purpose: a lower R2 and plain words."""
     clean, spoilt = (

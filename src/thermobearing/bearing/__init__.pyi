@@ -3,6 +3,14 @@ from .ambient import Ambient as Ambient
 from .bilinear import BilinearBearing as BilinearBearing
 from .bilinear import list_bilinear as list_bilinear
 from .bilinear import load_bilinear as load_bilinear
+from .compound import Compound as Compound
+from .compound import list_compounds as list_compounds
+from .compound import load_compound as load_compound
+from .exposure import Exposure as Exposure
 from .library import list_bearings as list_bearings
 from .library import load_bearing as load_bearing
 from .model import Bearing as Bearing
+from .new import new_bearing as new_bearing
+from .scaling import bearing_of as bearing_of
+from .scaling import compound_of as compound_of
+from .validity import Validity as Validity

@@ -5,8 +5,10 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
+from thermobearing.bearing.exposure import Exposure
 from thermobearing.bearing.library import list_bearings, load_bearing
 from thermobearing.bearing.model import Bearing
+from thermobearing.bearing.validity import Validity
 from thermobearing.border.errors import InputError, is_file, nearest
 from thermobearing.border.library import Library
 from thermobearing.border.schema import Strict, in_unit, validated
@@ -26,6 +28,8 @@ class BilinearBearing(Strict):
     strength : Q_d, force at zero displacement [kN], in [1e-6, 1e7].
     initial_stiffness, post_yield_stiffness : K_1 > K_2 [kN/mm], in
         [1e-6, 1e7].
+    tested_range : what it was designed or tested for; None where that is not given.
+    exposure : factors for long cold and age (`Exposure`); None where there are none.
     """
 
     name: Annotated[str, Field(min_length=1)]
@@ -36,6 +40,8 @@ class BilinearBearing(Strict):
     strength: Annotated[float, in_unit("kN"), Field(ge=1e-6, le=1e7)]  # Q_d
     initial_stiffness: Stiffness  # K_1
     post_yield_stiffness: Stiffness  # K_2
+    tested_range: Validity | None = None
+    exposure: Exposure | None = None
 
     @model_validator(mode="after")
     def _stiff_first(self) -> "BilinearBearing":

@@ -26,7 +26,19 @@ def list_bearings() -> list[str]:
 def bearing_from_table(table: Any, where: str) -> Bearing:
     """A bearing from a parsed TOML table; `where` names the file in error messages."""
     values, sources = split_sources(table)
-    return validated(Bearing, values, where).with_sources(sources)
+    if isinstance(values, dict) and values.get("kind") == "compound":
+        raise InputError(
+            "is a compound, not a bearing: thermobearing new NAME --compound FILE makes one of it",
+            where,
+        )
+    bearing = validated(Bearing, values, where).with_sources(sources)
+    if bearing.poor_fit:
+        raise InputError(
+            f"poor_fit: {bearing.poor_fit}: these numbers did not meet their tests, and are not "
+            "used. Fit again (identify; --accept-poor leaves this mark out), or take the key out",
+            where,
+        )
+    return bearing
 
 
 def load_bearing(name_or_path: str | Path) -> Bearing:

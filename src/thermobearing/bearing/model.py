@@ -9,7 +9,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, PrivateAttr, field_validator, model_validator
 
+from thermobearing.bearing.exposure import Exposure
 from thermobearing.bearing.temperature import TemperatureLaw
+from thermobearing.bearing.validity import Validity
 from thermobearing.border.schema import Strict, in_unit
 from thermobearing.border.units import CUBIC_MM_PER_CUBIC_M, NEWTON_PER_KILONEWTON
 
@@ -266,19 +268,25 @@ class Bearing(Strict):
         classes; `temperature_law` is None where nothing but m_T and n_T is stated,
         `scragging` is None for rubber that has worked already, `lead` without lead cores,
         `rate` without rate dependence.
+    poor_fit : why the numbers, fitted to tests, should not be used; such a file does not load.
+    tested_range : what it was tested at (`Validity`); None where that is not given.
+    exposure : factors for long cold and age (`Exposure`); None where there are none.
     """
 
     name: Annotated[str, Field(min_length=1)]
     kind: Literal["HDR", "LHDR", "LRB"]
     description: str = ""
     citation: str = ""
+    poor_fit: str = ""
     geometry: Geometry
     materials: Materials
     hysteresis: RubberHysteresis
     temperature_law: TemperatureLaw | None = None
+    tested_range: Validity | None = None
     scragging: Scragging | None = None
     lead: LeadCores | None = None
     rate: RateDependence | None = None
+    exposure: Exposure | None = None
     cells: Cells = Cells()
     _sources: dict[str, str] = PrivateAttr(default_factory=dict)
 

@@ -1,162 +1,44 @@
-"""CSV tables with units in their headers, as laboratories write them.
+"""Tables of numbers with units in their titles, as laboratories write them.
 
-A header is `name_unit` or `name [unit]`: `time_s`, `displacement_mm`, `force [kN]`. UTF-8
-(with or without byte order mark) and Japanese cp932 are read.
+A title is `name_unit` or `name [unit]`: `time_s`, `displacement_mm`, `force [kN]`; the unit may
+also stand in a row of its own below. Separators, decimal marks and encodings: see sheets.py.
 """
 
-import csv
-import io
-import math
-import re
-from collections.abc import Collection, Mapping
+from collections.abc import Collection
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from thermobearing.border.errors import InputError, nearest, read_bytes, shortened
-from thermobearing.border.units import HUGEST, conversion
+from thermobearing.border.errors import InputError, nearest
+from thermobearing.border.layout import Layout, Table, table_of
+from thermobearing.border.sheets import Sheet, is_stamp, read_sheets
+from thermobearing.border.stamps import seconds_of
+from thermobearing.border.titles import is_called, name_and_unit, plain_title, plain_unit
+from thermobearing.border.units import conversion
 
 Floats = NDArray[np.float64]
 
-_HEADER = re.compile(
-    r"^\s*(?P<name>[A-Za-z][A-Za-z ]*?)\s*(?:_|\[|\()\s*(?P<unit>[^\])]+?)\s*[\])]?\s*$"
-)
-LONGEST_TITLE = 200  # characters; the search for a unit takes time that grows with the square
-LARGEST_FILE = 100_000_000  # bytes; in memory, cell by cell, it is ten times that
-ALIASES = {"disp": "displacement", "t": "time", "load": "force"}
-
-
-def read_text(path: Path) -> str:
-    """Text of a file, UTF-8 or cp932; InputError if it cannot be read."""
-    raw = read_bytes(path, LARGEST_FILE)
-    if b"\0" in raw:
-        raise InputError("is not a text file: it holds null bytes", str(path))
-    for encoding in ("utf-8-sig", "cp932"):
-        try:
-            return raw.decode(encoding)
-        except UnicodeDecodeError:
-            continue
-    raise InputError("is neither UTF-8 nor cp932 text", str(path))
-
-
-def _columns(header: list[str]) -> dict[tuple[str, str], int]:
-    """(name, unit) -> column number, for the headers that have both."""
-    found: dict[tuple[str, str], int] = {}
-    for number, title in enumerate(header):
-        match = _HEADER.match(title) if len(title) <= LONGEST_TITLE else None
-        if match:
-            name = match["name"].strip().lower()
-            found.setdefault((ALIASES.get(name, name), match["unit"]), number)
-    return found
-
-
-def _pick(
-    columns: dict[tuple[str, str], int], name: str, unit: str, header: list[str]
-) -> tuple[int, float, float]:
-    """Column number of a quantity, and scale and offset to the wanted unit."""
-    units = {u: number for (n, u), number in columns.items() if n == name}
-    if unit in units:
-        return units[unit], 1.0, 0.0
-    for given, number in units.items():
-        try:
-            return number, *conversion(given, unit)
-        except InputError as error:
-            raise InputError(error.lines(f'column "{header[number]}"')) from None
-    hint = nearest(f"{name}_{unit}", header)
-    raise InputError(f'no column "{name}_{unit}"{hint}')
-
-
-def _number(cell: str) -> float:
-    """A finite float; Python would also take "1_0" and "nan"."""
-    try:
-        value = float(cell.replace("_", "x"))
-    except ValueError:
-        raise InputError(f'"{shortened(cell)}" is not a number') from None
-    if not math.isfinite(value):
-        raise InputError(f'"{shortened(cell)}" is not a finite number')
-    if abs(value) > HUGEST:
-        raise InputError(f'"{shortened(cell)}" is too large, more than {HUGEST:g}')
-    return value
-
-
-def _numbers(
-    rows: list[tuple[int, list[str]]], number: int, title: str, scale: float, offset: float
-) -> Floats:
-    """One converted column; names the line of the first cell that is not a finite number."""
-    values = np.empty(len(rows))
-    for i, (line, row) in enumerate(rows):
-        cell = row[number].strip() if number < len(row) else ""
-        try:
-            values[i] = _number(cell) * scale + offset
-        except InputError as error:
-            raise InputError(error.lines(f"line {line}, {title}")) from None
-    return values
-
-
-def _rows(path: Path, layout: "Layout") -> list[tuple[int, list[str]]]:
-    """Header and rows that hold anything, with their line numbers."""
-    lines = io.StringIO(read_text(path), newline=None).readlines()
-    if layout.lines_before >= len(lines) > 0:
-        raise InputError(f"has {len(lines)} lines, not {layout.lines_before} before its header")
-    reader = csv.reader(lines[layout.lines_before :], strict=True)
-    try:
-        rows = [
-            (reader.line_num + layout.lines_before, row)
-            for row in reader
-            if any(cell.strip() for cell in row)
-        ]
-    except csv.Error as error:
-        line = reader.line_num + layout.lines_before
-        raise InputError(f"line {line}: {error}") from None
-    return rows[:1] + rows[1 + layout.lines_after :]
-
 
 @dataclass(frozen=True)
-class Layout:
-    """How a laboratory's file differs from a plain table.
+class Columns:
+    """What was read from a file.
 
     Attributes
     ----------
-    lines_before : lines before the line that names the columns.
-    lines_after : lines between that line and the first numbers (of units, of channels).
-    titles : the file's own title of a column, by the name it is wanted by.
-    units : unit of a column, by that name; wins over what the title says.
+    values : by the name a column was wanted by, in the unit it was wanted in.
+    parts : number of the sample that each part begins with.
+    unused : titles of columns that hold anything and were not wanted.
+    stamped : whether time came from stamps (dates, times of day).
+    others : names of the sheets that were not read.
     """
 
-    lines_before: int = 0
-    lines_after: int = 0
-    titles: Mapping[str, str] = field(default_factory=dict)
-    units: Mapping[str, str] = field(default_factory=dict)
-
-
-def _titled(
-    name: str, unit: str, header: list[str], columns: dict[tuple[str, str], int], layout: Layout
-) -> tuple[int, float, float]:
-    """Column number, scale and offset of a quantity whose title or unit the user gave."""
-    known = {number: key for key, number in columns.items()}
-    if name in layout.titles:
-        title = layout.titles[name]
-        if title not in header:
-            raise InputError(f'no column "{title}"{nearest(title, header)}')
-        number = header.index(title)
-    else:
-        by_name = [number for (n, _), number in columns.items() if n == name]
-        by_name += [number for number, title in enumerate(header) if title.lower() == name]
-        if not by_name:
-            raise InputError(f'no column "{name}"{nearest(name, header)}')
-        number = by_name[0]
-    given = layout.units.get(name) or known.get(number, ("", ""))[1]
-    if not given:
-        bracket = re.search(r"[\[(（_]([^\])）_]+)[\])）]?$", header[number])
-        if bracket is None:
-            raise InputError(f'column "{header[number]}" has no unit; give units.{name}')
-        given = bracket[1]
-    try:
-        return number, *conversion(given, unit)
-    except InputError as error:
-        raise InputError(error.lines(f'column "{header[number]}"')) from None
+    values: dict[str, Floats]
+    parts: list[int]
+    unused: list[str]
+    stamped: bool = False
+    others: list[str] = field(default_factory=list)
 
 
 def read_columns(
@@ -166,11 +48,11 @@ def read_columns(
     optional: Collection[str] = (),
     layout: Layout | None = None,
 ) -> dict[str, Floats]:
-    r"""Columns of a CSV file by name, converted to the wanted units.
+    r"""Columns of a file by name, converted to the wanted units.
 
     Parameters
     ----------
-    path : the file; its first line names the columns and their units.
+    path : text with any separator, or `.xlsx`; a line names the columns and their units.
     wanted : unit by column name, such as {"time": "s", "displacement": "mm"}.
     optional : names that may be missing; they are then missing from what is returned.
     layout : extra lines and other titles and units, if the file is not a plain table.
@@ -184,39 +66,163 @@ def read_columns(
     --------
     >>> import tempfile
     >>> file = Path(tempfile.mkdtemp()) / "ramp.csv"
-    >>> _ = file.write_text("time_s,displacement_cm\n0,0\n1,2.5\n")
+    >>> _ = file.write_text("time_s;displacement_cm\n0;0\n1;2,5\n")
     >>> read_columns(file, {"time": "s", "displacement": "mm"})["displacement"].tolist()
     [0.0, 25.0]
     """
-    try:
-        return _read_columns(Path(path), wanted, optional, layout or Layout())
-    except InputError as error:
-        raise error if error.where else InputError(error.problems, str(path)) from None
+    return columns_of(path, wanted, optional=optional, layout=layout).values
 
 
-def _read_columns(
-    path: Path, wanted: dict[str, str], optional: Collection[str], layout: Layout
-) -> dict[str, Floats]:
-    rows = _rows(path, layout)
-    if not rows:
+def columns_of(
+    path: Path | str,
+    wanted: dict[str, str],
+    *,
+    optional: Collection[str] = (),
+    layout: Layout | None = None,
+) -> Columns:
+    """The same with what else is to be known about the file: parts, columns not used.
+
+    Parameters
+    ----------
+    path, wanted, optional, layout : as in `read_columns`.
+
+    Raises
+    ------
+    InputError : as in `read_columns`.
+    """
+    path, layout = Path(path), layout or Layout()
+    first: InputError | None = None
+    sheets = read_sheets(path, layout.told)
+    for sheet in sheets:
+        try:
+            found = _of_sheet(sheet, wanted, optional, layout)
+        except InputError as error:
+            first = first or error
+            continue
+        others = [one.name for one in sheets if one is not sheet and one.rows]
+        return Columns(found.values, found.parts, found.unused, found.stamped, others)
+    told = first or InputError("is empty")
+    raise told if told.where else InputError(told.problems, str(path)) from None
+
+
+def _of_sheet(
+    sheet: Sheet, wanted: dict[str, str], optional: Collection[str], layout: Layout
+) -> Columns:
+    table = table_of(sheet, layout)
+    if table is None:
         raise InputError("is empty")
-    if len(rows[0][1]) == 1 and re.search("[;\t]", rows[0][1][0]):
-        raise InputError("columns must be separated by commas (and decimals take a point)")
-    header, body = [title.strip() for title in rows[0][1]], rows[1:]
-    columns, picked, problems = _columns(header), {}, []
+    picked: dict[str, tuple[int, float, float]] = {}
+    problems: list[str] = []
     for name, unit in wanted.items():
         try:
-            if name in layout.titles or name in layout.units:
-                picked[name] = _titled(name, unit, header, columns, layout)
-            elif name not in optional or any(n == name for n, _ in columns):
-                picked[name] = _pick(columns, name, unit, header)
+            found = _found(table, name, unit, layout, needed=name not in optional)
+            if found is not None:
+                picked[name] = found
         except InputError as error:
             problems += error.problems
-    if len(body) < 2:
-        problems.append(f"has {len(body)} rows of numbers; at least 2 are needed")
+    if len(table.rows) < 2:
+        problems.append(f"has {len(table.rows)} rows of numbers; at least 2 are needed")
+    problems += _doubled(table)
     if problems:
         raise InputError(problems)
-    return {
-        name: _numbers(body, number, header[number], scale, offset)
-        for name, (number, scale, offset) in picked.items()
-    }
+    used = {column for column, *_ in picked.values()}
+    values: dict[str, Floats] = {}
+    stamped = False
+    for name, (column, scale, offset) in picked.items():
+        if name == "time" and is_stamp(table.cells(column)[0]):
+            values[name], dates = _stamps(table, column)
+            used |= dates
+            stamped = True
+        else:
+            values[name] = table.numbers(column, scale, offset)
+    unused = [
+        title for n, title in enumerate(table.titles) if n not in used and any(table.cells(n)[:50])
+    ]
+    return Columns(values, table.parts, unused, stamped)
+
+
+def _doubled(table: Table) -> list[str]:
+    """Decimal commas between commas make two cells of each."""
+    if table.sheet.separator != "," or not table.rows:
+        return []
+    width = len(table.titles)
+    if width < 2 or not all(len(row) == 2 * width for _, row in table.rows[:50]):
+        return []
+    return [
+        f"has {width} titles and {2 * width} numbers in a row: decimal commas between commas "
+        "cannot be told apart; write it with semicolons"
+    ]
+
+
+def _found(
+    table: Table, name: str, unit: str, layout: Layout, *, needed: bool
+) -> tuple[int, float, float] | None:
+    """Column number of a quantity, scale and offset to the wanted unit; None if it may be missing.
+
+    Raises
+    ------
+    InputError : there is none and it is needed, none with a unit, or not with a fitting one.
+    """
+    if name in layout.titles:
+        title = layout.titles[name]
+        if title not in table.titles:
+            raise InputError(f'no column "{title}"{nearest(title, table.titles)}')
+        some = [table.titles.index(title)]
+    else:
+        names = [name_and_unit(title)[0] for title in table.titles]
+        some = [n for n, one in enumerate(names) if is_called(one, name)]
+        some = [n for n in some if plain_title(names[n]) == name] + [
+            n for n in some if plain_title(names[n]) != name
+        ]
+    given = {n: layout.units.get(name) or table.unit(n) for n in some}
+    stamped = [n for n in some if name == "time" and table.rows and is_stamp(table.cells(n)[0])]
+    if stamped:
+        return stamped[0], 1.0, 0.0
+    best = next((n for n, said in given.items() if said == unit), None)
+    if best is not None:
+        return best, 1.0, 0.0
+    for n, said in given.items():
+        if said:
+            return n, *_converted(table.titles[n], said, unit)
+    if not needed and not (name in layout.titles or name in layout.units):
+        return None
+    if name in layout.titles or (some and name in layout.units):
+        raise InputError(f'column "{table.titles[some[0]]}" has no unit; give units.{name}')
+    wanted = name if name in layout.units else f"{name}_{unit}"
+    raise InputError(f'no column "{wanted}"{nearest(wanted, table.titles)}')
+
+
+def _converted(title: str, said: str, unit: str) -> tuple[float, float]:
+    """Scale and offset of a column, in a unit as laboratories write it."""
+    try:
+        return conversion(plain_unit(said), unit)
+    except InputError as error:
+        raise InputError(error.lines(f'column "{title}"')) from None
+
+
+def _stamps(table: Table, column: int) -> tuple[Floats, set[int]]:
+    """Seconds of a column of stamps, and the column of dates that goes with times of day."""
+    cells, used = table.cells(column), set()
+    if ":" not in cells[0]:  # a date: the time of day stands in the column beside it
+        clock = next(
+            (n for n in range(len(table.titles)) if n != column and ":" in table.cells(n)[0]), None
+        )
+        if clock is not None:
+            cells = [f"{day} {time}" for day, time in zip(cells, table.cells(clock), strict=True)]
+            used.add(clock)
+    else:
+        days = [
+            n
+            for n, title in enumerate(table.titles)
+            if n != column
+            and is_called(name_and_unit(title)[0], "time")
+            and is_stamp(table.cells(n)[0])
+            and ":" not in table.cells(n)[0]
+        ]
+        if days and " " not in cells[0]:
+            cells = [f"{day} {time}" for day, time in zip(table.cells(days[0]), cells, strict=True)]
+            used.add(days[0])
+    try:
+        return seconds_of(cells), used
+    except InputError as error:
+        raise InputError(error.lines(f'column "{table.titles[column]}"')) from None

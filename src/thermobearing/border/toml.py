@@ -1,6 +1,7 @@
 """TOML files: read with clear faults, entries with sources told apart, models written back."""
 
 import tomllib
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -90,6 +91,26 @@ def _entry(value: Any, unit: str | None) -> Any:
     if unit and isinstance(value, int | float):
         return with_unit(float(value), unit)
     return value
+
+
+def with_sources(table: dict[str, Any], sources: Mapping[str, str]) -> dict[str, Any]:
+    """The table with {value, source} where a source of an entry is known, by dotted key.
+
+    Texts at the top (name, citation, ...) stay plain: readers look for them there.
+    """
+    for key, source in sources.items():
+        *tables, name = key.split(".")
+        inner: Any = table
+        for part in tables:
+            inner = inner.get(part, {})
+        if tables and name in inner and not isinstance(inner[name], dict):
+            inner[name] = {"value": inner[name], "source": source}
+    return table
+
+
+def sourced_toml(model: Strict, sources: Mapping[str, str]) -> str:
+    """A model as a library file, with the source of each number where one is known."""
+    return tomli_w.dumps(with_sources(to_table(model), sources))
 
 
 def to_toml(model: Strict, *, without: str = "") -> str:

@@ -1,55 +1,200 @@
-"""What a file says, without running it."""
+"""What a file says, without running it: its kind, its main facts, and what seems a slip."""
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any, NamedTuple
 
 from thermobearing.bearing.bilinear import BilinearBearing, load_bilinear
+from thermobearing.bearing.compound import Compound, load_compound
 from thermobearing.bearing.library import load_bearing
 from thermobearing.bearing.model import Bearing
-from thermobearing.border.errors import InputError
+from thermobearing.bearing.plausible import implausible
+from thermobearing.bearing.temperature import TemperatureLaw
+from thermobearing.bearing.validity import Validity
+from thermobearing.border.errors import InputError, is_file
+from thermobearing.border.sidecar import Sidecar
 from thermobearing.border.toml import read_toml, split_sources
-from thermobearing.cyclic.case import load_case
+from thermobearing.commands.check_data import DATA, data_facts
+from thermobearing.cyclic.case import Case, load_case
 from thermobearing.cyclic.discretisation import REFERENCE, TOLERABLE, cells_error
+from thermobearing.cyclic.rig import LIMITS, load_rig
 from thermobearing.cyclic.segments import build_segments
+from thermobearing.design.case import DesignCase, bearing_weight, load_design_case
 from thermobearing.earthquake.case import EarthquakeCase, load_earthquake_case
+from thermobearing.identify.record import TestRecord, load_test
 from thermobearing.model.stack import build_stack
+from thermobearing.results.ranges import TESTED
 from thermobearing.sequences.case import SequenceCase, load_sequence_case
 from thermobearing.structure.model import DampingKind, Structure, load_structure
 from thermobearing.structure.run import prepare_structure
 
+# Keys that files of one kind alone have, to tell files that do not say what they are.
+DESIGNS = set(DesignCase.model_fields) - set(EarthquakeCase.model_fields)
+DESIGNS -= set(Sidecar.model_fields)
+STUDIES = set(EarthquakeCase.model_fields) - set(Case.model_fields) - set(Sidecar.model_fields)
+TESTS = set(Sidecar.model_fields) - set(Case.model_fields) - {"name", "speed"}
 
-def describe_file(path: Path) -> tuple[str, dict[str, str]]:
-    """Kind of a TOML file and its main facts, after full validation.
 
-    Kinds: "bearing", "bilinear bearing", "structure", "earthquake case", "sequence case", and
-    "case" of a cyclic test.
+class Checked(NamedTuple):
+    """What a check found in a valid file."""
+
+    kind: str
+    facts: dict[str, str]
+    warnings: list[str]
+
+
+def check_file(path: Path) -> Checked:
+    """Kind of a TOML file, its main facts, and numbers that usual bearings do not have.
+
+    Kinds: "bearing", "bilinear bearing", "compound", "structure", "rig", "test record" (the file
+    beside a CSV), "earthquake case", "sequence case", "design case", "case" of a cyclic test, and
+    those of the package's own data.
 
     Raises
     ------
     InputError : everything that is wrong with it.
     """
     table, _ = split_sources(read_toml(path))
+    kind = kind_of(table, path)
+    if kind in DATA:
+        return Checked(kind, data_facts(kind, path), [])
+    facts, bearings = KINDS[kind](path)
+    several = len(bearings) > 1
+    warnings = [
+        f"{bearing.name}: {sentence}" if several or "bearing" not in kind else sentence
+        for bearing in {item.name: item for item in bearings}.values()
+        for sentence in implausible(bearing)
+    ]
+    return Checked(kind, facts, warnings)
+
+
+def kind_of(table: dict[str, Any], path: Path) -> str:
+    """What a file is, by the keys that it has."""
+    keys = set(table)
     if table.get("kind") == "bilinear":
-        return "bilinear bearing", bilinear_facts(load_bilinear(path))
-    if "bodies" in table:
-        return "structure", structure_facts(load_structure(path))
-    if "parts" in table:
-        return "sequence case", sequence_facts(load_sequence_case(path))
-    if "command" in table:
-        return "earthquake case", earthquake_facts(load_earthquake_case(path))
-    if {"geometry", "hysteresis", "materials", "kind"} & set(table):
-        return "bearing", bearing_facts(load_bearing(path))
+        return "bilinear bearing"
+    if table.get("kind") == "compound":
+        return "compound"
+    for kind, its in (
+        ("structure", {"bodies"}),
+        ("sequence case", {"parts"}),
+        ("earthquake case", {"command"}),
+        ("bearing", {"geometry", "hysteresis", "materials", "kind"}),
+        *((kind, its) for kind, (its, _) in DATA.items()),
+        ("design case", DESIGNS),
+        ("earthquake case", STUDIES),
+        ("test record", TESTS),
+    ):
+        if its & keys:
+            return kind
+    if keys & set(LIMITS):
+        return "rig"
+    if "test" not in keys and is_file(path.with_suffix(".csv")):
+        return "test record"
+    return "case"
+
+
+def _bearing(path: Path) -> tuple[dict[str, str], list[Bearing]]:
+    bearing = load_bearing(path)
+    return bearing_facts(bearing), [bearing]
+
+
+def _bilinear(path: Path) -> tuple[dict[str, str], list[BilinearBearing]]:
+    bearing = load_bilinear(path)
+    return bilinear_facts(bearing), [bearing]
+
+
+def _compound(path: Path) -> tuple[dict[str, str], list[Bearing]]:
+    return compound_facts(load_compound(path)), []
+
+
+def _structure(path: Path) -> tuple[dict[str, str], list[Bearing]]:
+    return structure_facts(load_structure(path)), []
+
+
+def _rig(path: Path) -> tuple[dict[str, str], list[Bearing]]:
+    rig = load_rig(path.absolute())
+    limits = {name: getattr(rig, name) for name in LIMITS}
+    said = {name: f"{v:g} {LIMITS[name][0]}" for name, v in limits.items() if v is not None}
+    return {"name": rig.name, "description": rig.description, **said}, []
+
+
+def _record(path: Path) -> tuple[dict[str, str], list[Bearing]]:
+    return record_facts(load_test(path)), []
+
+
+def _study(path: Path) -> tuple[dict[str, str], list[Bearing | BilinearBearing]]:
+    case = load_earthquake_case(path)
+    return earthquake_facts(case), list(case.bearings)
+
+
+def _sequence(path: Path) -> tuple[dict[str, str], list[Bearing]]:
+    case = load_sequence_case(path)
+    return sequence_facts(case), [case.bearing]
+
+
+def _design(path: Path) -> tuple[dict[str, str], list[Bearing]]:
+    case = load_design_case(path)
+    return design_facts(case), [load_bearing(name) for name in case.equal]
+
+
+def _case(path: Path) -> tuple[dict[str, str], list[Bearing]]:
     case = load_case(path)
+    return case_facts(case), [case.bearing]
+
+
+KINDS: dict[str, Callable[[Path], tuple[dict[str, str], Any]]] = {
+    "bearing": _bearing,
+    "bilinear bearing": _bilinear,
+    "compound": _compound,
+    "structure": _structure,
+    "rig": _rig,
+    "test record": _record,
+    "earthquake case": _study,
+    "sequence case": _sequence,
+    "design case": _design,
+    "case": _case,
+}
+
+
+def case_facts(case: Case) -> dict[str, str]:
+    """What a cyclic test would do."""
     segments = build_segments(case.test, case.bearing.total_rubber_thickness)
     time = sum(float(segment.dt.sum()) for segment in segments)
     steps = sum(len(segment.x) for segment in segments)
     until = "at most " if any(segment.settle for segment in segments) else ""
     ambient = case.ambient_series or ", ".join(f"{value:g} degC" for value in case.ambient)
-    return "case", {
+    return {
         "bearing": f"{case.bearing.name} ({case.bearing.description})",
         "ambient": ambient,
         "test": f"{case.test.name}: " + "; ".join(segment.label for segment in segments),
         "duration": f"{until}{time:g} s in {until}{steps} steps a run",
         "scheme": f"{case.analysis.scheme}, {case.analysis.integrator} integrator",
+    }
+
+
+def design_facts(case: DesignCase) -> dict[str, str]:
+    """What a design loop would begin with."""
+    return {
+        "compound": f"{case.compound_kind} {case.compound}",
+        "motions": ", ".join(motion.name for motion in case.motions),
+        "begins at": f"{case.start:g} mm, {bearing_weight(case):.0f} kN a bearing",
+        "ends": f"within {case.tolerance:.2%}, or after {case.most_rounds} rounds",
+        "equal bearings": ", ".join(case.equal) or "none",
+        **structure_facts(case.structure),
+    }
+
+
+def record_facts(record: TestRecord) -> dict[str, str]:
+    """What a test record holds."""
+    return {
+        "name": record.name,
+        "bearing": record.bearing or "not named",
+        "ambient": f"{record.ambient:g} degC",
+        "samples": f"{len(record.time)} in {record.time[-1] - record.time[0]:g} s",
+        "largest": f"{record.peak_displacement:.4g} mm, {record.peak_force:.4g} kN",
+        "thermocouples": ", ".join(f"{k} ({v})" for k, v in record.places.items()) or "none",
+        "assumed": "; ".join(record.assumptions) or "nothing",
     }
 
 
@@ -133,15 +278,52 @@ def bearing_facts(bearing: Bearing) -> dict[str, str]:
         "description": bearing.description,
         "plan": f"{g.plan.shape}, {bearing.area:g} mm2",
         "rubber": f"{g.rubber_layers} x {g.rubber_thickness:g} = {g.total_rubber_thickness:g} mm",
+        "end plates": f"{g.end_plate_thickness:g} mm",
         "shape factors": f"S1 = {g.first_shape_factor:.3g}, S2 = {g.second_shape_factor:.3g}",
-        "temperatures": _range(bearing),
+        "temperatures": _range(bearing.temperature_law),
+        "tested at": _tested(bearing.tested_range),
         "cells": f"{len(half.part)} in the half stack, {len(full.part)} in the full one",
     }
 
 
-def _range(bearing: Bearing) -> str:
+def compound_facts(compound: Compound) -> dict[str, str]:
+    """Stresses and strains of a compound, and what it says nothing of."""
+    rubber, lead, rate = compound.rubber, compound.lead, compound.rate
+    facts = {
+        "name": compound.name,
+        "family": compound.family,
+        "description": compound.description,
+        "rubber": f"K_r t_r/A = {rubber.shear_modulus:.4g} MPa, alpha_0 = "
+        f"{rubber.post_yield_ratio:.3g}, yield strain {rubber.yield_strain:.3g}, at "
+        f"{rubber.reference_temperature:g} degC",
+        "m_T, n_T": f"{rubber.elastic_temperature_coefficient:g}, "
+        f"{rubber.hysteretic_temperature_coefficient:g} per 100 K",
+        "temperatures": _range(compound.temperature_law),
+        "tested at": _tested(compound.tested_range),
+        "lead": f"{lead.yield_stress:g} MPa at {lead.reference_temperature:g} degC"
+        if lead
+        else "nothing is said of it",
+        "rate": f"K_v H/A = {rate.shear_modulus:.3g} MPa" if rate else "does not matter",
+    }
+    keys = ("rubber.elastic_temperature_coefficient", "rubber.hysteretic_temperature_coefficient")
+    borrowed = sorted({compound.sources[key] for key in keys if key in compound.sources})
+    return facts | {"source of m_T, n_T": "; ".join(borrowed)} if borrowed else facts
+
+
+def _tested(tested: Validity | None) -> str:
+    """What a bearing or a compound was tested at."""
+    if tested is None:
+        return "range not given (tested_range)"
+    ranges = tested.ranges()
+    return ", ".join(
+        f"{TESTED[name][1]} {TESTED[name][2] * low:g} to {TESTED[name][2] * high:g}"
+        f"{TESTED[name][3]}"
+        for name, (low, high) in ranges.items()
+    )
+
+
+def _range(law: TemperatureLaw | None) -> str:
     """Where the temperature law is known."""
-    law = bearing.temperature_law
     if law is None or law.range is None:
         return "the range of the temperature law is not stated (temperature_law)"
     low, high = law.range

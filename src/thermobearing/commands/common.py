@@ -11,12 +11,21 @@ import typer
 from thermobearing.border.errors import InputError, OutputError, printable
 
 T = TypeVar("T")
-BAD_INPUT, ENDED_EARLY, INTERRUPTED = 2, 3, 130
+BAD_INPUT, ENDED_EARLY, POOR_FIT, INTERRUPTED = 2, 3, 4, 130
 
 Output = Annotated[Path | None, typer.Option("-o", "--output", help="Result directory.")]
 Force = Annotated[bool, typer.Option("--force", help="Replace an earlier result directory.")]
 NoFigures = Annotated[bool, typer.Option("--no-figures", help="Draw no figures.")]
 AsJson = Annotated[bool, typer.Option("--json", help="Last line of output is JSON.")]
+Exposed = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--exposure",
+        help="Factor for long cold and age: stiffness=1.3, strength=1.2 and source=WORDS, each an "
+        "option of its own.",
+        metavar="KEY=VALUE",
+    ),
+]
 Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="No progress bar, no tables.")]
 RigName = Annotated[
     str | None,
@@ -73,7 +82,8 @@ def reported(command: Callable[..., int]) -> Callable[..., None]:
 
 def written(outcome: str, sentence: str, target: Path, *, as_json: bool, quiet: bool) -> int:
     """Say where the result is and how it ended; the exit status."""
-    status = {"completed": 0, "interrupted": INTERRUPTED}.get(outcome, ENDED_EARLY)
+    statuses = {"completed": 0, "poor_fit": POOR_FIT, "interrupted": INTERRUPTED}
+    status = statuses.get(outcome, ENDED_EARLY)
     if status:
         typer.echo(f"thermobearing: {outcome}: {sentence}", err=True)
     if not quiet:
@@ -95,6 +105,23 @@ def numbers_by_name(given: Sequence[str], option: str, form: str) -> dict[str, f
         except ValueError:
             raise InputError(f'{option} "{text}": give {form}') from None
     return found
+
+
+def exposure_given(words: Sequence[str] | None) -> dict[str, Any] | None:
+    """The table `exposure` from words such as "stiffness=1.3" and "source=..."; None without."""
+    if not words:
+        return None
+    table: dict[str, Any] = {}
+    for word in words:
+        name, equals, value = word.partition("=")
+        name = name.strip()
+        if not equals or name in table:
+            raise InputError(f'--exposure "{word}": give each key once, such as stiffness=1.3')
+        try:
+            table[name] = value.strip() if name == "source" else float(value)
+        except ValueError:
+            raise InputError(f'--exposure "{word}": must be a number, such as 1.3') from None
+    return table
 
 
 def limit_numbers(given: Sequence[str] | None) -> dict[str, float]:

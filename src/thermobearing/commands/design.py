@@ -15,6 +15,12 @@ from thermobearing.commands.common import (
     written,
 )
 
+Structure_ = Annotated[
+    str | None, typer.Option("--structure", help="Name or TOML file.", metavar="NAME/FILE")
+]
+FixedBase = Annotated[
+    bool, typer.Option("--fixed-base", help="Leave out the springs of the foundation.")
+]
 Motions = Annotated[
     list[str] | None,
     typer.Option("--motion", help="Name or file; may be repeated.", metavar="NAME/FILE"),
@@ -33,6 +39,14 @@ def design(
     ] = None,
     motion: Motions = None,
     weight: Annotated[float | None, typer.Option(help="Load of one bearing [kN].")] = None,
+    structure: Structure_ = None,
+    ambient: Annotated[
+        list[float] | None,
+        typer.Option(help="Temperatures that the layered bearings are judged at [degC]."),
+    ] = None,
+    peaks: Annotated[
+        str | None, typer.Option(help="Of several motions: largest, or mean (of each group).")
+    ] = None,
     tolerance: Annotated[
         float | None, typer.Option(help="Of found over assumed displacement, up to 0.1.")
     ] = None,
@@ -55,6 +69,9 @@ def design(
         "compound_kind": kind,
         "motions": motion or None,
         "weight": weight,
+        "structure": structure,
+        "ambient": ambient or None,
+        "peaks": peaks,
         "tolerance": tolerance,
     }
     if case is None:
@@ -70,7 +87,7 @@ def design(
     found.save(target, force=force, figures=not no_figures)
     if not quiet:
         print_design(found)
-    outcome = "completed" if found.outcome == "converged" else found.outcome
+    outcome = "completed" if found.usable else found.outcome
     return written(outcome, found.sentence, target, as_json=as_json, quiet=quiet)
 
 
@@ -85,6 +102,8 @@ def bounds(
         list[float] | None,
         typer.Option("--ambient", help="Temperatures of the coupled model [degC]."),
     ] = None,
+    structure: Structure_ = None,
+    fixed_base: FixedBase = False,
     strain: Annotated[float, typer.Option(help="Of the bilinear models.")] = 1.75,
     output: Output = None,
     force: Force = False,
@@ -100,8 +119,9 @@ def bounds(
 
     target = output or Path("bounds")
     check_target(target, force=force)
-    report = run_bounds(bearing or BEARINGS, motion, ambient or AIR, strain=strain)
+    on = {"structure": structure, "fixed_base": fixed_base or None}
+    report = run_bounds(bearing or BEARINGS, motion, ambient or AIR, strain=strain, **on)
     report.save(target, force=force, figures=not no_figures)
     if not quiet:
         print_bounds(report)
-    return written("completed", "", target, as_json=as_json, quiet=quiet)
+    return written(report.outcome, report.sentence, target, as_json=as_json, quiet=quiet)

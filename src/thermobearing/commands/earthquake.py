@@ -8,11 +8,13 @@ import typer
 
 from thermobearing.commands.common import (
     AsJson,
+    Exposed,
     Force,
     NoFigures,
     Output,
     Quiet,
     RigName,
+    exposure_given,
     reported,
     with_progress,
     written,
@@ -37,6 +39,9 @@ Ambients = Annotated[
 Dt = Annotated[float | None, typer.Option(help="Largest time step [s].")]
 Structure_ = Annotated[
     str | None, typer.Option("--structure", help="Name or TOML file.", metavar="NAME/FILE")
+]
+FixedBase = Annotated[
+    bool, typer.Option("--fixed-base", help="Leave out the springs of the foundation.")
 ]
 Method = Annotated[
     str | None,
@@ -66,11 +71,13 @@ def bridge(
     weather: Weather = None,
     mass: Annotated[str | None, typer.Option(help="consistent or published.")] = None,
     structure: Structure_ = None,
+    fixed_base: FixedBase = False,
     damping: Damping_ = None,
     method: Method = None,
     dt: Dt = None,
     duration: Duration = None,
     model: Model_ = None,
+    exposure: Exposed = None,
     compare: Compare = False,
     rig: RigName = None,
     output: Output = None,
@@ -87,11 +94,13 @@ def bridge(
         "weather": weather,
         "mass": mass,
         "structure": structure,
+        "fixed_base": fixed_base or None,
         "damping": damping,
         "method": method,
         "dt": dt,
         "duration": duration,
         "model": model,
+        "exposure": exposure_given(exposure),
         "rig": rig,
     }
     complete = _case("bridge", case, overrides)
@@ -109,6 +118,7 @@ def hybrid(
     motion: Motions = None,
     ambient: Ambients = None,
     structure: Structure_ = None,
+    fixed_base: FixedBase = False,
     damping: Damping_ = None,
     delay: Annotated[float | None, typer.Option(help="Delay of the actuator [s].")] = None,
     force_noise: Annotated[
@@ -119,6 +129,7 @@ def hybrid(
     dt: Dt = None,
     duration: Duration = None,
     model: Model_ = None,
+    exposure: Exposed = None,
     compare: Compare = False,
     rig: RigName = None,
     output: Output = None,
@@ -138,11 +149,13 @@ def hybrid(
         "motions": motion or None,
         "ambient": ambient or None,
         "structure": structure,
+        "fixed_base": fixed_base or None,
         "damping": damping,
         "method": method,
         "dt": dt,
         "duration": duration,
         "model": model,
+        "exposure": exposure_given(exposure),
         "rig": rig,
         "laboratory": {key: value for key, value in lab.items() if value is not None} or None,
     }

@@ -44,6 +44,11 @@ def lambda_(
         float | None, typer.Option(help="Mean speed [mm/s] instead of the period.")
     ] = None,
     cycles: Annotated[str, typer.Option(help="3, 1-3, 2-11, all-but-first, or as 2,3,4.")] = "1-3",
+    posterior: Annotated[
+        Path | None,
+        typer.Option(help="posterior.csv of identify: a band of its samples.", metavar="FILE"),
+    ] = None,
+    samples: Annotated[int, typer.Option(help="Of the posterior, evenly through it.")] = 20,
     scale: Annotated[bool, typer.Option("--scale", help="Add sizes 1/6 and 1.")] = False,
     output: Output = None,
     force: Force = False,
@@ -56,11 +61,16 @@ def lambda_(
     from thermobearing.design.factors import STRAINS, TEMPERATURES
     from thermobearing.design.run import run_factors
     from thermobearing.design.screen import print_factors
+    from thermobearing.identify.samples import posterior_bearings
     from thermobearing.results.directory import check_target
 
     if period is not None and speed is not None:
         raise InputError("give --period or --speed, not both")
     bearings = [load_bearing(name) for name in bearing]
+    if posterior is not None:
+        if len(bearings) > 1:
+            raise InputError("--posterior goes with one bearing, the fitted one")
+        bearings = posterior_bearings(bearings[0], posterior, samples)
     target = output or Path(f"lambda-{bearings[0].name}")
     check_target(target, force=force)
     report = run_factors(

@@ -1,6 +1,7 @@
 """`thermobearing identify`: parameters of a bearing from its tests, or a look at the tests."""
 
 import re
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -41,9 +42,25 @@ Spreads = Annotated[
 Method = Annotated[str, typer.Option(help="least-squares, krill-herd or differential-evolution.")]
 Polish = Annotated[bool, typer.Option("--polish/--no-polish", help="End with least squares.")]
 Thermocouples = Annotated[bool, typer.Option("--temperatures", help="Fit the thermocouples too.")]
+FromStart = Annotated[bool, typer.Option("--from-start", help="Begin at the bearing's own values.")]
+Sampled = Annotated[bool, typer.Option("--posterior", help="Sample the posterior (needs emcee).")]
 Predicted = Annotated[
     list[float] | None,
     typer.Option(help="Ambient temperature [degC] to predict a band at; may be repeated."),
+]
+Despike = Annotated[
+    bool, typer.Option("--despike", help="Take spikes out of all tests before the fit.")
+]
+Detrend = Annotated[
+    str,
+    typer.Option(
+        help="Take the drift of zero out of all tests: of force, displacement or both.",
+        metavar="SIGNAL",
+    ),
+]
+AcceptPoor = Annotated[
+    bool,
+    typer.Option("--accept-poor", help="Write the bearing of a poor fit (status 4) unmarked."),
 ]
 HeldOut = Annotated[
     list[Path] | None,
@@ -73,17 +90,16 @@ def identify(
     evaluations: Annotated[int, typer.Option(help="Budget of the other methods.")] = 2000,
     loss: Annotated[str, typer.Option(help="linear, soft_l1, huber or cauchy.")] = "linear",
     temperatures: Thermocouples = False,
-    from_start: Annotated[
-        bool, typer.Option("--from-start", help="Begin at the bearing's own values.")
-    ] = False,
+    from_start: FromStart = False,
     check: Annotated[bool, typer.Option("--check", help="Only look the tests over.")] = False,
-    posterior: Annotated[
-        bool, typer.Option("--posterior", help="Sample the posterior (needs emcee).")
-    ] = False,
+    posterior: Sampled = False,
     predict: Predicted = None,
     hold_out: HeldOut = None,
     folds: Folds = None,
     limit: Limit = None,
+    despike: Despike = False,
+    detrend: Detrend = "",
+    accept_poor: AcceptPoor = False,
     output: Output = None,
     force: Force = False,
     no_figures: NoFigures = False,
@@ -93,15 +109,18 @@ def identify(
     """Identify a bearing's parameters from cyclic tests, with their uncertainty."""
     from thermobearing.identify.posterior import forecast
     from thermobearing.identify.result import Identification
+    from thermobearing.identify.treatment import to_be_treated
 
     held = hold_out or []
     records, bearing, target = _read([*tests, *held], start, check, output, force)
+    records = to_be_treated(records, despike, detrend)
     if check or bearing is None:
         return _look_over(records, bearing, target, force, no_figures, as_json, quiet)
     how: dict[str, Any] = {
         "free": [name.strip() for name in free.split(",")] if free is not None else None,
         **{"method": method, "seed": seed, "starts": starts, "evaluations": evaluations},
         **{"loss": loss, "temperatures": temperatures, "blind": not from_start, "polish": polish},
+        "accept_poor": accept_poor,
         "assumed": numbers_by_name(assumed or [], "--assumed", "KEY=NUMBER, such as sigma_Y=0.1"),
     }
     if held or folds is not None or limit:
@@ -113,7 +132,7 @@ def identify(
         drawn = forecast(final, predict or [], posterior=posterior, seed=seed)
     found.save(target, force=force, figures=not no_figures, forecast=drawn)
     if not quiet:
-        _show(found)
+        _show(found, drawn.warnings if drawn else ())
     return written(found.outcome, found.sentence, target, as_json=as_json, quiet=quiet)
 
 
@@ -131,15 +150,15 @@ def _found(
     return with_progress(lambda show: run_hold_out(case, progress=show), "fits", quiet)
 
 
-def _show(found: "Identification | CrossValidation") -> None:
+def _show(found: "Identification | CrossValidation", more: Sequence[str] = ()) -> None:
     from thermobearing.identify.result import Identification
     from thermobearing.identify.screen import print_identification
     from thermobearing.validate.screen import print_cross_validation
 
     if isinstance(found, Identification):
-        print_identification(found)
+        print_identification(found, more)
     else:
-        print_cross_validation(found)
+        print_cross_validation(found, more)
 
 
 def _read(

@@ -1,22 +1,24 @@
 """The bilinear model that is equivalent to a bearing: what design would use instead of it."""
 
 import math
+from functools import cache
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
+from pydantic import Field
 
 from thermobearing.bearing.ambient import Ambient
 from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
+from thermobearing.border.library import data_path
+from thermobearing.border.schema import Strict, validated
+from thermobearing.border.toml import read_toml
 from thermobearing.cyclic.history import run_segments
 from thermobearing.cyclic.protocol import cyclic_test
 from thermobearing.cyclic.segments import build_segments
-from thermobearing.model.earlier import (
-    STIFFNESS_RATIO,
-    BilinearParameters,
-    isothermal,
-)
+from thermobearing.model.earlier import BilinearParameters, isothermal
 from thermobearing.model.options import EndFace, ModelOptions, build_model
 from thermobearing.results.metrics import CycleMeasures, measure_cycle
 
@@ -24,6 +26,32 @@ DESIGN_STRAIN = 1.75  # usual in Japanese qualification tests
 FATTEST = 0.6  # damping ratio; 2/pi = 0.64 is that of a rectangle
 CYCLE = 3  # the cycle that standards measure
 MOST_STEPS = 5000  # in a quarter of a cycle, which a slow test of a large bearing would exceed
+
+
+class PostYieldRatio(Strict):
+    """K_2/K_1 of the bilinear model of a kind of bearing; `unverified`: its source was not read."""
+
+    K_2_over_K_1: Annotated[float, Field(gt=0, lt=1)]
+    source: str
+    unverified: bool
+
+    @property
+    def ratio(self) -> float:
+        """K_2/K_1."""
+        return self.K_2_over_K_1
+
+
+@cache
+def post_yield_ratio(kind: str) -> PostYieldRatio:
+    """K_2/K_1 of a kind of bearing, with its source.
+
+    Examples
+    --------
+    >>> post_yield_ratio("HDR").ratio
+    0.19
+    """
+    path = data_path("equivalent", "stiffness-ratios.toml")
+    return validated(PostYieldRatio, read_toml(path)[kind], f"{path}, {kind}")
 
 
 def bilinear_parameters(
@@ -35,8 +63,8 @@ def bilinear_parameters(
 ) -> BilinearParameters:
     """Bilinear model with the equivalent stiffness and the loop area of a bearing.
 
-    The third cycle of a test without heating: Q_d, K_2 and K_1 = 6.5 K_2 such that peak force
-    and energy are those of the bearing.
+    The third cycle of a test without heating: Q_d, K_2 and K_1 in the ratio of the bearing's kind
+    (data/equivalent) such that peak force and energy are those of the bearing.
 
     Parameters
     ----------
@@ -58,7 +86,7 @@ def bilinear_parameters(
     bearing = as_bearing(bearing)
     measured = isothermal_cycle(bearing, strain, speed, temperature)
     amplitude = strain * bearing.total_rubber_thickness
-    return backbone(measured.stiffness_kN_mm, measured.energy_kN_mm, amplitude)
+    return backbone(measured.stiffness_kN_mm, measured.energy_kN_mm, amplitude, bearing.kind)
 
 
 def isothermal_cycle(
@@ -94,14 +122,16 @@ def isothermal_cycle(
     )
 
 
-def backbone(stiffness: float, energy: float, amplitude: float) -> BilinearParameters:
+def backbone(
+    stiffness: float, energy: float, amplitude: float, kind: str = "LRB"
+) -> BilinearParameters:
     """Q_d, K_2, K_1 from equivalent stiffness [kN/mm], loop area [kN mm] and amplitude [mm].
 
-    K_1 = 6.5 K_2, or as much more (in steps of a quarter) as a fat loop needs: with
-    K_1 = 6.5 K_2 no bilinear loop has more than 28 % of damping.
+    K_1/K_2 is that of the kind of bearing, or as much more (in steps of a quarter) as a fat loop
+    needs: with K_1 = 6.5 K_2 no bilinear loop has more than 28 % of damping.
     """
     damping = energy / (2.0 * math.pi * stiffness * amplitude**2)
-    ratio = STIFFNESS_RATIO
+    ratio = 1.0 / post_yield_ratio(kind).ratio
     if not damping < FATTEST:
         raise InputError(f"no bilinear loop has a damping ratio of {damping:.2f}")
     while (found := solve_backbone(stiffness, damping, amplitude, 1.0 / ratio)) is None:

@@ -14,9 +14,10 @@ from numpy.typing import NDArray
 from thermobearing.border.errors import InputError
 from thermobearing.cyclic.lead_figures import draw_force_shares, draw_lead_temperature
 from thermobearing.cyclic.profile_figure import draw_layer_shear, draw_profiles
-from thermobearing.cyclic.result import Result
+from thermobearing.cyclic.result import Result, run_name
 from thermobearing.cyclic.time_axis import TimeAxis
 from thermobearing.results import drawing
+from thermobearing.results.ranges import limits_passed
 
 Floats = NDArray[np.float64]
 
@@ -60,7 +61,10 @@ class Figures:
         """The ambient temperature, and what ended the run if it did not complete."""
         outcome = str(self._data["outcome"].values[run])
         ended = "" if outcome == "completed" else f" ({outcome.replace('_', ' ')})"
-        return f"ambient {drawing.degrees(self._ambient[run])}{ended}"
+        rows = self._result.tested_range.to_dict("records")
+        untested = "ambient" in limits_passed(rows, [run_name(self._ambient[run])])[0].split()
+        told = " (not tested)" if untested else ""
+        return f"ambient {drawing.degrees(self._ambient[run])}{told}{ended}"
 
     def _needs(self, name: str, figure: str, group: str) -> None:
         if name not in self._data:
@@ -147,6 +151,8 @@ class Figures:
             ax.tick_params(labelbottom=run + columns >= count)
         for ax in axes[count:]:
             ax.remove()
+        ends = [100.0 * self._result.tested_to(run, "strain") for run in range(count)]
+        drawing.shade_untested(axes[:count], [(-end, end) for end in ends])
         return figure
 
     def measures(self) -> Figure:
@@ -259,8 +265,7 @@ class Figures:
     def profiles(self) -> Figure:
         """Temperature through the height at the end of each amplitude, as Fig. 4.10.
 
-        Lines join the centres of the cells; bands show steel (grey) and rubber. A half stack
-        ends at the plane of symmetry, a full stack at the lower face.
+        Lines join the centres of the cells; bands show steel (grey) and rubber.
 
         Returns
         -------
@@ -318,8 +323,7 @@ class Figures:
     def energy(self) -> Figure:
         """Where the work goes: heat released, stored and lost, and recoverable energy, in time.
 
-        The titles give the residuals of the balances at the end, relative to the work. The
-        published scheme does not conserve heat, so its residual is not zero.
+        The titles give the residuals of the balances, relative to the work.
 
         Returns
         -------

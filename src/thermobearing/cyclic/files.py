@@ -13,11 +13,10 @@ from thermobearing.results.directory import (
     FIGURES,
     HISTORY,
     RESOLVED,
-    RIG,
     write_directory,
 )
 from thermobearing.results.reading import read_dataset
-from thermobearing.results.writing import DIGITS, write_csv, write_dataset, write_summary
+from thermobearing.results.writing import DIGITS, write_dataset, write_limits, write_summary
 
 CSV_BLOCK = 50_000  # rows formatted at a time
 
@@ -63,8 +62,7 @@ def _write_all(result: Result, folder: Path, *, figures: bool) -> None:
     with (folder / HISTORY).open("w", encoding="utf-8") as file:
         file.writelines(history_blocks(result))
     write_dataset(result.dataset, folder / DATASET)
-    if len(result.rig):
-        write_csv(folder / RIG, result.rig)
+    write_limits(folder, result.rig, result.tested_range)
     if figures:
         (folder / FIGURES).mkdir()
         result.plot.save_all(folder / FIGURES)

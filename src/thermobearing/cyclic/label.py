@@ -1,17 +1,17 @@
 """Names, units and provenance for what the runs of a case left behind."""
 
-from typing import Any
-
 import numpy as np
 
 import thermobearing
 from thermobearing.bearing.ambient import Ambient
+from thermobearing.bearing.exposure import exposure_attribute, exposures, told_of
+from thermobearing.bearing.validity import ranges_of
 from thermobearing.core.records import labels
 from thermobearing.core.types import Books, RubberBooks
 from thermobearing.cyclic.case import Case
 from thermobearing.cyclic.dataset import RunRecord, StackLabels, build_dataset
 from thermobearing.cyclic.history import History, has_branches
-from thermobearing.cyclic.result import Result
+from thermobearing.cyclic.result import Result, run_name
 from thermobearing.cyclic.rig import asked_of, beyond
 from thermobearing.cyclic.segments import Segment, longest_layer_increment
 from thermobearing.model.earlier import BLIND
@@ -19,6 +19,7 @@ from thermobearing.model.handover import memory_of
 from thermobearing.model.options import BearingModel
 from thermobearing.model.outcomes import SENTENCES, SHARING_SENTENCES
 from thermobearing.model.temperature import outside_law
+from thermobearing.results.ranges import Row, asked_of_tests, outside_tests, reached_by
 
 
 def warnings_of(case: Case, segments: list[Segment], climates: list[Ambient]) -> list[str]:
@@ -70,19 +71,32 @@ def stack_labels(model: BearingModel) -> StackLabels:
     )
 
 
-def asked_of_rig(
+def asked(
     case: Case, segments: list[Segment], climates: list[Ambient], histories: list[History]
-) -> list[dict[str, Any]]:
-    """What each run asks of the rig; the speed is that of the whole test."""
+) -> dict[str, list[Row]]:
+    """What each run asks of the rig and of the tests behind the bearing, where they are given.
+
+    The speed is that of the whole test.
+    """
     x = np.concatenate([[case.starts_at], *(segment.x for segment in segments)])
     dt = np.concatenate([segment.dt for segment in segments])
     speed = float((np.abs(np.diff(x)) / dt).max())
-    found = []
+    rig: list[Row] = []
+    tested: list[Row] = []
     for climate, history in zip(climates, histories, strict=False):
-        books = history.rows.books
-        peaks = [float(np.abs(books[name]).max()) for name in ("force", "displacement")]
-        found += asked_of(case.rig, f"the run at {climate.at(0.0):g} degC", [*peaks, speed])
-    return found
+        books, name = history.rows.books, run_name(climate.at(0.0))
+        peaks = [float(np.abs(books[one]).max()) for one in ("force", "displacement")]
+        rig += asked_of(case.rig, name, [*peaks, speed])
+        reached = reached_by(
+            books["clock"],
+            books["displacement"],
+            speed,
+            rubber=case.bearing.total_rubber_thickness,
+            ambient=(float(climate.temperature.min()), float(climate.temperature.max())),
+            lead=books["lead_temperature"] if case.bearing.lead else None,
+        )
+        tested += asked_of_tests(name, reached, ranges_of(case.bearing))
+    return {"rig": rig, "tested_range": tested}
 
 
 def run_record(case: Case, climate: Ambient, history: History, what: StackLabels) -> RunRecord:
@@ -117,8 +131,9 @@ def label(
         run_record(case, climate, history, what)
         for climate, history in zip(climates, histories, strict=False)
     ]
-    rig = asked_of_rig(case, segments, climates, histories)
+    rows = asked(case, segments, climates, histories)
     constants, options = model.constants, model.options
+    factors = exposures([case.bearing], case.analysis.exposure)
     lead_capacity = constants.lead.cores * constants.lead.capacity
     attributes = {
         "title": f"{case.bearing.name}, {case.test.name}",
@@ -140,10 +155,13 @@ def label(
             {"kind": s.kind, "label": s.label, "amplitude_strain": s.amplitude_strain}
             for s in segments
         ],
-        "warnings": warnings_of(case, segments, climates)
+        "warnings": told_of(factors)
+        + warnings_of(case, segments, climates)
         + extrapolated(case, climates, histories)
-        + beyond(case.rig, rig),
-        **({"rig": rig} if rig else {}),
+        + beyond(case.rig, rows["rig"])
+        + outside_tests(case.bearing.name, rows["tested_range"], ranges_of(case.bearing)),
+        **{name: found for name, found in rows.items() if found},
+        **exposure_attribute(factors),
         "sentences": SENTENCES | SHARING_SENTENCES,
     }
     return Result(

@@ -34,6 +34,7 @@ def draw_lead_temperature(result: Result, title: str, titles: list[str]) -> Figu
             ax.plot(*time.trace(run, values), color=colour, linewidth=width)
         ax.axhline(data["ambient"].values[run], color=drawing.GREY, linewidth=0.8, linestyle=":")
         drawing.name_axes(ax, y="temperature [°C]")
+        drawing.mark_tested(ax, result.tested_to(run, "lead_temperature"), "lead tested to here")
     last = "innermost" if data.attrs["half_stack"] else "last"
     handles = [
         Line2D([], [], color=colour, linewidth=1.6, label=label)

@@ -6,6 +6,7 @@ the total rubber thickness or in mm.
 """
 
 import math
+from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -14,7 +15,7 @@ from pydantic import Field
 
 from thermobearing.border.errors import InputError
 from thermobearing.border.schema import Strict, in_unit, validated
-from thermobearing.cyclic.recording import read_recording
+from thermobearing.cyclic.recording import checked_history, read_recording
 from thermobearing.model.effort import MAX_STEPS
 
 Floats = NDArray[np.float64]
@@ -132,10 +133,31 @@ class Rest(Strict):
 
 
 class Recorded(Strict):
-    """A displacement history from a CSV file with columns time and displacement."""
+    """A displacement history: a CSV file with columns time and displacement, or two lists."""
 
     step: Literal["recorded"] = "recorded"
-    file: Annotated[str, Field(min_length=1)]
+    file: Annotated[str, Field(min_length=1)] | None = None
+    time_s: Annotated[tuple[float, ...], Field(max_length=MAX_STEPS)] | None = None
+    displacement_mm: Annotated[tuple[float, ...], Field(max_length=MAX_STEPS)] | None = None
+
+    @classmethod
+    def conflicts(cls, given: dict[str, Any]) -> list[str]:
+        """A file, or both lists."""
+        lists = {"time_s", "displacement_mm"} & set(given)
+        if ("file" in given) == bool(lists) or len(lists) == 1:
+            return ["give either file, or both time_s and displacement_mm"]
+        return []
+
+    @property
+    def name(self) -> str:
+        """Where it is from, for people."""
+        return "history" if self.file is None else Path(self.file).name
+
+    def points(self, start: float | None) -> tuple[Floats, Floats]:
+        """Time between the points [s], and displacements [mm]; `start`: see `read_recording`."""
+        if self.file is not None:
+            return read_recording(self.file, start)
+        return checked_history(self.time_s, self.displacement_mm, start, "history")
 
 
 Step = Annotated[Cycles | Ramp | Rest | Recorded, Field(discriminator="step")]
@@ -184,9 +206,9 @@ def _step_faults(
     elif isinstance(step, Rest):
         steps = step.count(dt)
     else:
-        where = f"{step.file}: "
+        where = f"{step.file or step.name}: "
         try:
-            gaps, x = read_recording(step.file, at)
+            gaps, x = step.points(at)
         except InputError as error:
             return 0.0, None, error.lines()
         end, peak = float(x[-1]), float(np.abs(x).max())

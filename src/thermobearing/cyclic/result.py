@@ -17,7 +17,13 @@ from thermobearing.results.metrics import (
     measure_cycle,
     relative_residual,
 )
-from thermobearing.results.writing import from_attribute, rig_summary
+from thermobearing.results.ranges import largest_tested
+from thermobearing.results.writing import (
+    exposure_summary,
+    from_attribute,
+    limits_of,
+    limits_summary,
+)
 
 if TYPE_CHECKING:
     from thermobearing.cyclic.figures import Figures
@@ -85,8 +91,17 @@ class Result:
     @property
     def rig(self) -> pd.DataFrame:
         """What each run asks of each limit of the rig, and whether it passes it; empty without."""
-        told = "rig" in self.dataset.attrs  # if one was named
-        return pd.DataFrame(from_attribute(self.dataset, "rig") if told else [])
+        return limits_of(self.dataset, "rig")
+
+    @property
+    def tested_range(self) -> pd.DataFrame:
+        """What each run asks of the range that the bearing was tested in; empty if not given."""
+        return limits_of(self.dataset, "tested_range")
+
+    def tested_to(self, run: int, limit: str) -> float:
+        """Largest tested value of a quantity that a run goes beyond; infinite where it does not."""
+        name = run_name(float(self.dataset["ambient"].values[run]))
+        return largest_tested(self.tested_range.to_dict("records"), name, limit)
 
     def time(self, run: int) -> Floats:
         """Times of the kept steps of a run [s]."""
@@ -252,7 +267,8 @@ class Result:
             "version": attrs["version"],
             "outcome": self.outcome,
             "warnings": self.warnings,
-            **rig_summary(self.rig),
+            **limits_summary(self.rig, self.tested_range),
+            **exposure_summary(self.dataset),
             "runs": [self._run_summary(run) for run in range(self.dataset.sizes["ambient"])],
         }
 
@@ -301,6 +317,11 @@ class Result:
         from thermobearing.cyclic.files import save_result
 
         return save_result(self, Path(directory), force=force, figures=figures)
+
+
+def run_name(ambient: float) -> str:
+    """What a run is called in sentences."""
+    return f"the run at {ambient:g} degC"
 
 
 def _cycle_summary(row: dict[Any, Any]) -> dict[str, Any]:

@@ -4,12 +4,12 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
-import numpy as np
 from pydantic import Field
 
 from thermobearing.border.errors import InputError
 from thermobearing.border.library import Library
 from thermobearing.border.schema import Strict, in_unit, validated
+from thermobearing.results.ranges import Row, compared
 
 LIMITS = {  # of a rig: unit, and how a run that passes it is told
     "force": ("kN", "asks for {0:.4g} kN, more than the {1:g} kN"),
@@ -86,29 +86,19 @@ def settle_rig(table: dict[str, Any], folder: Path) -> list[str]:
     return []
 
 
-def asked_of(rig: Rig | None, run: str, peaks: Sequence[float]) -> list[dict[str, Any]]:
+def asked_of(rig: Rig | None, run: str, peaks: Sequence[float]) -> list[Row]:
     """What a run asks of each limit of a rig: force [kN], stroke [mm] and speed [mm/s]."""
-    if rig is None:
-        return []
-    return [
-        {
-            "run": run,
-            "limit": name,
-            "unit": unit,
-            "asked": float(peak),
-            "rig": float(getattr(rig, name)),
-            "passed": bool(peak > getattr(rig, name)),
-        }
-        for (name, (unit, _)), peak in zip(LIMITS.items(), peaks, strict=True)
-        if getattr(rig, name) is not None and np.isfinite(peak)
-    ]
+    known = {name: getattr(rig, name, None) for name in LIMITS}
+    limits = {name: (0.0, limit) for name, limit in known.items() if limit is not None}
+    units = {name: unit for name, (unit, _) in LIMITS.items()}
+    return compared(run, dict(zip(LIMITS, peaks, strict=True)), limits, units)
 
 
-def beyond(rig: Rig | None, rows: Sequence[dict[str, Any]]) -> list[str]:
+def beyond(rig: Rig | None, rows: Sequence[Row]) -> list[str]:
     """A sentence for each limit that a run passes."""
     return [
-        f"{row['run']} {LIMITS[row['limit']][1].format(row['asked'], row['rig'])} of {rig.name}: "
-        "that rig cannot do it"
+        f"{row['run']} {LIMITS[row['limit']][1].format(row['asked'], row['largest'])} of "
+        f"{rig.name}: that rig cannot do it"
         for row in rows
         if rig is not None and row["passed"]
     ]

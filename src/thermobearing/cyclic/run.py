@@ -14,12 +14,15 @@ from typing import Any
 import numpy as np
 
 from thermobearing.bearing.ambient import Ambient
+from thermobearing.bearing.exposure import Exposure
 from thermobearing.bearing.model import Bearing, Clock
+from thermobearing.border.errors import InputError
 from thermobearing.cyclic.case import Case, Group, make_case
 from thermobearing.cyclic.equivalent import bilinear_parameters
 from thermobearing.cyclic.history import History, run_segments
 from thermobearing.cyclic.label import label
 from thermobearing.cyclic.protocol import CyclicTest
+from thermobearing.cyclic.recording import checked_history
 from thermobearing.cyclic.result import Result
 from thermobearing.cyclic.rig import Rig
 from thermobearing.cyclic.segments import build_segments
@@ -39,6 +42,7 @@ def run(
     test: CyclicTest | None = None,
     ambient: float | Sequence[float] | Ambient = 23.0,
     *,
+    history: tuple[Sequence[float], Sequence[float]] | None = None,
     dt: float | None = None,
     scheme: Scheme | None = None,
     integrator: Integrator | None = None,
@@ -54,6 +58,7 @@ def run(
     keep_every: int | None = None,
     stack: Stacked | None = None,
     model: Model | None = None,
+    exposure: Exposure | dict[str, Any] | None = None,
     rig: Rig | str | Path | dict[str, Any] | None = None,
     progress: Progress | None = None,
 ) -> Result:
@@ -65,6 +70,8 @@ def run(
     test : what to do; Table 3.4 if not given.
     ambient : temperature of the air [degC], in [-100, 100]; several temperatures make several
         runs in one result; an `Ambient` is a series in time.
+    history : instead of a test: two arrays, times [s] that increase and displacements [mm],
+        the first where the bearing is (0 mm for a virgin one).
     dt : largest time step while the bearing moves [s], in [1e-6, 10].
     scheme : "conservative" (default) or "published" heat scheme.
     integrator : "exact" (default) or "euler" integration of Z.
@@ -86,6 +93,8 @@ def run(
     keep_every : keep every n-th step (turning points are kept besides).
     stack : "auto" (default), "half" or "full" height.
     model : "multi-layer" (default) or an earlier model to compare with (model/earlier.py).
+    exposure : factors for long cold and age, {"stiffness": 1.3, "strength": 1.2, "source": "..."};
+        by default those of the bearing, which is none.
     rig : limits of force [kN], stroke [mm] and speed [mm/s] that are told when a run passes them:
         a name ("shen-rig"), a file or a table; none by default.
     progress : called with (steps done, all steps).
@@ -110,7 +119,7 @@ def run(
     uniform = initial is None or np.ndim(initial) == 0  # type: ignore[arg-type]
     options: dict[str, Any] = {
         "bearing": bearing,
-        "test": test,
+        "test": _test_of(test, history),
         "ambient": [series.at(0.0)] if series else ambient,
         "dt": dt,
         "scheme": scheme,
@@ -121,6 +130,7 @@ def run(
         "clock": clock,
         "stack": stack,
         "model": model,
+        "exposure": exposure,
         "upper_face": upper_face,
         "lower_face": lower_face,
         "keep": keep,
@@ -132,6 +142,27 @@ def run(
         "rig": rig,
     }
     return run_case(make_case({}, "run()", **options), series=series, progress=progress)
+
+
+def _test_of(test: CyclicTest | None, history: Any) -> CyclicTest | None:
+    """The test, or a history as one."""
+    if history is None:
+        return test
+    if test is not None:
+        raise InputError("give test or history, not both", "run()")
+    try:
+        times, displacements = history
+    except (TypeError, ValueError):
+        raise InputError(
+            "history: give two arrays, times [s] and displacements [mm]", "run()"
+        ) from None
+    checked_history(times, displacements, None, "run(): history")
+    lists = {
+        "time_s": np.asarray(times, dtype=float).tolist(),
+        "displacement_mm": np.asarray(displacements, dtype=float).tolist(),
+    }
+    step = {"step": "recorded", **lists}
+    return CyclicTest(name="history", steps=[step])
 
 
 def run_case(

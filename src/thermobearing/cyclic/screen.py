@@ -6,8 +6,10 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from thermobearing.cyclic.result import Result
+from thermobearing.cyclic.result import Result, run_name
 from thermobearing.results.metrics import CycleMeasures
+from thermobearing.results.ranges import titles_passed
+from thermobearing.results.screen import print_warnings
 
 
 def _table(title: str, columns: list[str]) -> Table:
@@ -23,14 +25,17 @@ def print_result(result: Result, compared: dict[str, Result] | None = None) -> N
     console.print(
         f"[bold]{escape(result.dataset.attrs['title'])}[/bold] ({result.dataset.attrs['scheme']})"
     )
-    for warning in result.warnings:
-        console.print(f"[yellow]warning: {escape(warning)}[/yellow]")
-    cycles = result.cycles
+    print_warnings(console, result.warnings)
+    cycles, rows = result.cycles, result.tested_range.to_dict("records")
     layers = [name for name in cycles.columns if str(name).startswith("rubber")]
     for run, ambient in enumerate(result["ambient"].values):
         mine = cycles[cycles["ambient_degC"] == ambient] if len(cycles) else cycles
         heads = ["strain", "cycle", "G_e MPa", "h_eq", "energy kN mm", "Q_d kN", "K_d kN/mm"]
-        table = _table(f"\n{ambient:g} degC", [*heads, *(_layer_title(str(n)) for n in layers)])
+        untested = titles_passed(rows, run_name(float(ambient)))
+        told = f"; not tested: {untested}" if untested else ""
+        table = _table(
+            f"\n{ambient:g} degC{told}", [*heads, *(_layer_title(str(n)) for n in layers)]
+        )
         for row in mine.to_dict("records"):
             table.add_row(*_cycle_cells(row), *(f"{row[name]:.2f}" for name in layers))
         if len(mine):
@@ -106,18 +111,22 @@ def _print_books(console: Console, result: Result, run: int) -> None:
         )
 
 
-def print_measures(cycles: list[CycleMeasures], total_rubber_thickness: float) -> None:
-    """Measures of each cycle of a measured history."""
-    heads = ["cycle", "strain", "G_e MPa", "h_eq", "energy kN mm", "Q_d kN", "K_d kN/mm"]
-    table = _table("", heads)
-    for number, m in enumerate(cycles, 1):
+def print_measures(
+    cycles: list[CycleMeasures], ends: list[str], total_rubber_thickness: float
+) -> None:
+    """Measures of each cycle of a measured history, and how it ends."""
+    heads = ["cycle", "strain", "K_eq kN/mm", "G_e MPa", "h_eq", "energy kN mm", "Q_d kN"]
+    table = _table("", [*heads, "K_d kN/mm", "ends"])
+    for number, (m, end) in enumerate(zip(cycles, ends, strict=True), 1):
         table.add_row(
             str(number),
             f"{m.amplitude_mm / total_rubber_thickness:.1%}",
+            f"{m.stiffness_kN_mm:.3f}",
             f"{m.G_eq_MPa:.3f}",
             f"{m.h_eq:.4f}",
             f"{m.energy_kN_mm:.0f}",
             f"{m.characteristic_strength_kN:.2f}",
             f"{m.post_yield_stiffness_kN_mm:.3f}",
+            end,
         )
     Console().print(table)

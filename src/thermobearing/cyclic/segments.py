@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +20,6 @@ from thermobearing.cyclic.protocol import (
     Rest,
     survey,
 )
-from thermobearing.cyclic.recording import read_recording
 
 
 @dataclass(frozen=True)
@@ -109,7 +107,7 @@ def _plain(kind: str, label: str, x: Floats, dt: Floats, settle: float = 0.0) ->
 
 def _recorded(step: Recorded, rubber: float, dt: float, start: float) -> Segment:
     """A recorded history, each of its intervals cut into equal steps no longer than dt."""
-    gaps, displacement = read_recording(step.file, start)
+    gaps, displacement = step.points(start)
     counts = np.maximum(1, np.ceil(gaps / dt - TINY).astype(np.int64))
     steps = np.repeat(gaps / counts, counts)
     ends = np.cumsum(counts) - 1
@@ -117,9 +115,8 @@ def _recorded(step: Recorded, rubber: float, dt: float, start: float) -> Segment
     turns = np.zeros(len(x), dtype=bool)
     turns[ends] = True
     cycle = np.zeros(len(x), dtype=np.int32)
-    name = Path(step.file).name
     peak = float(np.abs(displacement).max()) / rubber
-    return Segment("recorded", name, x, steps, cycle, turns, amplitude_strain=peak)
+    return Segment("recorded", step.name, x, steps, cycle, turns, amplitude_strain=peak)
 
 
 def build_segments(

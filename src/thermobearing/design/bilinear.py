@@ -36,7 +36,7 @@ class BoundModel:
 
 
 def bound_models(
-    table: pd.DataFrame, strain: float, total_rubber_thickness: float
+    table: pd.DataFrame, strain: float, total_rubber_thickness: float, kind: str = "LRB"
 ) -> list[BoundModel]:
     """The softest and the stiffest cycle of a table of factors as bilinear models.
 
@@ -48,6 +48,7 @@ def bound_models(
     table : of `temperature_factors`.
     strain : one of its strains.
     total_rubber_thickness : of the bearing [mm], > 0.
+    kind : of the bearing, "HDR", "LHDR" or "LRB": its K_2/K_1 (data/equivalent).
 
     Returns
     -------
@@ -78,7 +79,8 @@ def bound_models(
     ordered = wide.reset_index().sort_values("K_eq").to_dict("records")
     found = []
     for name, row in (("lower", ordered[0]), ("upper", ordered[-1])):
-        model = backbone(float(row["K_eq"]), float(row["energy"]), strain * total_rubber_thickness)
+        amplitude = strain * total_rubber_thickness
+        model = backbone(float(row["K_eq"]), float(row["energy"]), amplitude, kind)
         temperature = float(row["ambient_degC"])
         found.append(BoundModel(name, strain, str(row["basis"]), temperature, model))
     return found

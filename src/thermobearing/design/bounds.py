@@ -10,6 +10,7 @@ import pandas as pd
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
+from thermobearing.bearing.validity import ranges_of
 from thermobearing.cyclic.equivalent import DESIGN_STRAIN, bilinear_parameters
 from thermobearing.earthquake.case import make_earthquake_case
 from thermobearing.earthquake.run import run_earthquake
@@ -71,6 +72,7 @@ def bound(bearing: Bearing, name: str, temperature: float, strain: float) -> Bil
         strength=model.strength,
         initial_stiffness=model.initial,
         post_yield_stiffness=model.post_yield,
+        tested_range=bearing.tested_range,
     )
 
 
@@ -100,7 +102,8 @@ def bounds_study(
     -------
     DataFrame : one row per motion and demand: lower, upper, envelope of the two; largest of the
         coupled model and the temperature where it occurs; envelope over coupled; verdict
-        ("unsafe" below 0.95, "wasteful" above 1.3).
+        ("unsafe" below 0.95, "wasteful" above 1.3); quantities beyond the tested range. Its `attrs`
+        hold what the coupled model asks of that range, and how runs ended that did not complete.
 
     Examples
     --------
@@ -118,7 +121,8 @@ def bounds_study(
     whole = make_earthquake_case(
         {"command": "bridge"}, "bounds", bearings=[bearing], ambient=list(ambient), **common
     )
-    bounded, coupled = run_earthquake(simple).table, run_earthquake(whole).table
+    studies = run_earthquake(simple), run_earthquake(whole)
+    bounded, coupled = (study.table for study in studies)
     rows = []
     for motion in dict.fromkeys(coupled["motion"]):
         two = bounded[bounded["motion"] == motion].set_index("bearing")
@@ -138,9 +142,21 @@ def bounds_study(
                     "envelope_over_coupled": ratio,
                     "verdict": verdict(ratio),
                     **{f"coupled_{t:g}_degC": float(values[t]) for t in ambient},
+                    "beyond_tested": _joined(many["beyond_tested"]),
                 }
             )
-    return pd.DataFrame(rows)
+    found = pd.DataFrame(rows)
+    found.attrs["tested_range"] = studies[1].tested_range.to_dict("records")
+    found.attrs["structure"] = whole.structure.name
+    found.attrs["ended"] = [study.outcome for study in studies if study.outcome != "completed"]
+    found.attrs["sentences"] = [study.sentence for study in studies if study.outcome != "completed"]
+    found.attrs["ranges"] = ranges_of(bearing)
+    return found
+
+
+def _joined(several: pd.Series) -> str:
+    """The words of several texts, each once."""
+    return " ".join(dict.fromkeys(word for text in several for word in text.split()))
 
 
 def verdict(ratio: float) -> str:
@@ -190,9 +206,10 @@ def paragraph(table: pd.DataFrame, name: str) -> str:
             f"{title.split(' [')[0]}: {ratios.min():.2f} to {ratios.max():.2f} of what the coupled "
             f"model gives (unsafe for {unsafe}, wasteful for {wasteful} of {len(ratios)} motions)"
         )
+    on = f" on {table.attrs['structure']}" if "structure" in table.attrs else ""
     worst = table.loc[int(np.argmin(table["envelope_over_coupled"].to_numpy()))]
     return (
-        f"{name}: the envelope of the two bilinear bounds against the coupled model. "
+        f"{name}{on}: the envelope of the two bilinear bounds against the coupled model. "
         + "; ".join(sentences)
         + f". The least safe is {DEMANDS[str(worst['demand'])].split(' [')[0]} under "
         f"{worst['motion']} ({worst['envelope_over_coupled']:.2f})."

@@ -3,15 +3,18 @@
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import Field
+from pydantic import Field, field_validator
 
 from thermobearing.border.errors import InputError
 from thermobearing.border.overrides import overridden
 from thermobearing.border.schema import Strict, in_unit, validated
 from thermobearing.border.toml import read_toml, split_sources, to_toml
-from thermobearing.design.rubber import Kind, load_compound
+from thermobearing.cyclic.case import Temperature, each_once
+from thermobearing.design.peaks import PeakRule
+from thermobearing.design.rubber import Kind, load_rubber
 from thermobearing.design.sizing import SizingRules
-from thermobearing.earthquake.case import Motion, make_earthquake_case
+from thermobearing.earthquake.case import make_earthquake_case
+from thermobearing.earthquake.motion import Motion
 from thermobearing.motions.record import STANDARD_GRAVITY
 from thermobearing.structure.model import MassModel, Structure
 
@@ -37,6 +40,9 @@ class DesignCase(Strict):
     mass : "consistent" or "published".
     sizing : rules of plan and layers.
     equal : names of layered bearings that are to be scaled to the same K_B.
+    ambient : temperatures that these are judged at [degC], in [-100, 100].
+    peaks : what counts under several motions: "largest", or "mean" over the motions of a group, of
+        which the largest (data/design/peaks.toml).
     """
 
     structure: Structure
@@ -53,6 +59,14 @@ class DesignCase(Strict):
     mass: MassModel = "consistent"
     sizing: SizingRules = SizingRules()
     equal: list[str] = ["shen-hdr-bridge", "shen-lhdr-bridge"]  # noqa: RUF012 (pydantic copies it)
+
+    ambient: Annotated[list[Temperature], Field(max_length=100)] = [23.0, 0.0, -20.0]  # noqa: RUF012
+    peaks: PeakRule = "largest"
+
+    @field_validator("ambient")
+    @classmethod
+    def _each_once(cls, ambient: list[float]) -> list[float]:
+        return each_once(ambient)
 
     def to_toml(self) -> str:
         """The case with every default filled in, as TOML; reads back to the same bits."""
@@ -86,12 +100,13 @@ def make_design_case(
     """
     table = overridden(table, overrides, DesignCase)
     study: dict[str, Any] = {"command": "bridge", "bearings": ["shen-bilinear-bridge"]}
-    study |= {key: table[key] for key in ("structure", "motions") if key in table}
+    study |= {key: table[key] for key in ("structure", "motions", "fixed_base") if key in table}
+    table.pop("fixed_base", None)
     settled = make_earthquake_case(study, where, folder)
     table["structure"], table["motions"] = settled.structure, settled.motions
     case = validated(DesignCase, table, where)
     try:
-        load_compound(case.compound, case.compound_kind)
+        load_rubber(case.compound, case.compound_kind)
     except InputError as error:
         raise InputError(error.lines("compound"), where) from None
     if len(case.structure.bearings) != 1:

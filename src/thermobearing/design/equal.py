@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
+from thermobearing.bearing.scaling import resized
 from thermobearing.border.errors import InputError
 from thermobearing.cyclic.equivalent import isothermal_cycle
 from thermobearing.cyclic.protocol import cyclic_test
@@ -38,7 +39,7 @@ class EqualBearing:
 
 
 def with_side(template: Bearing, side: float, layers: int) -> Bearing:
-    """The template with another square plan and number of layers; K_r follows the area.
+    """The template with another square plan and number of layers; its compound stays.
 
     Parameters
     ----------
@@ -58,15 +59,10 @@ def with_side(template: Bearing, side: float, layers: int) -> Bearing:
     """
     plan = template.geometry.plan.model_copy(update={"side": side})
     geometry = template.geometry.model_copy(update={"plan": plan, "rubber_layers": layers})
-    ratio = (side**2 - template.lead_area) / (template.area - template.lead_area)
-    stiffness = ratio * template.hysteresis.layer_stiffness
-    hysteresis = template.hysteresis.model_copy(update={"layer_stiffness": stiffness})
-    return template.model_copy(
+    return resized(template, geometry).model_copy(
         update={
             "name": f"{template.kind.lower()}-{side:g}-{layers}x{geometry.rubber_thickness:g}",
             "description": f"{template.name} scaled to the stiffness of a design",
-            "geometry": geometry,
-            "hysteresis": hysteresis,
         }
     )
 
@@ -80,7 +76,7 @@ def equal_bearing(
     """A bearing of the template's rubber, layers and lead with a given K_B.
 
     As many layers as keep the design strain; the side of the square plan follows from K_B, in
-    steps of 5 mm; K_r grows with the rubber area.
+    steps of 5 mm; the rest follows from the compound (bearing/scaling.py).
 
     Parameters
     ----------

@@ -17,7 +17,9 @@ from thermobearing.border.numbers import is_number, one_or_several
 from thermobearing.border.schema import Strict, validated
 from thermobearing.border.toml import read_toml
 from thermobearing.cyclic.protocol import CyclicTest
+from thermobearing.cyclic.result import run_name
 from thermobearing.cyclic.run import run
+from thermobearing.results.ranges import Row, limits_passed, rows_of
 
 TEMPERATURES = tuple(float(t) for t in range(-40, 41, 10))
 STRAINS = (1.0, 1.75)
@@ -60,8 +62,20 @@ class PublishedTable(Strict):
         return f"{self.name} (unverified)" if self.unverified else self.name
 
 
-class _Published(Strict):
+class PublishedCode(Strict):
+    """What a code asks about temperature; `unverified`: its text was not read."""
+
+    code: str
+    says: str
+    source: str
+    unverified: bool
+
+
+class Published(Strict):
+    """What data/factors/published.toml says."""
+
     tables: list[PublishedTable]
+    codes: list[PublishedCode]
 
 
 @cache
@@ -77,8 +91,77 @@ def published_tables() -> list[PublishedTable]:
     >>> any(table.unverified for table in published_tables())
     True
     """
+    return _published().tables
+
+
+@cache
+def published_codes() -> list[PublishedCode]:
+    """What codes ask about temperature, with the source and whether it was read.
+
+    Returns
+    -------
+    list of PublishedCode
+
+    Examples
+    --------
+    >>> [item.code.split(",")[0] for item in published_codes()]
+    ['AASHTO', 'EN 1998-2 annex JJ and EN 15129 annex J', 'JRA']
+    """
+    return _published().codes
+
+
+@cache
+def _published() -> Published:
     path = data_path("factors", "published.toml")
-    return validated(_Published, read_toml(path), str(path)).tables
+    return validated(Published, read_toml(path), str(path))
+
+
+def coldest_factors(table: pd.DataFrame, strain: float) -> list[str]:
+    """Factors of the coldest temperature and the largest of all, beside published ones, in words.
+
+    Parameters
+    ----------
+    table : of `temperature_factors`.
+    strain : one of its strains.
+
+    Returns
+    -------
+    list of str : one for each of K_eq, Q_d and K_d.
+
+    Examples
+    --------
+    >>> rows = [
+    ...     {"strain": 1.0, "basis": basis, "quantity": "Q_d", "ambient_degC": -30.0, "factor": f}
+    ...     for basis, f in (("first", 2.1), ("heated", 1.7))
+    ... ]
+    >>> coldest_factors(pd.DataFrame(rows), 1.0)[0][:56]
+    'Q_d on the coldest day, -30 degC: first x 2.10, heated x'
+    """
+    said = []
+    for quantity in ("K_eq", "Q_d", "K_d"):
+        rows = table[(table["strain"] == strain) & (table["quantity"] == quantity)]
+        if rows.empty:
+            continue
+        coldest = float(rows["ambient_degC"].min())
+        cold = rows[rows["ambient_degC"] == coldest]
+        mine = ", ".join(
+            f"{row['basis']} x {row['factor']:.2f}"
+            for row in cold.to_dict("records")
+            if row["basis"] != "mean"
+        )
+        worst = max(rows.to_dict("records"), key=lambda row: row["factor"])
+        others = [
+            f"{item.label} x {np.interp(coldest, item.temperatures, item.factors):.2f}"
+            for item in published_tables()
+            if item.quantity == quantity
+            and item.temperatures[0] <= coldest <= item.temperatures[-1]
+        ]
+        beside = f"; beside it {', '.join(others)}" if others else ""
+        said.append(
+            f"{quantity} on the coldest day, {coldest:g} degC: {mine}; largest of all "
+            f"x {worst['factor']:.2f} at {worst['ambient_degC']:g} degC{beside}"
+        )
+    return said
 
 
 def chosen_cycles(cycles: str | Sequence[int]) -> tuple[int, ...]:
@@ -145,7 +228,8 @@ def temperature_factors(
     Returns
     -------
     DataFrame : strain, basis, ambient_degC, quantity, unit, value, factor, factor_low,
-        factor_high (the last two NaN for one bearing).
+        factor_high (these two NaN for one bearing), beyond_tested (what the first was not tested
+        at).
 
     Raises
     ------
@@ -166,10 +250,12 @@ def temperature_factors(
     temperatures, strains = one_or_several(temperatures), one_or_several(strains)
     _check(bearings, reference_temperature, temperatures, strains, period)
     air = list(dict.fromkeys([float(reference_temperature), *(float(t) for t in temperatures)]))
-    tables = [
-        pd.concat([_measured(item, air, strain, period, numbers, options) for strain in strains])
+    parts = [
+        [_measured(item, air, strain, period, numbers, options) for strain in strains]
         for item in bearings
     ]
+    asked = [row for _, rows in parts[0] for row in rows]
+    tables = [pd.concat([table for table, _ in mine]) for mine in parts]
     keys = ["strain", "basis", "ambient_degC", "quantity"]
     for number, table in enumerate(tables):
         at = table["ambient_degC"] == reference_temperature
@@ -183,9 +269,10 @@ def temperature_factors(
         many = np.array([table.loc[found.index, "factor"].to_numpy() for table in tables])
         low, high = np.quantile(many, QUANTILES, axis=0)
     found["factor_low"], found["factor_high"] = low, high
-    return found.reset_index().sort_values(
+    found = found.reset_index().sort_values(
         ["strain", "quantity", "basis", "ambient_degC"], ignore_index=True
     )
+    return _with_tested(found, asked)
 
 
 def factors_at_speed(
@@ -225,7 +312,8 @@ def factors_at_speed(
         temperature_factors(bearings, strains=[s], period=4.0 * s * rubber / speed, **options)
         for s in strains
     ]
-    return pd.concat(parts, ignore_index=True)
+    asked = [row for part in parts for row in part.attrs["tested_range"]]
+    return _with_tested(pd.concat(parts, ignore_index=True), asked)
 
 
 def _check(
@@ -263,13 +351,16 @@ def _measured(
     period: float,
     numbers: tuple[int, ...],
     options: dict[str, Any],
-) -> pd.DataFrame:
-    """Values at one strain: rows of basis, temperature and quantity."""
+) -> tuple[pd.DataFrame, list[Row]]:
+    """Values at one strain: rows of basis, temperature and quantity; what the tested range says."""
     step = {"step": "cycles", "strain": float(strain), "wave": "sine", "period": float(period)}
     test = CyclicTest(dt=min(0.01, period / 200.0), steps=[step | {"count": max(numbers)}])
     result = run(bearing, test, air, keep=["rubber"], **options)
     if result.outcome != "completed":
-        raise InputError(f"{bearing.name}: the model ended with {result.outcome} at {strain:.0%}")
+        raise InputError(
+            f"{bearing.name}: the model ended with {result.outcome} at {strain:.0%}: "
+            f"{result.sentence}"
+        )
     cycles = result.cycles
     scale = bearing.area / bearing.total_rubber_thickness / 1e3  # MPa -> kN/mm
     values = pd.DataFrame(
@@ -302,4 +393,20 @@ def _measured(
         for row in part.to_dict("records")
         for name, unit in QUANTITIES.items()
     ]
-    return pd.DataFrame(rows)
+    asked = rows_of(result.tested_range)
+    names = {run_name(t): _place(strain, t) for t in air}
+    return pd.DataFrame(rows), [{**row, "run": names[row["run"]]} for row in asked]
+
+
+def _place(strain: float, temperature: float) -> str:
+    """What a run is called in sentences."""
+    return f"{strain:.0%} at {temperature:g} degC"
+
+
+def _with_tested(table: pd.DataFrame, asked: list[Row]) -> pd.DataFrame:
+    """A table with what its first bearing was not tested at; the rows of `compared` in `attrs`."""
+    pairs = zip(table["strain"], table["ambient_degC"], strict=True)
+    runs = [_place(float(strain), float(air)) for strain, air in pairs]
+    table["beyond_tested"] = limits_passed(asked, runs)
+    table.attrs["tested_range"] = asked
+    return table

@@ -13,6 +13,7 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from thermobearing.bearing.model import Bearing
+from thermobearing.bearing.validity import ranges_of
 from thermobearing.border.errors import InputError
 from thermobearing.cyclic.result import Result
 from thermobearing.design.bounds import DEMANDS
@@ -55,7 +56,9 @@ class DesignFigures:
 
     def rounds(self) -> Figure:
         """Assumed and found displacement, round by round."""
-        figure, (ax,) = drawing.panels(1, 1, (6.5, 3.6), "Design loop")
+        figure, (ax,) = drawing.panels(
+            1, 1, (6.5, 3.6), f"{self._design.case.structure.name}: design loop"
+        )
         table = self._design.table
         numbers = table["round"].to_numpy()
         for column, name, colour, marker in (
@@ -65,13 +68,17 @@ class DesignFigures:
             values = table[column].to_numpy()
             ax.plot(numbers, values, color=colour, marker=marker, linewidth=1.2, label=name)
         ax.set_xticks(numbers)
+        ranges = ranges_of(self._design.bearing) or {}
+        end = ranges["strain"][1] * self._design.bearing.total_rubber_thickness
+        if self._design.last.found > end:
+            drawing.mark_tested(ax, end, "the curves end here")
         drawing.name_axes(ax, "round", "displacement of the bearing [mm]")
         ax.legend(fontsize=drawing.SMALL, frameon=False)
         return figure
 
     def equal(self) -> Figure:
         """Loops of the bilinear bearing and the layered ones of its stiffness, as Fig. 6.6."""
-        title = "Bearings of equal stiffness, 23 degC"
+        title = f"{self._design.case.structure.name}: bearings of equal stiffness, 23 degC"
         figure, (ax,) = drawing.panels(1, 1, (6.0, 4.4), title)
         loops = self._design.loops
         for (name, (x, force)), colour in zip(loops.items(), LOOPS, strict=False):
@@ -123,7 +130,8 @@ class BoundsFigures:
         -------
         Figure
         """
-        title = f"{name}: bilinear bounds (bars) and coupled model (dots)"
+        on = self._report.structure
+        title = f"{name} on {on}: bilinear bounds (bars) and coupled model (dots)"
         return draw_bounds(self._report.tables[name], title)
 
     def save_all(self, folder: Path) -> list[Path]:
@@ -179,6 +187,8 @@ class FactorFigures:
             title = f"{quantity} / {quantity} at reference"
             drawing.name_axes(ax, "ambient temperature [°C]", "", title)
             ax.title.set_fontsize(drawing.SMALL)
+        tested = (ranges_of(report.bearings[0]) or {}).get("ambient", (-np.inf, np.inf))
+        drawing.shade_untested(axes, [tested] * len(axes))
         handles = [Line2D([], [], color=colour, label=label) for colour, label in LOOKS.values()]
         drawing.legend_below(figure, handles)
         return figure
@@ -246,6 +256,9 @@ def draw_bounds(table: pd.DataFrame, title: str) -> Figure:
             values = rows[f"coupled_{temperature:g}_degC"].to_numpy()
             ax.plot(at, values, "o", color=colour, markersize=4.5, zorder=3)
         ax.set_ylim(bottom=0.0)
+        most = (table.attrs.get("ranges") or {}).get("strain", (0.0, np.inf))[1]
+        if column == "bearing_strain_max" and ax.get_ylim()[1] > most:
+            drawing.mark_tested(ax, most, "tested to here")
         ax.set_xticks(at, motions, rotation=60, ha="right", rotation_mode="anchor")
         drawing.name_axes(ax, "", "", label)
     handles = [

@@ -19,9 +19,10 @@ from thermobearing.results.directory import (
     ROUNDS,
     SCALE,
     TABLE,
+    TEMPERATURES,
     write_directory,
 )
-from thermobearing.results.writing import write_csv, write_summary
+from thermobearing.results.writing import write_csv, write_limits, write_summary
 
 
 def save_design(
@@ -54,7 +55,7 @@ def save_design(
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     written = save_design(design, Path(folder) / "out", figures=False)
     ...     print(*sorted(path.name for path in written.iterdir()))
-    bearings case.resolved.toml checks.csv rounds.csv summary.json
+    bearings case.resolved.toml checks.csv rounds.csv summary.json tested_range.csv
     """
 
     def fill(folder: Path) -> None:
@@ -62,6 +63,9 @@ def save_design(
         (folder / RESOLVED).write_text(design.case.to_toml(), encoding="utf-8")
         write_csv(folder / ROUNDS, design.table)
         write_csv(folder / CHECKS, pd.DataFrame(design.sheet))
+        write_limits(folder, pd.DataFrame(), design.tested_range)
+        if len(design.temperatures):
+            write_csv(folder / TEMPERATURES, design.temperatures)
         (folder / BEARINGS).mkdir()
         for name, text in _bearings(design).items():
             (folder / BEARINGS / f"{name}.toml").write_text(text, encoding="utf-8")
@@ -103,11 +107,12 @@ def save_bounds(
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     written = save_bounds(report, Path(folder) / "out", figures=False)
     ...     print(*sorted(path.name for path in written.iterdir()))
-    summary.json table.csv
+    summary.json table.csv tested_range.csv
     """
 
     def fill(folder: Path) -> None:
         write_csv(folder / TABLE, report.table)
+        write_limits(folder, pd.DataFrame(), report.tested_range)
         write_summary(folder, report.summary())
         if figures:
             report.plot.save_all(folder / FIGURES)
@@ -141,11 +146,12 @@ def save_factors(
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     written = save_factors(report, Path(folder) / "out", figures=False)
     ...     print(*sorted(path.name for path in written.iterdir()))
-    bounds.csv bounds.py bounds.tcl factors.csv summary.json
+    bounds.csv bounds.py bounds.tcl factors.csv summary.json tested_range.csv
     """
 
     def fill(folder: Path) -> None:
         write_csv(folder / FACTORS, report.table)
+        write_limits(folder, pd.DataFrame(), report.tested_range)
         write_csv(folder / BOUNDS, bounds_table(report.bounds))
         for file, language in ((BOUNDS_TCL, "tcl"), (BOUNDS_PYTHON, "python")):
             text = opensees_text(report.bounds, report.name, language)

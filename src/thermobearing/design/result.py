@@ -12,16 +12,28 @@ from numpy.typing import NDArray
 import thermobearing
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.model import Bearing
+from thermobearing.bearing.validity import ranges_of
 from thermobearing.border.library import data_path
 from thermobearing.border.toml import read_toml
+from thermobearing.cyclic.equivalent import post_yield_ratio
 from thermobearing.cyclic.result import Result
 from thermobearing.design.bilinear import BoundModel, bound_models, bounds_table
 from thermobearing.design.bounds import paragraph
 from thermobearing.design.case import DesignCase
 from thermobearing.design.equal import EqualBearing, third_cycle
-from thermobearing.design.factors import published_tables
-from thermobearing.design.sizing import Check, Size
+from thermobearing.design.factors import coldest_factors, published_codes, published_tables
+from thermobearing.design.peaks import coldest_sentences, envelope, few_motions, peak_rule
+from thermobearing.design.rounds import Round
+from thermobearing.design.sizing import Check
+from thermobearing.design.tested import (
+    asked_by_bounds,
+    asked_by_design,
+    warnings_of_bounds,
+    warnings_of_design,
+)
 from thermobearing.earthquake.result import EarthquakeResult
+from thermobearing.results.ranges import outside_tests
+from thermobearing.results.writing import limits_summary
 
 if TYPE_CHECKING:
     from thermobearing.design.figures import BoundsFigures, DesignFigures, FactorFigures
@@ -48,56 +60,6 @@ def source_design() -> dict[str, Any]:
 
 
 @dataclass(frozen=True)
-class Round:
-    """One turn of the loop.
-
-    Attributes
-    ----------
-    number : from 1.
-    assumed : design displacement u_B that the bearing was sized for [mm].
-    size : the bearing.
-    stiffness, damping : K_B [kN/mm] and h_B at u_B.
-    strength, post_yield, initial : Q_d [kN], K_2, K_1 [kN/mm] of the bilinear model.
-    found : largest displacement over the motions [mm].
-    ductility : largest of the pier over the motions.
-    """
-
-    number: int
-    assumed: float
-    size: Size
-    stiffness: float
-    damping: float
-    strength: float
-    post_yield: float
-    initial: float
-    found: float
-    ductility: float
-
-    @property
-    def difference(self) -> float:
-        """Found over assumed displacement, less one."""
-        return self.found / self.assumed - 1.0
-
-    def row(self) -> dict[str, Any]:
-        """The round as people read it."""
-        return {
-            "round": self.number,
-            "u_B_assumed_mm": self.assumed,
-            "side_mm": self.size.side,
-            "layers": self.size.layers,
-            "layer_thickness_mm": self.size.layer_thickness,
-            "K_B_kN_mm": self.stiffness,
-            "h_B": self.damping,
-            "Q_d_kN": self.strength,
-            "K_1_kN_mm": self.initial,
-            "K_2_kN_mm": self.post_yield,
-            "u_found_mm": self.found,
-            "difference": self.difference,
-            "pier_ductility": self.ductility,
-        }
-
-
-@dataclass(frozen=True)
 class Design:
     """What the loop came to.
 
@@ -105,12 +67,14 @@ class Design:
     ----------
     case : what was to be designed.
     rounds : all turns.
-    outcome : "converged", or why not.
+    outcome : "converged", "two_sizes" (the safer of two that alternate was taken), or why not.
     sentence : the same for people.
-    checks : the calculation sheet of the last round.
-    bearing : bilinear bearing of the last round.
-    study : the last dynamic analyses.
-    equal : layered bearings scaled to the stiffness of the last round.
+    checks : the calculation sheet of the round that was taken.
+    bearing : bilinear bearing of that round.
+    study : its dynamic analyses.
+    equal : layered bearings scaled to the stiffness of that round.
+    chosen : number of the round that was taken; the last by default.
+    temperatures : what the layered bearings do at every temperature; see `judged`.
     """
 
     case: DesignCase
@@ -121,11 +85,18 @@ class Design:
     bearing: BilinearBearing
     study: EarthquakeResult
     equal: list[EqualBearing] = field(default_factory=list)
+    chosen: int = 0
+    temperatures: pd.DataFrame = field(default_factory=pd.DataFrame)
 
     @property
     def last(self) -> Round:
-        """The final turn."""
-        return self.rounds[-1]
+        """The turn that was taken."""
+        return self.rounds[self.chosen - 1]
+
+    @property
+    def usable(self) -> bool:
+        """Whether there is a design."""
+        return self.outcome in ("converged", "two_sizes")
 
     @property
     def first_within(self) -> int | None:
@@ -136,6 +107,16 @@ class Design:
     def table(self) -> pd.DataFrame:
         """One row per round."""
         return pd.DataFrame([turn.row() for turn in self.rounds])
+
+    @property
+    def tested_range(self) -> pd.DataFrame:
+        """What the last round asks of the curves, and equal bearings of their tests."""
+        return pd.DataFrame(asked_by_design(self))
+
+    @property
+    def warnings(self) -> list[str]:
+        """What a reader must know: what left the tested ranges."""
+        return [*few_motions(self.case.motions, self.case.peaks), *warnings_of_design(self)]
 
     @property
     def sheet(self) -> list[dict[str, Any]]:
@@ -162,12 +143,21 @@ class Design:
         source = source_design()
         return {
             "command": "design",
+            "structure": self.case.structure.name,
+            "bearing": self.bearing.name,
             "version": thermobearing.__version__,
             "outcome": self.outcome,
             "sentence": self.sentence,
+            "warnings": self.warnings,
+            **limits_summary(pd.DataFrame(), self.tested_range),
             "first_within_10_percent": self.first_within,
             "rounds": [turn.row() for turn in self.rounds],
+            "chosen_round": self.last.number,
+            "peaks": peak_rule(self.case.peaks).model_dump(),
             "checks": self.sheet,
+            "temperatures": self.temperatures.to_dict("records"),
+            "envelope": envelope(self.temperatures).to_dict("records"),
+            "coldest_day": coldest_sentences(self.temperatures),
             "equal": [
                 {"name": item.bearing.name, "K_eq_kN_mm": item.stiffness, "h_eq": item.damping}
                 for item in self.equal
@@ -216,7 +206,40 @@ class BoundsReport:
     @property
     def table(self) -> pd.DataFrame:
         """All tables below each other."""
-        return pd.concat([table.assign(bearing=name) for name, table in self.tables.items()])
+        return pd.concat(
+            [
+                table.assign(bearing=name, structure=self.structure)
+                for name, table in self.tables.items()
+            ]
+        )
+
+    @property
+    def outcome(self) -> str:
+        """Completed, or what ended a run early."""
+        ended = [name for t in self.tables.values() for name in t.attrs.get("ended", [])]
+        return ended[0] if ended else "completed"
+
+    @property
+    def sentence(self) -> str:
+        """What the outcome means and what to try."""
+        said = [text for t in self.tables.values() for text in t.attrs.get("sentences", [])]
+        return said[0] if said else ""
+
+    @property
+    def tested_range(self) -> pd.DataFrame:
+        """What the coupled model asks of the range that each bearing was tested in."""
+        return pd.DataFrame(asked_by_bounds(self.tables))
+
+    @property
+    def warnings(self) -> list[str]:
+        """What a reader must know: what left the tested ranges."""
+        return warnings_of_bounds(self.tables)
+
+    @property
+    def structure(self) -> str:
+        """What the bearings stand on."""
+        names = [str(table.attrs.get("structure", "")) for table in self.tables.values()]
+        return names[0] if names else ""
 
     @property
     def paragraphs(self) -> dict[str, str]:
@@ -227,8 +250,11 @@ class BoundsReport:
         """The content of summary.json."""
         return {
             "command": "bounds",
+            "structure": self.structure,
             "version": thermobearing.__version__,
-            "outcome": "completed",
+            "outcome": self.outcome,
+            "warnings": self.warnings,
+            **limits_summary(pd.DataFrame(), self.tested_range),
             "paragraphs": self.paragraphs,
             "rows": {name: table.to_dict("records") for name, table in self.tables.items()},
         }
@@ -290,10 +316,27 @@ class FactorReport:
         """The largest strain, that of the bounds and the figure."""
         return float(self.table["strain"].max())
 
+    @property
+    def tested_range(self) -> pd.DataFrame:
+        """What the runs of the first bearing ask of the range that it was tested in."""
+        return pd.DataFrame(self.table.attrs.get("tested_range", []))
+
+    @property
+    def warnings(self) -> list[str]:
+        """What a reader must know: what left the tested range."""
+        rows = self.table.attrs.get("tested_range", [])
+        return outside_tests(self.name, rows, ranges_of(self.bearings[0]))
+
     @cached_property
     def bounds(self) -> list[BoundModel]:
         """Lower and upper bilinear model."""
-        return bound_models(self.table, self.strain, self.bearings[0].total_rubber_thickness)
+        first = self.bearings[0]
+        return bound_models(self.table, self.strain, first.total_rubber_thickness, first.kind)
+
+    @property
+    def coldest(self) -> list[str]:
+        """What the coldest temperature makes of the bearing at the largest strain, in words."""
+        return coldest_factors(self.table, self.strain)
 
     def summary(self) -> dict[str, Any]:
         """The content of summary.json."""
@@ -304,9 +347,14 @@ class FactorReport:
             "version": thermobearing.__version__,
             "outcome": "completed",
             "reference_degC": self.reference,
+            "warnings": self.warnings,
+            **limits_summary(pd.DataFrame(), self.tested_range),
             "motion": self.motion,
             "cycles": self.cycles,
             "bounds": bounds_table(self.bounds).to_dict("records"),
+            "stiffness_ratio": post_yield_ratio(self.bearings[0].kind).model_dump(),
+            "coldest_day": self.coldest,
+            "codes": [item.model_dump() for item in published_codes()],
             "factors": self.table.to_dict("records"),
             "published": [item.model_dump() for item in published_tables()],
         }

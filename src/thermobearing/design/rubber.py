@@ -17,7 +17,7 @@ NEWTON_PER_KILONEWTON = 1e3
 Kind = Literal["HDR", "HDR-S"]
 
 
-class Compound(Strict):
+class DesignRubber(Strict):
     """Coefficients of one rubber: G_e [MPa] and h_B by powers of the design shear strain."""
 
     name: str
@@ -33,7 +33,7 @@ class Curves(Strict):
     citation: str
     smallest_strain: Annotated[float, Field(ge=0)]
     largest_strain: Annotated[float, Field(gt=0)]
-    compounds: list[Compound]
+    compounds: list[DesignRubber]
 
 
 @cache
@@ -53,7 +53,7 @@ def load_curves() -> Curves:
     return validated(Curves, read_toml(path), str(path))
 
 
-def load_compound(name: str, kind: Kind = "HDR") -> Compound:
+def load_rubber(name: str, kind: Kind = "HDR") -> DesignRubber:
     """A compound by name and kind.
 
     Parameters
@@ -63,7 +63,7 @@ def load_compound(name: str, kind: Kind = "HDR") -> Compound:
 
     Returns
     -------
-    Compound
+    DesignRubber
 
     Raises
     ------
@@ -71,7 +71,7 @@ def load_compound(name: str, kind: Kind = "HDR") -> Compound:
 
     Examples
     --------
-    >>> load_compound("G8").damping_ratio[0]
+    >>> load_rubber("G8").damping_ratio[0]
     0.21615
     """
     known = [item for item in load_curves().compounds if item.kind == kind]
@@ -112,12 +112,12 @@ def checked_strain(strain: float) -> float:
     return strain
 
 
-def shear_modulus(compound: Compound, strain: float) -> float:
+def shear_modulus(compound: DesignRubber, strain: float) -> float:
     """Design equivalent shear modulus G_e [MPa] at a design shear strain (Eq. 6.2).
 
     Parameters
     ----------
-    compound : from `load_compound`.
+    compound : from `load_rubber`.
     strain : design shear strain, in [0.2, 2.5].
 
     Returns
@@ -130,19 +130,19 @@ def shear_modulus(compound: Compound, strain: float) -> float:
 
     Examples
     --------
-    >>> round(shear_modulus(load_compound("G8"), 178 / 112), 4)
+    >>> round(shear_modulus(load_rubber("G8"), 178 / 112), 4)
     0.8134
     """
     powers = np.arange(len(compound.shear_modulus))
     return float(np.array(compound.shear_modulus) @ checked_strain(strain) ** powers)
 
 
-def damping_ratio(compound: Compound, strain: float) -> float:
+def damping_ratio(compound: DesignRubber, strain: float) -> float:
     """Design equivalent damping ratio h_B at a design shear strain (Eq. 6.3).
 
     Parameters
     ----------
-    compound : from `load_compound`.
+    compound : from `load_rubber`.
     strain : design shear strain, in [0.2, 2.5].
 
     Returns
@@ -155,7 +155,7 @@ def damping_ratio(compound: Compound, strain: float) -> float:
 
     Examples
     --------
-    >>> round(damping_ratio(load_compound("G8"), 178 / 112), 4)
+    >>> round(damping_ratio(load_rubber("G8"), 178 / 112), 4)
     0.1513
     """
     powers = np.arange(len(compound.damping_ratio))
@@ -163,13 +163,13 @@ def damping_ratio(compound: Compound, strain: float) -> float:
 
 
 def equivalent_stiffness(
-    compound: Compound, area: float, total_rubber_thickness: float, displacement: float
+    compound: DesignRubber, area: float, total_rubber_thickness: float, displacement: float
 ) -> float:
     """K_B = G_e A_e / sum t_e (Eq. 6.1) [kN/mm].
 
     Parameters
     ----------
-    compound : from `load_compound`.
+    compound : from `load_rubber`.
     area : effective plan area A_e, without side cover [mm2], > 0.
     total_rubber_thickness : [mm], > 0.
     displacement : design displacement [mm], within the strains of the curves.
@@ -184,7 +184,7 @@ def equivalent_stiffness(
 
     Examples
     --------
-    >>> round(equivalent_stiffness(load_compound("G8"), 360_000.0, 112.0, 178.0), 3)
+    >>> round(equivalent_stiffness(load_rubber("G8"), 360_000.0, 112.0, 178.0), 3)
     2.614
     """
     modulus = shear_modulus(compound, displacement / total_rubber_thickness)

@@ -12,14 +12,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+import pandas as pd
+
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.library import load_bearing
 from thermobearing.bearing.model import Bearing
+from thermobearing.bearing.validity import Validity
 from thermobearing.border.errors import InputError
 from thermobearing.cyclic.equivalent import DESIGN_STRAIN
 from thermobearing.design.bounds import AIR, BEARINGS, bounds_study, first_motions
 from thermobearing.design.case import DesignCase, bearing_weight
-from thermobearing.design.equal import equal_bearing
+from thermobearing.design.equal import EqualBearing, equal_bearing
 from thermobearing.design.factors import (
     PERIOD,
     STRAINS,
@@ -27,8 +31,10 @@ from thermobearing.design.factors import (
     factors_at_speed,
     temperature_factors,
 )
-from thermobearing.design.result import BoundsReport, Design, FactorReport, Round
-from thermobearing.design.rubber import bilinear_of, load_compound, load_curves
+from thermobearing.design.peaks import combined, judged
+from thermobearing.design.result import BoundsReport, Design, FactorReport
+from thermobearing.design.rounds import Round, size_name, two_sizes
+from thermobearing.design.rubber import bilinear_of, load_curves, load_rubber
 from thermobearing.design.scale import scale_study
 from thermobearing.design.sizing import Check, checks_of, design_values, size_bearing
 from thermobearing.earthquake.case import EarthquakeCase, make_earthquake_case
@@ -38,14 +44,20 @@ from thermobearing.earthquake.run import run_earthquake
 BLIND = 23.0  # degC: the bilinear bearing does not care
 
 
-def earthquake_of(case: DesignCase, bearing: BilinearBearing, stiffness: float) -> EarthquakeCase:
+def earthquake_of(
+    case: DesignCase,
+    bearings: Sequence[Bearing | BilinearBearing],
+    stiffness: float,
+    ambient: Sequence[float] = (BLIND,),
+) -> EarthquakeCase:
     """The dynamic analysis of one round; eigenvalues and damping follow the bearing's K_B.
 
     Parameters
     ----------
     case : what is designed.
-    bearing : of the round.
-    stiffness : its K_B [kN/mm], > 0.
+    bearings : of the round, or layered ones of its stiffness.
+    stiffness : K_B [kN/mm], > 0.
+    ambient : temperatures [degC].
 
     Returns
     -------
@@ -56,7 +68,7 @@ def earthquake_of(case: DesignCase, bearing: BilinearBearing, stiffness: float) 
     >>> from thermobearing.bearing.bilinear import load_bilinear
     >>> from thermobearing.design.case import make_design_case
     >>> bearing = load_bilinear("shen-bilinear-bridge")
-    >>> earthquake_of(make_design_case({}, "example"), bearing, 2.6).ambient
+    >>> earthquake_of(make_design_case({}, "example"), [bearing], 2.6).ambient
     [23.0]
     """
     line = case.structure.bearings[0].model_copy(update={"equivalent_stiffness": stiffness})
@@ -65,9 +77,9 @@ def earthquake_of(case: DesignCase, bearing: BilinearBearing, stiffness: float) 
         {"command": "bridge"},
         "design",
         structure=structure,
-        bearings=[bearing],
-        motions=[motion.model_dump(exclude_none=True) for motion in case.motions],
-        ambient=[BLIND],
+        bearings=list(bearings),
+        motions=list(case.motions),
+        ambient=list(ambient),
         dt=case.dt,
         mass=case.mass,
     )
@@ -85,7 +97,7 @@ class Turn:
 
 def one_turn(case: DesignCase, number: int, assumed: float) -> Turn:
     """Size for a displacement and analyse."""
-    compound = load_compound(case.compound, case.compound_kind)
+    compound = load_rubber(case.compound, case.compound_kind)
     size = size_bearing(assumed, bearing_weight(case), case.sizing)
     effective = case.effective_displacement_factor * assumed
     thickness = size.total_rubber_thickness
@@ -101,10 +113,12 @@ def one_turn(case: DesignCase, number: int, assumed: float) -> Turn:
         strength=model.strength,
         initial_stiffness=model.initial,
         post_yield_stiffness=model.post_yield,
+        tested_range=Validity(strain=[curves.smallest_strain, curves.largest_strain]),
     )
-    study = run_earthquake(earthquake_of(case, bearing, stiffness))
-    found = float(study["bearing_displacement_max"].max())
-    ductility = float(study["pier_ductility"].max())
+    study = run_earthquake(earthquake_of(case, [bearing], stiffness))
+    peaks = np.asarray(study["bearing_displacement_max"])
+    found = combined(peaks.tolist(), case.motions, case.peaks)
+    ductility = combined(np.asarray(study["pier_ductility"]).tolist(), case.motions, case.peaks)
     turn = Round(
         number=number,
         assumed=assumed,
@@ -115,6 +129,7 @@ def one_turn(case: DesignCase, number: int, assumed: float) -> Turn:
         post_yield=model.post_yield,
         initial=model.initial,
         found=found,
+        largest=float(peaks.max()),
         ductility=ductility,
     )
     checks = checks_of(size, bearing_weight(case), found / thickness, ductility, case.sizing)
@@ -131,6 +146,15 @@ def _ended(case: DesignCase, rounds: list[Round], study: EarthquakeResult) -> tu
             f"The displacement of {last.found:.0f} mm is within {case.tolerance:.0%} of the "
             f"assumed {last.assumed:.0f} mm after {last.number} rounds."
         )
+    between = two_sizes(rounds, case.tolerance)
+    if between is not None:
+        small, large = between
+        return "two_sizes", (
+            f"Two sizes alternate: {size_name(small)}, sized for {small.assumed:.0f} mm, moves "
+            f"{small.found:.0f} mm, and {size_name(large)}, sized for {large.assumed:.0f} mm, "
+            f"moves {large.found:.0f} mm; none moves as far as it is sized for, within "
+            f"{case.tolerance:.0%}. Taken is the safer one, {size_name(large)}."
+        )
     if last.number == case.most_rounds:
         return "not_converged", (
             f"After {case.most_rounds} rounds the displacement still changes by "
@@ -139,6 +163,37 @@ def _ended(case: DesignCase, rounds: list[Round], study: EarthquakeResult) -> tu
             "tolerance."
         )
     return "", ""
+
+
+def at_every_air(
+    case: DesignCase, last: Round, equal: Sequence[EqualBearing], checks: Sequence[Check]
+) -> pd.DataFrame:
+    """What the layered bearings of a design do at every temperature of the case; see `judged`.
+
+    Parameters
+    ----------
+    case : what was designed.
+    last : the round that was taken.
+    equal : layered bearings of its stiffness.
+    checks : their limits are kept.
+
+    Returns
+    -------
+    DataFrame : empty without layered bearings, or without temperatures.
+
+    Examples
+    --------
+    >>> from thermobearing.design.case import make_design_case
+    >>> from thermobearing.design.sizing import Size
+    >>> turn = Round(1, 178.0, Size(600.0, 8, 14.0), 2.6, 0.15, 125.4, 1.8, 9.5, 180.0, 1.2)
+    >>> len(at_every_air(make_design_case({}, "example"), turn, [], []))
+    0
+    """
+    if not equal or not case.ambient:
+        return pd.DataFrame()
+    bearings = [item.bearing for item in equal]
+    shaken = earthquake_of(case, bearings, last.stiffness, case.ambient)
+    return judged(run_earthquake(shaken), case.motions, case.peaks, checks)
 
 
 def run_design(
@@ -151,7 +206,9 @@ def run_design(
 
     The found displacement replaces the assumed one (6.2.2) until they agree within the
     tolerance. Sizes are whole layers, so the found displacement may jump between two of them:
-    when the assumed displacement is about to repeat, it goes half-way only.
+    when the assumed displacement is about to repeat, it goes half-way only. Where no size moves as
+    far as it is sized for, the loop ends as "two_sizes" with the safer of the two. Layered
+    bearings are then judged at every temperature of the case.
 
     Parameters
     ----------
@@ -175,10 +232,12 @@ def run_design(
     ('converged', True)
     """
     rounds: list[Round] = []
+    turns: list[Turn] = []
     assumed, gain, outcome = case.start, 1.0, ""
     while not outcome:
         turn = one_turn(case, len(rounds) + 1, assumed)
         rounds.append(turn.round)
+        turns.append(turn)
         if tell:
             tell(turn.round)
         outcome, sentence = _ended(case, rounds, turn.study)
@@ -186,7 +245,17 @@ def run_design(
         if len(rounds) > 1 and difference * rounds[-2].difference < 0.0:
             gain *= 0.5
         assumed += gain * (turn.round.found - assumed)
-    last, strain = rounds[-1], case.sizing.design_strain
+    if outcome == "two_sizes":
+        safer = two_sizes(rounds, case.tolerance)
+        assert safer is not None
+        turn = turns[safer[1].number - 1]
+    last, strain = turn.round, case.sizing.design_strain
+    usable = outcome in ("converged", "two_sizes")
+    equal = [
+        equal_bearing(template, last.stiffness, last.assumed, strain)
+        for template in templates
+        if usable
+    ]
     return Design(
         case=case,
         rounds=rounds,
@@ -195,11 +264,9 @@ def run_design(
         checks=turn.checks,
         bearing=turn.bearing,
         study=turn.study,
-        equal=[
-            equal_bearing(template, last.stiffness, last.assumed, strain)
-            for template in templates
-            if outcome == "converged"
-        ],
+        equal=equal,
+        chosen=last.number,
+        temperatures=at_every_air(case, last, equal, turn.checks),
     )
 
 
@@ -209,6 +276,7 @@ def run_bounds(
     ambient: Sequence[float] = AIR,
     *,
     strain: float = DESIGN_STRAIN,
+    **options: Any,
 ) -> BoundsReport:
     """Is a bounding analysis good enough: `bounds_study` of some bearings.
 
@@ -219,6 +287,7 @@ def run_bounds(
         and ground by default.
     ambient : temperatures at which the coupled model runs [degC]; at least two different ones.
     strain : of the bilinear models, in [0.1, 3].
+    options : further keys of an earthquake case: structure, fixed_base, lines, duration, dt, ...
 
     Returns
     -------
@@ -232,7 +301,7 @@ def run_bounds(
     --------
     >>> report = run_bounds(["shen-hdr-bridge"], ["jra-ii-i-1"], [23.0, -20.0])
     >>> report.paragraphs["shen-hdr-bridge"].split(":")[0]
-    'shen-hdr-bridge'
+    'shen-hdr-bridge on pier-p1'
     """
     if len(set(ambient)) < 2:
         raise InputError("ambient: give at least two different temperatures")
@@ -241,7 +310,10 @@ def run_bounds(
     chosen = [item if isinstance(item, Bearing) else load_bearing(item) for item in bearings]
     shaken = first_motions() if motions is None else motions
     return BoundsReport(
-        {item.name: bounds_study(item, shaken, ambient, strain=strain) for item in chosen}
+        {
+            item.name: bounds_study(item, shaken, ambient, strain=strain, **options)
+            for item in chosen
+        }
     )
 
 

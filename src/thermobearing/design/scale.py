@@ -8,6 +8,7 @@ import pandas as pd
 
 from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
+from thermobearing.bearing.scaling import resized
 from thermobearing.border.errors import InputError
 from thermobearing.border.numbers import is_number
 from thermobearing.cyclic.protocol import CyclicTest
@@ -19,12 +20,11 @@ STRAIN, PERIOD, COUNT, REST = 1.75, 2.0, 5, 3600.0  # of the study; s
 
 
 def scaled_bearing(bearing: Bearing | str | Path, factor: float) -> Bearing:
-    """A bearing with all lengths times a factor, of the same materials.
+    """A bearing with all lengths times a factor, of the same compound.
 
     Under the same strain history in the same time, forces go with the factor squared and
-    displacements with the factor, so stiffnesses go with the factor (K_r, K_l, K_v, c_v), d_y
-    with the factor; stresses, strains and coefficients stay. The new bearing has at least as many
-    heat cells as a file without the table `cells`.
+    displacements with the factor (bearing/scaling.py); stresses, strains and coefficients stay. The
+    new bearing has at least as many heat cells as a file without the table `cells`.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ def scaled_bearing(bearing: Bearing | str | Path, factor: float) -> Bearing:
     if not is_number(factor) or not 1e-3 <= factor <= 1e3:
         raise InputError(f"factor = {factor!r}: must be a number from 0.001 to 1000")
     bearing = as_bearing(bearing)
-    g, h = bearing.geometry, bearing.hysteresis
+    g = bearing.geometry
     lengths = ("length", "width", "side", "diameter")
     plan = g.plan.model_copy(
         update={name: factor * getattr(g.plan, name) for name in lengths if hasattr(g.plan, name)}
@@ -57,34 +57,14 @@ def scaled_bearing(bearing: Bearing | str | Path, factor: float) -> Bearing:
     geometry = g.model_copy(
         update={"plan": plan} | {name: factor * getattr(g, name) for name in thick}
     )
-    hysteresis = h.model_copy(
+    core = factor * bearing.lead.diameter if bearing.lead is not None else None
+    return resized(bearing, geometry, core).model_copy(
         update={
-            "layer_stiffness": factor * h.layer_stiffness,
-            "yield_displacement": factor * h.yield_displacement,
+            "name": f"{bearing.name}-x{factor:.4g}",
+            "description": f"{bearing.name} with all lengths times {factor:.4g}",
+            "cells": bearing.cells.enough(),
         }
     )
-    update: dict[str, Any] = {
-        "name": f"{bearing.name}-x{factor:.4g}",
-        "description": f"{bearing.name} with all lengths times {factor:.4g}",
-        "geometry": geometry,
-        "hysteresis": hysteresis,
-        "cells": bearing.cells.enough(),
-    }
-    if bearing.lead is not None:
-        update["lead"] = bearing.lead.model_copy(
-            update={
-                "diameter": factor * bearing.lead.diameter,
-                "stiffness": factor * bearing.lead.stiffness,
-            }
-        )
-    if bearing.rate is not None:
-        update["rate"] = bearing.rate.model_copy(
-            update={
-                "stiffness": factor * bearing.rate.stiffness,
-                "damping": factor * bearing.rate.damping,
-            }
-        )
-    return bearing.model_copy(update=update)
 
 
 def scale_study(

@@ -3,9 +3,14 @@
 from rich.console import Console
 from rich.table import Table
 
+from thermobearing.cyclic.equivalent import post_yield_ratio
 from thermobearing.design.bilinear import bounds_table
 from thermobearing.design.case import DesignCase, bearing_weight
-from thermobearing.design.result import BoundsReport, Design, FactorReport, Round, source_design
+from thermobearing.design.factors import published_codes
+from thermobearing.design.peaks import coldest_sentences, peak_rule
+from thermobearing.design.result import BoundsReport, Design, FactorReport, source_design
+from thermobearing.design.rounds import Round
+from thermobearing.results.screen import print_warnings
 
 COLUMNS = {  # of the rounds: head, width
     "round": 5,
@@ -96,7 +101,10 @@ def print_design(design: Design) -> None:
     True
     """
     console = Console(highlight=False)
-    console.print(design.sentence)
+    console.print(design.sentence, soft_wrap=True)
+    rule = peak_rule(design.case.peaks)
+    mark = " (unverified)" if rule.unverified else ""
+    console.print(f"Peaks are {rule.says}; {rule.source}{mark}.", soft_wrap=True)
     if design.first_within is not None:
         console.print(f"The source's 10 % was met in round {design.first_within}.")
     console.print(_checks(design))
@@ -106,6 +114,9 @@ def print_design(design: Design) -> None:
             f"equal K_B: {item.bearing.name}, K_eq {item.stiffness:.3f} kN/mm, "
             f"h_eq {item.damping:.3f} at 23 degC without heating"
         )
+    for sentence in coldest_sentences(design.temperatures):
+        console.print(sentence, soft_wrap=True)
+    print_warnings(console, design.warnings)
 
 
 def _checks(design: Design) -> Table:
@@ -155,6 +166,7 @@ def print_bounds(report: BoundsReport) -> None:
     """
     for text in report.paragraphs.values():
         print(text + "\n")
+    print_warnings(Console(highlight=False), report.warnings)
 
 
 def print_factors(report: FactorReport) -> None:
@@ -185,6 +197,15 @@ def print_factors(report: FactorReport) -> None:
             f"{row['bound']} bound ({row['basis']} cycle, {row['ambient_degC']:g} degC): Q_d "
             f"{row['Q_d_kN']:.1f} kN, K_1 {row['K_1_kN_mm']:.2f}, K_2 {row['K_2_kN_mm']:.3f} kN/mm"
         )
+    ratio = post_yield_ratio(report.bearings[0].kind)
+    mark = " (unverified)" if ratio.unverified else ""
+    console.print(f"K_2/K_1 {ratio.ratio:.3g}: {ratio.source}{mark}", soft_wrap=True)
+    for sentence in report.coldest:
+        console.print(sentence, soft_wrap=True)
+    for code in published_codes():
+        mark = " (unverified)" if code.unverified else ""
+        console.print(f"{code.code}: {code.says}{mark}", soft_wrap=True)
+    print_warnings(console, report.warnings)
 
 
 def _factors(report: FactorReport) -> Table:

@@ -10,7 +10,7 @@ from thermobearing.border.errors import InputError
 from thermobearing.border.schema import Strict, in_unit
 from thermobearing.design.rubber import (
     NEWTON_PER_KILONEWTON,
-    Compound,
+    DesignRubber,
     damping_ratio,
     equivalent_stiffness,
 )
@@ -164,12 +164,12 @@ def checks_of(
     ]
 
 
-def design_values(compound: Compound, size: Size, displacement: float) -> tuple[float, float]:
+def design_values(compound: DesignRubber, size: Size, displacement: float) -> tuple[float, float]:
     """K_B [kN/mm] and h_B of a size at a displacement.
 
     Parameters
     ----------
-    compound : from `load_compound`.
+    compound : from `load_rubber`.
     size : of the bearing.
     displacement : [mm], within the strains of the curves.
 
@@ -183,8 +183,8 @@ def design_values(compound: Compound, size: Size, displacement: float) -> tuple[
 
     Examples
     --------
-    >>> from thermobearing.design.rubber import load_compound
-    >>> stiffness, damping = design_values(load_compound("G8"), Size(600.0, 8, 14.0), 178.0)
+    >>> from thermobearing.design.rubber import load_rubber
+    >>> stiffness, damping = design_values(load_rubber("G8"), Size(600.0, 8, 14.0), 178.0)
     >>> round(stiffness, 3), round(damping, 4)
     (2.614, 0.1513)
     """

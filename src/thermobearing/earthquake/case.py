@@ -6,20 +6,26 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, field_validator
 
-from thermobearing.bearing.ambient import Ambient
-from thermobearing.bearing.bilinear import BilinearBearing, load_bilinear, load_device
+from thermobearing.bearing.bilinear import load_bilinear, load_device
 from thermobearing.bearing.model import Bearing
-from thermobearing.border.errors import InputError, is_file
+from thermobearing.border.errors import InputError
 from thermobearing.border.overrides import overridden
 from thermobearing.border.schema import Strict, in_unit, validated
 from thermobearing.border.toml import read_toml, split_sources, to_toml
 from thermobearing.cyclic.case import Temperature, each_once
-from thermobearing.cyclic.protocol import LONGEST
 from thermobearing.cyclic.rig import Rig, settle_rig
 from thermobearing.cyclic.start import left_by, settle_start
+from thermobearing.earthquake.devices import (
+    Device,
+    OnLine,
+    into_structure,
+    lines_faults,
+    settle_lines,
+    weather_faults,
+)
+from thermobearing.earthquake.motion import Motion, settle_motions
 from thermobearing.model.handover import SpecimenState, misfit
 from thermobearing.model.options import ModelOptions, build_model
-from thermobearing.motions.library import list_motions, load_motion
 from thermobearing.motions.record import GroundMotion
 from thermobearing.structure.model import (
     DampingKind,
@@ -28,6 +34,7 @@ from thermobearing.structure.model import (
     list_structures,
     load_structure,
 )
+from thermobearing.structure.parts import fixed_base, reported_line
 from thermobearing.structure.run import Method
 
 Command = Literal["bridge", "hybrid"]
@@ -51,20 +58,6 @@ WAYS = ("initial_result", "initial_state")  # to start
 PSEUDO_DYNAMIC_SPEED = 10.0  # of the source's test [mm/s]
 Mode = Literal["rt", "pd"]
 ONE_OR_SEVERAL = BeforeValidator(lambda mode: (mode,) if isinstance(mode, str) else mode)
-
-
-class Motion(Strict):
-    """A built-in motion or a file; what a file does not say itself."""
-
-    name: Annotated[str, Field(min_length=1)]
-    unit: str | None = None
-    dt: Annotated[float, in_unit("s"), Field(ge=1e-5, le=1)] | None = None
-    component: str | None = None
-    factor: Annotated[float, Field(ge=1e-6, le=100)] = 1.0
-
-    def load(self) -> GroundMotion:
-        """The ground motion itself, not yet scaled."""
-        return load_motion(self.name, unit=self.unit, dt=self.dt, component=self.component)
 
 
 class Laboratory(Strict):
@@ -121,9 +114,6 @@ class EarthquakeAnalysis(ModelOptions, Stepping):
         return keep
 
 
-Device = Annotated[Bearing | BilinearBearing, Field(discriminator="kind")]
-
-
 class EarthquakeCase(Strict):
     """Every combination of bearing, motion, ambient temperature and mode is one run.
 
@@ -140,6 +130,7 @@ class EarthquakeCase(Strict):
     laboratory : of a specimen in the loop.
     initial_state : where an earlier test left the bearing; of one bearing that is not bilinear.
         `initial_result` of a file becomes it.
+    lines : bearing lines with a bearing, an air or a count of their own.
     rig : limits of the rig that moves the specimen; a run that passes one says so.
     """
 
@@ -153,6 +144,7 @@ class EarthquakeCase(Strict):
     analysis: EarthquakeAnalysis = EarthquakeAnalysis()
     laboratory: Laboratory | None = None
     initial_state: SpecimenState | None = None
+    lines: Annotated[tuple[OnLine, ...], Field(max_length=8)] = ()
     rig: Rig | None = None
 
     @field_validator("ambient")
@@ -170,6 +162,12 @@ class EarthquakeCase(Strict):
         """Modes of the laboratory, each a run of its own; one without a name if there is none."""
         return self.laboratory.mode if self.laboratory is not None else ("",)
 
+    @property
+    def told_line(self) -> int:
+        """Number of the bearing line that histories and the table of peaks are about."""
+        own = [item.line for item in self.lines if item.bearing is not None]
+        return reported_line(self.structure, own)
+
     def to_toml(self) -> str:
         """The case with every default filled in, as TOML; reads back to the same bits."""
         return to_toml(self, without="" if self.weather is None else "ambient")
@@ -178,18 +176,11 @@ class EarthquakeCase(Strict):
         """What the parts do to each other."""
         found = []
         names = [bearing.name for bearing in self.bearings]
-        motions = [motion.name for motion in self.motions]
-        for kind, given in (("bearings", names), ("motions", motions)):
-            twice = {n for n in given if given.count(n) > 1}
-            found += [f'{kind}: "{n}" is given more than once' for n in twice]
+        twice = {n for n in names if names.count(n) > 1}
+        found += [f'bearings: "{n}" is given more than once' for n in twice]
         if self.weather is not None:
-            try:
-                time = Ambient.from_csv(self.weather).time
-                lasts = time[-1] - time[0]
-                if not 1.0 <= lasts <= LONGEST:
-                    found.append(f"weather: lasts {lasts:g} s; must be 1 to {LONGEST:g} s")
-            except InputError as error:
-                found += error.lines("weather")
+            found += weather_faults(self.weather, "weather")
+        found += lines_faults(self.lines, self.structure)
         if self.initial_state is not None:
             found += self._misfits_of_state()
         many = self.analysis.method != "predictor-corrector"  # trials of a step
@@ -198,7 +189,8 @@ class EarthquakeCase(Strict):
                 "laboratory: delay, force_noise and mode pd need analysis.method = "
                 '"predictor-corrector", which moves the specimen once per step'
             )
-        for bearing in self.bearings:
+        own = [item.bearing for item in self.lines]
+        for bearing in {b.name: b for b in [*self.bearings, *own] if b is not None}.values():
             if isinstance(bearing, Bearing):
                 misfits = self.analysis.settled(bearing).misfits(bearing)
                 found += [f"analysis.{text}" for text in misfits]
@@ -212,6 +204,8 @@ class EarthquakeCase(Strict):
             return ["initial_state: is of one bearing, and none that is bilinear"]
         if self.weather is not None or self.analysis.model == "bilinear":
             return ["initial_state: goes with neither weather nor the bilinear model"]
+        if self.lines:
+            return ["initial_state: goes with no lines of their own"]
         fault = misfit(self.initial_state, build_model(bearing, self.analysis).constants)
         return [f"initial_state: {fault}"] if fault else []
 
@@ -243,7 +237,8 @@ def make_earthquake_case(
     where : names the file in messages.
     folder : paths in the table are relative to it.
     overrides : values that replace those of the table: structure, bearings, motions, ambient,
-        weather, duration, laboratory, and every key of `analysis`; None leaves the table's.
+        weather, duration, laboratory, lines, and every key of `analysis`; None leaves the table's.
+        `fixed_base` (of the table too) leaves out the springs of foundations.
 
     Returns
     -------
@@ -270,11 +265,15 @@ def make_earthquake_case(
     if isinstance(lab, dict) and isinstance(table.get("laboratory", {}), dict):
         overrides["laboratory"] = overridden(table.get("laboratory", {}), lab, Laboratory)
     table = overridden(table, overrides, EarthquakeCase, {"analysis": EarthquakeAnalysis})
+    fixed = table.pop("fixed_base", False)
     problems, motions = _settle(table, command, folder)
+    if not isinstance(fixed, bool):
+        problems.append(f"fixed_base = {fixed!r}: must be true or false")
     faults, earlier = settle_start(table, WAYS)
     problems += faults
     try:
         case = validated(EarthquakeCase, table, where)
+        case = _with_structure(case, fixed=fixed is True)
     except InputError as error:
         raise InputError([*problems, *error.problems], where) from None
     if earlier is not None and not problems:
@@ -287,6 +286,13 @@ def make_earthquake_case(
     if problems:
         raise InputError(problems, where)
     return case
+
+
+def _with_structure(case: EarthquakeCase, *, fixed: bool) -> EarthquakeCase:
+    """The case with what it changes of the structure: counts of lines, foundations held."""
+    lines, structure = into_structure(case.lines, case.structure)
+    structure = fixed_base(structure) if fixed else structure
+    return case.model_copy(update={"lines": lines, "structure": structure})
 
 
 def load_earthquake_case(path: str | Path, **overrides: Any) -> EarthquakeCase:
@@ -323,7 +329,6 @@ def _settle(
 ) -> tuple[list[str], list[GroundMotion]]:
     """Defaults, and names replaced by what they name; returns what is wrong, and the motions."""
     problems: list[str] = []
-    motions: list[GroundMotion] = []
     if "ambient" in table and table.get("weather") is not None:
         problems.append("give ambient or weather, not both")
     if table.get("weather") is not None and isinstance(table["weather"], str):
@@ -332,6 +337,7 @@ def _settle(
     if isinstance(table.get("initial_result"), str) and table["initial_result"]:
         table["initial_result"] = folder / table["initial_result"]
     problems += settle_rig(table, folder)
+    problems += settle_lines(table, folder)
     for key, value in DEFAULTS[command].items():
         table.setdefault(key, value)
     if command == "hybrid":
@@ -353,10 +359,8 @@ def _settle(
         else item
         for k, item in enumerate(table["bearings"])
     ]
-    table["motions"] = [
-        _motion(problems, motions, k, item, folder) for k, item in enumerate(table["motions"])
-    ]
-    return problems, motions
+    table["motions"], motions, found = settle_motions(table["motions"], folder)
+    return [*problems, *found], motions
 
 
 def _named(
@@ -375,20 +379,3 @@ def _named(
             if key == "structure"
             else load_bilinear("shen-bilinear-bridge")
         )
-
-
-def _motion(
-    problems: list[str], motions: list[GroundMotion], number: int, item: Any, folder: Path
-) -> Any:
-    """A motion as a table, its file absolute, and readable: what it holds joins `motions`."""
-    table = {"name": str(item)} if isinstance(item, str | Path) else item
-    if not isinstance(table, dict) or not isinstance(table.get("name"), str):
-        return table
-    table = dict(table)
-    if table["name"] not in list_motions() and is_file(folder / table["name"]):
-        table["name"] = str((folder / table["name"]).absolute())
-    try:
-        motions.append(validated(Motion, table, f"motions[{number}]").load())
-    except InputError as error:
-        problems.extend(error.lines(f"motions[{number}]"))
-    return table

@@ -6,7 +6,7 @@ A study with many motions shows the first few; the table has them all.
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -74,8 +74,14 @@ class EarthquakeFigures:
         """Style of the lines of a run: dashed for pseudo-dynamic beside real time."""
         return LINES[self._result.modes[run]] if len(self._modes) > 1 else "-"
 
-    def _grid(self, what: str, x: str, y: str, draw: Draw) -> Figure:
-        """One panel per bearing and motion; `draw` is called for every run in it."""
+    def _grid(
+        self, what: str, x: str, y: str, draw: Draw, *, strain: Literal["x", "y"] | None = None
+    ) -> Figure:
+        """One panel per bearing and motion; `draw` is called for every run in it.
+
+        `strain` is the axis that shows the strain [%]: beyond the tested range it is shaded.
+        """
+        untested = []
         motions = self._motions[:MOST_COLUMNS]
         rows, columns = len(self._bearings), len(motions)
         size = (max(WIDTH * columns, 5.0) + 0.6, HEIGHT * rows + 0.9)
@@ -88,6 +94,7 @@ class EarthquakeFigures:
             chosen = self._table.query("bearing == @bearing and motion == @motion")
             for run, ambient in zip(chosen.index, chosen["ambient_degC"], strict=True):
                 draw(ax, int(run), self._colours[ambient])
+            untested.append(100.0 * self._result.tested_to(list(chosen.index), "strain"))
             drawing.name_axes(
                 ax,
                 x if panel // columns == rows - 1 else "",
@@ -95,6 +102,8 @@ class EarthquakeFigures:
                 f"{motion}, {bearing}" if columns > 1 else bearing,
             )
             ax.title.set_fontsize(drawing.SMALL)
+        if strain is not None:
+            drawing.shade_untested(axes, [(-end, end) for end in untested], strain)
         self._legend(figure)
         return figure
 
@@ -125,7 +134,9 @@ class EarthquakeFigures:
     def loops(self) -> Figure:
         """Force of one bearing against its strain, as Fig. 6.9 and 6.12 (3.16 to 3.19)."""
         draw = self._plane("bearing_strain", "bearing_force", 100.0)
-        return self._grid("hysteresis of one bearing", "shear strain [%]", "force [kN]", draw)
+        return self._grid(
+            "hysteresis of one bearing", "shear strain [%]", "force [kN]", draw, strain="x"
+        )
 
     def largest_loops(self) -> Figure:
         """The largest loop, the bearings over each other, as Fig. 4.12 and 6.6."""
@@ -138,7 +149,8 @@ class EarthquakeFigures:
     def strain(self) -> Figure:
         """Shear strain in time, as Fig. 6.10 and 6.13."""
         draw = self._time("bearing_strain", 100.0)
-        return self._grid("shear strain of the bearings", "time [s]", "shear strain [%]", draw)
+        what, y = "shear strain of the bearings", "shear strain [%]"
+        return self._grid(what, "time [s]", y, draw, strain="y")
 
     def pier(self) -> Figure:
         """Displacement of the pier top relative to its base, as Fig. 6.17 and 6.19."""
@@ -180,6 +192,8 @@ class EarthquakeFigures:
                 ax.plot(time[kept], layers[kept, j], linestyle=line, **look)
             lead = self._values("lead_temperature", run)
             if np.isfinite(lead).all():
+                end = self._result.tested_to([run], "lead_temperature")
+                drawing.mark_tested(ax, end, "lead tested to here")
                 kept = drawing.thin(lead, TIME_BINS)
                 line = "-." if self._line(run) == "--" else "--"
                 ax.plot(time[kept], lead[kept], color=colour, linewidth=0.9, linestyle=line)
@@ -266,6 +280,10 @@ class EarthquakeFigures:
             bearing = self._bearings[panel % columns]
             self._bars(ax, table[table["bearing"] == bearing], name, factor)
             ax.set_ylim(0.0, 1.08 * factor * float(np.nanmax(table[name])))
+            if name == "bearing_strain_max":
+                mine = list(table.index[table["bearing"] == bearing])
+                end = factor * self._result.tested_to(mine, "strain")
+                drawing.mark_tested(ax, end, "tested to here")
             first, last = panel // columns == 0, panel // columns == len(shown) - 1
             drawing.name_axes(
                 ax, "", label if panel % columns == 0 else "", bearing if first else ""

@@ -10,14 +10,21 @@ from thermobearing.results.directory import (
     DATASET,
     FIGURES,
     HISTORY,
+    LINES,
     MODES,
+    PIERS,
     RESOLVED,
-    RIG,
     TABLE,
     write_directory,
 )
 from thermobearing.results.reading import read_dataset
-from thermobearing.results.writing import DIGITS, write_csv, write_dataset, write_summary
+from thermobearing.results.writing import (
+    DIGITS,
+    write_csv,
+    write_dataset,
+    write_limits,
+    write_summary,
+)
 
 
 def save_earthquake(
@@ -29,6 +36,8 @@ def save_earthquake(
     compared: dict[str, EarthquakeResult] | None = None,
 ) -> Path:
     """Write summary.json, table.csv, history.csv, result.nc, case.resolved.toml and figures.
+
+    With several bearing lines or piers also lines.csv and piers.csv.
 
     Parameters
     ----------
@@ -50,8 +59,10 @@ def save_earthquake(
         write_csv(folder / TABLE, result.table)
         if has_both(result):
             write_csv(folder / MODES, modes_table(result))
-        if len(result.rig):
-            write_csv(folder / RIG, result.rig)
+        write_limits(folder, result.rig, result.tested_range)
+        for name, parts in ((LINES, result.lines), (PIERS, result.piers)):
+            if len(parts):
+                write_csv(folder / name, parts)
         _write_histories(result, folder / HISTORY)
         write_dataset(result.dataset, folder / DATASET)
         if figures:

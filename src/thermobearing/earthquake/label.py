@@ -11,15 +11,14 @@ from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.core.records import Floats, Rows, labels
 from thermobearing.core.types import Books
 from thermobearing.cyclic.label import stack_labels
-from thermobearing.cyclic.rig import asked_of, beyond
 from thermobearing.earthquake.case import EarthquakeCase
 from thermobearing.earthquake.ends import labelled_ends
+from thermobearing.earthquake.parts import label_parts
+from thermobearing.earthquake.reached import warnings_of
 from thermobearing.earthquake.result import EarthquakeResult
-from thermobearing.model.earlier import BLIND
 from thermobearing.model.options import BearingModel
 from thermobearing.model.outcomes import INTERRUPTED
 from thermobearing.model.outcomes import SENTENCES as RUN_SENTENCES
-from thermobearing.model.temperature import outside_law
 from thermobearing.results.largest_loop import largest_loop
 from thermobearing.results.writing import as_attribute
 from thermobearing.structure.matrices import (
@@ -30,8 +29,9 @@ from thermobearing.structure.matrices import (
     mean_height,
     unit,
 )
+from thermobearing.structure.parts import hinge_of
 from thermobearing.structure.run import SENTENCES, StructureHistory
-from thermobearing.structure.types import MotionBooks
+from thermobearing.structure.types import Bend, MotionBooks
 
 if TYPE_CHECKING:
     from thermobearing.earthquake.task import Task
@@ -105,6 +105,8 @@ def label_study(
         data[name] = (("run", "step", dimension), wide, about)
     if "temperature" in across:
         data |= _stacks(tasks, data["temperature"][1].shape[2])
+    parts_data, parts_coords = label_parts(tasks, histories, _padded, length)
+    data |= parts_data
     for name, values, unit_name in _scalars(tasks, histories, traces):
         data[name] = (("run",), values, {"units": unit_name})
     data |= labelled_ends(tasks, histories)
@@ -117,8 +119,9 @@ def label_study(
             "mode": ("run", np.array([task.mode for task in tasks], dtype=str)),
             "layer": np.arange(1, data["rubber_temperature"][1].shape[2] + 1),
             "body": np.array([body.name for body in case.structure.bodies], dtype=str),
+            **parts_coords,
         },
-        attrs=_attributes(case, tasks, histories) | _warnings(case, tasks, traces),
+        attrs=_attributes(case, tasks, histories) | warnings_of(case, tasks, histories, traces),
     )
     return EarthquakeResult(dataset)
 
@@ -137,17 +140,18 @@ def _padded(parts: Sequence[Floats], shape: tuple[int, ...]) -> Any:
 def _traces(task: "Task", history: StructureHistory) -> dict[str, Floats]:
     """Histories of one run, in the units of the dataset."""
     structure, report = task.case.structure, task.case.structure.report
-    rows, bearing = history.rows, history.bearing()
+    told, line, hinge = task.told.device, task.case.told_line, _hinge(task, history)
+    rows, bearing = history.rows, history.bearing(line)
     q, a = rows.q, rows.a
     top = displacement_row(structure, report.pier, report.pier_top)
     base = displacement_row(structure, report.pier_base, report.pier_top)
     deck = unit(structure, f"{report.deck} x")
     moved = np.array([deck, top]) @ a.T / MM_PER_M  # relative to the ground
-    missing = np.full(len(q), np.nan)
     ground = task.shaking.ground[: len(q)] / MM_PER_M
-    thickness = task.device.bearing.total_rubber_thickness
-    heat = task.device.stack is not None
-    lead = heat and task.device.constants.lead.cores > 0.0
+    thickness = told.bearing.total_rubber_thickness
+    heat = told.stack is not None
+    lead = heat and told.constants.lead.cores > 0.0
+    missing = np.full(len(q), np.nan)
     return {
         "time": rows.books["clock"],
         "ground_acceleration": ground,
@@ -164,14 +168,18 @@ def _traces(task: "Task", history: StructureHistory) -> dict[str, Floats]:
         "deck_displacement": q @ deck,
         "deck_acceleration": moved[0] + ground,
         "pier_top_acceleration": moved[1] + ground,
-        "pier_rotation": history.hinge()["rotation"] if structure.hinges else missing,
-        "pier_moment": (
-            history.hinge()["moment"] / KN_MM_PER_KN_M if structure.hinges else missing
-        ),
+        "pier_rotation": missing if hinge is None else hinge["rotation"],
+        "pier_moment": missing if hinge is None else hinge["moment"] / KN_MM_PER_KN_M,
         "lead_temperature": bearing["lead_temperature"] if lead else missing,
-        "rubber_temperature": history.layers() if heat else np.empty((len(q), 0)),
-        "temperature": history.cells() if heat else np.empty((len(q), 0)),
+        "rubber_temperature": history.layers(line) if heat else np.empty((len(q), 0)),
+        "temperature": history.cells(line) if heat else np.empty((len(q), 0)),
     }
+
+
+def _hinge(task: "Task", history: StructureHistory) -> Rows[Bend] | None:
+    """The hinge of the pier of the report, which may have none."""
+    number = hinge_of(task.case.structure, task.case.structure.report.pier)
+    return None if number is None else history.hinge(number)
 
 
 def _bodies(task: "Task", history: StructureHistory) -> Floats:
@@ -192,9 +200,10 @@ def _stacks(tasks: Sequence["Task"], cells: int) -> dict[str, Any]:
     depth, thickness = np.full(shape, np.nan), np.full(shape, np.nan)
     part = np.full(shape, "", dtype="<U32")
     for run, task in enumerate(tasks):
-        if task.device.stack is None:
+        told = task.told.device
+        if told.stack is None:
             continue
-        model = BearingModel(task.device.stack, task.device.constants, task.case.analysis)
+        model = BearingModel(told.stack, told.constants, task.case.analysis)
         labels_ = stack_labels(model)
         own = slice(0, len(labels_.depth))
         depth[run, own], thickness[run, own] = labels_.depth, labels_.thickness
@@ -221,6 +230,7 @@ def _scalars(
     def peak(name: str) -> Floats:
         return np.array([np.abs(trace[name]).max() for trace in traces])
 
+    line = tasks[0].case.told_line if tasks else 0
     outcomes = np.array([history.outcome for history in histories], dtype=str)
     found: list[tuple[str, Any, str]] = [
         ("outcome", outcomes, ""),
@@ -243,27 +253,33 @@ def _scalars(
         ("iterations", np.array([history.iterations for history in histories]), "1"),
         ("substeps", np.array([history.substeps for history in histories]), "1"),
     ]
-    hinges = [task.case.structure.hinges for task in tasks]
-    yields = np.array([h[0].yield_rotation if h else np.nan for h in hinges])
+    yields = np.array([_yield_rotation(task) for task in tasks])
     found.append(("pier_ductility", peak("pier_rotation") / yields, "1"))
     for label in labels(MotionBooks):
         if label.unit == "kN mm":
             ends = np.array([history.rows.books[label.name][-1] for history in histories])
             found.append((f"energy_{label.name}", ends, label.unit))
     for name in BEARING_ENERGIES:
-        columns = [history.bearing()[name] for history in histories]
+        columns = [history.bearing(line)[name] for history in histories]
         values = np.array([column[-1] - column[0] for column in columns])
         found.append((f"heat_{name}", values, "kN mm"))
-    mismatch = np.array([h.bearing()["layer_force_mismatch"].max() for h in histories])
+    mismatch = np.array([h.bearing(line)["layer_force_mismatch"].max() for h in histories])
     found.append(("layer_force_mismatch_max", mismatch, "kN"))
     return found + _loops(tasks, traces)
+
+
+def _yield_rotation(task: "Task") -> float:
+    """Of the hinge of the pier of the report [rad]; NaN without one."""
+    structure = task.case.structure
+    number = hinge_of(structure, structure.report.pier)
+    return np.nan if number is None else structure.hinges[number].yield_rotation
 
 
 def _loops(tasks: Sequence["Task"], traces: list[dict[str, Floats]]) -> list[tuple[str, Any, str]]:
     """Measures of the largest loop of one bearing, from every step; NaN where none is closed."""
     rows = []
     for task, trace in zip(tasks, traces, strict=True):
-        bearing = task.device.bearing
+        bearing = task.told.device.bearing
         loop = largest_loop(
             trace["bearing_displacement"],
             trace["bearing_force"],
@@ -322,54 +338,17 @@ def _attributes(
     return attrs
 
 
-def _asked_of_rig(
-    case: EarthquakeCase, tasks: Sequence["Task"], traces: list[dict[str, Floats]]
-) -> list[dict[str, Any]]:
-    """What each run asks of the rig, the speed on the clock of the specimen."""
-    found = []
-    for task, trace in zip(tasks, traces, strict=True):
-        name = f"{task.device.bearing.name}, {task.shaking.motion.name}, {task.ambient:g} degC"
-        names = ("bearing_force", "bearing_displacement", "bearing_speed")
-        found += asked_of(case.rig, name, [float(np.abs(trace[n]).max()) for n in names])
-    return found
-
-
-def _warnings(
-    case: EarthquakeCase, tasks: Sequence["Task"], traces: list[dict[str, Floats]]
-) -> dict[str, Any]:
-    """Limits of the rig that are passed, and rubber outside the range of its temperature law."""
-    rig = _asked_of_rig(case, tasks, traces)
-    found = beyond(case.rig, rig)
-    for bearing in {task.device.bearing.name: task.device.bearing for task in tasks}.values():
-        if isinstance(bearing, BilinearBearing):
-            continue
-        runs = [
-            (
-                ", ".join(
-                    part
-                    for part in (task.shaking.motion.name, f"{task.ambient:g} degC", task.mode)
-                    if part
-                ),
-                trace["time"],
-                trace["rubber_temperature"],
-            )
-            for task, trace in zip(tasks, traces, strict=True)
-            if task.device.bearing.name == bearing.name
-        ]
-        blind = tasks[0].case.analysis.model in BLIND
-        found += [] if blind else outside_law(bearing.name, bearing.temperature_law, runs)
-    return {"warnings": as_attribute(found)} | ({"rig": as_attribute(rig)} if rig else {})
-
-
 def _initial_periods(task: "Task") -> Floats:
     """Periods with the initial stiffness of the bearings at the temperature of the start."""
     from thermobearing.model.element import BearingElement
 
     matrices, structure = task.prepared.matrices, task.case.structure
     small = 1e-6
-    element = BearingElement.from_constants(task.device.constants, initial=task.start[0])
-    slope = element.set_trial(small, small, task.ambient).force / small
-    each = np.array([slope * line.scale**-1 for line in structure.bearings])
+    each = np.zeros(len(task.lines))
+    for b, (one, line) in enumerate(zip(task.lines, structure.bearings, strict=True)):
+        element = BearingElement.from_constants(one.device.constants, initial=one.temperature)
+        slope = element.set_trial(small, small, one.ambient).force / small
+        each[b] = slope / line.scale
     stiffness = matrices.springs + hinge_stiffness(structure, matrices)
     stiffness = stiffness + line_stiffness(structure, matrices, each)
     return find_modes(matrices.mass, stiffness).periods

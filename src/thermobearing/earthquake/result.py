@@ -1,5 +1,6 @@
 """A study of a structure in earthquakes: histories, peaks, energy books, tables."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -8,8 +9,15 @@ import pandas as pd
 import xarray as xr
 
 from thermobearing.core.records import Floats
+from thermobearing.earthquake.parts import LINES, PIERS, parts_columns, parts_table
 from thermobearing.results.metrics import LEAST_ENERGY, LEAST_HEAT
-from thermobearing.results.writing import from_attribute, limits_passed, rig_summary
+from thermobearing.results.ranges import largest_tested, limits_passed
+from thermobearing.results.writing import (
+    exposure_summary,
+    from_attribute,
+    limits_of,
+    limits_summary,
+)
 
 if TYPE_CHECKING:
     from thermobearing.earthquake.figures import EarthquakeFigures
@@ -123,7 +131,8 @@ class EarthquakeResult:
         The mode is that of the laboratory, and not there without one. `energy_of_warmest` is the
         bearing's energy over that at the warmest temperature of the same bearing, motion and
         mode, `damping_of_input` the share of the energy that viscous damping takes from the
-        input, `beyond_rig` what the run asks too much of, if a rig is named.
+        input, `beyond_rig` what the run asks too much of, if a rig is named, `beyond_tested`
+        the quantities in which it leaves the tested range of its bearing.
         """
         frame = pd.DataFrame(
             {
@@ -148,7 +157,8 @@ class EarthquakeResult:
             if variable in self.dataset:
                 frame[name] = self.dataset[variable].values
         if len(self.rig):
-            frame["beyond_rig"] = limits_passed(self.rig, self.runs)
+            frame["beyond_rig"] = limits_passed(self.rig.to_dict("records"), self.run_names)
+        frame["beyond_tested"] = limits_passed(self.tested_range.to_dict("records"), self.run_names)
         return frame
 
     @property
@@ -166,6 +176,20 @@ class EarthquakeResult:
         frame["start_s"] = self.dataset["loop_start"].values
         frame["end_s"] = self.dataset["loop_end"].values
         return frame
+
+    @property
+    def lines(self) -> pd.DataFrame:
+        """One row per run and bearing line: bearing, count, air, peaks; empty with one of all.
+
+        `force_max_kN` and `energy_kN_mm` are of one modelled bearing, `total_force_max_kN` of all
+        bearings of the line in the structure.
+        """
+        return parts_table(self.dataset, "line", LINES)
+
+    @property
+    def piers(self) -> pd.DataFrame:
+        """One row per run and pier: displacement, ductility of its own hinge, moment; likewise."""
+        return parts_table(self.dataset, "pier_part", PIERS)
 
     @property
     def warnings(self) -> list[str]:
@@ -187,8 +211,24 @@ class EarthquakeResult:
     @property
     def rig(self) -> pd.DataFrame:
         """What each run asks of each limit of the rig, and whether it passes it; empty without."""
-        told = "rig" in self.dataset.attrs  # if one was named
-        return pd.DataFrame(from_attribute(self.dataset, "rig") if told else [])
+        return limits_of(self.dataset, "rig")
+
+    @property
+    def tested_range(self) -> pd.DataFrame:
+        """What each run asks of the range that its bearing was tested in, where that is given."""
+        return limits_of(self.dataset, "tested_range")
+
+    def tested_to(self, runs: Sequence[int], limit: str) -> float:
+        """Largest tested value of a quantity that one of some runs goes beyond; else infinite."""
+        rows, names = self.tested_range.to_dict("records"), self.run_names
+        return min((largest_tested(rows, names[run], limit) for run in runs), default=np.inf)
+
+    @property
+    def run_names(self) -> list[str]:
+        """What each run is called in sentences and tables."""
+        names = ("bearing", "motion", "ambient")
+        told = zip(*(self.dataset[name].values for name in names), self.modes, strict=True)
+        return [run_name(str(b), str(m), float(air), mode) for b, m, air, mode in told]
 
     @property
     def energy(self) -> pd.DataFrame:
@@ -238,6 +278,8 @@ class EarthquakeResult:
                 if str(body) not in told:
                     values = data["body_acceleration"].values[:count, k]
                     frame[f"{body}_acceleration_m_s2"] = values
+        for column, values in parts_columns(data, count).items():
+            frame[column] = values
         for k in range(data.sizes["layer"]):
             frame[f"rubber{k + 1}_degC"] = data["rubber_temperature"].values[:count, k]
         return frame
@@ -271,6 +313,7 @@ class EarthquakeResult:
         """What summary.json says; energies of one bearing and of the whole structure."""
         attrs, table, energy = self.dataset.attrs, self.table, self.energy
         runs = []
+        parts = {"lines": self.lines, "piers": self.piers}
         for run in range(self.runs):
             rubber = self.dataset["rubber_temperature"].values[run]
             lead = self.dataset["lead_temperature"].values[run]
@@ -282,6 +325,11 @@ class EarthquakeResult:
                 self.dataset["layer_force_mismatch_max"].values[run]
             )
             row["energy"] = {str(k): _plain(v) for k, v in energy.iloc[run].items()}
+            for name, table_ in parts.items():
+                if len(table_):
+                    each = len(table_) // self.runs
+                    mine = table_.iloc[run * each : (run + 1) * each].to_dict("records")
+                    row[name] = [{str(k): _plain(v) for k, v in one.items()} for one in mine]
             runs.append(row)
         names = list(dict.fromkeys(str(name) for name in self.dataset["bearing"].values))
         return {
@@ -294,7 +342,8 @@ class EarthquakeResult:
             "version": attrs["version"],
             "outcome": self.outcome,
             "warnings": self.warnings,
-            **rig_summary(self.rig),
+            **limits_summary(self.rig, self.tested_range),
+            **exposure_summary(self.dataset),
             "periods_s": _numbers(attrs.get("periods_s", [])),
             "damping": attrs["damping"],
             "damping_ratios": _numbers(attrs.get("damping_ratios", [])),
@@ -316,6 +365,11 @@ class EarthquakeResult:
         from thermobearing.earthquake.files import save_earthquake
 
         return save_earthquake(self, Path(directory), force=force, figures=figures)
+
+
+def run_name(bearing: str, motion: str, ambient: float, mode: str) -> str:
+    """What a run is called: bearing, motion, air and mode of the laboratory, as far as they are."""
+    return ", ".join(part for part in (bearing, motion, f"{ambient:g} degC", mode) if part)
 
 
 def _numbers(attribute: Any) -> list[float]:

@@ -18,6 +18,7 @@ import numpy as np
 
 from thermobearing.bearing.ambient import Ambient
 from thermobearing.bearing.bilinear import BilinearBearing
+from thermobearing.bearing.exposure import exposed_bilinear
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
 from thermobearing.core.types import Floats
@@ -28,7 +29,7 @@ from thermobearing.cyclic.segments import build_segments
 from thermobearing.earthquake.case import EarthquakeCase
 from thermobearing.earthquake.label import label_study
 from thermobearing.earthquake.result import EarthquakeResult
-from thermobearing.earthquake.task import Device, Shaking, Task
+from thermobearing.earthquake.task import Device, OneLine, Shaking, Task
 from thermobearing.model.earlier import BilinearParameters, bilinear_constants
 from thermobearing.model.effort import study_too_much
 from thermobearing.model.handover import begun_from
@@ -50,8 +51,9 @@ BLIND = np.zeros(1)  # temperature of a bilinear bearing, which has none: no rou
 def build_device(case: EarthquakeCase, bearing: Bearing | BilinearBearing) -> Device:
     """Constants of the coupled step for a bearing of the case."""
     if isinstance(bearing, BilinearBearing):
+        made = exposed_bilinear(bearing, case.analysis.exposure)
         parameters = BilinearParameters(
-            bearing.strength, bearing.post_yield_stiffness, bearing.initial_stiffness
+            made.strength, made.post_yield_stiffness, made.initial_stiffness
         )
         return Device(bearing, bilinear_constants(parameters), None)
     model = build_model(bearing, case.analysis, backbone=bilinear_parameters)
@@ -93,14 +95,23 @@ def run_task(task: Task) -> StructureHistory:
     noise = None
     if lab is not None and lab.force_noise > 0.0:
         noise = lab.force_noise * np.random.default_rng(lab.seed).standard_normal(steps)
-    temperature, lead = task.start
     begun = None
     if case.initial_state is not None:
         begun = begun_from(case.initial_state, task.device.constants)
-    line = Line(task.device.constants, temperature, lead, speed, begun)
+    lines = [
+        Line(
+            one.device.constants,
+            one.temperature,
+            one.lead,
+            speed=speed,
+            warmer=one.ambient - task.ambient,
+            begun=begun,
+        )
+        for one in task.lines
+    ]
     history = run_structure(
         task.prepared,
-        [line] * len(case.structure.bearings),
+        lines,
         shaking.ground,
         shaking.dt,
         np.full(steps, task.ambient),
@@ -109,16 +120,18 @@ def run_task(task: Task) -> StructureHistory:
         delay=0.0 if lab is None else lab.delay,
         keep_cells="cells" in case.analysis.keep,
     )
-    if history.outcome == "completed" and largest_strain(task, history) > task.device.tears:
+    if history.outcome == "completed" and is_torn(task, history):
         return replace(history, outcome=NOT_PHYSICAL)
     return history
 
 
-def largest_strain(task: Task, history: StructureHistory) -> float:
-    """Of all bearing lines, either way."""
-    lines = range(len(task.case.structure.bearings))
-    peaks = [float(np.abs(history.bearing(b)["displacement"]).max()) for b in lines]
-    return max(peaks) / task.device.bearing.total_rubber_thickness
+def is_torn(task: Task, history: StructureHistory) -> bool:
+    """Whether the bearings of any line went beyond what is left to be modelled, either way."""
+    for b, one in enumerate(task.lines):
+        farthest = float(np.abs(history.bearing(b)["displacement"]).max())
+        if farthest / one.device.bearing.total_rubber_thickness > one.device.tears:
+            return True
+    return False
 
 
 def refuse_too_much(
@@ -147,28 +160,66 @@ def build_tasks(case: EarthquakeCase) -> list[Task]:
     motions = [motion.load() for motion in case.motions]
     refuse_too_much(case, devices, motions)
     shakings = [build_shaking(case, number, motion) for number, motion in enumerate(motions)]
+    own = [
+        None if item.bearing is None else _device_of(case, item.bearing, devices)
+        for item in case.lines
+    ]
     weather = None if case.weather is None else Ambient.from_csv(case.weather)
     tasks = []
     for device in devices:
-        left = case.initial_state
-        if left is not None:
-            begin = np.array(left.temperature), left.lead_temperature
-            starts = [(value, begin) for value in case.ambient]
-        elif weather is not None:
-            starts = [(float(weather.temperature[-1]), soaked(device, weather))]
-        else:
-            cells = len(device.constants.cells.capacity)
-            blind = device.stack is None
-            starts = [
-                (value, (BLIND if blind else np.full(cells, value), None)) for value in case.ambient
-            ]
+        airs = case.ambient if weather is None else [float(weather.temperature[-1])]
+        climates = [(air, _lines(case, device, own, air, weather)) for air in airs]
         for shaking in shakings:
             tasks += [
-                Task(prepared, device, shaking, air, start, case, mode)
-                for air, start in starts
+                Task(prepared, device, shaking, air, lines, case, mode)
+                for air, lines in climates
                 for mode in case.modes
             ]
     return tasks
+
+
+def _device_of(
+    case: EarthquakeCase, bearing: Bearing | BilinearBearing, known: Sequence[Device]
+) -> Device:
+    """The device of a bearing: a known one if it is the same, so that they are of one kind."""
+    same = [device for device in known if device.bearing == bearing]
+    return same[0] if same else build_device(case, bearing)
+
+
+def _lines(
+    case: EarthquakeCase,
+    device: Device,
+    own: Sequence[Device | None],
+    air: float,
+    weather: Ambient | None,
+) -> tuple[OneLine, ...]:
+    """All bearing lines of a run: those of the study's device, and those of their own kind."""
+    usual = _one_line(case, device, air, weather)
+    special = {item.line: (item, mine) for item, mine in zip(case.lines, own, strict=True)}
+    found = []
+    for line in case.structure.bearings:
+        if line.name not in special:
+            found.append(usual)
+            continue
+        item, mine = special[line.name]
+        before = None if item.ambient is not None else weather
+        here = air if item.ambient is None else item.ambient
+        if item.weather is not None:
+            before = Ambient.from_csv(item.weather)
+            here = float(before.temperature[-1])
+        found.append(_one_line(case, mine or device, here, before))
+    return tuple(found)
+
+
+def _one_line(case: EarthquakeCase, device: Device, air: float, weather: Ambient | None) -> OneLine:
+    """A line where an earlier test left it, after its weather, or as warm as the air."""
+    left = case.initial_state
+    if left is not None:
+        return OneLine(device, np.array(left.temperature), left.lead_temperature, air)
+    if weather is not None:
+        return OneLine(device, *soaked(device, weather), air)
+    cells = len(device.constants.cells.capacity)
+    return OneLine(device, BLIND if device.stack is None else np.full(cells, air), None, air)
 
 
 def run_earthquake(

@@ -1,5 +1,7 @@
 """Tables of an earthquake study on the terminal."""
 
+from typing import Any
+
 import numpy as np
 import pandas as pd
 from rich.console import Console
@@ -8,6 +10,7 @@ from rich.table import Table
 
 from thermobearing.earthquake.modes import has_both, modes_table
 from thermobearing.earthquake.result import EarthquakeResult
+from thermobearing.results.screen import print_warnings
 
 TITLE = "real time over pseudo-dynamic"
 RATIOS = {  # columns of modes.csv
@@ -43,6 +46,26 @@ HEADS = (
 )
 
 
+WIDE = 160  # letters that a row of lines and piers may take
+PARTS = {  # columns of lines.csv and piers.csv: head, how a number is told
+    "line": {
+        "count": ("n", "{:.0f}"),
+        "line_ambient_degC": ("its air", "{:g}"),
+        "strain_max": ("strain", "{:.0%}"),
+        "force_max_kN": ("kN each", "{:.0f}"),
+        "total_force_max_kN": ("kN all", "{:.0f}"),
+        "rubber_max_degC": ("rubber degC", "{:.1f}"),
+    },
+    "pier": {
+        "displacement_max_mm": ("mm", "{:.1f}"),
+        "displacement_residual_mm": ("left mm", "{:.1f}"),
+        "ductility": ("ductility", "{:.2f}"),
+        "moment_max_kN_m": ("kN m", "{:.0f}"),
+        "top_acceleration_max_m_s2": ("top m/s2", "{:.2f}"),
+    },
+}
+
+
 def print_study(
     result: EarthquakeResult, compared: dict[str, EarthquakeResult] | None = None
 ) -> None:
@@ -50,7 +73,9 @@ def print_study(
     console = Console()
     attrs = result.dataset.attrs
     console.print(
-        f"[bold]{escape(str(attrs['title']))}[/bold] ({attrs['mass']} mass, {attrs['method']})"
+        f"[bold]{escape(str(attrs['structure']))}: {escape(str(attrs['title']))}[/bold] "
+        f"({attrs['mass']} mass, {attrs['method']})",
+        soft_wrap=True,
     )
     periods = ", ".join(f"{float(value):.3f}" for value in attrs.get("periods_s", []))
     ratios = ", ".join(f"{float(value):.1%}" for value in attrs.get("damping_ratios", []))
@@ -61,13 +86,18 @@ def print_study(
         console.print(_table(name, table[table["bearing"] == name], both))
     for name, rows in modes_table(result).groupby("bearing", sort=False) if both else ():
         console.print(_modes(str(name), rows))
+    for part, rows in (("line", result.lines), ("pier", result.piers)):
+        if len(rows) and len(set(rows[part])) > 1:
+            Console(width=max(console.width, WIDE)).print(_parts(part, rows))  # nothing cut
+    marked = table["beyond_tested"].str.split().explode()
+    if marked.isin(["strain", "ambient"]).any():
+        console.print("! beyond what the bearing was tested at")
     if compared:
         _print_comparison(console, compared)
     if result.runs:
         worst = float(result.energy["structure_residual"].abs().max())
         console.print(f"energy books: largest residual {worst:.1e} of the input")
-    for warning in result.warnings:
-        console.print(f"[yellow]warning:[/] {escape(warning)}", highlight=False, soft_wrap=True)
+    print_warnings(console, result.warnings)
 
 
 def _print_comparison(console: Console, results: dict[str, EarthquakeResult]) -> None:
@@ -105,6 +135,29 @@ def _modes(name: str, rows: pd.DataFrame) -> Table:
     return table
 
 
+def _parts(part: str, rows: pd.DataFrame) -> Table:
+    """A row for each run and bearing line, or pier."""
+    shown = PARTS[part]
+    table = Table(title=f"\n{part}s", title_justify="left", box=None, pad_edge=False)
+    for head in (part, "bearing", "motion", "degC", *(head for head, _ in shown.values())):
+        text = head in (part, "bearing", "motion")
+        table.add_column(head, justify="left" if text else "right", no_wrap=True)
+    for row in rows.sort_values(part, kind="stable").to_dict("records"):
+        bearing = row.get("line_bearing", row["bearing"])
+        motion = f"{row['motion']} {row['mode']}" if "mode" in row else row["motion"]
+        numbers = [
+            form.format(row[column]) if row[column] == row[column] else ""
+            for column, (_, form) in shown.items()
+        ]
+        table.add_row(row[part], bearing, motion, f"{row['ambient_degC']:g}", *numbers)
+    return table
+
+
+def _mark(row: dict[str, Any], quantity: str) -> str:
+    """A mark beside a number that the bearing was not tested at."""
+    return "!" if quantity in str(row["beyond_tested"]).split() else ""
+
+
 def _table(name: str, rows: "object", both: bool) -> Table:
     table = Table(title=f"\n{name}", title_justify="left", box=None, pad_edge=False)
     for head in HEADS:
@@ -113,8 +166,8 @@ def _table(name: str, rows: "object", both: bool) -> Table:
         hinged = row["pier_ductility"] == row["pier_ductility"]
         table.add_row(
             f"{row['motion']} {row['mode']}" if both else row["motion"],
-            f"{row['ambient_degC']:g}",
-            f"{row['bearing_strain_max']:.0%}",
+            f"{row['ambient_degC']:g}" + _mark(row, "ambient"),
+            f"{row['bearing_strain_max']:.0%}" + _mark(row, "strain"),
             f"{row['bearing_force_max_kN']:.0f}",
             f"{1e-3 * row['bearing_energy_kN_mm']:.1f}",
             f"{row['energy_of_warmest']:.0%}",

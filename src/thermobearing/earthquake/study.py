@@ -7,11 +7,13 @@ from pathlib import Path
 from typing import Any, Never, TypeAlias, TypeVar
 
 from thermobearing.bearing.bilinear import BilinearBearing
+from thermobearing.bearing.exposure import Exposure
 from thermobearing.bearing.model import Bearing, Clock
 from thermobearing.border.errors import InputError, nearest
 from thermobearing.cyclic.rig import Rig
 from thermobearing.cyclic.start import Earlier
-from thermobearing.earthquake.case import Command, Kept, Laboratory, Motion, make_earthquake_case
+from thermobearing.earthquake.case import Command, Kept, Laboratory, make_earthquake_case
+from thermobearing.earthquake.motion import Motion
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.earthquake.run import Progress, run_earthquake
 from thermobearing.model.constants import Hardening, HeatSource, Integrator, LeadEnds
@@ -19,6 +21,7 @@ from thermobearing.model.earlier import Model
 from thermobearing.model.handover import SpecimenState
 from thermobearing.model.options import EndFace, Stacked
 from thermobearing.model.stack import Scheme
+from thermobearing.motions.record import GroundMotion
 from thermobearing.structure.model import DampingKind, MassModel, Structure
 from thermobearing.structure.run import Method
 
@@ -28,10 +31,12 @@ OneOrMore: TypeAlias = T | Sequence[T]
 
 def bridge(
     bearing: OneOrMore[Bearing | BilinearBearing | str | Path] | None = None,
-    motion: OneOrMore[Motion | str | Path | dict[str, Any]] | None = None,
+    motion: OneOrMore[GroundMotion | Motion | str | Path | dict[str, Any]] | None = None,
     ambient: OneOrMore[float] | None = None,
     *,
     structure: Structure | str | Path | None = None,
+    fixed_base: bool | None = None,
+    lines: Sequence[dict[str, Any]] | None = None,
     weather: str | Path | None = None,
     duration: float | None = None,
     dt: float | None = None,
@@ -48,6 +53,7 @@ def bridge(
     lower_face: EndFace | None = None,
     stack: Stacked | None = None,
     model: Model | None = None,
+    exposure: Exposure | dict[str, Any] | None = None,
     keep: Sequence[Kept] | None = None,
     keep_every: int | None = None,
     laboratory: Laboratory | dict[str, Any] | None = None,
@@ -64,10 +70,13 @@ def bridge(
     ----------
     bearing : one or several of: library name, TOML file, Bearing, BilinearBearing; the three
         bridge bearings of the library by default.
-    motion : one or several built-in names or files (or tables with name, unit, dt, component,
-        factor); four built-in ones by default.
+    motion : one or several of: built-in name, file, GroundMotion, or table with name, unit, dt,
+        component, factor, label; four built-in ones by default.
     ambient : one or several temperatures [degC], in [-100, 100]; 23, 0 and -20 by default.
     structure : a Structure, the name of one, or a TOML file; "pier-p1" by default.
+    fixed_base : leave out the springs of the foundation; what stands on them is held.
+    lines : a table for each bearing line that differs from the others: its name `line`, and
+        `bearing`, `count`, `ambient` (text with its unit), `weather`, `equivalent_stiffness`.
     weather : CSV file of the temperature that ends when the earthquake begins, instead of
         `ambient`.
     duration : cut motions to this [s], in [0.001, 1e6].
@@ -88,6 +97,8 @@ def bridge(
     upper_face, lower_face : heat exchange of the end faces; eta_B = 2 by default.
     stack : "auto" (default), "half" or "full" height.
     model : "multi-layer" (default) or an earlier model to compare with (model/earlier.py).
+    exposure : factors for long cold and age, {"stiffness": 1.3, "strength": 1.2, "source": "..."};
+        by default those of the bearing, which is none.
     keep : histories of temperatures: ["rubber"] by default; ["rubber", "cells"] for the profiles
         through the height too.
     keep_every : keep every n-th step of the histories, >= 1; 2 by default.
@@ -123,6 +134,8 @@ def bridge(
         motions=motion,
         ambient=ambient,
         structure=structure,
+        fixed_base=fixed_base,
+        lines=lines,
         weather=weather,
         duration=duration,
         dt=dt,
@@ -135,12 +148,8 @@ def bridge(
         heat_source=heat_source,
         lead_ends=lead_ends,
         clock=clock,
-        upper_face=upper_face,
-        lower_face=lower_face,
-        stack=stack,
-        model=model,
-        keep=keep,
-        keep_every=keep_every,
+        **{"upper_face": upper_face, "lower_face": lower_face, "stack": stack},
+        **{"model": model, "exposure": exposure, "keep": keep, "keep_every": keep_every},
         laboratory=laboratory,
         initial_state=initial_state,
         initial_result=initial_result,
@@ -150,10 +159,12 @@ def bridge(
 
 def hybrid(
     bearing: OneOrMore[Bearing | BilinearBearing | str | Path] | None = None,
-    motion: OneOrMore[Motion | str | Path | dict[str, Any]] | None = None,
+    motion: OneOrMore[GroundMotion | Motion | str | Path | dict[str, Any]] | None = None,
     ambient: OneOrMore[float] | None = None,
     *,
     structure: Structure | str | Path | None = None,
+    fixed_base: bool | None = None,
+    lines: Sequence[dict[str, Any]] | None = None,
     weather: str | Path | None = None,
     duration: float | None = None,
     dt: float | None = None,
@@ -170,6 +181,7 @@ def hybrid(
     lower_face: EndFace | None = None,
     stack: Stacked | None = None,
     model: Model | None = None,
+    exposure: Exposure | dict[str, Any] | None = None,
     keep: Sequence[Kept] | None = None,
     keep_every: int | None = None,
     laboratory: Laboratory | dict[str, Any] | None = None,
@@ -194,9 +206,9 @@ def hybrid(
         a list, which makes two runs of each, beside each other in `modes_table`; `delay`
         of the actuator, `force_noise` (standard deviation of the measured force) and its
         `seed`; numbers as text with their unit.
-    weather, duration, dt, mass, damping, scheme, integrator : as of `bridge`.
-    hardening, heat_source, lead_ends, clock, upper_face, lower_face, stack, model : as of
-        `bridge`.
+    fixed_base, lines, weather, duration, dt, mass, damping, scheme, integrator : as of `bridge`.
+    hardening, heat_source, lead_ends, clock, upper_face, lower_face, stack, model, exposure : as
+        of `bridge`.
     keep, keep_every, initial_state, initial_result, rig : as of `bridge`.
     executor, progress, misspelt : as of `bridge`.
 
@@ -222,6 +234,8 @@ def hybrid(
         motions=motion,
         ambient=ambient,
         structure=structure,
+        fixed_base=fixed_base,
+        lines=lines,
         weather=weather,
         duration=duration,
         dt=dt,
@@ -234,12 +248,8 @@ def hybrid(
         heat_source=heat_source,
         lead_ends=lead_ends,
         clock=clock,
-        upper_face=upper_face,
-        lower_face=lower_face,
-        stack=stack,
-        model=model,
-        keep=keep,
-        keep_every=keep_every,
+        **{"upper_face": upper_face, "lower_face": lower_face, "stack": stack},
+        **{"model": model, "exposure": exposure, "keep": keep, "keep_every": keep_every},
         laboratory=laboratory,
         initial_state=initial_state,
         initial_result=initial_result,

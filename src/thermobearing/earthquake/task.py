@@ -36,13 +36,31 @@ class Shaking:
 
 
 @dataclass(frozen=True)
+class OneLine:
+    """The bearings of one line in one run: what they are, how warm they are, in what air [degC]."""
+
+    device: Device
+    temperature: Floats
+    lead: float | None
+    ambient: float
+
+
+@dataclass(frozen=True)
 class Task:
-    """One run of a study; a plain record, so that any executor can carry it away."""
+    """One run of a study; a plain record, so that any executor can carry it away.
+
+    `device` is that of the study, which lines may have another instead of.
+    """
 
     prepared: Prepared
     device: Device
     shaking: Shaking
     ambient: float
-    start: tuple[Floats, float | None]
+    lines: tuple[OneLine, ...]
     case: EarthquakeCase
     mode: str = ""  # of the laboratory; none without one
+
+    @property
+    def told(self) -> OneLine:
+        """The line that histories and the table of peaks are about."""
+        return self.lines[self.case.told_line]

@@ -9,4 +9,5 @@ from .record import record_from_arrays as record_from_arrays
 from .result import Identification as Identification
 from .run import identify_bearing as identify_bearing
 from .run import run_identify as run_identify
+from .samples import posterior_bearings as posterior_bearings
 from .synthetic import synthetic_record as synthetic_record

@@ -14,6 +14,7 @@ from thermobearing.identify.record import TestRecord
 Floats = NDArray[np.float64]
 
 POOR = 0.98  # coefficient of determination below which the fit is called poor
+UNUSABLE = 0.9  # below it a fit is no bearing: forces that are all off by 31 % have this R2
 FIRST_CYCLE = 0.04  # of the peak force: first cycles stiffer than later ones by this are told
 ENERGY = 0.15  # error of a cycle's energy that is told
 
@@ -58,6 +59,7 @@ class RecordFit:
             "R2": self.R2,
             "NRMSE": self.NRMSE,
             "temperature_error": self.temperature_error,
+            "unused_columns": list(self.record.unused),
             "cycles": [vars(cycle) for cycle in self.cycles],
         }
 

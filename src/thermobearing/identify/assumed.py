@@ -19,15 +19,14 @@ from thermobearing.border.errors import InputError, nearest
 from thermobearing.border.library import data_path
 from thermobearing.border.schema import Strict, validated
 from thermobearing.border.toml import read_toml
-from thermobearing.identify.kinds import ALPHA, BY_KEY, D_Y, HARDENING, N_T, SHAPE
-from thermobearing.identify.linear import Linear, linearised
+from thermobearing.identify.kinds import ALPHA, D_Y, HARDENING, N_T, SHAPE
+from thermobearing.identify.linear import Linear
 from thermobearing.identify.problem import Problem
 
 Floats = NDArray[np.float64]
 
 PART = 0.25  # of a standard uncertainty: the step of a derivative
 LARGEST_SPREAD = 2.0  # relative standard uncertainty
-DETERMINED = 0.5  # standard error of the tests, in standard uncertainties of the source
 SURE, BEYOND = 5.0, 3.0  # standard errors of the tests, of tests and source together
 CLEAR = 2.0  # standard errors between a determined number and its bounds
 UNSEEN = 1e-3  # of the variance: numbers that move the residuals less are not seen by the tests
@@ -65,7 +64,9 @@ class Group(Strict):
         return self.absolute if self.absolute is not None else (self.relative or 0.0) * abs(value)
 
 
-class _Groups(Strict):
+class Groups(Strict):
+    """What data/identify/assumed.toml says."""
+
     groups: list[Group]
 
 
@@ -83,7 +84,7 @@ def usual_groups() -> tuple[Group, ...]:
     [0.15]
     """
     path = data_path("identify", "assumed.toml")
-    return tuple(validated(_Groups, read_toml(path), str(path)).groups)
+    return tuple(validated(Groups, read_toml(path), str(path)).groups)
 
 
 def chosen_groups(given: Mapping[str, float] | None) -> tuple[Group, ...]:
@@ -124,7 +125,7 @@ def chosen_groups(given: Mapping[str, float] | None) -> tuple[Group, ...]:
     return tuple(groups)
 
 
-def _value(bearing: Bearing, key: str) -> float | None:
+def value_of(bearing: Bearing, key: str) -> float | None:
     """A number of a bearing by its dotted key; None where the bearing has no such part."""
     part: Any = bearing
     for name in key.split("."):
@@ -174,7 +175,7 @@ def shifted(bearing: Bearing, group: Group, sigmas: float) -> Bearing:
     10.2
     """
     for key in group.keys:
-        value = _value(bearing, key)
+        value = value_of(bearing, key)
         if value is not None:
             moved = round(value + sigmas * group.step(value), 12)
             bearing = _with(bearing, key.split("."), moved)
@@ -207,7 +208,7 @@ def groups_of(bearing: Bearing, identified: Sequence[str], groups: Sequence[Grou
         keys = [key for key in group.keys if key not in identified]
         if linear:
             keys = [key for key in keys if key not in OF_YIELDING]
-        values = [_value(bearing, key) for key in keys]
+        values = [value_of(bearing, key) for key in keys]
         if any(value is not None and group.step(value) > 0.0 for value in values):
             found.append(group.model_copy(update={"keys": keys}))
     return found
@@ -258,11 +259,6 @@ class Told:
     sigmas: float
     stderr: float
     explained: float
-
-    @property
-    def determined(self) -> bool:
-        """Whether the tests know the numbers much better than their source."""
-        return self.stderr < DETERMINED
 
     @property
     def contradicted(self) -> bool:
@@ -349,31 +345,3 @@ def _told(linear: Linear, group: Group, column: Floats) -> Told:
     least = norm * float(left_over @ left_over) / len(left_over)
     explained = sigmas**2 * norm / max(float(residuals @ residuals), 1e-300)
     return Told(group, sigmas, float(np.sqrt(max(meat, least))) / norm, explained)
-
-
-def determined_by(problem: Problem, cube: Floats, groups: Sequence[Group]) -> list[str]:
-    """Which assumed numbers the tests know better than their source, and not as a bound.
-
-    Parameters
-    ----------
-    problem : residuals of the tests.
-    cube : the optimum without them, in [0, 1] for each free parameter.
-    groups : of one parameter each, from `chosen_groups`.
-
-    Returns
-    -------
-    list of str : dotted keys.
-    """
-    assumed = assumed_of(problem, cube, groups, fine=False)
-    told = carried(linearised(problem, cube, fine=False), assumed).told
-    found = []
-    for item in told:
-        (key,) = item.group.keys
-        kind, value = BY_KEY[key], _value(problem.pset.base, key) or 0.0
-        scale = value if kind.relative else 1.0
-        step = item.group.step(value)
-        middle, half = value + item.sigmas * step, CLEAR * item.stderr * step
-        inside = kind.lower * scale < middle - half and middle + half < kind.upper * scale
-        if item.determined and inside:
-            found.append(key)
-    return found

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, get_args
 
+from thermobearing.bearing.exposure import exposure_of
 from thermobearing.bearing.library import as_bearing, load_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError, nearest, shortened
@@ -40,6 +41,7 @@ class IdentifyCase:
     evaluations : budget of krill herd or differential evolution, 1 to a million.
     assumed : relative standard uncertainties of what is not identified, by key or symbol; None
         for the usual ones.
+    accept_poor : a poor fit counts as one, and its bearing is written to be used.
     """
 
     records: list[TestRecord]
@@ -55,6 +57,7 @@ class IdentifyCase:
     polish: bool = True
     evaluations: int = SEARCH
     assumed: Mapping[str, float] | None = None
+    accept_poor: bool = False
 
 
 def make_identify_case(
@@ -94,6 +97,12 @@ def make_identify_case(
         bearing=as_bearing(bearing),
         **options,
     )
+    if exposure_of(case.bearing, None) is not None:
+        raise InputError(
+            f"{case.bearing.name} has the table exposure: a fit finds what the specimen was, "
+            "exposed or not, and would hide the factors in it. Take the table out, fit, and give "
+            "it to the bearing that is made of the fit"
+        )
     choices = (("method", case.method, get_args(Method)), ("loss", case.loss, get_args(Loss)))
     for name, value, known in choices:
         if value not in known:

@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
-from thermobearing.identify.cycles import Cycle, cycles_of, measures_of
+from thermobearing.identify.cycles import Cycle, measures_of
 from thermobearing.identify.forward import PAUSE
 from thermobearing.identify.record import TestRecord, load_test
+from thermobearing.identify.treatment import Treatment, told, treat
 from thermobearing.results.metrics import loop_energy
 
 Floats = NDArray[np.float64]
@@ -21,8 +22,7 @@ Level = Literal["refused", "warning", "note"]
 FEW_SAMPLES, FEWEST_SAMPLES = 40, 12  # in a cycle: warned, refused
 GAP_FACTOR = 5.0  # a sampling gap longer than this times the usual one, while moving
 GAP_WAY = 0.05  # of the largest displacement, covered without a sample
-DRIFT = 0.05  # of the largest force or displacement, over the record
-OFFSET = 0.03  # the same, mean of all cycles
+OFFSET = 0.03  # of the largest force or displacement, mean of all cycles
 ENDS_AWAY = 0.1  # of the largest displacement
 CLIPPED_RUN = 4  # samples in a row at exactly the extreme force ...
 CLIPPED_WAY = 0.02  # ... while the bearing moves this part of the largest displacement
@@ -52,12 +52,19 @@ class CheckReport:
     cycles : full cycles, with their amplitude and number.
     findings : in the order of the checks.
     clipped : samples at which the force was saturated; a fit leaves them out.
+    treatment : noise, rests, spikes and drift; None for what is no test at all.
     """
 
     record: TestRecord
     cycles: list[Cycle]
     findings: list[Finding] = field(default_factory=list)
     clipped: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, dtype=bool))
+    treatment: Treatment | None = None
+
+    @property
+    def steady(self) -> TestRecord:
+        """The record with rests held and spikes bridged: what most checks look at."""
+        return self.treatment.steady if self.treatment else self.record
 
     def refuse(self, check: str, sentence: str) -> None:
         """Say why the record cannot be fitted."""
@@ -115,6 +122,7 @@ def checks_summary(reports: list[CheckReport]) -> dict[str, Any]:
                 "outcome": report.outcome,
                 "cycles": len(report.cycles),
                 "findings": [vars(finding) for finding in report.findings],
+                "treatment": report.treatment.summary() if report.treatment else None,
             }
             for report in reports
         ],
@@ -154,9 +162,13 @@ def check_test(
     report.clipped = np.zeros(len(record.time), dtype=bool)
     for text in record.assumptions:
         report.warn("assumed", text)
+    if record.unused:
+        report.note("columns", f"columns not used: {', '.join(record.unused)}")
     if not _is_a_test(report):
         return report
-    report.cycles = cycles_of(record)
+    report.treatment = treat(record)
+    report.cycles = report.treatment.cycles
+    report.findings += [Finding(*words) for words in told(report.treatment)]
     if not _sign(report):
         return report
     _sampling(report)
@@ -192,7 +204,7 @@ def _is_a_test(report: CheckReport) -> bool:
 
 def _sign(report: CheckReport) -> bool:
     """Loops that dissipate, with force along displacement."""
-    record = report.record
+    record = report.steady
     d, f = record.displacement, record.force
     if report.cycles:
         loops = [slice(c.first, c.last + 1) for c in report.cycles]
@@ -218,7 +230,7 @@ def _sign(report: CheckReport) -> bool:
 
 def _sampling(report: CheckReport) -> None:
     """Enough samples, none missing while the bearing moves, a plausible speed."""
-    record = report.record
+    record = report.steady
     gaps, ways = np.diff(record.time), np.abs(np.diff(record.displacement))
     moving = ways > 1e-4 * record.peak_displacement
     usual = float(np.median(gaps[moving])) if moving.any() else float(np.median(gaps))
@@ -250,7 +262,7 @@ def _sampling(report: CheckReport) -> None:
 
 def _cycles(report: CheckReport) -> None:
     """Full cycles, more than one, and an end where they end."""
-    record = report.record
+    record = report.steady
     full = [c for c in report.cycles if not c.closing]
     if not full:
         report.refuse(
@@ -281,8 +293,8 @@ def _cycles(report: CheckReport) -> None:
 
 
 def _centred(report: CheckReport) -> None:
-    """Drift and offset of the middle of the loops."""
-    record = report.record
+    """Offset of the middle of the loops."""
+    record = report.steady
     full = [c for c in report.cycles if not c.closing]
     for name, values, peak, unit in (
         ("force", record.force, record.peak_force, "kN"),
@@ -292,14 +304,6 @@ def _centred(report: CheckReport) -> None:
         middles = np.array([0.5 * (loop.max() + loop.min()) for loop in loops])
         if len(middles) == 0:
             continue
-        if len(middles) > 2:
-            slope = float(np.polyfit(np.arange(len(middles)), middles, 1)[0])
-            drift = slope * (len(middles) - 1)
-            if abs(drift) > DRIFT * peak:
-                report.warn(
-                    "drift",
-                    f"the middle of the {name} loops drifts by {drift:.3g} {unit} over the record",
-                )
         offset = float(np.median(middles))
         if abs(offset) > OFFSET * peak:
             report.warn(
@@ -331,7 +335,7 @@ def _clipping(report: CheckReport) -> None:
 
 def _plausible(report: CheckReport, bearing: Bearing) -> None:
     """Strains and moduli that a rubber bearing can have."""
-    record, rubber = report.record, bearing.total_rubber_thickness
+    record, rubber = report.steady, bearing.total_rubber_thickness
     strain = record.peak_displacement / rubber
     if strain > LARGEST_STRAIN:
         report.refuse(

@@ -18,6 +18,7 @@ from thermobearing.identify.forward import Prediction
 from thermobearing.identify.posterior import Band
 from thermobearing.identify.record import TestRecord
 from thermobearing.identify.result import Identification
+from thermobearing.identify.thermocouples import draw_thermocouples
 from thermobearing.results import drawing
 
 Floats = NDArray[np.float64]
@@ -188,6 +189,25 @@ class IdentificationFigures:
         drawing.legend_below(figure, [line for line in lines if isinstance(line, Line2D)])
         return figure
 
+    def temperatures(self) -> Figure:
+        """Thermocouples of the tests in time, the model at their places dashed."""
+        pairs = [
+            (panel.title, panel.record, prediction)
+            for panel, prediction in zip(self._panels, self._found.predictions, strict=True)
+            if panel.record.temperatures
+        ]
+        size = (9.0, 0.9 + 3.0 * max(len(pairs), 1))
+        title = self._title("thermocouples (full: test, dashed: model)")
+        figure, axes = drawing.panels(max(len(pairs), 1), 1, size, title)
+        for ax, (named, record, prediction) in zip(axes, pairs, strict=False):
+            ax.legend(
+                handles=draw_thermocouples(ax, record, prediction),
+                fontsize=drawing.SMALL,
+                frameon=False,
+            )
+            drawing.name_axes(ax, title=named)
+        return figure
+
     def band(self, band: Band) -> Figure:
         """Loops at a temperature with their 95 % band over samples, and the peak force.
 
@@ -199,7 +219,8 @@ class IdentificationFigures:
         -------
         Figure
         """
-        title = self._title(f"predicted at {drawing.degrees(band.ambient)}")
+        told = " (not tested)" if band.beyond_tested else ""
+        title = self._title(f"predicted at {drawing.degrees(band.ambient)}{told}")
         figure, (loops, width) = drawing.panels(1, 2, (10.0, 4.2), title)
         loops.plot(band.displacement, band.best, color=drawing.INK, linewidth=0.6)
         text = f"peak {band.peak:.4g} kN, 95 % {band.peak_lower:.4g} to {band.peak_upper:.4g} kN"
@@ -231,6 +252,8 @@ class IdentificationFigures:
             "correlation": self.correlation,
             "cycles": self.cycles,
         }
+        if any(panel.record.temperatures for panel in self._panels):
+            figures["temperatures"] = self.temperatures
         figures |= {f"band_{band.ambient:g}": partial(self.band, band) for band in bands}
         return drawing.save_figures(figures, folder)
 
@@ -272,7 +295,7 @@ def check_figure(report: CheckReport) -> Figure:
 
 
 def _draw_histories(report: CheckReport, top: Axes, middle: Axes) -> None:
-    """Displacement and force over samples, the begin of each cycle, clipped samples."""
+    """Displacement and force over samples, cycles, rests, spikes, clipped samples."""
     record = report.record
     number = np.arange(len(record.time))
     starts = [cycle.first for cycle in report.cycles]
@@ -284,22 +307,37 @@ def _draw_histories(report: CheckReport, top: Axes, middle: Axes) -> None:
         ax.plot(number[kept], values[kept], color=drawing.INK, linewidth=0.7)
         ax.plot(starts, np.zeros(len(starts)), "|", color=MODEL, markersize=7)
         drawing.name_axes(ax, "sample", name)
-    top.set_title("bars: begin of each cycle found", fontsize=drawing.NORMAL, loc="left")
+    told = "bars: begin of each cycle found"
     clipped = report.clipped
     middle.plot(number[clipped], record.force[clipped], "x", color=MODEL, markersize=4)
+    found = report.treatment
+    if found is not None:
+        for ax, name in ((top, "displacement"), (middle, "force")):
+            for first, last in found.rests:
+                ax.axvspan(first, last, color=TEST, alpha=0.25, linewidth=0.0)
+            bad = found.spikes[name]
+            ax.plot(number[bad], getattr(record, name)[bad], "o", color=MODEL, markersize=4)
+        told += "; grey: rests" if found.rests else ""
+        told += "; dots: spikes" if any(bad.any() for bad in found.spikes.values()) else ""
+    top.set_title(told, fontsize=drawing.NORMAL, loc="left")
 
 
 def _draw_middles(report: CheckReport, ax: Axes) -> None:
     """Middle of each loop, for drift and offset."""
     full = [cycle for cycle in report.cycles if not cycle.closing]
-    for values, name, colour in (
-        (report.record.displacement, "displacement", "#0077BB"),
-        (report.record.force, "force", "#EE7733"),
-    ):
+    record = report.steady
+    for name, colour in (("displacement", "#0077BB"), ("force", "#EE7733")):
+        values = getattr(record, name)
         peak = max(float(np.abs(values).max()), 1e-12)
         loops = [values[cycle.first : cycle.last + 1] for cycle in full]
         mids = [50.0 * (loop.max() + loop.min()) / peak for loop in loops]
         ax.plot(np.arange(1, len(mids) + 1), mids, "o-", color=colour, markersize=3, label=name)
+        drift = report.treatment.drifts.get(name) if report.treatment else None
+        if drift is not None:
+            begins = record.time[[cycle.first for cycle in full]]
+            away = drift.begin + drift.slope * (begins - drift.times[0])
+            number, label = np.arange(1, len(away) + 1), f"drift of {name}"
+            ax.plot(number, 100.0 * away / peak, "--", color=colour, linewidth=1.0, label=label)
     ax.axhline(0.0, color=drawing.GREY, linewidth=0.8)
     drawing.name_axes(ax, "cycle", "middle of loop [% of peak]", "drift and offset")
     ax.legend(fontsize=drawing.SMALL, frameon=False)

@@ -6,20 +6,25 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import tomli_w
 
 import thermobearing
+from thermobearing.bearing.library import bearing_from_table
+from thermobearing.bearing.scaling import compound_of
 from thermobearing.bearing.temperature import TemperatureLaw
-from thermobearing.border.toml import to_table
+from thermobearing.border.toml import sourced_toml, to_table, with_sources
 from thermobearing.identify.checks import CheckReport, checks_summary
 from thermobearing.identify.kinds import M_T, N_T
 from thermobearing.identify.posterior import Forecast, Samples
 from thermobearing.identify.result import Identification
 from thermobearing.results.directory import (
+    COMPOUND,
     FIGURES,
     FIT_TABLE,
     IDENTIFIED,
     SAMPLES,
+    THERMOCOUPLES,
     write_directory,
 )
 from thermobearing.results.writing import write_summary
@@ -84,7 +89,8 @@ def save_identification(
     figures: bool = True,
     forecast: Forecast | None = None,
 ) -> Path:
-    """Write summary.json, bearing.toml, fit.csv, posterior.csv and figures.
+    """Write summary.json, bearing.toml, compound.toml, fit.csv, thermocouples.csv, posterior.csv
+    and figures.
 
     Parameters
     ----------
@@ -112,7 +118,7 @@ def save_identification(
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     written = save_identification(found, Path(folder) / "fit", figures=False)
     ...     print(sorted(path.name for path in written.iterdir()))
-    ['bearing.toml', 'fit.csv', 'summary.json']
+    ['bearing.toml', 'compound.toml', 'fit.csv', 'summary.json']
     """
 
     def fill(folder: Path) -> None:
@@ -137,7 +143,12 @@ def fill_identification(
     write_summary(folder, summary)
     text = tomli_w.dumps(bearing_table(found))
     (folder / IDENTIFIED).write_text(text, encoding="utf-8")
+    if found.outcome != "poor_fit":  # nobody should make bearings of it
+        (folder / COMPOUND).write_text(compound_text(found), encoding="utf-8")
     (folder / FIT_TABLE).write_text(fit_text(found), encoding="utf-8")
+    rows = found.thermocouples
+    if rows:
+        pd.DataFrame(rows).to_csv(folder / THERMOCOUPLES, index=False)
     if figures:
         found.plot.save_all(folder / FIGURES, bands=forecast.bands if forecast else ())
 
@@ -170,19 +181,48 @@ def bearing_table(found: Identification) -> dict[str, Any]:
         "description": f"{found.bearing.description} (identified from tests)".strip(),
         "citation": f"thermobearing {thermobearing.__version__} identify, {found.method}; {fitted}",
     }
-    law = _range_of_law(found)
+    if found.outcome == "poor_fit":
+        named["poor_fit"] = "; ".join(found.poor)
+    law, tested = _range_of_law(found), found.tested_range
+    sources |= {f"tested_range.{name}": _tested_source(found, name) for name in tested.ranges()}
     if law is not found.bearing.temperature_law:
         keys = ("temperature_law.coldest", "temperature_law.warmest")
         sources |= dict.fromkeys(keys, "air of the tests; the rubber itself was warmer")
-    table = to_table(found.bearing.model_copy(update=named | {"temperature_law": law}))
-    for key, source in sources.items():
-        *tables, name = key.split(".")
-        inner: Any = table
-        for part in tables:
-            inner = inner.get(part, {})
-        if name in inner and name not in named and not isinstance(inner[name], dict):
-            inner[name] = {"value": inner[name], "source": source}
-    return table
+    table = to_table(
+        found.bearing.model_copy(update=named | {"temperature_law": law, "tested_range": tested})
+    )
+    return with_sources(table, sources)
+
+
+def compound_text(found: Identification) -> str:
+    """The rubber and lead of the fitted specimen, its size divided out, as a library file.
+
+    Parameters
+    ----------
+    found : from `identify_bearing`.
+
+    Returns
+    -------
+    str : TOML, ready for `load_compound` and `thermobearing new --compound`.
+
+    Examples
+    --------
+    >>> import thermobearing as tb
+    >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
+    >>> record = tb.identify.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
+    >>> found = tb.identify_bearing(record, "shen-hdr-specimen", free=["K_r"], starts=1)
+    >>> compound_text(found).splitlines()[1]
+    'name = "shen-hdr-specimen-compound"'
+    """
+    fitted = bearing_from_table(bearing_table(found), "fit")
+    compound = compound_of(fitted, f"{found.bearing.name}-compound")
+    return sourced_toml(compound, compound.sources)
+
+
+def _tested_source(found: Identification, name: str) -> str:
+    """Where an end of the tested range comes from."""
+    tests = ", ".join(record.name for record in found.records)
+    return f"the fitted model in {tests}" if name == "lead_temperature" else f"tests {tests}"
 
 
 def _range_of_law(found: Identification) -> TemperatureLaw | None:
@@ -226,7 +266,8 @@ def fit_text(found: Identification) -> str:
 
     Returns
     -------
-    str : one row per sample: record, time [s], displacement [mm], force and model force [kN].
+    str : one row per sample: record, time [s], displacement [mm], force and model force [kN], and
+        each thermocouple with the model at its place [degC].
 
     Examples
     --------
@@ -237,20 +278,30 @@ def fit_text(found: Identification) -> str:
     >>> fit_text(found).splitlines()[0]
     'record,time_s,displacement_mm,force_kN,model_force_kN'
     """
-    lines = ["record,time_s,displacement_mm,force_kN,model_force_kN\n"]
+    frames = []
     for number, (record, prediction) in enumerate(
         zip(found.records, found.predictions, strict=True)
     ):
-        columns = (record.time, record.displacement, record.force, prediction.force)
-        rows = np.column_stack([np.full(len(record.time), float(number)), *columns])
-        lines.append(("%d,%.9g,%.9g,%.9g,%.9g\n" * len(rows)) % tuple(rows.ravel().tolist()))
-    return "".join(lines)
+        columns: dict[str, Any] = {
+            "record": np.full(len(record.time), number),
+            "time_s": record.time,
+            "displacement_mm": record.displacement,
+            "force_kN": record.force,
+            "model_force_kN": prediction.force,
+        }
+        for title, values in record.temperatures.items():
+            columns[title] = values
+            columns[f"model_{title}"] = prediction.temperatures[title]
+        frames.append(pd.DataFrame(columns))
+    return str(pd.concat(frames).to_csv(index=False, float_format="%.9g", lineterminator="\n"))
 
 
 def _samples_text(found: Identification, samples: Samples) -> str:
-    """CSV of draws, a column per free parameter."""
-    free = found.pset.free
-    lines = [",".join(p.kind.symbol for p in free)]
+    """CSV of draws, a column for each free parameter, then those tied to them."""
+    tied = [p for p in found.pset.parameters if p.tie is not None]
+    kinds = [p.kind for p in (*found.pset.free, *tied)]
+    lines = [",".join(kind.symbol for kind in kinds)]
     for row in samples.cube:
-        lines.append(",".join(f"{p.at(float(u)):.6g}" for p, u in zip(free, row, strict=True)))
+        values = found.pset.values(row)
+        lines.append(",".join(f"{values[kind.key]:.6g}" for kind in kinds))
     return "\n".join(lines) + "\n"

@@ -3,7 +3,8 @@
 Stack, cells and time steps are made once per record; an evaluation changes the numbers of
 rubber, lead and rate dependence only. Steps may be coarser than the samples: fine where the
 motion turns (the loop is steep there) and longer along a leg; Z is exact for any increment,
-and the force between two steps is interpolated along the displacement.
+and the force between two steps is interpolated along the displacement. No step is shorter than
+the noise of the displacement: jitter is not motion.
 """
 
 from dataclasses import dataclass
@@ -19,6 +20,7 @@ from thermobearing.core.types import Constants, Kept
 from thermobearing.cyclic.equivalent import bilinear_parameters
 from thermobearing.cyclic.history import run_segments
 from thermobearing.cyclic.segments import Segment
+from thermobearing.identify.noise import noise_of
 from thermobearing.identify.record import TestRecord
 from thermobearing.model.constants import with_parameters
 from thermobearing.model.options import ModelOptions, build_model
@@ -28,6 +30,8 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 TURN = 0.005  # of the largest displacement: a smaller wiggle is noise, not a turn
+DEAD = 10.0  # of the noise of the displacement: from five below to five above, 1 sample in 2e6
+LARGEST_DEAD = 0.02  # of the largest displacement: what is more is no noise
 FIRST_STEP = 0.002  # of the largest displacement, after a turn
 GROWTH = 0.15  # of the way since the turn: step along a leg
 LONGEST_STEP = 0.05  # of the largest displacement
@@ -42,6 +46,7 @@ class Prediction:
     force: Floats  # [kN]
     temperatures: dict[str, Floats]  # by title of the thermocouple [degC]
     outcome: str
+    lead: tuple[float, float] | None = None  # coldest and warmest lead in the run [degC]
 
 
 @dataclass(frozen=True)
@@ -116,9 +121,60 @@ def coarse_nodes(time: Floats, x: Floats) -> Ints:
     True
     """
     peak = float(np.abs(x).max())
-    turns = turning_points(x, TURN * peak)
+    turns = turning_points(x, max(TURN * peak, dead_band(x)))
+    return _along(time, x, turns, _leg_ways(2.2 * peak, peak))
+
+
+def dead_band(x: Floats) -> float:
+    """Way below which a displacement is jitter.
+
+    Parameters
+    ----------
+    x : displacement [mm].
+
+    Returns
+    -------
+    float : [mm]; 0 without noise.
+
+    Examples
+    --------
+    >>> motion = 50.0 * np.sin(np.linspace(0.0, 60.0, 4000))
+    >>> round(dead_band(motion + np.random.default_rng(0).normal(0.0, 0.02, 4000)), 1)
+    0.2
+    """
+    return min(DEAD * noise_of(x), LARGEST_DEAD * float(np.abs(x).max()))
+
+
+def fine_nodes(time: Floats, x: Floats) -> Ints:
+    """Samples at which a step of the model ends when it takes all that are not jitter.
+
+    Parameters
+    ----------
+    time : of the samples [s], increasing.
+    x : displacement [mm].
+
+    Returns
+    -------
+    ndarray of int : numbers of the samples; all of them without noise.
+
+    Examples
+    --------
+    >>> time = np.linspace(0.0, 100.0, 2001)
+    >>> still = np.random.default_rng(0).normal(0.0, 0.02, 2001)
+    >>> moving = np.where(time < 2.0, 30.0 * np.sin(np.pi * time), 0.0)
+    >>> len(fine_nodes(time, moving)), len(fine_nodes(time, moving + still)) < 80
+    (2001, True)
+    """
+    band = dead_band(x)
+    if band <= 0.0:
+        return np.arange(len(x))
+    turns = turning_points(x, band)
+    return _along(time, x, turns, np.arange(band, 2.2 * float(np.abs(x).max()), band))
+
+
+def _along(time: Floats, x: Floats, turns: Ints, ways: Floats) -> Ints:
+    """Turns, the samples where a leg first passes each of the ways, and both ends of gaps."""
     nodes = [turns]
-    ways = _leg_ways(2.2 * peak, peak)
     for a, b in pairwise(turns.tolist()):
         way = np.maximum.accumulate(np.abs(x[a : b + 1] - x[a]))
         nodes.append(a + np.searchsorted(way, ways[ways < way[-1]]))
@@ -140,11 +196,11 @@ def _pause(duration: float, before: float, growth: float, steps: int) -> Floats:
 
 
 def _grid(record: TestRecord, fine: bool) -> _Grid:
-    """Steps through a record; `fine` takes every sample."""
+    """Steps through a record; `fine` takes every sample that is not jitter."""
     time, x = record.time, record.displacement
-    nodes = np.arange(len(x)) if fine else coarse_nodes(time, x)
+    nodes = fine_nodes(time, x) if fine else coarse_nodes(time, x)
     growth, steps = (1.05, 100) if fine else (PAUSE_GROWTH, PAUSE_STEPS)
-    still = TURN * record.peak_displacement
+    still = max(TURN * record.peak_displacement, dead_band(x))
     usual = float(np.median(np.diff(time)))
     xs, dts = [x[:1]], [np.array([usual])]
     gaps, moves = np.diff(time[nodes]), np.diff(x[nodes])
@@ -226,6 +282,7 @@ class ForwardModel:
         self._initial = np.full(len(self._constants.cells.capacity), self._at)
         self._groups = ("rubber",) if record.places else ()
         self._layers = self._thermocouples(bearing)
+        self.ended = ""  # outcome of the last run
 
     @property
     def steps(self) -> int:
@@ -270,12 +327,15 @@ class ForwardModel:
         )
         if history.outcome == INTERRUPTED:
             raise KeyboardInterrupt
+        self.ended = history.outcome
         if history.outcome != "completed":
             return None
+        lead = history.rows.books["lead_temperature"] if constants.lead.cores > 0.0 else None
         return Prediction(
             self._at_samples(history.rows.books["force"]),
             {title: self._at_samples(at(history.rows, j)) for title, j in self._layers.items()},
             history.outcome,
+            None if lead is None else (float(lead.min()), float(lead.max())),
         )
 
     def _at_samples(self, values: Floats) -> Floats:

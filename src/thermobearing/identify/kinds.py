@@ -66,6 +66,14 @@ KINDS = (
 )
 BY_KEY = {kind.key: kind for kind in KINDS}
 ALIASES = {kind.symbol: kind.key for kind in KINDS} | {"Q_l": SIGMA_Y, "alpha_1": ALPHA}
+# Where the law itself ends: a value there says that a part of it is not needed, and is no failure.
+ENDS = {
+    (ALPHA, 1.0),
+    (HARDENING, 0.0),
+    (E2, 0.0),
+    (SCRAGGING, 0.0),
+    (MULLINS, 0.0),
+}
 # What tests would fix a parameter, by the group it belongs to.
 REMEDIES = (
     ({M_T, N_T}, "tests at two ambient temperatures at least 20 K apart would fix it"),

@@ -18,7 +18,6 @@ from thermobearing.identify.kinds import (
     ALPHA,
     C_V,
     D_Y,
-    E2,
     HARDENING,
     K_L,
     K_R,
@@ -36,7 +35,6 @@ from thermobearing.identify.kinds import (
 )
 
 Floats = NDArray[np.float64]
-OFTEN_KNOWN = (E2,)  # by tests that heat the lead
 TIE = re.compile(r"([^=]+)=(?:([^=*]+)\*)?([^=*]+)")
 
 
@@ -192,6 +190,26 @@ class ParameterSet:
             moved.append(replace(p, value=value, lower=lower, upper=upper))
         return replace(self, parameters=tuple(moved))
 
+    def without(self, keys: Sequence[str]) -> "ParameterSet":
+        """The same with some parameters held at the values of the bearing.
+
+        Parameters
+        ----------
+        keys : dotted.
+
+        Returns
+        -------
+        ParameterSet
+        """
+        table = self.base.model_dump()
+        held = []
+        for p in self.parameters:
+            if p.kind.key in keys:
+                part, name = p.kind.key.split(".")
+                p = replace(p, value=float(table[part][name]), free=False)
+            held.append(p)
+        return replace(self, parameters=tuple(held))
+
     def checked(self, cube: Floats) -> Bearing:
         """The bearing at a point of the unit cube, validated: for the result.
 
@@ -263,12 +281,12 @@ def available(bearing: Bearing) -> list[Kind]:
 
 
 def default_free(bearing: Bearing, ambients: Iterable[float]) -> list[str]:
-    """Keys that are free unless the user says otherwise.
+    """Keys that are free unless the tests tell nothing of them; see sensitivity.py.
 
     Those of Tables 4.2 and 5.2, and the yield stress of lead: a fit that takes it from the file
     puts its error into the rubber. Temperature coefficients need tests at two temperatures.
     Linear rubber (post-yield ratio 1, as in an LRB) has one stiffness and one coefficient.
-    `OFTEN_KNOWN` come on top where the tests know them better than their source.
+    Others come on top where the tests know them better than their source.
 
     Parameters
     ----------

@@ -8,7 +8,7 @@ added to its draws.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -18,6 +18,8 @@ from thermobearing.border.errors import InputError
 from thermobearing.identify.forward import ForwardModel
 from thermobearing.identify.record import TestRecord
 from thermobearing.identify.result import Identification
+from thermobearing.identify.tested import reached_in
+from thermobearing.results.ranges import Row, asked_of_tests, limits_passed, outside_tests
 
 Floats = NDArray[np.float64]
 
@@ -48,6 +50,8 @@ class Band:
     ambient : temperature [degC].
     displacement, best, lower, upper : displacement [mm] and forces [kN] at the samples.
     peak, peak_lower, peak_upper : largest force [kN].
+    lead : coldest and warmest temperature of the lead [degC]; None without lead.
+    asked : what it asks of the range of the tests, rows of `compared`.
     """
 
     ambient: float
@@ -58,14 +62,27 @@ class Band:
     peak: float
     peak_lower: float
     peak_upper: float
+    lead: tuple[float, float] | None = None
+    asked: tuple[Row, ...] = ()
 
-    def summary(self) -> dict[str, float]:
+    @property
+    def name(self) -> str:
+        """What it is called in sentences."""
+        return f"predicted at {self.ambient:g} degC"
+
+    @property
+    def beyond_tested(self) -> str:
+        """The quantities in which it leaves the tests of the fit."""
+        return limits_passed(self.asked, [self.name])[0]
+
+    def summary(self) -> dict[str, Any]:
         """What summary.json says of the band."""
         return {
             "ambient_degC": self.ambient,
             "best_kN": self.peak,
             "lower_kN": self.peak_lower,
             "upper_kN": self.peak_upper,
+            "beyond_tested": self.beyond_tested,
         }
 
 
@@ -75,6 +92,7 @@ class Forecast:
 
     samples: Samples
     bands: tuple[Band, ...] = ()
+    warnings: tuple[str, ...] = ()
 
     def summary(self) -> dict[str, Any]:
         """What summary.json says."""
@@ -83,6 +101,7 @@ class Forecast:
             "samples": len(self.samples.cube),
             "acceptance": self.samples.acceptance,
             "autocorrelation_steps": self.samples.autocorrelation,
+            "warnings": list(self.warnings),
             "peak_force": [band.summary() for band in self.bands],
         }
 
@@ -124,8 +143,18 @@ def forecast(
     draws = posterior_samples if posterior else laplace_samples
     samples = draws(found, seed=seed)
     at = list(ambients) or [found.records[0].ambient]
-    bands = [predictive_band(found, samples, ambient, seed=seed) for ambient in at]
-    return Forecast(samples, tuple(bands))
+    bands = [_asked(found, predictive_band(found, samples, one, seed=seed)) for one in at]
+    rows = [row for band in bands for row in band.asked]
+    said = outside_tests(found.bearing.name, rows, found.tested_range.ranges())
+    return Forecast(samples, tuple(bands), tuple(said))
+
+
+def _asked(found: Identification, band: Band) -> Band:
+    """A band with what it asks of the range of the tests."""
+    thickness = found.bearing.total_rubber_thickness
+    reached = reached_in(found.records[0], thickness, band.ambient, band.lead)
+    rows = asked_of_tests(band.name, reached, found.tested_range.ranges())
+    return replace(band, asked=tuple(rows))
 
 
 def laplace_samples(found: Identification, count: int = 200, *, seed: int = 0) -> Samples:
@@ -276,4 +305,5 @@ def predictive_band(
         peak=float(np.abs(best.force).max()),
         peak_lower=float(peak_lower),
         peak_upper=float(peak_upper),
+        lead=best.lead,
     )

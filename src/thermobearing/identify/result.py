@@ -1,6 +1,6 @@
 """What a fit found: the bearing with its numbers, how well they are known, what they are worth."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -9,12 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from thermobearing.bearing.model import Bearing
-from thermobearing.identify.agreement import RecordFit, fit_of_record
+from thermobearing.bearing.validity import Validity
+from thermobearing.identify.agreement import UNUSABLE, RecordFit, fit_of_record
 from thermobearing.identify.checks import CheckReport
 from thermobearing.identify.forward import Prediction
 from thermobearing.identify.parameters import ParameterSet
 from thermobearing.identify.problem import Problem
 from thermobearing.identify.record import TestRecord
+from thermobearing.identify.sensitivity import Sensitivity
+from thermobearing.identify.tested import range_of_tests
+from thermobearing.identify.thermocouples import thermocouple_rows
 from thermobearing.identify.uncertainty import Estimate, Uncertainty
 
 if TYPE_CHECKING:
@@ -23,7 +27,11 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-SENTENCES = {"not_converged": "The search stopped before it converged. Give more --starts."}
+SENTENCES = {
+    "not_converged": "The search stopped before it converged. Give more --starts.",
+    "poor_fit": "bearing.toml is marked and does not load. Look at figures/loops.png and the "
+    "warnings; --accept-poor writes it without the mark.",
+}
 
 
 @dataclass(frozen=True)
@@ -41,6 +49,7 @@ class Identification:
     history : evaluations, and the best mean squared relative residual so far, for a figure.
     outcome : "completed", or why not.
     problem : the residuals, for the posterior.
+    sensitivity : what the tests can tell, and what is therefore free; empty where that was told.
 
     Examples
     --------
@@ -68,6 +77,7 @@ class Identification:
     history: list[tuple[int, float]]
     outcome: str
     problem: Problem
+    sensitivity: list[Sensitivity] = field(default_factory=list)
 
     @property
     def values(self) -> dict[str, float]:
@@ -82,10 +92,55 @@ class Identification:
             for record, prediction in zip(self.records, self.predictions, strict=True)
         ]
 
+    @cached_property
+    def tested_range(self) -> Validity:
+        """What these tests cover; it goes into the file of the bearing."""
+        rubber = self.bearing.total_rubber_thickness
+        return range_of_tests(self.records, self.predictions, rubber)
+
+    @property
+    def poor(self) -> list[str]:
+        """Why the bearing should not be used; empty for a fit that is good enough."""
+        said = [
+            f"{fit.record.name}: R2 = {fit.R2:.3f}"
+            for fit in self.fits
+            if fit.R2 < UNUSABLE and fit.record.weight > 0.0
+        ]
+        for item in self.uncertainty.estimates.values():
+            if item.lost:
+                kind = item.parameter.kind
+                said.append(
+                    f"{kind.symbol} = {item.value:.4g} {kind.unit}".strip() + " at its bound"
+                )
+        return said
+
+    def judged(self, *, accept_poor: bool = False) -> "Identification":
+        """The same with the outcome "poor_fit" where it is one, unless that is accepted.
+
+        Parameters
+        ----------
+        accept_poor : the user will use the bearing all the same.
+
+        Returns
+        -------
+        Identification
+        """
+        return replace(self, outcome="poor_fit") if self.poor and not accept_poor else self
+
+    @property
+    def thermocouples(self) -> list[dict[str, Any]]:
+        """Thermocouples of all tests beside the model, a row each; see `thermocouple_rows`."""
+        return [
+            {"test": record.name, **row}
+            for record, prediction in zip(self.records, self.predictions, strict=True)
+            for row in thermocouple_rows(record, prediction)
+        ]
+
     @property
     def sentence(self) -> str:
         """What the outcome means and what to try; empty when it completed."""
-        return SENTENCES.get(self.outcome, "")
+        sentence = SENTENCES.get(self.outcome, "")
+        return f"{'; '.join(self.poor)}. {sentence}" if self.outcome == "poor_fit" else sentence
 
     @property
     def warnings(self) -> list[str]:
@@ -93,7 +148,9 @@ class Identification:
         said = [f.sentence for check in self.checks for f in check.findings if f.level != "note"]
         said += self.uncertainty.warnings
         said += [warning for fit in self.fits for warning in fit.warnings]
-        if self.outcome != "completed":
+        if self.poor:
+            said.append(f"a poor fit: {'; '.join(self.poor)}")
+        if self.outcome == "not_converged":
             said.append("the search stopped before it converged: give more starts")
         return said
 
@@ -116,8 +173,15 @@ class Identification:
                 for p in self.pset.parameters
                 if p.kind.key not in estimates
             },
+            "sensitivity": {item.key: item.summary() for item in self.sensitivity},
             "assumed": [told.summary() for told in self.uncertainty.assumed.told],
-            "records": [fit.summary() for fit in self.fits],
+            "records": [
+                fit.summary()
+                | {"treatment": check.treatment.summary() if check.treatment else None}
+                for fit, check in zip(self.fits, self.checks, strict=True)
+            ],
+            "poor": self.poor,
+            "thermocouples": self.thermocouples,
             "correlation": {
                 "parameters": list(estimates),
                 "matrix": self.uncertainty.correlation.tolist(),

@@ -1,6 +1,6 @@
 """The story of a fit: tests and a bearing -> the bearing with the numbers that meet the tests.
 
-    tests -> checks -> parameters -> start from the loops -> search -> polish -> uncertainty
+    tests -> checks -> start from the loops -> what is free -> search -> polish -> uncertainty
 
 Read from top to bottom: `identify_bearing` gathers what the user gave into a case,
 `run_identify` carries it out. The residuals are in problem.py, the model in forward.py, the
@@ -9,7 +9,6 @@ search in search.py.
 
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +16,7 @@ from numpy.typing import NDArray
 
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
-from thermobearing.identify.assumed import chosen_groups, determined_by
+from thermobearing.identify.assumed import chosen_groups
 from thermobearing.identify.case import (
     SEARCH,
     IdentifyCase,
@@ -26,14 +25,22 @@ from thermobearing.identify.case import (
     Test,
     make_identify_case,
 )
-from thermobearing.identify.checks import check_test
+from thermobearing.identify.checks import CheckReport, check_test
 from thermobearing.identify.forward import ForwardModel
-from thermobearing.identify.parameters import OFTEN_KNOWN, available, parameter_set
+from thermobearing.identify.parameters import ParameterSet, parameter_set
 from thermobearing.identify.problem import Problem
+from thermobearing.identify.record import TestRecord
 from thermobearing.identify.result import Identification
 from thermobearing.identify.search import polish as polished
 from thermobearing.identify.search import search
+from thermobearing.identify.sensitivity import (
+    Sensitivity,
+    candidates,
+    sensitivities,
+    without_needless,
+)
 from thermobearing.identify.start import loop_start
+from thermobearing.identify.tested import range_of_tests
 from thermobearing.identify.uncertainty import estimate
 
 Floats = NDArray[np.float64]
@@ -54,6 +61,7 @@ def identify_bearing(
     polish: bool = True,
     evaluations: int = SEARCH,
     assumed: Mapping[str, float] | None = None,
+    accept_poor: bool = False,
 ) -> Identification:
     """Parameters of a bearing from its tests.
 
@@ -61,8 +69,8 @@ def identify_bearing(
     ----------
     records : one or more tests (`load_test`, `record_from_arrays`, or paths).
     bearing : geometry and materials, and the values of what is not free.
-    free : keys or symbols ("K_r"), ties as "n_T = 2.4 * m_T"; by default the usual ones and
-        those that these tests know better than their source (`default_free`).
+    free : keys or symbols ("K_r"), ties as "n_T = 2.4 * m_T"; by default what these tests can
+        determine (identify/sensitivity.py).
     bounds : other bounds than the usual, by key or symbol, in the unit of the parameter.
     method : "least-squares" (bounded trust region from several starts), "krill-herd"
         (Gandomi & Alavi 2012) or "differential-evolution"; the last two end with least
@@ -76,6 +84,7 @@ def identify_bearing(
     evaluations : budget of krill herd or differential evolution, 1 to a million.
     assumed : relative standard uncertainty, 0 to 2, of what is not identified, by dotted key or
         symbol: {"materials.side_film": 0.1}; 0 is known exactly. Others keep the usual ones.
+    accept_poor : let a poor fit (R2 below 0.9, a parameter at its bound) count as a fit.
 
     Returns
     -------
@@ -111,6 +120,7 @@ def identify_bearing(
         polish=polish,
         evaluations=evaluations,
         assumed=assumed,
+        accept_poor=accept_poor,
     )
     return run_identify(case)
 
@@ -147,29 +157,20 @@ def run_identify(case: IdentifyCase) -> Identification:
     refused = [line for check in checks for line in check.refusals]
     if refused:
         raise InputError(refused)
-    pset = parameter_set(base, case.free, [record.ambient for record in records], case.bounds)
-    coarse = [ForwardModel(record, base) for record in records]
-    start = loop_start(records, pset, coarse) if case.blind else pset.values(pset.start)
-    fixed = {p.kind.key for p in pset.parameters if not p.free}
-    problem = Problem(
-        records,
-        pset.with_start({key: value for key, value in start.items() if key not in fixed}),
-        temperatures=case.temperatures,
-        loss=case.loss,
-        clipped=[check.clipped for check in checks],
-        coarse=coarse,
-    )
+    records, left_out = _to_fit(checks)
+    problem, start, sensitivity = _problem(case, records, left_out)
     cube, converged = search(problem, case), True
     if case.free is None:
-        problem, cube = _with_more_free(problem, cube, case)
+        problem, cube = without_needless(problem, cube, [s.key for s in sensitivity if s.added])
     if case.polish:
         cube, converged = polished(problem, cube)
     predictions = [p for p in problem.predict(cube) if p is not None]
     if len(predictions) != len(records):
         raise InputError("the model does not get through these tests with any parameters tried")
+    covered = range_of_tests(records, predictions, base.total_rubber_thickness)
     uncertainty = estimate(problem, cube, chosen_groups(case.assumed))
     return Identification(
-        bearing=problem.pset.checked(cube),
+        bearing=problem.pset.checked(cube).model_copy(update={"tested_range": covered}),
         pset=problem.pset,
         cube=cube,
         records=records,
@@ -183,19 +184,46 @@ def run_identify(case: IdentifyCase) -> Identification:
         history=list(problem.history),
         outcome="completed" if converged else "not_converged",
         problem=problem,
+        sensitivity=sensitivity,
+    ).judged(accept_poor=case.accept_poor)
+
+
+def _to_fit(checks: Sequence[CheckReport]) -> tuple[list[TestRecord], list[NDArray[np.bool_]]]:
+    """The records as a fit sees them, and their samples that count for nothing."""
+    treated = [check.treatment.to_fit(check.clipped) for check in checks if check.treatment]
+    return [record for record, _ in treated], [left_out for _, left_out in treated]
+
+
+def _problem(
+    case: IdentifyCase, records: list[TestRecord], left_out: list[NDArray[np.bool_]]
+) -> tuple[Problem, dict[str, float], list[Sensitivity]]:
+    """The residuals with what is free, the starting values, and why it is free."""
+    base, ambients = case.bearing, [record.ambient for record in records]
+    coarse = [ForwardModel(record, base) for record in records]
+
+    def begun(free: Sequence[str] | None) -> tuple[ParameterSet, dict[str, float]]:
+        pset = parameter_set(base, free, ambients, case.bounds)
+        start = loop_start(records, pset, coarse) if case.blind else pset.values(pset.start)
+        fixed = {p.kind.key for p in pset.parameters if not p.free}
+        return pset.with_start({k: v for k, v in start.items() if k not in fixed}), start
+
+    pset, start = begun(case.free)
+    problem = Problem(
+        records,
+        pset,
+        temperatures=case.temperatures,
+        loss=case.loss,
+        clipped=left_out,
+        coarse=coarse,
     )
-
-
-def _with_more_free(problem: Problem, cube: Floats, case: IdentifyCase) -> tuple[Problem, Floats]:
-    """The fit with that free too which these tests know better than its source does."""
-    there = {kind.key for kind in available(case.bearing)}
-    asked = [g for g in chosen_groups(case.assumed) if set(g.keys) <= there & set(OFTEN_KNOWN)]
-    more = determined_by(problem, cube, asked)
-    if not more:
-        return problem, cube
-    at = problem.pset.values(cube)
-    free = [p.kind.key for p in problem.pset.free] + more
-    ambients = [record.ambient for record in case.records]
-    pset = parameter_set(case.bearing, free, ambients, case.bounds).with_start(at)
-    wider = problem.with_parameters(pset)
-    return wider, search(wider, replace(case, method="least-squares", starts=1))
+    if case.free is not None:
+        return problem, start, []
+    groups = chosen_groups(case.assumed)
+    every = parameter_set(base, candidates(problem, groups), ambients, case.bounds)
+    wide = every.with_start(start)
+    found = sensitivities(problem.with_parameters(wide), wide.start, groups)
+    free = [item.key for item in found if item.free]
+    if all(item.free == item.usual for item in found):
+        return problem, start, found
+    pset, start = begun(free)
+    return problem.with_parameters(pset), start, found

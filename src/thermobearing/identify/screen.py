@@ -1,11 +1,18 @@
 """Tables of a fit, and findings about tests, on the terminal."""
 
+from collections.abc import Sequence
+from typing import Any
+
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from thermobearing.border.errors import printable
 from thermobearing.identify.checks import CheckReport
+from thermobearing.identify.record import TestRecord
 from thermobearing.identify.result import Identification
+from thermobearing.identify.thermocouples import COLUMNS, thermocouple_cells
+from thermobearing.results.screen import print_warnings
 
 MARKS = {"refused": "REFUSED", "warning": "warning", "note": "note"}
 HEADS = ("parameter", "value", "standard error", "95 % interval", "unit")
@@ -36,12 +43,13 @@ def print_checks(reports: list[CheckReport]) -> None:
             print(f"  {MARKS[finding.level]:8} {finding.check}: {finding.sentence}")
 
 
-def print_identification(found: Identification) -> None:
+def print_identification(found: Identification, more: Sequence[str] = ()) -> None:
     """Parameters, measures of each record, warnings.
 
     Parameters
     ----------
     found : from `identify_bearing`.
+    more : further warnings, of a prediction.
 
     Examples
     --------
@@ -58,8 +66,41 @@ def print_identification(found: Identification) -> None:
     console = Console()
     console.print(_parameters(found))
     console.print(_measures(found))
-    for warning in found.warnings:
-        console.print(f"[yellow]warning:[/] {escape(warning)}", highlight=False, soft_wrap=True)
+    print_thermocouples(console, found.thermocouples, "thermocouples, model beside test")
+    print_unused(found.records)
+    print_warnings(console, [*found.warnings, *more])
+
+
+def print_unused(records: list[TestRecord]) -> None:
+    """Columns of each test that nothing was made of.
+
+    Parameters
+    ----------
+    records : tests; each is named once.
+    """
+    for name, unused in dict.fromkeys((record.name, record.unused) for record in records):
+        if unused:
+            print(printable(f"{name}: columns not used: {', '.join(unused)}"))
+
+
+def print_thermocouples(console: Console, rows: list[dict[str, Any]], title: str) -> None:
+    """A table of thermocouples, if there are any.
+
+    Parameters
+    ----------
+    console : to print on.
+    rows : from `thermocouple_rows`, with the name of the test.
+    title : of the table.
+    """
+    if not rows:
+        return
+    table = Table(title=escape(title), title_justify="left", box=None, pad_edge=False)
+    for head in ("test", *COLUMNS.values()):
+        left = head in ("test", "thermocouple", "place")
+        table.add_column(head, justify="left" if left else "right")
+    for row in rows:
+        table.add_row(escape(str(row["test"])), *map(escape, thermocouple_cells(row)))
+    console.print(table)
 
 
 def _parameters(found: Identification) -> Table:

@@ -40,6 +40,8 @@ def synthetic_record(
     memory: float = 0.0,
     sampling: float = 50.0,
     first_cycle: float = 1.0,
+    jitter: float = 0.0,
+    through_rests: bool = False,
     seed: int = 0,
 ) -> TestRecord:
     """A record as a laboratory would make it, from the model with noise.
@@ -54,6 +56,8 @@ def synthetic_record(
     sampling : [Hz], 1e-6 to 1e6; ends of legs are recorded besides.
     first_cycle : factor on the force of the first cycle of each amplitude, 0.1 to 10: an error
         of the law put in on purpose, like scragging.
+    jitter : standard deviation of the noise of the displacement [mm], 0 to 10.
+    through_rests : the logger runs on in rests, at its rate.
     seed : of the noise.
 
     Returns
@@ -78,6 +82,7 @@ def synthetic_record(
         ("noise", noise, 0.0, 10.0, ""),
         ("sampling", sampling, 1e-6, 1e6, " Hz"),
         ("first_cycle", first_cycle, 0.1, 10.0, ""),
+        ("jitter", jitter, 0.0, 10.0, " mm"),
     ):
         if not low <= value <= high:
             raise InputError(f"{name} = {value}: must be {low:g} to {high:g}{unit}")
@@ -88,6 +93,9 @@ def synthetic_record(
         raise InputError(f"the simulated test ended early: {result.outcome}")
     time = result.time(0)
     x, force = (np.asarray(result[name].values[0]) for name in ("displacement", "force"))
+    if through_rests:
+        clock = np.arange(time[0], time[-1], 1.0 / sampling)
+        time, x, force = clock, np.interp(clock, time, x), np.interp(clock, time, force)
     kept = _logged(time, x, sampling)
     name = f"synthetic at {ambient:g} degC"
     record = record_from_arrays(time[kept], x[kept], force[kept], ambient, name=name)
@@ -95,11 +103,17 @@ def synthetic_record(
     for cycle in cycles_of(record):
         if cycle.number == 1 and not cycle.closing:
             force[cycle.first : cycle.last + 1] *= first_cycle
-    white = np.random.default_rng(seed).normal(size=len(force))
+    rng = np.random.default_rng(seed)
+    white = rng.normal(size=len(force))
     for i in range(1, len(white) if memory else 0):
         white[i] = memory * white[i - 1] + np.sqrt(1.0 - memory**2) * white[i]
     noisy = force + noise * record.peak_force * white
-    return record_from_arrays(record.time, record.displacement, noisy, ambient, name=name)
+    moved = (
+        record.displacement + jitter * rng.normal(size=len(force))
+        if jitter
+        else record.displacement
+    )
+    return record_from_arrays(record.time, moved, noisy, ambient, name=name)
 
 
 def _logged(time: Floats, x: Floats, sampling: float) -> NDArray[np.bool_]:

@@ -31,6 +31,8 @@ TEMPERATURE_SPAN = 15.0  # K between tests that fix a temperature coefficient
 # Entropy stiffens warm rubber by T/T_0, a third in 100 K; no more.
 ENTROPIC = 0.35
 AS_LIKELY = 0.7  # of what the likeliest cause explains
+MUCH = 0.1  # of the squared misfit, which one more free parameter would take away ...
+SURELY = 3.0  # ... and by so many standard errors
 SPEED_SPAN = 3.0  # ratio of speeds that fixes rate dependence
 
 
@@ -55,6 +57,13 @@ class Estimate:
     lower: float
     upper: float
     at_bound: bool
+
+    @property
+    def lost(self) -> bool:
+        """Whether it ended at a bound that is not an end of the law itself, as b = 0 is."""
+        u, key = self.parameter.place(self.value), self.parameter.kind.key
+        end = self.parameter.lower if u < 0.5 else self.parameter.upper
+        return self.at_bound and (key, end) not in kinds.ENDS
 
     @property
     def relative_error(self) -> float:
@@ -270,7 +279,28 @@ def _likely_causes(found: Uncertainty) -> list[str]:
             f"the file has, by {abs(worst.sigmas):.0f} times its uncertainty; likely causes: "
             f"{'; or '.join(causes)}"
         )
+    said += _to_free(found)
     return said
+
+
+def _to_free(found: Uncertainty) -> list[str]:
+    """Parameters that were held, and whose freedom would take much of the misfit away."""
+    held = [
+        item
+        for item in found.assumed.told
+        if item.group.keys[0] in kinds.BY_KEY
+        and item.explained > MUCH
+        and abs(item.sigmas) > SURELY * item.stderr
+    ]
+    if not held:
+        return []
+    worst = max(held, key=lambda item: item.explained)
+    name = worst.group.name
+    free = [*(item.parameter.kind.symbol for item in found.estimates.values()), name]
+    return [
+        f"{worst.explained:.0%} of the squared misfit would go with another {name} than the file "
+        f"has: free {name} (--free {','.join(free)})"
+    ]
 
 
 def _test_warnings(problem: Problem) -> list[str]:

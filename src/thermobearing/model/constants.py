@@ -4,6 +4,7 @@ from typing import Literal
 
 import numpy as np
 
+from thermobearing.bearing.exposure import exposed
 from thermobearing.bearing.model import Bearing, Clock, LeadCores
 from thermobearing.core.records import Floats, filled
 from thermobearing.core.types import (
@@ -108,6 +109,7 @@ def with_parameters(constants: Constants, bearing: Bearing, stack: Stack) -> Con
     must have the geometry and materials that `constants` and `stack` were built from.
     """
     integrator: Integrator = "euler" if constants.rubber.integrator == EULER else "exact"
+    bearing = exposed(bearing)
     lead, _, _ = _lead(bearing, stack, published=constants.lead.published)
     lead = lead._replace(clock_rate=constants.lead.clock_rate)  # whatever clock was chosen
     return constants._replace(

@@ -42,7 +42,6 @@ REFERENCE: Model = "multi-layer"  # that the others are compared with
 BLIND = ("temperature-blind", "bilinear")  # the rubber's stiffness has no temperature
 UNCHANGING = 1e12  # factor on heat capacities that keeps a temperature where it is
 TIGHT = 1e6  # lead exchanges heat this fast with the single temperature [kN mm/(s K)]
-STIFFNESS_RATIO = 6.5  # K1/K2 of the bilinear model, usual in Japanese design of bridges
 
 
 @dataclass(frozen=True)

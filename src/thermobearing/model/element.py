@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from thermobearing.bearing.ambient import check_temperature
+from thermobearing.bearing.exposure import Exposure
 from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing, Clock
 from thermobearing.border.errors import InputError
@@ -77,6 +78,8 @@ class BearingElement:
     stack : "auto" (default), "half" or "full" height.
     model : "multi-layer" (default) or an earlier model (model/earlier.py) but "bilinear", whose
         constants `from_constants` takes.
+    exposure : factors for long cold and age, {"stiffness": 1.3, "strength": 1.2, "source": "..."};
+        by default those of the bearing, which is none.
 
     Raises
     ------
@@ -108,6 +111,7 @@ class BearingElement:
         lower_face: EndFace | None = None,
         stack: Stacked | None = None,
         model: Model | None = None,
+        exposure: Exposure | dict[str, Any] | None = None,
     ) -> None:
         bearing = as_bearing(bearing)
         given = {
@@ -121,6 +125,7 @@ class BearingElement:
             "lower_face": lower_face,
             "stack": stack,
             "model": model,
+            "exposure": exposure,
         }
         chosen = {key: value for key, value in given.items() if value is not None}
         options = validated(ModelOptions, chosen, "BearingElement()")

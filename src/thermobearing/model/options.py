@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
+from thermobearing.bearing.exposure import TWICE, Exposure, exposed
 from thermobearing.bearing.model import Bearing, Clock
 from thermobearing.border.errors import InputError
 from thermobearing.border.schema import Strict, in_unit
@@ -86,6 +87,7 @@ class ModelOptions(Strict):
     stack : "auto" (default) models the upper half when both faces are alike, else the whole
         height; "half" or "full".
     upper_face, lower_face : heat exchange of the end faces; eta_B = 2 by default.
+    exposure : factors for long cold and age (`Exposure`), for bearings that have none of their own.
     """
 
     model: ModelName = "multi-layer"
@@ -98,6 +100,7 @@ class ModelOptions(Strict):
     stack: Stacked = "auto"
     upper_face: EndFace = EndFace(eta=DEFAULT_ETA)
     lower_face: EndFace = EndFace(eta=DEFAULT_ETA)
+    exposure: Exposure | None = None
 
     @model_validator(mode="after")
     def _fit_each_other(self) -> Self:
@@ -122,6 +125,8 @@ class ModelOptions(Strict):
     def misfits(self, bearing: Bearing) -> list[str]:
         """What a bearing lacks for these options, in sentences that begin with the key."""
         found = []
+        if self.exposure is not None and bearing.exposure is not None:
+            found.append(f"exposure: {TWICE}")
         if bearing.lead is None:
             asked = [
                 ("model", self.model, self.model == "lead-alone"),
@@ -217,7 +222,7 @@ def build_model(
 
     Raises
     ------
-    InputError : `model` "bilinear" without a backbone.
+    InputError : `model` "bilinear" without a backbone; exposure factors in bearing and options.
 
     Examples
     --------
@@ -227,6 +232,7 @@ def build_model(
     ('work', 19)
     """
     options = (options or ModelOptions()).settled(bearing)
+    bearing = exposed(bearing, options.exposure)  # once, before any temperature
     stack = build_stack(bearing, half=options.half)
     constants = build_constants(
         bearing,

@@ -1,4 +1,5 @@
 # What this room offers: read by type checkers, and by lazy_loader when it is first used.
+from .arrays import motion_from_arrays as motion_from_arrays
 from .jra import standard_spectrum as standard_spectrum
 from .library import list_motions as list_motions
 from .library import load_motion as load_motion

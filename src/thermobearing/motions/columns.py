@@ -6,6 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from thermobearing.border.errors import InputError, nearest, shortened
+from thermobearing.border.sheets import COMMENTS, Sheet, sheet_of_text
+from thermobearing.border.titles import name_and_unit
 from thermobearing.motions.record import acceleration_unit
 from thermobearing.motions.sniffing import (
     LONGEST_LINE,
@@ -17,9 +19,7 @@ from thermobearing.motions.sniffing import (
     number,
 )
 
-_TITLE = re.compile(
-    r"^(?P<name>[A-Za-z][A-Za-z .-]*?)\s*(?:_|\[|\()\s*(?P<unit>[^\])]+?)\s*[\])]?$"
-)
+_NAME = re.compile(r"[A-Za-z][A-Za-z .-]*")
 _STEP = re.compile(
     rf"\b(?:dt|time\s*step|delta\s*t|time\s*interval)\s*[=:]?\s*({NUMBER.pattern})\s*(ms|s)?",
     re.IGNORECASE,
@@ -30,7 +30,7 @@ _UNIT = re.compile(
     re.IGNORECASE,
 )
 _DIRECTION = re.compile(r"\b(N-?S|E-?W|U-?D)\b", re.IGNORECASE)
-_COMMENT = ("#", "%", "!", "//", "*")
+_MARKS = "".join(COMMENTS) + " "
 SECONDS = {"s": 1.0, "sec": 1.0, "second": 1.0, "seconds": 1.0, "ms": 1e-3}
 TIME_NAMES = ("t", "time")
 
@@ -44,23 +44,34 @@ class _Column:
     unit: str | None
 
 
-def _cells(line: str) -> list[str]:
-    """Cells between commas, semicolons, tabs or blanks."""
-    text = line.strip()
-    for mark in (";", ","):
-        if mark in text:
-            return [cell.strip() for cell in text.split(mark)]
-    return text.split()
+def _is_row(cells: list[str]) -> bool:
+    """Whether cells are numbers (or what should be numbers) and nothing else."""
+    fits = [NUMBER.fullmatch(cell) or not cell or is_not_finite(cell) for cell in cells]
+    return all(fits) and any(cells)
 
 
-def _is_row(line: str) -> bool:
-    """Whether a line holds numbers (or what should be numbers) and nothing else."""
-    cells = _cells(line)
-    numbers = [bool(NUMBER.fullmatch(cell)) for cell in cells]
-    fits = [
-        good or not cell or is_not_finite(cell) for good, cell in zip(numbers, cells, strict=True)
-    ]
-    return bool(cells) and all(fits) and any(cell for cell in cells)
+def _numbers(sheet: Sheet, first: int, width: int) -> tuple[list[int], list[list[float]]]:
+    """Lines and rows of numbers from a line on.
+
+    Raises
+    ------
+    InputError : a row of another length, a cell that is not a finite number.
+    """
+    lines, rows = [], []
+    for at, cells in sheet.rows:
+        if at < first:
+            continue
+        try:
+            if len(cells) != width:
+                shown = shortened(sheet.separator.join(cells).strip())
+                raise InputError(
+                    f'"{shown}" has {len(cells)} columns instead of {width} (a gap in the record?)'
+                )
+            rows.append([number(sheet.plain(cell)) for cell in cells])
+            lines.append(at)
+        except InputError as error:
+            raise InputError(error.lines(f"line {at}")) from None
+    return lines, rows
 
 
 def read_columns_of_text(lines: list[str], options: Options) -> Raw:
@@ -71,28 +82,14 @@ def read_columns_of_text(lines: list[str], options: Options) -> Raw:
     InputError : no numbers, rows of different length, cells that are not finite numbers, uneven
         times, several components and none chosen.
     """
-    start = next((at for at, line in enumerate(lines) if line.strip() and _is_row(line)), None)
-    if start is None:
-        commas = any(re.search(r"\d,\d+\s*;", line) for line in lines)
-        hint = "decimals take a point" if commas else "is it an accelerogram?"
-        raise InputError(f"holds no numbers; {hint}")
-    header, rows = [line[:LONGEST_LINE] for line in lines[:start] if line.strip()], []
-    width = len(_cells(lines[start]))
-    for at, line in enumerate(lines[start:], start + 1):
-        if not line.strip() or line.lstrip().startswith(_COMMENT):
-            continue
-        cells = _cells(line)
-        try:
-            if len(cells) != width:
-                raise InputError(
-                    f'"{shortened(line.strip())}" has {len(cells)} columns instead of {width} '
-                    "(a gap in the record?)"
-                )
-            rows.append((at, [number(cell) for cell in cells]))
-        except InputError as error:
-            raise InputError(error.lines(f"line {at}")) from None
-    table = np.array([row for _, row in rows])
-    numbered = [at for at, _ in rows]
+    sheet = sheet_of_text("\n".join(lines), quotes=False)
+    plain = [(at, [sheet.plain(cell) for cell in cells]) for at, cells in sheet.rows]
+    start, width = next(((at, len(cells)) for at, cells in plain if _is_row(cells)), (0, 0))
+    if not start:
+        raise InputError("holds no numbers; is it an accelerogram?")
+    header = [line[:LONGEST_LINE] for line in lines[: start - 1] if line.strip()]
+    numbered, rows = _numbers(sheet, start, width)
+    table = np.array(rows)
     time, others = _sorted_columns(header, table, width)
     dt = None
     if time is not None:
@@ -105,8 +102,9 @@ def read_columns_of_text(lines: list[str], options: Options) -> Raw:
         dt = _told_step(header)
     column = _chosen(others, options)
     unit = column.unit or _told_unit(header)
-    about = " ".join(line.strip().lstrip("#%!/* ") for line in header if len(line.split()) > 3)
-    return Raw(table[:, column.number], dt, unit, description=about[:200])
+    about = " ".join(line.strip().lstrip(_MARKS) for line in header if len(line.split()) > 3)
+    told = column.name if len(others) > 1 else ""
+    return Raw(table[:, column.number], dt, unit, description=about[:200], component=told)
 
 
 def _told_step(header: list[str]) -> float | None:
@@ -130,7 +128,7 @@ def _titles(header: list[str], width: int) -> list[str] | None:
     """Names of the columns, if the last line of the header has as many as there are columns."""
     if not header:
         return None
-    line = header[-1].strip().lstrip("#%!/* ").strip()
+    line = header[-1].strip().lstrip(_MARKS).strip()
     for cells in (re.split(r"[;,\t]", line), re.split(r"\s{2,}", line), line.split()):
         titles = [cell.strip() for cell in cells if cell.strip()]
         if len(titles) == width and all(re.match("[A-Za-z]", title) for title in titles):
@@ -145,9 +143,11 @@ def _sorted_columns(
     titles = _titles(header, width)
     columns = []
     for at in range(width):
-        match = _TITLE.match(titles[at]) if titles else None
-        name = match["name"].strip() if match else (titles[at] if titles else "")
-        columns.append(_Column(at, name, match["unit"] if match else None))
+        name, unit = name_and_unit(titles[at]) if titles else ("", "")
+        told = unit and _NAME.fullmatch(name)  # "dt = 0.01 s" is no title
+        columns.append(
+            _Column(at, name, unit) if told else _Column(at, titles[at] if titles else "", None)
+        )
     if titles and columns[0].name.lower() in TIME_NAMES:
         return columns[0], columns[1:]
     if not titles and width > 1 and len(table) > 2 and (np.diff(table[:, 0]) > 0.0).all():

@@ -11,8 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
+from thermobearing.border.encodings import read_text
 from thermobearing.border.errors import InputError, nearest
-from thermobearing.border.tables import read_text
 from thermobearing.border.units import HUGEST
 from thermobearing.motions.columns import read_columns_of_text
 from thermobearing.motions.record import MOST_SAMPLES, GroundMotion, acceleration_unit
@@ -132,7 +132,7 @@ def _finished(raw: Raw, options: Options) -> GroundMotion:
     check_size(
         float(np.abs(values).max()), plain, instrument=raw.instrument, trusted=options.trust_unit
     )
-    return GroundMotion("", dt, values, raw.description)
+    return GroundMotion("", dt, values, raw.description, component=raw.component)
 
 
 def _only_component(options: Options, held: str = "one component") -> None:
@@ -235,7 +235,7 @@ def _read_knet(lines: list[str], options: Options) -> Raw:
         )
     station = entries.get("stationcode", "")
     text = f"{station} {held}, earthquake of {entries.get('origintime', '')}"
-    return Raw(values, dt, "gal", instrument=True, description=text)
+    return Raw(values, dt, "gal", instrument=True, description=text, component=held)
 
 
 def _read_jma(lines: list[str], options: Options) -> Raw:
@@ -276,4 +276,5 @@ def _read_jma(lines: list[str], options: Options) -> Raw:
     start = head.get("initial time", "")
     about = f"JMA {site} {wanted}, from {start}"
     known = unit is not None
-    return Raw(np.array(values), 1.0 / rate, unit, instrument=known, description=about)
+    series = np.array(values)
+    return Raw(series, 1.0 / rate, unit, instrument=known, description=about, component=wanted)

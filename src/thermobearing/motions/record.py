@@ -5,6 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from thermobearing.border.errors import InputError, nearest
+from thermobearing.border.numbers import is_number, number_list
+from thermobearing.border.units import HUGEST
 from thermobearing.core.types import Floats
 
 MM_S2_PER_GAL = 10.0
@@ -37,6 +39,11 @@ class GroundMotion:
     dt : time between samples [s], > 0; the first sample is at time zero.
     acceleration : [n] ground acceleration [mm/s2]; 10 mm/s2 = 1 gal.
     description, citation : what it is and where it comes from.
+    component : direction, such as "NS", if that is known; tells motions of one name apart.
+
+    Raises
+    ------
+    InputError : no row of finite numbers, or no plausible time step.
 
     Examples
     --------
@@ -51,6 +58,19 @@ class GroundMotion:
     acceleration: Floats
     description: str = ""
     citation: str = ""
+    component: str = ""
+
+    def __post_init__(self) -> None:
+        where = f'GroundMotion "{self.name}"'
+        try:
+            values = number_list(self.acceleration, "acceleration [mm/s2]")
+        except InputError as error:
+            raise InputError(error.problems, where) from None
+        if not is_number(self.dt) or not 0.0 < self.dt < HUGEST:
+            raise InputError(f"dt = {self.dt!r}: must be a number of seconds > 0", where)
+        if len(values) > MOST_SAMPLES:
+            raise InputError(f"{len(values)} samples; at most {MOST_SAMPLES} can be used", where)
+        object.__setattr__(self, "acceleration", values)
 
     @property
     def time(self) -> Floats:

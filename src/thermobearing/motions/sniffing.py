@@ -45,6 +45,7 @@ class Raw:
     unit : as the file spells it, None if it does not say.
     instrument : whether the unit belongs to the format.
     description : of the record, from its header.
+    component : its direction, if the file or the caller tells.
     """
 
     values: Floats
@@ -52,6 +53,7 @@ class Raw:
     unit: str | None
     instrument: bool = False
     description: str = ""
+    component: str = ""
 
 
 def number(cell: str) -> float:
@@ -91,19 +93,23 @@ def running_numbers(lines: list[tuple[int, str]]) -> Floats:
     return np.array(found)
 
 
-def even_step(time: Floats, lines: list[int]) -> float:
-    """The time step of evenly spaced times [s]; gaps and uneven steps are told with their line."""
+def even_step(time: Floats, lines: list[int], what: str = "line") -> float:
+    """The time step of evenly spaced times [s]; gaps and uneven steps are told with their line.
+
+    `lines` numbers them; `what` the numbers count, lines of a file or samples of an array.
+    """
     steps = np.diff(time)
     if (steps <= 0.0).any():
         k = int(np.argmax(steps <= 0.0))
         raise InputError(
-            f"line {lines[k + 1]}: time does not increase, from {time[k]:g} s to {time[k + 1]:g} s"
+            f"{what} {lines[k + 1]}: time does not increase, from {time[k]:g} s to "
+            f"{time[k + 1]:g} s"
         )
     usual = float(np.median(steps))
     gap = int(steps.argmax())
     if steps[gap] > 1.5 * usual:
         raise InputError(
-            f"line {lines[gap + 1]}: a gap of {steps[gap]:g} s, from {time[gap]:g} s to "
+            f"{what} {lines[gap + 1]}: a gap of {steps[gap]:g} s, from {time[gap]:g} s to "
             f"{time[gap + 1]:g} s; the time step is {usual:g} s elsewhere"
         )
     dt = float(time[-1] - time[0]) / len(steps)
@@ -111,7 +117,7 @@ def even_step(time: Floats, lines: list[int]) -> float:
     if off.max() > OFF_GRID * dt:
         k = int(np.argmax(np.abs(steps - usual) > OFF_GRID * usual))
         raise InputError(
-            f"line {lines[k + 1]}: uneven time steps, {steps[k]:g} s here and {usual:g} s "
+            f"{what} {lines[k + 1]}: uneven time steps, {steps[k]:g} s here and {usual:g} s "
             "elsewhere; resample the record to even steps first"
         )
     return round(dt, 9)

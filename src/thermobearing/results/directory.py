@@ -17,20 +17,26 @@ from thermobearing.results.swap import new_sibling, put_in_place
 SUMMARY, DATASET, HISTORY = "summary.json", "result.nc", "history.csv"
 RESOLVED, FIGURES, COMPARISON = "case.resolved.toml", "figures", "comparison.csv"
 TABLE, MODES, RIG, PARTS = "table.csv", "modes.csv", "rig.csv", "parts"
+LINES, PIERS = "lines.csv", "piers.csv"
+STRUCTURE_PARTS, PERIODS = "parts.csv", "periods.csv"
+TESTED_RANGE = "tested_range.csv"
 IDENTIFIED, FIT_TABLE, SAMPLES = "bearing.toml", "fit.csv", "posterior.csv"
+COMPOUND = "compound.toml"
 # Everything that any command writes into a result directory; nothing else is ever deleted.
 RESULT_NAMES = {SUMMARY, DATASET, HISTORY, RESOLVED, FIGURES, COMPARISON, TABLE, ".DS_Store"}
-RESULT_NAMES |= {RIG, PARTS}
+RESULT_NAMES |= {RIG, TESTED_RANGE, PARTS, LINES, PIERS, STRUCTURE_PARTS, PERIODS}
 MOTION, SPECTRUM = "motion.csv", "spectrum.csv"
 RESULT_NAMES |= {MOTION, SPECTRUM, MODES}
 FACTORS, SCALE, BOUNDS = "factors.csv", "scale.csv", "bounds.csv"
 BOUNDS_TCL, BOUNDS_PYTHON = "bounds.tcl", "bounds.py"
 RESULT_NAMES |= {FACTORS, SCALE, BOUNDS, BOUNDS_TCL, BOUNDS_PYTHON}
 ROUNDS, CHECKS, BEARINGS = "rounds.csv", "checks.csv", "bearings"
-RESULT_NAMES |= {ROUNDS, CHECKS, BEARINGS}
-VALIDATED_CYCLES, FOLDS = "cycles.csv", "folds.csv"
-RESULT_NAMES |= {VALIDATED_CYCLES, FOLDS}
-RESULT_NAMES |= {IDENTIFIED, FIT_TABLE, SAMPLES}
+TEMPERATURES = "temperatures.csv"
+RESULT_NAMES |= {ROUNDS, CHECKS, BEARINGS, TEMPERATURES}
+VALIDATED_CYCLES, FOLDS, THERMOCOUPLES = "cycles.csv", "folds.csv", "thermocouples.csv"
+SIDECARS = "sidecars"
+RESULT_NAMES |= {VALIDATED_CYCLES, FOLDS, THERMOCOUPLES, SIDECARS}
+RESULT_NAMES |= {IDENTIFIED, COMPOUND, FIT_TABLE, SAMPLES}
 
 
 def check_target(directory: Path, *, force: bool) -> None:

@@ -9,7 +9,7 @@ import math
 import textwrap
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
@@ -48,6 +48,7 @@ ENERGIES = (
     ("heat_lost_sides", "heat lost through the sides", "#56B4E9", "-.", 1.3),
     ("recoverable", "recoverable", "#009E73", "-", 1.3),
 )
+UNTESTED = "#f6dede"  # beyond what a bearing was tested at
 THIN = 0.02  # of the height: a part too thin for its name
 LOOP_STEP = 1 / 250  # distance of kept points of a loop, of the size of the panel
 
@@ -226,6 +227,41 @@ def common_limits(axes: list[Axes]) -> tuple[float, float]:
     low, high = min(a for a, _ in limits), max(b for _, b in limits)
     room = 0.06 * max(high - low, 1e-9)
     return low - room, high + room
+
+
+def shade_untested(
+    axes: list[Axes], tested: list[tuple[float, float]], along: Literal["x", "y"] = "x"
+) -> None:
+    """Shade what lies beyond the tested range where a panel shows it.
+
+    Parameters
+    ----------
+    axes : drawn panels.
+    tested : lowest and highest value of each, in the unit of its axis; infinite without an end.
+    along : the axis they are values of.
+    """
+    for ax, (least, most) in zip(axes, tested, strict=False):
+        if not np.isfinite([least, most]).any():
+            continue
+        get, put = (ax.get_xlim, ax.set_xlim) if along == "x" else (ax.get_ylim, ax.set_ylim)
+        low, high = get()
+        span = ax.axvspan if along == "x" else ax.axhspan
+        for first, last in ((most, high), (low, least)):
+            if last > first:
+                span(first, last, color=UNTESTED, zorder=0.2, linewidth=0)
+        put(low, high)
+        place = (0.99, 0.985) if along == "x" else (0.01, 0.985)
+        look: Look = {"fontsize": SMALL - 0.5, "color": "#a33", "va": "top"}
+        look["ha"] = "right" if along == "x" else "left"
+        ax.text(*place, "shaded: not tested", transform=ax.transAxes, **look)
+
+
+def mark_tested(ax: Axes, largest: float, name: str) -> None:
+    """A line at the largest tested value of what the vertical axis shows, if it is finite."""
+    if np.isfinite(largest):
+        ax.axhline(largest, color="#a33", linewidth=0.8, linestyle=(0, (6, 2, 1, 2)))
+        look: Look = {"fontsize": SMALL - 0.5, "color": "#a33", "va": "bottom", "ha": "right"}
+        ax.text(0.99, largest, name, transform=ax.get_yaxis_transform(), **look)
 
 
 def draw_stack(ax: Axes, data: xr.Dataset, *, names: bool) -> None:

@@ -22,6 +22,8 @@ FIT_FROM, FIT_TO = 0.5, 0.9  # part of the loading branch that gives K_d, of the
 LEAST_ENERGY = 1e-6  # [kN mm]
 LEAST_WARMING = 1e-4  # [K], of the whole bearing: 1 kN mm for one of 240 mm
 LEAST_HEAT = 1.0  # [kN mm], the same where the heat capacity is not known
+DWELL, SHORTEST_DWELL = 0.02, 5  # points at zero that are a rest: part of all per cycle, and least
+STRAIGHT = 0.05  # of the amplitude: way before a rest that tells how the force goes on
 FEWEST_POINTS = 8  # in a cycle that is measured; 5 (zeros and peaks) where its work is known
 
 
@@ -166,11 +168,113 @@ def measure_cycle(
     )
 
 
-def find_cycles(displacement: Floats, *, smallest: float = 0.02) -> list[tuple[int, int]]:
-    """First and last point of each full cycle of a displacement history.
+@dataclass(frozen=True)
+class FoundCycle:
+    """Points first to last of a cycle, and how it ends.
+
+    Attributes
+    ----------
+    first, last : point numbers; `last` is the first point at or past zero.
+    ends : "closed" where the motion goes on, "rest" where it stops at zero, "incomplete" where the
+        history ends on the way.
+    moving : the last point before a rest, where there is one; else `last`.
+    """
+
+    first: int
+    last: int
+    ends: str
+    moving: int
+
+
+def found_cycles(
+    displacement: Floats, *, smallest: float = 0.02, rests: Sequence[tuple[int, int]] = ()
+) -> list[FoundCycle]:
+    """The cycles of a displacement history, those that end in a rest or not at all told apart.
 
     A cycle runs from one upward crossing of zero to the next and must swing to both sides by
-    more than `smallest` times the largest displacement, so that noise makes no cycles.
+    more than `smallest` times the largest displacement, so that noise makes no cycles. It begins
+    where the motion last leaves zero and ends where it first comes back: what happens at zero in
+    between (a rest, in which the force relaxes) belongs to no cycle.
+
+    Parameters
+    ----------
+    displacement : history [mm].
+    smallest : threshold relative to the largest displacement, in (0, 1).
+    rests : first and last point of each, where they are known.
+
+    Examples
+    --------
+    >>> wave = np.sin(np.linspace(0.0, 2.0 * np.pi, 101))
+    >>> history = np.concatenate([wave, wave, np.zeros(50), wave, wave[:80]])
+    >>> [(cycle.first, cycle.ends) for cycle in found_cycles(history, rests=[(201, 252)])]
+    [(0, 'closed'), (101, 'rest'), (252, 'closed'), (353, 'incomplete')]
+    """
+    d = np.asarray(displacement, float)
+    limit = smallest * float(np.abs(d).max()) if len(d) else 0.0
+    if limit == 0.0:
+        return []
+    # Which side the history is on, remembered while it is within the threshold of zero.
+    side = np.where(d > limit, 1, np.where(d < -limit, -1, 0))
+    known = np.flatnonzero(side)
+    turns = [(int(a), int(b)) for a, b in pairwise(known) if side[a] < side[b]]
+    if side[known[0]] > 0:
+        turns = [(0, int(known[0])), *turns]
+    dwell = max(SHORTEST_DWELL, DWELL * len(d) / max(len(turns), 1))
+    crossings = [_crossing(d, before, after, rests, dwell) for before, after in turns]
+    found = [
+        _cycle(departed, arrived, moving)
+        for (_, departed, _), (arrived, _, moving) in pairwise(crossings)
+    ]
+    if crossings:
+        tail, end = crossings[-1][1], len(d) - 1
+        away = tail + np.flatnonzero(side[tail:])
+        if len(away) and (side[tail:] < 0).any() and abs(d[-1]) <= limit:
+            arrived, _, moving = _crossing(d, int(away[-1]), end, rests, dwell)
+            found.append(_cycle(tail, arrived if moving is not None else end, moving))
+        elif len(away):
+            found.append(FoundCycle(tail, end, "incomplete", end))
+    return [c for c in found if c.ends == "incomplete" or _both_sides(d, c, limit)]
+
+
+def _cycle(first: int, last: int, moving: int | None) -> FoundCycle:
+    rests = moving is not None
+    return FoundCycle(
+        first, last, "rest" if rests else "closed", last if moving is None else moving
+    )
+
+
+def _both_sides(d: Floats, cycle: FoundCycle, limit: float) -> bool:
+    way = d[cycle.first : cycle.last + 1]
+    return bool(way.min() < -limit < limit < way.max())
+
+
+def _crossing(
+    d: Floats, before: int, after: int, rests: Sequence[tuple[int, int]], dwell: float
+) -> tuple[int, int, int | None]:
+    """Points at which the motion comes to zero and leaves it; if it rests, the last that moves.
+
+    From a point on one side (`before`) to one on the other (`after`). Without a rest (known, or
+    more than `dwell` points long) the cycles follow each other at once; points on the same spot
+    belong to neither of them, since the logger may have slept between them.
+    """
+    way = d[before : after + 1]
+    up, down = np.flatnonzero(way >= 0.0), np.flatnonzero(way <= 0.0)
+    arrived = before + int(up[0]) if len(up) else after
+    departed = before + int(down[-1]) if len(down) else before
+    for first, last in rests:
+        if before < first < last <= after:
+            slept = last - first == 1  # no samples of the rest: its first point still moved
+            came = min(arrived, first)
+            return came, max(departed, last), came if slept else max(came - 1, before)
+    if departed - arrived > dwell:
+        return arrived, departed, max(arrived - 1, before)
+    if departed > arrived and np.ptp(d[arrived : departed + 1]) == 0.0:
+        return arrived, departed, None
+    return departed if d[departed] == 0.0 else min(departed + 1, after), departed, None
+
+
+def find_cycles(displacement: Floats, *, smallest: float = 0.02) -> list[tuple[int, int]]:
+    """First and last point of each full cycle of a displacement history; see `found_cycles`.
 
     Parameters
     ----------
@@ -181,29 +285,17 @@ def find_cycles(displacement: Floats, *, smallest: float = 0.02) -> list[tuple[i
     -------
     list of (first, last) point numbers; `last` is the first point at or past the crossing.
     """
-    d = np.asarray(displacement, float)
-    limit = smallest * float(np.abs(d).max()) if len(d) else 0.0
-    if limit == 0.0:
-        return []
-    # Which side the history is on, remembered while it is within the threshold of zero.
-    side = np.where(d > limit, 1, np.where(d < -limit, -1, 0))
-    known = np.flatnonzero(side)
-    turns = [int(b) for a, b in pairwise(known) if side[a] < side[b]]
-    first = int(known[0])
-    turns = [first, *turns] if side[first] > 0 else turns
-    # Last point at or below zero before each turn; 0 if there is none.
-    below = np.concatenate([[0], np.flatnonzero(d <= 0.0)])
-    starts = below[np.searchsorted(below[1:], turns, side="right")].tolist()
-    ends = [start if d[start] == 0.0 else start + 1 for start in starts]
-    cycles = list(zip(starts[:-1], ends[1:], strict=True))
-    tail = starts[-1] if starts else None
-    if tail is not None and (d[tail:] < -limit).any() and abs(d[-1]) <= limit:
-        cycles.append((tail, len(d) - 1))
-    return [(a, b) for a, b in cycles if d[a : b + 1].min() < -limit < limit < d[a : b + 1].max()]
+    cycles = found_cycles(displacement, smallest=smallest)
+    return [(cycle.first, cycle.last) for cycle in cycles if cycle.ends != "incomplete"]
 
 
 def measure_history(
-    displacement: Floats, force: Floats, *, area: float, total_rubber_thickness: float
+    displacement: Floats,
+    force: Floats,
+    *,
+    area: float,
+    total_rubber_thickness: float,
+    rests: Sequence[tuple[int, int]] = (),
 ) -> list[CycleMeasures]:
     """Measures of every full cycle found in a history, simulated or from a laboratory.
 
@@ -212,6 +304,7 @@ def measure_history(
     displacement, force : histories [mm, kN].
     area : gross plan area [mm2].
     total_rubber_thickness : [mm].
+    rests : first and last point of each, where they are known: a cycle ends where a rest begins.
 
     Raises
     ------
@@ -225,16 +318,16 @@ def measure_history(
     3
     """
     d, f = _histories(displacement, force)
-    cycles = find_cycles(d)
+    cycles = [cycle for cycle in found_cycles(d, rests=rests) if cycle.ends != "incomplete"]
     if not cycles:
         raise InputError("no full cycle (zero, one side, other side, zero) was found")
     return [
         measure_cycle(
-            *_from_zero_to_zero(d[a : b + 1], f[a : b + 1]),
+            *_from_zero_to_zero(d, f, cycle),
             area=area,
             total_rubber_thickness=total_rubber_thickness,
         )
-        for a, b in cycles
+        for cycle in cycles
     ]
 
 
@@ -255,16 +348,22 @@ def _histories(displacement: Floats, force: Floats) -> tuple[Floats, Floats]:
     return d, f
 
 
-def _from_zero_to_zero(d: Floats, f: Floats) -> tuple[Floats, Floats]:
+def _from_zero_to_zero(d: Floats, f: Floats, cycle: FoundCycle) -> tuple[Floats, Floats]:
     """A cycle cut off at its upward crossings of zero.
 
     Its first and last interval are shared with its neighbours; counted whole in both, a cycle
-    of 200 points gains some 2 % of energy.
+    of 200 points gains some 2 % of energy. One that ends in a rest goes straight on to zero: the
+    force is lost as soon as the motion stops, often within one interval of the logger.
     """
-    d, f = d.copy(), f.copy()
+    rows = slice(cycle.first, (cycle.moving if cycle.ends == "rest" else cycle.last) + 1)
+    d, f = d[rows].copy(), f[rows].copy()
     for end, inner in ((0, 1), (-1, -2)):
         low, high = (end, inner) if end == 0 else (inner, end)
         if d[low] < 0.0 < d[high]:
             f[end] = f[low] - d[low] * (f[high] - f[low]) / (d[high] - d[low])
             d[end] = 0.0
+    if cycle.ends == "rest" and d[-1] != 0.0:
+        back = np.flatnonzero(d <= d[-1] - STRAIGHT * float(np.abs(d).max()))
+        slope = (f[-1] - f[back[-1]]) / (d[-1] - d[back[-1]]) if len(back) else 0.0
+        d, f = np.append(d, 0.0), np.append(f, f[-1] - slope * d[-1])
     return d, f

@@ -8,7 +8,7 @@ import shutil
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from thermobearing.results.directory import SUMMARY
+from thermobearing.results.directory import RIG, SUMMARY, TESTED_RANGE
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -42,16 +42,31 @@ def write_summary(folder: Path, content: dict[str, Any]) -> None:
     (folder / SUMMARY).write_text(text + "\n", encoding="utf-8", errors="backslashreplace")
 
 
-def rig_summary(table: "pd.DataFrame") -> dict[str, Any]:
-    """What summary.json says of the limits of a rig; nothing where no rig was named."""
-    return {"rig": table.to_dict("records")} if len(table) else {}
+def limits_summary(rig: "pd.DataFrame", tested: "pd.DataFrame") -> dict[str, Any]:
+    """What summary.json says of the limits of a rig and of the range of the bearing's tests."""
+    tables = {"rig": rig, "tested_range": tested}
+    return {name: table.to_dict("records") for name, table in tables.items() if len(table)}
 
 
-def limits_passed(table: "pd.DataFrame", runs: int) -> list[str]:
-    """The limits of a rig that each run passes, from a table with as many rows for every run."""
-    each = len(table) // max(runs, 1)
-    parts = [table.iloc[k * each : (k + 1) * each] for k in range(runs)]
-    return [" ".join(part["limit"][part["passed"]]) for part in parts]
+def exposure_summary(dataset: "xr.Dataset") -> dict[str, Any]:
+    """What summary.json says of the exposure factors; nothing where all are 1."""
+    told = "exposure" in dataset.attrs
+    return {"exposure": from_attribute(dataset, "exposure")} if told else {}
+
+
+def write_limits(folder: Path, rig: "pd.DataFrame", tested: "pd.DataFrame") -> None:
+    """Write rig.csv and tested_range.csv, where there is something to write."""
+    for name, table in ((RIG, rig), (TESTED_RANGE, tested)):
+        if len(table):
+            write_csv(folder / name, table)
+
+
+def limits_of(dataset: "xr.Dataset", name: str) -> "pd.DataFrame":
+    """Rows of `results.ranges.compared` that an analysis left in its dataset; empty without."""
+    import pandas as pd
+
+    told = name in dataset.attrs  # results of 0.1 have none
+    return pd.DataFrame(from_attribute(dataset, name) if told else [])
 
 
 def write_csv(path: Path, table: "pd.DataFrame") -> None:

@@ -9,7 +9,7 @@ from pydantic import Field
 
 from thermobearing.bearing.library import load_bearing
 from thermobearing.bearing.model import Bearing
-from thermobearing.border.errors import InputError, is_file
+from thermobearing.border.errors import InputError
 from thermobearing.border.overrides import overridden
 from thermobearing.border.schema import Strict, in_unit, validated
 from thermobearing.border.toml import read_toml, split_sources, to_toml
@@ -24,21 +24,19 @@ from thermobearing.cyclic.protocol import (
     Step,
     survey,
 )
-from thermobearing.cyclic.recording import read_recording
 from thermobearing.cyclic.rig import Rig, settle_rig
 from thermobearing.earthquake.case import (
     DEFAULTS,
     EarthquakeAnalysis,
     EarthquakeCase,
     Laboratory,
-    Motion,
     Stepping,
 )
+from thermobearing.earthquake.motion import Motion, settle_motions
 from thermobearing.model.effort import too_much
 from thermobearing.model.handover import SpecimenState
 from thermobearing.model.options import ModelOptions
 from thermobearing.model.stack import build_stack
-from thermobearing.motions.library import list_motions
 from thermobearing.structure.model import Structure, list_structures, load_structure
 from thermobearing.structure.run import Method
 
@@ -206,7 +204,7 @@ def end_of(test: CyclicTest, rubber: float, at: float) -> float:
             at = 0.0
         elif isinstance(step, Recorded):
             with contextlib.suppress(InputError):  # told by the survey
-                at = float(read_recording(step.file, None)[1][-1])
+                at = float(step.points(None)[1][-1])
     return at
 
 
@@ -318,14 +316,6 @@ def _settle_part(problems: list[str], key: str, part: Any, folder: Path) -> Any:
         except InputError as error:
             problems += error.lines(f"{key}.structure")
             part["structure"] = load_structure(usual["structure"])
-    motion = part["motion"]
-    motion = {"name": motion} if isinstance(motion, str) else motion
-    if isinstance(motion, dict) and isinstance(motion.get("name"), str):
-        name = motion["name"]
-        if name not in list_motions() and is_file(folder / name):
-            motion = motion | {"name": str((folder / name).absolute())}
-        try:
-            validated(Motion, motion, key).load()
-        except InputError as error:
-            problems += error.lines(f"{key}.motion")
+    (motion, *_), _, found = settle_motions([part["motion"]], folder, f"{key}.motion")
+    problems += found
     return part | {"motion": motion}

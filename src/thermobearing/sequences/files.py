@@ -9,11 +9,10 @@ from thermobearing.results.directory import (
     FIGURES,
     PARTS,
     RESOLVED,
-    RIG,
     TABLE,
     write_directory,
 )
-from thermobearing.results.writing import write_csv, write_summary
+from thermobearing.results.writing import write_csv, write_limits, write_summary
 from thermobearing.sequences.case import HybridPart, load_sequence_case
 from thermobearing.sequences.result import SequenceResult
 
@@ -32,8 +31,7 @@ def save_sequence(
         write_summary(folder, result.summary())
         (folder / RESOLVED).write_text(result.case.to_toml(), encoding="utf-8")
         write_csv(folder / TABLE, result.table)
-        if len(result.rig):
-            write_csv(folder / RIG, result.rig)
+        write_limits(folder, result.rig, result.tested_range)
         for number, part in enumerate(result.parts):
             part.save(folder / PARTS / result.case.label(number), figures=figures)
         if figures and result.parts:

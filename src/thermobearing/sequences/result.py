@@ -10,7 +10,7 @@ import thermobearing
 from thermobearing.cyclic.result import Result
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.model.outcomes import INTERRUPTED, SENTENCES
-from thermobearing.results.writing import limits_passed, rig_summary
+from thermobearing.results.writing import limits_summary
 from thermobearing.sequences.case import SequenceCase
 
 if TYPE_CHECKING:
@@ -111,16 +111,25 @@ class SequenceResult:
                 stem, unit = name.rsplit("_", 1)
                 row |= {f"{stem}_start_{unit}": first[name], f"{stem}_end_{unit}": last[name]}
             if self.case.rig is not None:
-                row["beyond_rig"] = limits_passed(part.rig, 1)[0]
+                row["beyond_rig"] = _passed(part.rig)
+            row["beyond_tested"] = _passed(part.tested_range)
             rows.append(row)
         return pd.DataFrame(rows)
 
     @property
     def rig(self) -> pd.DataFrame:
         """What each part asks of each limit of the rig; empty without a rig."""
+        return self._of_parts([part.rig for part in self.parts])
+
+    @property
+    def tested_range(self) -> pd.DataFrame:
+        """What each part asks of the range that the bearing was tested in; empty if not given."""
+        return self._of_parts([part.tested_range for part in self.parts])
+
+    def _of_parts(self, tables: list[pd.DataFrame]) -> pd.DataFrame:
+        """Tables of the parts below each other, with the part that each row belongs to."""
         found = []
-        for number, part in enumerate(self.parts):
-            table = part.rig
+        for number, table in enumerate(tables):
             if len(table):
                 table.insert(0, "part", self.case.label(number))
                 found.append(table)
@@ -137,7 +146,7 @@ class SequenceResult:
             "version": thermobearing.__version__,
             "outcome": self.outcome,
             "warnings": self.warnings,
-            **rig_summary(self.rig),
+            **limits_summary(self.rig, self.tested_range),
             "parts": [
                 {str(k): getattr(v, "item", lambda v=v: v)() for k, v in r.items()} for r in rows
             ],
@@ -155,3 +164,8 @@ class SequenceResult:
         from thermobearing.sequences.files import save_sequence
 
         return save_sequence(self, Path(directory), force=force, figures=figures)
+
+
+def _passed(table: pd.DataFrame) -> str:
+    """Names of the limits that a part passes."""
+    return " ".join(table["limit"][table["passed"]]) if len(table) else ""

@@ -4,6 +4,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from thermobearing.results.screen import print_warnings
 from thermobearing.sequences.result import SequenceResult
 
 SHOWN = {  # column of the table: head, digits
@@ -20,8 +21,7 @@ def print_sequence(result: SequenceResult) -> None:
     console = Console()
     case, rows = result.case, result.table
     console.print(f"[bold]{escape(case.name)}: {escape(case.bearing.name)}[/bold]")
-    for warning in result.warnings:
-        console.print(f"[yellow]warning:[/] {escape(warning)}", highlight=False, soft_wrap=True)
+    print_warnings(console, result.warnings)
     table = Table(box=None, pad_edge=False, header_style="bold")
     stems = [name.removesuffix("_start_degC") for name in map(str, rows) if "_start_degC" in name]
     rubber = [stem for stem in stems if stem.startswith("rubber")][-1:]
@@ -32,11 +32,14 @@ def print_sequence(result: SequenceResult) -> None:
         *(s.replace("rubber", "layer ") for s in warm),
     ]:
         table.add_column(head, justify="right", no_wrap=True)
+    if rows["beyond_tested"].any():
+        table.add_column("not tested", no_wrap=True)
     for row in rows.to_dict("records"):
         table.add_row(
             str(row["part"]),
             *(form.format(row[name]) for name, (_, form) in SHOWN.items()),
             *(f"{row[f'{s}_start_degC']:.1f} > {row[f'{s}_end_degC']:.1f}" for s in warm),
+            *([str(row["beyond_tested"])] if rows["beyond_tested"].any() else []),
             style=None if row["outcome"] == "completed" else "red",
         )
     console.print(table)

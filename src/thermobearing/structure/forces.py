@@ -55,9 +55,10 @@ def begin_bearings(bearings: Bearings) -> None:
 
 
 @compiled
-def settle_bearings(bearings: Bearings, ambient: float) -> int:
+def settle_bearings(system: System, bearings: Bearings, ambient: float) -> int:
     """Heat and books of the bearings' last trials, once they are accepted.
 
+    A line may be in warmer air than `ambient` [degC].
     Returns an outcome of the coupled step.
     """
     for k in range(len(bearings)):
@@ -65,7 +66,8 @@ def settle_bearings(bearings: Bearings, ambient: float) -> int:
         for m in range(len(kind.lines)):
             state, work = state_of(kind.states, m), work_of(kind, m)
             trial, dt = state_of(kind.trials, m), kind.durations[m]
-            outcome = settle(kind.constants, work, state, dt, ambient, trial)
+            air = ambient + system.lines[kind.lines[m]].warmer
+            outcome = settle(kind.constants, work, state, dt, air, trial)
             if outcome != COMPLETED:
                 return outcome
     return COMPLETED

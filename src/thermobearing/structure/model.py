@@ -1,9 +1,9 @@
 """A structure as data: rigid bodies, masses on them, and what connects them.
 
-A body that stands alone moves sideways with its own coordinate; one that stands `on` another
-is carried by it. Either may rotate (absolute rotation, positive when its top moves in the
-positive direction). Heights are measured from any common level. Springs, hinges and bearing
-lines connect two bodies, or a body and the ground.
+A body that stands alone moves sideways with its own coordinate; one that stands `on` another,
+or on the ground, is carried by it. Either may rotate (absolute rotation, positive when its top
+moves in the positive direction). Heights are measured from any common level. Springs, hinges and
+bearing lines connect two bodies, or a body and the ground.
 """
 
 from pathlib import Path
@@ -143,12 +143,17 @@ class Damping(Strict):
 
 
 class Reported(Strict):
-    """What the tables call deck and pier: bodies, and the height of the pier top."""
+    """What the tables call deck and pier: bodies, and the height of the pier top.
+
+    `line` is the bearing line of histories and the table of peaks; by default the first between
+    deck and pier. Every line and every pier has a row of its own besides.
+    """
 
     deck: Name
     pier: Name
     pier_base: Name = GROUND
     pier_top: Height
+    line: Name | None = None
 
 
 class Structure(Strict):
@@ -182,13 +187,19 @@ class Structure(Strict):
         for body in self.bodies:
             if body.name in (*known, GROUND):
                 faults.append(f'two bodies are called "{body.name}"')
-            if body.on is not None and body.on not in known:
+            if body.on is not None and body.on not in (*known, GROUND):
                 faults.append(f'body "{body.name}" stands on "{body.on}", which is not above it')
             if body.on is not None and body.moves:
                 faults.append(f'body "{body.name}" is carried by "{body.on}" and cannot move too')
             if body.on is None and not body.moves:
                 faults.append(f'body "{body.name}" needs moves = true, or a body that carries it')
             known.append(body.name)
+        lines = [line.name for line in self.bearings]
+        twice = dict.fromkeys(name for name in lines if lines.count(name) > 1)
+        faults += [f'two bearing lines are called "{name}"' for name in twice]
+        line = self.report.line
+        if line is not None and line not in lines:
+            faults.append(f'report.line: no bearing line is called "{line}"{nearest(line, lines)}')
         used = [mass.body for mass in self.masses]
         connections: list[Spring | Hinge | BearingLine] = [
             *self.springs,

@@ -6,7 +6,7 @@ the scheme is exact. beta = 1/6 (linear acceleration, the source's) does not.
 """
 
 from thermobearing.core.compile import compiled
-from thermobearing.core.types import COMPLETED
+from thermobearing.core.types import COMPLETED, TEMPERATURE_RUNAWAY
 from thermobearing.structure.books import add_books, commit, keep_motion
 from thermobearing.structure.dense import solve_dense
 from thermobearing.structure.forces import (
@@ -105,7 +105,7 @@ def newmark_step(
             limit += force * force / abs(motion.matrix[i, i])
         motion.books[0].iterations += 1.0
         if norm <= limit:
-            return settle_bearings(bearings, ambient)
+            return settle_bearings(system, bearings, ambient)
         if not solve_dense(motion.matrix, unknowns):
             return NO_EQUILIBRIUM
         for i in range(n):
@@ -127,7 +127,8 @@ def newmark_march(
     """March through the ground acceleration.
 
     A step without equilibrium is cut in half, again and again up to `scheme.halvings` times;
-    the ground acceleration is linear between its samples.
+    the ground acceleration is linear between its samples. Where one of these attempts found its
+    equilibrium and then a bearing too hot, the step ends for that, whatever smaller ones say.
 
     Returns
     -------
@@ -141,6 +142,7 @@ def newmark_march(
     kept = 0
     for k in range(len(ground) - 1):
         done = 0  # of the step, in units of its smallest part
+        too_hot = False
         whole = 1 << scheme.halvings
         part = whole
         while done < whole:
@@ -155,10 +157,11 @@ def newmark_march(
                 commit(system, bearings, motion, sub)
                 done += part
                 continue
+            too_hot = too_hot or outcome == TEMPERATURE_RUNAWAY
             if part == 1:
-                return k, kept, outcome
+                return k, kept, TEMPERATURE_RUNAWAY if too_hot else outcome
             if motion.books[0].iterations > MOST_ITERATIONS * (k + GRACE):
-                return k, kept, NO_EQUILIBRIUM
+                return k, kept, TEMPERATURE_RUNAWAY if too_hot else NO_EQUILIBRIUM
             part //= 2
             motion.books[0].substeps += 1.0
         if shaking.keep[k]:

@@ -131,7 +131,7 @@ def predictor_march(
         begin_bearings(bearings)
         outcome = restoring(system, bearings, motion, dt, actuators.noise[k])
         if outcome == COMPLETED:
-            outcome = settle_bearings(bearings, shaking.ambient[k])
+            outcome = settle_bearings(system, bearings, shaking.ambient[k])
         if outcome != COMPLETED:
             return k, kept, outcome
         if not correct(system, motion, stiffness, scheme.beta, dt):

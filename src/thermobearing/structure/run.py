@@ -75,6 +75,7 @@ class Line:
     temperature : of its cells at the start [degC].
     lead : temperature of its lead at the start [degC]; None for that of the cells beside it.
     speed : of its actuator [mm/s], if it lives on its own clock; 0 for earthquake time.
+    warmer : the air around this line than that of the run [K].
     begun : where an earlier test left it (its temperatures count then); None for a virgin one. The
         structure is straight and in balance with the force that it has there.
     """
@@ -83,6 +84,7 @@ class Line:
     temperature: Floats
     lead: float | None = None
     speed: float = 0.0
+    warmer: float = 0.0
     begun: State | None = None
 
 
@@ -180,6 +182,7 @@ def build_system(prepared: Prepared, lines: Sequence[Line]) -> System:
         factors[b].force_factor = given.count / given.scale**2
         factors[b].length_factor = given.scale
         factors[b].speed = line.speed
+        factors[b].warmer = line.warmer
         if line.begun is not None:
             factors[b].start = line.begun.books[0].displacement
             factors[b].at_rest = line.begun.books[0].force

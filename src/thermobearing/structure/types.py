@@ -55,6 +55,7 @@ class LineFactors:
     speed: float  # of a bearing that lives on its own clock [mm/s]; 0: earthquake time
     start: float  # displacement of the modelled bearing when the structure is straight [mm]
     at_rest: float  # its force then, in balance with something that stays [kN]
+    warmer: float  # the air around it than that of the run [K]
 
 
 class Coordinate:

@@ -62,10 +62,22 @@ class ValidationFigures:
                 kept = drawing.thin_loops(x, force, *spans)
                 ax.plot(x[kept], force[kept], color=self._colours[_name(item)], linewidth=0.7)
             drawing.name_axes(ax, "displacement [mm]", "force [kN]", _title(record))
+            end = self._tested_to(record)
+            drawing.shade_untested([ax], [(-end, end)])
         for ax in axes[len(self._records) :]:
             ax.set_visible(False)
         drawing.legend_below(figure, self._handles())
         return figure
+
+    def _tested_to(self, record: TestRecord) -> float:
+        """Displacement [mm] of the largest tested strain that a test goes beyond; else infinite."""
+        ends = [
+            row["largest"] / row["asked"] * record.peak_displacement
+            for item in self._of(record)
+            for row in item.asked
+            if row["limit"] == "strain" and row["passed"] and row["asked"] > row["largest"]
+        ]
+        return min(ends, default=np.inf)
 
     def ratios(self) -> Figure:
         """Model over test of the largest loop: a group of bars for each test (Figs. 5.11, 5.14)."""

@@ -7,9 +7,16 @@ import pandas as pd
 
 from thermobearing.identify.files import fill_identification
 from thermobearing.identify.posterior import Forecast
-from thermobearing.results.directory import FIGURES, FIT_TABLE, FOLDS, TABLE, write_directory
+from thermobearing.results.directory import (
+    FIGURES,
+    FIT_TABLE,
+    FOLDS,
+    TABLE,
+    THERMOCOUPLES,
+    write_directory,
+)
 from thermobearing.results.directory import VALIDATED_CYCLES as CYCLES
-from thermobearing.results.writing import write_csv, write_summary
+from thermobearing.results.writing import write_csv, write_limits, write_summary
 from thermobearing.validate.held_out_result import CrossValidation
 from thermobearing.validate.result import Validation
 
@@ -17,7 +24,7 @@ from thermobearing.validate.result import Validation
 def save_validation(
     found: Validation, directory: Path, *, force: bool = False, figures: bool = True
 ) -> Path:
-    """Write summary.json, table.csv, cycles.csv, fit.csv and figures.
+    """Write summary.json, table.csv, cycles.csv, fit.csv, thermocouples.csv and figures.
 
     Parameters
     ----------
@@ -40,6 +47,9 @@ def save_validation(
         found.table.to_csv(folder / TABLE, index=False)
         found.cycles.to_csv(folder / CYCLES, index=False)
         write_csv(folder / FIT_TABLE, samples(found))
+        if len(found.thermocouples):
+            found.thermocouples.to_csv(folder / THERMOCOUPLES, index=False)
+        write_limits(folder, pd.DataFrame(), found.tested_range)
         if figures:
             found.plot.save_all(folder / FIGURES)
 

@@ -1,6 +1,6 @@
 """What a validation found: each test beside each bearing and model, ratios, verdicts."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,6 +12,10 @@ from numpy.typing import NDArray
 from thermobearing.identify.forward import Prediction
 from thermobearing.identify.loops import Loop
 from thermobearing.identify.record import TestRecord
+from thermobearing.identify.thermocouples import thermocouple_rows
+from thermobearing.model.outcomes import SENTENCES as OUTCOMES
+from thermobearing.results.ranges import Row
+from thermobearing.results.writing import limits_summary
 from thermobearing.validate.case import QUANTITIES
 
 if TYPE_CHECKING:
@@ -43,6 +47,8 @@ class Comparison:
         does.
     temperature_errors : RE of Eq. 4.39 in time, by thermocouple; nan where the test has not yet
         warmed by a twentieth of its largest rise.
+    outcome : of the model's run, as of a cyclic test.
+    asked : what the test asks of the range that the bearing was tested in, rows of `compared`.
     """
 
     bearing: str
@@ -54,6 +60,8 @@ class Comparison:
     loops: list[Loop]
     largest: Loop | None
     temperature_errors: dict[str, Floats]
+    outcome: str = "completed"
+    asked: list[Row] = field(default_factory=list)
 
     @property
     def errors(self) -> dict[str, float]:
@@ -81,6 +89,7 @@ class Validation:
     ----------
     comparisons : of every test with every bearing and model.
     limits : largest relative error by quantity.
+    warnings : what a reader must know.
 
     Examples
     --------
@@ -94,6 +103,7 @@ class Validation:
 
     comparisons: list[Comparison]
     limits: dict[str, float]
+    warnings: list[str] = field(default_factory=list)
 
     @property
     def outcome(self) -> str:
@@ -104,7 +114,14 @@ class Validation:
     @property
     def sentence(self) -> str:
         """What the outcome means and what to try; empty when it completed."""
-        return SENTENCES.get(self.outcome, "")
+        ended = [item.outcome for item in self.comparisons if item.outcome != "completed"]
+        why = [OUTCOMES[name] for name in dict.fromkeys(ended) if name in OUTCOMES]
+        return " ".join([SENTENCES[self.outcome], *why]) if self.outcome in SENTENCES else ""
+
+    @property
+    def tested_range(self) -> pd.DataFrame:
+        """What each test asks of the range that each bearing was tested in, where it is given."""
+        return pd.DataFrame([row for item in self.comparisons for row in item.asked])
 
     @cached_property
     def table(self) -> pd.DataFrame:
@@ -116,12 +133,13 @@ class Validation:
                 "ambient_degC": item.record.ambient,
                 "bearing": item.bearing,
                 "model": item.model,
-                "outcome": "completed" if item.prediction else "did not get through",
+                "outcome": item.outcome,
                 "R2": item.R2,
             }
             for name, error in item.errors.items():
                 row[f"{name}_error"] = error
                 row[f"{name}_verdict"] = self._verdict(name, error)
+            row["beyond_tested"] = " ".join(r["limit"] for r in item.asked if r["passed"])
             ratios = item.largest.ratios if item.largest else {}
             row |= {f"{name}_ratio": ratios.get(name, float("nan")) for name in RATIOS}
             rows.append(row)
@@ -151,6 +169,24 @@ class Validation:
                 rows.append(row)
         return pd.DataFrame(rows)
 
+    @cached_property
+    def thermocouples(self) -> pd.DataFrame:
+        """One row for each thermocouple of each test, bearing and model: test, model, errors."""
+        return pd.DataFrame(
+            [
+                {
+                    "test": item.record.name,
+                    "ambient_degC": item.record.ambient,
+                    "bearing": item.bearing,
+                    "model": item.model,
+                    **row,
+                }
+                for item in self.comparisons
+                if item.prediction is not None
+                for row in thermocouple_rows(item.record, item.prediction)
+            ]
+        )
+
     def _verdict(self, name: str, error: float) -> str:
         if name not in self.limits or not np.isfinite(error):
             return TOLD
@@ -178,6 +214,8 @@ class Validation:
             "outcome": self.outcome,
             "verdict": self.verdict,
             "limits": self.limits,
+            "warnings": self.warnings,
+            **limits_summary(pd.DataFrame(), self.tested_range),
             "comparisons": [self._told(item) for item in self.comparisons],
         }
 
@@ -190,6 +228,11 @@ class Validation:
             "ambient_degC": item.record.ambient,
             "bearing": item.bearing,
             "model": item.model,
+            "unused_columns": list(item.record.unused),
+            "thermocouples": []
+            if item.prediction is None
+            else thermocouple_rows(item.record, item.prediction),
+            "outcome": item.outcome,
             "R2": _number(item.R2),
             "errors": {
                 name: {

@@ -11,15 +11,19 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from thermobearing.bearing.exposure import exposures, told_of
 from thermobearing.bearing.model import Bearing
+from thermobearing.bearing.validity import ranges_of
 from thermobearing.border.errors import InputError
 from thermobearing.identify.agreement import determination
 from thermobearing.identify.checks import check_test
 from thermobearing.identify.forward import ForwardModel, Prediction
 from thermobearing.identify.loops import largest_of, loops_of
 from thermobearing.identify.record import TestRecord
+from thermobearing.identify.tested import reached_in
 from thermobearing.model.earlier import Model
 from thermobearing.model.options import ModelOptions
+from thermobearing.results.ranges import asked_of_tests, outside_tests
 from thermobearing.validate.case import (
     Chosen,
     Test,
@@ -96,15 +100,18 @@ def run_validate(case: ValidateCase) -> Validation:
     'completed'
     """
     refuse_unusable(case.records, case.bearings[0])
-    return Validation(
-        [
+    found, said = [], []
+    for bearing in case.bearings:
+        mine = [
             _comparison(bearing, model, record)
-            for bearing in case.bearings
             for model in models_of(case, bearing)
             for record in case.records
-        ],
-        dict(case.limits),
-    )
+        ]
+        said += told_of(exposures([bearing], None))
+        rows = [row for item in mine for row in item.asked]
+        said += outside_tests(bearing.name, rows, ranges_of(bearing))
+        found += mine
+    return Validation(found, dict(case.limits), said)
 
 
 def refuse_unusable(records: Sequence[TestRecord], bearing: Bearing) -> None:
@@ -126,10 +133,15 @@ def refuse_unusable(records: Sequence[TestRecord], bearing: Bearing) -> None:
 
 def _comparison(bearing: Bearing, model: Model, record: TestRecord) -> Comparison:
     options = ModelOptions(model=model)
-    found = ForwardModel(record, bearing, fine=True, options=options).run_as_built()
+    forward = ForwardModel(record, bearing, fine=True, options=options)
+    found = forward.run_as_built()
+    lead = found.lead if found else None
+    reached = reached_in(record, bearing.total_rubber_thickness, record.ambient, lead)
+    name = f"{bearing.name}, {model}, {record.name}, {record.ambient:g} degC"
+    asked = asked_of_tests(name, reached, ranges_of(bearing))
     if found is None:
-        nan = float("nan")
-        return Comparison(bearing.name, model, record, None, nan, nan, [], None, {})
+        nan, ended = float("nan"), forward.ended
+        return Comparison(bearing.name, model, record, None, nan, nan, [], None, {}, ended, asked)
     loops = loops_of(record, found.force)
     off = found.force - record.force
     return Comparison(
@@ -142,6 +154,8 @@ def _comparison(bearing: Bearing, model: Model, record: TestRecord) -> Compariso
         loops=loops,
         largest=largest_of(record, found.force, loops),
         temperature_errors=rise_errors(record, found),
+        outcome=forward.ended,
+        asked=asked,
     )
 
 

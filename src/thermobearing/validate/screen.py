@@ -1,12 +1,18 @@
 """The tables of a validation on the terminal."""
 
+from collections.abc import Sequence
 from typing import Any
 
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from thermobearing.identify.screen import print_identification
+from thermobearing.identify.screen import (
+    print_identification,
+    print_thermocouples,
+    print_unused,
+)
+from thermobearing.results.screen import print_warnings
 from thermobearing.validate.case import QUANTITIES
 from thermobearing.validate.held_out_result import CrossValidation
 from thermobearing.validate.result import BEYOND, Validation
@@ -32,18 +38,30 @@ def print_validation(found: Validation, which: str = "tests") -> None:
             cells = [escape(row["test"]), f"{row['ambient_degC']:g}", f"{row['R2']:.3f}"]
             table.add_row(*cells, *(_cell(row, name) for name in QUANTITIES))
         console.print(table)
+    shown = found.thermocouples
+    for (bearing, model), rows in (
+        shown.groupby(["bearing", "model"], sort=False) if len(shown) else ()
+    ):
+        some: list[dict[Any, Any]] = (
+            rows.astype(object).where(rows.notna(), None).to_dict("records")
+        )
+        title = f"\n{bearing}, {model}: thermocouples, model beside test"
+        print_thermocouples(console, some, title)
+    print_unused([item.record for item in found.comparisons])
     limits = ", ".join(f"{name} {limit:.0%}" for name, limit in found.limits.items())
     console.print(f"limits: {limits}; verdict: {found.verdict} (! beyond its limit)")
+    print_warnings(console, found.warnings)
 
 
-def print_cross_validation(found: CrossValidation) -> None:
+def print_cross_validation(found: CrossValidation, more: Sequence[str] = ()) -> None:
     """The final fit, parameters by fold, and both kinds of tests.
 
     Parameters
     ----------
     found : from `cross_validate`.
+    more : further warnings, of a prediction.
     """
-    print_identification(found.final)
+    print_identification(found.final, more)
     if found.folds:
         Console().print(_folds(found))
     print_validation(found.fitted, "tests it is fitted to")

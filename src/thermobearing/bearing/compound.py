@@ -1,0 +1,213 @@
+"""A rubber compound, and the lead that goes with it, apart from any bearing: stresses and strains.
+
+What a test of one bearing says of every other of the same rubber. How a bearing is made of it is
+in scaling.py.
+"""
+
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, PrivateAttr, model_validator
+
+from thermobearing.bearing.model import (
+    EARLIEST,
+    HARDEST,
+    LATEST,
+    SOFTEST,
+    Bearing,
+    Clock,
+    Materials,
+    Scragging,
+    TemperatureCoefficient,
+)
+from thermobearing.bearing.temperature import TemperatureLaw
+from thermobearing.bearing.validity import Validity
+from thermobearing.border.errors import InputError, shortened
+from thermobearing.border.library import Library
+from thermobearing.border.schema import Strict, in_unit, validated
+from thermobearing.border.toml import read_toml, split_sources
+
+Modulus = Annotated[float, in_unit("MPa"), Field(ge=1e-4, le=1e5)]
+
+
+class CompoundRubber(Strict):
+    """The layer law (Eq. 4.34-4.37) per stress and strain.
+
+    `shear_modulus` is K_r t_r/A with the rubber's own area A: the modulus at small strain, elastic
+    and hysteretic part together. `yield_strain` is d_y/t_r. The others have no size.
+    """
+
+    shear_modulus: Annotated[float, in_unit("MPa"), Field(ge=SOFTEST, le=HARDEST)]
+    post_yield_ratio: Annotated[float, Field(ge=1e-3, le=1)]  # alpha_0; 1 is linear rubber
+    shape: Annotated[float, Field(ge=-0.999, le=100)]  # s
+    yield_strain: Annotated[float, Field(ge=EARLIEST, le=LATEST)]
+    hardening: Annotated[float, Field(ge=0, le=20)]  # b
+    elastic_temperature_coefficient: TemperatureCoefficient  # m_T
+    hysteretic_temperature_coefficient: TemperatureCoefficient  # n_T
+    reference_temperature: Annotated[float, in_unit("degC"), Field(ge=-100, le=100)]
+
+
+class CompoundLead(Strict):
+    """Lead of any core: what it yields at, and how stiff it is before.
+
+    `shear_modulus` is K_l H/A_l, with the total rubber thickness H, over which the core shears. Or
+    `stiffness_ratio`: the bearing is so many times stiffer before its lead yields than after,
+    K_1/K_2, as design has it.
+    """
+
+    yield_stress: Annotated[float, in_unit("MPa"), Field(ge=0.1, le=1000)]  # sigma_Y
+    shear_modulus: Modulus | None = None
+    stiffness_ratio: Annotated[float, Field(ge=1.1, le=1000)] | None = None
+    softening: Annotated[float, in_unit("1/K"), Field(ge=0, le=0.1)] = 0.0  # E2
+    reference_temperature: Annotated[float, in_unit("degC"), Field(ge=-100, le=100)]  # T_0
+    surface_ratio: Annotated[float, Field(ge=1e-3, le=1)] = 0.5  # p
+    clock: Clock | None = None
+
+    @classmethod
+    def conflicts(cls, given: dict[str, Any]) -> list[str]:
+        """One way to say how stiff it is."""
+        if ("shear_modulus" in given) == ("stiffness_ratio" in given):
+            return ["give either shear_modulus (K_l H/A_l) or stiffness_ratio (K_1/K_2)"]
+        return []
+
+
+class CompoundRate(Strict):
+    """The rate branch (Eq. 5.38-5.39) per stress and strain: K_v H/A and c_v H/A."""
+
+    shear_modulus: Modulus
+    viscosity: Annotated[float, in_unit("MPa s"), Field(ge=1e-6, le=1e5)]
+
+
+class Compound(Strict):
+    """One rubber compound, with the lead that was tested in it if there is any.
+
+    Attributes
+    ----------
+    kind : "compound".
+    name, description, citation : what it is and where its numbers come from.
+    family : "HDR", high damping rubber (bearings of it are HDR, with lead LHDR), or "NR", natural
+        rubber (bearings of it have lead, LRB).
+    rubber, lead, rate : see those classes; `lead` is None where no lead is known, `rate` without
+        rate dependence.
+    materials : thermal properties, side film and steel too: those that the numbers were
+        identified with.
+    temperature_law, tested_range, scragging : as of a bearing; they have no size, so that a bearing
+        of any size takes them over.
+
+    Examples
+    --------
+    >>> load_compound("shen-hdr").rubber.yield_strain
+    0.3098
+    """
+
+    kind: Literal["compound"] = "compound"
+    name: Annotated[str, Field(min_length=1)]
+    family: Literal["HDR", "NR"]
+    description: str = ""
+    citation: str = ""
+    rubber: CompoundRubber
+    materials: Materials
+    temperature_law: TemperatureLaw | None = None
+    tested_range: Validity | None = None
+    scragging: Scragging | None = None
+    lead: CompoundLead | None = None
+    rate: CompoundRate | None = None
+    _sources: dict[str, str] = PrivateAttr(default_factory=dict)
+
+    @model_validator(mode="after")
+    def _lead_is_known(self) -> "Compound":
+        if self.lead is not None and self.materials.lead is None:
+            raise ValueError("a compound with the table lead needs the table materials.lead")
+        ratio = self.lead is not None and self.lead.stiffness_ratio is not None
+        if ratio and self.rubber.post_yield_ratio < 1.0:
+            raise ValueError(
+                "lead.stiffness_ratio needs rubber that is linear (post_yield_ratio = 1): other "
+                "rubber has a stiffness before yield of its own; give lead.shear_modulus"
+            )
+        return self
+
+    @property
+    def sources(self) -> dict[str, str]:
+        """Where each number comes from, by dotted key (`rubber.shear_modulus`)."""
+        return dict(self._sources)
+
+    def with_sources(self, sources: dict[str, str]) -> "Compound":
+        """The same compound, remembering where its numbers come from."""
+        copy: Any = self.model_copy()
+        copy._sources = dict(sources)
+        return copy  # type: ignore[no-any-return]
+
+
+COMPOUNDS = Library("compound", "compounds")
+
+
+def list_compounds() -> list[str]:
+    """Names of the built-in compounds.
+
+    Examples
+    --------
+    >>> "shen-hdr" in list_compounds()
+    True
+    """
+    return COMPOUNDS.names()
+
+
+def compound_from_table(table: Any, where: str) -> Compound:
+    """A compound from a parsed TOML table; `where` names the file in error messages."""
+    values, sources = split_sources(table)
+    if isinstance(values, dict) and "geometry" in values:
+        raise InputError("is a bearing, not a compound (compound_of makes one of it)", where)
+    return validated(Compound, values, where).with_sources(sources)
+
+
+def load_compound(name_or_path: str | Path) -> Compound:
+    """A compound of the library by name, or one of your own from a TOML file.
+
+    Parameters
+    ----------
+    name_or_path : a name of `list_compounds()`, or a path ending in `.toml`.
+
+    Raises
+    ------
+    InputError : no such compound, or faults in the file (all of them, in one message).
+
+    Examples
+    --------
+    >>> load_compound("shen-hdr").family
+    'HDR'
+    """
+    path = COMPOUNDS.path(name_or_path)
+    return compound_from_table(read_toml(path), str(path))
+
+
+def as_compound(given: Any) -> "Compound | Bearing":
+    """What a new bearing is made of: a compound, or a bearing of it, in whatever form.
+
+    Parameters
+    ----------
+    given : a Compound or Bearing, a name of `list_compounds()`, or the TOML file of either.
+
+    Raises
+    ------
+    InputError : it is neither.
+
+    Examples
+    --------
+    >>> as_compound("shen-lhdr").name
+    'shen-lhdr'
+    """
+    from thermobearing.bearing.library import bearing_from_table
+
+    if isinstance(given, Compound | Bearing):
+        return given
+    if not isinstance(given, str | Path):
+        said = shortened(repr(given))
+        raise InputError(f"compound = {said}: must be a Compound, a library name, or a TOML file")
+    try:
+        path = COMPOUNDS.path(given)
+        table = read_toml(path)
+        if "geometry" in table:
+            return bearing_from_table(table, str(path))
+        return compound_from_table(table, str(path))
+    except InputError as error:
+        raise InputError(error.lines("compound")) from None

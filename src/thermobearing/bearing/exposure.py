@@ -1,0 +1,182 @@
+"""What days of cold and years of age make of a bearing, before it is moved: two factors.
+
+The model knows the temperature of the moment. Crystallisation, which goes on for days, and ageing
+are outside it (docs/exposure.md); who knows them from tests or a code gives them here.
+"""
+
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Annotated, Any
+
+from pydantic import Field
+
+from thermobearing.border.errors import InputError
+from thermobearing.border.schema import Strict
+
+if TYPE_CHECKING:
+    from thermobearing.bearing.bilinear import BilinearBearing
+    from thermobearing.bearing.model import Bearing
+
+Factor = Annotated[float, Field(ge=0.1, le=20)]
+TWICE = "give it in the bearing's file or among the options, not both"
+
+
+class Exposure(Strict):
+    """Factors on a bearing's numbers at its reference temperature; 1 is as in the tests.
+
+    The force at any displacement is then `stiffness` times its elastic and `strength` times its
+    hysteretic part, if the temperatures are the same.
+
+    Attributes
+    ----------
+    stiffness : factor on the elastic stiffness K_e = alpha_0 K_r of the rubber, K_2 of a bilinear
+        bearing; in [0.1, 20].
+    strength : factor on what yields: K_h = (1 - alpha_0) K_r, and with it the rubber's K_h d_y,
+        sigma_Y and K_l of lead, Q_d and K_1 - K_2 of a bilinear bearing; in [0.1, 20]. Yield
+        displacements and the rate branch stay.
+    source : where the factors come from, in words; needed where one is not 1.
+
+    Examples
+    --------
+    >>> Exposure(stiffness=1.3, strength=1.4, source="tests of our compound after 14 days").told()
+    'exposure: stiffness x 1.3, strength x 1.4 (tests of our compound after 14 days)'
+    """
+
+    stiffness: Factor = 1.0
+    strength: Factor = 1.0
+    source: str = ""
+
+    @classmethod
+    def conflicts(cls, given: dict[str, Any]) -> list[str]:
+        """A factor without a source is nobody's."""
+        factors = [given.get(key, 1.0) for key in ("stiffness", "strength")]
+        if any(value != 1.0 for value in factors) and not str(given.get("source", "")).strip():
+            return ['give the source of the factors, source = "..."']
+        return []
+
+    @property
+    def nothing(self) -> bool:
+        """Whether it changes nothing."""
+        return self.stiffness == 1.0 and self.strength == 1.0
+
+    def told(self) -> str:
+        """One line for screens and summaries."""
+        return (
+            f"exposure: stiffness x {self.stiffness:g}, strength x {self.strength:g} "
+            f"({self.source})"
+        )
+
+
+def exposure_of(bearing: "Bearing | BilinearBearing", option: Exposure | None) -> Exposure | None:
+    """The factors that count for a bearing: its own or the option's; None where they are 1.
+
+    Raises
+    ------
+    InputError : both are given.
+    """
+    if bearing.exposure is not None and option is not None:
+        raise InputError(f"exposure of {bearing.name}: {TWICE}")
+    chosen = bearing.exposure or option
+    return None if chosen is None or chosen.nothing else chosen
+
+
+def exposures(
+    bearings: Iterable["Bearing | BilinearBearing"], option: Exposure | None
+) -> dict[str, Exposure]:
+    """The factors that count, by name of the bearing; empty where all are 1."""
+    found = {bearing.name: exposure_of(bearing, option) for bearing in bearings}
+    return {name: factors for name, factors in found.items() if factors is not None}
+
+
+def told_of(factors: Mapping[str, Exposure]) -> list[str]:
+    """A sentence a bearing, for those who read results."""
+    return [f"{name}: {item.told()}" for name, item in factors.items()]
+
+
+def exposure_attribute(factors: Mapping[str, Exposure]) -> dict[str, Any]:
+    """The same as an attribute of a dataset; none where all factors are 1."""
+    if not factors:
+        return {}
+    return {"exposure": {name: item.model_dump() for name, item in factors.items()}}
+
+
+def exposed(bearing: "Bearing", option: Exposure | None = None) -> "Bearing":
+    """The bearing with the factors in its numbers, and no table of them any more.
+
+    Parameters
+    ----------
+    bearing : layered; its own factors count, if it has some.
+    option : factors given elsewhere.
+
+    Returns
+    -------
+    Bearing : the same one where the factors are 1.
+
+    Raises
+    ------
+    InputError : both the bearing and the option have factors.
+
+    Examples
+    --------
+    >>> from thermobearing.bearing.library import load_bearing
+    >>> bearing = load_bearing("shen-hdr-specimen")
+    >>> aged = exposed(bearing, Exposure(stiffness=2.0, source="an example"))
+    >>> h = aged.hysteresis
+    >>> round(h.post_yield_ratio * h.layer_stiffness / (0.266 * 30.738), 12)
+    2.0
+    """
+    factors = exposure_of(bearing, option)
+    if factors is None:
+        return bearing.model_copy(update={"exposure": None}) if bearing.exposure else bearing
+    h = bearing.hysteresis
+    elastic = factors.stiffness * h.post_yield_ratio * h.layer_stiffness
+    hysteretic = factors.strength * (1.0 - h.post_yield_ratio) * h.layer_stiffness
+    total = elastic + hysteretic
+    numbers = {"layer_stiffness": total, "post_yield_ratio": elastic / total}
+    update: dict[str, Any] = {"exposure": None, "hysteresis": h.model_copy(update=numbers)}
+    if bearing.lead is not None:
+        update["lead"] = bearing.lead.model_copy(
+            update={
+                "yield_stress": factors.strength * bearing.lead.yield_stress,
+                "stiffness": factors.strength * bearing.lead.stiffness,
+            }
+        )
+    return bearing.model_copy(update=update)
+
+
+def exposed_bilinear(
+    bearing: "BilinearBearing", option: Exposure | None = None
+) -> "BilinearBearing":
+    """The same of a bilinear bearing: K_2 and Q_d, its yield displacement stays.
+
+    Parameters
+    ----------
+    bearing : bilinear; its own factors count, if it has some.
+    option : factors given elsewhere.
+
+    Returns
+    -------
+    BilinearBearing
+
+    Raises
+    ------
+    InputError : both the bearing and the option have factors.
+
+    Examples
+    --------
+    >>> from thermobearing.bearing.bilinear import load_bilinear
+    >>> bearing = load_bilinear("shen-bilinear-bridge")
+    >>> exposed_bilinear(bearing, Exposure(strength=2.0, source="an example")).strength
+    250.8
+    """
+    factors = exposure_of(bearing, option)
+    if factors is None:
+        return bearing
+    k1, k2 = bearing.initial_stiffness, bearing.post_yield_stiffness
+    return bearing.model_copy(
+        update={
+            "exposure": None,
+            "strength": factors.strength * bearing.strength,
+            "post_yield_stiffness": factors.stiffness * k2,
+            "initial_stiffness": factors.stiffness * k2 + factors.strength * (k1 - k2),
+        }
+    )

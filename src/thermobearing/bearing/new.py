@@ -1,0 +1,212 @@
+"""A new bearing from a compound and the numbers of a drawing."""
+
+import re
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import Field
+
+from thermobearing.bearing.compound import Compound, as_compound
+from thermobearing.bearing.model import Bearing, Cells, Geometry, Plan, PlanSize, Thickness
+from thermobearing.bearing.scaling import Cores, bearing_of, compound_of
+from thermobearing.border.errors import InputError
+from thermobearing.border.schema import Strict, in_unit, validated
+from thermobearing.border.units import parse_quantity
+
+END_PLATE = 30.0  # mm, where a drawing says nothing; those of bearings are 20 to 50
+TIMES = re.compile(r"^\s*(?P<first>[^x×]*?)\s*[x×]\s*(?P<second>[^x×]*?)\s*$")
+NUMBER = re.compile(r"^[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$")
+RULES = {  # of bearing/scaling.py: key of a bearing, rule, key of its compound
+    "hysteresis.layer_stiffness": ("K_r = G_r A/t_r", "rubber.shear_modulus"),
+    "hysteresis.yield_displacement": ("d_y = gamma_y t_r", "rubber.yield_strain"),
+    "lead.stiffness": ("K_l = G_l A_l/H", "lead.shear_modulus"),
+    "rate.stiffness": ("K_v = G_v A/H", "rate.shear_modulus"),
+    "rate.damping": ("c_v = eta_v A/H", "rate.viscosity"),
+}
+
+
+class Drawing(Strict):
+    """What a drawing says of a bearing, checked before anything is made of it."""
+
+    plan: Plan
+    rubber_layers: Annotated[int, Field(ge=1, le=200)]
+    rubber_thickness: Thickness
+    shim: Thickness
+    end_plate: Thickness
+    sealing_plate: Annotated[float, in_unit("mm"), Field(ge=0, le=1e3)]
+    lead: PlanSize | None
+    cores: Annotated[int, Field(ge=1, le=1000)]
+    confined: bool
+    end_spreading: Annotated[float, Field(ge=1e-3, le=1)]
+
+
+def new_bearing(
+    name: str,
+    compound: Compound | Bearing | str | Path,
+    *,
+    layers: str,
+    shim: str | float,
+    plan: str | None = None,
+    diameter: str | float | None = None,
+    end_plate: str | float | None = None,
+    sealing_plate: str | float = 0.0,
+    lead: str | float | None = None,
+    cores: int = 1,
+    confined: bool = False,
+    end_spreading: float = 1.0,
+    description: str = "",
+) -> Bearing:
+    """A bearing made from a compound and the sizes of a drawing (rules: bearing/scaling.py).
+
+    Parameters
+    ----------
+    name : of the new bearing.
+    compound : a Compound, a name of `list_compounds()`, a TOML file of a compound or of a bearing
+        (such as the specimen of a fit), or a Bearing, whose compound counts.
+    layers : number and thickness of the rubber layers, "20x8mm"; the number in [1, 200].
+    shim : thickness of a plate between layers [mm], in [0.05, 1000]; text says its unit, "3 mm".
+    plan : length in the direction of motion and width, "1000x1000mm"; or give `diameter`.
+    diameter : of a round bearing [mm], in [1, 1e5].
+    end_plate : thickness of an end plate [mm], in [0.05, 1000]; 30 mm are assumed by default.
+    sealing_plate : thickness of a plate inside each end plate [mm], in [0, 1000]; none by default.
+    lead : diameter of a lead core [mm], in [1, 1e4]; no lead by default.
+    cores : number of lead cores, in [1, 1000].
+    confined : cores in springs, which pass heat to the end plates only.
+    end_spreading : factor of heat into the end plates of confined cores, in [0.001, 1].
+    description : what it is, in words.
+
+    Returns
+    -------
+    Bearing, with the rule and the source of every number.
+
+    Raises
+    ------
+    InputError : an unknown compound (with the nearest name), sizes without unit or out of range,
+        lead that the compound says nothing of, natural rubber without lead.
+
+    Examples
+    --------
+    >>> size = {"plan": "1000x1000mm", "layers": "20x8mm", "shim": "3mm", "lead": "180mm"}
+    >>> made = new_bearing("pier-3", "natural-rubber", **size)
+    >>> made.kind, made.total_rubber_thickness, round(made.lead.core_strength)
+    ('LRB', 160.0, 254)
+    """
+    if not str(name).strip() or set(str(name)) & set("/\\"):
+        raise InputError(f"name = {name!r}: must be a word that a file can have")
+    source = as_compound(compound)
+    of = compound_of(source) if isinstance(source, Bearing) else source
+    given = {
+        "plan": _plan(plan, diameter),
+        **_layers(layers),
+        "shim": shim,
+        "end_plate": END_PLATE if end_plate is None else end_plate,
+        "sealing_plate": sealing_plate,
+        "lead": lead,
+        "cores": cores,
+        "confined": confined,
+        "end_spreading": end_spreading,
+    }
+    drawing = validated(Drawing, given, f'new bearing "{name}"', from_file=False)
+    geometry = Geometry(
+        plan=drawing.plan,
+        rubber_layers=drawing.rubber_layers,
+        rubber_thickness=drawing.rubber_thickness,
+        shim_thickness=drawing.shim,
+        end_plate_thickness=drawing.end_plate,
+        sealing_plate_thickness=drawing.sealing_plate,
+    )
+    held = None
+    if drawing.lead is not None:
+        held = Cores(
+            cores=drawing.cores,
+            diameter=drawing.lead,
+            confined=drawing.confined,
+            end_spreading=drawing.end_spreading,
+        )
+    made = bearing_of(
+        of,
+        name,
+        geometry,
+        held,
+        cells=Cells(),
+        description=description or f"{layers} of {of.name}",
+        citation=f"made from compound {of.name}" + (f": {of.citation}" if of.citation else ""),
+    )
+    return made.with_sources(_sources(made, of, assumed_plate=end_plate is None))
+
+
+def _plan(plan: str | None, diameter: str | float | None) -> dict[str, Any]:
+    """The table `plan` of a bearing."""
+    if (plan is None) == (diameter is None):
+        raise InputError('give plan ("1000x1000mm") or diameter ("700mm")')
+    if diameter is not None:
+        return {"shape": "circular", "diameter": diameter}
+    match = TIMES.match(str(plan))
+    if match is None or not match["first"] or not match["second"]:
+        raise InputError(
+            f'plan = "{plan}": give length and width, "1000x1000mm"; a round bearing has a diameter'
+        )
+    first, second = match["first"], _with_unit("plan", str(plan), match["second"])
+    if NUMBER.match(first):  # the unit of the second goes for both
+        first += second.lstrip("+-.0123456789 ")
+    try:
+        length, width = parse_quantity(first, "mm"), parse_quantity(second, "mm")
+    except InputError as error:
+        raise InputError(error.lines("plan")) from None
+    if length == width:
+        return {"shape": "square", "side": length}
+    return {"shape": "rectangular", "length": length, "width": width}
+
+
+def _layers(layers: str) -> dict[str, Any]:
+    """Number and thickness of the rubber layers."""
+    match = TIMES.match(str(layers))
+    if match is None or not match["first"].isdecimal() or not match["second"]:
+        raise InputError(
+            f'layers = "{layers}": give number and thickness of the rubber layers, "20x8mm"'
+        )
+    thickness = _with_unit("layers", str(layers), match["second"])
+    return {"rubber_layers": int(match["first"]), "rubber_thickness": thickness}
+
+
+def _with_unit(key: str, text: str, length: str) -> str:
+    """The length, if it says its unit."""
+    if NUMBER.match(length):
+        raise InputError(f'{key} = "{text}" has no unit; write "{text.strip()}mm" if that is meant')
+    return length
+
+
+def _sources(made: Bearing, of: Compound, *, assumed_plate: bool) -> dict[str, str]:
+    """Rule and source of each number of the new bearing, by dotted key."""
+    told = of.sources
+    found = {}
+    for key in number_keys(made):
+        table, _, _ = key.partition(".")
+        before = key.replace("hysteresis.", "rubber.", 1)
+        if table in ("geometry", "cells") or key in ("lead.cores", "lead.diameter"):
+            found[key] = "given" if table != "cells" else "default"
+        elif key in ("lead.confined", "lead.end_spreading"):
+            found[key] = "given"
+        elif key.endswith(".shape") and table == "geometry":
+            continue
+        else:
+            rule, before = RULES.get(key, ("", before))
+            if key == "lead.stiffness" and of.lead and of.lead.stiffness_ratio is not None:
+                rule, before = "K_1/K_2 of the bearing", "lead.stiffness_ratio"
+            parts = [rule, f"compound {of.name}", told.get(before, "")]
+            found[key] = "; ".join(part for part in parts if part)
+    if assumed_plate:
+        found["geometry.end_plate_thickness"] = "assumed; not given"
+    return found
+
+
+def number_keys(model: Strict, before: str = "") -> list[str]:
+    """Dotted keys of all entries of a record that are no tables, without texts at its top."""
+    found = []
+    for name in type(model).model_fields:
+        value = getattr(model, name)
+        if isinstance(value, Strict):
+            found += number_keys(value, f"{before}{name}.")
+        elif value is not None and before:
+            found.append(f"{before}{name}")
+    return found

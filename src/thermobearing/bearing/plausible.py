@@ -1,0 +1,153 @@
+"""Whether a bearing's numbers are those of usual ones: slips of units and signs that pass checks.
+
+The limits of the fields refuse what the model cannot bear; what lies between them and usual
+values (data/plausible/bearing.toml) may be meant, and is told with the source of the usual range.
+"""
+
+from collections.abc import Mapping
+from functools import cache
+from typing import Annotated, Any
+
+from pydantic import Field
+
+from thermobearing.bearing.bilinear import BilinearBearing
+from thermobearing.bearing.model import Bearing
+from thermobearing.border.library import data_path
+from thermobearing.border.schema import Strict, validated
+from thermobearing.border.toml import read_toml
+from thermobearing.border.units import NEWTON_PER_KILONEWTON
+
+
+class Usual(Strict):
+    """Usual values of one number of a bearing, and where they are from.
+
+    Attributes
+    ----------
+    key : of a bearing's file, or the name of a derived number.
+    lowest, largest : as text, with their unit.
+    kinds : of bearings that it holds for; all if there are none.
+    source, note : where the range is from.
+    slip : what is often behind a value outside.
+    """
+
+    key: str
+    lowest: str
+    largest: str
+    kinds: list[str] = []  # noqa: RUF012 (pydantic copies it)
+    source: Annotated[str, Field(min_length=1)]
+    note: Annotated[str, Field(min_length=1)]
+    slip: Annotated[str, Field(min_length=1)]
+
+    @property
+    def unit(self) -> str:
+        """Of both ends; empty for a pure number."""
+        return self.lowest.partition(" ")[2]
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Lowest and largest as numbers in that unit."""
+        low, high = (float(text.partition(" ")[0]) for text in (self.lowest, self.largest))
+        return low, high
+
+
+class Usuals(Strict):
+    """What the file says."""
+
+    usual: list[Usual]
+
+
+@cache
+def usual_values() -> list[Usual]:
+    """The usual ranges that are shipped with the package.
+
+    Examples
+    --------
+    >>> usual_values()[0].key, usual_values()[0].ends
+    ('geometry.rubber_thickness', (1.5, 40.0))
+    """
+    path = data_path("plausible", "bearing.toml")
+    return validated(Usuals, read_toml(path), str(path)).usual
+
+
+def implausible(bearing: Bearing | BilinearBearing) -> list[str]:
+    """A sentence for each number of a bearing that usual ones do not have.
+
+    Parameters
+    ----------
+    bearing : any.
+
+    Returns
+    -------
+    list of str : key, value, usual range and its source, what is often behind it.
+
+    Examples
+    --------
+    >>> from thermobearing.bearing.library import load_bearing
+    >>> implausible(load_bearing("shen-hdr-specimen"))
+    []
+    """
+    layered = isinstance(bearing, Bearing)
+    derived = _derived(bearing) if isinstance(bearing, Bearing) else _of_bilinear(bearing)
+    found = []
+    for usual in usual_values():
+        if usual.kinds and bearing.kind not in usual.kinds:
+            continue
+        value = derived.get(usual.key)
+        if value is None and layered:
+            value = _value(bearing, usual.key)
+        low, high = usual.ends
+        if value is None or low <= value <= high or _does_nothing(bearing, usual.key, value):
+            continue
+        unit = f" {usual.unit}" if usual.unit else ""
+        found.append(
+            f"{usual.key} = {value:.4g}{unit}: usual are {low:g} to {high:g}{unit} "
+            f"({usual.source}: {usual.note}). Often behind it: {usual.slip}"
+        )
+    return found
+
+
+def _value(item: Any, key: str) -> float | None:
+    """A number by its dotted key; None where the bearing has no such part."""
+    for name in key.split("."):
+        item = getattr(item, name, None)
+    return None if item is None else float(item)
+
+
+def _does_nothing(bearing: Bearing | BilinearBearing, key: str, value: float) -> bool:
+    """Whether a number is a placeholder: a law that is all in a table, or linear rubber."""
+    if not isinstance(bearing, Bearing):
+        return False
+    law = bearing.temperature_law
+    if key.endswith("temperature_coefficient") and value == 0.0:
+        return law is not None and law.temperatures is not None
+    hysteretic = key.startswith(("yield strain", "hysteresis.hysteretic"))
+    return hysteretic and bearing.hysteresis.post_yield_ratio == 1.0
+
+
+def _derived(bearing: Bearing) -> Mapping[str, float]:
+    """Numbers that follow from several keys."""
+    g, h = bearing.geometry, bearing.hysteresis
+    modulus = h.layer_stiffness * g.rubber_thickness / bearing.area * NEWTON_PER_KILONEWTON
+    found = {
+        "first shape factor S1": g.first_shape_factor,
+        "second shape factor S2": g.second_shape_factor,
+        "shear modulus K_r t_r / A": modulus,
+        "yield strain d_y / t_r": h.yield_displacement / g.rubber_thickness,
+    }
+    if bearing.lead is not None:
+        stiffness = bearing.lead.stiffness * NEWTON_PER_KILONEWTON
+        modulus = stiffness * bearing.total_rubber_thickness / bearing.lead.core_area
+        found["shear modulus of a lead core K_l H / A_l"] = modulus
+    if bearing.rate is not None:
+        found["relaxation time c_v / K_v"] = bearing.rate.damping / bearing.rate.stiffness
+    return found
+
+
+def _of_bilinear(bearing: BilinearBearing) -> Mapping[str, float]:
+    """Numbers of a backbone."""
+    first, second = bearing.initial_stiffness, bearing.post_yield_stiffness
+    return {
+        "total_rubber_thickness": bearing.total_rubber_thickness,
+        "K_1 / K_2": first / second,
+        "yield displacement Q_d / (K_1 - K_2)": bearing.strength / (first - second),
+    }

@@ -1,0 +1,278 @@
+"""From a bearing to its compound and back: every rule of size, written once (docs/theory.md).
+
+    K_r = G_r A/t_r          d_y = gamma_y t_r      b, s, alpha_0, m_T, n_T: no size
+    K_l = G_l A_l/H          Q_l = sigma_Y A_l      of one core
+    K_v = G_v A/H            c_v = eta_v A/H        of the bearing
+
+A is the area of the rubber (gross minus lead), t_r the thickness of a layer, H = n t_r.
+"""
+
+import math
+from typing import Annotated, Any
+
+from pydantic import Field
+
+from thermobearing.bearing.compound import Compound, CompoundLead, CompoundRate, CompoundRubber
+from thermobearing.bearing.model import (
+    Bearing,
+    Geometry,
+    LeadCores,
+    RateDependence,
+    RubberHysteresis,
+)
+from thermobearing.border.errors import InputError
+from thermobearing.border.schema import Strict, in_unit
+from thermobearing.border.units import NEWTON_PER_KILONEWTON
+
+WITHOUT_SIZE = (
+    "post_yield_ratio",
+    "shape",
+    "hardening",
+    "elastic_temperature_coefficient",
+    "hysteretic_temperature_coefficient",
+    "reference_temperature",
+)
+OF_LEAD = ("yield_stress", "softening", "reference_temperature", "surface_ratio", "clock")
+COPIED = ("materials", "temperature_law", "tested_range", "scragging")
+KINDS = {("HDR", False): "HDR", ("HDR", True): "LHDR", ("NR", True): "LRB"}
+
+
+class Cores(Strict):
+    """Lead cores as a drawing has them; the rest of `LeadCores` follows from the compound."""
+
+    cores: Annotated[int, Field(ge=1, le=1000)]
+    diameter: Annotated[float, in_unit("mm"), Field(ge=0.1, le=1e4)]
+    confined: bool
+    end_spreading: Annotated[float, Field(ge=1e-3, le=1)] = 1.0
+
+    @property
+    def core_area(self) -> float:
+        """Of one core [mm2]."""
+        return 0.25 * math.pi * self.diameter**2
+
+
+def compound_of(bearing: Bearing, name: str = "") -> Compound:
+    """The compound that a bearing is made of, its size divided out.
+
+    Parameters
+    ----------
+    bearing : any layered one, such as the specimen of a fit.
+    name : of the compound; that of the bearing with "-compound" if not given.
+
+    Returns
+    -------
+    Compound, with the sources of the bearing's numbers.
+
+    Examples
+    --------
+    >>> from thermobearing.bearing.library import load_bearing
+    >>> compound = compound_of(load_bearing("shen-hdr-specimen"))
+    >>> round(compound.rubber.shear_modulus, 3), round(compound.rubber.yield_strain, 4)
+    (2.668, 0.3098)
+    """
+    g, h = bearing.geometry, bearing.hysteresis
+    net, height = bearing.area - bearing.lead_area, g.total_rubber_thickness
+    rubber = CompoundRubber(
+        shear_modulus=NEWTON_PER_KILONEWTON * h.layer_stiffness * g.rubber_thickness / net,
+        yield_strain=h.yield_displacement / g.rubber_thickness,
+        **{key: getattr(h, key) for key in WITHOUT_SIZE},
+    )
+    lead, rate = bearing.lead, bearing.rate
+    if lead is not None:
+        modulus = NEWTON_PER_KILONEWTON * lead.stiffness * height / lead.core_area
+        told = {key: getattr(lead, key) for key in OF_LEAD}
+        given: CompoundLead | None = CompoundLead(shear_modulus=modulus, **told)
+    else:
+        given = None
+    branch = None
+    if rate is not None:
+        per_area = NEWTON_PER_KILONEWTON * height / net
+        branch = CompoundRate(
+            shear_modulus=per_area * rate.stiffness, viscosity=per_area * rate.damping
+        )
+    made = Compound(
+        name=name or f"{bearing.name}-compound",
+        family="NR" if bearing.kind == "LRB" else "HDR",
+        description=f"rubber of {bearing.name}" + (", with its lead" if given else ""),
+        citation=bearing.citation,
+        rubber=rubber,
+        lead=given,
+        rate=branch,
+        **{key: getattr(bearing, key) for key in COPIED},
+    )
+    return made.with_sources(_sources_of(bearing))
+
+
+def _sources_of(bearing: Bearing) -> dict[str, str]:
+    """Sources of a bearing's numbers under the names that they have in a compound."""
+    divided = {
+        "hysteresis.layer_stiffness": ("rubber.shear_modulus", "K_r t_r/A"),
+        "hysteresis.yield_displacement": ("rubber.yield_strain", "d_y/t_r"),
+        "lead.stiffness": ("lead.shear_modulus", "K_l H/A_l"),
+        "rate.stiffness": ("rate.shear_modulus", "K_v H/A"),
+        "rate.damping": ("rate.viscosity", "c_v H/A"),
+    }
+    found = {}
+    for key, source in bearing.sources.items():
+        table, _, name = key.partition(".")
+        if key in divided:
+            new, rule = divided[key]
+            found[new] = f"{rule} of {bearing.name}; {source}"
+        elif table == "hysteresis":
+            found[f"rubber.{name}"] = source
+        elif table in COPIED or (table == "lead" and name in OF_LEAD):
+            found[key] = source
+    return found
+
+
+def kind_of(compound: Compound, *, with_lead: bool) -> str:
+    """HDR, LHDR or LRB.
+
+    Raises
+    ------
+    InputError : lead is wanted and the compound has none, or the other way round.
+    """
+    if with_lead and compound.lead is None:
+        raise InputError(
+            f"compound {compound.name} says nothing of lead: give it the tables lead and "
+            "materials.lead, or take a compound that has them (thermobearing list)"
+        )
+    kind = KINDS.get((compound.family, with_lead))
+    if kind is None:
+        raise InputError(
+            f"compound {compound.name} is natural rubber: a bearing of it needs lead cores (LRB)"
+        )
+    return kind
+
+
+def parts_of(compound: Compound, geometry: Geometry, cores: Cores | None) -> dict[str, Any]:
+    """Hysteresis, lead and rate of a bearing of that size, by key of `Bearing`.
+
+    Raises
+    ------
+    InputError : the cores leave no rubber, or lead that the compound does not know.
+    """
+    rubber, height = compound.rubber, geometry.total_rubber_thickness
+    lead_area = cores.cores * cores.core_area if cores else 0.0
+    net = geometry.plan.area - lead_area
+    if net <= 0.0:
+        raise InputError(
+            f"the lead cores take {lead_area:g} mm2 of a plan of {geometry.plan.area:g} mm2"
+        )
+    layer = rubber.shear_modulus * net / geometry.rubber_thickness / NEWTON_PER_KILONEWTON
+    hysteresis = RubberHysteresis(
+        layer_stiffness=layer,
+        yield_displacement=rubber.yield_strain * geometry.rubber_thickness,
+        **{key: getattr(rubber, key) for key in WITHOUT_SIZE},
+    )
+    rate = None
+    if compound.rate is not None:
+        per_modulus = net / height / NEWTON_PER_KILONEWTON
+        rate = RateDependence(
+            stiffness=per_modulus * compound.rate.shear_modulus,
+            damping=per_modulus * compound.rate.viscosity,
+        )
+    lead = None
+    if cores is not None:
+        lead = _lead(compound, cores, height, layer / geometry.rubber_layers)
+    return {"hysteresis": hysteresis, "rate": rate, "lead": lead}
+
+
+def _lead(compound: Compound, cores: Cores, height: float, post_yield: float) -> LeadCores:
+    """Cores of the compound's lead; `post_yield` is K_2 of linear rubber [kN/mm]."""
+    given = compound.lead
+    if given is None:
+        raise InputError(f"compound {compound.name} says nothing of lead")
+    if given.shear_modulus is not None:
+        stiffness = given.shear_modulus * cores.core_area / height / NEWTON_PER_KILONEWTON
+    else:
+        stiffness = ((given.stiffness_ratio or 0.0) - 1.0) * post_yield / cores.cores
+    return LeadCores(
+        cores=cores.cores,
+        diameter=cores.diameter,
+        confined=cores.confined,
+        end_spreading=cores.end_spreading,
+        stiffness=stiffness,
+        **{key: getattr(given, key) for key in OF_LEAD},
+    )
+
+
+def bearing_of(
+    compound: Compound, name: str, geometry: Geometry, cores: Cores | None = None, **more: Any
+) -> Bearing:
+    """A bearing of that compound and size.
+
+    Parameters
+    ----------
+    compound : its rubber, and its lead if there are cores.
+    name : of the bearing.
+    geometry : plan, layers and plates.
+    cores : lead cores; none by default.
+    more : other keys of `Bearing`, such as cells and description.
+
+    Returns
+    -------
+    Bearing
+
+    Raises
+    ------
+    InputError : the compound has no lead, natural rubber without lead, numbers out of range.
+
+    Examples
+    --------
+    >>> from thermobearing.bearing.library import load_bearing
+    >>> specimen, bridge = (load_bearing(f"shen-hdr-{n}") for n in ("specimen", "bridge"))
+    >>> made = bearing_of(compound_of(specimen), "full-size", bridge.geometry)
+    >>> round(made.hysteresis.layer_stiffness, 2), round(made.hysteresis.yield_displacement, 2)
+    (36.16, 5.27)
+    """
+    kind: Any = kind_of(compound, with_lead=cores is not None)
+    return Bearing(
+        name=name,
+        kind=kind,
+        geometry=geometry,
+        **parts_of(compound, geometry, cores),
+        **{key: getattr(compound, key) for key in COPIED},
+        **more,
+    )
+
+
+def resized(bearing: Bearing, geometry: Geometry, core_diameter: float | None = None) -> Bearing:
+    """The same bearing at another size: its compound, number of cores and all else it says.
+
+    Parameters
+    ----------
+    bearing : any layered one.
+    geometry : the new one.
+    core_diameter : of its lead cores [mm]; as before if not given.
+
+    Returns
+    -------
+    Bearing, its limits not checked again: quick, for a search.
+
+    Raises
+    ------
+    InputError : the cores leave no rubber, or parts out of range.
+
+    Examples
+    --------
+    >>> from thermobearing.bearing.library import load_bearing
+    >>> specimen = load_bearing("shen-lhdr-specimen")
+    >>> resized(specimen, specimen.geometry).lead == specimen.lead
+    True
+    """
+    cores = cores_of(bearing, core_diameter)
+    parts = parts_of(compound_of(bearing), geometry, cores)
+    return bearing.model_copy(update={"geometry": geometry, **parts})
+
+
+def cores_of(bearing: Bearing, diameter: float | None = None) -> Cores | None:
+    """Lead cores of a bearing, with another diameter [mm] if given; None without lead."""
+    if bearing.lead is None:
+        return None
+    return Cores(
+        cores=bearing.lead.cores,
+        diameter=bearing.lead.diameter if diameter is None else diameter,
+        confined=bearing.lead.confined,
+        end_spreading=bearing.lead.end_spreading,
+    )

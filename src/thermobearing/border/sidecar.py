@@ -1,0 +1,351 @@
+"""A laboratory's file as histories: columns of samples, and a TOML sidecar that says what they are.
+
+A test is one or several blocks with rests between them, in one file or several; `Readings` holds
+all samples in one line of time. What had to be assumed is written down.
+"""
+
+import re
+from collections.abc import Collection
+from dataclasses import dataclass, field
+from itertools import pairwise
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from thermobearing.border.errors import InputError, is_file
+from thermobearing.border.layout import Layout
+from thermobearing.border.schema import Strict, in_unit, validated
+from thermobearing.border.sheets import SEPARATORS, Told
+from thermobearing.border.tables import Columns, columns_of
+from thermobearing.border.toml import read_toml, split_sources
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+ASSUMED_SPEED = 30.0  # mean loading rate of Table 3.4 [mm/s], where a file has no clock
+SHORTEST_STEP = 1e-4  # between samples whose clock is made from an assumed speed [s]
+COLUMNS = ("time", "displacement", "force", "ambient")  # that a sidecar may name
+PLACE = re.compile(r"^(?:rubber ([1-9]\d*)|lead)$")
+
+Temperature = Annotated[float, in_unit("degC"), Field(ge=-100, le=100)]
+Weight = Annotated[float, Field(ge=0, le=100)]
+Word = Annotated[str, Field(min_length=1)]
+
+
+class BlockFile(Strict):
+    """One part of a test: a file, a sheet or a part of it, and the rest before it."""
+
+    file: Word
+    sheet: Word | None = None
+    part: Annotated[int, Field(ge=1, le=10_000)] | None = None
+    rest_before: Annotated[float, in_unit("s"), Field(ge=0, le=1e8)] = 0.0
+
+
+class Sidecar(Strict):
+    """What the numbers of a test mean: the keys of the TOML file beside a table of samples.
+
+    `columns` gives the file's own titles of time, displacement, force and ambient, `units` their
+    units where the titles do not say them. `thermocouples` maps a title to "rubber 1" (the
+    outer layer), "rubber 2", ... or "lead". `separator` (tab, blank, a semicolon, a comma),
+    `decimal`, `encoding` and `sheet` are found by looking where they are not given.
+    """
+
+    file: Word | None = None
+    blocks: Annotated[list[BlockFile], Field(min_length=1)] | None = None
+    name: str = ""
+    bearing: str | None = None
+    ambient: Temperature | None = None
+    lines_before: Annotated[int, Field(ge=0, le=1000)] = 0
+    lines_after: Annotated[int, Field(ge=0, le=1000)] = 0
+    separator: Word | None = None
+    decimal: Word | None = None
+    encoding: Word | None = None
+    sheet: Word | None = None
+    columns: dict[str, str] = Field(default_factory=dict)
+    units: dict[str, str] = Field(default_factory=dict)
+    thermocouples: dict[str, str] = Field(default_factory=dict)
+    speed: Annotated[float, in_unit("mm/s"), Field(gt=0)] | None = None
+    sampling: Annotated[float, in_unit("Hz"), Field(gt=0)] | None = None
+    flip_force: bool = False
+    force_offset: Annotated[float, in_unit("kN")] = 0.0
+    displacement_offset: Annotated[float, in_unit("mm")] = 0.0
+    weight: Weight = 1.0
+    first_cycle_weight: Weight = 1.0
+    cycle_balance: Annotated[float, Field(ge=0, le=1)] = 0.0
+    despike: bool = False
+    detrend: Literal["", "force", "displacement", "both"] = ""
+
+    @classmethod
+    def conflicts(cls, given: dict[str, Any]) -> list[str]:
+        """One way to name the files, one way to make a clock, known names only."""
+        faults = []
+        if "file" in given and "blocks" in given:
+            faults.append("give either file or blocks")
+        if "speed" in given and "sampling" in given:
+            faults.append("give either speed or sampling")
+        places = given.get("thermocouples")
+        titles = list(places) if isinstance(places, dict) else []
+        for key, known in (("columns", COLUMNS), ("units", (*COLUMNS, *titles))):
+            table = given.get(key)  # of any type yet: what is no table is found later
+            strange = sorted(set(table) - set(known)) if isinstance(table, dict) else []
+            if strange:
+                faults.append(f"{key}: unknown {strange[0]!r}; known: {', '.join(sorted(known))}")
+        for title, place in places.items() if isinstance(places, dict) else ():
+            if not isinstance(place, str) or not PLACE.match(place):
+                faults.append(
+                    f'thermocouples.{title} = {place!r}: must be "rubber 1", ... or "lead"'
+                )
+        for key, marks in (
+            ("separator", [*SEPARATORS, *SEPARATORS.values()]),
+            ("decimal", [".", ","]),
+        ):
+            if key in given and given[key] not in marks:
+                shown = ", ".join(f'"{mark}"' for mark in marks if mark.strip())
+                faults.append(f"{key} = {given[key]!r}: must be one of {shown}")
+        return faults
+
+    @property
+    def told(self) -> Told:
+        """The form of the file, as far as it is given."""
+        marks = {name: mark for mark, name in SEPARATORS.items()}
+        separator = None if self.separator is None else marks.get(self.separator, self.separator)
+        return Told(separator, self.decimal, self.encoding, self.sheet)
+
+
+@dataclass(frozen=True)
+class Readings:
+    """All samples of a laboratory's file or files, in kN, mm, s, degC.
+
+    Attributes
+    ----------
+    sidecar : what was said about them.
+    file : they came from; `folder` is that of the sidecar.
+    values : samples by name: time, displacement, force, ambient, and thermocouples by title.
+    block : number of the block that each sample belongs to.
+    assumptions : what the file did not say.
+    unused : titles of columns that nothing was made of.
+    """
+
+    sidecar: Sidecar
+    file: Path
+    values: dict[str, Floats]
+    block: Ints
+    assumptions: list[str] = field(default_factory=list)
+    unused: list[str] = field(default_factory=list)
+
+    @property
+    def displacement(self) -> Floats:
+        """Samples without their offset [mm]."""
+        return np.asarray(self.values["displacement"] - self.sidecar.displacement_offset)
+
+    @property
+    def force(self) -> Floats:
+        """Samples without their offset, with the sign of displacement [kN]."""
+        sign = -1.0 if self.sidecar.flip_force else 1.0
+        return np.asarray(sign * (self.values["force"] - self.sidecar.force_offset))
+
+
+def read_laboratory(
+    path: str | Path, *, optional: Collection[str] = ("time", "ambient")
+) -> Readings:
+    r"""Histories from a table of samples, or from the sidecar that says what is in it.
+
+    Parameters
+    ----------
+    path : `test.csv` or `test.xlsx` (its sidecar is `test.toml` beside it, if there is one) or the
+        sidecar.
+    optional : of time, displacement, force, ambient: those that may be missing.
+
+    Returns
+    -------
+    Readings
+
+    Raises
+    ------
+    InputError : unreadable file, unknown key or column, wrong unit, a cell that is not a number.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = Path(folder) / "cold.csv"
+    ...     _ = file.write_text("Zeit [s];Weg [cm];Kraft [kN]\n0;0;0\n1;0,5;9\n2;0;-1\n")
+    ...     _ = file.with_suffix(".toml").write_text('columns.displacement = "Weg [cm]"')
+    ...     readings = read_laboratory(file)
+    >>> readings.displacement.tolist(), readings.force.tolist()
+    ([0.0, 5.0, 0.0], [0.0, 9.0, -1.0])
+    """
+    path = Path(path)
+    if path.suffix.lower() == ".toml":
+        return _with_sidecar(path, None, optional)
+    beside = path.parent / f"{path.stem}.toml"
+    if is_file(beside) and not _is_a_bearing(beside):
+        return _with_sidecar(beside, path, optional)
+    blocks = [BlockFile(file=str(path.absolute()))]
+    try:
+        return readings_of(Sidecar(), blocks, path, optional)
+    except InputError as error:
+        told = list(error.problems)
+        if "force" not in optional and any(text.startswith("no column") for text in told):
+            told[-1] += f"; thermobearing intake {path.name} finds out which columns it has"
+        raise InputError(told, error.where) from None
+
+
+def _is_a_bearing(path: Path) -> bool:
+    """Whether a TOML file beside a test describes the bearing, and not the test."""
+    geometry = read_toml(path).get("geometry")
+    return isinstance(geometry, dict) and "plan" in geometry
+
+
+def _with_sidecar(path: Path, data: Path | None, optional: Collection[str]) -> Readings:
+    values, _ = split_sources(read_toml(path))
+    sidecar = validated(Sidecar, values, str(path))
+    blocks = sidecar.blocks
+    if blocks is None:
+        file = sidecar.file or (data.name if data else path.with_suffix(".csv").name)
+        blocks = [BlockFile(file=file)]
+    return readings_of(sidecar, blocks, path, optional)
+
+
+def readings_of(
+    sidecar: Sidecar,
+    blocks: list[BlockFile],
+    path: Path,
+    optional: Collection[str] = ("time", "ambient"),
+) -> Readings:
+    """All blocks of a test in one line of time.
+
+    Parameters
+    ----------
+    sidecar : what is said about them.
+    blocks : files, beside `path` unless they say where.
+    path : of the sidecar, or of the one file; names the test.
+    optional : of time, displacement, force, ambient: those that may be missing.
+
+    Raises
+    ------
+    InputError : as in `read_laboratory`.
+    """
+    assumptions: list[str] = []
+    unused: list[str] = []
+    parts: list[dict[str, Floats]] = []
+    joins: list[tuple[Path, float]] = []
+    for block in blocks:
+        file = path.parent / block.file
+        some = _read_block(sidecar, block, file, optional, assumptions, unused)
+        parts += some
+        joins += [(file, block.rest_before)] + [(file, 0.0)] * (len(some) - 1)
+    if _one_line_of_time(parts, joins):
+        assumptions.append(
+            "the clock of the file starts anew in its blocks: no rest assumed between them; give "
+            "rest_before in blocks of the sidecar"
+        )
+    held = [name for name in parts[0] if all(name in part for part in parts)]
+    counts = [len(part["time"]) for part in parts]
+    return Readings(
+        sidecar=sidecar,
+        file=path,
+        values={name: np.concatenate([part[name] for part in parts]) for name in held},
+        block=np.repeat(np.arange(len(parts), dtype=np.int64), counts),
+        assumptions=list(dict.fromkeys(assumptions)),
+        unused=list(dict.fromkeys(unused)),
+    )
+
+
+def _one_line_of_time(parts: list[dict[str, Floats]], joins: list[tuple[Path, float]]) -> bool:
+    """Shift the clocks of parts to follow each other; whether a rest had to be assumed."""
+    end, own_end, shift, assumed = 0.0, 0.0, 0.0, False
+    for number, (part, (file, rest)) in enumerate(zip(parts, joins, strict=True)):
+        time = part["time"]
+        same = number > 0 and file == joins[number - 1][0] and rest == 0.0
+        if number and not (same and time[0] > own_end):
+            step = float(np.median(np.diff(time))) if len(time) > 1 else SHORTEST_STEP
+            shift = end + max(rest, step) - float(time[0])
+            assumed = assumed or same
+        own_end = float(time[-1])
+        part["time"] = time + shift
+        end = float(part["time"][-1])
+    return assumed
+
+
+def _read_block(
+    sidecar: Sidecar,
+    block: BlockFile,
+    file: Path,
+    optional: Collection[str],
+    assumptions: list[str],
+    unused: list[str],
+) -> list[dict[str, Floats]]:
+    """The parts of one file: tables below each other, or what a clock that starts anew tells."""
+    titles = {**sidecar.columns, **{title: title for title in sidecar.thermocouples}}
+    told = sidecar.told
+    if block.sheet is not None:
+        told = Told(told.separator, told.decimal, told.encoding, block.sheet)
+    layout = Layout(sidecar.lines_before, sidecar.lines_after, titles, sidecar.units, told)
+    wanted = dict(zip(COLUMNS, ("s", "mm", "kN", "degC"), strict=True))
+    wanted |= dict.fromkeys(sidecar.thermocouples, "degC")
+    found = columns_of(file, wanted, optional=optional, layout=layout)
+    unused += found.unused
+    if found.others and told.sheet is None:
+        names = ", ".join(f'"{name}"' for name in found.others)
+        assumptions.append(f"one sheet was read, not {names}; give sheet, or blocks with sheet")
+    data = dict(found.values)
+    if "time" not in data:
+        way = data["displacement"] if "displacement" in data else data["force"]
+        data["time"] = _clock(sidecar, way, assumptions)
+    elif found.stamped:
+        data["time"] = _spread(data["time"], assumptions)
+    starts = _starts(found, data["time"])
+    bounds = [*starts, len(data["time"])]
+    parts = [{name: values[a:b] for name, values in data.items()} for a, b in pairwise(bounds)]
+    if block.part is None:
+        return parts
+    if block.part > len(parts):
+        raise InputError(f"has {len(parts)} parts, not {block.part}", str(file))
+    return parts[block.part - 1 : block.part]
+
+
+def _starts(found: Columns, time: Floats) -> list[int]:
+    """Where parts begin: where the file says so, and where its clock goes back to its start."""
+    starts = set(found.parts)
+    begin = float(time[0])
+    for k in (np.flatnonzero(np.diff(time) < 0.0) + 1).tolist():
+        if time[k] <= begin:
+            starts.add(k)
+            begin = float(time[k])
+    return sorted(starts)
+
+
+def _spread(time: Floats, assumptions: list[str]) -> Floats:
+    """Samples of stamps that are coarser than the sampling, evenly between the stamps [s]."""
+    ticks = np.flatnonzero(np.diff(time) > 0.0) + 1
+    if len(ticks) < 2 or len(ticks) == len(time) - 1 or (np.diff(time) < 0.0).any():
+        return time
+    counts, steps = np.diff(ticks), np.diff(time[ticks])
+    rate = float(np.median(counts / steps))
+    number = np.arange(len(time), dtype=np.float64)
+    inside = np.interp(number, ticks, time[ticks])
+    before = time[ticks[0]] - (ticks[0] - number) / rate
+    after = time[ticks[-1]] + (number - ticks[-1]) / rate
+    spread = np.where(number < ticks[0], before, np.where(number > ticks[-1], after, inside))
+    assumptions.append(
+        f"time stamps are {np.median(steps):.3g} s apart, with {np.median(counts):.3g} samples "
+        "each: spread evenly between them"
+    )
+    return np.asarray(spread - spread[0])
+
+
+def _clock(sidecar: Sidecar, displacement: Floats, assumptions: list[str]) -> Floats:
+    """Time of samples that have none, from a sampling rate or a speed [s]."""
+    count = len(displacement)
+    if sidecar.sampling is not None:
+        assumptions.append(f"no time column: sampled at {sidecar.sampling:g} Hz, as told")
+        return np.arange(count) / sidecar.sampling
+    told = "as told" if sidecar.speed is not None else "assumed; give speed or sampling"
+    speed = sidecar.speed if sidecar.speed is not None else ASSUMED_SPEED
+    assumptions.append(f"no time column: moved at {speed:g} mm/s throughout, {told}")
+    way = np.abs(np.diff(displacement)) / speed
+    return np.concatenate([[0.0], np.cumsum(np.maximum(way, SHORTEST_STEP))])

@@ -1,0 +1,143 @@
+"""`thermobearing new`: a bearing made from a compound and the sizes of a drawing."""
+
+import os
+import re
+import secrets
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from thermobearing.border.errors import OutputError, printable
+from thermobearing.commands.common import AsJson, Quiet, echo_json, reported
+
+if TYPE_CHECKING:
+    from thermobearing.bearing.model import Bearing
+
+NOT_MEASURED = {"assumed", "borrowed", "chosen"}  # words in sources
+WORD = re.compile(r"[a-z]+")
+
+
+Compound = Annotated[
+    str,
+    typer.Option(
+        help='One of "thermobearing list", or the TOML file of a compound or a bearing.',
+        metavar="NAME/FILE",
+    ),
+]
+Layers = Annotated[
+    str, typer.Option(help="Number and thickness of the rubber layers, such as 20x8mm.")
+]
+Shim = Annotated[str, typer.Option(help="Thickness of a steel plate between, such as 3mm.")]
+Plan = Annotated[
+    str | None, typer.Option(help="Length in the direction of motion, and width: 1000x1000mm.")
+]
+Diameter = Annotated[
+    str | None, typer.Option(help="Of a round bearing, such as 700mm, instead of --plan.")
+]
+EndPlate = Annotated[
+    str | None, typer.Option(help="Thickness of an end plate; 30 mm are assumed without it.")
+]
+Sealing = Annotated[str, typer.Option(help="Thickness of a plate inside each end plate.")]
+Lead = Annotated[
+    str | None, typer.Option(help="Diameter of a lead core, such as 180mm; none without it.")
+]
+Confined = Annotated[
+    bool, typer.Option("--confined", help="Cores in springs: heat goes to the ends only.")
+]
+Spreading = Annotated[
+    float, typer.Option(help="Of heat into the end plates of confined cores, 0.001 to 1.")
+]
+File = Annotated[
+    Path | None, typer.Option("-o", "--output", help="File to write; NAME.toml by default.")
+]
+
+
+@reported
+def new(
+    name: Annotated[str, typer.Argument(help="Of the new bearing; its file is NAME.toml.")],
+    compound: Compound,
+    layers: Layers,
+    shim: Shim,
+    plan: Plan = None,
+    diameter: Diameter = None,
+    end_plate: EndPlate = None,
+    sealing_plate: Sealing = "0 mm",
+    lead: Lead = None,
+    cores: Annotated[int, typer.Option(help="Number of lead cores.")] = 1,
+    confined: Confined = False,
+    end_spreading: Spreading = 1.0,
+    output: File = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace the file.")] = False,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> int:
+    """Make a bearing from a compound and its sizes, and write it as a TOML file.
+
+    Example: `thermobearing new pier-3 --compound natural-rubber --plan 1000x1000mm
+    --layers 20x8mm --shim 3mm --lead 180mm`
+    """
+    from rich.console import Console
+
+    from thermobearing.bearing.new import new_bearing
+    from thermobearing.bearing.plausible import implausible
+    from thermobearing.border.toml import sourced_toml
+    from thermobearing.commands.check import bearing_facts
+    from thermobearing.results.screen import print_facts, print_warnings
+
+    made = new_bearing(
+        name,
+        compound,
+        plan=plan,
+        diameter=diameter,
+        layers=layers,
+        shim=shim,
+        end_plate=end_plate,
+        sealing_plate=sealing_plate,
+        lead=lead,
+        cores=cores,
+        confined=confined,
+        end_spreading=end_spreading,
+    )
+    target = output or Path(f"{name}.toml")
+    write_file(target, sourced_toml(made, made.sources), force=force)
+    if not quiet:
+        facts = bearing_facts(made)
+        if end_plate is None:
+            facts["end plates"] += ", assumed: give --end-plate"
+        facts |= not_measured(made)
+        print_facts(f"{target}: a new bearing", facts)
+        print_warnings(Console(), implausible(made))
+        typer.echo(f"written: {printable(str(target))}")
+    if as_json:
+        echo_json({"outcome": "completed", "exit_status": 0, "output": str(target)})
+    return 0
+
+
+def not_measured(made: "Bearing") -> dict[str, str]:
+    """Numbers that were chosen, assumed or borrowed and not measured on the compound."""
+    keys = [key for key, text in made.sources.items() if NOT_MEASURED & set(WORD.findall(text))]
+    return {"not measured": ", ".join(keys)} if keys else {}
+
+
+def write_file(target: Path, text: str, *, force: bool) -> None:
+    """A whole file or none; an earlier one only with `force`.
+
+    Raises
+    ------
+    OutputError : it exists, or cannot be written.
+    """
+    try:
+        if target.is_dir():
+            raise OutputError(f"{target}: is a directory; name a file with -o")
+        part = target.with_name(f".{target.name}-{secrets.token_hex(4)}")
+        if target.exists() and not force:
+            raise OutputError(f"{target}: exists; give --force to replace it, or -o FILE")
+        try:
+            part.write_text(text, encoding="utf-8")
+            os.replace(part, target)
+        finally:
+            part.unlink(missing_ok=True)
+    except (OSError, ValueError) as error:  # no such directory, a null byte in the name
+        told = getattr(error, "strerror", None) or error
+        raise OutputError(f"{target}: cannot be written: {told}") from None

@@ -1,0 +1,208 @@
+"""Bearing lines and piers of a study, each with its own rows: from histories, and as tables."""
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from thermobearing.core.records import Floats
+from thermobearing.structure.matrices import displacement_row
+from thermobearing.structure.parts import Pier, piers_of
+from thermobearing.structure.run import StructureHistory
+
+if TYPE_CHECKING:
+    from thermobearing.earthquake.task import Task
+
+MM_PER_M, KN_MM_PER_KN_M = 1e3, 1e3
+RUN = {"bearing": "bearing", "motion": "motion", "ambient": "ambient_degC", "mode": "mode"}
+LINES = {  # peaks of a bearing line: name in the dataset, unit, column of the table
+    "line_bearing": ("", "line_bearing"),
+    "line_count": ("1", "count"),
+    "line_ambient": ("degC", "line_ambient_degC"),
+    "line_displacement_max": ("mm", "displacement_max_mm"),
+    "line_strain_max": ("1", "strain_max"),
+    "line_force_max": ("kN", "force_max_kN"),
+    "line_total_force_max": ("kN", "total_force_max_kN"),
+    "line_energy_end": ("kN mm", "energy_kN_mm"),
+    "line_rubber_temperature_max": ("degC", "rubber_max_degC"),
+    "line_lead_temperature_max": ("degC", "lead_max_degC"),
+}
+PIERS = {  # peaks of a pier, likewise
+    "pier_part_displacement_max": ("mm", "displacement_max_mm"),
+    "pier_part_displacement_residual": ("mm", "displacement_residual_mm"),
+    "pier_part_top_displacement_max": ("mm", "top_displacement_max_mm"),
+    "pier_part_top_acceleration_max": ("m/s2", "top_acceleration_max_m_s2"),
+    "pier_part_rotation_max": ("rad", "rotation_max_rad"),
+    "pier_part_ductility": ("1", "ductility"),
+    "pier_part_moment_max": ("kN m", "moment_max_kN_m"),
+}
+HISTORIES = {  # of the parts: dimension, unit, long name, column of history.csv
+    "line_displacement": ("line", "mm", "displacement of each bearing line", "displacement_mm"),
+    "line_force": ("line", "kN", "force of one bearing of each line", "force_kN"),
+    "pier_part_displacement": (
+        "pier_part",
+        "mm",
+        "displacement of each pier top relative to its base",
+        "displacement_mm",
+    ),
+    "pier_part_rotation": ("pier_part", "rad", "rotation of each pier's hinge", "rotation_rad"),
+    "pier_part_moment": ("pier_part", "kN m", "moment of each pier's hinge", "moment_kN_m"),
+}
+
+
+def peak(values: Floats) -> float:
+    """Largest size of a history; NaN where it is not known."""
+    return float(np.abs(values).max())
+
+
+def warmest(values: Floats) -> float:
+    """Largest of some temperatures; NaN without any."""
+    return float(values.max()) if values.size else np.nan
+
+
+def line_peaks(task: "Task", history: StructureHistory) -> list[dict[str, Any]]:
+    """A row for each bearing line, by name in the dataset."""
+    rows = []
+    for b, (line, one) in enumerate(zip(task.case.structure.bearings, task.lines, strict=True)):
+        books, device = history.bearing(b), one.device
+        heat = device.stack is not None
+        lead = heat and device.constants.lead.cores > 0.0
+        farthest = peak(books["displacement"])
+        force = peak(books["force"])
+        rows.append(
+            {
+                "line_bearing": device.bearing.name,
+                "line_count": line.count,
+                "line_ambient": one.ambient,
+                "line_displacement_max": farthest,
+                "line_strain_max": farthest / device.bearing.total_rubber_thickness,
+                "line_force_max": force,
+                "line_total_force_max": force * line.count / line.scale**2,
+                "line_energy_end": float(books["work_in"][-1]),
+                "line_rubber_temperature_max": warmest(history.layers(b)) if heat else np.nan,
+                "line_lead_temperature_max": warmest(books["lead_temperature"]) if lead else np.nan,
+            }
+        )
+    return rows
+
+
+def pier_histories(
+    task: "Task", history: StructureHistory, pier: Pier
+) -> tuple[Floats, Floats, Floats, Floats, Floats]:
+    """Displacement, rotation, moment, motion and acceleration of the top of one pier."""
+    structure, q = task.case.structure, history.rows.q
+    top = displacement_row(structure, pier.name, pier.top)
+    base = displacement_row(structure, pier.base, pier.top)
+    missing = np.full(len(q), np.nan)
+    rotation = moment = missing
+    if pier.hinge is not None:
+        bend = history.hinge(pier.hinge)
+        rotation, moment = bend["rotation"], bend["moment"] / KN_MM_PER_KN_M
+    ground = task.shaking.ground[: len(q)]
+    acceleration = (history.rows.a @ top + ground) / MM_PER_M
+    return q @ (top - base), rotation, moment, q @ top, acceleration
+
+
+def pier_peaks(task: "Task", history: StructureHistory) -> list[dict[str, Any]]:
+    """A row for each pier, by name in the dataset."""
+    rows = []
+    structure = task.case.structure
+    for pier in piers_of(structure):
+        moved, rotation, moment, top, acceleration = pier_histories(task, history, pier)
+        hinge = None if pier.hinge is None else structure.hinges[pier.hinge]
+        rows.append(
+            {
+                "pier_part_displacement_max": peak(moved),
+                "pier_part_displacement_residual": float(moved[-1]),
+                "pier_part_top_displacement_max": peak(top),
+                "pier_part_top_acceleration_max": peak(acceleration),
+                "pier_part_rotation_max": peak(rotation),
+                "pier_part_ductility": (
+                    np.nan if hinge is None else peak(rotation) / hinge.yield_rotation
+                ),
+                "pier_part_moment_max": peak(moment),
+            }
+        )
+    return rows
+
+
+def label_parts(
+    tasks: Sequence["Task"],
+    histories: Sequence[StructureHistory],
+    padded: Callable[[Sequence[Floats], tuple[int, ...]], Any],
+    length: int,
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Variables and coordinates of lines and piers; none where there is one of each."""
+    if not tasks:
+        return {}, {}
+    case = tasks[0].case
+    lines, piers = case.structure.bearings, piers_of(case.structure)
+    if len(lines) == 1 and len(piers) == 1:
+        return {}, {}
+    every = case.analysis.keep_every
+    data: dict[str, Any] = {}
+    for table, dimension, make in ((LINES, "line", line_peaks), (PIERS, "pier_part", pier_peaks)):
+        rows = [make(task, history) for task, history in zip(tasks, histories, strict=True)]
+        for name, (unit, _) in table.items():
+            values = np.array([[row[name] for row in run] for run in rows])
+            values = values.astype(str) if name == "line_bearing" else values
+            data[name] = (("run", dimension), values, {"units": unit})
+    for name, (dimension, unit, about, _) in HISTORIES.items():
+        count = len(lines) if dimension == "line" else len(piers)
+        parts = [
+            _history(name, task, history)[::every]
+            for task, history in zip(tasks, histories, strict=True)
+        ]
+        units = {"units": unit, "long_name": about}
+        data[name] = (("run", "step", dimension), padded(parts, (length, count)), units)
+    coords = {
+        "line": np.array([line.name for line in lines], dtype=str),
+        "pier_part": np.array([pier.name for pier in piers], dtype=str),
+    }
+    return data, coords
+
+
+def _history(name: str, task: "Task", history: StructureHistory) -> Floats:
+    """One history of all lines or piers of a run, [step, part]."""
+    if name.startswith("line_"):
+        book = name.removeprefix("line_")
+        lines = range(len(task.lines))
+        return np.column_stack([history.bearing(b)[book] for b in lines])
+    place = ("pier_part_displacement", "pier_part_rotation", "pier_part_moment").index(name)
+    piers = piers_of(task.case.structure)
+    return np.column_stack([pier_histories(task, history, pier)[place] for pier in piers])
+
+
+def has_parts(dataset: xr.Dataset) -> bool:
+    """Whether there are several lines or piers, with rows of their own."""
+    return "line" in dataset.coords
+
+
+def parts_table(dataset: xr.Dataset, dimension: str, columns: dict[str, Any]) -> pd.DataFrame:
+    """One row for each run and line (`LINES`) or pier (`PIERS`)."""
+    if not has_parts(dataset):
+        return pd.DataFrame()
+    modes = any(str(mode) for mode in dataset["mode"].values)
+    told = {key: name for key, name in RUN.items() if key != "mode" or modes}
+    rows = []
+    for run in range(dataset.sizes["run"]):
+        who = {name: dataset[key].values[run] for key, name in told.items()}
+        for k, part in enumerate(dataset[dimension].values):
+            own = {name: dataset[key].values[run, k] for key, (_, name) in columns.items()}
+            rows.append(who | {dimension.removesuffix("_part"): str(part)} | own)
+    return pd.DataFrame(rows)
+
+
+def parts_columns(dataset: xr.Dataset, count: int) -> dict[str, Floats]:
+    """Histories of lines and piers of one run, by column of history.csv."""
+    if not has_parts(dataset):
+        return {}
+    found = {}
+    for name, (dimension, _, _, column) in HISTORIES.items():
+        for k, part in enumerate(dataset[dimension].values):
+            values = dataset[name].values[:count, k]
+            if np.isfinite(values).any():
+                found[f"{part}_{column}"] = values
+    return found

@@ -1,0 +1,237 @@
+"""What the columns of a table are, guessed from their titles, their units and their numbers."""
+
+import re
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from thermobearing.border.errors import InputError
+from thermobearing.border.layout import Table
+from thermobearing.border.sheets import is_stamp
+from thermobearing.border.sidecar import Sidecar
+from thermobearing.border.titles import (
+    holds_word,
+    is_called,
+    measured_in,
+    name_and_unit,
+    plain_unit,
+)
+
+Floats = NDArray[np.float64]
+
+UNITS = {"time": "s", "displacement": "mm", "force": "kN", "ambient": "degC"}
+SAMPLE = 20_000  # rows that are looked at
+MOST_PAIRED = 20  # columns without a telling title that are tried against each other
+ALONG = 0.3  # correlation of a force with the displacement, or more
+EVEN = 0.5  # of the usual step: how much the steps of a clock may differ
+CALLED, WORD, UNIT = 4, 2, 1  # what speaks for a column: its whole title, a word in it, its unit
+_PLACE = re.compile(r"(?:rubber|layer|gummi|ゴム|層)\s*[_#-]?\s*([1-9]\d?)\b", re.IGNORECASE)
+
+
+@dataclass(frozen=True)
+class ColumnGuess:
+    """One column of a file.
+
+    Attributes
+    ----------
+    title : in the file.
+    unit : "" where neither title nor a row of units says it.
+    holds : time, displacement, force, ambient, temperature, numbers, words or nothing.
+    why : what speaks for it.
+    place : of a thermocouple, where its title says it.
+    assumed : the unit that is taken where the file says none.
+    """
+
+    title: str
+    unit: str
+    holds: str
+    why: str
+    place: str = ""
+    assumed: str = ""
+
+
+@dataclass(frozen=True)
+class _Column:
+    number: int
+    title: str
+    name: str
+    unit: str
+    target: str | None
+    stamped: bool
+    values: Floats | None
+    empty: bool
+    scores: dict[str, int] = field(default_factory=dict)
+
+
+def guessed_columns(table: Table, said: Sidecar | None = None) -> list[ColumnGuess]:
+    """What each column of a table holds.
+
+    Parameters
+    ----------
+    table : from `table_of`.
+    said : a sidecar, whose columns, units and thermocouples are not guessed.
+
+    Returns
+    -------
+    list of ColumnGuess : in the order of the file.
+
+    Raises
+    ------
+    InputError : nothing looks like a displacement and a force.
+    """
+    columns = [_looked_at(table, number) for number in range(len(table.titles))]
+    said = said or Sidecar()
+    known = {title: quantity for quantity, title in said.columns.items()}
+    taken = {c.number: (known[c.title], "sidecar") for c in columns if c.title in known}
+    for quantity in ("time", "ambient", "displacement", "force"):
+        best = None if quantity in said.columns else _best(columns, quantity, taken)
+        if best is not None:
+            taken[best.number] = (quantity, _reason(best, quantity))
+    _by_numbers(columns, taken)
+    held = {quantity for quantity, _ in taken.values()}
+    missing = [name for name in ("displacement", "force") if name not in held]
+    if missing:
+        shown = ", ".join(f'"{column.title}"' for column in columns[:12] if not column.empty)
+        raise InputError(
+            f"no column looks like a {' or a '.join(missing)}; columns: {shown or 'none'}; name "
+            "them in [columns] of a sidecar"
+        )
+    return [_told(column, taken, said) for column in columns]
+
+
+def _looked_at(table: Table, number: int) -> _Column:
+    title = table.titles[number]
+    name, _ = name_and_unit(title)
+    unit = table.unit(number)
+    cells = [row[number].strip() if number < len(row) else "" for _, row in table.rows[:SAMPLE]]
+    held = [cell for cell in cells if cell]
+    stamped = bool(held) and is_stamp(held[0])
+    target = measured_in(unit) if unit else None
+    values = None if stamped or not held else _numbers(table, cells)
+    column = _Column(number, title, name, unit, target, stamped, values, not held)
+    for quantity, wanted in UNITS.items():
+        if values is None and not (stamped and quantity == "time"):
+            continue
+        fits = target == wanted
+        if unit and not fits and not stamped:
+            continue
+        score = CALLED * is_called(name, quantity) or WORD * holds_word(name, quantity)
+        if quantity == "ambient" and not (score and (fits or not unit)):
+            continue
+        other = holds_word(name, "other") or (quantity != "ambient" and holds_word(name, "ambient"))
+        score += UNIT * fits + stamped * CALLED - (WORD + UNIT) * other
+        if quantity == "displacement" and values is not None and np.ptp(values) == 0.0:
+            score -= WORD
+        column.scores[quantity] = score
+    return column
+
+
+def _numbers(table: Table, cells: list[str]) -> Floats | None:
+    """Numbers of a column, nan where there is none; None if it holds words."""
+    values = np.full(len(cells), np.nan)
+    wrong = 0
+    for k, cell in enumerate(cells):
+        try:
+            values[k] = float(table.sheet.plain(cell).replace("_", "x"))
+        except ValueError:
+            wrong += bool(cell)
+    good = np.isfinite(values)
+    if wrong > 0.1 * len(cells) or not good.any() or np.abs(values[good]).max() > 1e12:
+        return None
+    return np.asarray(np.interp(np.arange(len(values)), np.flatnonzero(good), values[good]))
+
+
+def _best(
+    columns: list[_Column], quantity: str, taken: dict[int, tuple[str, str]]
+) -> _Column | None:
+    """The column that most speaks for; where several do as much, the one that moves most."""
+    some = [c for c in columns if c.number not in taken and c.scores.get(quantity, 0) > 0]
+    if quantity == "time":
+        some = [c for c in some if c.stamped or (c.values is not None and _runs(c.values))]
+
+    def speaks(column: _Column) -> tuple[int, float]:
+        way = 0.0 if column.values is None else float(np.abs(np.diff(column.values)).sum())
+        return column.scores[quantity], 0.0 if quantity == "time" else way
+
+    return max(some, key=speaks) if some else None
+
+
+def _runs(values: Floats) -> bool:
+    """Whether numbers go on like a clock, which may start anew."""
+    steps = np.diff(values)
+    return len(steps) > 0 and float(np.median(steps)) > 0.0 and (steps > 0.0).mean() > 0.9
+
+
+def _reason(column: _Column, quantity: str) -> str:
+    if column.stamped:
+        return "time stamps"
+    if is_called(column.name, quantity):
+        return "title"
+    return "a word in the title" if holds_word(column.name, quantity) else "unit"
+
+
+def _by_numbers(columns: list[_Column], taken: dict[int, tuple[str, str]]) -> None:
+    """What no title tells: a clock that runs evenly, a pair of columns that makes loops."""
+    free = [c for c in columns if c.number not in taken and c.values is not None and not c.unit]
+    held = {quantity for quantity, _ in taken.values()}
+    if "time" not in held:
+        for column in free:
+            steps = np.diff(column.values) if column.values is not None else np.zeros(0)
+            usual = float(np.median(steps)) if len(steps) else 0.0
+            if usual > 0.0 and (np.abs(steps - usual) < EVEN * usual).mean() > 0.95:
+                taken[column.number] = ("time", "runs evenly")
+                break
+    if {"displacement", "force"} <= held:
+        return
+    free = [c for c in free if c.number not in taken and np.ptp(_of(c)) > 0.0][:MOST_PAIRED]
+    known = {quantity: c for c in columns for quantity, _ in [taken.get(c.number, ("", ""))]}
+    ways = [known["displacement"]] if "displacement" in known else free
+    forces = [known["force"]] if "force" in known else free
+    best: tuple[float, _Column, _Column] | None = None
+    for way in ways:
+        for force in forces:
+            if way.number == force.number:
+                continue
+            along = _along(_of(way), _of(force))
+            work = np.sign(along) * float(np.trapezoid(_of(force), _of(way)))
+            if abs(along) > ALONG and work > 0.0 and (best is None or abs(along) > best[0]):
+                best = abs(along), way, force
+    if best is not None:
+        taken.setdefault(best[1].number, ("displacement", "makes loops with the force"))
+        taken.setdefault(best[2].number, ("force", "makes loops with the displacement"))
+
+
+def _along(way: Floats, force: Floats) -> float:
+    """Correlation of two columns; 0 where one of them does not move."""
+    a, b = way - way.mean(), force - force.mean()
+    size = float(np.sqrt(np.sum(a**2)) * np.sqrt(np.sum(b**2)))
+    return float(np.sum(a * b)) / size if size > 1e-100 else 0.0
+
+
+def _of(column: _Column) -> Floats:
+    return np.zeros(2) if column.values is None else column.values
+
+
+def _told(column: _Column, taken: dict[int, tuple[str, str]], sidecar: Sidecar) -> ColumnGuess:
+    said = plain_unit(column.unit) if column.unit else ""
+    quantity, why = taken.get(column.number, ("", ""))
+    said = sidecar.units.get(quantity or column.title, said)
+    if quantity:
+        assumed = "" if said or column.stamped else UNITS[quantity]
+        return ColumnGuess(column.title, said, quantity, why, assumed=assumed)
+    if column.title in sidecar.thermocouples:
+        place, assumed = sidecar.thermocouples[column.title], "" if said else "degC"
+        return ColumnGuess(column.title, said, "temperature", "sidecar", place, assumed)
+    if column.empty:
+        return ColumnGuess(column.title, said, "nothing", "no cell holds anything")
+    if column.values is None:
+        return ColumnGuess(column.title, said, "words", "no numbers")
+    warm = column.target == "degC" or (not column.unit and holds_word(column.name, "temperature"))
+    if warm:
+        found = _PLACE.search(column.name)
+        place = f"rubber {found[1]}" if found else "lead" if holds_word(column.name, "lead") else ""
+        why = "unit" if column.target == "degC" else "a word in the title"
+        assumed = "" if column.unit else "degC"
+        return ColumnGuess(column.title, said, "temperature", why, place, assumed)
+    return ColumnGuess(column.title, said, "numbers", "not needed for a test")

@@ -1,0 +1,239 @@
+"""What runs asked of what was meant for them: rows, and sentences where a range was left.
+
+A range is that of a rig, or that of the tests behind a bearing's parameters. No physics here:
+names, units and numbers come in, and every analysis says the same of them.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Floats = NDArray[np.float64]
+Ends = tuple[float, float]
+Row = dict[str, Any]
+
+# Of a tested range (its width, or its upper end where that is more), beyond either end: what the
+# nominal and the measured value of one test differ by.
+SLACK = 0.02
+REST = 600.0  # between two loadings, after which cycles are counted anew [s]
+TESTED = {  # of a bearing: unit in rows; title, factor and unit in sentences
+    "strain": ("1", "strain", 100.0, " %"),
+    "strain_rate": ("1/s", "strain rate", 1.0, "/s"),
+    "ambient": ("degC", "ambient", 1.0, " degC"),
+    "cycles": ("1", "cycles in a row", 1.0, ""),
+    "lead_temperature": ("degC", "lead", 1.0, " degC"),
+}
+
+
+def compared(
+    run: str,
+    asked: Mapping[str, float | Ends],
+    limits: Mapping[str, Ends],
+    units: Mapping[str, str],
+    *,
+    slack: float = 0.0,
+) -> list[Row]:
+    """One row for each limit that a run asks something of.
+
+    Parameters
+    ----------
+    run : what the run is called.
+    asked : value of each quantity, or its lowest and highest; NaN is none.
+    limits : lowest and largest value that is meant, by quantity.
+    units : of the quantities.
+    slack : part of a range (its width or upper end) that nobody calls outside.
+
+    Returns
+    -------
+    list of dict : run, limit, unit, asked (the end that is farther out), lowest, largest, passed.
+
+    Examples
+    --------
+    >>> row, = compared("x", {"force": 445.0}, {"force": (0.0, 400.0)}, {"force": "kN"})
+    >>> row["asked"], row["passed"]
+    (445.0, True)
+    """
+    rows = []
+    for name, (low, high) in limits.items():
+        given = asked.get(name, np.nan)
+        ends = given if isinstance(given, tuple) else (given, given)
+        if not np.isfinite(ends).all():
+            continue
+        below, above = low - ends[0], ends[1] - high
+        rows.append(
+            {
+                "run": run,
+                "limit": name,
+                "unit": units[name],
+                "asked": float(ends[0] if below > max(above, 0.0) else ends[1]),
+                "lowest": float(low),
+                "largest": float(high),
+                "passed": bool(max(below, above) > slack * max(high - low, abs(high))),
+            }
+        )
+    return rows
+
+
+def reached_by(
+    time: Floats,
+    displacement: Floats,
+    speed: float,
+    *,
+    rubber: float,
+    ambient: Ends,
+    lead: Floats | None = None,
+) -> dict[str, float | Ends]:
+    """What a history asks of a bearing, in the quantities of a tested range.
+
+    Parameters
+    ----------
+    time, displacement : [s], [mm].
+    speed : its largest [mm/s].
+    rubber : total thickness [mm].
+    ambient : coldest and warmest air [degC].
+    lead : temperatures of the lead [degC]; None without lead.
+
+    Returns
+    -------
+    dict
+
+    Examples
+    --------
+    >>> t = np.linspace(0.0, 10.0, 1001)
+    >>> found = reached_by(t, 75.0 * np.sin(np.pi * t), 236.0, rubber=30.0, ambient=(23.0, 23.0))
+    >>> found["strain"], round(found["strain_rate"], 2), found["cycles"]
+    (2.5, 7.87, 5.0)
+    """
+    found: dict[str, float | Ends] = {"ambient": ambient}
+    if speed > 0.0:  # else it rests, and nothing is asked of the rubber
+        found["strain"] = float(np.abs(displacement).max()) / rubber
+        found["strain_rate"] = speed / rubber
+        found["cycles"] = cycles_in_a_row(time, displacement)
+    if lead is not None and len(lead) and np.isfinite(lead).all():
+        found["lead_temperature"] = float(lead.min()), float(lead.max())
+    return found
+
+
+def cycles_in_a_row(time: Floats, displacement: Floats) -> float:
+    """Most cycles without a rest: half the extremes, to either side in turn, of half the largest.
+
+    Small cycles between them, and the noise of a measurement, do not count.
+
+    Parameters
+    ----------
+    time, displacement : [s], [mm].
+
+    Examples
+    --------
+    >>> t = np.linspace(0.0, 2.5, 251)
+    >>> cycles_in_a_row(t, np.sin(2.0 * np.pi * t))
+    2.5
+    """
+    large = np.flatnonzero(np.abs(displacement) > 0.5 * np.abs(displacement).max())
+    if not len(large):
+        return 0.0
+    side, at = np.sign(displacement[large]), time[large]
+    rested = np.diff(at, prepend=at[0]) > REST
+    turned = np.diff(side, prepend=0.0) != 0.0
+    starts = np.flatnonzero(rested | (np.arange(len(at)) == 0))
+    return 0.5 * float(np.add.reduceat((turned | rested).astype(int), starts).max())
+
+
+def largest_speed(time: Floats, displacement: Floats) -> float:
+    """Of a measured history [mm/s]: over a tenth of half a cycle, so that noise counts little.
+
+    Examples
+    --------
+    >>> t = np.linspace(0.0, 2.0, 2001)
+    >>> bool(abs(largest_speed(t, np.sin(2.0 * np.pi * t)) / 2.0 / np.pi - 1.0) < 0.01)
+    True
+    """
+    large = np.flatnonzero(np.abs(displacement) > 0.5 * np.abs(displacement).max())
+    if len(time) < 2 or not len(large):
+        return 0.0
+    turns = large[np.flatnonzero(np.diff(np.sign(displacement[large]), prepend=0.0))]
+    apart = np.diff(turns) if len(turns) > 1 else np.array([len(time)])
+    lag = min(max(1, int(np.median(apart)) // 10), len(time) - 1)
+    moved = np.abs(displacement[lag:] - displacement[:-lag])
+    return float((moved / np.maximum(time[lag:] - time[:-lag], np.finfo(float).tiny)).max())
+
+
+def rows_of(table: "pd.DataFrame") -> list[Row]:
+    """Rows of `compared` again, from a table of them."""
+    return [{str(key): value for key, value in row.items()} for row in table.to_dict("records")]
+
+
+def asked_of_tests(
+    run: str, reached: Mapping[str, float | Ends], ranges: Mapping[str, Ends] | None
+) -> list[Row]:
+    """Rows of `compared` for the tested range of a bearing; none where it is not given."""
+    units = {name: unit for name, (unit, _, _, _) in TESTED.items()}
+    return compared(run, reached, ranges or {}, units, slack=SLACK)
+
+
+def outside_tests(
+    name: str, rows: Sequence[Row], ranges: Mapping[str, Ends] | None, *, given: bool = True
+) -> list[str]:
+    """Sentences: each quantity of a bearing's tests that runs left, and how far.
+
+    Parameters
+    ----------
+    name : of the bearing.
+    rows : of `asked_of_tests`, of all its runs.
+    ranges : that the bearing was tested in; None where its file has none.
+    given : say once that there is none.
+
+    Examples
+    --------
+    >>> ranges = {"strain": (0.5, 2.5)}
+    >>> outside_tests("mine", asked_of_tests("kobe", {"strain": 3.52}, ranges), ranges)
+    ['mine: strain 352 %, above the 250 % tested (kobe)']
+    """
+    if ranges is None:
+        said = f"{name}: range not given (tested_range in its file), so nothing is said of it"
+        return [said] if given else []
+    runs = len({row["run"] for row in rows})
+    found = []
+    for limit, (_, title, factor, unit) in TESTED.items():
+        for side, end, sign in (("above", "largest", 1.0), ("below", "lowest", -1.0)):
+            out = [
+                row
+                for row in rows
+                if row["limit"] == limit and row["passed"] and sign * (row["asked"] - row[end]) > 0
+            ]
+            if not out:
+                continue
+            worst = max(out, key=lambda row: sign * row["asked"])
+            many = f"{len(out)} of {runs} runs, most: " if runs > 1 else ""
+            where = str(worst["run"]).removeprefix(f"{name}, ")
+            found.append(
+                f"{name}: {title} {factor * worst['asked']:.4g}{unit}, {side} the "
+                f"{factor * worst[end]:.4g}{unit} tested ({many}{where})"
+            )
+    return found
+
+
+def titles_passed(rows: Iterable[Mapping[Any, Any]], run: str) -> str:
+    """The quantities that a run leaves the tests in, for people: "strain, lead"."""
+    names = limits_passed(rows, [run])[0].split()
+    return ", ".join(TESTED[name][1] for name in names)
+
+
+def largest_tested(rows: Iterable[Mapping[Any, Any]], run: str, limit: str) -> float:
+    """Largest value of a quantity in the tests, where a run goes beyond it; else infinite."""
+    mine = [row for row in rows if row["run"] == run and row["limit"] == limit]
+    return min((float(r["largest"]) for r in mine if r["asked"] > r["largest"]), default=np.inf)
+
+
+def limits_passed(rows: Iterable[Mapping[Any, Any]], runs: Sequence[str]) -> list[str]:
+    """Names of the limits that each run passes, for a column of a table."""
+    found: dict[str, list[str]] = {run: [] for run in runs}
+    for row in rows:
+        if row["passed"] and row["run"] in found:
+            found[row["run"]].append(str(row["limit"]))
+    return [" ".join(found[run]) for run in runs]

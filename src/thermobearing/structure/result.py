@@ -1,0 +1,176 @@
+"""A structure looked at before it is shaken: what it is made of, its periods and mode shapes."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pandas as pd
+
+import thermobearing
+from thermobearing.core.records import Floats
+from thermobearing.structure.model import DampingKind, MassModel, Structure, load_structure
+from thermobearing.structure.parts import fixed_base, piers_of, reported_line
+from thermobearing.structure.run import Prepared, prepare_structure
+
+if TYPE_CHECKING:
+    from thermobearing.structure.figures import StructureFigures
+
+TONNES = 1e3  # in kN s2/mm
+KN_MM_PER_KN_M = 1e3
+
+
+@dataclass(frozen=True)
+class StructureResult:
+    """What is known about a structure without an earthquake.
+
+    Attributes
+    ----------
+    prepared : matrices, modes with the equivalent stiffness of the bearings, damping.
+    mass_model : "consistent" or "published".
+    """
+
+    prepared: Prepared
+    mass_model: MassModel
+
+    @property
+    def structure(self) -> Structure:
+        """What was looked at."""
+        return self.prepared.structure
+
+    @property
+    def mass(self) -> float:
+        """All masses [kN s2/mm]."""
+        return sum(item.mass for item in self.structure.masses)
+
+    @property
+    def effective_masses(self) -> Floats:
+        """Share of all mass that the ground moves in each mode."""
+        pushed = self.prepared.modes.shapes.T @ self.prepared.matrices.load
+        return np.asarray(pushed**2 / self.mass)
+
+    @property
+    def table(self) -> pd.DataFrame:
+        """One row per mode: period [s], damping ratio, effective mass, shape (largest 1)."""
+        modes = self.prepared.modes
+        farthest = np.abs(modes.shapes).argmax(axis=0)
+        shapes = modes.shapes / modes.shapes[farthest, np.arange(len(farthest))]
+        frame = pd.DataFrame(
+            {
+                "mode": np.arange(1, len(modes.frequencies) + 1),
+                "period_s": modes.periods,
+                "frequency_Hz": 1.0 / modes.periods,
+                "damping_ratio": self.prepared.ratios,
+                "effective_mass": self.effective_masses,
+            }
+        )
+        for name, values in zip(self.prepared.matrices.coordinates, shapes, strict=True):
+            frame[name] = values
+        return frame
+
+    @property
+    def parts(self) -> pd.DataFrame:
+        """One row per mass, spring, hinge and bearing line: what it is, where, how large."""
+        structure = self.structure
+        rows = [
+            ("mass", item.body, item.body, "", item.height, f"{TONNES * item.mass:g} t")
+            for item in structure.masses
+        ]
+        for spring in structure.springs:
+            size = (
+                f"{spring.stiffness:g} kN/mm"
+                if spring.stiffness is not None
+                else f"{(spring.rotational_stiffness or 0.0) / KN_MM_PER_KN_M:g} kN m/rad"
+            )
+            rows.append(("spring", spring.name, spring.body, spring.base, spring.height, size))
+        for hinge in structure.hinges:
+            height = structure.body(hinge.body).base_height
+            size = f"yields at {hinge.yield_moment / KN_MM_PER_KN_M:g} kN m, "
+            size += f"{1e3 * hinge.yield_rotation:g} mrad"
+            rows.append(("hinge", hinge.name, hinge.body, hinge.base, height, size))
+        for line in structure.bearings:
+            size = f"{line.count} x {line.equivalent_stiffness:g} kN/mm"
+            size += f", modelled at scale {line.scale:.4g}" if line.scale != 1.0 else ""
+            rows.append(("bearings", line.name, line.body, line.base, line.height, size))
+        columns = ["part", "name", "body", "base", "height_mm", "size"]
+        return pd.DataFrame(rows, columns=columns)
+
+    def summary(self) -> dict[str, Any]:
+        """The content of summary.json."""
+        structure = self.structure
+        return {
+            "command": "structures show",
+            "structure": structure.name,
+            "description": structure.description,
+            "citation": structure.citation,
+            "version": thermobearing.__version__,
+            "outcome": "completed",
+            "mass_t": TONNES * self.mass,
+            "mass_model": self.mass_model,
+            "damping": structure.damping.kind,
+            "reported_line": structure.bearings[reported_line(structure)].name,
+            "piers": [
+                {
+                    "name": pier.name,
+                    "base": pier.base,
+                    "top_mm": pier.top,
+                    "hinge": None if pier.hinge is None else structure.hinges[pier.hinge].name,
+                }
+                for pier in piers_of(structure)
+            ],
+            "parts": self.parts.to_dict("records"),
+            "modes": self.table.to_dict("records"),
+        }
+
+    @property
+    def plot(self) -> "StructureFigures":
+        """Figures: `result.plot.model()`, `.modes()`."""
+        from thermobearing.structure.figures import StructureFigures
+
+        return StructureFigures(self)
+
+    def save(self, directory: str | Path, *, force: bool = False, figures: bool = True) -> Path:
+        """Write summary.json, parts.csv, periods.csv and figures.
+
+        Raises
+        ------
+        OutputError : see `write_directory`; nothing is left.
+        """
+        from thermobearing.structure.files import save_structure
+
+        return save_structure(self, Path(directory), force=force, figures=figures)
+
+
+def examine_structure(
+    structure: Structure | str | Path,
+    *,
+    fixed: bool = False,
+    mass: MassModel = "consistent",
+    damping: DampingKind | None = None,
+) -> StructureResult:
+    """Look at a structure: parts, periods, damping, mode shapes, a drawing of the model.
+
+    Parameters
+    ----------
+    structure : a Structure, a name of `list_structures()`, or a TOML file.
+    fixed : leave out the springs of the foundation.
+    mass : "consistent" (default) or "published".
+    damping : another kind than the structure's.
+
+    Returns
+    -------
+    StructureResult
+
+    Raises
+    ------
+    InputError : no such structure, faults in the file, or a mechanism.
+
+    Examples
+    --------
+    >>> examine_structure("pier-p1").table["period_s"].round(3).tolist()
+    [1.746, 0.496, 0.082, 0.044]
+    """
+    if not isinstance(structure, Structure):
+        structure = load_structure(structure)
+    structure = fixed_base(structure) if fixed else structure
+    return StructureResult(prepare_structure(structure, mass, damping), mass)

@@ -1,0 +1,311 @@
+"""Compounds apart from bearings: every rule of size, new bearings, the library, bad input."""
+
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+from typer.testing import CliRunner
+
+import thermobearing as tb
+from tests import tolerances as tol
+from thermobearing.bearing.compound import Compound, as_compound, compound_from_table
+from thermobearing.bearing.scaling import cores_of, resized
+from thermobearing.border.toml import sourced_toml, to_table
+from thermobearing.cli import app
+from thermobearing.commands.check import check_file
+from thermobearing.cyclic.equivalent import isothermal_cycle
+from thermobearing.design.rubber import damping_ratio, load_rubber, shear_modulus
+
+NEW: dict[str, Any] = {
+    "compound": "natural-rubber",
+    "plan": "1000x1000mm",
+    "layers": "20x8mm",
+    "shim": "3mm",
+    "lead": "180mm",
+}
+COMMAND = ["new", "pier", *(word for key, value in NEW.items() for word in (f"--{key}", value))]
+PAIRS = {"shen-hdr": "shen-hdr-specimen", "shen-lhdr": "shen-lhdr-specimen"}
+
+
+def made(**changes: Any) -> tb.bearing.Bearing:
+    return tb.bearing.new_bearing("pier", **{**NEW, **changes})
+
+
+@pytest.mark.parametrize("name", tb.bearing.list_bearings())
+def test_a_bearing_of_its_own_compound_and_size_is_itself(name: str) -> None:
+    bearing = tb.load_bearing(name)
+    compound = tb.bearing.compound_of(bearing)
+    assert resized(bearing, bearing.geometry).hysteresis == bearing.hysteresis
+    again = tb.bearing.bearing_of(
+        compound, name, bearing.geometry, cores_of(bearing), cells=bearing.cells
+    )
+    assert again.kind == bearing.kind
+    before, after = (to_table(item) for item in (bearing, again))
+    ranges = ("temperature_law", "tested_range")
+    for key in ("geometry", "materials", "hysteresis", "lead", "cells", *ranges):
+        assert after.get(key) == before.get(key), key
+    if bearing.rate is not None:
+        assert again.rate is not None
+        for key in ("stiffness", "damping"):
+            wanted = getattr(bearing.rate, key)
+            assert getattr(again.rate, key) == pytest.approx(wanted, rel=tol.ROUNDING)
+
+
+@pytest.mark.parametrize(("compound", "bearing"), PAIRS.items())
+def test_the_compounds_of_the_source_are_those_of_its_specimens(
+    compound: str, bearing: str
+) -> None:
+    """Six digits are in the file."""
+    shipped = tb.bearing.load_compound(compound)
+    divided = tb.bearing.compound_of(tb.load_bearing(bearing))
+    for table in ("rubber", "lead", "rate"):
+        mine, theirs = getattr(shipped, table), getattr(divided, table)
+        if theirs is None:
+            assert mine is None
+            continue
+        for key, value in theirs.model_dump().items():
+            told = getattr(mine, key)
+            number = isinstance(value, float)
+            assert told == (pytest.approx(value, rel=tol.SIX_DIGITS) if number else value)
+    for table in ("materials", "temperature_law", "tested_range"):
+        assert getattr(shipped, table) == getattr(divided, table), table
+    assert set(shipped.sources) == set(divided.sources)
+
+
+def test_every_rule_of_size() -> None:
+    """Of the LHDR specimen's compound: layers 2.5 times as thick, 1.5 times as many, a plan of
+    its own and cores of another size."""
+    small = tb.load_bearing("shen-lhdr-specimen")
+    large = tb.bearing.new_bearing(
+        "large", small, plan="60x50cm", layers="9x12.5mm", shim="4mm", lead="60mm", cores=6
+    )
+    h, was = large.hysteresis, small.hysteresis
+    assert small.lead
+    assert small.rate
+    assert large.lead
+    assert large.rate
+    area = (large.area - large.lead_area) / (small.area - small.lead_area)
+    assert h.layer_stiffness == pytest.approx(area / 2.5 * was.layer_stiffness, rel=tol.ROUNDING)
+    assert h.yield_displacement == pytest.approx(2.5 * was.yield_displacement, rel=tol.ROUNDING)
+    same = ("post_yield_ratio", "shape", "hardening", "reference_temperature")
+    exponents = ("elastic_temperature_coefficient", "hysteretic_temperature_coefficient")
+    for key in (*same, *exponents):
+        assert getattr(h, key) == getattr(was, key)
+    core = (60.0 / 34.5) ** 2
+    strength = large.lead.core_strength / small.lead.core_strength
+    assert strength == pytest.approx(core, rel=tol.ROUNDING)
+    wanted = core / 3.75 * small.lead.stiffness
+    assert large.lead.stiffness == pytest.approx(wanted, rel=tol.ROUNDING)
+    for key in ("stiffness", "damping"):
+        wanted = area / 3.75 * getattr(small.rate, key)
+        assert getattr(large.rate, key) == pytest.approx(wanted, rel=tol.ROUNDING)
+    assert large.materials == small.materials
+    assert large.geometry.plan.breadth == 600.0
+
+
+def test_stress_at_a_strain_is_that_of_the_compound() -> None:
+    """HDR: the same stress at the same strain in any size, without heating."""
+    sizes = (
+        {"plan": "240x240mm", "layers": "6x5mm"},
+        {"plan": "1000x600mm", "layers": "11x17mm"},
+        {"diameter": "800mm", "layers": "3x30mm"},
+    )
+    cycles = [
+        isothermal_cycle(tb.bearing.new_bearing("x", "shen-hdr", shim="3mm", **size), 1.5)
+        for size in sizes
+    ]
+    for cycle in cycles[1:]:
+        assert cycle.G_eq_MPa == pytest.approx(cycles[0].G_eq_MPa, rel=tol.LOOP)
+        assert cycle.h_eq == pytest.approx(cycles[0].h_eq, rel=tol.OTHER_STEPS)
+
+
+@pytest.mark.parametrize(
+    ("kind", "stiffness", "damping", "printed"),
+    [("hdr", 3.04, 0.182, (2.60, 0.170)), ("lhdr", 3.51, 0.223, (2.52, 0.297))],
+)
+def test_the_pairs_of_the_source_are_not_one_compound(
+    kind: str, stiffness: float, damping: float, printed: tuple[float, float]
+) -> None:
+    """The numbers of docs/theory.md: the specimen at full size beside the bridge bearing."""
+    specimen, bridge = (tb.load_bearing(f"shen-{kind}-{size}") for size in ("specimen", "bridge"))
+    made = resized(specimen, bridge.geometry, bridge.lead.diameter if bridge.lead else None)
+    for bearing, (wanted, loss) in ((made, (stiffness, damping)), (bridge, printed)):
+        cycle = isothermal_cycle(bearing, 178.0 / 102.0)
+        assert cycle.stiffness_kN_mm == pytest.approx(wanted, abs=tol.SECOND_DECIMAL)
+        assert cycle.h_eq == pytest.approx(loss, abs=tol.THIRD_DECIMAL)
+
+
+def test_lead_as_a_ratio_of_stiffnesses() -> None:
+    """lrb-example again: K_1 = 10 K_2."""
+    example = tb.load_bearing("lrb-example")
+    bearing = made(plan=None, diameter="700 mm", lead="150 mm")
+    assert bearing.lead
+    assert example.lead
+    post_yield = bearing.hysteresis.layer_stiffness / 20
+    assert bearing.lead.stiffness == pytest.approx(9.0 * post_yield, rel=tol.ROUNDING)
+    assert bearing.lead.stiffness == pytest.approx(example.lead.stiffness, rel=tol.PRINTED_G)
+    assert bearing.materials == example.materials
+    two = made(cores=2)
+    one = made()
+    assert two.lead
+    assert one.lead
+    share = (two.area - two.lead_area) / (one.area - one.lead_area) / 2
+    assert two.lead.stiffness == pytest.approx(share * one.lead.stiffness, rel=tol.ROUNDING)
+
+
+def test_a_new_bearing_says_where_its_numbers_come_from(tmp_path: Path) -> None:
+    bearing = made()
+    assert bearing.sources["hysteresis.layer_stiffness"].startswith(
+        "K_r = G_r A/t_r; compound natural-rubber"
+    )
+    assert bearing.sources["geometry.end_plate_thickness"] == "assumed; not given"
+    assert made(end_plate="30 mm").sources["geometry.end_plate_thickness"] == "given"
+    file = tmp_path / "pier.toml"
+    file.write_text(sourced_toml(bearing, bearing.sources), encoding="utf-8")
+    again = tb.load_bearing(file)
+    assert again == bearing
+    assert set(again.sources) == set(bearing.sources)
+
+
+def test_a_bearing_is_its_compound(tmp_path: Path) -> None:
+    """A fitted specimen, by its file, makes the same bearing as its compound."""
+    file = tmp_path / "fit.toml"
+    file.write_text(sourced_toml(tb.load_bearing("shen-lhdr-specimen"), {}), encoding="utf-8")
+    size = {"plan": "500x500mm", "layers": "6x17mm", "shim": "3mm", "lead": "60mm"}
+    by_file = tb.bearing.new_bearing("x", file, **size)
+    by_name = tb.bearing.new_bearing("x", "shen-lhdr", **size)
+    assert by_file.hysteresis.layer_stiffness == pytest.approx(
+        by_name.hysteresis.layer_stiffness, rel=tol.SIX_DIGITS
+    )
+    compound = as_compound(file)
+    assert not isinstance(compound, Compound)
+
+
+@pytest.mark.parametrize(("kind", "grade"), [("HDR", "G8"), ("HDR", "G12"), ("HDR-S", "G10")])
+def test_the_jra_compounds_meet_their_curves(kind: Any, grade: str) -> None:
+    """As well as their files say; python -m benchmarks.jra_compounds looks at more strains."""
+    name = f"jra-{kind}-{grade}".lower()
+    said = tb.bearing.load_compound(name).sources["rubber.shear_modulus"]
+    stiffness, damping = (float(word) / 100 for word in re.findall(r"within (\d+) %", said))
+    bearing = tb.bearing.new_bearing(name, name, plan="500x500mm", layers="6x15mm", shim="3mm")
+    curve = load_rubber(grade, kind)
+    off = []
+    for strain in (0.5, 1.0, 1.75, 2.5):
+        cycle = isothermal_cycle(bearing, strain)
+        off.append(cycle.G_eq_MPa / shear_modulus(curve, strain) - 1.0)
+        assert cycle.h_eq == pytest.approx(damping_ratio(curve, strain), rel=damping)
+    assert stiffness - 0.015 < max(map(abs, off)) < stiffness
+
+
+def test_what_a_jra_compound_does_not_know_is_marked() -> None:
+    sources = tb.bearing.load_compound("jra-hdr-g8").sources
+    for key in ("elastic_temperature_coefficient", "hysteretic_temperature_coefficient", "shape"):
+        assert sources[f"rubber.{key}"].startswith("borrowed from shen-hdr")
+    assert sources["rubber.reference_temperature"].startswith("assumed")
+    assert tb.bearing.load_compound("jra-hdr-g8").temperature_law is None
+
+
+@pytest.mark.parametrize("name", tb.bearing.list_compounds())
+def test_built_in_compounds_are_checked_and_cited(name: str) -> None:
+    compound = tb.bearing.load_compound(name)
+    assert compound.citation
+    table = to_table(compound)
+    for key in (*(f"rubber.{k}" for k in table["rubber"]), "materials.rubber.conductivity"):
+        assert key in compound.sources, key
+    path = Path(tb.__file__).parent / f"data/compounds/{name}.toml"
+    kind, facts, _ = check_file(path)
+    assert (kind, facts["name"]) == ("compound", name)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"compound": "shen-hrd"}, ["compound", '"shen-hrd"', 'did you mean "shen-hdr"']),
+        ({"compound": 3}, ["compound = 3", "library name"]),
+        ({"plan": "1000x1000"}, ['plan = "1000x1000" has no unit', '"1000x1000mm"']),
+        ({"plan": "1000mm"}, ["plan", "length and width", "diameter"]),
+        ({"plan": "10kNx10kN"}, ["plan", '"kN"', "mm"]),
+        ({"plan": None}, ["give plan", "diameter"]),
+        ({"diameter": "700mm"}, ["give plan", "diameter"]),
+        ({"layers": "20x8"}, ['layers = "20x8" has no unit', '"20x8mm"']),
+        ({"layers": "8mm"}, ["layers", "number and thickness"]),
+        ({"layers": "2.5x8mm"}, ["layers", "number and thickness"]),
+        ({"layers": "0x8mm"}, ["rubber_layers = 0", "at least 1"]),
+        ({"layers": "20x8m"}, ["rubber_thickness = '8m'", "at most 1000 mm"]),
+        ({"shim": "3"}, ["shim", "no unit", "3 mm"]),
+        ({"lead": None}, ["natural-rubber", "needs lead"]),
+        ({"compound": "shen-hdr"}, ["shen-hdr", "says nothing of lead"]),
+        ({"lead": "1.2m"}, ["lead cores take", "of a plan of 1e+06"]),
+        ({"cores": 0}, ["cores = 0", "at least 1"]),
+        ({"end_spreading": 2.0}, ["end_spreading = 2.0", "at most 1"]),
+    ],
+)
+def test_bad_drawings(changes: dict[str, Any], words: list[str]) -> None:
+    with pytest.raises(tb.InputError) as caught:
+        made(**changes)
+    for word in words:
+        assert word in str(caught.value)
+
+
+@pytest.mark.parametrize("name", ["", "a/b"])
+def test_a_name_is_that_of_a_file(name: str) -> None:
+    with pytest.raises(tb.InputError, match="name"):
+        tb.bearing.new_bearing(name, **NEW)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"lead": {"yield_stress": "10 MPa"}}, ["either shear_modulus", "stiffness_ratio"]),
+        ({"rubber": {"shear_modulus": 2.0}}, ["rubber.shear_modulus = 2.0", "has no unit", "MPa"]),
+        ({"rubber": {"yield_strian": 0.3}}, ['"rubber.yield_strian"', '"yield_strain"']),
+        ({"geometry": {}}, ["is a bearing, not a compound"]),
+        ({"family": "LRB"}, ["family", "'HDR' or 'NR'"]),
+    ],
+)
+def test_bad_compounds(changes: dict[str, Any], words: list[str]) -> None:
+    table = to_table(tb.bearing.load_compound("shen-hdr"))
+    for key, value in changes.items():
+        table[key] = {**table.get(key, {}), **value} if isinstance(value, dict) else value
+    with pytest.raises(tb.InputError) as caught:
+        compound_from_table(table, "mine.toml")
+    for word in (*words, "mine.toml"):
+        assert word in str(caught.value)
+
+
+def test_lead_of_a_compound_needs_its_material_and_a_ratio_linear_rubber() -> None:
+    table = to_table(tb.bearing.load_compound("shen-lhdr"))
+    del table["materials"]["lead"]
+    with pytest.raises(tb.InputError, match=r"materials\.lead"):
+        compound_from_table(table, "mine.toml")
+    table = to_table(tb.bearing.load_compound("shen-lhdr"))
+    del table["lead"]["shear_modulus"]
+    table["lead"]["stiffness_ratio"] = 10.0
+    with pytest.raises(tb.InputError, match="linear"):
+        compound_from_table(table, "mine.toml")
+
+
+def test_a_compound_where_a_bearing_is_wanted() -> None:
+    path = Path(tb.__file__).parent / "data/compounds/shen-hdr.toml"
+    with pytest.raises(tb.InputError, match="is a compound, not a bearing"):
+        tb.load_bearing(path)
+
+
+def test_the_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    run = CliRunner().invoke(app, [*COMMAND, "--json"])
+    assert run.exit_code == 0, run.output
+    assert "assumed" in run.output
+    assert [path.name for path in tmp_path.iterdir()] == ["pier.toml"]
+    assert tb.load_bearing("pier.toml") == made()
+    again = CliRunner().invoke(app, COMMAND)
+    assert (again.exit_code, "--force" in again.output) == (2, True)
+    assert CliRunner().invoke(app, [*COMMAND, "--force", "-q"]).exit_code == 0
+    for where in ("nowhere/a.toml", "."):
+        failed = CliRunner().invoke(app, [*COMMAND, "-o", where])
+        assert failed.exit_code == 2
+        assert "Traceback" not in failed.output
+    bad = CliRunner().invoke(app, [*COMMAND, "--layers", "20x8", "-o", "b.toml"])
+    assert (bad.exit_code, "no unit" in bad.output) == (2, True)
+    assert [path.name for path in tmp_path.iterdir()] == ["pier.toml"]

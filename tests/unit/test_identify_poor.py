@@ -1,0 +1,94 @@
+"""Poor fits end with a status of their own, and their bearing does not load unless accepted."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import thermobearing as tb
+from thermobearing.cli import app
+from thermobearing.commands.common import POOR_FIT
+from thermobearing.identify.parameters import parameter_set, with_values
+from thermobearing.identify.record import TestRecord
+from thermobearing.identify.result import Identification
+from thermobearing.identify.run import identify_bearing
+from thermobearing.identify.synthetic import synthetic_record
+
+HDR = tb.load_bearing("shen-hdr-specimen")
+SHORT = tb.cyclic_test(strain=[1.0], cycles=2, rest=None, closing_strain=None)
+
+
+@pytest.fixture(scope="module")
+def record() -> TestRecord:
+    return synthetic_record(HDR, 23.0, SHORT, sampling=20.0)
+
+
+@pytest.fixture(scope="module")
+def poor(record: TestRecord) -> Identification:
+    """Only the shape is free, of a bearing that is half as stiff."""
+    soft = with_values(HDR, {"hysteresis.layer_stiffness": 12.0})
+    return identify_bearing(record, soft, free=["s"], starts=1)
+
+
+def test_a_poor_fit_says_why(poor: Identification) -> None:
+    assert poor.outcome == "poor_fit"
+    assert any("R2 = 0." in reason for reason in poor.poor)
+    assert "--accept-poor" in poor.sentence
+    assert "a poor fit" in "\n".join(poor.warnings)
+    assert poor.summary()["poor"] == poor.poor
+
+
+def test_a_poor_fit_names_what_to_free(poor: Identification) -> None:
+    said = "\n".join(poor.warnings)
+    assert "free K_r (--free s,K_r)" in said
+
+
+def test_its_bearing_does_not_load(poor: Identification, tmp_path: Path) -> None:
+    folder = poor.save(tmp_path / "poor", figures=False)
+    with pytest.raises(tb.InputError, match=r"poor_fit: .*R2 = 0"):
+        tb.load_bearing(folder / "bearing.toml")
+    assert not (folder / "compound.toml").exists()
+    accepted = identify_bearing(
+        poor.records[0], poor.pset.base, free=["s"], starts=1, accept_poor=True
+    )
+    assert accepted.outcome == "completed"
+    assert "a poor fit" in "\n".join(accepted.warnings)
+    folder = accepted.save(tmp_path / "accepted", figures=False)
+    assert tb.load_bearing(folder / "bearing.toml").kind == "HDR"
+
+
+def test_a_parameter_at_its_bound_is_a_poor_fit(record: TestRecord) -> None:
+    found = identify_bearing(record, HDR, free=["K_r"], bounds={"K_r": (10.0, 30.0)}, starts=1)
+    assert found.fits[0].R2 > 0.98
+    assert found.poor == ["K_r = 30 kN/mm at its bound"]
+
+
+@pytest.mark.parametrize(("key", "value"), [("b", 0.0), ("alpha_0", 1.0), ("s", -0.98)])
+def test_an_end_of_the_law_is_no_failure(key: str, value: float, record: TestRecord) -> None:
+    """Rubber without hardening has b = 0; s = -0.98 is where the search was stopped."""
+    found = identify_bearing(record, HDR, free=["K_r"], starts=1)
+    (item,) = found.uncertainty.estimates.values()
+    (parameter,) = parameter_set(HDR, [key], [23.0]).free
+    there = replace(item, parameter=parameter, value=value, at_bound=True)
+    assert there.lost == (key == "s")
+
+
+def test_the_command_ends_with_its_status(record: TestRecord, tmp_path: Path) -> None:
+    rows = np.column_stack([record.time, record.displacement, record.force])
+    text = "time_s,displacement_mm,force_kN\n"
+    text += "".join("{:.9g},{:.9g},{:.9g}\n".format(*row) for row in rows.tolist())
+    (tmp_path / "test.csv").write_text(text)
+    (tmp_path / "test.toml").write_text('ambient = "23 degC"\nbearing = "shen-lhdr-specimen"\n')
+    words = ["identify", str(tmp_path / "test.csv"), "--free", "s", "--from-start", "--no-figures"]
+    words += ["-o", str(tmp_path / "out"), "--json", "-q"]
+    ended = CliRunner().invoke(app, words)
+    assert ended.exit_code == POOR_FIT == 4
+    last = json.loads(ended.stdout.splitlines()[-1])
+    assert (last["outcome"], last["exit_status"]) == ("poor_fit", 4)
+    assert "poor_fit = " in (tmp_path / "out" / "bearing.toml").read_text()
+    ended = CliRunner().invoke(app, [*words, "--force", "--accept-poor"])
+    assert ended.exit_code == 0
+    assert "poor_fit" not in (tmp_path / "out" / "bearing.toml").read_text()

@@ -1,0 +1,183 @@
+"""`thermobearing intake`: columns, units, blocks, rests, spikes, drift, ambient, the sidecar."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from numpy.typing import NDArray
+from typer.testing import CliRunner
+
+import thermobearing as tb
+from tests import tolerances as tol
+from thermobearing.cli import app
+from thermobearing.identify.record import load_test
+
+BEARING = "shen-hdr-specimen"
+Floats = NDArray[np.float64]
+
+
+def history(rest: int = 1500) -> tuple[Floats, Floats, Floats]:
+    """Two times two cycles at 20 Hz with rests after them, jitter, three spikes and a drift."""
+    rng = np.random.default_rng(2)
+    turn = np.linspace(0.0, 4.0 * np.pi, 801)[:-1]
+    x = np.concatenate([np.sin(turn), np.zeros(rest)] * 2) * 40.0
+    f = np.concatenate([70.0 * np.sin(turn) + 15.0 * np.cos(turn), np.zeros(rest)] * 2)
+    t = 0.05 * np.arange(len(x))
+    x += 0.02 * rng.normal(size=len(x))
+    f += 0.05 * rng.normal(size=len(x)) + 10.0 * t / t[-1]
+    f[[150, 300, 2500]] += 300.0
+    return t, x, f
+
+
+def laboratory(path: Path) -> Path:
+    """Semicolons, decimal commas, a clock over midnight, units below, force the other way."""
+    t, x, f = history()
+    clock = (86_390.0 + t) % 86_400.0
+    lines = [
+        "Prüfung 7;Operator",
+        "# Kommentar",
+        "",
+        "Zeit;Weg SPS;Kraft;Kammer;T Pb;T3 [°C];Notiz",
+    ]
+    lines.append("hh:mm:ss;mm;kN;°C;°C;;")
+    for s, a, b in zip(clock, x, f, strict=True):
+        stamp = f"{int(s // 3600):02d}:{int(s % 3600 // 60):02d}:{s % 60:05.2f}"
+        lines.append(f"{stamp};{a:.4f};{-b:.4f};-19.8;-18.0;-18.5;".replace(".", ","))
+    path.write_text("\n".join(lines), encoding="cp1252")
+    return path
+
+
+def command(*words: object) -> tuple[int, str]:
+    done = CliRunner().invoke(app, [str(word) for word in words])
+    assert done.exception is None or isinstance(done.exception, SystemExit), done.exception
+    return done.exit_code, done.output
+
+
+def test_what_is_found(tmp_path: Path) -> None:
+    file = laboratory(tmp_path / "lab day 1.csv")
+    status, shown = command("intake", file, "--bearing", BEARING, "-o", tmp_path / "out")
+    assert status == 0, shown
+    said = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))["files"][0]
+    assert {c["title"]: c["holds"] for c in said["columns"]} == {
+        "Zeit": "time",
+        "Weg SPS": "displacement",
+        "Kraft": "force",
+        "Kammer": "ambient",
+        "T Pb": "temperature",
+        "T3 [°C]": "temperature",
+        "Notiz": "nothing",
+    }
+    assert (said["separator"], said["decimal"], said["ambient_degC"]) == (";", ",", -19.8)
+    assert said["unused_columns"] == ["T3 [°C]"]
+    assert said["treatment"]["rests"] == 2
+    assert said["treatment"]["spikes"] == {"displacement": 0, "force": 3}
+    assert_allclose(said["treatment"]["drift"]["force_kN"], 10.0, rtol=tol.DRIFT_FOUND)
+    assert (tmp_path / "out" / "figures" / "lab-day-1.png").stat().st_size > 5000
+    for word in ("T3 [°C]", "not used", "decimal comma", "3 spikes", "2 rests", "drifts by"):
+        assert word in shown
+
+
+def test_the_sidecar_reads_what_was_found(tmp_path: Path) -> None:
+    file = laboratory(tmp_path / "lab.csv")
+    with pytest.raises(tb.InputError, match=r"thermobearing intake lab.csv"):
+        load_test(file)
+    (found,) = tb.intake.take_in(file).files
+    assert command("intake", file, "--beside", "--no-figures", "-o", tmp_path / "a/b/out")[0] == 0
+    for path in (file, tmp_path / "a/b/out/sidecars/lab.toml"):
+        record = load_test(path)
+        assert_allclose(record.displacement, history()[1], atol=tol.FOUR_DECIMALS)
+        assert_allclose(record.force, history()[2], atol=tol.FOUR_DECIMALS)
+        assert_allclose(record.time, history()[0], atol=tol.FOUR_DECIMALS)
+        assert record.ambient == -19.8
+        assert record.places == {"T Pb": "lead"}
+        assert record.unused == found.record.unused == ("T3 [°C]",)
+    # What it suggests is valid once its mark is taken away.
+    text = file.with_suffix(".toml").read_text(encoding="utf-8")
+    for line in ("# despike = true", '# detrend = "force"', '# "T3 [°C]" = "rubber 1"'):
+        assert line in text
+        text = text.replace(line, line.removeprefix("# "))
+    file.with_suffix(".toml").write_text(text, encoding="utf-8")
+    corrected = load_test(file)
+    assert (corrected.despike, corrected.detrend) == (True, "force")
+    assert corrected.places == {"T Pb": "lead", "T3 [°C]": "rubber 1"}
+
+
+def test_a_sidecar_that_is_there_wins_and_stays(tmp_path: Path) -> None:
+    file = laboratory(tmp_path / "lab.csv")
+    kept = 'ambient = "5 degC"\nflip_force = false\n[columns]\nforce = "T3 [°C]"\n'
+    kept += '[units]\nforce = "kN"\n'
+    file.with_suffix(".toml").write_text(kept, encoding="utf-8")
+    status, shown = command("intake", file, "--beside", "-o", tmp_path / "out")
+    assert status == 2
+    assert "is there already" in shown
+    assert not (tmp_path / "out").exists()
+    assert file.with_suffix(".toml").read_text(encoding="utf-8") == kept
+    file.with_suffix(".toml").write_text('ambient = "5 degC"\nflip_force = false\n')
+    (found,) = tb.intake.take_in(file).files
+    assert found.record.ambient == 5.0
+    assert "flip_force" not in found.sidecar or found.sidecar["flip_force"] is False
+    assert found.sidecar["columns"]["force"] == "Kraft"
+
+
+def test_columns_without_titles_and_units(tmp_path: Path) -> None:
+    """An even clock, and the pair of columns whose loops give no work back."""
+    t, x, f = history()
+    path = tmp_path / "bare.txt"
+    np.savetxt(path, np.column_stack([f[:1600], t[:1600], x[:1600]]), fmt="%.5f")
+    (found,) = tb.intake.take_in(path).files
+    assert [column.holds for column in found.columns] == ["force", "time", "displacement"]
+    assert found.sidecar["units"] == {"time": "s", "displacement": "mm", "force": "kN"}
+
+
+def test_blocks_and_sheets(tmp_path: Path) -> None:
+    t, x, f = (values[:800] for values in history())
+    rows = "".join(f"{a:.3f},{b:.3f},{c:.3f}\n" for a, b, c in zip(t, x, f, strict=True))
+    path = tmp_path / "two.csv"
+    path.write_text(("time_s,disp_mm,load_kN\n" + rows) * 2)
+    (found,) = tb.intake.take_in(path).files
+    assert found.blocks == 2
+    assert [block.get("rest_before") for block in found.sidecar["blocks"]] == [None, "0 s"]
+    openpyxl = pytest.importorskip("openpyxl", reason="pip install 'thermobearing[xlsx]'")
+    book = openpyxl.Workbook()
+    for name in ("50%", "100%"):
+        sheet = book.create_sheet(name)
+        sheet.append(["時間(秒)", "変位計", "荷重計[tonf]", "室温(℃)"])
+        for a, b, c in zip(t, x, f, strict=True):
+            sheet.append([float(a), float(b), float(c) / 9.80665, 21.5])
+    book.save(tmp_path / "book.xlsx")
+    found = tb.intake.take_in([path, tmp_path / "book.xlsx"]).files[1]
+    assert [block["sheet"] for block in found.sidecar["blocks"]] == ["50%", "100%"]
+    assert found.record.ambient == 21.5
+    assert_allclose(found.record.force[:800], f, atol=tol.FOUR_DECIMALS)
+
+
+BAD = [
+    ("words", "a,b,c\n" + "x,y,z\n" * 20, "0 rows of numbers"),
+    ("short", "time_s,displacement_mm,force_kN\n0,0,0\n1,1,1\n", "2 rows of numbers"),
+    ("no force", "time_s,a_mm\n" + "".join(f"{k},{k % 7}\n" for k in range(20)), "like a force"),
+    ("empty", "", "is empty"),
+    ("binary", bytes(range(1, 256)) * 3, "neither UTF-8"),
+]
+
+
+@pytest.mark.parametrize(("content", "told"), [case[1:] for case in BAD], ids=[c[0] for c in BAD])
+def test_bad_files(tmp_path: Path, content: str | bytes, told: str) -> None:
+    path = tmp_path / "bad.csv"
+    path.write_bytes(content if isinstance(content, bytes) else content.encode())
+    status, shown = command("intake", path, "-o", tmp_path / "out")
+    assert (status, told in shown) == (2, True), shown
+    assert [item.name for item in tmp_path.iterdir()] == ["bad.csv"]
+
+
+def test_a_recorded_history_reads_the_sidecar(tmp_path: Path) -> None:
+    file = laboratory(tmp_path / "lab.csv")
+    assert command("intake", file, "--beside", "--no-figures", "-o", tmp_path / "out")[0] == 0
+    case = tmp_path / "case.toml"
+    case.write_text(
+        f'bearing = "{BEARING}"\nambient = ["0 degC"]\n[test]\n'
+        'steps = [{ step = "recorded", file = "lab.csv" }]\n'
+    )
+    status, shown = command("check", case)
+    assert status == 0, shown

@@ -1,0 +1,244 @@
+"""Tables as laboratories have them: separators, decimal marks, encodings, stamps, blocks, Excel."""
+
+import datetime
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import thermobearing as tb
+from tests import tolerances as tol
+from thermobearing.border.sidecar import read_laboratory
+from thermobearing.border.stamps import seconds_of
+from thermobearing.border.tables import columns_of
+from thermobearing.border.titles import name_and_unit
+from thermobearing.identify.record import load_test
+
+PLAIN = "time_s,displacement_mm,force_kN\n0,0,0\n0.5,1.25,3\n1,-1250,-3.5\n"
+VALUES = {
+    "time": [0.0, 0.5, 1.0],
+    "displacement": [0.0, 1.25, -1250.0],
+    "force": [0.0, 3.0, -3.5],
+}
+HEAD = "time_s{0}displacement_mm{0}force_kN\n"
+FORMS: dict[str, str | bytes] = {
+    "plain": PLAIN,
+    "semicolons, decimal commas": HEAD.format(";") + "0;0;0\n0,5;1,25;3\n1;-1250;-3,5\n",
+    "tabs": PLAIN.replace(",", "\t"),
+    "tabs, decimal commas": HEAD.format("\t") + "0\t0\t0\n0,5\t1,25\t3\n1\t-1250\t-3,5\n",
+    "blanks": PLAIN.replace(",", "   "),
+    "quoted decimal commas": HEAD.format(",") + '0,0,0\n"0,5","1,25",3\n1,-1250,"-3,5"\n',
+    "marks of thousands": HEAD.format(";") + "0;0;0\n0,5;1,25;3\n1;-1.250,0;-3,5\n",
+    "exponents of Fortran": PLAIN.replace("0.5,", "5.0D-1,"),
+    "blank and comment lines": "# logger 7\n\n" + PLAIN.replace("\n1,", "\n\n# pause\n1,"),
+    "titles in a comment": "# " + PLAIN,
+    "free head": "Operator: A. B.\nSpecimen;HDR 1\n" + PLAIN.replace(",", ";"),
+    "row of units": "Time;Disp;Load\ns;mm;kN\n" + PLAIN.replace(",", ";").split("\n", 1)[1],
+    "rows of channels and units": "time,displacement,force\nCH1,CH2,CH3\n[s],[mm],[kN]\n"
+    + PLAIN.split("\n", 1)[1],
+    "Japanese": PLAIN.replace(PLAIN.split("\n")[0], "時間(秒),変位[mm],荷重(kN)").encode("cp932"),
+    "UTF-16": PLAIN.encode("utf-16"),
+    "units as written": "Zeit [sec];Weg;Kraft\n" + PLAIN.replace(",", ";").split("\n", 1)[1],
+    "title repeated": PLAIN.replace("1,-1250", "time_s,displacement_mm,force_kN\n1,-1250"),
+    "word between": PLAIN.replace("1,-1250", "Block 2,,\n1,-1250"),
+}
+
+
+def lies(folder: Path, content: str | bytes, name: str = "t.csv", sidecar: str = "") -> Path:
+    path = folder / name
+    path.write_bytes(content if isinstance(content, bytes) else content.encode())
+    if sidecar:
+        path.with_suffix(".toml").write_text(sidecar, encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_the_same_numbers_in_any_form(tmp_path: Path, form: str) -> None:
+    sidecar = ""
+    if form == "units as written":
+        sidecar = 'columns = { displacement = "Weg", force = "Kraft" }\n'
+        sidecar += 'units = { displacement = "mm", force = "kN" }'
+    found = read_laboratory(lies(tmp_path, FORMS[form], sidecar=sidecar)).values
+    assert {name: values.tolist() for name, values in found.items()} == VALUES
+
+
+@pytest.mark.parametrize(
+    ("title", "parts"),
+    [
+        ("temp_ambient_C", ("temp_ambient", "C")),
+        ("T_amb", ("T_amb", "")),
+        ("Force, kN", ("Force", "kN")),
+        ("Shear disp", ("Shear disp", "")),
+        ("温度（℃）", ("温度", "℃")),
+        ("T_1", ("T_1", "")),
+        ("acc_m/s2", ("acc", "m/s2")),
+    ],
+)
+def test_name_and_unit_of_a_title(title: str, parts: tuple[str, str]) -> None:
+    assert name_and_unit(title) == parts
+
+
+@pytest.mark.parametrize(
+    ("title", "cells", "ambient"),
+    [
+        ("temp_ambient_C", ("-20", "-19"), -19.5),
+        ("ambient_degC", ("-20", "-19"), -19.5),
+        ("Ambient temp [°F]", ("50", "50"), 10.0),
+        ("chamber [K]", ("253.15", "253.15"), -20.0),
+        ("槽内温度(℃)", ("5", "5"), 5.0),
+    ],
+)
+def test_ambient_of_a_column(
+    tmp_path: Path, title: str, cells: tuple[str, str], ambient: float
+) -> None:
+    text = f"time_s,displacement_mm,force_kN,{title},T3\n0,0,0,{cells[0]},1\n1,1,1,{cells[1]},2\n"
+    record = load_test(lies(tmp_path, text))
+    assert_allclose(record.ambient, ambient, atol=tol.ZERO_DEGREES)
+    assert not record.assumptions
+    assert record.unused == ("T3",)
+
+
+def test_ambient_under_another_title_and_thermocouples_without_units(tmp_path: Path) -> None:
+    text = "time_s,displacement_mm,force_kN,CH4,CH5\n0,0,0,-20,10\n1,1,1,-20,11\n"
+    sidecar = '[columns]\nambient = "CH4"\n[units]\nambient = "degC"\nCH5 = "degC"\n'
+    record = load_test(lies(tmp_path, text, sidecar=sidecar + '[thermocouples]\nCH5 = "rubber 1"'))
+    assert record.ambient == -20.0
+    assert record.temperatures["CH5"].tolist() == [10.0, 11.0]
+    assert record.unused == ()
+
+
+STAMPS = {
+    "ISO": ["2024-03-01T23:59:59.5", "2024-03-02T00:00:00", "2024-03-02T00:00:01.25"],
+    "day first": ["31.01.2024 23:59:59.5", "01.02.2024 00:00:00", "01.02.2024 00:00:01.25"],
+    "month first": ["01/31/2024 23:59:59.5", "02/01/2024 00:00:00", "02/01/2024 00:00:01.25"],
+    "clock over midnight": ["23:59:59,5", "00:00:00", "00:00:01,25"],
+    "hours beyond a day": ["25:00:00.5", "25:00:01", "25:00:02.25"],
+    "minutes and seconds": ["01:10.5", "01:11.0", "01:12.25"],
+    "Japanese order": ["2024/03/01 12:00:00.5", "2024/03/01 12:00:01", "2024/03/01 12:00:02.25"],
+}
+
+
+@pytest.mark.parametrize("kind", STAMPS)
+def test_time_stamps(kind: str) -> None:
+    assert_allclose(seconds_of(STAMPS[kind]), [0.0, 0.5, 1.75], atol=tol.CONVERSION * 1e5)
+
+
+def test_day_and_month_are_in_the_order_that_makes_the_record_short() -> None:
+    assert seconds_of(["01/02/2024 12:00", "02/02/2024 12:00"])[-1] == 86400.0
+    assert seconds_of(["02/01/2024 12:00", "02/02/2024 12:00"])[-1] == 86400.0
+
+
+def test_stamps_coarser_than_the_sampling_are_spread(tmp_path: Path) -> None:
+    stamps = [f"12:00:{k // 4:02d}" for k in range(2, 40)]
+    rows = [f"{stamp},{k},{k}" for k, stamp in enumerate(stamps)]
+    record = load_test(lies(tmp_path, "Time,disp_mm,load_kN\n" + "\n".join(rows)))
+    assert_allclose(np.diff(record.time), 0.25, rtol=tol.CONVERSION * 1e3)
+    assert any("spread evenly" in text for text in record.assumptions)
+
+
+def test_date_and_time_in_two_columns(tmp_path: Path) -> None:
+    text = "Date,Time,disp_mm,load_kN\n2024-03-01,23:59:59,0,0\n2024-03-02,00:00:01,1,1\n"
+    record = load_test(lies(tmp_path, text))
+    assert record.time.tolist() == [0.0, 2.0]
+    assert record.unused == ()
+
+
+def blocks(gap: float) -> str:
+    one = "".join(f"{k},{k},{k}\n" for k in range(4))
+    two = "".join(f"{k + gap:g},{k},{k}\n" for k in range(4))
+    return HEAD.format(",") + one + "\n" + HEAD.format(",") + two
+
+
+def test_blocks_of_one_file(tmp_path: Path) -> None:
+    """A clock that goes on tells the rest; one that starts anew does not."""
+    on = load_test(lies(tmp_path, blocks(60.0)))
+    assert on.block.tolist() == [0] * 4 + [1] * 4
+    assert on.time[4] == 60.0
+    anew = load_test(lies(tmp_path, blocks(0.0), "anew.csv"))
+    assert anew.time[4] == 4.0
+    assert any("no rest assumed" in text for text in anew.assumptions)
+    parts = '{ file = "anew.csv", part = 1 }, { file = "anew.csv", part = 2, rest_before = "1 h" }'
+    rested = load_test(
+        lies(tmp_path, blocks(0.0), "anew.csv", f'blocks = [{parts}]\nambient = "0 degC"')
+    )
+    assert rested.time[4] == 3603.0
+    assert not rested.assumptions
+    path = lies(tmp_path, blocks(0.0), "b.csv", 'blocks = [{ file = "b.csv", part = 3 }]')
+    with pytest.raises(tb.InputError, match="has 2 parts, not 3"):
+        load_test(path)
+
+
+def test_a_clock_that_starts_anew_begins_a_block(tmp_path: Path) -> None:
+    text = HEAD.format(",") + "".join(f"{k % 4},{k},{k}\n" for k in range(8))
+    assert load_test(lies(tmp_path, text)).block.tolist() == [0] * 4 + [1] * 4
+
+
+def workbook(path: Path) -> Path:
+    openpyxl = pytest.importorskip("openpyxl", reason="pip install 'thermobearing[xlsx]'")
+    book = openpyxl.Workbook()
+    about, first = book.active, book.create_sheet("50 %")
+    about.title = "about"
+    about.append(["operator", "A. B."])
+    second = book.create_sheet("100 %")
+    for sheet, size in ((first, 1.0), (second, 2.0)):
+        sheet.append(["Specimen HDR 1"])
+        sheet.append(["Time", "Disp [cm]", "Force [kN]", "T_amb [°C]", "note"])
+        for k in range(3):
+            at = datetime.datetime(2024, 3, 1, 12, 0, k)
+            sheet.append([at, 0.1 * size * k, size * k, -20, None])
+    book.save(path)
+    return path
+
+
+def test_workbook(tmp_path: Path) -> None:
+    path = workbook(tmp_path / "t.xlsx")
+    record = load_test(path)
+    assert record.time.tolist() == [0.0, 1.0, 2.0]
+    assert_allclose(record.displacement, [0.0, 1.0, 2.0], atol=tol.CONVERSION)
+    assert record.ambient == -20.0
+    assert any('"100 %"' in text for text in record.assumptions)
+    text = 'blocks = [{ file = "t.xlsx", sheet = "50 %" }, { file = "t.xlsx", sheet = "100 %" }]'
+    path.with_suffix(".toml").write_text(text)
+    both = load_test(path.with_suffix(".toml"))
+    assert_allclose(both.force, [0.0, 1.0, 2.0, 0.0, 2.0, 4.0])
+    path.with_suffix(".toml").write_text('file = "t.xlsx"\nsheet = "50"')
+    with pytest.raises(tb.InputError, match='no sheet "50"'):
+        load_test(path)
+
+
+def test_workbook_without_its_reader(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(__import__("sys").modules, "openpyxl", None)
+    with pytest.raises(tb.InputError, match=r"pip install 'thermobearing\[xlsx\]'"):
+        load_test(lies(tmp_path, b"PK\x03\x04", "t.xlsx"))
+
+
+@pytest.mark.parametrize("encoding", ["cp932", "cp1252"])
+def test_encoding_is_found(tmp_path: Path, encoding: str) -> None:
+    title = "温度[℃]" if encoding == "cp932" else "T [°C]"
+    text = f"time_s;displacement_mm;force_kN;{title}\n0;0;0;1\n1;1;1;1\n"
+    wanted = {"time": "s", "force": "kN"}
+    found = columns_of(lies(tmp_path, text.encode(encoding)), wanted)
+    assert found.unused == ["displacement_mm", title]
+
+
+@pytest.mark.parametrize(
+    ("sidecar", "told"),
+    [
+        ('separator = "|"', "separator = '|': must be one of"),
+        ('decimal = ";"', "decimal = ';': must be one of"),
+        ('encoding = "no-such"', 'no text in the encoding "no-such"'),
+        ('[units]\nT9 = "degC"', "units: unknown 'T9'"),
+        ("blocks = [{ file = 't.csv', part = 0 }]", "part"),
+    ],
+)
+def test_faults_of_a_sidecar(tmp_path: Path, sidecar: str, told: str) -> None:
+    with pytest.raises(tb.InputError, match=told):
+        load_test(lies(tmp_path, PLAIN, sidecar=sidecar))
+
+
+def test_what_a_sidecar_tells_is_not_looked_for(tmp_path: Path) -> None:
+    text = HEAD.format(";") + "0;1,234;2\n1;2,345;3\n"
+    for decimal, displacement in ((",", [1.234, 2.345]), (".", [1234.0, 2345.0])):
+        path = lies(tmp_path, text, sidecar=f'decimal = "{decimal}"\nseparator = ";"')
+        assert load_test(path).displacement.tolist() == displacement

@@ -1,0 +1,240 @@
+"""Several bearing lines and piers: rows of their own, bearings, air and counts of their own."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+
+import thermobearing as tb
+from tests import tolerances as tol
+from thermobearing.border.schema import validated
+from thermobearing.earthquake.case import make_earthquake_case
+from thermobearing.earthquake.run import build_tasks
+from thermobearing.structure.matrices import coordinates
+from thermobearing.structure.model import Structure
+from thermobearing.structure.parts import fixed_base, piers_of, reported_line
+
+MOTION: dict[str, Any] = {"motion": "jra-ii-i-1", "duration": 6.0}
+
+
+def two_piers() -> dict[str, Any]:
+    """A deck on two hinged piers that stand on the ground, A without a hinge of its own: stiff."""
+    pier = {"on": "ground", "rotates": True}
+    spring = {"base": "ground", "rotational_stiffness": "4e7 kN m/rad"}
+    line = {"body": "deck", "height": "10 m", "count": 3, "equivalent_stiffness": "2.6 kN/mm"}
+    return {
+        "name": "two piers",
+        "bodies": [
+            {"name": "deck", "moves": True},
+            {"name": "A"} | pier,
+            {"name": "B"} | pier,
+        ],
+        "masses": [
+            {"body": "deck", "height": "10 m", "mass": "400 t"},
+            {"body": "A", "height": "7 m", "mass": "150 t"},
+            {"body": "B", "height": "7 m", "mass": "150 t"},
+        ],
+        "springs": [{"name": "foot of A", "body": "A"} | spring],
+        "hinges": [
+            {
+                "name": "foot of B",
+                "body": "B",
+                "yield_moment": "9000 kN m",
+                "yield_rotation": "0.003 rad",
+            }
+        ],
+        "bearings": [
+            {"name": "on A", "base": "A"} | line,
+            {"name": "on B", "base": "B"} | line | {"count": 1},
+        ],
+        "report": {"deck": "deck", "pier": "B", "pier_top": "10 m"},
+    }
+
+
+def bridge_of(structure: dict[str, Any]) -> Structure:
+    return validated(Structure, structure, "test")
+
+
+@pytest.fixture(scope="module")
+def study() -> tb.earthquake.EarthquakeResult:
+    """Of the pier with a hinge; the air of one line is its own."""
+    lines = [{"line": "on A", "ambient": "-20 degC"}]
+    structure = bridge_of(two_piers())
+    return tb.bridge("shen-hdr-bridge", ambient=[23.0], structure=structure, lines=lines, **MOTION)
+
+
+def test_the_table_is_about_the_pier_of_the_report(study: tb.earthquake.EarthquakeResult) -> None:
+    """Pier B, its own line and its own hinge; before: line and hinge were the first of all."""
+    lines, piers = study.lines.set_index("line"), study.piers.set_index("pier")
+    row = study.table.iloc[0]
+    assert row["bearing_strain_max"] == lines.loc["on B", "strain_max"]
+    assert row["bearing_force_max_kN"] == lines.loc["on B", "force_max_kN"]
+    assert row["pier_ductility"] == piers.loc["B", "ductility"]
+    assert row["pier_displacement_max_mm"] == piers.loc["B", "displacement_max_mm"]
+    assert np.isnan(piers.loc["A", "ductility"])
+    # Each pier moves by itself: A is stiff.
+    assert piers.loc["A", "displacement_max_mm"] < 0.2 * piers.loc["B", "displacement_max_mm"]
+    turned = piers.loc["B", "rotation_max_rad"]
+    assert piers.loc["B", "displacement_max_mm"] == pytest.approx(1e4 * turned)
+
+
+def test_a_line_in_colder_air(study: tb.earthquake.EarthquakeResult) -> None:
+    lines = study.lines.set_index("line")
+    assert list(lines["line_ambient_degC"]) == [-20.0, 23.0]
+    assert lines.loc["on A", "rubber_max_degC"] < 23.0 < lines.loc["on B", "rubber_max_degC"]
+    each = lines["total_force_max_kN"] / lines["force_max_kN"]
+    assert list(each) == [3.0, 1.0]
+    air = [one.ambient for one in build_tasks(case_of(two_piers()))[0].lines]
+    assert air == [-20.0, 23.0]
+
+
+def case_of(structure: dict[str, Any], **more: Any) -> Any:
+    given = {"lines": [{"line": "on A", "ambient": "-20 degC"}], "ambient": [23.0]} | more
+    return make_earthquake_case({}, "test", structure=bridge_of(structure), **given)
+
+
+def test_files_say_every_line_and_pier(
+    study: tb.earthquake.EarthquakeResult, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from thermobearing.earthquake.screen import print_study
+
+    folder = study.save(tmp_path / "out", figures=False)
+    assert list(pd.read_csv(folder / "lines.csv")["line"]) == ["on A", "on B"]
+    assert list(pd.read_csv(folder / "piers.csv")["pier"]) == ["B", "A"]
+    run = json.loads((folder / "summary.json").read_text())["runs"][0]
+    assert [line["line_bearing"] for line in run["lines"]] == ["shen-hdr-bridge"] * 2
+    assert run["piers"][1]["ductility"] is None
+    columns = set(pd.read_csv(folder / "history.csv").columns)
+    assert {"on A_displacement_mm", "on B_force_kN", "A_displacement_mm"} <= columns
+    assert "A_rotation_rad" not in columns
+    again = tb.load_result(folder)
+    pd.testing.assert_frame_equal(again.lines, study.lines)  # type: ignore[union-attr]
+    print_study(study)
+    shown = capsys.readouterr().out
+    assert "two piers" in shown
+    assert "on A" in shown
+    assert "ductility" in shown
+
+
+def test_one_line_and_one_pier_have_the_table_only() -> None:
+    result = tb.bridge("shen-bilinear-bridge", "jra-ii-i-1", 23, duration=1)
+    assert len(result.lines) == 0
+    assert len(result.piers) == 0
+
+
+def test_counts_go_into_the_structure() -> None:
+    """And the same bearing on a line of its own is of the same kind, to the bit."""
+    line = {"line": "on B", "count": 4, "equivalent_stiffness": "3 kN/mm"}
+    case = case_of(two_piers(), lines=[line | {"bearing": "shen-hdr-bridge"}])
+    assert [(b.count, b.equivalent_stiffness) for b in case.structure.bearings] == [
+        (3, 2.6),
+        (4, 3.0),
+    ]
+    assert case.lines[0].count is None
+    task = build_tasks(case_of(two_piers(), bearings=["shen-hdr-bridge"], lines=case.lines))[0]
+    assert task.lines[0].device is task.lines[1].device
+    alone = case_of(two_piers(), lines=[line])
+    assert alone.lines == ()
+
+
+def test_lines_of_another_bearing_are_told_about_with_their_own_numbers() -> None:
+    """Bilinear ones, half as strong on A: plain Python would not compile for two kinds."""
+    weak = tb.bearing.load_bilinear("shen-bilinear-bridge").model_copy(
+        update={"name": "weak", "total_rubber_thickness": 56.0}
+    )
+    case = case_of(two_piers(), bearings=["shen-bilinear-bridge"])
+    case = case.model_copy(update={"lines": (case.lines[0].model_copy(update={"bearing": weak}),)})
+    task = build_tasks(case)[0]
+    assert [one.device.bearing.name for one in task.lines] == ["weak", "shen-bilinear-bridge"]
+    assert case.told_line == 1
+
+
+@pytest.mark.parametrize(
+    ("lines", "said"),
+    [
+        ([{"line": "on C"}], 'no bearing line is called "on C"; did you mean'),
+        ([{"line": "on A"}, {"line": "on A"}], "more than once"),
+        ([{"line": "on A", "bearing": "shen-hdr-brige"}], "shen-hdr-bridge"),
+        ([{"line": "on A", "ambient": -20}], "degC"),
+        ([{"line": "on A", "weather": "none.csv"}], "none.csv"),
+        ([{"line": "on A", "ambient": "0 degC", "weather": "x.csv"}], "not both"),
+        (
+            [{"line": name, "bearing": "lrb-example"} for name in ("on A", "on B")],
+            "none is left",
+        ),
+        ([{"line": "on A", "count": 0}], "count"),
+        ("on A", "must be a list"),
+    ],
+)
+def test_lines_that_cannot_be(lines: Any, said: str) -> None:
+    with pytest.raises(tb.InputError, match=said):
+        case_of(two_piers(), lines=lines)
+
+
+def test_two_lines_of_one_name() -> None:
+    table = two_piers()
+    table["bearings"][1]["name"] = "on A"
+    with pytest.raises(tb.InputError, match='two bearing lines are called "on A"'):
+        bridge_of(table)
+    table = two_piers()
+    table["report"]["line"] = "on C"
+    with pytest.raises(tb.InputError, match=r"report\.line"):
+        bridge_of(table)
+
+
+def test_the_line_of_the_report_may_be_said() -> None:
+    table = two_piers()
+    assert reported_line(bridge_of(table)) == 1
+    table["report"]["line"] = "on A"
+    assert reported_line(bridge_of(table)) == 0
+    piers = piers_of(bridge_of(table))
+    assert [(pier.name, pier.base, pier.top, pier.hinge) for pier in piers] == [
+        ("B", "ground", 10000.0, 0),
+        ("A", "ground", 10000.0, None),
+    ]
+
+
+def test_a_fixed_base_is_that_of_stiff_springs() -> None:
+    """The footing held, beside the footing on springs a million times as stiff."""
+    held = tb.bridge("shen-bilinear-bridge", ambient=23, fixed_base=True, **MOTION)
+    stiff = tb.structure.load_structure("pier-p1")
+    springs = [
+        spring.model_copy(
+            update={
+                key: 1e6 * value
+                for key in ("stiffness", "rotational_stiffness")
+                if (value := getattr(spring, key)) is not None
+            }
+            | {"damping_ratio": 0.0}
+        )
+        for spring in stiff.springs
+    ]
+    stiff = stiff.model_copy(update={"springs": tuple(springs)})
+    other = tb.bridge("shen-bilinear-bridge", ambient=23, structure=stiff, **MOTION)
+    assert held.summary()["structure"] == "pier-p1 (fixed base)"
+    assert held.dataset.attrs["coordinates"] == ["deck x", "pier rotation"]
+    for name in ("bearing_strain_max", "pier_ductility", "deck_acceleration_max_m_s2"):
+        assert_allclose(held.table[name], other.table[name], rtol=tol.STIFF_SPRINGS)
+
+
+def test_what_has_no_foundation_has_none_to_hold() -> None:
+    with pytest.raises(tb.InputError, match="no body stands on springs"):
+        fixed_base(tb.structure.load_structure("hybrid-pier"))
+    with pytest.raises(tb.InputError, match="true or false"):
+        make_earthquake_case({"fixed_base": "yes"}, "test")
+    assert coordinates(fixed_base(tb.structure.load_structure("pier-p1")))[0] == "deck x"
+
+
+def test_air_of_lines_is_added_to_that_of_the_run() -> None:
+    """Nothing added is the same bits."""
+    given: dict[str, Any] = {"structure": bridge_of(two_piers()), **MOTION, "duration": 2.0}
+    lines = [{"line": name, "ambient": "-5 degC"} for name in ("on A", "on B")]
+    plain = tb.bridge("shen-hdr-bridge", ambient=-5, **given)
+    said = tb.bridge("shen-hdr-bridge", ambient=-5, lines=lines, **given)
+    assert_array_equal(said["line_force"], plain["line_force"])
+    other = tb.bridge("shen-hdr-bridge", ambient=23, lines=lines, **given)
+    assert_allclose(other["line_force"], plain["line_force"], rtol=1e-6)

@@ -1,0 +1,96 @@
+"""Peaks under several motions, at every temperature; bounds on another structure."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from numpy.testing import assert_allclose
+
+import thermobearing as tb
+from tests.unit.inputs import command, summary
+from thermobearing.design.case import make_design_case
+from thermobearing.design.peaks import coldest_sentences, combined, envelope, few_motions, judged
+from thermobearing.design.run import at_every_air, one_turn, run_bounds
+from thermobearing.design.sizing import Check
+from thermobearing.earthquake.motion import Motion
+
+THREE = ["jra-ii-i-1", "jra-ii-i-2", "jra-ii-i-3"]
+LIMITS = [
+    Check("shear strain", 0.0, 2.5, "1", "test"),
+    Check("pier ductility", 0.0, 3.0, "1", "test"),
+]
+
+
+def test_the_mean_is_over_a_group_and_the_largest_of_the_groups() -> None:
+    motions = [Motion(name=name) for name in (*THREE, "jra-i-i-1")]
+    assert combined([1.0, 2.0, 6.0, 4.0], motions, "largest") == 6.0
+    assert combined([1.0, 2.0, 6.0, 3.5], motions, "mean") == 3.5
+    assert combined([1.0, 2.0, 9.0, 3.5], motions, "mean") == 4.0
+    mine = [Motion(name="a.csv", group="one"), Motion(name="b.csv"), Motion(name="c.csv")]
+    assert combined([5.0, 1.0, 3.0], mine, "mean") == 5.0
+    assert few_motions(motions, "largest") == []
+    (said,) = few_motions(motions, "mean")
+    assert "jra-i-i has 1 of at least 3" in said
+
+
+def test_a_round_finds_the_mean_where_the_case_says_so() -> None:
+    largest = one_turn(make_design_case({}, "test", motions=THREE), 1, 178.0)
+    mean = one_turn(make_design_case({}, "test", motions=THREE, peaks="mean"), 1, 178.0)
+    peaks = largest.study["bearing_displacement_max"].values
+    assert_allclose([largest.round.found, mean.round.found], [peaks.max(), peaks.mean()])
+    assert mean.round.largest == largest.round.found
+    with pytest.raises(tb.InputError, match="'largest' or 'mean'"):
+        make_design_case({"peaks": "means"}, "test")
+
+
+def test_bearings_are_judged_at_every_temperature() -> None:
+    study = tb.bridge("shen-hdr-bridge", THREE[:2], [23, -20], duration=6)
+    motions = [Motion(name=name) for name in THREE[:2]]
+    table = judged(study, motions, "mean", LIMITS).set_index("ambient_degC")
+    runs = study.table[study.table["ambient_degC"] == -20]
+    assert_allclose(table.loc[-20, "strain"], runs["bearing_strain_max"].mean())
+    tight = [Check("shear strain", 0.0, table.loc[-20, "strain"] + 1e-6, "1", "test")]
+    verdicts = judged(study, motions, "mean", tight).set_index("ambient_degC")
+    assert list(verdicts["verdict"]) == ["NG", "OK"]
+    assert list(verdicts["fails"]) == ["strain", ""]
+    worst = envelope(table.reset_index()).set_index("peak")
+    assert worst.loc["strain", "at_degC"] == 23
+    assert worst.loc["force_kN", "at_degC"] == -20
+    (said,) = coldest_sentences(table.reset_index())
+    assert "OK on the coldest day, -20 degC" in said
+    assert np.isfinite(table.drop(columns=["bearing", "verdict", "fails"]).to_numpy(float)).all()
+
+
+def test_a_design_says_its_structure_and_the_coldest_day(tmp_path: Path) -> None:
+    out = tmp_path / "design"
+    words = ("--motion", "jra-ii-i-1", "--tolerance", "0.1", "--start", "215", "--no-figures")
+    done = command("design", *words, "--ambient", "-20", "-o", out)
+    assert done.exit_code == 0
+    told = summary(out)
+    assert told["structure"] == "pier-p1"
+    assert told["peaks"]["name"] == "largest"
+    rows = pd.read_csv(out / "temperatures.csv")
+    assert list(rows["ambient_degC"]) == [-20, -20]
+    assert len(told["coldest_day"]) == 2
+    assert "on the coldest day, -20 degC" in done.stdout
+    assert "the largest of all motions" in done.stdout
+
+
+def test_nothing_to_judge_without_bearings_or_temperatures() -> None:
+    case = make_design_case({}, "test", ambient=[])
+    turn = one_turn(make_design_case({}, "test", motions=["jra-ii-i-1"]), 1, 178.0)
+    assert len(at_every_air(case, turn.round, [object()], [])) == 0  # type: ignore[list-item]
+    with pytest.raises(tb.InputError, match="more than once"):
+        make_design_case({}, "test", ambient=[0, 0])
+
+
+def test_bounds_on_another_structure_say_which(tmp_path: Path) -> None:
+    given = {"structure": "pier-p1", "fixed_base": True, "duration": 4.0}
+    report = run_bounds(["shen-hdr-bridge"], ["jra-ii-i-1"], [23.0, -20.0], **given)
+    assert report.structure == "pier-p1 (fixed base)"
+    assert report.summary()["structure"] == report.structure
+    assert "shen-hdr-bridge on pier-p1 (fixed base)" in report.paragraphs["shen-hdr-bridge"]
+    assert set(report.table["structure"]) == {report.structure}
+    plain = run_bounds(["shen-hdr-bridge"], ["jra-ii-i-1"], [23.0, -20.0], duration=4.0)
+    assert (report.table["coupled_max"] != plain.table["coupled_max"]).all()

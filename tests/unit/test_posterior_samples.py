@@ -1,0 +1,97 @@
+"""Samples of a posterior as bearings, bands of factors from them; K_2/K_1 by kind; codes."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import thermobearing as tb
+from tests.unit.inputs import command, summary
+from thermobearing.cyclic.equivalent import backbone, bilinear_parameters, post_yield_ratio
+from thermobearing.design.factors import coldest_factors, published_codes, published_tables
+from thermobearing.identify import posterior_bearings
+
+NAME = "shen-hdr-specimen"
+
+
+def written(folder: Path, text: str) -> Path:
+    file = folder / "posterior.csv"
+    file.write_text(text)
+    return file
+
+
+def test_samples_become_bearings(tmp_path: Path) -> None:
+    rows = "\n".join(f"{30.0 + k},{-1.0 - 0.1 * k}" for k in range(9))
+    file = written(tmp_path, f"K_r,m_T\n{rows}\n")
+    first, *others = posterior_bearings(NAME, file, 3)
+    assert first == tb.load_bearing(NAME)
+    assert [one.hysteresis.layer_stiffness for one in others] == [30.0, 34.0, 38.0]
+    assert others[1].hysteresis.elastic_temperature_coefficient == pytest.approx(-1.4)
+    assert len(posterior_bearings(NAME, file, 100)) == 10
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("K_r,m_Q\n30,1\n", 'no parameter is called "m_Q"; did you mean'),
+        ("K_r,sigma_Y\n30,9\n", '"sigma_Y": shen-hdr-specimen'),
+        ("K_r\n", "holds no samples"),
+        ("K_r,m_T\n30\n", "row 1: 1 numbers instead of 2"),
+        ("K_r\nsoft\n", '"soft" is not a number'),
+        ("K_r\n-3\n", "layer_stiffness"),
+        ("K_r,K_r\n30,31\n", "two columns"),
+    ],
+)
+def test_samples_that_are_none(text: str, said: str, tmp_path: Path) -> None:
+    with pytest.raises(tb.InputError, match=said):
+        posterior_bearings(NAME, written(tmp_path, text))
+    with pytest.raises(tb.InputError, match="from 1 to"):
+        posterior_bearings(NAME, tmp_path / "posterior.csv", 0)
+
+
+def test_a_band_from_the_command(tmp_path: Path) -> None:
+    file = written(tmp_path, "K_r,m_T\n30,-0.5\n30,-1.5\n")
+    out = tmp_path / "out"
+    words = (NAME, "--temperature", "-20", "--strain", "1", "--cycles", "3", "--no-figures")
+    done = command("lambda", *words, "--posterior", file, "-o", out)
+    assert done.exit_code == 0
+    told = summary(out)
+    assert told["samples"] == 3
+    rows = [r for r in told["factors"] if r["quantity"] == "K_eq" and r["ambient_degC"] == -20]
+    assert all(row["factor_low"] < row["factor_high"] for row in rows)
+    assert told["stiffness_ratio"]["K_2_over_K_1"] == 0.19
+    assert [code["unverified"] for code in told["codes"]] == [True] * 3
+    assert "K_eq on the coldest day, -20 degC" in done.stdout
+    done = command("lambda", NAME, NAME, "--posterior", file)
+    assert done.exit_code == 2
+    assert "goes with one bearing" in done.output
+
+
+def test_the_ratio_is_that_of_the_kind() -> None:
+    """Before: 6.5 for all. Equal peak force and loop area either way."""
+    hdr, lead = (bilinear_parameters(name) for name in ("shen-hdr-bridge", "lrb-example"))
+    assert_allclose(hdr.post_yield / hdr.initial, 0.19)
+    assert_allclose(lead.initial / lead.post_yield, 6.5)
+    assert not post_yield_ratio("HDR").unverified
+    assert post_yield_ratio("LRB").unverified
+    energy = 0.1 * 2.0 * np.pi * 2.0 * 100.0**2
+    for kind in ("HDR", "LHDR", "LRB"):
+        found = backbone(2.0, energy, 100.0, kind)
+        assert_allclose(found.strength + 100.0 * found.post_yield, 200.0)
+        moved = 100.0 - found.strength / (found.initial - found.post_yield)
+        assert_allclose(4.0 * found.strength * moved, energy)
+
+
+def test_codes_and_published_factors_say_their_source() -> None:
+    assert len(published_codes()) == 3
+    lead = next(item for item in published_tables() if "MVBR" in item.name)
+    assert not lead.unverified
+    assert_allclose(lead.factors, 1.086 - 0.004278 * np.array(lead.temperatures))
+    table = tb.temperature_factors(
+        "shen-hdr-bridge", reference_temperature=20, temperatures=[-20], strains=[1.0]
+    )
+    said = coldest_factors(table, 1.0)
+    assert [text.split(" ")[0] for text in said] == ["K_eq", "Q_d", "K_d"]
+    assert "MVBR-0047) x 1.17" in said[0]
+    assert "(unverified)" in said[1]

@@ -1,0 +1,277 @@
+"""The range that a bearing was tested in: its record in a file, and what every analysis says."""
+
+import contextlib
+import io
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import thermobearing as tb
+from tests.unit.inputs import SPECIMEN, changed_table, specimen_table, write_toml
+from thermobearing.bearing.bilinear import load_bilinear
+from thermobearing.border.errors import InputError
+from thermobearing.cyclic.screen import print_result
+from thermobearing.design.run import run_bounds, run_factors
+from thermobearing.earthquake.reached import reached
+from thermobearing.earthquake.screen import print_study
+from thermobearing.identify.posterior import forecast
+from thermobearing.results.ranges import REST, compared, cycles_in_a_row, largest_speed
+from thermobearing.validate.screen import print_validation
+
+
+def test_ranges_of_the_specimens() -> None:
+    found = {}
+    for name in (SPECIMEN, "shen-lhdr-specimen"):
+        law = tb.load_bearing(name).tested_range
+        assert law is not None
+        found[name] = law.ranges()
+    plain, lead = found.values()
+    assert plain == {
+        "strain": (0.5, 2.5),
+        "strain_rate": (0.333, 1.0),  # 10 and 30 mm/s over 30 mm
+        "ambient": (-20.0, 23.0),
+        "cycles": (0.0, 5.0),
+    }
+    assert lead["strain_rate"] == (0.333, 1.571)  # a sine is pi/2 faster than on average
+    assert lead["lead_temperature"] == (-20.0, 96.0)
+    bilinear = load_bilinear("shen-bilinear-bridge").tested_range
+    assert bilinear is not None
+    assert bilinear.ranges()["ambient"] == (23.0, 23.0)
+
+
+def test_an_untested_bearing_has_none() -> None:
+    assert tb.load_bearing("lrb-example").tested_range is None
+
+
+@pytest.mark.parametrize(
+    ("table", "said"),
+    [
+        ({}, "give one of strain, strain_rate, ambient, cycles, lead_temperature at least"),
+        ({"strain": [2.5, 0.5]}, "strain: 2.5 is above 0.5; write [lowest, highest]"),
+        ({"ambient": [-20, 23]}, 'has no unit; write "-20 degC"'),
+        ({"strain": [0.5]}, "tested_range.strain = [0.5]: must have at least 2 entr"),
+        ({"strains": [0.5, 2.5]}, 'unknown key "tested_range.strains"; did you mean "strain"'),
+    ],
+)
+def test_bad_ranges(table: dict[str, object], said: str, tmp_path: Path) -> None:
+    file = write_toml(
+        tmp_path / "mine.toml", changed_table(specimen_table(), {"tested_range": table})
+    )
+    with pytest.raises(InputError) as caught:
+        tb.load_bearing(file)
+    assert said in str(caught.value)
+
+
+def history(strain: float = 1.0, speed: float = 30.0) -> tb.cyclic.CyclicTest:
+    cycle = {"step": "cycles", "strain": strain, "speed": speed, "count": 1}
+    return tb.cyclic.CyclicTest(dt=0.02, steps=[cycle])
+
+
+def test_rows_take_the_end_that_is_farther_out() -> None:
+    limits, units = {"air": (-20.0, 23.0)}, {"air": "degC"}
+    for asked, end, passed in (
+        ((-30.0, 25.0), -30.0, True),
+        ((-21.0, 40.0), 40.0, True),
+        ((-10.0, 10.0), 10.0, False),
+        (23.8, 23.8, False),  # within two hundredths of 43 K
+        (23.9, 23.9, True),
+    ):
+        (row,) = compared("x", {"air": asked}, limits, units, slack=0.02)
+        assert (row["asked"], row["passed"]) == (end, passed)
+    assert compared("x", {"air": float("nan")}, limits, units) == []
+
+
+def test_cycles_in_a_row_begin_anew_after_a_rest() -> None:
+    t = np.linspace(0.0, 10.0, 1001)
+    x = np.sin(2.0 * np.pi * t / 4.0)
+    assert cycles_in_a_row(t, x) == 2.5
+    apart = np.concatenate([t, t + 10.0 + REST])
+    assert cycles_in_a_row(apart, np.tile(x, 2)) == 2.5
+    near = np.concatenate([t, t + 10.0 + 0.5 * REST])
+    assert cycles_in_a_row(near, np.tile(np.where(t > 8.0, 0.0, x), 2)) == 4.0
+    noise = 0.005 * np.random.default_rng(1).standard_normal(len(t))
+    assert cycles_in_a_row(t, x + noise) == 2.5
+    assert largest_speed(t, x + noise) == pytest.approx(0.5 * np.pi, rel=0.15)
+
+
+def test_the_source_s_own_test_is_inside() -> None:
+    for name, wave in ((SPECIMEN, "triangular"), ("shen-lhdr-specimen", "sine")):
+        result = tb.run(name, tb.cyclic_test(wave=wave, dt=0.02), [-20.0, 23.0])
+        assert not result.tested_range["passed"].any()
+        assert not any("tested" in text for text in result.warnings)
+
+
+def test_a_test_says_what_it_leaves(tmp_path: Path) -> None:
+    test = history(strain=3.5, speed=300.0)
+    result = tb.run("shen-lhdr-specimen", test, [-60.0, 23.0])
+    left = result.tested_range[result.tested_range["passed"]]
+    cold, warm = ("the run at -60 degC", "the run at 23 degC")
+    assert set(left["run"] + " " + left["limit"]) == {
+        f"{cold} strain",
+        f"{cold} strain_rate",
+        f"{cold} ambient",
+        f"{warm} strain",
+        f"{warm} strain_rate",
+    } | {f"{run} lead_temperature" for run in left[left["limit"] == "lead_temperature"]["run"]}
+    said = " ".join(result.warnings)
+    assert "shen-lhdr-specimen: strain 350 %, above the 250 % tested (2 of 2 runs" in said
+    assert "strain rate 10/s, above the 1.571/s tested" in said
+    assert "ambient -60 degC, below the -20 degC tested (1 of 2 runs" in said
+    assert result.summary()["tested_range"] == result.tested_range.to_dict("records")
+    shown = [text.get_text() for text in result.plot.loops().axes[0].texts]
+    assert shown == ["shaded: not tested"]
+    assert "(not tested)" in result.plot.loops().axes[0].get_title(loc="left")
+    folder = result.save(tmp_path / "out", figures=False)
+    pd.testing.assert_frame_equal(pd.read_csv(folder / "tested_range.csv"), result.tested_range)
+    again = tb.load_result(folder)
+    assert again.tested_range.equals(result.tested_range)
+    with contextlib.redirect_stdout(io.StringIO()) as screen:
+        print_result(result)
+    assert "-60 degC; not tested: strain, strain rate, ambient" in screen.getvalue()
+
+
+def test_a_small_slow_test_is_outside_too() -> None:
+    said = " ".join(tb.run(SPECIMEN, history(strain=0.2, speed=1.0)).warnings)
+    assert "strain 20 %, below the 50 % tested (the run at 23 degC)" in said
+    assert "strain rate 0.03333/s, below the 0.333/s tested" in said
+
+
+def test_a_rest_asks_nothing_of_the_rubber() -> None:
+    rest = tb.cyclic.CyclicTest(dt=1.0, steps=[{"step": "rest", "duration": 100.0}])
+    assert list(tb.run(SPECIMEN, rest).tested_range["limit"]) == ["ambient"]
+
+
+def test_a_range_that_is_not_given_is_said_once() -> None:
+    result = tb.run("lrb-example", history(), [23.0, 0.0])
+    told = [text for text in result.warnings if "range not given" in text]
+    assert told == [
+        "lrb-example: range not given (tested_range in its file), so nothing is said of it"
+    ]
+    assert result.tested_range.empty
+
+
+def test_a_study_says_what_it_leaves(tmp_path: Path) -> None:
+    bearings = ["lrb-example", "shen-bilinear-bridge", "shen-lhdr-bridge"]
+    strong = {"name": "jra-ii-i-1", "factor": 2.0}
+    study = tb.bridge(bearings, strong, [23.0, -60.0], duration=14.0)
+    beyond = dict(zip(study.run_names, study.table["beyond_tested"], strict=True))
+    assert beyond["lrb-example, jra-ii-i-1, 23 degC"] == ""
+    assert "ambient" in beyond["shen-bilinear-bridge, jra-ii-i-1, -60 degC"]
+    assert beyond["shen-lhdr-bridge, jra-ii-i-1, 23 degC"].startswith("strain strain_rate")
+    said = [text for text in study.warnings if text.startswith("shen-lhdr-bridge: strain ")]
+    assert "above the 250 % tested (1 of 2 runs, most: jra-ii-i-1, 23 degC)" in said[0]
+    assert sum("range not given" in text for text in study.warnings) == 1
+    rows = study.tested_range
+    worst = float(study["bearing_strain_max"].values[4])
+    assert rows.set_index(["run", "limit"])["asked"][
+        "shen-lhdr-bridge, jra-ii-i-1, 23 degC", "strain"
+    ] == pytest.approx(worst)
+    assert study.summary()["runs"][4]["beyond_tested"].startswith("strain")
+    shaded = [[text.get_text() for text in ax.texts] for ax in study.plot.loops().axes]
+    assert shaded == [[], ["shaded: not tested"], ["shaded: not tested"]]
+    folder = study.save(tmp_path / "out", figures=False)
+    assert len(pd.read_csv(folder / "tested_range.csv")) == len(rows) == 14
+    with contextlib.redirect_stdout(io.StringIO()) as screen:
+        print_study(study)
+    assert f"{worst:.0%}!" in screen.getvalue()
+
+
+def test_parts_of_a_sequence_say_what_they_leave() -> None:
+    ramp = {"step": "ramp", "to_strain": 3.0, "speed": "30 mm/s"}
+    parts = [{"part": "cyclic", "steps": [ramp]}, {"part": "rest", "duration": "1 h"}]
+    done = tb.sequence({"parts": parts, "bearing": SPECIMEN, "ambient": "-30 degC"})
+    assert list(done.table["beyond_tested"]) == ["strain ambient", "ambient"]
+    assert list(done.tested_range["part"].unique()) == ["01-cyclic", "02-rest"]
+    assert any("strain 300 %, above the 250 %" in text for text in done.warnings)
+
+
+def test_a_fit_says_what_its_tests_cover(tmp_path: Path) -> None:
+    test = tb.cyclic_test(strain=[0.5, 1.5], cycles=2, rest=None, dt=0.02)
+    record = tb.identify.synthetic_record(SPECIMEN, 5.0, test)
+    fit = tb.identify_bearing(record, SPECIMEN, free=["K_r"], starts=1)
+    folder = fit.save(tmp_path / "fit", figures=False)
+    again = tb.load_bearing(folder / "bearing.toml")
+    assert again.tested_range is not None
+    assert fit.bearing.tested_range == fit.tested_range == again.tested_range
+    ranges = again.tested_range.ranges()
+    assert ranges["strain"] == pytest.approx((0.5, 1.5), rel=0.01)
+    assert ranges["strain_rate"] == pytest.approx((1.0, 1.0), rel=0.05)
+    assert ranges["ambient"] == (5.0, 5.0)
+    assert again.sources["tested_range.strain"].startswith("tests ")
+    drawn = forecast(fit, [-30.0, 5.0])
+    cold, same = drawn.bands
+    assert (cold.beyond_tested, same.beyond_tested) == ("ambient", "")
+    assert drawn.warnings == (
+        f"{SPECIMEN}: ambient -30 degC, below the 5 degC tested "
+        "(1 of 2 runs, most: predicted at -30 degC)",
+    )
+    assert drawn.summary()["peak_force"][0]["beyond_tested"] == "ambient"
+    assert "(not tested)" in fit.plot.band(cold).get_suptitle()
+
+
+def test_a_validation_says_what_a_bearing_was_not_tested_at(tmp_path: Path) -> None:
+    test = history(strain=3.0, speed=90.0)
+    record = tb.identify.synthetic_record("shen-lhdr-specimen", 30.0, test)
+    found = tb.validate.validate(["shen-lhdr-specimen", "lrb-example"], record)
+    assert list(found.table["beyond_tested"]) == ["strain strain_rate ambient", ""]
+    said = " ".join(found.warnings)
+    assert "strain 300 %, above the 250 % tested" in said
+    assert "lrb-example: range not given" in said
+    assert found.summary()["tested_range"] == found.tested_range.to_dict("records")
+    folder = found.save(tmp_path / "out", figures=False)
+    assert (folder / "tested_range.csv").exists()
+    assert [t.get_text() for t in found.plot.loops().axes[0].texts] == ["shaded: not tested"]
+    with contextlib.redirect_stdout(io.StringIO()) as screen:
+        print_validation(found)
+    assert "above the 250 % tested" in screen.getvalue()
+
+
+def test_factors_and_bounds_say_what_they_leave(tmp_path: Path) -> None:
+    bearing = "shen-hdr-bridge"
+    report = run_factors([bearing], temperatures=[-40.0], strains=[1.0])
+    told = report.table.drop_duplicates("ambient_degC").set_index("ambient_degC")["beyond_tested"]
+    assert told[-40.0] == "strain_rate ambient"
+    assert told[23.0] == "strain_rate"
+    assert any("ambient -40 degC, below the -20 degC tested" in w for w in report.warnings)
+    shaded = [text.get_text() for text in report.plot.factors().axes[0].texts]
+    assert "shaded: not tested" in shaded
+    bounds = run_bounds([bearing], ["jra-ii-i-1"], [23.0, -30.0])
+    assert set(bounds.table["beyond_tested"]) == {"strain_rate ambient"}
+    assert any("ambient -30 degC, below the -20 degC tested" in w for w in bounds.warnings)
+    assert bounds.summary()["warnings"] == bounds.warnings
+    for name, one in (("factors", report), ("bounds", bounds)):
+        folder = one.save(tmp_path / name, figures=False)
+        assert (folder / "tested_range.csv").exists()
+
+
+def test_a_design_says_what_leaves_the_curves() -> None:
+    strong = {"name": "jra-ii-i-1", "factor": 2.5}
+    case = tb.design.make_design_case({"most_rounds": 1}, "x", motions=[strong])
+    design = tb.design.run_design(case)
+    assert design.last.found / design.bearing.total_rubber_thickness > 2.6
+    assert len(design.warnings) == 1
+    assert "above the 250 % tested" in design.warnings[0]
+    assert design.summary()["warnings"] == design.warnings
+    assert design.plot.rounds().axes[0].texts[0].get_text() == "the curves end here"
+
+
+def test_of_several_lines_the_one_that_goes_farthest_counts() -> None:
+    clock = np.linspace(0.0, 1.0, 101)
+    lines = [
+        {"clock": clock, "displacement": size * np.sin(2.0 * np.pi * clock), "lead_temperature": t}
+        for size, t in ((60.0, 20.0 + clock), (90.0, 20.0 - clock))
+    ]
+    bearing = SimpleNamespace(total_rubber_thickness=30.0)
+    constants = SimpleNamespace(lead=SimpleNamespace(cores=4.0))
+    device = SimpleNamespace(bearing=bearing, constants=constants, stack=object())
+    case = SimpleNamespace(structure=SimpleNamespace(bearings=lines))
+    task: Any = SimpleNamespace(device=device, case=case, ambient=20.0)
+    history: Any = SimpleNamespace(bearing=lambda line: lines[line])
+    found = reached(task, history)
+    assert found["strain"] == pytest.approx(3.0)
+    assert found["strain_rate"] == pytest.approx(6.0 * np.pi, rel=0.01)
+    assert (found["ambient"], found["lead_temperature"]) == ((20.0, 20.0), (19.0, 21.0))
