@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 import thermobearing as tb
 from tests.unit.inputs import command, summary
 from thermobearing.cyclic.equivalent import backbone, bilinear_parameters, post_yield_ratio
-from thermobearing.design.factors import coldest_factors, published_codes, published_tables
+from thermobearing.design.published import coldest_factors, published_codes, published_tables
 from thermobearing.identify import posterior_bearings
 
 NAME = "shen-hdr-specimen"

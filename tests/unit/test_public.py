@@ -6,7 +6,7 @@ import subprocess
 import sys
 from importlib import import_module
 from types import ModuleType
-from typing import Any
+from typing import Any, get_args, is_typeddict
 
 import pytest
 
@@ -81,8 +81,17 @@ def section(text: str, title: str) -> str:
     return found[1] if found else ""
 
 
-def arguments(item: Any) -> dict[str, inspect.Parameter]:
-    return {k: v for k, v in inspect.signature(item).parameters.items() if k != "self"}
+def arguments(item: Any) -> dict[str, Any]:
+    """Types by name, those of keywords that are listed in a TypedDict too."""
+    found: dict[str, Any] = {}
+    for name, parameter in inspect.signature(item).parameters.items():
+        if name == "self":
+            continue
+        found[name] = parameter.annotation
+        for kind in get_args(parameter.annotation):
+            if is_typeddict(kind):
+                found |= kind.__annotations__
+    return found
 
 
 def entry(text: str, name: str) -> str:
@@ -112,10 +121,10 @@ def test_a_public_name_is_documented(item: Any) -> None:
     record = section(text, "Attributes")
     assert record or ">>>" in section(text, "Examples"), "no example"
     told = record or section(text, "Parameters")
-    for name, parameter in arguments(item).items():
+    for name, kind in arguments(item).items():
         said = entry(told, name)
         assert said, f"{name} is not described"
-        if "float" in str(parameter.annotation):
+        if "float" in str(kind):
             assert UNIT.search(said) or NAMED_UNIT.search(name), f"{name} has no unit"
 
 

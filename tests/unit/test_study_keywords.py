@@ -15,7 +15,7 @@ from thermobearing.model.options import EndFace
 from thermobearing.structure.model import load_structure
 
 BOTH = [study.bridge, study.hybrid]
-OWN = {"executor", "progress", "misspelt"}
+OWN = {"executor", "progress", "options"}
 # Every argument with a value that is not its default, and where it must come out.
 VALUES: dict[str, Any] = {
     "duration": 3.0,
@@ -53,9 +53,12 @@ def case_of(monkeypatch: pytest.MonkeyPatch) -> Callable[..., EarthquakeCase]:
 
 @pytest.mark.parametrize("call", BOTH)
 def test_every_key_of_a_case_is_an_argument(call: Callable[..., Any]) -> None:
-    names = set(inspect.signature(call).parameters) - OWN
+    names = (
+        set(inspect.signature(call).parameters) | set(study.StudyOptions.__annotations__)
+    ) - OWN
     case = set(EarthquakeCase.model_fields) - {"command", "analysis", "bearings", "motions"}
-    others = {"bearing", "motion", "initial_result"}  # the last becomes the initial state
+    # The last two become the initial state and a change of the structure.
+    others = {"bearing", "motion", "initial_result", "fixed_base"}
     assert names == case | set(EarthquakeAnalysis.model_fields) | others
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 from thermobearing.bearing.plausible import Usuals
 from thermobearing.border.schema import Strict, validated
 from thermobearing.border.toml import read_toml, split_sources
-from thermobearing.design.factors import Published
+from thermobearing.design.published import Published
 from thermobearing.design.rubber import Curves
 from thermobearing.identify.assumed import Groups
 from thermobearing.model.limits import TemperatureLimits

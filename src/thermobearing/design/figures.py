@@ -17,7 +17,7 @@ from thermobearing.bearing.validity import ranges_of
 from thermobearing.border.errors import InputError
 from thermobearing.cyclic.result import Result
 from thermobearing.design.bounds import DEMANDS
-from thermobearing.design.factors import published_tables
+from thermobearing.design.published import published_tables
 from thermobearing.design.result import BoundsReport, Design, FactorReport
 from thermobearing.results import drawing
 

@@ -21,8 +21,8 @@ from thermobearing.design.bilinear import BoundModel, bound_models, bounds_table
 from thermobearing.design.bounds import paragraph
 from thermobearing.design.case import DesignCase
 from thermobearing.design.equal import EqualBearing, third_cycle
-from thermobearing.design.factors import coldest_factors, published_codes, published_tables
 from thermobearing.design.peaks import coldest_sentences, envelope, few_motions, peak_rule
+from thermobearing.design.published import coldest_factors, published_codes, published_tables
 from thermobearing.design.rounds import Round
 from thermobearing.design.sizing import Check
 from thermobearing.design.tested import (

@@ -6,8 +6,8 @@ from rich.table import Table
 from thermobearing.cyclic.equivalent import post_yield_ratio
 from thermobearing.design.bilinear import bounds_table
 from thermobearing.design.case import DesignCase, bearing_weight
-from thermobearing.design.factors import published_codes
 from thermobearing.design.peaks import coldest_sentences, peak_rule
+from thermobearing.design.published import published_codes
 from thermobearing.design.result import BoundsReport, Design, FactorReport, source_design
 from thermobearing.design.rounds import Round
 from thermobearing.results.screen import print_warnings

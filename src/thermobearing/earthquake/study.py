@@ -1,10 +1,9 @@
 """`bridge` and `hybrid`: what the user gave becomes a case, and the case a result."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from concurrent.futures import Executor
-from inspect import signature
 from pathlib import Path
-from typing import Any, Never, TypeAlias, TypeVar
+from typing import Any, TypeAlias, TypedDict, TypeVar, Unpack
 
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.exposure import Exposure
@@ -29,40 +28,45 @@ T = TypeVar("T")
 OneOrMore: TypeAlias = T | Sequence[T]
 
 
+class StudyOptions(TypedDict, total=False):
+    """What `bridge` and `hybrid` take by name; their docstrings say what each is."""
+
+    structure: Structure | str | Path | None
+    fixed_base: bool | None
+    lines: Sequence[dict[str, Any]] | None
+    weather: str | Path | None
+    duration: float | None
+    dt: float | None
+    method: Method | None
+    mass: MassModel | None
+    damping: DampingKind | None
+    scheme: Scheme | None
+    integrator: Integrator | None
+    hardening: Hardening | None
+    heat_source: HeatSource | None
+    lead_ends: LeadEnds | None
+    clock: Clock | None
+    upper_face: EndFace | None
+    lower_face: EndFace | None
+    stack: Stacked | None
+    model: Model | None
+    exposure: Exposure | dict[str, Any] | None
+    keep: Sequence[Kept] | None
+    keep_every: int | None
+    laboratory: Laboratory | dict[str, Any] | None
+    initial_state: SpecimenState | None
+    initial_result: Earlier | str | Path | None
+    rig: Rig | str | Path | dict[str, Any] | None
+
+
 def bridge(
     bearing: OneOrMore[Bearing | BilinearBearing | str | Path] | None = None,
     motion: OneOrMore[GroundMotion | Motion | str | Path | dict[str, Any]] | None = None,
     ambient: OneOrMore[float] | None = None,
     *,
-    structure: Structure | str | Path | None = None,
-    fixed_base: bool | None = None,
-    lines: Sequence[dict[str, Any]] | None = None,
-    weather: str | Path | None = None,
-    duration: float | None = None,
-    dt: float | None = None,
-    method: Method | None = None,
-    mass: MassModel | None = None,
-    damping: DampingKind | None = None,
-    scheme: Scheme | None = None,
-    integrator: Integrator | None = None,
-    hardening: Hardening | None = None,
-    heat_source: HeatSource | None = None,
-    lead_ends: LeadEnds | None = None,
-    clock: Clock | None = None,
-    upper_face: EndFace | None = None,
-    lower_face: EndFace | None = None,
-    stack: Stacked | None = None,
-    model: Model | None = None,
-    exposure: Exposure | dict[str, Any] | None = None,
-    keep: Sequence[Kept] | None = None,
-    keep_every: int | None = None,
-    laboratory: Laboratory | dict[str, Any] | None = None,
-    initial_state: SpecimenState | None = None,
-    initial_result: Earlier | str | Path | None = None,
-    rig: Rig | str | Path | dict[str, Any] | None = None,
     executor: Executor | None = None,
     progress: Progress | None = None,
-    **misspelt: Never,
+    **options: Unpack[StudyOptions],
 ) -> EarthquakeResult:
     """A bridge pier on isolation bearings in earthquakes: every combination is one run.
 
@@ -110,7 +114,7 @@ def bridge(
         a name ("shen-rig"), a file or a table; none by default.
     executor : any `concurrent.futures` executor; threads by default.
     progress : called with (runs done, all runs).
-    misspelt : anything else is an InputError that says the nearest name.
+    options : anything else is an InputError that says the nearest name.
 
     Returns
     -------
@@ -127,34 +131,8 @@ def bridge(
     >>> bool(cold < warm)
     True
     """
-    return _study(
-        "bridge",
-        (misspelt, executor, progress),
-        bearings=bearing,
-        motions=motion,
-        ambient=ambient,
-        structure=structure,
-        fixed_base=fixed_base,
-        lines=lines,
-        weather=weather,
-        duration=duration,
-        dt=dt,
-        method=method,
-        mass=mass,
-        damping=damping,
-        scheme=scheme,
-        integrator=integrator,
-        hardening=hardening,
-        heat_source=heat_source,
-        lead_ends=lead_ends,
-        clock=clock,
-        **{"upper_face": upper_face, "lower_face": lower_face, "stack": stack},
-        **{"model": model, "exposure": exposure, "keep": keep, "keep_every": keep_every},
-        laboratory=laboratory,
-        initial_state=initial_state,
-        initial_result=initial_result,
-        rig=rig,
-    )
+    given = {"bearings": bearing, "motions": motion, "ambient": ambient}
+    return _study("bridge", given, options, executor, progress)
 
 
 def hybrid(
@@ -162,35 +140,9 @@ def hybrid(
     motion: OneOrMore[GroundMotion | Motion | str | Path | dict[str, Any]] | None = None,
     ambient: OneOrMore[float] | None = None,
     *,
-    structure: Structure | str | Path | None = None,
-    fixed_base: bool | None = None,
-    lines: Sequence[dict[str, Any]] | None = None,
-    weather: str | Path | None = None,
-    duration: float | None = None,
-    dt: float | None = None,
-    method: Method | None = None,
-    mass: MassModel | None = None,
-    damping: DampingKind | None = None,
-    scheme: Scheme | None = None,
-    integrator: Integrator | None = None,
-    hardening: Hardening | None = None,
-    heat_source: HeatSource | None = None,
-    lead_ends: LeadEnds | None = None,
-    clock: Clock | None = None,
-    upper_face: EndFace | None = None,
-    lower_face: EndFace | None = None,
-    stack: Stacked | None = None,
-    model: Model | None = None,
-    exposure: Exposure | dict[str, Any] | None = None,
-    keep: Sequence[Kept] | None = None,
-    keep_every: int | None = None,
-    laboratory: Laboratory | dict[str, Any] | None = None,
-    initial_state: SpecimenState | None = None,
-    initial_result: Earlier | str | Path | None = None,
-    rig: Rig | str | Path | dict[str, Any] | None = None,
     executor: Executor | None = None,
     progress: Progress | None = None,
-    **misspelt: Never,
+    **options: Unpack[StudyOptions],
 ) -> EarthquakeResult:
     """A hybrid test, simulated: a specimen in the loop with a calculated pier.
 
@@ -210,7 +162,7 @@ def hybrid(
     hardening, heat_source, lead_ends, clock, upper_face, lower_face, stack, model, exposure : as
         of `bridge`.
     keep, keep_every, initial_state, initial_result, rig : as of `bridge`.
-    executor, progress, misspelt : as of `bridge`.
+    executor, progress, options : as of `bridge`.
 
     Returns
     -------
@@ -227,48 +179,24 @@ def hybrid(
     >>> test.outcome
     'completed'
     """
-    return _study(
-        "hybrid",
-        (misspelt, executor, progress),
-        bearings=bearing,
-        motions=motion,
-        ambient=ambient,
-        structure=structure,
-        fixed_base=fixed_base,
-        lines=lines,
-        weather=weather,
-        duration=duration,
-        dt=dt,
-        method=method,
-        mass=mass,
-        damping=damping,
-        scheme=scheme,
-        integrator=integrator,
-        hardening=hardening,
-        heat_source=heat_source,
-        lead_ends=lead_ends,
-        clock=clock,
-        **{"upper_face": upper_face, "lower_face": lower_face, "stack": stack},
-        **{"model": model, "exposure": exposure, "keep": keep, "keep_every": keep_every},
-        laboratory=laboratory,
-        initial_state=initial_state,
-        initial_result=initial_result,
-        rig=rig,
-    )
+    given = {"bearings": bearing, "motions": motion, "ambient": ambient}
+    return _study("hybrid", given, options, executor, progress)
 
 
 def _study(
     command: Command,
-    how: tuple[Mapping[str, object], Executor | None, Progress | None],
-    **given: Any,
+    given: dict[str, Any],
+    options: StudyOptions,
+    executor: Executor | None,
+    progress: Progress | None,
 ) -> EarthquakeResult:
     """What `bridge` and `hybrid` do with their arguments."""
-    misspelt, executor, progress = how
     where = f"{command}()"
+    known = {*StudyOptions.__annotations__, "bearing", "motion", "ambient", "executor", "progress"}
+    misspelt = [name for name in options if name not in known]
     if misspelt:
-        known = signature(bridge).parameters.keys() - {"misspelt"}
         raise InputError([f'unknown key "{k}"{nearest(k, known)}' for k in misspelt], where)
-    if given["weather"] is not None:
-        given["weather"] = str(given["weather"])
-    case = make_earthquake_case({"command": command}, where, **given)
+    if options.get("weather") is not None:
+        options["weather"] = str(options["weather"])
+    case = make_earthquake_case({"command": command}, where, **given, **options)
     return run_earthquake(case, executor=executor, progress=progress)

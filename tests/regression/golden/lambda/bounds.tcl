@@ -1,6 +1,6 @@
 # shen-hdr-bridge: bilinear bounds of ONE bearing, units kN, mm, s.
 # Use one of the materials in a zeroLength element, direction 1, per bearing.
-# lower bound: heated cycle at 40 degC, 100% strain; Q_d 81.5028 kN, K_1 7.87045, K_2 1.21084 kN/mm
-uniaxialMaterial Steel01 1 96.32148160079956 7.870449469495858 0.15384615384615385
-# upper bound: first cycle at -20 degC, 100% strain; Q_d 175.24 kN, K_1 24.4046, K_2 3.75456 kN/mm
-uniaxialMaterial Steel01 2 207.10142969300716 24.404642167814114 0.15384615384615385
+# lower bound: heated cycle at 40 degC, 100% strain; Q_d 86.5632 kN, K_1 6.11172, K_2 1.16123 kN/mm
+uniaxialMaterial Steel01 1 106.86818863738043 6.111716928770082 0.18999999999999997
+# upper bound: first cycle at -20 degC, 100% strain; Q_d 181.046 kN, K_1 19.4613, K_2 3.69764 kN/mm
+uniaxialMaterial Steel01 2 223.51306599328265 19.4612611889652 0.18999999999999997
