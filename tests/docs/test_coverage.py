@@ -55,10 +55,20 @@ def what_comes(node: ast.expr) -> Any:
         return attribute(what_comes(node.value), node.attr)
     assert isinstance(node, ast.Call), ast.dump(node)
     function = what_comes(node.func)
-    names = inspect.signature(function).parameters.values()
-    known = {p.name for p in names if p.kind is not p.VAR_KEYWORD}
-    assert {word.arg for word in node.keywords} <= known, ast.unparse(node)
+    assert {word.arg for word in node.keywords} <= keywords(function), ast.unparse(node)
     return function if inspect.isclass(function) else returned(function)
+
+
+def keywords(function: Any) -> set[str]:
+    """What a function takes by name, those of a TypedDict that it unpacks among them."""
+    names = set()
+    for given in inspect.signature(function).parameters.values():
+        if given.kind is not given.VAR_KEYWORD:
+            names.add(given.name)
+            continue
+        for options in typing.get_args(given.annotation):
+            names |= getattr(options, "__annotations__", {}).keys()
+    return names
 
 
 def attribute(owner: Any, name: str) -> Any:
@@ -129,6 +139,7 @@ def test_every_command_can_be_given(run: str) -> None:
         "tb.hybrid(",
         "tb.hybird()",
         "tb.hybrid(mode=1)",
+        "tb.hybrid(geometry=1)",
         "tb.hybrid().plot.piers()",
         "tb.hybrid().plot._grid()",
     ],
