@@ -10,8 +10,8 @@ import numpy as np
 from hypothesis import strategies as st
 
 import thermobearing as tb
-from tests.fuzz import grammar
-from tests.fuzz.judge import COMPLETED, TYPED, Example
+from tests.fuzz import grammar, sheets
+from tests.fuzz.judge import COMPLETED, TYPED, Example, check_numbers
 from tests.fuzz.mutations import UNITS, damaged, plain_numbers, rows_of_numbers, toml_files
 from thermobearing.bearing.bilinear import load_bilinear
 from thermobearing.border.layout import Layout
@@ -132,7 +132,7 @@ def _record_file(raw: bytes) -> Example:
 
 def _sidecar_file(raw: bytes) -> Example:
     call = done(lambda folder: _checked_record(folder / "test.toml"))
-    files = {"test.toml": raw, "test.csv": grammar.TEST.encode(), **beside(raw)}
+    files = {"test.toml": raw, "test.csv": sheets.TEST.encode(), **beside(raw)}
     return Example(files, call, f"load_test, sidecar: {raw.decode('utf-8', 'replace')}")
 
 
@@ -141,15 +141,15 @@ def _tables(draw: st.DrawFn) -> Example:
     """CSV files of every use."""
     use = draw(st.sampled_from(["recording", "weather", "measured", "columns"]))
     if use == "recording":
-        raw = draw(rows_of_numbers(grammar.MOVED))
+        raw = draw(rows_of_numbers(sheets.MOVED))
         step = {"step": "recorded", "file": "a.csv"}
         test = {"dt": "0.1 s", "steps": [step]}
         call = done(lambda folder: make_case({"test": test}, "case"))
     elif use == "weather":
-        raw = draw(rows_of_numbers(grammar.NIGHT))
+        raw = draw(rows_of_numbers(sheets.NIGHT))
         call = done(lambda folder: tb.Ambient.from_csv(str(folder / "a.csv")))
     elif use == "measured":
-        raw = draw(rows_of_numbers(grammar.MEASURED))
+        raw = draw(rows_of_numbers(sheets.MEASURED))
 
         def measure(folder: Path) -> None:
             data = read_columns(folder / "a.csv", {"displacement": "mm", "force": "kN"})
@@ -159,7 +159,7 @@ def _tables(draw: st.DrawFn) -> Example:
 
         call = done(measure)
     else:
-        raw = draw(rows_of_numbers(grammar.TEST))
+        raw = draw(rows_of_numbers(sheets.TEST))
         layout = Layout(
             draw(st.integers(0, 3)),
             draw(st.integers(0, 3)),
@@ -356,23 +356,6 @@ def _runs(draw: st.DrawFn) -> Example:
     return Example({"a.toml": raw, **beside(raw)}, run, f"run: {raw.decode('utf-8', 'replace')}")
 
 
-# Numbers of a summary that need not exist.
-OPEN = {"lead_degC", "lead_degC_max", "characteristic_strength_kN", "post_yield_stiffness_kN_mm",
-        "h_eq", "pier_ductility", "energy_of_warmest", "pier_moment_max_kN_m"}  # fmt: skip
-
-
-def check_numbers(value: Any, outcome: str, key: str = "") -> None:
-    """No number of a summary is NaN or infinite, unless it need not exist."""
-    if isinstance(value, dict):
-        for name, item in value.items():
-            check_numbers(item, outcome, str(name))
-    elif isinstance(value, list | tuple):
-        for item in value:
-            check_numbers(item, outcome, key)
-    elif isinstance(value, float) and key not in OPEN:
-        assert np.isfinite(value), f"{key} = {value} in the summary, outcome {outcome}"
-
-
 def library_borders() -> list[Border]:
     """Borders of the Python package."""
     return [
@@ -389,7 +372,7 @@ def library_borders() -> list[Border]:
         Border("test sidecar", grammar.sidecars().flatmap(toml_files).map(_sidecar_file), 140),
         Border(
             "test record",
-            grammar.laboratory_files().flatmap(rows_of_numbers).map(_record_file),
+            sheets.laboratory_files().flatmap(rows_of_numbers).map(_record_file),
             100,
         ),
         Border("table", _tables(), 180),

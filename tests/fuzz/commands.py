@@ -8,9 +8,9 @@ from typing import Any
 from hypothesis import strategies as st
 from typer.testing import CliRunner, Result
 
-from tests.fuzz import grammar
-from tests.fuzz.borders import Border, beside, check_numbers
-from tests.fuzz.judge import CLEAN, COMPLETED, TYPED, Example
+from tests.fuzz import grammar, sheets
+from tests.fuzz.borders import Border, beside
+from tests.fuzz.judge import CLEAN, COMPLETED, TYPED, Example, check_numbers
 from tests.fuzz.mutations import damaged, plain_numbers, rows_of_numbers, toml_files
 from thermobearing.cli import app
 
@@ -219,24 +219,22 @@ TWO_RUNS = ("--ambient", "0", "--ambient", "23", "--motion", "motion.csv", "--be
 
 def command_borders() -> list[Border]:
     """Borders of the command."""
-    record = st.just((["test.csv"], {"test.csv": grammar.TEST.encode()}))
-    held = {"test.csv": grammar.TEST.encode(), "other.csv": grammar.TEST.encode()}
-    two = st.just((sorted(held), held))
-    judged = st.one_of(record, _table(grammar.TEST, "t.csv"))
+    record = st.just((["test.csv"], {"test.csv": sheets.TEST.encode()}))
+    judged = st.one_of(record, _table(sheets.TEST, "t.csv"))
     sequences = _toml(grammar.sequence_cases())
     case = _toml(grammar.cyclic_cases())
     study = _toml(grammar.earthquake_cases())
     files = {
         "check": _command(["check"], {}, _toml(grammar.cyclic_cases()), output=False),
-        "measure": _command(["measure"], MEASURE, _table(grammar.MEASURED, "m.csv"), output=False),
+        "measure": _command(["measure"], MEASURE, _table(sheets.MEASURED, "m.csv"), output=False),
         "list": _command(["list"], {}, _no_file(), output=False),
         "none": st.lists(st.sampled_from([*WORDS, "cyclic", "motions", "-h"]), max_size=3).map(
             lambda words: Example({}, lambda folder: run_command(words, folder), f"{words}")
         ),
     }
     looked = ["show", "spectrum"]
-    books = damaged(grammar.workbook()).map(lambda raw: (["t.xlsx"], {"t.xlsx": raw}))
-    tables = grammar.laboratory_files().flatmap(lambda text: _table(text, "t.csv"))
+    books = damaged(sheets.workbook()).map(lambda raw: (["t.xlsx"], {"t.xlsx": raw}))
+    tables = sheets.laboratory_files().flatmap(lambda text: _table(text, "t.csv"))
     return [
         Border("command", st.one_of(*files.values()), 60),
         Border(
@@ -252,9 +250,28 @@ def command_borders() -> list[Border]:
             50,
         ),
         Border("command motions make", _command(["motions", "make"], MAKE, _no_file()), 20),
+        *_fit_borders(),
+        Border("command validate", _command(["validate", NAMES[0]], VALIDATE, judged), 24),
+        Border("command sequence", _command(["sequence"], SEQUENCE, sequences), 24),
+        Border("command design", _command(["design"], DESIGN, _toml(grammar.design_cases())), 8),
+        Border(
+            "command lambda",
+            _command(["lambda", "shen-hdr-bridge"], LAMBDA, _no_file(), ("--temperature", "0")),
+            10,
+        ),
+        Border("command bounds", _command(["bounds"], BOUNDS, _no_file(), TWO_RUNS), 8),
+    ]
+
+
+def _fit_borders() -> list[Border]:
+    """Those of `identify`."""
+    record = st.just((["test.csv"], {"test.csv": sheets.TEST.encode()}))
+    held = {"test.csv": sheets.TEST.encode(), "other.csv": sheets.TEST.encode()}
+    two = st.just((sorted(held), held))
+    return [
         Border(
             "command identify --check",
-            _command(["identify"], IDENTIFY, _table(grammar.TEST, "t.csv"), ("--check",)),
+            _command(["identify"], IDENTIFY, _table(sheets.TEST, "t.csv"), ("--check",)),
             40,
         ),
         Border(
@@ -271,13 +288,4 @@ def command_borders() -> list[Border]:
             ),
             10,
         ),
-        Border("command validate", _command(["validate", NAMES[0]], VALIDATE, judged), 24),
-        Border("command sequence", _command(["sequence"], SEQUENCE, sequences), 24),
-        Border("command design", _command(["design"], DESIGN, _toml(grammar.design_cases())), 8),
-        Border(
-            "command lambda",
-            _command(["lambda", "shen-hdr-bridge"], LAMBDA, _no_file(), ("--temperature", "0")),
-            10,
-        ),
-        Border("command bounds", _command(["bounds"], BOUNDS, _no_file(), TWO_RUNS), 8),
     ]

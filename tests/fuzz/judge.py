@@ -11,6 +11,9 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import FrameType
+from typing import Any
+
+import numpy as np
 
 import thermobearing as tb
 
@@ -156,3 +159,20 @@ def _limited_memory() -> Iterator[None]:
         yield
     finally:
         resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
+
+
+# Numbers of a summary that need not exist.
+OPEN = {"lead_degC", "lead_degC_max", "characteristic_strength_kN", "post_yield_stiffness_kN_mm",
+        "h_eq", "pier_ductility", "energy_of_warmest", "pier_moment_max_kN_m"}  # fmt: skip
+
+
+def check_numbers(value: Any, outcome: str, key: str = "") -> None:
+    """No number of a summary is NaN or infinite, unless it need not exist."""
+    if isinstance(value, dict):
+        for name, item in value.items():
+            check_numbers(item, outcome, str(name))
+    elif isinstance(value, list | tuple):
+        for item in value:
+            check_numbers(item, outcome, key)
+    elif isinstance(value, float) and key not in OPEN:
+        assert np.isfinite(value), f"{key} = {value} in the summary, outcome {outcome}"

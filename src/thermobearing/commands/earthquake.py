@@ -92,6 +92,21 @@ Weather = Annotated[
         rich_help_panel=INPUT,
     ),
 ]
+LABORATORY = "Laboratory"  # panel of the help
+Modes = Annotated[
+    list[str] | None,
+    typer.Option(
+        help="rt (real time) or pd (pseudo-dynamic); may be repeated.", rich_help_panel=LABORATORY
+    ),
+]
+Delay = Annotated[
+    float | None, typer.Option(help="Delay of the actuator [s].", rich_help_panel=LABORATORY)
+]
+ForceNoise = Annotated[
+    float | None,
+    typer.Option(help="Standard deviation of the measured force [kN].", rich_help_panel=LABORATORY),
+]
+Seed = Annotated[int | None, typer.Option(help="Of the noise.", rich_help_panel=LABORATORY)]
 
 
 @reported
@@ -144,31 +159,16 @@ def bridge(
 @reported
 def hybrid(
     case: Case = None,
-    mode: Annotated[
-        list[str] | None,
-        typer.Option(
-            help="rt (real time) or pd (pseudo-dynamic); may be repeated.",
-            rich_help_panel="Laboratory",
-        ),
-    ] = None,
+    mode: Modes = None,
     bearing: Bearings = None,
     motion: Motions = None,
     ambient: Ambients = None,
     structure: Structure_ = None,
     fixed_base: FixedBase = False,
     damping: Damping_ = None,
-    delay: Annotated[
-        float | None, typer.Option(help="Delay of the actuator [s].", rich_help_panel="Laboratory")
-    ] = None,
-    force_noise: Annotated[
-        float | None,
-        typer.Option(
-            help="Standard deviation of the measured force [kN].", rich_help_panel="Laboratory"
-        ),
-    ] = None,
-    seed: Annotated[
-        int | None, typer.Option(help="Of the noise.", rich_help_panel="Laboratory")
-    ] = None,
+    delay: Delay = None,
+    force_noise: ForceNoise = None,
+    seed: Seed = None,
     method: Method = None,
     dt: Dt = None,
     duration: Duration = None,
