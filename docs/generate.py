@@ -9,6 +9,7 @@ import json
 import os
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,16 @@ TEXTS = DOCS / "texts"  # written by hand, between the tables of verification.md
 SECTIONS = ("one_dimension", "factors", "lead", "structures", "near_fault", "source")
 # Tables between marks in the texts, each printed by `python -m benchmarks.NAME`.
 TABLES = {"lead": ("lead_rise",), "source": ("bearing_count", "source_hybrid")}
+COVERAGE = DOCS / "coverage.toml"  # every item of the source; written by hand
 MEASURED, BENCH = DOCS / "measured.json", DOCS / "bench.json"
+
+VERDICTS = {
+    "works": "runs, and does not contradict the source",
+    "partial": "runs, but something of it is missing, as said",
+    "contradicted": "runs, but the source's own words or numbers say otherwise",
+    "outside": "outside a model with heat flow through the height only",
+    "later": "comes later",
+}
 
 # Rows of the README, by the names that tests and benches give their numbers.
 IN_README = (
@@ -126,6 +136,41 @@ def verification_text(measured: list[dict[str, str]], bench: dict[str, Any]) -> 
     )
 
 
+def coverage_items() -> list[dict[str, Any]]:
+    """What docs/coverage.toml says of every item, in the order of the source."""
+    return list(tomllib.loads(COVERAGE.read_text(encoding="utf-8"))["items"])
+
+
+def coverage_text(items: list[dict[str, Any]]) -> str:
+    """docs/coverage.md, all of it: what it means, the counts, and a table a chapter."""
+    counts = {name: sum(i["verdict"] == name for i in items) for name in VERDICTS}
+    told = [[name, str(count), VERDICTS[name]] for name, count in counts.items()]
+    parts: list[Any] = [
+        "# Coverage",
+        "Written by `make docs` from `docs/coverage.toml`; do not edit. Every model, measure, test "
+        "and figure of the source, what runs it here, and what came out beside what the source "
+        f"says. {len(items)} items:",
+        table(["verdict", "items", "meaning"], told),
+        "The source's test records and accelerograms are not public: a figure that lays the model "
+        'over a test "works" if any test can be laid under it, one of an earthquake if the '
+        "built-in motions draw it. `CASE.toml`, `TEST.toml` and `TEST.csv` are files of the user "
+        "([files.md](files.md)); lines that begin with `tb.` are Python after "
+        "`import thermobearing as tb`. Why the source is not followed where they differ: "
+        "[theory.md](theory.md), [verification.md](verification.md).",
+    ]
+    rows: list[list[str]] = []
+    heads = ["#", "source", "what", "run by", "here", "source says", "verdict"]
+    for item in items:
+        if "chapter" in item:
+            rows = []
+            parts += [f"## {item['chapter'][0].upper()}{item['chapter'][1:]}", rows]
+        verdict = item["verdict"] if item["verdict"] == "works" else f"**{item['verdict']}**"
+        words = [item[key] for key in ("ours", "says")]
+        start = [str(item["item"]), item["source"], item["what"], f"`{item['run']}`"]
+        rows.append([*start, *words, verdict])
+    return "\n\n".join(p if isinstance(p, str) else table(heads, p) for p in parts) + "\n"
+
+
 def between(text: str, name: str, content: str) -> str:
     """The text with what stands between two marks replaced."""
     start, end = f"<!-- generated: {name} -->", "<!-- end generated -->"
@@ -183,6 +228,7 @@ def main() -> None:
     measured, bench_numbers = load(MEASURED), load(BENCH)
     README.write_text(readme_text(README.read_text(), measured, bench_numbers))
     (DOCS / "verification.md").write_text(verification_text(measured, bench_numbers))
+    (DOCS / "coverage.md").write_text(coverage_text(coverage_items()))
 
 
 if __name__ == "__main__":

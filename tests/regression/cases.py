@@ -58,6 +58,8 @@ WRITTEN = {
     "hybrid": f"hybrid --bearing {LHDR} --motion shake.csv --ambient 0 --delay 0.013",
     "hybrid-slow": "hybrid laboratory.toml",
     "sequence": "sequence sequence.toml",
+    "bridge-lines": "bridge lines.toml",
+    "structures-show": "structures show pier-p1 --fixed-base",
     "motions-show": "motions show station.NS --baseline",
     "motions-spectrum": "motions spectrum shake.csv --type II --ground II --damping 0.1",
     "motions-make": "motions make --seed 7 --type II --ground II --zone-factor 0.85 --dt 0.02",

@@ -50,6 +50,12 @@ def test_the_same_motion_twice_is_a_fault() -> None:
         make_earthquake_case({}, "test", motions=two)
 
 
+def test_a_fault_of_a_motion_is_told_once() -> None:
+    with pytest.raises(tb.InputError) as caught:
+        make_earthquake_case({}, "test", motions=[{"name": "jra-i-i-1", "factor": -1.0}])
+    assert str(caught.value).count("factor") == 1
+
+
 def test_a_ground_motion_is_run_as_its_file_is(tmp_path: Path) -> None:
     """And runs again from the resolved case, to the bit."""
     file = tmp_path / "a.csv"
@@ -86,6 +92,8 @@ def test_ground_motions_that_are_none(change: dict[str, Any], said: str) -> None
         ({"dt": None}, "give dt"),
         ({"unit": "g"}, "is the unit wrong"),
         ({"unit": "furlong"}, "unknown unit"),
+        ({"unit": None}, "unit = None: must be text"),
+        ({"dt": "0.01"}, "must be a number of seconds"),
         ({"acceleration": [[1.0]]}, "list of numbers"),
     ],
 )

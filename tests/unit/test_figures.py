@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from numpy.testing import assert_allclose
 
 import thermobearing as tb
 from tests.conftest import COARSE
@@ -160,6 +161,26 @@ def test_profiles_are_those_at_the_end_of_the_cycles(result: tb.cyclic.Result) -
             row = np.flatnonzero(segment == number)[-1]
             np.testing.assert_array_equal(line.get_xdata(), result["temperature"].values[run, row])
         assert "plane of symmetry" in [text.get_text() for text in ax.texts]
+
+
+def test_layers_are_drawn_at_their_last_peak() -> None:
+    """Half the layers make half of the displacement; the outer one, the coldest, the least."""
+    test = tb.cyclic_test(strain=[0.5, 2.0], cycles=2, rest=None, dt=0.02)
+    keep = ["rubber", "layer_displacement"]
+    found = tb.run("shen-hdr-specimen", test, [-20.0, 23.0], keep=keep)
+    figure = found.plot.layer_shear()
+    lines = [line for line in figure.axes[0].get_lines() if len(line.get_xdata()) == 3]
+    small, large = (np.asarray(line.get_xdata()) for line in lines[:2])
+    assert_allclose([small.sum(), large.sum()], [7.5, 30.0], rtol=1e-6)
+    assert large[0] < min(large[1:])
+    peaks = np.flatnonzero(np.abs(found["displacement"].values[0]) > 60.0 - 1e-6)
+    layers = np.abs(found["layer_displacement"].values[0])
+    assert_allclose(large, layers[peaks[-1]])
+    assert np.abs(large - layers[peaks[0]]).max() > 0.01
+    # 25 mm of end plate, 5 mm layers, 3.2 mm shims.
+    assert_allclose(lines[0].get_ydata(), [27.5, 35.7, 43.9])
+    with pytest.raises(tb.InputError, match="layer_displacement"):
+        tb.run("shen-hdr-specimen", test).plot.layer_shear()
 
 
 def test_energy_gives_the_residual(result: tb.cyclic.Result) -> None:

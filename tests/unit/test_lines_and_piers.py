@@ -120,6 +120,23 @@ def test_files_say_every_line_and_pier(
     assert "ductility" in shown
 
 
+def test_the_figure_has_a_dot_for_every_part(
+    study: tb.earthquake.EarthquakeResult, tmp_path: Path
+) -> None:
+    figure = study.plot.parts()
+    panels = {ax.get_ylabel(): ax for ax in figure.axes}
+    assert set(panels) == {
+        "bearing strain [%]",
+        "force of the line [kN]",
+        "pier displacement [mm]",
+        "pier ductility",
+    }
+    dots = [float(line.get_ydata()[0]) for line in panels["bearing strain [%]"].lines]  # type: ignore[index,arg-type]
+    assert_allclose(dots, 100.0 * study.lines["strain_max"])
+    ticks = [text.get_text() for text in panels["pier ductility"].get_xticklabels()]
+    assert ticks == ["B", "A"]
+
+
 def test_one_line_and_one_pier_have_the_table_only() -> None:
     result = tb.bridge("shen-bilinear-bridge", "jra-ii-i-1", 23, duration=1)
     assert len(result.lines) == 0

@@ -38,6 +38,9 @@ def test_show_without_a_directory_and_a_bad_name(tmp_path: Path) -> None:
     done = command("structures", "show", "pier-p2")
     assert done.exit_code == 2
     assert 'did you mean "pier-p1"' in done.stderr
+    done = command("structures", "show", "pier-p1", "--mass", "heavy")
+    assert done.exit_code == 2
+    assert "mass = 'heavy': must be one of consistent, published" in done.stderr
     done = command("structures", "list")
     assert "pier-p1" in done.stdout
     own = tmp_path / "two.toml"

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from thermobearing.border.errors import InputError
 from thermobearing.cyclic.lead_figures import draw_force_shares, draw_lead_temperature
 from thermobearing.cyclic.loop_figure import add_loops, draw_loops
-from thermobearing.cyclic.profile_figure import draw_profiles
+from thermobearing.cyclic.profile_figure import draw_layer_shear, draw_profiles
 from thermobearing.cyclic.result import Result, run_name
 from thermobearing.cyclic.time_axis import TimeAxis
 from thermobearing.results import drawing
@@ -253,8 +253,7 @@ class Figures:
     def profiles(self) -> Figure:
         """Temperature through the height at the end of each amplitude, as Fig. 4.10.
 
-        Lines join the centres of the cells; bands show steel (grey) and rubber. A half stack
-        ends at the plane of symmetry, a full stack at the lower face.
+        Lines join the centres of the cells; bands show steel (grey) and rubber.
 
         Returns
         -------
@@ -263,18 +262,22 @@ class Figures:
         Raises
         ------
         NothingToDrawError : cell temperatures were not kept.
-
-        Examples
-        --------
-        >>> import thermobearing as tb
-        >>> result = tb.run("shen-hdr-specimen", tb.cyclic_test(strain=[0.5], cycles=1))
-        >>> result.plot.profiles().axes[0].get_ylabel()
-        'distance from the upper face [mm]'
         """
         self._needs("temperature", "profiles", "cells")
         titles = [self._run_title(run) for run in range(len(self._ambient))]
         title = self._title("temperature at the end of each loading")
         return draw_profiles(self._result, title, titles)
+
+    def layer_shear(self) -> Figure:
+        """Displacement of each layer at the last peak of each amplitude, as Fig. 4.1 sketches it.
+
+        Raises
+        ------
+        NothingToDrawError : layer displacements were not kept (`keep`).
+        """
+        self._needs("layer_displacement", "layer_shear", "layer_displacement")
+        titles = [self._run_title(run) for run in range(len(self._ambient))]
+        return draw_layer_shear(self._result, self._title("shear of the layers"), titles)
 
     def lead_temperature(self) -> Figure:
         """Temperature of the lead beside that of the innermost rubber layer, as Fig. 5.8.
@@ -308,8 +311,7 @@ class Figures:
     def energy(self) -> Figure:
         """Where the work goes: heat released, stored and lost, and recoverable energy, in time.
 
-        The titles give the residuals of the balances at the end, relative to the work. The
-        published scheme does not conserve heat, so its residual is not zero.
+        The titles give the residuals of the balances, relative to the work.
 
         Returns
         -------
@@ -372,6 +374,7 @@ class Figures:
             ("lead_temperature", self.lead_temperature),
             ("force_shares", self.force_shares),
             ("profiles", self.profiles),
+            ("layer_shear", self.layer_shear),
             ("energy_balance", self.energy),
         ):
             try:

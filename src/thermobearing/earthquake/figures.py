@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 
 from thermobearing.earthquake.loop_figures import draw_largest_loops, draw_modes, has_loops
 from thermobearing.earthquake.modes import has_both
+from thermobearing.earthquake.parts import has_parts
+from thermobearing.earthquake.parts_figure import draw_parts
 from thermobearing.earthquake.profile_figure import draw_profiles
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.results import drawing
@@ -165,6 +167,10 @@ class EarthquakeFigures:
     def largest_loops(self) -> Figure:
         """The largest loop, the bearings over each other, as Fig. 4.12 and 6.6."""
         return draw_largest_loops(self._result)
+
+    def parts(self) -> Figure:
+        """Every bearing line and every pier beside each other, where there are several."""
+        return draw_parts(self._result)
 
     def modes(self) -> Figure:
         """Real time over pseudo-dynamic: loops of the specimen, as Fig. 3.16 to 3.19."""
@@ -348,6 +354,8 @@ class EarthquakeFigures:
             "deck": self.deck,
             "peaks": self.peaks,
         }
+        if has_parts(self._data):
+            figures["parts"] = self.parts
         if has_loops(self._result):
             figures["largest_loops"] = self.largest_loops
         if has_both(self._result):

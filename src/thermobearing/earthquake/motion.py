@@ -99,12 +99,21 @@ def settle_motions(
             table = _table(item, folder)
             tables.append(table)
             if isinstance(table, dict) and isinstance(table.get("name"), str):
-                loaded.append(validated(Motion, table, here).load())
+                made = _made(table)
+                loaded += [made.load()] if made is not None else []
         except InputError as error:
             problems += error.lines(here)
     if not problems and len(loaded) == len(tables):
         problems += _tell_apart(tables, loaded)
     return tables, loaded, problems
+
+
+def _made(table: dict[str, Any]) -> Motion | None:
+    """The motion of a table; None for faults that the check of the whole case will tell."""
+    try:
+        return validated(Motion, table, "motion")
+    except InputError:
+        return None
 
 
 def _table(item: Any, folder: Path) -> Any:

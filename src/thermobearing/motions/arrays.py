@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from thermobearing.border.errors import InputError
-from thermobearing.border.numbers import number_list
+from thermobearing.border.numbers import is_number, number_list
 from thermobearing.motions.record import ACCELERATION_UNITS, GroundMotion, acceleration_unit
 from thermobearing.motions.sniffing import SHORTEST, check_size, checked_step, even_step
 
@@ -58,6 +58,10 @@ def motion_from_arrays(
             if len(times) != len(values):
                 raise InputError(f"{len(times)} times and {len(values)} accelerations")
             found = even_step(times, list(range(1, len(times) + 1)), "sample")
+        if dt is not None and not is_number(dt):
+            raise InputError(f"dt = {dt!r}: must be a number of seconds")
+        if not isinstance(unit, str):
+            raise InputError(f'unit = {unit!r}: must be text, such as "gal"')
         step = checked_step(found, dt)
         size = acceleration_unit(unit)
         plain = unit_of_size(size)

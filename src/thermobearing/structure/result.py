@@ -2,12 +2,13 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 import pandas as pd
 
 import thermobearing
+from thermobearing.border.errors import InputError
 from thermobearing.core.records import Floats
 from thermobearing.structure.model import DampingKind, MassModel, Structure, load_structure
 from thermobearing.structure.parts import fixed_base, piers_of, reported_line
@@ -170,6 +171,8 @@ def examine_structure(
     >>> examine_structure("pier-p1").table["period_s"].round(3).tolist()
     [1.746, 0.496, 0.082, 0.044]
     """
+    if mass not in get_args(MassModel):
+        raise InputError(f"mass = {mass!r}: must be one of {', '.join(get_args(MassModel))}")
     if not isinstance(structure, Structure):
         structure = load_structure(structure)
     structure = fixed_base(structure) if fixed else structure
