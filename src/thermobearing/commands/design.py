@@ -68,9 +68,7 @@ def design(
     from thermobearing.results.directory import check_target
 
     overrides: dict[str, Any] = {
-        "start": start,
-        "compound": compound,
-        "compound_kind": kind,
+        **{"start": start, "compound": compound, "compound_kind": kind},
         "motions": motion or None,
         "weight": weight,
         "structure": structure,
