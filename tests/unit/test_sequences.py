@@ -189,7 +189,7 @@ def test_a_rig_by_name_in_python_and_on_the_command_line(tmp_path: Path) -> None
         done = command(name, *quick, *more, "-o", tmp_path / name)
         assert done.exit_code == 0, done.output
         (row,) = pd.read_csv(tmp_path / name / "rig.csv").to_dict("records")
-        assert (row["limit"], row["rig"], row["passed"]) == ("force", 1.0, True)
+        assert (row["limit"], row["largest"], row["passed"]) == ("force", 1.0, True)
     wrong = command("cyclic", "--rig", "shen-rigg", "-o", tmp_path / "wrong")
     assert wrong.exit_code == 2
     assert 'did you mean "shen-rig"' in wrong.stderr
