@@ -261,3 +261,6 @@ SIMILAR = 1e-9  # of the peak: the same test in other units, two thousand steps 
 HEAT_OF_CELLS = 1e-4  # single precision of the cells, at -20 degC 1e-6 K of some kelvin
 DRIFT_FOUND = 0.15  # of a drift through the middles of four cycles only; 0.11 measured
 FOUR_DECIMALS = 5.1e-5  # half a unit of the last digit of 1.0000
+
+# Peak of one mass by the ten-line integrator of docs/python.md (first order) at dt and at dt/2.
+SIMPLEST_INTEGRATOR = 0.03

@@ -6,33 +6,25 @@ bearing marked); 130 interrupted (partial results kept). Heavy imports wait unti
 them, so that --help is quick.
 """
 
-import contextlib
-import re
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
-import typer.core
 
 import thermobearing
-from thermobearing.border.errors import InputError
-from thermobearing.commands import design, earthquake, factors, sequence
+from thermobearing.commands import cyclic, design, earthquake, factors, sequence
 from thermobearing.commands.common import (
+    ANALYSES,
     BAD_INPUT,
+    FILES,
+    LABORATORY,
+    OFFICE,
     AsJson,
-    Exposed,
-    Force,
-    NoFigures,
-    Output,
-    Quiet,
-    RigName,
     echo_json,
-    exposure_given,
     reported,
-    with_progress,
-    written,
 )
+from thermobearing.commands.help import Command, Group
 from thermobearing.commands.identify import identify
 from thermobearing.commands.intake import intake
 from thermobearing.commands.measure import measure
@@ -43,12 +35,8 @@ from thermobearing.commands.structures import app as structures
 from thermobearing.commands.threads import one_blas_thread
 from thermobearing.commands.validate import validate
 
-if TYPE_CHECKING:
-    from thermobearing.cyclic.case import Case
-    from thermobearing.cyclic.result import Result
 
-
-class _Commands(typer.core.TyperGroup):
+class _Commands(Group):
     """The commands; wrong usage too ends with a line of JSON if --json is among the words."""
 
     def main(self, *args: Any, **kwargs: Any) -> Any:
@@ -68,10 +56,9 @@ app = typer.Typer(
     cls=_Commands,
     help="Rubber isolation bearings in the cold: heat conduction coupled to hysteresis.",
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode="markdown",  # or units in brackets vanish from the help
-    context_settings={"help_option_names": ["-h", "--help"]},
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 200},
 )
 
 
@@ -90,97 +77,12 @@ def _common(
     """Rubber isolation bearings in the cold."""
 
 
-app.add_typer(motions, name="motions")
-app.add_typer(structures, name="structures")
-app.command()(earthquake.bridge)
-app.command()(earthquake.hybrid)
-app.command()(sequence.sequence)
-app.command()(design.design)
-app.command()(design.bounds)
-app.command("lambda")(factors.lambda_)
+def _example(*words: str) -> str:
+    """The end of a command's help; one paragraph each."""
+    return "\n\n".join(f"Example: thermobearing {line}" for line in words)
 
 
-BearingName = Annotated[
-    str | None, typer.Option(help="Library name or TOML file.", metavar="NAME/FILE")
-]
-Ambients = Annotated[
-    list[float] | None, typer.Option(help="Ambient temperature [degC]; may be repeated.")
-]
-
-
-@app.command()
-@reported
-def cyclic(
-    case: Annotated[
-        Path | None, typer.Argument(help="Case file; without one, Table 3.4 on the HDR specimen.")
-    ] = None,
-    bearing: BearingName = None,
-    ambient: Ambients = None,
-    dt: Annotated[float | None, typer.Option(help="Largest time step in motion [s].")] = None,
-    scheme: Annotated[str | None, typer.Option(help="conservative or published.")] = None,
-    integrator: Annotated[str | None, typer.Option(help="exact or euler.")] = None,
-    hardening: Annotated[str | None, typer.Option(help="printed or monotone.")] = None,
-    heat_source: Annotated[str | None, typer.Option(help="work or dissipation.")] = None,
-    lead_ends: Annotated[str | None, typer.Option(help="finite-plate or half-space.")] = None,
-    clock: Annotated[str | None, typer.Option(help="Of a half-space: lead or steel.")] = None,
-    model: Annotated[str | None, typer.Option(help="An earlier model, see docs/theory.md.")] = None,
-    exposure: Exposed = None,
-    compare: Annotated[bool, typer.Option("--compare", help="Earlier models beside it.")] = False,
-    keep_every: Annotated[int | None, typer.Option(help="Keep every n-th step.")] = None,
-    rig: RigName = None,
-    output: Output = None,
-    force: Force = False,
-    no_figures: NoFigures = False,
-    as_json: AsJson = False,
-    quiet: Quiet = False,
-) -> int:
-    """Displacement-controlled cyclic test of a bearing, heat and hysteresis coupled."""
-    from thermobearing.cyclic.case import load_case, make_case
-    from thermobearing.cyclic.files import save_result
-    from thermobearing.cyclic.run import run_case
-    from thermobearing.cyclic.screen import print_result
-    from thermobearing.results.directory import check_target
-
-    overrides = {
-        "bearing": bearing,
-        "ambient": ambient or None,
-        "dt": dt,
-        "scheme": scheme,
-        "integrator": integrator,
-        "hardening": hardening,
-        "heat_source": heat_source,
-        "lead_ends": lead_ends,
-        "clock": clock,
-        "model": model,
-        "exposure": exposure_given(exposure),
-        "keep_every": keep_every,
-        "rig": rig,
-    }
-    if case is None:
-        complete = make_case({}, "command line", **overrides)
-    else:
-        complete = load_case(case, **overrides)
-    target = output or Path("cyclic-" + re.sub(r"[^\w.+-]+", "-", complete.bearing.name))
-    check_target(target, force=force)
-    result = with_progress(lambda show: run_case(complete, progress=show), "stepping", quiet)
-    others = _others(complete, result) if compare and result.outcome == "completed" else {}
-    save_result(result, target, force=force, figures=not no_figures, compared=others)
-    if not quiet:
-        with contextlib.suppress(KeyboardInterrupt):  # the result is safe by now
-            print_result(result, others)
-    return written(result.outcome, result.sentence, target, as_json=as_json, quiet=quiet)
-
-
-def _others(case: "Case", result: "Result") -> "dict[str, Result]":
-    """The result and those of the earlier models, by name; InputError without cycles."""
-    from thermobearing.cyclic.compare import compare_models
-
-    if len(result.cycles) == 0:
-        raise InputError("--compare needs a test with cycles")
-    return compare_models(case)
-
-
-@app.command("list")
+@app.command("list", cls=Command, rich_help_panel=FILES, epilog=_example("list"))
 @reported
 def list_(as_json: AsJson = False) -> int:
     """What is built in."""
@@ -221,7 +123,7 @@ def list_(as_json: AsJson = False) -> int:
     return 0
 
 
-@app.command()
+@app.command(cls=Command, rich_help_panel=FILES, epilog=_example("check bearing.toml"))
 @reported
 def check(
     file: Annotated[Path, typer.Argument(help="A bearing, a compound, a case, or any other TOML.")],
@@ -232,25 +134,48 @@ def check(
     Numbers that usual bearings do not have are warnings: units, signs. Of a bearing also what its
     heat cells cost in accuracy, by a short test on it.
     """
-    from rich.console import Console
-
     from thermobearing.commands.check import cells_facts, check_file
     from thermobearing.results.screen import print_facts, print_warnings
 
     kind, facts, warnings = check_file(file)
     facts |= cells_facts(file) if kind == "bearing" else {}
     print_facts(f"{file}: a valid {kind}", facts)
-    print_warnings(Console(), warnings)
+    print_warnings(warnings)
     if as_json:
         echo_json({"outcome": "valid", "kind": kind, "file": str(file), "warnings": warnings})
     return 0
 
 
-app.command()(new)
-app.command()(measure)
-app.command()(intake)
-app.command()(identify)
-app.command()(validate)
+def _add(name: str, command: Any, panel: str, *examples: str) -> None:
+    app.command(name, cls=Command, rich_help_panel=panel, epilog=_example(*examples))(command)
+
+
+_add(
+    "cyclic",
+    cyclic.cyclic,
+    ANALYSES,
+    "cyclic --bearing shen-lhdr-specimen --ambient -20 --ambient 23 -o my-run",
+    "cyclic --strain 1.75 --wave sine --frequency 0.5 --cycles 11",
+)
+_add("bridge", earthquake.bridge, ANALYSES, "bridge --motion jra-ii-i-1 --ambient -20 -o pier")
+_add("hybrid", earthquake.hybrid, ANALYSES, "hybrid --mode rt --mode pd --ambient -20 -o hybrid")
+_add("sequence", sequence.sequence, ANALYSES, "sequence case.toml -o sequence")
+_add("measure", measure, LABORATORY, "measure test.csv --bearing shen-hdr-specimen")
+_add("intake", intake, LABORATORY, "intake cold.xlsx warm.csv --bearing mine.toml -o looked")
+_add(
+    "new",
+    new,
+    FILES,
+    "new pier-3 --compound natural-rubber --plan 1000x1000mm --layers 20x8mm --shim 3mm "
+    "--lead 180mm",
+)
+_add("identify", identify, LABORATORY, "identify cold.csv warm.csv --bearing mine.toml -o fit")
+_add("validate", validate, LABORATORY, "validate mine.toml other-test.csv --limit energy=0.2")
+_add("design", design.design, OFFICE, "design --motion jra-ii-i-1 --compound G10 -o design")
+_add("bounds", design.bounds, OFFICE, "bounds --bearing shen-hdr-bridge --ambient -20")
+_add("lambda", factors.lambda_, OFFICE, "lambda shen-hdr-bridge --strain 1.75 -o factors")
+app.add_typer(motions, name="motions", rich_help_panel=FILES)
+app.add_typer(structures, name="structures", rich_help_panel=FILES)
 
 
 def main() -> None:

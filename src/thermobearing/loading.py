@@ -1,20 +1,29 @@
 """Any saved result again, whatever analysis it is of."""
 
+from dataclasses import replace
 from pathlib import Path
 
-from thermobearing.border.errors import is_folder
+from thermobearing.bearing.bilinear import BilinearBearing, load_bilinear
+from thermobearing.bearing.library import load_bearing
+from thermobearing.bearing.model import Bearing
+from thermobearing.border.errors import InputError, is_file, is_folder
+from thermobearing.border.toml import read_toml
 from thermobearing.cyclic.files import load_cyclic
 from thermobearing.cyclic.result import Result
 from thermobearing.earthquake.files import load_study
 from thermobearing.earthquake.result import EarthquakeResult
-from thermobearing.results.directory import PARTS
+from thermobearing.results.directory import BEARINGS, DATASET, IDENTIFIED, PARTS
 from thermobearing.results.reading import read_dataset
+from thermobearing.results.saved import SavedResult, is_saved, read_saved
 from thermobearing.sequences.files import load_sequence
 from thermobearing.sequences.result import SequenceResult
 
+WITH_DATASET = {"cyclic", "bridge", "hybrid", "sequence"}  # commands
+AnyResult = Result | EarthquakeResult | SequenceResult | SavedResult
 
-def load_result(path: str | Path) -> Result | EarthquakeResult | SequenceResult:
-    """A saved result again, of a cyclic test, of an earthquake study or of a sequence of them.
+
+def load_result(path: str | Path) -> AnyResult:
+    """A saved result again, whatever made it.
 
     Parameters
     ----------
@@ -22,7 +31,9 @@ def load_result(path: str | Path) -> Result | EarthquakeResult | SequenceResult:
 
     Returns
     -------
-    Result, or EarthquakeResult of `bridge` and `hybrid`, or SequenceResult of `sequence`.
+    Result, or EarthquakeResult of `bridge` and `hybrid`, or SequenceResult of `sequence`;
+    of all others (identify, validate, design, lambda, bounds, motions) a SavedResult: summary,
+    tables, figures and bearings.
 
     Raises
     ------
@@ -40,5 +51,21 @@ def load_result(path: str | Path) -> Result | EarthquakeResult | SequenceResult:
     """
     if is_folder(Path(path) / PARTS):
         return load_sequence(path)
+    if is_saved(path) and not is_file(Path(path) / DATASET):
+        return _with_bearings(read_saved(path))
     study = "structure" in read_dataset(path, ["case"]).attrs
     return load_study(path) if study else load_cyclic(path)
+
+
+def _with_bearings(found: SavedResult) -> SavedResult:
+    """The bearing that was identified, or those that were designed, read too."""
+    if found.command in WITH_DATASET:
+        raise InputError(f"no result.nc there, which {found.command} writes", str(found.path))
+    files = [found.path / IDENTIFIED, *sorted((found.path / BEARINGS).glob("*.toml"))]
+    loaded = [_bearing_of(file) for file in files if is_file(file)]
+    return replace(found, bearings={bearing.name: bearing for bearing in loaded})
+
+
+def _bearing_of(file: Path) -> Bearing | BilinearBearing:
+    kind = read_toml(file).get("kind")
+    return load_bilinear(file) if kind == "bilinear" else load_bearing(file)

@@ -6,10 +6,13 @@ import subprocess
 import sys
 from importlib import resources
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 
 from docs import generate
+from tests import tolerances as tol
 from tests.told_numbers import disagreements
 from tests.unit.inputs import command
 
@@ -41,6 +44,23 @@ def test_readme_examples_run_and_the_first_is_short(
         exec(compile(example, "README.md", "exec"), names)
     for figure in re.findall(r'savefig\("(\w+\.png)"\)', README):
         assert (tmp_path / figure).stat().st_size > 10_000, figure
+
+
+def test_examples_in_python_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """One after the other, as in a notebook; the integrator is short and gives what it should."""
+    examples = blocks((ROOT / "docs" / "python.md").read_text(), "python")
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, Any] = {}
+    for example in examples:
+        exec(compile(example, "python.md", "exec"), names)
+    lines = [line for line in examples[0].splitlines() if line and not line.startswith("import")]
+    assert len(lines) == 10
+    halved = "\n".join(lines).replace("motion.dt", "0.5 * motion.dt")
+    halved = halved.replace("in motion.acceleration", "in np.repeat(motion.acceleration, 2)")
+    finer: dict[str, Any] = {"tb": names["tb"], "np": np}
+    exec(compile(halved, "python.md, half the step", "exec"), finer)
+    assert 50.0 < finer["peak"] < 300.0
+    assert names["peak"] == pytest.approx(finer["peak"], rel=tol.SIMPLEST_INTEGRATOR)
 
 
 def test_readme_commands_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -19,6 +19,7 @@ NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?(?![\w.])")
 FRAMES = re.compile(r"[^\S\n]+|[\u2500-\u259f]+")  # spaces and lines around tables on the screen
 CHANGING = (
     (re.compile(r'("seconds": )[\d.e+-]+'), r'\1"<seconds>"'),
+    (re.compile(r"(?<=\()\d+(\.\d+)? MB(?=\)$)", re.M), "<size>"),
     (re.compile(r"(?<=[a-z], )\d+\.\d s$", re.M), "<seconds>"),
     (re.compile(rf"(?<![\d.]){re.escape(tb.__version__)}(?![\d.])"), "<version>"),
 )

@@ -110,7 +110,8 @@ def test_quiet_says_nothing(case: Path, tmp_path: Path) -> None:
     assert (done.exit_code, done.stdout, done.stderr) == (0, "", "")
     loud = cyclic(case, "-o", tmp_path / "out", "--force")
     assert "G_e" in loud.stdout
-    assert loud.stdout.endswith(f"written: {tmp_path / 'out'}\n")
+    size = sum(path.stat().st_size for path in (tmp_path / "out").iterdir())
+    assert loud.stdout.endswith(f"written: {tmp_path / 'out'} ({size / 1e6:.1f} MB)\n")
 
 
 def test_overrides(case: Path, tmp_path: Path) -> None:

@@ -13,6 +13,7 @@ from thermobearing.bearing.exposure import Exposure
 from thermobearing.bearing.temperature import TemperatureLaw
 from thermobearing.bearing.validity import Validity
 from thermobearing.border.schema import Strict, in_unit
+from thermobearing.border.showing import facts_html
 from thermobearing.border.units import CUBIC_MM_PER_CUBIC_M, NEWTON_PER_KILONEWTON
 
 # Every range is that of real bearings with a factor of ten or more on either side: what lies
@@ -320,6 +321,33 @@ class Bearing(Strict):
                 f"K_r t_r / A of {modulus:.3g} MPa: must be {SOFTEST:g} to {HARDEST:g} MPa"
             )
         return self
+
+    def __repr__(self) -> str:
+        g = self.geometry
+        return (
+            f"<Bearing {self.name} ({self.kind}): {g.rubber_layers} x {g.rubber_thickness:g} mm "
+            f"of rubber, {g.plan.shape}, {self.area:g} mm2>"
+        )
+
+    __str__ = __repr__
+
+    def _repr_html_(self) -> str:
+        g, h = self.geometry, self.hysteresis
+        cores = f"{self.lead.cores} x {self.lead.core_area:g} mm2" if self.lead else ""
+        facts = {
+            "kind": self.kind,
+            "description": self.description,
+            "plan": f"{g.plan.shape}, {self.area:g} mm2",
+            "rubber": f"{g.rubber_layers} x {g.rubber_thickness:g} = "
+            f"{g.total_rubber_thickness:g} mm",
+            "shape factors": f"S1 = {g.first_shape_factor:.3g}, S2 = {g.second_shape_factor:.3g}",
+            "K_r, d_y": f"{h.layer_stiffness:g} kN/mm, {h.yield_displacement:g} mm",
+            "m_T, n_T": f"{h.elastic_temperature_coefficient:g}, "
+            f"{h.hysteretic_temperature_coefficient:g}",
+            "lead": cores,
+            "citation": self.citation,
+        }
+        return facts_html(self.name, facts)
 
     @property
     def sources(self) -> dict[str, str]:

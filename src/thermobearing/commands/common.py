@@ -13,10 +13,33 @@ from thermobearing.border.errors import InputError, OutputError, printable
 T = TypeVar("T")
 BAD_INPUT, ENDED_EARLY, POOR_FIT, INTERRUPTED = 2, 3, 4, 130
 
-Output = Annotated[Path | None, typer.Option("-o", "--output", help="Result directory.")]
-Force = Annotated[bool, typer.Option("--force", help="Replace an earlier result directory.")]
-NoFigures = Annotated[bool, typer.Option("--no-figures", help="Draw no figures.")]
-AsJson = Annotated[bool, typer.Option("--json", help="Last line of output is JSON.")]
+# Panels of --help: of the list of commands, and of the options of one.
+ANALYSES, LABORATORY, OFFICE, FILES = (
+    "Tests and earthquakes",
+    "From laboratory tests",
+    "Design",
+    "Library and files",
+)
+INPUT, TEST, MODEL, SEARCH, RESULT = ("What", "Test", "Model", "Search", "Result")
+
+Output = Annotated[
+    Path | None,
+    typer.Option("-o", "--output", help="Result directory.", rich_help_panel=RESULT),
+]
+Force = Annotated[
+    bool,
+    typer.Option("--force", help="Replace an earlier result directory.", rich_help_panel=RESULT),
+]
+NoFigures = Annotated[
+    bool, typer.Option("--no-figures", help="Draw no figures.", rich_help_panel=RESULT)
+]
+AsJson = Annotated[
+    bool, typer.Option("--json", help="Last line of output is JSON.", rich_help_panel=RESULT)
+]
+Quiet = Annotated[
+    bool,
+    typer.Option("-q", "--quiet", help="No progress bar, no tables.", rich_help_panel=RESULT),
+]
 Exposed = Annotated[
     list[str] | None,
     typer.Option(
@@ -24,12 +47,17 @@ Exposed = Annotated[
         help="Factor for long cold and age: stiffness=1.3, strength=1.2 and source=WORDS, each an "
         "option of its own.",
         metavar="KEY=VALUE",
+        rich_help_panel=MODEL,
     ),
 ]
-Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="No progress bar, no tables.")]
 RigName = Annotated[
     str | None,
-    typer.Option("--rig", help="Rig that is to do it: name or file.", metavar="NAME/FILE"),
+    typer.Option(
+        "--rig",
+        help="Rig that is to do it: name or file.",
+        metavar="NAME/FILE",
+        rich_help_panel=INPUT,
+    ),
 ]
 Limit = Annotated[
     list[str] | None,
@@ -87,12 +115,18 @@ def written(outcome: str, sentence: str, target: Path, *, as_json: bool, quiet: 
     if status:
         typer.echo(f"thermobearing: {outcome}: {sentence}", err=True)
     if not quiet:
-        typer.echo(f"written: {printable(str(target))}")
+        size = sum(p.stat().st_size for p in target.rglob("*") if p.is_file())
+        typer.echo(f"written: {printable(str(target))} ({megabytes(size)})")
     if as_json:
         files = sorted(str(p.relative_to(target)) for p in target.rglob("*") if p.is_file())
         last = {"outcome": outcome, "exit_status": status, "output": str(target), "files": files}
         echo_json(last)
     return status
+
+
+def megabytes(size: float) -> str:
+    """A size in bytes as one would say it."""
+    return f"{size / 1e6:.1f} MB" if size < 1e7 else f"{size / 1e6:.0f} MB"
 
 
 def numbers_by_name(given: Sequence[str], option: str, form: str) -> dict[str, float]:
@@ -129,17 +163,37 @@ def limit_numbers(given: Sequence[str] | None) -> dict[str, float]:
     return numbers_by_name(given or [], "--limit", "QUANTITY=NUMBER, such as K_eq=0.1")
 
 
+COMPILING = "compiling: once after installing, for ten seconds to a minute"
+STEPPING = "march.march"  # the kernel that every analysis but those of structures begins with
+STRUCTURES = "newmark.newmark_march"
+
+
+def announce_compiling(quiet: bool, kernel: str = STEPPING) -> None:
+    """Say that a run compiles first, on stderr, if the machine code of a kernel is not kept yet."""
+    from thermobearing.core.compile import is_compiled
+
+    if not quiet and not is_compiled(kernel):
+        typer.echo(COMPILING, err=True)
+
+
 def with_progress(
-    call: Callable[[Callable[[int, int], None] | None], T], what: str, quiet: bool
+    call: Callable[[Callable[[int, int], None] | None], T],
+    what: str,
+    quiet: bool,
+    kernel: str = STEPPING,
 ) -> T:
-    """`call` with a progress bar (on stderr, only on a terminal); it reports (done, all)."""
+    """`call` with a progress bar (on stderr, only on a terminal); it reports (done, all).
+
+    Says first that it compiles, if the machine code of the named kernel is not there yet.
+    """
+    announce_compiling(quiet, kernel)
     if quiet or not sys.stderr.isatty():
         return call(None)
     from rich.console import Console
     from rich.progress import Progress
 
     with Progress(console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task("compiling, the first time", total=None)
+        task = bar.add_task(what, total=None)
         return call(
             lambda done, total: bar.update(task, description=what, completed=done, total=total)
         )

@@ -6,11 +6,13 @@ from typing import Annotated, Any
 import typer
 
 from thermobearing.commands.common import (
+    STRUCTURES,
     AsJson,
     Force,
     NoFigures,
     Output,
     Quiet,
+    announce_compiling,
     reported,
     written,
 )
@@ -81,6 +83,7 @@ def design(
     templates = [load_bearing(name) for name in complete.equal]
     target = output or Path("design")
     check_target(target, force=force)
+    announce_compiling(quiet, STRUCTURES)
     if not quiet:
         print_head(complete)
     found = run_design(complete, None if quiet else print_round, templates=templates)
@@ -119,6 +122,7 @@ def bounds(
 
     target = output or Path("bounds")
     check_target(target, force=force)
+    announce_compiling(quiet, STRUCTURES)
     on = {"structure": structure, "fixed_base": fixed_base or None}
     report = run_bounds(bearing or BEARINGS, motion, ambient or AIR, strain=strain, **on)
     report.save(target, force=force, figures=not no_figures)

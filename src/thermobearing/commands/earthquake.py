@@ -7,6 +7,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from thermobearing.commands.common import (
+    INPUT,
+    MODEL,
+    STRUCTURES,
     AsJson,
     Exposed,
     Force,
@@ -26,39 +29,68 @@ if TYPE_CHECKING:
 Case = Annotated[Path | None, typer.Argument(help="Case file; without one, the default study.")]
 Bearings = Annotated[
     list[str] | None,
-    typer.Option("--bearing", help="Name or TOML file; may be repeated.", metavar="NAME/FILE"),
+    typer.Option(
+        "--bearing",
+        help="Name or TOML file; may be repeated.",
+        metavar="NAME/FILE",
+        rich_help_panel=INPUT,
+    ),
 ]
 Motions = Annotated[
     list[str] | None,
-    typer.Option("--motion", help="Name or file; may be repeated.", metavar="NAME/FILE"),
+    typer.Option(
+        "--motion",
+        help="Name or file; may be repeated.",
+        metavar="NAME/FILE",
+        rich_help_panel=INPUT,
+    ),
 ]
 Ambients = Annotated[
     list[float] | None,
-    typer.Option("--ambient", help="Ambient temperature [degC]; may be repeated."),
+    typer.Option(
+        "--ambient", help="Ambient temperature [degC]; may be repeated.", rich_help_panel=INPUT
+    ),
 ]
-Dt = Annotated[float | None, typer.Option(help="Largest time step [s].")]
+Dt = Annotated[float | None, typer.Option(help="Largest time step [s].", rich_help_panel=MODEL)]
 Structure_ = Annotated[
-    str | None, typer.Option("--structure", help="Name or TOML file.", metavar="NAME/FILE")
+    str | None,
+    typer.Option(
+        "--structure", help="Name or TOML file.", metavar="NAME/FILE", rich_help_panel=INPUT
+    ),
 ]
 FixedBase = Annotated[
     bool, typer.Option("--fixed-base", help="Leave out the springs of the foundation.")
 ]
 Method = Annotated[
     str | None,
-    typer.Option(help="average-acceleration, linear-acceleration or predictor-corrector."),
+    typer.Option(
+        help="average-acceleration, linear-acceleration or predictor-corrector.",
+        rich_help_panel=MODEL,
+    ),
 ]
 Damping_ = Annotated[
     str | None,
-    typer.Option("--damping", help="modal, rayleigh, element, none or source."),
+    typer.Option(
+        "--damping", help="modal, rayleigh, element, none or source.", rich_help_panel=MODEL
+    ),
 ]
-Duration = Annotated[float | None, typer.Option(help="Cut motions to this [s].")]
+Duration = Annotated[
+    float | None, typer.Option(help="Cut motions to this [s].", rich_help_panel=INPUT)
+]
 Model_ = Annotated[
-    str | None, typer.Option("--model", help="An earlier model, see docs/theory.md.")
+    str | None,
+    typer.Option("--model", help="An earlier model, see docs/theory.md.", rich_help_panel=MODEL),
 ]
-Compare = Annotated[bool, typer.Option("--compare", help="Earlier models beside it.")]
+Compare = Annotated[
+    bool, typer.Option("--compare", help="Earlier models beside it.", rich_help_panel=MODEL)
+]
 Weather = Annotated[
     str | None,
-    typer.Option(help="CSV of ambient temperature that ends at the earthquake.", metavar="FILE"),
+    typer.Option(
+        help="CSV of ambient temperature that ends at the earthquake.",
+        metavar="FILE",
+        rich_help_panel=INPUT,
+    ),
 ]
 
 
@@ -69,7 +101,9 @@ def bridge(
     motion: Motions = None,
     ambient: Ambients = None,
     weather: Weather = None,
-    mass: Annotated[str | None, typer.Option(help="consistent or published.")] = None,
+    mass: Annotated[
+        str | None, typer.Option(help="consistent or published.", rich_help_panel=MODEL)
+    ] = None,
     structure: Structure_ = None,
     fixed_base: FixedBase = False,
     damping: Damping_ = None,
@@ -112,7 +146,10 @@ def hybrid(
     case: Case = None,
     mode: Annotated[
         list[str] | None,
-        typer.Option(help="rt (real time) or pd (pseudo-dynamic); may be repeated."),
+        typer.Option(
+            help="rt (real time) or pd (pseudo-dynamic); may be repeated.",
+            rich_help_panel="Laboratory",
+        ),
     ] = None,
     bearing: Bearings = None,
     motion: Motions = None,
@@ -120,11 +157,18 @@ def hybrid(
     structure: Structure_ = None,
     fixed_base: FixedBase = False,
     damping: Damping_ = None,
-    delay: Annotated[float | None, typer.Option(help="Delay of the actuator [s].")] = None,
-    force_noise: Annotated[
-        float | None, typer.Option(help="Standard deviation of the measured force [kN].")
+    delay: Annotated[
+        float | None, typer.Option(help="Delay of the actuator [s].", rich_help_panel="Laboratory")
     ] = None,
-    seed: Annotated[int | None, typer.Option(help="Of the noise.")] = None,
+    force_noise: Annotated[
+        float | None,
+        typer.Option(
+            help="Standard deviation of the measured force [kN].", rich_help_panel="Laboratory"
+        ),
+    ] = None,
+    seed: Annotated[
+        int | None, typer.Option(help="Of the noise.", rich_help_panel="Laboratory")
+    ] = None,
     method: Method = None,
     dt: Dt = None,
     duration: Duration = None,
@@ -191,7 +235,9 @@ def _carry_out(
     check_target(target, force=force)
     if compare:
         refuse_incomparable(case)
-    result = with_progress(lambda show: run_earthquake(case, progress=show), "runs", quiet)
+    predicted = case.analysis.method == "predictor-corrector"
+    kernel = "predictor.predictor_march" if predicted else STRUCTURES
+    result = with_progress(lambda show: run_earthquake(case, progress=show), "runs", quiet, kernel)
     others = compare_models(case) if compare and result.outcome == "completed" else {}
     save_earthquake(result, target, force=force, figures=not no_figures, compared=others)
     if not quiet:

@@ -13,6 +13,7 @@ from thermobearing.commands.common import (
     NoFigures,
     Output,
     Quiet,
+    announce_compiling,
     reported,
     written,
 )
@@ -73,6 +74,7 @@ def lambda_(
         bearings = posterior_bearings(bearings[0], posterior, samples)
     target = output or Path(f"lambda-{bearings[0].name}")
     check_target(target, force=force)
+    announce_compiling(quiet)
     report = run_factors(
         bearings,
         reference=reference,

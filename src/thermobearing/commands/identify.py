@@ -10,12 +10,15 @@ import typer
 from thermobearing.border.errors import InputError
 from thermobearing.commands.common import (
     BAD_INPUT,
+    INPUT,
+    SEARCH,
     AsJson,
     Force,
     Limit,
     NoFigures,
     Output,
     Quiet,
+    announce_compiling,
     echo_json,
     limit_numbers,
     numbers_by_name,
@@ -37,12 +40,34 @@ Spreads = Annotated[
         help="Relative standard uncertainty of what is not free, such as "
         "materials.side_film=0.1 or sigma_Y=0; may be repeated.",
         metavar="KEY=NUMBER",
+        rich_help_panel=INPUT,
     ),
 ]
-Method = Annotated[str, typer.Option(help="least-squares, krill-herd or differential-evolution.")]
-Polish = Annotated[bool, typer.Option("--polish/--no-polish", help="End with least squares.")]
-Thermocouples = Annotated[bool, typer.Option("--temperatures", help="Fit the thermocouples too.")]
-FromStart = Annotated[bool, typer.Option("--from-start", help="Begin at the bearing's own values.")]
+Method = Annotated[
+    str,
+    typer.Option(
+        help="least-squares, krill-herd or differential-evolution.", rich_help_panel=SEARCH
+    ),
+]
+Polish = Annotated[
+    bool,
+    typer.Option("--polish/--no-polish", help="End with least squares.", rich_help_panel=SEARCH),
+]
+Starts = Annotated[int, typer.Option(help="Starts of least squares.", rich_help_panel=SEARCH)]
+Evaluations = Annotated[
+    int, typer.Option(help="Budget of the other methods.", rich_help_panel=SEARCH)
+]
+Loss = Annotated[
+    str, typer.Option(help="linear, soft_l1, huber or cauchy.", rich_help_panel=SEARCH)
+]
+Thermocouples = Annotated[
+    bool,
+    typer.Option("--temperatures", help="Fit the thermocouples too.", rich_help_panel=INPUT),
+]
+FromStart = Annotated[
+    bool,
+    typer.Option("--from-start", help="Begin at the bearing's own values.", rich_help_panel=INPUT),
+]
 Sampled = Annotated[bool, typer.Option("--posterior", help="Sample the posterior (needs emcee).")]
 Predicted = Annotated[
     list[float] | None,
@@ -72,23 +97,34 @@ Folds = Annotated[
 ]
 
 
+Start = Annotated[
+    str | None,
+    typer.Option(
+        "--bearing",
+        "--start",
+        help="Geometry, fixed values.",
+        metavar="NAME/FILE",
+        rich_help_panel=INPUT,
+    ),
+]
+Free = Annotated[
+    str | None,
+    typer.Option(help="Free parameters, such as K_r,d_y or n_T=2.4*m_T.", rich_help_panel=INPUT),
+]
+
+
 @reported
 def identify(
     tests: Annotated[list[Path], typer.Argument(help="Tests: CSV files or their TOML sidecars.")],
-    start: Annotated[
-        str | None,
-        typer.Option("--bearing", "--start", help="Geometry, fixed values.", metavar="NAME/FILE"),
-    ] = None,
-    free: Annotated[
-        str | None, typer.Option(help="Free parameters, such as K_r,d_y or n_T=2.4*m_T.")
-    ] = None,
+    start: Start = None,
+    free: Free = None,
     assumed: Spreads = None,
     method: Method = "least-squares",
     polish: Polish = True,
-    seed: Annotated[int, typer.Option(help="Of all random numbers.")] = 0,
-    starts: Annotated[int, typer.Option(help="Starts of least squares.")] = 3,
-    evaluations: Annotated[int, typer.Option(help="Budget of the other methods.")] = 2000,
-    loss: Annotated[str, typer.Option(help="linear, soft_l1, huber or cauchy.")] = "linear",
+    seed: Annotated[int, typer.Option(help="Of all random numbers.", rich_help_panel=SEARCH)] = 0,
+    starts: Starts = 3,
+    evaluations: Evaluations = 2000,
+    loss: Loss = "linear",
     temperatures: Thermocouples = False,
     from_start: FromStart = False,
     check: Annotated[bool, typer.Option("--check", help="Only look the tests over.")] = False,
@@ -116,6 +152,7 @@ def identify(
     records = to_be_treated(records, despike, detrend)
     if check or bearing is None:
         return _look_over(records, bearing, target, force, no_figures, as_json, quiet)
+    announce_compiling(quiet)
     how: dict[str, Any] = {
         "free": [name.strip() for name in free.split(",")] if free is not None else None,
         **{"method": method, "seed": seed, "starts": starts, "evaluations": evaluations},

@@ -17,12 +17,13 @@ from thermobearing.commands.common import (
     with_progress,
     written,
 )
+from thermobearing.commands.help import Command, Group
 
 if TYPE_CHECKING:
     from thermobearing.motions.result import MotionResult
 
 HELP = "Ground motions: built in, read, made to fit a spectrum."
-app = typer.Typer(help=HELP, no_args_is_help=True, rich_markup_mode="markdown")
+app = typer.Typer(cls=Group, help=HELP, no_args_is_help=True, rich_markup_mode="markdown")
 
 Record = Annotated[str, typer.Argument(help="A record, or the name of a built-in motion.")]
 Unit = Annotated[str | None, typer.Option(help="Of the numbers, if the file does not tell.")]
@@ -35,7 +36,7 @@ Kind = Annotated[str | None, typer.Option("--type", help="Standard spectrum: I o
 Ground = Annotated[str | None, typer.Option(help="Standard spectrum: I, II or III.")]
 
 
-@app.command("list")
+@app.command("list", cls=Command, epilog="Example: thermobearing motions list")
 @reported
 def list_(as_json: AsJson = False) -> int:
     """The built-in motions: stand-ins that fit the standard spectra of Level 2."""
@@ -49,7 +50,9 @@ def list_(as_json: AsJson = False) -> int:
     return 0
 
 
-@app.command()
+@app.command(
+    cls=Command, epilog="Example: thermobearing motions show record.csv --unit gal -o record"
+)
 @reported
 def show(
     file: Record,
@@ -79,7 +82,9 @@ def show(
     return _end(result, output, force, no_figures, as_json, quiet)
 
 
-@app.command()
+@app.command(
+    cls=Command, epilog="Example: thermobearing motions spectrum jra-ii-i-1 --type II --ground I"
+)
 @reported
 def spectrum(
     file: Record,
@@ -118,7 +123,10 @@ def spectrum(
     return _end(result, output, force, no_figures, as_json, quiet)
 
 
-@app.command()
+@app.command(
+    cls=Command,
+    epilog="Example: thermobearing motions make --type II --ground I --seed 7 -o motion",
+)
 @reported
 def make(
     kind: Annotated[str, typer.Option("--type", help="I (long) or II (pulse-like).")] = "II",

@@ -72,13 +72,7 @@ def new(
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> int:
-    """Make a bearing from a compound and its sizes, and write it as a TOML file.
-
-    Example: `thermobearing new pier-3 --compound natural-rubber --plan 1000x1000mm
-    --layers 20x8mm --shim 3mm --lead 180mm`
-    """
-    from rich.console import Console
-
+    """Make a bearing from a compound and its sizes, and write it as a TOML file."""
     from thermobearing.bearing.new import new_bearing
     from thermobearing.bearing.plausible import implausible
     from thermobearing.border.toml import sourced_toml
@@ -107,7 +101,7 @@ def new(
             facts["end plates"] += ", assumed: give --end-plate"
         facts |= not_measured(made)
         print_facts(f"{target}: a new bearing", facts)
-        print_warnings(Console(), implausible(made))
+        print_warnings(implausible(made))
         typer.echo(f"written: {printable(str(target))}")
     if as_json:
         echo_json({"outcome": "completed", "exit_status": 0, "output": str(target)})

@@ -14,12 +14,13 @@ from thermobearing.commands.common import (
     reported,
     written,
 )
+from thermobearing.commands.help import Command, Group
 
 HELP = "Structures: built in, or drawn and checked before they are shaken."
-app = typer.Typer(help=HELP, no_args_is_help=True, rich_markup_mode="markdown")
+app = typer.Typer(cls=Group, help=HELP, no_args_is_help=True, rich_markup_mode="markdown")
 
 
-@app.command("list")
+@app.command("list", cls=Command, epilog="Example: thermobearing structures list")
 @reported
 def list_(as_json: AsJson = False) -> int:
     """The built-in structures."""
@@ -33,7 +34,7 @@ def list_(as_json: AsJson = False) -> int:
     return 0
 
 
-@app.command()
+@app.command(cls=Command, epilog="Example: thermobearing structures show pier-p1 -o pier")
 @reported
 def show(
     structure: Annotated[str, typer.Argument(help="Name or TOML file.", metavar="NAME/FILE")],

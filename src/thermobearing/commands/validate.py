@@ -13,6 +13,7 @@ from thermobearing.commands.common import (
     NoFigures,
     Output,
     Quiet,
+    announce_compiling,
     limit_numbers,
     reported,
     written,
@@ -52,6 +53,7 @@ def validate(
     )
     target = output or Path("validate-" + re.sub(r"[^\w.+-]+", "-", case.bearings[0].name))
     check_target(target, force=force)
+    announce_compiling(quiet)
     found = run_validate(case)
     found.save(target, force=force, figures=not no_figures)
     if not quiet:

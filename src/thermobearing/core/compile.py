@@ -85,6 +85,12 @@ def _has_room(folder: Path) -> bool:
     return True
 
 
+def is_compiled(kernel: str) -> bool:
+    """Whether the machine code of a kernel, as "march.march", is kept from an earlier run."""
+    folder = cache_directory()
+    return folder is not None and any(folder.rglob(f"{kernel}-*.nbi"))
+
+
 def compiled(function: F) -> F:
     """Compile a scalar function with numba; the plain Python stays at `.py_func`.
 

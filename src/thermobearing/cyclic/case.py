@@ -29,6 +29,7 @@ from thermobearing.model.stack import build_stack
 
 Group = Literal["rubber", "layer_displacement", "hysteretic", "cells"]
 Temperature = Annotated[float, in_unit("degC"), Field(ge=-100, le=100)]
+Histories = Literal["thinned", "complete"]
 WAYS = ("initial", "initial_profile", "initial_result", "initial_state")  # to start
 DEFAULT_BEARING = "shen-hdr-specimen"
 DEFAULT_AMBIENT = (-20.0, 0.0, 23.0)  # the three chamber temperatures of Table 3.4
@@ -39,6 +40,7 @@ class Analysis(ModelOptions):
 
     keep_every: Annotated[int, Field(ge=1)] = 1
     keep: tuple[Group, ...] = ("rubber", "cells")
+    histories: Histories = "thinned"  # in files (cyclic/thinning.py)
 
 
 def each_once(ambient: list[float]) -> list[float]:

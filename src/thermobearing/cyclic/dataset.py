@@ -78,20 +78,20 @@ def build_dataset(
     attributes : provenance, kept in the dataset's attributes.
     """
     length = max(len(run.segment) for run in runs)
-    clock = _stacked([run.books["clock"] for run in runs], length)
+    clock = stacked([run.books["clock"] for run in runs], length)
     same = all(np.array_equal(clock[0], other) for other in clock)
     data: dict[str, Any] = {}
     meanings = {name: {"units": unit, "long_name": text} for name, unit, text in labels.books}
     for name, attrs in meanings.items():
         if name != "clock" or not same:
-            values = _stacked([run.books[name] for run in runs], length)
+            values = stacked([run.books[name] for run in runs], length)
             data[name] = (("ambient", "time"), values, attrs)
     data |= _derived(data, area, total_rubber_thickness)
     for group in (name for name in GROUPS if name in groups):
         name, dimension, unit, meaning = GROUPS[group]
         parts = [run.groups[group] for run in runs]
         attrs = {"units": unit, "long_name": meaning}
-        data[name] = (("ambient", "time", dimension), _stacked(parts, length), attrs)
+        data[name] = (("ambient", "time", dimension), stacked(parts, length), attrs)
     data |= _per_run(runs, length) | _memories(runs)
     coordinates = _coordinates(runs, labels)
     if same:
@@ -103,7 +103,7 @@ def build_dataset(
     )
 
 
-def _stacked(arrays: list[NDArray[Any]], length: int, padding: float = np.nan) -> NDArray[Any]:
+def stacked(arrays: list[NDArray[Any]], length: int, padding: float = np.nan) -> NDArray[Any]:
     """Runs on a leading axis, shorter ones padded; no copy for a single run."""
     if len(arrays) == 1:
         return arrays[0][np.newaxis]
@@ -126,8 +126,8 @@ def _derived(data: dict[str, Any], area: float, rubber: float) -> dict[str, Any]
 
 def _per_run(runs: list[RunRecord], length: int) -> dict[str, Any]:
     """What has no clock, or is a whole number: outcomes, profiles, segment and cycle numbers."""
-    segment = _stacked([run.segment for run in runs], length, padding=-1)
-    cycle = _stacked([run.cycle for run in runs], length, padding=0)
+    segment = stacked([run.segment for run in runs], length, padding=-1)
+    cycle = stacked([run.cycle for run in runs], length, padding=0)
     counted = ("ambient", "time")
     profile = ("ambient", "cell")
     degrees = {"units": "degC"}

@@ -7,12 +7,14 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from thermobearing.border.errors import InputError
 from thermobearing.cyclic.lead_figures import draw_force_shares, draw_lead_temperature
+from thermobearing.cyclic.loop_figure import add_loops, draw_loops
 from thermobearing.cyclic.profile_figure import draw_profiles
 from thermobearing.cyclic.result import Result, run_name
 from thermobearing.cyclic.time_axis import TimeAxis
@@ -105,11 +107,16 @@ class Figures:
         time.label_loadings(ax)
         return figure
 
-    def loops(self) -> Figure:
+    def loops(self, ax: Axes | None = None, *, label: str = "", color: str | None = None) -> Figure:
         """Stress-strain loops, one panel per ambient temperature, as Fig. 4.7.
 
         All panels have the same axes. Stress is the force over the gross plan area, strain the
         displacement over the total rubber thickness; rests are left out.
+
+        Parameters
+        ----------
+        ax : draw all temperatures into this panel instead.
+        label, color : of what is drawn into it; the temperature and its colour by default.
 
         Returns
         -------
@@ -126,34 +133,15 @@ class Figures:
         >>> result.plot.loops().axes[0].get_xlabel()
         'shear strain [%]'
         """
-        time = TimeAxis(self._result)
         if all(about["kind"] == "rest" for about in self._result.segments):
             raise NothingToDrawError("loops: the bearing does not move in this test")
-        count = len(self._ambient)
-        columns = count if count <= 3 else (count + 1) // 2
-        rows = -(-count // columns)
-        size = (max(5.5, 1.2 + 3.0 * columns), max(4.5, 0.7 + 3.1 * rows))
-        title = self._title("shear stress-strain loops")
-        figure, axes = drawing.panels(rows, columns, size, title, share=True)
-        strain, stress = 100.0 * self._data["strain"].values, self._data["stress"].values
-        spans = [max(float(np.nanmax(v) - np.nanmin(v)), 1e-9) for v in (strain, stress)]
-        for run, (ax, colour) in enumerate(zip(axes, self._colours, strict=False)):
-            paths = [(strain[run, rows], stress[run, rows]) for rows in time.moving_rows(run)]
-            ax.plot(*drawing.thin_paths(paths, *spans), color=colour, linewidth=0.8)
-            ax.axhline(0.0, color=drawing.GREY, linewidth=0.6, zorder=1)
-            ax.axvline(0.0, color=drawing.GREY, linewidth=0.6, zorder=1)
-            drawing.name_axes(
-                ax,
-                "shear strain [%]" if run + columns >= count else "",
-                "shear stress [MPa]" if run % columns == 0 else "",
-                self._run_title(run),
-            )
-            ax.tick_params(labelbottom=run + columns >= count)
-        for ax in axes[count:]:
-            ax.remove()
-        ends = [100.0 * self._result.tested_to(run, "strain") for run in range(count)]
-        drawing.shade_untested(axes[:count], [(-end, end) for end in ends])
-        return figure
+        titles = [self._run_title(run) for run in range(len(self._ambient))]
+        if ax is None:
+            title = self._title("shear stress-strain loops")
+            return draw_loops(self._result, title, titles, self._colours)
+        labels = [label, *[""] * (len(titles) - 1)] if label else titles
+        add_loops(ax, self._result, labels, [color] * len(titles) if color else self._colours)
+        return drawing.figure_of(ax)
 
     def measures(self) -> Figure:
         """Equivalent shear modulus and damping ratio against strain, as Fig. 4.8.

@@ -7,6 +7,7 @@ import numpy as np
 
 from thermobearing.border.errors import InputError
 from thermobearing.cyclic.result import Result
+from thermobearing.cyclic.thinning import COMPLETE, thinned
 from thermobearing.results.directory import (
     COMPARISON,
     DATASET,
@@ -59,13 +60,19 @@ def save_result(
 def _write_all(result: Result, folder: Path, *, figures: bool) -> None:
     write_summary(folder, result.summary())
     (folder / RESOLVED).write_text(result.dataset.attrs["case"], encoding="utf-8")
+    written = written_part(result)
     with (folder / HISTORY).open("w", encoding="utf-8") as file:
-        file.writelines(history_blocks(result))
-    write_dataset(result.dataset, folder / DATASET)
+        file.writelines(history_blocks(written))
+    write_dataset(written.dataset, folder / DATASET)
     write_limits(folder, result.rig, result.tested_range)
     if figures:
         (folder / FIGURES).mkdir()
         result.plot.save_all(folder / FIGURES)
+
+
+def written_part(result: Result) -> Result:
+    """What of a result is written: all of it where its case asks for complete histories."""
+    return result if result.dataset.attrs.get("histories") == COMPLETE else thinned(result)
 
 
 def _write_comparison(results: dict[str, Result], folder: Path, *, figures: bool) -> None:

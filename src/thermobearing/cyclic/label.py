@@ -150,6 +150,7 @@ def label(
         "area_mm2": case.bearing.area,
         "total_rubber_thickness_mm": case.bearing.total_rubber_thickness,
         "heat_capacity_kN_mm_per_K": constants.cells.capacity.tolist(),
+        "histories": case.analysis.histories,  # of files
         "half_stack": int(model.stack.fold == 2),
         "segments": [
             {"kind": s.kind, "label": s.label, "amplitude_strain": s.amplitude_strain}

@@ -246,12 +246,17 @@ def survey(
     return faults, total
 
 
+SPEED = 30.0  # of Table 3.4, mean [mm/s]
+
+
 def cyclic_test(
     strain: list[float] | tuple[float, ...] = (0.5, 1.0, 1.5, 2.0, 2.5),
     *,
     cycles: int = 5,
     wave: Literal["triangular", "sine"] = "triangular",
-    speed: float = 30.0,
+    speed: float | None = None,
+    frequency: float | None = None,
+    period: float | None = None,
     rest: float | None = 4500.0,
     closing_strain: float | None = 0.1,
     dt: float = 0.005,
@@ -263,7 +268,9 @@ def cyclic_test(
     strain : shear strain amplitudes, each > 0.
     cycles : fully reversed cycles at each amplitude.
     wave : "triangular" (constant speed) or "sine"; both have the period 4a/speed.
-    speed : mean loading rate [mm/s].
+    speed : mean loading rate [mm/s]; 30 by default.
+    frequency : of the cycles [Hz], instead of the speed.
+    period : of the cycles [s], instead of the speed.
     rest : pause between amplitudes [s], 1.25 h by default (the source says 1 to 1.5 h);
         None for no pause.
     closing_strain : strain of the one small cycle that stops the loading smoothly after
@@ -287,12 +294,15 @@ def cyclic_test(
     levels = np.atleast_1d(np.asarray(strain, dtype=object)).ravel().tolist()
     if not levels:
         raise InputError("strain: give at least one amplitude", "cyclic_test()")
-    common = {"count": cycles, "wave": wave, "speed": speed, "closing_strain": closing_strain}
+    rate: dict[str, object] = {"speed": speed, "frequency": frequency, "period": period}
+    rate = {key: value for key, value in rate.items() if value is not None} or {"speed": SPEED}
+    common = {"count": cycles, "wave": wave, "closing_strain": closing_strain, **rate}
     steps: list[dict[str, object]] = []
     for level in levels:
         if steps and rest is not None:
             steps.append({"step": "rest", "duration": rest})
         steps.append({"step": "cycles", "strain": level, **common})
-    printed = (levels, cycles, speed) == ([0.5, 1.0, 1.5, 2.0, 2.5], 5, 30.0) and rest
+    levels_34 = [0.5, 1.0, 1.5, 2.0, 2.5]
+    printed = (levels, cycles, rate) == (levels_34, 5, {"speed": SPEED}) and rest
     data = {"name": "Table 3.4" if printed else "cyclic test", "dt": dt, "steps": steps}
     return validated(CyclicTest, data, "cyclic_test()", from_file=False)

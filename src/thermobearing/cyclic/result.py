@@ -10,6 +10,8 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
+from thermobearing.border.showing import Shown, table_html
+from thermobearing.cyclic.measures import measures_dataset
 from thermobearing.results.metrics import (
     LEAST_WARMING,
     CycleMeasures,
@@ -18,6 +20,7 @@ from thermobearing.results.metrics import (
     relative_residual,
 )
 from thermobearing.results.ranges import largest_tested
+from thermobearing.results.selection import chosen_runs, selected
 from thermobearing.results.writing import (
     exposure_summary,
     from_attribute,
@@ -29,9 +32,11 @@ if TYPE_CHECKING:
     from thermobearing.cyclic.figures import Figures
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+CYCLES = "closed_cycle"  # dimension of the measures in a file, and the beginning of their names
 
 
-class Result:
+class Result(Shown):
     """Outcome of an analysis at one or several ambient temperatures.
 
     Attributes
@@ -54,13 +59,66 @@ class Result:
     def __getitem__(self, name: str) -> xr.DataArray:
         return self.dataset[name]
 
-    def __repr__(self) -> str:
+    @property
+    def headline(self) -> str:
+        """What it is, in a line."""
         ambient = ", ".join(f"{t:g}" for t in self.dataset["ambient"].values)
         steps = int(self.dataset["steps"].sum())
         return (
-            f"<Result of {self.bearing_name} at {ambient} degC: {steps} steps, "
-            f"{len(self.cycles)} cycles, {self.outcome}>"
+            f"Result of {self.bearing_name} at {ambient} degC: {steps} steps, "
+            f"{len(self.cycles)} cycles, {self.outcome}"
         )
+
+    def _repr_html_(self) -> str:
+        return table_html(self.headline, self.cycles, self.warnings)
+
+    def show(self) -> None:
+        """Print the tables that the command prints: cycles and energy books of each run."""
+        from thermobearing.cyclic.screen import print_result
+
+        print_result(self)
+
+    def sel(self, *, ambient: float | list[float]) -> "Result":
+        """The runs at some ambient temperatures.
+
+        Parameters
+        ----------
+        ambient : one or several [degC].
+
+        Raises
+        ------
+        InputError : no run at such a temperature.
+
+        Examples
+        --------
+        >>> import thermobearing as tb
+        >>> test = tb.cyclic_test(strain=[0.5], cycles=1)
+        >>> result = tb.run("shen-hdr-specimen", test, ambient=[-20, 23])
+        >>> result.sel(ambient=-20)["ambient"].values
+        array([-20.])
+        """
+        data = self.dataset
+        runs = chosen_runs({"ambient": data["ambient"].values}, {"ambient": ambient})
+        chosen = selected(data, "ambient", runs, [run_name(t) for t in data["ambient"].values])
+        if CYCLES in data.dims:
+            mine = np.isin(data[f"{CYCLES}_ambient_degC"].values, chosen["ambient"].values)
+            chosen = chosen.isel({CYCLES: np.flatnonzero(mine)})
+        return Result(chosen)
+
+    def to_dataset(self) -> xr.Dataset:
+        """The measures of `cycles` over ambient temperature, strain and cycle.
+
+        Where a strain comes twice, and in recorded histories, over ambient temperature and the
+        number of the cycle. The histories are in `dataset`.
+
+        Examples
+        --------
+        >>> import thermobearing as tb
+        >>> result = tb.run("shen-hdr-specimen", tb.cyclic_test(strain=[0.5, 1.0], cycles=2))
+        >>> result.to_dataset()["h_eq"].dims
+        ('ambient', 'strain', 'cycle')
+        """
+        return measures_dataset(self.cycles)
 
     @property
     def bearing_name(self) -> str:
@@ -141,6 +199,10 @@ class Result:
 
         Temperatures are those at the end of the cycle; `rubber1_degC` is the outer layer.
         """
+        if CYCLES in self.dataset.dims:  # measured before the history was thinned
+            stored = [str(name) for name in self.dataset if str(name).startswith(f"{CYCLES}_")]
+            columns = {n.removeprefix(f"{CYCLES}_"): self.dataset[n].values for n in stored}
+            return pd.DataFrame(columns)
         attrs = self.dataset.attrs
         x, f, work = (self.dataset[name].values for name in ("displacement", "force", "work_in"))
         rows: list[dict[str, Any]] = []

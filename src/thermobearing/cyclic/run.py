@@ -17,7 +17,7 @@ from thermobearing.bearing.ambient import Ambient
 from thermobearing.bearing.exposure import Exposure
 from thermobearing.bearing.model import Bearing, Clock
 from thermobearing.border.errors import InputError
-from thermobearing.cyclic.case import Case, Group, make_case
+from thermobearing.cyclic.case import Case, Group, Histories, make_case
 from thermobearing.cyclic.equivalent import bilinear_parameters
 from thermobearing.cyclic.history import History, run_segments
 from thermobearing.cyclic.label import label
@@ -56,6 +56,7 @@ def run(
     initial_lead: float | None = None,
     keep: Sequence[Group] | None = None,
     keep_every: int | None = None,
+    histories: Histories | None = None,
     stack: Stacked | None = None,
     model: Model | None = None,
     exposure: Exposure | dict[str, Any] | None = None,
@@ -91,6 +92,8 @@ def run(
     keep : of "rubber", "layer_displacement", "hysteretic", "cells": histories to keep
         besides displacement, force and energy; the first and last by default.
     keep_every : keep every n-th step (turning points are kept besides).
+    histories : in the files of `save`: "thinned" (default), turning points and 200 points a
+        cycle, or "complete".
     stack : "auto" (default), "half" or "full" height.
     model : "multi-layer" (default) or an earlier model to compare with (model/earlier.py).
     exposure : factors for long cold and age, {"stiffness": 1.3, "strength": 1.2, "source": "..."};
@@ -135,6 +138,7 @@ def run(
         "lower_face": lower_face,
         "keep": keep,
         "keep_every": keep_every,
+        "histories": histories,
         "initial": initial if uniform and not earlier else None,
         "initial_profile": None if uniform or earlier else initial,
         "initial_result": initial if earlier else None,

@@ -2,45 +2,32 @@
 
 from typing import Any
 
-from rich.console import Console
-from rich.markup import escape
-from rich.table import Table
-
 from thermobearing.cyclic.result import Result, run_name
 from thermobearing.results.metrics import CycleMeasures
 from thermobearing.results.ranges import titles_passed
-from thermobearing.results.screen import print_warnings
+from thermobearing.results.screen import print_table, print_warnings, say
 
-
-def _table(title: str, columns: list[str]) -> Table:
-    table = Table(title=title, title_justify="left", box=None, pad_edge=False, header_style="bold")
-    for name in columns:
-        table.add_column(name, justify="right")
-    return table
+HEADS = ("strain", "cycle", "G_e MPa", "h_eq", "energy kN mm", "Q_d kN", "K_d kN/mm")
 
 
 def print_result(result: Result, compared: dict[str, Result] | None = None) -> None:
     """Per-cycle table of each run, its energy books, and earlier models beside it."""
-    console = Console()
-    console.print(
-        f"[bold]{escape(result.dataset.attrs['title'])}[/bold] ({result.dataset.attrs['scheme']})"
-    )
-    print_warnings(console, result.warnings)
-    cycles, rows = result.cycles, result.tested_range.to_dict("records")
-    layers = [name for name in cycles.columns if str(name).startswith("rubber")]
+    say(f"{result.dataset.attrs['title']} ({result.dataset.attrs['scheme']})", "bold")
+    print_warnings(result.warnings)
+    cycles, reached = result.cycles, result.tested_range.to_dict("records")
+    warm = [str(name) for name in cycles.columns if _is_place(str(name))]
     for run, ambient in enumerate(result["ambient"].values):
         mine = cycles[cycles["ambient_degC"] == ambient] if len(cycles) else cycles
-        heads = ["strain", "cycle", "G_e MPa", "h_eq", "energy kN mm", "Q_d kN", "K_d kN/mm"]
-        untested = titles_passed(rows, run_name(float(ambient)))
+        rows = [
+            [*_cycle_cells(row), *(f"{row[name]:.2f}" for name in warm)]
+            for row in mine.to_dict("records")
+        ]
+        untested = titles_passed(reached, run_name(float(ambient)))
         told = f"; not tested: {untested}" if untested else ""
-        table = _table(
-            f"\n{ambient:g} degC{told}", [*heads, *(_layer_title(str(n)) for n in layers)]
-        )
-        for row in mine.to_dict("records"):
-            table.add_row(*_cycle_cells(row), *(f"{row[name]:.2f}" for name in layers))
-        if len(mine):
-            console.print(table)
-        _print_books(console, result, run)
+        if rows:
+            heads = [*HEADS, *(_place_title(name) for name in warm)]
+            print_table(heads, rows, title=f"{ambient:g} degC{told}", keys=2)
+        _print_books(result, run)
     if compared:
         print_comparison(compared)
 
@@ -61,22 +48,27 @@ def print_comparison(results: dict[str, Result]) -> None:
         "last energy %": "energy %",
     }
     names = [name for name in shown if name in rows]
-    title = (
-        "\nearlier models: largest temperature error, error of the peak force and the last cycle"
-    )
-    table = _table(title, [shown[name] for name in names])
-    for row in rows[names].itertuples(index=False):
-        table.add_row(*(v if isinstance(v, str) else f"{v:.3g}" for v in row))
-    Console().print(table)
+    title = "earlier models: largest temperature error, error of the peak force and the last cycle"
+    cells = [
+        [v if isinstance(v, str) else f"{v:.3g}" for v in row]
+        for row in rows[names].itertuples(index=False)
+    ]
+    print_table([shown[name] for name in names], cells, title=title, keys=2)
     for early in rows[rows["outcome"] != "completed"].to_dict("records"):
         about = (
             f"{early['model']} at {early['ambient_degC']:g} degC ended early: {early['outcome']}"
         )
-        Console().print(f"[yellow]{about}; its errors are those until then[/yellow]")
+        say(f"{about}; its errors are those until then", "yellow")
 
 
-def _layer_title(name: str) -> str:
-    return f"layer {name.removeprefix('rubber').removesuffix('_degC')} degC"
+def _is_place(name: str) -> bool:
+    """Whether a column of the cycles is a temperature of a layer or of the lead."""
+    return name.startswith("rubber") or name == "lead_degC"
+
+
+def _place_title(name: str) -> str:
+    place = name.removesuffix("_degC")
+    return f"{place.replace('rubber', 'layer ')} degC"
 
 
 def _cycle_cells(row: dict[Any, Any]) -> list[str]:
@@ -91,13 +83,13 @@ def _cycle_cells(row: dict[Any, Any]) -> list[str]:
     ]
 
 
-def _print_books(console: Console, result: Result, run: int) -> None:
+def _print_books(result: Result, run: int) -> None:
     books = result.energy.iloc[run]
     steps = int(result["steps"].values[run])
     softened = int(result["softened_steps"].values[run])
     mismatch = float(result["layer_force_mismatch_max"].values[run])
     lost = books["heat_lost_ends_kN_mm"] + books["heat_lost_sides_kN_mm"]
-    console.print(
+    say(
         f"{books['ambient_degC']:g} degC: work in {books['work_in_kN_mm']:.0f} kN mm = heat "
         f"{books['heat_released_kN_mm']:.0f} + recoverable {books['recoverable_kN_mm']:.0f}; "
         f"heat = stored {books['heat_stored_kN_mm']:.0f} + lost {lost:.0f}; residuals "
@@ -105,7 +97,7 @@ def _print_books(console: Console, result: Result, run: int) -> None:
         f"{books['thermal_residual']:.1e} (thermal)"
     )
     if softened:
-        console.print(
+        say(
             f"  softened layers in {softened} of {steps} steps, layer law at most "
             f"{mismatch:.3g} kN from the force"
         )
@@ -115,10 +107,9 @@ def print_measures(
     cycles: list[CycleMeasures], ends: list[str], total_rubber_thickness: float
 ) -> None:
     """Measures of each cycle of a measured history, and how it ends."""
-    heads = ["cycle", "strain", "K_eq kN/mm", "G_e MPa", "h_eq", "energy kN mm", "Q_d kN"]
-    table = _table("", [*heads, "K_d kN/mm", "ends"])
-    for number, (m, end) in enumerate(zip(cycles, ends, strict=True), 1):
-        table.add_row(
+    heads = ("cycle", "strain", "K_eq kN/mm", *HEADS[2:], "ends")
+    rows = [
+        (
             str(number),
             f"{m.amplitude_mm / total_rubber_thickness:.1%}",
             f"{m.stiffness_kN_mm:.3f}",
@@ -129,4 +120,6 @@ def print_measures(
             f"{m.post_yield_stiffness_kN_mm:.3f}",
             end,
         )
-    Console().print(table)
+        for number, (m, end) in enumerate(zip(cycles, ends, strict=True), 1)
+    ]
+    print_table(heads, rows)

@@ -14,6 +14,7 @@ from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.bearing.validity import ranges_of
 from thermobearing.border.library import data_path
+from thermobearing.border.showing import Shown
 from thermobearing.border.toml import read_toml
 from thermobearing.cyclic.equivalent import post_yield_ratio
 from thermobearing.cyclic.result import Result
@@ -59,8 +60,8 @@ def source_design() -> dict[str, Any]:
     return read_toml(data_path("design", "source.toml"))
 
 
-@dataclass(frozen=True)
-class Design:
+@dataclass(frozen=True, repr=False)
+class Design(Shown):
     """What the loop came to.
 
     Attributes
@@ -192,8 +193,8 @@ class Design:
         return save_design(self, Path(directory), force=force, figures=figures)
 
 
-@dataclass(frozen=True)
-class BoundsReport:
+@dataclass(frozen=True, repr=False)
+class BoundsReport(Shown):
     """Bounding analyses beside the coupled model, for some bearings.
 
     Attributes
@@ -286,8 +287,8 @@ class BoundsReport:
         return save_bounds(self, Path(directory), force=force, figures=figures)
 
 
-@dataclass(frozen=True)
-class FactorReport:
+@dataclass(frozen=True, repr=False)
+class FactorReport(Shown):
     """Temperature factors of a bearing, and what follows from them.
 
     Attributes

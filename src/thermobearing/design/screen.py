@@ -1,16 +1,13 @@
 """The room's results on the terminal: rounds as they come, sheets, paragraphs, factors."""
 
-from rich.console import Console
-from rich.table import Table
-
 from thermobearing.cyclic.equivalent import post_yield_ratio
 from thermobearing.design.bilinear import bounds_table
-from thermobearing.design.case import DesignCase, bearing_weight
+from thermobearing.design.case import DesignCase, bearing_weight, make_design_case
 from thermobearing.design.peaks import coldest_sentences, peak_rule
 from thermobearing.design.published import published_codes
 from thermobearing.design.result import BoundsReport, Design, FactorReport, source_design
 from thermobearing.design.rounds import Round
-from thermobearing.results.screen import print_warnings
+from thermobearing.results.screen import print_table, print_warnings, say
 
 COLUMNS = {  # of the rounds: head, width
     "round": 5,
@@ -39,13 +36,12 @@ def print_head(case: DesignCase) -> None:
     pier-p1, HDR G8, 785 kN a bearing, motions jra-ii-i-1
     round u_B mm    bearing K_B kN/mm    h_B Q_d kN found mm differ ductility
     """
-    console = Console(highlight=False)
     names = ", ".join(motion.name for motion in case.motions)
-    console.print(
-        f"[bold]{case.structure.name}[/bold], {case.compound_kind} {case.compound}, "
+    say(
+        f"{case.structure.name}, {case.compound_kind} {case.compound}, "
         f"{bearing_weight(case):.0f} kN a bearing, motions {names}"
     )
-    console.print(_line(tuple(COLUMNS)), style="bold")
+    say(_line(tuple(COLUMNS)), "bold")
 
 
 def print_round(turn: Round) -> None:
@@ -73,7 +69,7 @@ def print_round(turn: Round) -> None:
         f"{turn.difference:+.1%}",
         f"{turn.ductility:.2f}",
     )
-    Console(highlight=False).print(_line(cells))
+    say(_line(cells))
 
 
 def _line(cells: tuple[str, ...]) -> str:
@@ -100,37 +96,43 @@ def print_design(design: Design) -> None:
     >>> "checks" in shown.getvalue()
     True
     """
-    console = Console(highlight=False)
-    console.print(design.sentence, soft_wrap=True)
+    say(design.sentence)
     rule = peak_rule(design.case.peaks)
     mark = " (unverified)" if rule.unverified else ""
-    console.print(f"Peaks are {rule.says}; {rule.source}{mark}.", soft_wrap=True)
+    say(f"Peaks are {rule.says}; {rule.source}{mark}.")
     if design.first_within is not None:
-        console.print(f"The source's 10 % was met in round {design.first_within}.")
-    console.print(_checks(design))
-    console.print(f"\n{_source()}")
+        say(f"Round {design.first_within} was the first within the 10 % of the printed loop.")
+    _print_checks(design)
+    if _is_of_the_source(design.case):
+        say(f"\n{_source()}")
     for item in design.equal:
-        console.print(
+        say(
             f"equal K_B: {item.bearing.name}, K_eq {item.stiffness:.3f} kN/mm, "
             f"h_eq {item.damping:.3f} at 23 degC without heating"
         )
     for sentence in coldest_sentences(design.temperatures):
-        console.print(sentence, soft_wrap=True)
-    print_warnings(console, design.warnings)
+        say(sentence)
+    print_warnings(design.warnings)
 
 
-def _checks(design: Design) -> Table:
+def _print_checks(design: Design) -> None:
     """The calculation sheet."""
-    table = Table(box=None, pad_edge=False, title="\nchecks", title_justify="left")
-    for head in ("", "value", "limit", "", "source of the limit"):
-        table.add_column(head, justify="right" if head in ("value", "limit") else "left")
+    rows = []
     for check in design.checks:
         unit = "" if check.unit == "1" else f" {check.unit}"
         value = f"{check.value:.3g}{unit}"
         limit = f"{'>=' if check.least else '<='} {check.limit:g}{unit}"
-        style = None if check.passed else "bold red"
-        table.add_row(check.what, value, limit, check.verdict, check.source, style=style)
-    return table
+        rows.append((check.what, value, limit, check.verdict, check.source))
+    styles = ["" if check.passed else "bold red" for check in design.checks]
+    heads = ("checks", "value", "limit", "verdict", "source of the limit")
+    print_table(heads, rows, title=" ", styles=styles)
+
+
+def _is_of_the_source(case: DesignCase) -> bool:
+    """Whether it is the bridge that the source sized, not one of the user's own."""
+    printed = make_design_case({}, "default")
+    keys = {"structure", "compound", "compound_kind", "weight"}
+    return case.model_dump(include=keys) == printed.model_dump(include=keys)
 
 
 def _source() -> str:
@@ -165,8 +167,8 @@ def print_bounds(report: BoundsReport) -> None:
     True
     """
     for text in report.paragraphs.values():
-        print(text + "\n")
-    print_warnings(Console(highlight=False), report.warnings)
+        say(text + "\n")
+    print_warnings(report.warnings)
 
 
 def print_factors(report: FactorReport) -> None:
@@ -186,36 +188,34 @@ def print_factors(report: FactorReport) -> None:
     >>> "upper bound" in shown.getvalue()
     True
     """
-    console = Console(highlight=False)
-    console.print(
-        f"[bold]{report.name}[/bold]: {report.motion}, cycles {report.cycles}, "
+    say(
+        f"{report.name}: {report.motion}, cycles {report.cycles}, "
         f"reference {report.reference:g} degC, strain {report.strain:.0%}"
     )
-    console.print(_factors(report))
+    _print_factors(report)
     for row in bounds_table(report.bounds).to_dict("records"):
-        console.print(
+        say(
             f"{row['bound']} bound ({row['basis']} cycle, {row['ambient_degC']:g} degC): Q_d "
             f"{row['Q_d_kN']:.1f} kN, K_1 {row['K_1_kN_mm']:.2f}, K_2 {row['K_2_kN_mm']:.3f} kN/mm"
         )
     ratio = post_yield_ratio(report.bearings[0].kind)
     mark = " (unverified)" if ratio.unverified else ""
-    console.print(f"K_2/K_1 {ratio.ratio:.3g}: {ratio.source}{mark}", soft_wrap=True)
+    say(f"K_2/K_1 {ratio.ratio:.3g}: {ratio.source}{mark}")
     for sentence in report.coldest:
-        console.print(sentence, soft_wrap=True)
+        say(sentence)
     for code in published_codes():
         mark = " (unverified)" if code.unverified else ""
-        console.print(f"{code.code}: {code.says}{mark}", soft_wrap=True)
-    print_warnings(console, report.warnings)
+        say(f"{code.code}: {code.says}{mark}")
+    print_warnings(report.warnings)
 
 
-def _factors(report: FactorReport) -> Table:
+def _print_factors(report: FactorReport) -> None:
     """Factors at the largest strain, a column for each temperature."""
     rows = report.table[report.table["strain"] == report.strain]
     wide = rows.pivot_table(index=["quantity", "basis"], columns="ambient_degC", values="factor")
-    table = Table(box=None, pad_edge=False)
-    for head in ("", "", *(f"{value:g}" for value in wide.columns)):
-        table.add_column(head, justify="right" if head else "left")
+    cells = []
     for key, values in wide.iterrows():
         quantity, basis = key if isinstance(key, tuple) else (key, "")
-        table.add_row(str(quantity), str(basis), *(f"{value:.2f}" for value in values))
-    return table
+        cells.append((str(quantity), str(basis), *(f"{value:.2f}" for value in values)))
+    heads = ("factor", "cycles", *(f"{value:g} degC" for value in wide.columns))
+    print_table(heads, cells, keys=2)

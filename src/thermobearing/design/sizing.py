@@ -152,8 +152,8 @@ def checks_of(
     """
     stress = weight * NEWTON_PER_KILONEWTON / size.area
     first, second = size.first_shape_factor, size.second_shape_factor
-    chosen = "chosen; unverified: no limit is printed in the source"
-    usual = "usual in Japan; unverified: no limit is printed in the source"
+    chosen = "chosen; unverified: no limit is printed"
+    usual = "usual in Japan; unverified: no limit is printed"
     large = "a large value for a pier in an isolated bridge, section 6.3.3"
     return [
         Check("shear strain", strain, 2.5, "1", "largest strain tested, Table 3.4"),

@@ -77,12 +77,25 @@ class EarthquakeFigures:
         return LINES[self._result.modes[run]] if len(self._modes) > 1 else "-"
 
     def _grid(
-        self, what: str, x: str, y: str, draw: Draw, *, strain: Literal["x", "y"] | None = None
+        self,
+        what: str,
+        x: str,
+        y: str,
+        draw: Draw,
+        ax: Axes | None = None,
+        *,
+        strain: Literal["x", "y"] | None = None,
     ) -> Figure:
         """One panel per bearing and motion; `draw` is called for every run in it.
 
-        `strain` is the axis that shows the strain [%]: beyond the tested range it is shaded.
+        All runs go into `ax` where somebody gives one. `strain` is the axis that shows the strain
+        [%]: beyond the tested range it is shaded.
         """
+        if ax is not None:
+            for run, ambient in zip(self._table.index, self._table["ambient_degC"], strict=True):
+                draw(ax, int(run), self._colours[ambient])
+            drawing.name_axes(ax, x, y)
+            return drawing.figure_of(ax)
         untested = []
         motions = self._motions[:MOST_COLUMNS]
         rows, columns = len(self._bearings), len(motions)
@@ -133,12 +146,23 @@ class EarthquakeFigures:
 
         return draw
 
-    def loops(self) -> Figure:
-        """Force of one bearing against its strain, as Fig. 6.9 and 6.12 (3.16 to 3.19)."""
-        draw = self._plane("bearing_strain", "bearing_force", 100.0)
-        return self._grid(
-            "hysteresis of one bearing", "shear strain [%]", "force [kN]", draw, strain="x"
-        )
+    def loops(self, ax: Axes | None = None, *, label: str = "", color: str | None = None) -> Figure:
+        """Force of one bearing against its strain, as Fig. 6.9 and 6.12 (3.16 to 3.19).
+
+        Parameters
+        ----------
+        ax : draw all runs into this panel instead of one for each bearing and motion.
+        label, color : of what is drawn into it; the colours of the temperatures by default.
+        """
+        plain = self._plane("bearing_strain", "bearing_force", 100.0)
+
+        def draw(panel: Axes, run: int, colour: str) -> None:
+            plain(panel, run, color or colour)
+            if label and run == 0:
+                panel.get_lines()[-1].set_label(label)
+
+        what, x = "hysteresis of one bearing", "shear strain [%]"
+        return self._grid(what, x, "force [kN]", draw, ax, strain="x")
 
     def largest_loops(self) -> Figure:
         """The largest loop, the bearings over each other, as Fig. 4.12 and 6.6."""
@@ -152,36 +176,40 @@ class EarthquakeFigures:
         """Real time over pseudo-dynamic: loops of the specimen, as Fig. 3.16 to 3.19."""
         return draw_modes(self._result)
 
-    def strain(self) -> Figure:
+    def strain(self, ax: Axes | None = None) -> Figure:
         """Shear strain in time, as Fig. 6.10 and 6.13."""
         draw = self._time("bearing_strain", 100.0)
         what, y = "shear strain of the bearings", "shear strain [%]"
-        return self._grid(what, "time [s]", y, draw, strain="y")
+        return self._grid(what, "time [s]", y, draw, ax, strain="y")
 
-    def pier(self) -> Figure:
+    def pier(self, ax: Axes | None = None) -> Figure:
         """Displacement of the pier top relative to its base, as Fig. 6.17 and 6.19."""
         draw = self._time("pier_displacement")
-        return self._grid("pier top relative to its base", "time [s]", "displacement [mm]", draw)
+        return self._grid(
+            "pier top relative to its base", "time [s]", "displacement [mm]", draw, ax
+        )
 
-    def pier_acceleration(self) -> Figure:
+    def pier_acceleration(self, ax: Axes | None = None) -> Figure:
         """Absolute acceleration of the pier top, as Fig. 3.27, 3.29, 4.15, 5.18 and 5.20."""
         draw = self._time("pier_top_acceleration")
-        return self._grid("acceleration of the pier top", "time [s]", "acceleration [m/s2]", draw)
+        return self._grid(
+            "acceleration of the pier top", "time [s]", "acceleration [m/s2]", draw, ax
+        )
 
-    def hinge(self) -> Figure:
+    def hinge(self, ax: Axes | None = None) -> Figure:
         """Moment against rotation of the pier base, as Fig. 6.21 and 6.22."""
         draw = self._plane("pier_rotation", "pier_moment", 1e3)
-        return self._grid("pier base", "rotation [mrad]", "moment [kN m]", draw)
+        return self._grid("pier base", "rotation [mrad]", "moment [kN m]", draw, ax)
 
-    def deck(self) -> Figure:
+    def deck(self, ax: Axes | None = None) -> Figure:
         """Absolute acceleration of the deck, as Fig. 6.23 and 6.25."""
         draw = self._time("deck_acceleration")
-        return self._grid("acceleration of the deck", "time [s]", "acceleration [m/s2]", draw)
+        return self._grid("acceleration of the deck", "time [s]", "acceleration [m/s2]", draw, ax)
 
-    def energy(self) -> Figure:
+    def energy(self, ax: Axes | None = None) -> Figure:
         """Work done on one bearing in time, as Fig. 3.25."""
         draw = self._time("bearing_energy", KJ)
-        return self._grid("energy taken by one bearing", "time [s]", "energy [kJ]", draw)
+        return self._grid("energy taken by one bearing", "time [s]", "energy [kJ]", draw, ax)
 
     def temperature(self) -> Figure:
         """Rubber layers (solid, outer layer palest) and lead (dashed), as Fig. 3.20 and 5.16."""

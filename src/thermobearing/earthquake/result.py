@@ -8,10 +8,13 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from thermobearing.border.showing import Shown
 from thermobearing.core.records import Floats
+from thermobearing.earthquake.columns import BEARING, COLUMNS, HISTORY, LABELS, LOOP, STRUCTURE
 from thermobearing.earthquake.parts import LINES, PIERS, parts_columns, parts_table
 from thermobearing.results.metrics import LEAST_ENERGY, LEAST_HEAT
 from thermobearing.results.ranges import largest_tested, limits_passed
+from thermobearing.results.selection import chosen_runs, gridded, selected
 from thermobearing.results.writing import (
     exposure_summary,
     from_attribute,
@@ -22,62 +25,13 @@ from thermobearing.results.writing import (
 if TYPE_CHECKING:
     from thermobearing.earthquake.figures import EarthquakeFigures
 
-BEARING = (
-    "work_in",
-    "heat_released",
-    "recoverable",
-    "heat_stored",
-    "heat_lost_ends",
-    "heat_lost_sides",
-)
-STRUCTURE = ("input", "kinetic", "damping", "springs", "hinges", "bearings")
-COLUMNS = {  # of the table: name in the dataset, factor
-    "bearing_strain_max": ("bearing_strain_max", 1.0),
-    "bearing_force_max_kN": ("bearing_force_max", 1.0),
-    "bearing_energy_kN_mm": ("bearing_energy_end", 1.0),
-    "pier_displacement_max_mm": ("pier_displacement_max", 1.0),
-    "pier_ductility": ("pier_ductility", 1.0),
-    "pier_moment_max_kN_m": ("pier_moment_max", 1.0),
-    "deck_acceleration_max_m_s2": ("deck_acceleration_max", 1.0),
-    "pier_top_acceleration_max_m_s2": ("pier_top_acceleration_max", 1.0),
-    "pier_top_displacement_max_mm": ("pier_top_displacement_max", 1.0),
-    "pier_displacement_residual_mm": ("pier_displacement_residual", 1.0),
-}
-LOOP = {  # of the largest loop: name in the dataset
-    "loop_F_plus_kN": "loop_force_max",
-    "loop_F_minus_kN": "loop_force_min",
-    "loop_D_plus_mm": "loop_displacement_max",
-    "loop_D_minus_mm": "loop_displacement_min",
-    "loop_K_eq_kN_mm": "loop_stiffness",
-    "loop_h_eq": "loop_damping_ratio",
-    "loop_G_e_MPa": "loop_modulus",
-    "loop_energy_kN_mm": "loop_energy",
-}
-HISTORY = {  # columns of a history: name in the dataset
-    "time_s": "time",
-    "ground_m_s2": "ground_acceleration",
-    "displacement_mm": "bearing_displacement",
-    "strain": "bearing_strain",
-    "force_kN": "bearing_force",
-    "rubber_force_kN": "rubber_force",
-    "lead_force_kN": "lead_force",
-    "viscous_force_kN": "viscous_force",
-    "energy_kN_mm": "bearing_energy",
-    "pier_displacement_mm": "pier_displacement",
-    "pier_rotation_rad": "pier_rotation",
-    "pier_moment_kN_m": "pier_moment",
-    "pier_top_acceleration_m_s2": "pier_top_acceleration",
-    "deck_displacement_mm": "deck_displacement",
-    "deck_acceleration_m_s2": "deck_acceleration",
-    "lead_degC": "lead_temperature",
-}
 # Of the input. In the default study, bearings of runs below it move 13 to 19 % farther without
 # viscous damping, those of runs above it 12 to 200 %: there the assumed ratios count as much as
 # the bearing.
 LARGEST_DAMPING_SHARE = 0.25
 
 
-class EarthquakeResult:
+class EarthquakeResult(Shown):
     """Runs of one study.
 
     Attributes
@@ -91,6 +45,58 @@ class EarthquakeResult:
 
     def __getitem__(self, name: str) -> xr.DataArray:
         return self.dataset[name]
+
+    @property
+    def headline(self) -> str:
+        """What it is, in a line."""
+        counts = [len(set(self.dataset[name].values.tolist())) for name in LABELS[:3]]
+        return (
+            f"EarthquakeResult of {self.dataset.attrs['structure']}: {self.runs} runs (bearings "
+            f"{counts[0]}, motions {counts[1]}, temperatures {counts[2]}), {self.outcome}"
+        )
+
+    def show(self) -> None:
+        """Print the tables that the command prints."""
+        from thermobearing.earthquake.screen import print_study
+
+        print_study(self)
+
+    def sel(self, **chosen: Any) -> "EarthquakeResult":
+        """The runs with some labels.
+
+        Parameters
+        ----------
+        chosen : of bearing, motion, ambient [degC] and mode: a value, or several in a list.
+
+        Raises
+        ------
+        InputError : no such label, or no run with it.
+
+        Examples
+        --------
+        >>> import thermobearing as tb
+        >>> study = tb.bridge("shen-hdr-bridge", "jra-ii-i-1", [23, -20], duration=2)
+        >>> study.sel(bearing="shen-hdr-bridge", ambient=-20).runs
+        1
+        """
+        data = self.dataset
+        labels = {name: data[name].values for name in LABELS if name in data.coords}
+        return EarthquakeResult(selected(data, "run", chosen_runs(labels, chosen), self.run_names))
+
+    def to_dataset(self) -> xr.Dataset:
+        """The dataset with bearing, motion and ambient temperature as dimensions.
+
+        With both modes of a laboratory also mode. A combination without a run is NaN.
+
+        Examples
+        --------
+        >>> import thermobearing as tb
+        >>> study = tb.bridge("shen-hdr-bridge", "jra-ii-i-1", [23, -20], duration=2)
+        >>> study.to_dataset()["bearing_force_max"].dims
+        ('bearing', 'motion', 'ambient')
+        """
+        both = len(set(self.modes)) > 1
+        return gridded(self.dataset, [name for name in LABELS if name != "mode" or both])
 
     @property
     def runs(self) -> int:
@@ -307,6 +313,16 @@ class EarthquakeResult:
         for place, values in self.places(run).items():
             known = np.isfinite(values).all()
             found[place.replace(" ", "_")] = float((values - values[0]).max()) if known else np.nan
+        return found
+
+    def hottest(self, run: int) -> dict[str, float]:
+        """Highest temperature of any rubber layer and of the lead [degC]; NaN without one."""
+        data = self.dataset
+        found = {}
+        for place, name in (("rubber", "rubber_temperature"), ("lead", "lead_temperature")):
+            values = data[name].values[run]
+            known = np.isfinite(values)
+            found[place] = float(values[known].max()) if known.any() else np.nan
         return found
 
     def summary(self) -> dict[str, Any]:

@@ -60,6 +60,15 @@ def _panel(fit: RecordFit, prediction: Prediction) -> Panel:
     )
 
 
+def _draw_loops(ax: Axes, panel: Panel, colour: str) -> None:
+    """A test, and the model over it."""
+    x, force = panel.record.displacement, panel.record.force
+    span = float(np.ptp(x)), float(np.ptp(force))
+    for values, shown, width in ((force, TEST, 0.9), (panel.model, colour, 0.7)):
+        kept = drawing.thin_loops(x, values, *span)
+        ax.plot(x[kept], values[kept], color=shown, linewidth=width)
+
+
 class IdentificationFigures:
     """Figures of a fit: `found.plot.loops()` and so on, each a matplotlib Figure.
 
@@ -87,22 +96,30 @@ class IdentificationFigures:
     def _title(self, what: str) -> str:
         return f"{self._found.bearing.name}: {what}"
 
-    def loops(self) -> Figure:
-        """Loops of each test, the model's over them."""
+    def loops(self, ax: Axes | None = None, *, label: str = "", color: str = MODEL) -> Figure:
+        """Loops of each test, the model's over them.
+
+        Parameters
+        ----------
+        ax : draw all tests and models into this panel instead.
+        label, color : of the model that is drawn into it.
+        """
         panels = self._panels
+        if ax is not None:
+            for panel in panels:
+                _draw_loops(ax, panel, color)
+            ax.get_lines()[-1].set_label(label or self._found.bearing.name)
+            drawing.name_axes(ax, "displacement [mm]", "force [kN]")
+            return drawing.figure_of(ax)
         columns = min(len(panels), 3)
         rows = -(-len(panels) // columns)
         size = (max(5.5, 1.0 + 3.4 * columns), 0.9 + 3.6 * rows)
         figure, axes = drawing.panels(rows, columns, size, self._title("test and model"))
-        for ax, panel in zip(axes, panels, strict=False):
-            x, force = panel.record.displacement, panel.record.force
-            span = float(np.ptp(x)), float(np.ptp(force))
-            for values, colour, width in ((force, TEST, 0.9), (panel.model, MODEL, 0.7)):
-                kept = drawing.thin_loops(x, values, *span)
-                ax.plot(x[kept], values[kept], color=colour, linewidth=width)
-            drawing.name_axes(ax, "displacement [mm]", "force [kN]", panel.title)
-        for ax in axes[len(panels) :]:
-            ax.set_visible(False)
+        for place, panel in zip(axes, panels, strict=False):
+            _draw_loops(place, panel, MODEL)
+            drawing.name_axes(place, "displacement [mm]", "force [kN]", panel.title)
+        for place in axes[len(panels) :]:
+            place.set_visible(False)
         lines = [
             Line2D([], [], color=TEST, linewidth=2.0, label="test"),
             Line2D([], [], color=MODEL, linewidth=2.0, label="model"),

@@ -6,10 +6,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from thermobearing.bearing.model import Bearing
 from thermobearing.bearing.validity import Validity
+from thermobearing.border.showing import Shown
 from thermobearing.identify.agreement import UNUSABLE, RecordFit, fit_of_record
 from thermobearing.identify.checks import CheckReport
 from thermobearing.identify.forward import Prediction
@@ -34,8 +36,8 @@ SENTENCES = {
 }
 
 
-@dataclass(frozen=True)
-class Identification:
+@dataclass(frozen=True, repr=False)
+class Identification(Shown):
     """What a fit found.
 
     Attributes
@@ -78,6 +80,39 @@ class Identification:
     outcome: str
     problem: Problem
     sensitivity: list[Sensitivity] = field(default_factory=list)
+
+    @property
+    def headline(self) -> str:
+        """What it is, in a line."""
+        free = ", ".join(
+            f"{item.parameter.kind.symbol} = {item.value:.4g}"
+            for item in self.uncertainty.estimates.values()
+        )
+        fits = ", ".join(f"{fit.R2:.4f}" for fit in self.fits)
+        return f"Identification of {self.bearing.name}: {free}; R2 {fits}; {self.outcome}"
+
+    def show(self) -> None:
+        """Print the tables that the command prints."""
+        from thermobearing.identify.screen import print_identification
+
+        print_identification(self)
+
+    @property
+    def table(self) -> pd.DataFrame:
+        """One row per free parameter: value, standard error, 95 % interval."""
+        rows = [
+            {
+                "parameter": item.parameter.kind.symbol,
+                "unit": item.parameter.kind.unit,
+                "value": item.value,
+                "standard_error": item.stderr,
+                "lower": item.lower,
+                "upper": item.upper,
+                "at_bound": item.at_bound,
+            }
+            for item in self.uncertainty.estimates.values()
+        ]
+        return pd.DataFrame(rows)
 
     @property
     def values(self) -> dict[str, float]:

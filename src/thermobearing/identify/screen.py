@@ -3,20 +3,16 @@
 from collections.abc import Sequence
 from typing import Any
 
-from rich.console import Console
-from rich.markup import escape
-from rich.table import Table
-
 from thermobearing.border.errors import printable
 from thermobearing.identify.checks import CheckReport
 from thermobearing.identify.record import TestRecord
 from thermobearing.identify.result import Identification
 from thermobearing.identify.thermocouples import COLUMNS, thermocouple_cells
-from thermobearing.results.screen import print_warnings
+from thermobearing.results.screen import print_table, print_warnings
 
 MARKS = {"refused": "REFUSED", "warning": "warning", "note": "note"}
-HEADS = ("parameter", "value", "standard error", "95 % interval", "unit")
-MEASURES = ("record", "ambient", "R²", "NRMSE", "G_e", "h_eq", "energy", "peak force")
+HEADS = ("parameter", "unit", "value", "standard error", "95 % interval")
+MEASURES = ("record", "degC", "R²", "NRMSE", "G_e", "h_eq", "energy", "peak force")
 ERRORS = ("G_eq_error", "h_eq_error", "energy_error", "force_max_error")
 
 
@@ -63,12 +59,11 @@ def print_identification(found: Identification, more: Sequence[str] = ()) -> Non
     >>> "K_r" in shown.getvalue()
     True
     """
-    console = Console()
-    console.print(_parameters(found))
-    console.print(_measures(found))
-    print_thermocouples(console, found.thermocouples, "thermocouples, model beside test")
+    _print_parameters(found)
+    _print_measures(found)
+    print_thermocouples(found.thermocouples, "thermocouples, model beside test")
     print_unused(found.records)
-    print_warnings(console, [*found.warnings, *more])
+    print_warnings([*found.warnings, *more])
 
 
 def print_unused(records: list[TestRecord]) -> None:
@@ -83,48 +78,37 @@ def print_unused(records: list[TestRecord]) -> None:
             print(printable(f"{name}: columns not used: {', '.join(unused)}"))
 
 
-def print_thermocouples(console: Console, rows: list[dict[str, Any]], title: str) -> None:
+def print_thermocouples(rows: list[dict[str, Any]], title: str) -> None:
     """A table of thermocouples, if there are any.
 
     Parameters
     ----------
-    console : to print on.
     rows : from `thermocouple_rows`, with the name of the test.
     title : of the table.
     """
-    if not rows:
-        return
-    table = Table(title=escape(title), title_justify="left", box=None, pad_edge=False)
-    for head in ("test", *COLUMNS.values()):
-        left = head in ("test", "thermocouple", "place")
-        table.add_column(head, justify="left" if left else "right")
-    for row in rows:
-        table.add_row(escape(str(row["test"])), *map(escape, thermocouple_cells(row)))
-    console.print(table)
+    if rows:
+        cells = [(str(row["test"]), *thermocouple_cells(row)) for row in rows]
+        print_table(("test", *COLUMNS.values()), cells, title=title, keys=3)
 
 
-def _parameters(found: Identification) -> Table:
-    name = escape(found.bearing.name)
-    table = Table(title=f"{name}: {found.method}, {found.seconds:.1f} s")
-    for head in HEADS:
-        table.add_column(head, justify="left" if head in ("parameter", "unit") else "right")
+def _print_parameters(found: Identification) -> None:
+    rows = []
     for item in found.uncertainty.estimates.values():
         error = "at its bound" if item.at_bound else f"{item.stderr:.2g}"
         interval = f"{item.lower:.4g} to {item.upper:.4g}"
         kind = item.parameter.kind
-        table.add_row(kind.symbol, f"{item.value:.4g}", error, interval, kind.unit)
-    return table
+        rows.append((kind.symbol, kind.unit, f"{item.value:.4g}", error, interval))
+    print_table(HEADS, rows, title=f"{found.bearing.name}: {found.method}", keys=2)
 
 
-def _measures(found: Identification) -> Table:
-    table = Table(title="model against test, errors over the cycles")
-    for head in MEASURES:
-        table.add_column(head, justify="left" if head == "record" else "right")
+def _print_measures(found: Identification) -> None:
+    rows = []
     for fit in found.fits:
-        name, ambient = escape(fit.record.name), f"{fit.record.ambient:g} °C"
-        cells = [name, ambient, f"{fit.R2:.4f}", f"{fit.NRMSE:.2%}"]
+        ambient = f"{fit.record.ambient:g}"
+        cells = [fit.record.name, ambient, f"{fit.R2:.4f}", f"{fit.NRMSE:.2%}"]
         for name in ERRORS:
             values = [100.0 * getattr(cycle, name) for cycle in fit.cycles]
             cells.append(f"{min(values):+.1f} to {max(values):+.1f} %")
-        table.add_row(*cells)
-    return table
+        rows.append(cells)
+    title = "model against test, errors over the cycles"
+    print_table(MEASURES, rows, title=title, keys=2)

@@ -1,12 +1,9 @@
 """What was found in files, on the terminal."""
 
-from rich.console import Console
-from rich.markup import escape
-from rich.table import Table
-
 from thermobearing.border.errors import printable
 from thermobearing.identify.screen import MARKS
 from thermobearing.intake.result import Intake, Intakes
+from thermobearing.results.screen import print_table
 
 USED = ("time", "displacement", "force", "ambient")
 
@@ -18,10 +15,9 @@ def print_intakes(found: Intakes) -> None:
     ----------
     found : from `take_in`.
     """
-    console = Console()
     for item in found.files:
         print(printable(_headline(item)))
-        console.print(_columns(item))
+        _print_columns(item)
         for finding in item.report.findings:
             print(printable(f"  {MARKS[finding.level]:8} {finding.check}: {finding.sentence}"))
 
@@ -37,10 +33,8 @@ def _headline(item: Intake) -> str:
     )
 
 
-def _columns(item: Intake) -> Table:
-    table = Table(box=None, pad_edge=False)
-    for head in ("column", "unit", "taken as", "because of"):
-        table.add_column(head, justify="left", overflow="fold")
+def _print_columns(item: Intake) -> None:
+    rows = []
     for column in item.columns:
         unit = f"{column.assumed} (assumed)" if column.assumed else column.unit
         taken = column.holds if column.holds in USED else "not used"
@@ -50,5 +44,5 @@ def _columns(item: Intake) -> Table:
             why = column.why if column.place else "a thermocouple? say where it sits"
         elif column.holds in ("numbers", "words", "nothing"):
             why = column.why
-        table.add_row(*(escape(printable(text)) for text in (column.title, unit, taken, why)))
-    return table
+        rows.append([printable(text) for text in (column.title, unit, taken, why)])
+    print_table(("column", "unit", "taken as", "because of"), rows, keys=4)

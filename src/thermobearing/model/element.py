@@ -7,6 +7,7 @@ two states and calls the one coupled step; it adds no physics.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from inspect import signature
 from pathlib import Path
 from typing import Any, Self
 
@@ -17,7 +18,7 @@ from thermobearing.bearing.ambient import check_temperature
 from thermobearing.bearing.exposure import Exposure
 from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing, Clock
-from thermobearing.border.errors import InputError
+from thermobearing.border.errors import InputError, nearest
 from thermobearing.border.schema import validated
 from thermobearing.core.march import copy_state
 from thermobearing.core.step import step
@@ -225,6 +226,40 @@ class BearingElement:
         """Continue from a state that `save` returned."""
         copy_state(saved, self._committed)
         copy_state(saved, self._trial)
+
+
+def element(
+    bearing: Bearing | str | Path, ambient: float = DEFAULT_AMBIENT, **options: Any
+) -> BearingElement:
+    """A bearing with trial, commit and revert, for an integrator or a program of your own.
+
+    Parameters
+    ----------
+    bearing : a Bearing, a library name, or a TOML file.
+    ambient : temperature of the air, and of the bearing at the start [degC], in [-100, 100].
+    options : any of `BearingElement`.
+
+    Returns
+    -------
+    BearingElement
+
+    Raises
+    ------
+    InputError : no such bearing or option, or temperatures that do not fit.
+
+    Examples
+    --------
+    >>> pier = element("shen-hdr-bridge", ambient=-20)
+    >>> force = pier.set_trial(40.0, dt=0.01).force  # mm, s -> kN
+    >>> pier.commit()
+    >>> force > 100.0
+    True
+    """
+    known = set(signature(BearingElement.__init__).parameters) - {"self"}
+    unknown = [f'unknown key "{key}"{nearest(key, known)}' for key in options.keys() - known]
+    if unknown:
+        raise InputError(unknown, "element()")
+    return BearingElement(bearing, ambient, **options)
 
 
 def _of_cells(key: str, temperature: Any, cells: int) -> NDArray[np.float64]:

@@ -26,6 +26,7 @@ Ints = NDArray[np.int64]
 Look = dict[str, Any]  # how an artist is drawn
 
 DPI = 150  # of a saved figure
+NOTEBOOK_DPI = 100
 COLOURS = 256  # of a saved figure: its lines, and their edges that fade into the paper
 LARGE, NORMAL, SMALL = 10.5, 9.0, 7.5  # font sizes [pt]
 LETTER, BOLD_LETTER = 0.56, 0.66  # mean width of a letter, of the font size
@@ -51,6 +52,22 @@ ENERGIES = (
 UNTESTED = "#f6dede"  # beyond what a bearing was tested at
 THIN = 0.02  # of the height: a part too thin for its name
 LOOP_STEP = 1 / 250  # distance of kept points of a loop, of the size of the panel
+
+
+class Picture(Figure):
+    """A figure that a notebook shows, drawn without any state of pyplot."""
+
+    def _repr_png_(self) -> bytes:
+        drawn = io.BytesIO()
+        self.savefig(drawn, format="png", dpi=NOTEBOOK_DPI)
+        return drawn.getvalue()
+
+
+def figure_of(ax: Axes) -> Figure:
+    """The whole figure that a panel belongs to."""
+    figure = ax.get_figure(root=True)
+    assert isinstance(figure, Figure)
+    return figure
 
 
 def degrees(value: float) -> str:
@@ -82,7 +99,7 @@ def panels(
     rows: int, columns: int, size: tuple[float, float], title: str, *, share: bool = False
 ) -> tuple[Figure, list[Axes]]:
     """A figure of so many inches with its panels row by row, styled but empty."""
-    figure = Figure(figsize=size, layout="constrained")
+    figure = Picture(figsize=size, layout="constrained")
     room = int(size[0] * 72.0 / (BOLD_LETTER * LARGE))
     lines = title.replace(": ", ":\n", 1) if len(title) > room else title
     wrapped = "\n".join(textwrap.fill(line, room) for line in lines.splitlines())

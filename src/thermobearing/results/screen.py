@@ -1,21 +1,128 @@
-"""What the terminal views of all rooms share."""
+"""What the terminal views of all rooms share: sentences, lists of facts, tables that cut nothing.
 
-from collections.abc import Iterable
+A table that is too wide for the terminal goes on below, its first columns repeated. What does not
+go to a terminal has no width (unless COLUMNS says one), no colours and no frames.
+"""
+
+import os
+from collections.abc import Iterable, Sequence
 
 from rich.console import Console
-from rich.markup import escape
+from rich.text import Text
+
+GAP = "  "  # between two columns
+Row = Sequence[str]
+
+
+def say(text: str, style: str = "") -> None:
+    """A paragraph: wrapped between words on a terminal, one line elsewhere.
+
+    Parameters
+    ----------
+    text : as it is; nothing in it is markup.
+    style : of rich, such as "bold"; only a terminal shows it.
+
+    Examples
+    --------
+    >>> say("lead [degC]", "bold")
+    lead [degC]
+    """
+    console = Console(highlight=False)
+    console.print(Text(text, style=style), soft_wrap=not console.is_terminal)
+
+
+def print_warnings(warnings: Iterable[str]) -> None:
+    """A paragraph for each warning.
+
+    Parameters
+    ----------
+    warnings : sentences.
+
+    Examples
+    --------
+    >>> print_warnings(["the lead melts"])
+    warning: the lead melts
+    """
+    for warning in warnings:
+        say(f"warning: {warning}", "yellow")
+
+
+def print_table(
+    heads: Row, rows: Sequence[Row], *, title: str = "", keys: int = 1, styles: Row = ()
+) -> None:
+    """A table with every number whole, in blocks below each other where the terminal is narrow.
+
+    Parameters
+    ----------
+    heads : of the columns.
+    rows : texts, as many as there are heads.
+    title : above the table.
+    keys : columns that say what a row is: to the left, and in every block.
+    styles : of rich, one for each row.
+
+    Examples
+    --------
+    >>> print_table(("test", "kN"), [("a", "1.25"), ("long", "100.00")])
+    test      kN
+    a       1.25
+    long  100.00
+    """
+    if title:
+        say(f"\n{title}")
+    for number, block in enumerate(laid_out(heads, rows, keys, screen_width())):
+        if number:
+            say("")
+        for line, text in enumerate(block):
+            style = "bold" if line == 0 else (styles[line - 1] if styles else "")
+            console = Console(highlight=False)
+            console.print(Text(text, style=style, no_wrap=True), soft_wrap=True)
+
+
+def screen_width() -> int | None:
+    """Columns of the terminal; None where there is none and COLUMNS does not say."""
+    console = Console()
+    if console.is_terminal:
+        return console.width
+    told = os.environ.get("COLUMNS", "")
+    return int(told) if told.isdecimal() and int(told) > 0 else None
+
+
+def laid_out(heads: Row, rows: Sequence[Row], keys: int, width: int | None) -> list[list[str]]:
+    """Lines of each block of a table, heads first; a block holds one column besides at least.
+
+    Parameters
+    ----------
+    heads, rows, keys : as of `print_table`.
+    width : most letters of a line; None: as many as it takes.
+
+    Examples
+    --------
+    >>> laid_out(("a", "b", "c"), [("x", "10", "200")], 1, 7)
+    [['a   b', 'x  10'], ['a    c', 'x  200']]
+    """
+    columns = [[heads[k], *(row[k] for row in rows)] for k in range(len(heads))]
+    wide = [max(map(len, column)) for column in columns]
+    blocks: list[list[int]] = [[]]
+    taken = start = sum(w + len(GAP) for w in wide[:keys]) - len(GAP)
+    for k in range(keys, len(heads)):
+        if width is not None and blocks[-1] and taken + len(GAP) + wide[k] > width:
+            blocks.append([])
+            taken = start
+        blocks[-1].append(k)
+        taken += len(GAP) + wide[k]
+    found = []
+    for block in blocks:
+        cells = [
+            [text.ljust(wide[k]) if k < keys else text.rjust(wide[k]) for text in columns[k]]
+            for k in (*range(keys), *block)
+        ]
+        found.append([GAP.join(line).rstrip() for line in zip(*cells, strict=True)])
+    return found
 
 
 def print_facts(title: str, facts: dict[str, str]) -> None:
     """A titled list of names and values."""
-    console = Console(highlight=False)
-    console.print(f"[bold]{escape(title)}[/bold]")
+    say(title, "bold")
     width = max(len(name) for name in facts)
     for name, value in facts.items():
-        console.print(f"  {name:{width}}  {value}", markup=False)
-
-
-def print_warnings(console: Console, warnings: Iterable[str]) -> None:
-    """What a reader must know, a line each."""
-    for warning in warnings:
-        console.print(f"[yellow]warning:[/] {escape(warning)}", highlight=False, soft_wrap=True)
+        say(f"  {name:{width}}  {value}")

@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 
 import thermobearing
+from thermobearing.border.showing import Shown
 from thermobearing.cyclic.result import Result
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.model.outcomes import INTERRUPTED, SENTENCES
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 PartResult = Result | EarthquakeResult
 
 
-class SequenceResult:
+class SequenceResult(Shown):
     """Parts one after the other on one specimen.
 
     Attributes
@@ -39,6 +40,18 @@ class SequenceResult:
 
     def __getitem__(self, number: int) -> PartResult:
         return self.parts[number]
+
+    @property
+    def headline(self) -> str:
+        """What it is, in a line."""
+        name = self.case.bearing.name
+        return f"SequenceResult of {name}: {len(self.parts)} parts, {self.outcome}"
+
+    def show(self) -> None:
+        """Print the tables that the command prints."""
+        from thermobearing.sequences.screen import print_sequence
+
+        print_sequence(self)
 
     @property
     def outcome(self) -> str:

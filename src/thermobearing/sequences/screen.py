@@ -1,10 +1,6 @@
 """Table of a sequence on the terminal."""
 
-from rich.console import Console
-from rich.markup import escape
-from rich.table import Table
-
-from thermobearing.results.screen import print_warnings
+from thermobearing.results.screen import print_table, print_warnings, say
 from thermobearing.sequences.result import SequenceResult
 
 SHOWN = {  # column of the table: head, digits
@@ -18,28 +14,24 @@ SHOWN = {  # column of the table: head, digits
 
 def print_sequence(result: SequenceResult) -> None:
     """One row a part; inner layer and lead at its start and end."""
-    console = Console()
     case, rows = result.case, result.table
-    console.print(f"[bold]{escape(case.name)}: {escape(case.bearing.name)}[/bold]")
-    print_warnings(console, result.warnings)
-    table = Table(box=None, pad_edge=False, header_style="bold")
+    say(f"{case.name}: {case.bearing.name}", "bold")
+    print_warnings(result.warnings)
     stems = [name.removesuffix("_start_degC") for name in map(str, rows) if "_start_degC" in name]
     rubber = [stem for stem in stems if stem.startswith("rubber")][-1:]
     warm = rubber + [stem for stem in stems if stem == "lead"]
-    table.add_column("part", no_wrap=True)
-    for head in [
-        *(head for head, _ in SHOWN.values()),
-        *(s.replace("rubber", "layer ") for s in warm),
-    ]:
-        table.add_column(head, justify="right", no_wrap=True)
-    if rows["beyond_tested"].any():
-        table.add_column("not tested", no_wrap=True)
-    for row in rows.to_dict("records"):
-        table.add_row(
+    heads = ["part", *(head for head, _ in SHOWN.values())]
+    heads += [f"{stem.replace('rubber', 'layer ')} degC" for stem in warm]
+    untested = rows["beyond_tested"].any() if "beyond_tested" in rows else False
+    heads += ["not tested"] if untested else []
+    cells = [
+        (
             str(row["part"]),
             *(form.format(row[name]) for name, (_, form) in SHOWN.items()),
             *(f"{row[f'{s}_start_degC']:.1f} > {row[f'{s}_end_degC']:.1f}" for s in warm),
-            *([str(row["beyond_tested"])] if rows["beyond_tested"].any() else []),
-            style=None if row["outcome"] == "completed" else "red",
+            *([str(row["beyond_tested"])] if untested else []),
         )
-    console.print(table)
+        for row in rows.to_dict("records")
+    ]
+    styles = ["" if outcome == "completed" else "red" for outcome in rows.get("outcome", [])]
+    print_table(heads, cells, styles=styles)

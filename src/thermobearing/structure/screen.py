@@ -1,9 +1,8 @@
 """A structure on the terminal: its parts, periods and shapes."""
 
 import pandas as pd
-from rich.console import Console
-from rich.markup import escape
 
+from thermobearing.results.screen import print_table, say
 from thermobearing.structure.model import load_structure
 from thermobearing.structure.result import TONNES, StructureResult
 
@@ -16,11 +15,10 @@ def print_structures(names: list[str]) -> None:
 
 def print_structure(result: StructureResult) -> None:
     """What the model is made of, and its modes."""
-    console = Console(highlight=False)
     structure = result.structure
-    console.print(f"[bold]{escape(structure.name)}[/bold]: {escape(structure.description)}")
+    say(f"{structure.name}: {structure.description}", "bold")
     _print_rows(result.parts.rename(columns={"height_mm": "height mm"}))
-    console.print(
+    say(
         f"\n{TONNES * result.mass:g} t in all, {result.mass_model} mass, damping "
         f"{structure.damping.kind}; bearings with their equivalent stiffness"
     )
@@ -43,16 +41,6 @@ def _print_rows(table: pd.DataFrame) -> None:
     texts = {
         name: [f"{v:g}" if isinstance(v, float) else str(v) for v in table[name]] for name in table
     }
-    words = {"part", "name", "body", "base", "size"}
-    widths = {name: max(len(str(name)), *map(len, values)) for name, values in texts.items()}
-
-    def line(cells: dict[str, str]) -> str:
-        parts = [
-            cell.ljust(widths[name]) if name in words else cell.rjust(widths[name])
-            for name, cell in cells.items()
-        ]
-        return "  ".join(parts).rstrip()
-
-    print(line({str(name): str(name) for name in table}), flush=True)
-    for k in range(len(table)):
-        print(line({str(name): texts[name][k] for name in texts}), flush=True)
+    keys = sum(name in {"part", "name", "body", "base", "mode"} for name in texts)
+    rows = [[texts[name][k] for name in texts] for k in range(len(table))]
+    print_table([str(name) for name in texts], rows, keys=keys)

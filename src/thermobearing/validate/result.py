@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from thermobearing.border.showing import Shown
 from thermobearing.identify.forward import Prediction
 from thermobearing.identify.loops import Loop
 from thermobearing.identify.record import TestRecord
@@ -81,8 +82,8 @@ def _worst(errors: list[float]) -> float:
     return max(errors, key=abs) if errors else float("nan")
 
 
-@dataclass(frozen=True)
-class Validation:
+@dataclass(frozen=True, repr=False)
+class Validation(Shown):
     """What a validation found.
 
     Attributes
@@ -104,6 +105,17 @@ class Validation:
     comparisons: list[Comparison]
     limits: dict[str, float]
     warnings: list[str] = field(default_factory=list)
+
+    @property
+    def headline(self) -> str:
+        """What it is, in a line."""
+        return f"Validation: {len(self.comparisons)} comparisons, {self.verdict}, {self.outcome}"
+
+    def show(self) -> None:
+        """Print the tables that the command prints."""
+        from thermobearing.validate.screen import print_validation
+
+        print_validation(self)
 
     @property
     def outcome(self) -> str:

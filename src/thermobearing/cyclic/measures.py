@@ -1,0 +1,40 @@
+"""The measures of cycles as a labelled dataset."""
+
+import pandas as pd
+import xarray as xr
+
+UNITS = {"_kN_mm": "kN mm", "_kN": "kN", "_MPa": "MPa", "_degC": "degC"}
+LABELS = ("ambient", "strain", "cycle")
+
+
+def unit_of(column: str) -> str:
+    """Unit of a column of `Result.cycles`, from its name.
+
+    Examples
+    --------
+    >>> unit_of("post_yield_stiffness_kN_mm"), unit_of("energy_kN_mm"), unit_of("h_eq")
+    ('kN/mm', 'kN mm', '1')
+    """
+    if column.endswith("stiffness_kN_mm"):
+        return "kN/mm"
+    return next((unit for end, unit in UNITS.items() if column.endswith(end)), "1")
+
+
+def measures_dataset(cycles: pd.DataFrame) -> xr.Dataset:
+    """Columns of `Result.cycles` as variables over ambient temperature, strain and cycle.
+
+    Where a strain comes twice (and in recorded histories, whose cycles have each their own) the
+    dimensions are ambient temperature and `number` of the cycle in the test.
+    """
+    table = cycles.rename(columns={"ambient_degC": "ambient", "amplitude_strain": "strain"})
+    labels = list(LABELS)
+    if not len(table):
+        return xr.Dataset()
+    if table.duplicated(labels).any() or (table.groupby("strain").size() == 1).all():
+        table["number"] = table.groupby("ambient").cumcount() + 1
+        labels = ["ambient", "number"]
+    found = table.set_index(labels).to_xarray()
+    for name in found.variables:
+        found[name].attrs["units"] = unit_of(str(name))
+    found["ambient"].attrs["units"] = "degC"
+    return found

@@ -1,0 +1,97 @@
+"""A result directory whose numbers are in summary.json and tables, read back."""
+
+import json
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from thermobearing.border.errors import LONGEST_NAME, InputError, is_file, shortened
+from thermobearing.border.showing import table_html
+from thermobearing.results.directory import FIGURES, SUMMARY
+
+NEEDED = {"command", "outcome"}  # keys of every summary.json
+
+
+@dataclass(frozen=True)
+class SavedResult:
+    """What `identify`, `validate`, `design`, `lambda`, `bounds` or `motions` left in a directory.
+
+    Attributes
+    ----------
+    path : the directory.
+    summary : what summary.json says.
+    tables : each CSV file as a DataFrame, by its name without ".csv".
+    figures : the pictures.
+    bearings : by name: the one that was identified, those that were designed.
+    """
+
+    path: Path
+    summary: dict[str, Any]
+    tables: dict[str, pd.DataFrame]
+    figures: list[Path]
+    bearings: dict[str, Any] = field(default_factory=dict)
+
+    def __getitem__(self, name: str) -> pd.DataFrame:
+        """A table by name."""
+        if name not in self.tables:
+            raise InputError(f'no table "{name}"; there are {sorted(self.tables)}', str(self.path))
+        return self.tables[name]
+
+    @property
+    def command(self) -> str:
+        """What made it, such as "identify"."""
+        return str(self.summary["command"])
+
+    @property
+    def outcome(self) -> str:
+        """How it ended."""
+        return str(self.summary["outcome"])
+
+    @property
+    def warnings(self) -> list[str]:
+        """What a reader must know before using the numbers."""
+        return [str(text) for text in self.summary.get("warnings", [])]
+
+    def __repr__(self) -> str:
+        held = ", ".join([*sorted(self.tables), *sorted(self.bearings)])
+        return f"<SavedResult of {self.command}: {self.outcome}; holds {held or 'no tables'}>"
+
+    def _repr_html_(self) -> str:
+        first = next(iter(self.tables), None)
+        table = pd.DataFrame() if first is None else self.tables[first]
+        return table_html(f"{self.command}: {self.outcome}", table, self.warnings)
+
+
+def is_saved(path: str | Path) -> bool:
+    """Whether there is a result directory with a summary at a path."""
+    return is_file(Path(path) / SUMMARY)
+
+
+def read_saved(path: str | Path) -> SavedResult:
+    """Summary and tables of a result directory.
+
+    Parameters
+    ----------
+    path : the directory.
+
+    Raises
+    ------
+    InputError : there is no readable result at that path.
+    """
+    folder = Path(path)
+    where = shortened(str(folder), LONGEST_NAME)
+    try:
+        told = json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError) as error:
+        raise InputError(f"summary.json cannot be read: {error}", where) from None
+    if not isinstance(told, dict) or not set(told) >= NEEDED:
+        raise InputError(f"is no result of thermobearing: {SUMMARY} has no command", where)
+    tables = {}
+    for file in sorted(folder.glob("*.csv")):
+        try:
+            tables[file.stem] = pd.read_csv(file)
+        except (OSError, ValueError) as error:
+            raise InputError(f"{file.name} cannot be read: {error}", where) from None
+    return SavedResult(folder, told, tables, sorted((folder / FIGURES).glob("*.png")))

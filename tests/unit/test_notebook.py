@@ -1,0 +1,231 @@
+"""Results in the idiom of notebooks: short words, tables, labels as dimensions, pictures."""
+
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+import numpy as np
+import pandas as pd
+import pytest
+from matplotlib.figure import Figure
+from numpy.testing import assert_array_equal
+
+import thermobearing as tb
+from tests.unit.inputs import told
+from thermobearing.design.run import run_bounds, run_factors
+from thermobearing.motions.run import examine_motion
+from thermobearing.results import SavedResult, overlay
+
+SHORT = 300  # letters
+NAMES = ["shen-lhdr-bridge", "shen-hdr-bridge"]
+
+
+@pytest.fixture(scope="module")
+def result() -> tb.cyclic.Result:
+    test = tb.cyclic_test(strain=[0.5, 1.0], cycles=2, rest=None, dt=0.02)
+    return tb.run("shen-lhdr-specimen", test, ambient=[-20.0, 23.0])
+
+
+@pytest.fixture(scope="module")
+def study() -> tb.earthquake.EarthquakeResult:
+    motions = ["jra-ii-i-1", "jra-i-i-1"]
+    return tb.bridge(NAMES, motions, [23, -20], duration=2, rig="shen-rig")
+
+
+@pytest.fixture(scope="module")
+def fit() -> Any:
+    test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None, dt=0.02)
+    record = tb.identify.synthetic_record("shen-hdr-specimen", 23.0, test)
+    return tb.identify_bearing(record, "shen-hdr-specimen", free=["K_r"], starts=1)
+
+
+def test_words_are_short_and_html_holds_the_numbers(
+    result: tb.cyclic.Result, study: tb.earthquake.EarthquakeResult, fit: Any
+) -> None:
+    bearing = tb.load_bearing("shen-lhdr-specimen")
+    validation = tb.validate.validate("shen-hdr-specimen", fit.records)
+    for item, held in (
+        (bearing, "mm2"),
+        (result, "G_eq_MPa"),
+        (study, "bearing_strain_max"),
+        (fit, "K_r"),
+        (validation, "K_eq_error"),
+    ):
+        assert len(repr(item)) < SHORT
+        assert repr(item).startswith("<")
+        html = item._repr_html_()
+        assert held in html
+        assert "<table" in html
+        assert len(html) < 40_000
+    assert "lead" in bearing._repr_html_()
+    assert "lead" not in tb.load_bearing("shen-hdr-specimen")._repr_html_().split("citation")[0]
+
+
+def test_show_prints_what_the_command_prints(
+    result: tb.cyclic.Result,
+    study: tb.earthquake.EarthquakeResult,
+    fit: Any,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    for item, words in ((result, "G_e MPa"), (study, "ductility"), (fit, "standard error")):
+        item.show()
+        assert words in capsys.readouterr().out
+
+
+def test_some_runs_of_a_study(study: tb.earthquake.EarthquakeResult) -> None:
+    one = study.sel(bearing=NAMES[1], motion="jra-i-i-1", ambient=-20)
+    number = next(
+        k
+        for k, row in enumerate(study.table.to_dict("records"))
+        if (row["bearing"], row["motion"], row["ambient_degC"]) == (NAMES[1], "jra-i-i-1", -20)
+    )
+    assert one.runs == 1
+    assert_array_equal(one["bearing_force"].values[0], study["bearing_force"].values[number])
+    each = len(study.rig) // study.runs
+    mine = study.rig.iloc[number * each : (number + 1) * each].reset_index(drop=True)
+    pd.testing.assert_frame_equal(one.rig, mine)
+    assert study.sel(ambient=[23, -20]).runs == study.runs
+    assert study.sel(bearing=NAMES[0]).runs == study.runs // 2
+
+
+def test_labels_become_dimensions_in_their_order(study: tb.earthquake.EarthquakeResult) -> None:
+    grid = study.to_dataset()
+    assert list(grid["bearing"].values) == NAMES
+    assert list(grid["ambient"].values) == [23.0, -20.0]
+    assert grid["ambient"].attrs["units"] == "degC"
+    assert grid["bearing_force"].dims[:3] == ("bearing", "motion", "ambient")
+    for row in study.table.to_dict("records"):
+        there = grid["bearing_force_max"].sel(
+            bearing=row["bearing"], motion=row["motion"], ambient=row["ambient_degC"]
+        )
+        assert float(there) == row["bearing_force_max_kN"]
+        assert there.attrs["units"] == "kN"
+
+
+def test_a_grid_with_a_hole(study: tb.earthquake.EarthquakeResult) -> None:
+    data = study.dataset.isel(run=slice(1, None))
+    grid = tb.earthquake.EarthquakeResult(data).to_dataset()["bearing_force_max"]
+    assert int(np.isnan(grid).sum()) == 1
+
+
+def test_measures_have_labels(result: tb.cyclic.Result) -> None:
+    measures = result.to_dataset()
+    for row in result.cycles.to_dict("records"):
+        there = measures.sel(
+            ambient=row["ambient_degC"], strain=row["amplitude_strain"], cycle=row["cycle"]
+        )
+        assert float(there["h_eq"]) == row["h_eq"]
+        assert float(there["lead_degC"]) == row["lead_degC"]
+    assert measures["post_yield_stiffness_kN_mm"].attrs["units"] == "kN/mm"
+    cold = result.sel(ambient=-20)
+    assert_array_equal(cold["force"].values[0], result["force"].values[0])
+    assert len(cold.cycles) == len(result.cycles) / 2
+
+
+def test_a_strain_that_comes_twice_is_numbered() -> None:
+    test = tb.cyclic_test(strain=[0.5, 0.5], cycles=2, rest=None, dt=0.02)
+    found = tb.run("shen-hdr-specimen", test).to_dataset()
+    assert found["h_eq"].dims == ("ambient", "number")
+    assert list(found["number"].values) == [1, 2, 3, 4]
+
+
+def test_selection_of_a_thinned_result(result: tb.cyclic.Result, tmp_path: Path) -> None:
+    loaded = tb.load_result(result.save(tmp_path / "out", figures=False))
+    assert isinstance(loaded, tb.cyclic.Result)
+    assert list(loaded.sel(ambient=23).cycles["ambient_degC"]) == [23.0] * 4
+
+
+def test_sweeps(study: tb.earthquake.EarthquakeResult) -> None:
+    found = tb.sweep(NAMES, motion=["jra-ii-i-1", "jra-i-i-1"], ambient=[23, -20], duration=2)
+    same = study.to_dataset()["bearing_strain_max"]
+    assert_array_equal(found["bearing_strain_max"].values, same.values)
+    test = tb.cyclic_test(strain=[0.5], cycles=1, dt=0.02)
+    measured = tb.sweep(["shen-lhdr-specimen", "shen-hdr-bridge"], test=test, ambient=[23, -20])
+    assert dict(measured.sizes) == {"bearing": 2, "ambient": 2, "strain": 1, "cycle": 1}
+    lead = measured["lead_degC"].sel(bearing="shen-hdr-bridge")
+    assert np.isnan(lead).all()
+    assert np.isfinite(measured["G_eq_MPa"]).all()
+
+
+def test_bad_labels(study: tb.earthquake.EarthquakeResult, result: tb.cyclic.Result) -> None:
+    told(lambda: study.sel(bering="x"), 'no label "bering"', "bearing")
+    told(lambda: study.sel(ambient=5), "no run with ambient = 5", "23.0, -20.0")
+    told(lambda: study.sel(ambient="cold"), "no run with ambient = 'cold'")
+    told(lambda: result.sel(ambient=5), "no run with ambient = 5")
+    told(lambda: tb.sweep(NAMES, test=tb.cyclic_test(), motion="jra-ii-i-1"), "test or a motion")
+    told(lambda: tb.sweep([NAMES[0], NAMES[0]]), "name of its own")
+    told(lambda: tb.element("shen-hdr-bridge", ambinet=-20), 'unknown key "ambinet"')
+
+
+def test_a_notebook_gets_a_picture(result: tb.cyclic.Result) -> None:
+    figure: Any = result.plot.loops()
+    assert isinstance(figure, Figure)
+    assert figure._repr_png_().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize("kind", ["result", "study", "fit"])
+def test_loops_go_into_a_panel_of_somebody_else(kind: str, request: pytest.FixtureRequest) -> None:
+    item = request.getfixturevalue(kind)
+    own = Figure()
+    ax = own.subplots()
+    given = item.plot.loops(ax=ax, label="mine", color="#123456")
+    assert given is own
+    lines = [line for line in ax.get_lines() if line.get_label() == "mine"]
+    assert len(lines) == 1
+    assert matplotlib.colors.to_hex(lines[0].get_color()) == "#123456"
+    assert ax.get_xlabel()
+
+
+def test_panels_of_a_study_take_an_ax(study: tb.earthquake.EarthquakeResult) -> None:
+    for name in ("strain", "pier", "pier_acceleration", "hinge", "deck", "energy"):
+        ax = Figure().subplots()
+        getattr(study.plot, name)(ax=ax)
+        assert len(ax.get_lines()) == study.runs
+
+
+def test_overlay(result: tb.cyclic.Result, study: Any, fit: Any) -> None:
+    both = overlay({"cold": result.sel(ambient=-20), "warm": result.sel(ambient=23)})
+    (ax,) = both.axes
+    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["cold", "warm"]
+    assert len({line.get_color() for line in ax.get_lines()}) == 2
+    assert overlay({"a": fit, "b": fit}).axes
+    told(lambda: overlay({"a": result, "b": study}), '"b" has loops of force')
+    told(lambda: overlay({}), "no results")
+
+
+def test_every_kind_of_result_is_read_again(
+    result: tb.cyclic.Result, study: Any, fit: Any, tmp_path: Path
+) -> None:
+    reports = {
+        "identify": fit,
+        "validate": tb.validate.validate("shen-hdr-specimen", fit.records),
+        "lambda": run_factors(["shen-hdr-bridge"], temperatures=[-20.0], strains=[1.0]),
+        "motions show": examine_motion(tb.load_motion("jra-ii-i-1")),
+        "bounds": run_bounds(["shen-hdr-bridge"], ["jra-ii-i-1"], [23.0, -20.0]),
+    }
+    for command, report in reports.items():
+        folder = report.save(tmp_path / command.split()[0], figures=False)
+        found = tb.load_result(folder)
+        assert isinstance(found, SavedResult)
+        assert found.command == command
+        assert found.outcome == report.outcome if hasattr(report, "outcome") else "completed"
+        assert found.tables
+        assert len(repr(found)) < SHORT
+        assert "<table" in found._repr_html_()
+    fitted = tb.load_result(tmp_path / "identify")
+    assert isinstance(fitted, SavedResult)
+    (bearing,) = fitted.bearings.values()
+    assert bearing.hysteresis == fit.bearing.hysteresis
+    assert len(fitted["fit"]) == sum(len(r.time) for r in fit.records)
+    told(lambda: fitted["nonsense"], 'no table "nonsense"', "fit")
+    for item, kind in ((result, tb.cyclic.Result), (study, tb.earthquake.EarthquakeResult)):
+        folder = item.save(tmp_path / kind.__name__, figures=False)
+        assert isinstance(tb.load_result(folder), kind)
+        (folder / "result.nc").unlink()
+        told(lambda folder=folder: tb.load_result(folder), "no result.nc there")
+
+
+@pytest.mark.parametrize("text", ["", "{", "[]", '{"outcome": "completed"}', "[" * 5000])
+def test_a_summary_that_is_none(text: str, tmp_path: Path) -> None:
+    (tmp_path / "summary.json").write_text(text)
+    told(lambda: tb.load_result(tmp_path), str(tmp_path))

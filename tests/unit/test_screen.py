@@ -1,0 +1,91 @@
+"""Tables on the screen: every number whole, in any width, and plain text in a pipe."""
+
+import itertools
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import thermobearing as tb
+from tests.unit.inputs import command
+from thermobearing.cyclic.screen import print_result
+from thermobearing.results.screen import laid_out, print_table, say
+
+HEADS = ("motion", "degC", "strain", "force kN", "lead degC")
+ROWS = [("jra-ii-ii-1", "-20", "175%", "1234.5", "161.25"), ("x", "23", "9%", "7.0", "-3.10")]
+FRAMES = re.compile(r"[\x1b\u2500-\u257f…]")  # colours, boxes, what was cut
+
+
+@pytest.mark.parametrize("width", [1, 20, 27, 40, 80, None])
+def test_blocks_hold_every_number_once_and_the_keys_in_each(width: int | None) -> None:
+    blocks = laid_out(HEADS, ROWS, 2, width)
+    for line, row in enumerate([HEADS, *ROWS]):
+        shown = [block[line] for block in blocks]
+        for key in row[:2]:
+            assert all(key in text for text in shown)
+        for number in row[2:]:
+            assert sum(number in text for text in shown) == 1
+    narrowest = max(len("jra-ii-ii-1  degC  ") + len(head) for head in HEADS[2:])
+    if width is None:
+        assert len(blocks) == 1
+    elif width >= narrowest:
+        assert max(map(len, itertools.chain(*blocks))) <= width
+        assert len(blocks) == (1 if width == 80 else len(blocks))
+
+
+def test_nothing_is_markup_or_cut(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("COLUMNS", raising=False)
+    say("a bearing [bold] of " + 60 * "many words ")
+    print_table(HEADS, ROWS, title="[red]", keys=2, styles=["red", ""])
+    shown = capsys.readouterr().out
+    assert "[bold]" in shown
+    assert "[red]" in shown
+    assert not FRAMES.search(shown)
+    assert len(shown.splitlines()) == 6  # the sentence is one of them: a pipe has no width
+
+
+def test_table_of_cycles_is_whole_and_has_the_lead(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    test = tb.cyclic_test(strain=[0.5], cycles=1, dt=0.02)
+    result = tb.run("shen-lhdr-specimen", test, ambient=-20)
+    for columns in ("", "50", "80"):
+        monkeypatch.setenv("COLUMNS", columns)
+        print_result(result)
+        shown = capsys.readouterr().out
+        assert not FRAMES.search(shown)
+        assert "lead degC" in shown
+        row = result.cycles.iloc[0]
+        for told in (f"{row['G_eq_MPa']:.3f}", f"{row['energy_kN_mm']:.0f}"):
+            assert re.search(rf"(^|\s){re.escape(told)}(\s|$)", shown)
+        for name in result.cycles.columns[-4:]:
+            assert f"{row[name]:.2f}" in shown
+
+
+def test_study_shows_rubber_and_lead_in_a_pipe(tmp_path: Path) -> None:
+    words = ["--bearing", "shen-lhdr-bridge", "--motion", "jra-ii-i-1", "--duration", "2"]
+    done = command("bridge", *words, "--no-figures", "-o", tmp_path / "out")
+    assert not FRAMES.search(done.stdout)
+    for head in ("strain", "ductility", "damped", "rubber degC", "lead degC"):
+        assert head in done.stdout
+
+
+def test_a_program_in_a_pipe_writes_plain_text() -> None:
+    """The real program: help, and a wrong word, without frames or colours."""
+    plain = {k: v for k, v in os.environ.items() if not k.startswith(("FORCE", "TERM", "GITHUB"))}
+    for words in (["--help"], ["cyclic", "--help"], ["cyclic", "--wrong"]):
+        done = subprocess.run(
+            [sys.executable, "-m", "thermobearing.cli", *words],
+            capture_output=True,
+            text=True,
+            env=plain,
+            check=False,
+        )
+        shown = done.stdout + done.stderr
+        assert "Usage" in shown
+        assert not FRAMES.search(shown), shown

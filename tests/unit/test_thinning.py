@@ -1,0 +1,157 @@
+"""Files hold the rows that are worth it; measures, books and ends are those of all rows."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from numpy.testing import assert_array_equal
+from pandas.testing import assert_frame_equal
+
+import thermobearing as tb
+from thermobearing.cyclic.case import make_case
+from thermobearing.cyclic.sizes import expected_size
+from thermobearing.cyclic.thinning import POINTS, rows_worth, thinned
+from thermobearing.results.metrics import find_cycles
+
+STEPS = 1200  # of a cycle of 4 s
+
+
+def computed(**words: object) -> tb.cyclic.Result:
+    test = tb.cyclic_test(
+        strain=[0.5, 1.5], cycles=2, wave="sine", period=4.0, rest=60.0, dt=4.0 / STEPS
+    )
+    return tb.run("shen-lhdr-specimen", test, ambient=[-20.0, 23.0], **words)  # type: ignore[arg-type]
+
+
+@pytest.fixture(scope="module")
+def result() -> tb.cyclic.Result:
+    return computed()
+
+
+@pytest.fixture(scope="module")
+def folder(result: tb.cyclic.Result, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return result.save(tmp_path_factory.mktemp("thinned") / "out", figures=False)
+
+
+@pytest.fixture(scope="module")
+def loaded(folder: Path) -> tb.cyclic.Result:
+    found = tb.load_result(folder)
+    assert isinstance(found, tb.cyclic.Result)
+    return found
+
+
+def test_rows_are_few_and_hold_what_turns(result: tb.cyclic.Result) -> None:
+    rows = rows_worth(result, 0)
+    segment, cycle = (result[name].values[0] for name in ("segment", "cycle"))
+    for name in ("displacement", "force"):
+        values = result[name].values[0]
+        for number, count in ((0, 1), (0, 2), (3, 1), (3, 2)):
+            inside = (segment == number) & (cycle == count)
+            mine = rows[inside[rows]]
+            assert inside.sum() == STEPS
+            assert POINTS <= len(mine) <= POINTS + 4
+            assert values[mine].max() == values[inside].max()
+            assert values[mine].min() == values[inside].min()
+    assert rows[0] == 0
+    assert rows[-1] == len(segment) - 1
+
+
+def test_what_is_kept_keeps_its_bits(result: tb.cyclic.Result, loaded: tb.cyclic.Result) -> None:
+    place = np.searchsorted(result.time(0), loaded.time(0))
+    assert_array_equal(result.time(0)[place], loaded.time(0))
+    for name, values in loaded.dataset.data_vars.items():
+        if values.dims[:2] == ("ambient", "time"):
+            assert_array_equal(values.values, result[str(name)].values[:, place])
+    assert loaded.dataset.sizes["time"] < 0.3 * result.dataset.sizes["time"]
+
+
+def test_measures_books_and_summary_are_those_of_all_rows(
+    result: tb.cyclic.Result, loaded: tb.cyclic.Result
+) -> None:
+    assert_frame_equal(loaded.cycles, result.cycles, check_exact=True)
+    assert_frame_equal(loaded.energy, result.energy, check_exact=True)
+    assert loaded.summary() == result.summary()
+
+
+def test_the_table_in_the_file_is_not_measured_again(loaded: tb.cyclic.Result) -> None:
+    """From 200 points the strength and stiffness through zero would differ: they are stored."""
+    without = loaded.dataset.drop_dims("closed_cycle")
+    again = tb.cyclic.Result(without).cycles
+    assert len(again) == len(loaded.cycles)
+    assert not again["post_yield_stiffness_kN_mm"].equals(
+        loaded.cycles["post_yield_stiffness_kN_mm"]
+    )
+    assert np.allclose(again["G_eq_MPa"], loaded.cycles["G_eq_MPa"], rtol=1e-12)
+
+
+def test_another_test_goes_on_from_the_same_end(result: tb.cyclic.Result, folder: Path) -> None:
+    further = tb.cyclic_test(strain=[1.0], cycles=1, dt=0.02)
+    one, other = (
+        tb.run("shen-lhdr-specimen", further, ambient=-20.0, initial=start)
+        for start in (result, folder)
+    )
+    assert_array_equal(one["force"].values, other["force"].values)
+
+
+def test_history_has_the_same_rows_and_saving_again_takes_none(
+    loaded: tb.cyclic.Result, folder: Path, tmp_path: Path
+) -> None:
+    table = pd.read_csv(folder / "history.csv")
+    assert len(table) == 2 * loaded.dataset.sizes["time"]
+    again = loaded.save(tmp_path / "again", figures=False)
+    assert (again / "history.csv").read_bytes() == (folder / "history.csv").read_bytes()
+
+
+def test_complete_histories_on_request(result: tb.cyclic.Result, tmp_path: Path) -> None:
+    whole = computed(histories="complete")
+    saved = tb.load_result(whole.save(tmp_path / "out", figures=False))
+    assert isinstance(saved, tb.cyclic.Result)
+    assert saved.dataset.sizes["time"] == result.dataset.sizes["time"]
+    resolved = tb.load_case(tmp_path / "out" / "case.resolved.toml")
+    assert resolved.analysis.histories == "complete"
+
+
+def test_runs_with_clocks_of_their_own() -> None:
+    """A rest that ends when the bearing is cool lasts differently in each run."""
+    steps = [
+        {"step": "cycles", "strain": 1.0, "period": "2 s", "count": 1},
+        {"step": "rest", "within": "0.2 K"},
+        {"step": "cycles", "strain": 0.5, "period": "2 s", "count": 1},
+    ]
+    table = {"ambient": ["-20 degC", "23 degC"], "test": {"dt": "4 ms", "steps": steps}}
+    result = tb.cyclic.run_case(make_case(table, "test"))
+    assert "clock" in result.dataset
+    short = thinned(result)
+    assert_frame_equal(short.cycles, result.cycles, check_exact=True)
+    assert_frame_equal(short.energy, result.energy, check_exact=True)
+    for run in range(2):
+        rows = rows_worth(result, run)
+        assert_array_equal(short.time(run)[: len(rows)], result.time(run)[rows])
+        assert (short["segment"].values[run, len(rows) :] == -1).all()
+
+
+def test_recorded_history_is_thinned_by_its_cycles(tmp_path: Path) -> None:
+    time = np.arange(0.0, 8.0, 0.004)
+    x = 40.0 * np.sin(np.pi * time / 2.0)
+    lines = "".join(f"{t:.4f},{d:.9f}\n" for t, d in zip(time, x, strict=True))
+    (tmp_path / "record.csv").write_text("time_s,displacement_mm\n" + lines)
+    step = {"step": "recorded", "file": str(tmp_path / "record.csv")}
+    table = {"ambient": "23 degC", "test": {"dt": "4 ms", "steps": [step]}}
+    result = tb.cyclic.run_case(make_case(table, "test"))
+    cycles = len(find_cycles(result["displacement"].values[0]))
+    short = thinned(result)
+    assert 1 <= cycles <= 2
+    assert short.dataset.sizes["time"] < (cycles + 2) * (POINTS + 5) < len(time)
+    assert_frame_equal(short.cycles, result.cycles, check_exact=True)
+
+
+def test_the_size_is_known_before(folder: Path, result: tb.cyclic.Result) -> None:
+    """An upper bound of the same order."""
+    case = tb.load_case(folder / "case.resolved.toml")
+    written = sum((folder / name).stat().st_size for name in ("result.nc", "history.csv"))
+    assert 0.8 * written < expected_size(case) < 6.0 * written
+    whole = case.model_copy(
+        update={"analysis": case.analysis.model_copy(update={"histories": "complete"})}
+    )
+    assert expected_size(whole) > result.dataset.nbytes
