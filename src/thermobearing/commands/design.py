@@ -27,6 +27,13 @@ Motions = Annotated[
     list[str] | None,
     typer.Option("--motion", help="Name or file; may be repeated.", metavar="NAME/FILE"),
 ]
+JudgedAt = Annotated[
+    list[float] | None,
+    typer.Option(help="Layered ones judged at [degC]."),
+]
+Peaks = Annotated[
+    str | None, typer.Option(help="Of several motions: largest, or mean (of each group).")
+]
 
 
 @reported
@@ -42,13 +49,8 @@ def design(
     motion: Motions = None,
     weight: Annotated[float | None, typer.Option(help="Load of one bearing [kN].")] = None,
     structure: Structure_ = None,
-    ambient: Annotated[
-        list[float] | None,
-        typer.Option(help="Temperatures that the layered bearings are judged at [degC]."),
-    ] = None,
-    peaks: Annotated[
-        str | None, typer.Option(help="Of several motions: largest, or mean (of each group).")
-    ] = None,
+    ambient: JudgedAt = None,
+    peaks: Peaks = None,
     tolerance: Annotated[
         float | None, typer.Option(help="Of found over assumed displacement, up to 0.1.")
     ] = None,

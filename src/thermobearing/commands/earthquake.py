@@ -141,16 +141,25 @@ def bridge(
     return _carry_out(complete, output, force, no_figures, as_json, quiet, compare)
 
 
+ForceNoise = Annotated[
+    float | None,
+    typer.Option(
+        help="Standard deviation of the measured force [kN].", rich_help_panel="Laboratory"
+    ),
+]
+Modes = Annotated[
+    list[str] | None,
+    typer.Option(
+        help="rt (real time) or pd (pseudo-dynamic); may be repeated.",
+        rich_help_panel="Laboratory",
+    ),
+]
+
+
 @reported
 def hybrid(
     case: Case = None,
-    mode: Annotated[
-        list[str] | None,
-        typer.Option(
-            help="rt (real time) or pd (pseudo-dynamic); may be repeated.",
-            rich_help_panel="Laboratory",
-        ),
-    ] = None,
+    mode: Modes = None,
     bearing: Bearings = None,
     motion: Motions = None,
     ambient: Ambients = None,
@@ -160,12 +169,7 @@ def hybrid(
     delay: Annotated[
         float | None, typer.Option(help="Delay of the actuator [s].", rich_help_panel="Laboratory")
     ] = None,
-    force_noise: Annotated[
-        float | None,
-        typer.Option(
-            help="Standard deviation of the measured force [kN].", rich_help_panel="Laboratory"
-        ),
-    ] = None,
+    force_noise: ForceNoise = None,
     seed: Annotated[
         int | None, typer.Option(help="Of the noise.", rich_help_panel="Laboratory")
     ] = None,
