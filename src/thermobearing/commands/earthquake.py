@@ -156,6 +156,21 @@ def bridge(
     return _carry_out(complete, output, force, no_figures, as_json, quiet, compare)
 
 
+ForceNoise = Annotated[
+    float | None,
+    typer.Option(
+        help="Standard deviation of the measured force [kN].", rich_help_panel="Laboratory"
+    ),
+]
+Modes = Annotated[
+    list[str] | None,
+    typer.Option(
+        help="rt (real time) or pd (pseudo-dynamic); may be repeated.",
+        rich_help_panel="Laboratory",
+    ),
+]
+
+
 @reported
 def hybrid(
     case: Case = None,
@@ -166,9 +181,19 @@ def hybrid(
     structure: Structure_ = None,
     fixed_base: FixedBase = False,
     damping: Damping_ = None,
+<<<<<<< HEAD
     delay: Delay = None,
     force_noise: ForceNoise = None,
     seed: Seed = None,
+=======
+    delay: Annotated[
+        float | None, typer.Option(help="Delay of the actuator [s].", rich_help_panel="Laboratory")
+    ] = None,
+    force_noise: ForceNoise = None,
+    seed: Annotated[
+        int | None, typer.Option(help="Of the noise.", rich_help_panel="Laboratory")
+    ] = None,
+>>>>>>> office
     method: Method = None,
     dt: Dt = None,
     duration: Duration = None,
