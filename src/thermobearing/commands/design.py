@@ -27,15 +27,9 @@ Motions = Annotated[
     list[str] | None,
     typer.Option("--motion", help="Name or file; may be repeated.", metavar="NAME/FILE"),
 ]
-<<<<<<< HEAD
-Judged = Annotated[
-    list[float] | None,
-    typer.Option(help="Temperatures that the layered bearings are judged at [degC]."),
-=======
 JudgedAt = Annotated[
     list[float] | None,
     typer.Option(help="Layered ones judged at [degC]."),
->>>>>>> office
 ]
 Peaks = Annotated[
     str | None, typer.Option(help="Of several motions: largest, or mean (of each group).")
@@ -55,11 +49,7 @@ def design(
     motion: Motions = None,
     weight: Annotated[float | None, typer.Option(help="Load of one bearing [kN].")] = None,
     structure: Structure_ = None,
-<<<<<<< HEAD
-    ambient: Judged = None,
-=======
     ambient: JudgedAt = None,
->>>>>>> office
     peaks: Peaks = None,
     tolerance: Annotated[
         float | None, typer.Option(help="Of found over assumed displacement, up to 0.1.")
@@ -78,7 +68,9 @@ def design(
     from thermobearing.results.directory import check_target
 
     overrides: dict[str, Any] = {
-        **{"start": start, "compound": compound, "compound_kind": kind},
+        "start": start,
+        "compound": compound,
+        "compound_kind": kind,
         "motions": motion or None,
         "weight": weight,
         "structure": structure,

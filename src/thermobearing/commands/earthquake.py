@@ -92,21 +92,6 @@ Weather = Annotated[
         rich_help_panel=INPUT,
     ),
 ]
-LABORATORY = "Laboratory"  # panel of the help
-Modes = Annotated[
-    list[str] | None,
-    typer.Option(
-        help="rt (real time) or pd (pseudo-dynamic); may be repeated.", rich_help_panel=LABORATORY
-    ),
-]
-Delay = Annotated[
-    float | None, typer.Option(help="Delay of the actuator [s].", rich_help_panel=LABORATORY)
-]
-ForceNoise = Annotated[
-    float | None,
-    typer.Option(help="Standard deviation of the measured force [kN].", rich_help_panel=LABORATORY),
-]
-Seed = Annotated[int | None, typer.Option(help="Of the noise.", rich_help_panel=LABORATORY)]
 
 
 @reported
@@ -181,11 +166,6 @@ def hybrid(
     structure: Structure_ = None,
     fixed_base: FixedBase = False,
     damping: Damping_ = None,
-<<<<<<< HEAD
-    delay: Delay = None,
-    force_noise: ForceNoise = None,
-    seed: Seed = None,
-=======
     delay: Annotated[
         float | None, typer.Option(help="Delay of the actuator [s].", rich_help_panel="Laboratory")
     ] = None,
@@ -193,7 +173,6 @@ def hybrid(
     seed: Annotated[
         int | None, typer.Option(help="Of the noise.", rich_help_panel="Laboratory")
     ] = None,
->>>>>>> office
     method: Method = None,
     dt: Dt = None,
     duration: Duration = None,

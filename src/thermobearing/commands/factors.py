@@ -26,21 +26,15 @@ Reference = Annotated[
         help="Reference [degC]; that of the bearing's rubber by default.",
     ),
 ]
-<<<<<<< HEAD
-=======
 Temperatures = Annotated[
     list[float] | None,
     typer.Option(help="Ambient [degC]; may be repeated; -40 to 40 in steps of 10."),
 ]
->>>>>>> office
 Posterior = Annotated[
     Path | None,
     typer.Option(help="posterior.csv of identify: a band of its samples.", metavar="FILE"),
 ]
-<<<<<<< HEAD
-=======
 Speed = Annotated[float | None, typer.Option(help="Mean speed [mm/s] instead of the period.")]
->>>>>>> office
 
 
 @reported
@@ -50,14 +44,7 @@ def lambda_(
         typer.Argument(help="Name or TOML file; several (a posterior) make bands."),
     ],
     reference: Reference = None,
-<<<<<<< HEAD
-    temperature: Annotated[
-        list[float] | None,
-        typer.Option(help="Ambient [degC]; may be repeated; -40 to 40 in steps of 10."),
-    ] = None,
-=======
     temperature: Temperatures = None,
->>>>>>> office
     strain: Annotated[
         list[float] | None, typer.Option(help="May be repeated; 1 and 1.75 by default.")
     ] = None,
