@@ -230,7 +230,7 @@ def test_command(tmp_path: Path, good: list[TestRecord], faulty: TestRecord) -> 
         30.738, rel=0.01
     )
     files_of = {path.name for path in out.iterdir()}
-    fitted = {"summary.json", "bearing.toml", "fit.csv"}
+    fitted = {"summary.json", "bearing.toml", "compound.toml", "fit.csv"}
     assert files_of == fitted | {"table.csv", "cycles.csv"}
     bad = command("identify", *files, "--folds", "4", *fit, "-o", tmp_path / "bad")
     assert bad.exit_code == 2

@@ -19,11 +19,11 @@ Floats = NDArray[np.float64]
 
 
 def history(rest: int = 1500) -> tuple[Floats, Floats, Floats]:
-    """Two times two cycles at 20 Hz with rests after them, jitter, three spikes and a drift."""
+    """Four times two cycles at 20 Hz with rests after them, jitter, three spikes and a drift."""
     rng = np.random.default_rng(2)
     turn = np.linspace(0.0, 4.0 * np.pi, 801)[:-1]
-    x = np.concatenate([np.sin(turn), np.zeros(rest)] * 2) * 40.0
-    f = np.concatenate([70.0 * np.sin(turn) + 15.0 * np.cos(turn), np.zeros(rest)] * 2)
+    x = np.concatenate([np.sin(turn), np.zeros(rest)] * 4) * 40.0
+    f = np.concatenate([70.0 * np.sin(turn) + 15.0 * np.cos(turn), np.zeros(rest)] * 4)
     t = 0.05 * np.arange(len(x))
     x += 0.02 * rng.normal(size=len(x))
     f += 0.05 * rng.normal(size=len(x)) + 10.0 * t / t[-1]
@@ -71,11 +71,11 @@ def test_what_is_found(tmp_path: Path) -> None:
     }
     assert (said["separator"], said["decimal"], said["ambient_degC"]) == (";", ",", -19.8)
     assert said["unused_columns"] == ["T3 [°C]"]
-    assert said["treatment"]["rests"] == 2
+    assert said["treatment"]["rests"] == 4
     assert said["treatment"]["spikes"] == {"displacement": 0, "force": 3}
     assert_allclose(said["treatment"]["drift"]["force_kN"], 10.0, rtol=tol.DRIFT_FOUND)
     assert (tmp_path / "out" / "figures" / "lab-day-1.png").stat().st_size > 5000
-    for word in ("T3 [°C]", "not used", "decimal comma", "3 spikes", "2 rests", "drifts by"):
+    for word in ("T3 [°C]", "not used", "decimal comma", "3 spikes", "4 rests", "drifts by"):
         assert word in shown
 
 

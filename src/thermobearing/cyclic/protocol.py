@@ -132,13 +132,17 @@ class Rest(Strict):
         return math.log(longest / shortest) / math.log(REST_GROWTH) + self.span / longest + 2.0
 
 
+Moment = Annotated[float, Field(ge=-1e10, le=1e10)]  # [s]
+Place = Annotated[float, Field(ge=-1e5, le=1e5)]  # [mm]
+
+
 class Recorded(Strict):
     """A displacement history: a CSV file with columns time and displacement, or two lists."""
 
     step: Literal["recorded"] = "recorded"
     file: Annotated[str, Field(min_length=1)] | None = None
-    time_s: Annotated[tuple[float, ...], Field(max_length=MAX_STEPS)] | None = None
-    displacement_mm: Annotated[tuple[float, ...], Field(max_length=MAX_STEPS)] | None = None
+    time_s: Annotated[tuple[Moment, ...], Field(max_length=MAX_STEPS)] | None = None
+    displacement_mm: Annotated[tuple[Place, ...], Field(max_length=MAX_STEPS)] | None = None
 
     @classmethod
     def conflicts(cls, given: dict[str, Any]) -> list[str]:
