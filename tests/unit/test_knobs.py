@@ -280,4 +280,5 @@ def test_every_key_of_a_step_was_tried() -> None:
     kinds = {"cycles": Cycles, "ramp": Ramp, "rest": Rest}
     keys = {f"{kind}.{key}" for kind, model in kinds.items() for key in model.model_fields}
     assert {key for key in keys if not key.endswith(".step")} == {row[0] for row in STEP_KEYS}
-    assert set(Recorded.model_fields) == {"step", "file"}  # read in test_protocol.py
+    # read in test_protocol.py and test_arrays.py
+    assert set(Recorded.model_fields) == {"step", "file", "time_s", "displacement_mm"}

@@ -27,9 +27,9 @@ Motions = Annotated[
     list[str] | None,
     typer.Option("--motion", help="Name or file; may be repeated.", metavar="NAME/FILE"),
 ]
-Judged = Annotated[
+JudgedAt = Annotated[
     list[float] | None,
-    typer.Option(help="Temperatures that the layered bearings are judged at [degC]."),
+    typer.Option(help="Layered ones judged at [degC]."),
 ]
 Peaks = Annotated[
     str | None, typer.Option(help="Of several motions: largest, or mean (of each group).")
@@ -49,7 +49,7 @@ def design(
     motion: Motions = None,
     weight: Annotated[float | None, typer.Option(help="Load of one bearing [kN].")] = None,
     structure: Structure_ = None,
-    ambient: Judged = None,
+    ambient: JudgedAt = None,
     peaks: Peaks = None,
     tolerance: Annotated[
         float | None, typer.Option(help="Of found over assumed displacement, up to 0.1.")
@@ -68,7 +68,9 @@ def design(
     from thermobearing.results.directory import check_target
 
     overrides: dict[str, Any] = {
-        **{"start": start, "compound": compound, "compound_kind": kind},
+        "start": start,
+        "compound": compound,
+        "compound_kind": kind,
         "motions": motion or None,
         "weight": weight,
         "structure": structure,

@@ -92,21 +92,6 @@ Weather = Annotated[
         rich_help_panel=INPUT,
     ),
 ]
-LABORATORY = "Laboratory"  # panel of the help
-Modes = Annotated[
-    list[str] | None,
-    typer.Option(
-        help="rt (real time) or pd (pseudo-dynamic); may be repeated.", rich_help_panel=LABORATORY
-    ),
-]
-Delay = Annotated[
-    float | None, typer.Option(help="Delay of the actuator [s].", rich_help_panel=LABORATORY)
-]
-ForceNoise = Annotated[
-    float | None,
-    typer.Option(help="Standard deviation of the measured force [kN].", rich_help_panel=LABORATORY),
-]
-Seed = Annotated[int | None, typer.Option(help="Of the noise.", rich_help_panel=LABORATORY)]
 
 
 @reported
@@ -156,6 +141,21 @@ def bridge(
     return _carry_out(complete, output, force, no_figures, as_json, quiet, compare)
 
 
+ForceNoise = Annotated[
+    float | None,
+    typer.Option(
+        help="Standard deviation of the measured force [kN].", rich_help_panel="Laboratory"
+    ),
+]
+Modes = Annotated[
+    list[str] | None,
+    typer.Option(
+        help="rt (real time) or pd (pseudo-dynamic); may be repeated.",
+        rich_help_panel="Laboratory",
+    ),
+]
+
+
 @reported
 def hybrid(
     case: Case = None,
@@ -166,9 +166,13 @@ def hybrid(
     structure: Structure_ = None,
     fixed_base: FixedBase = False,
     damping: Damping_ = None,
-    delay: Delay = None,
+    delay: Annotated[
+        float | None, typer.Option(help="Delay of the actuator [s].", rich_help_panel="Laboratory")
+    ] = None,
     force_noise: ForceNoise = None,
-    seed: Seed = None,
+    seed: Annotated[
+        int | None, typer.Option(help="Of the noise.", rich_help_panel="Laboratory")
+    ] = None,
     method: Method = None,
     dt: Dt = None,
     duration: Duration = None,

@@ -26,10 +26,15 @@ Reference = Annotated[
         help="Reference [degC]; that of the bearing's rubber by default.",
     ),
 ]
+Temperatures = Annotated[
+    list[float] | None,
+    typer.Option(help="Ambient [degC]; may be repeated; -40 to 40 in steps of 10."),
+]
 Posterior = Annotated[
     Path | None,
     typer.Option(help="posterior.csv of identify: a band of its samples.", metavar="FILE"),
 ]
+Speed = Annotated[float | None, typer.Option(help="Mean speed [mm/s] instead of the period.")]
 
 
 @reported
@@ -39,17 +44,12 @@ def lambda_(
         typer.Argument(help="Name or TOML file; several (a posterior) make bands."),
     ],
     reference: Reference = None,
-    temperature: Annotated[
-        list[float] | None,
-        typer.Option(help="Ambient [degC]; may be repeated; -40 to 40 in steps of 10."),
-    ] = None,
+    temperature: Temperatures = None,
     strain: Annotated[
         list[float] | None, typer.Option(help="May be repeated; 1 and 1.75 by default.")
     ] = None,
     period: Annotated[float | None, typer.Option(help="Of the sine [s]; 2 by default.")] = None,
-    speed: Annotated[
-        float | None, typer.Option(help="Mean speed [mm/s] instead of the period.")
-    ] = None,
+    speed: Speed = None,
     cycles: Annotated[str, typer.Option(help="3, 1-3, 2-11, all-but-first, or as 2,3,4.")] = "1-3",
     posterior: Posterior = None,
     samples: Annotated[int, typer.Option(help="Of the posterior, evenly through it.")] = 20,

@@ -119,9 +119,9 @@ def panels(
     return figure, list(axes.flat)
 
 
-def save_figure(figure: Figure, path: str | Path) -> None:
+def save_figure(figure: Figure, path: str | Path, dpi: int | None = None) -> None:
     """Write a figure as PNG with a palette, a third as large as one with a colour a point."""
-    dpi = DPI
+    dpi = DPI if dpi is None else dpi
     drawn = io.BytesIO()
     figure.savefig(drawn, dpi=dpi, pil_kwargs={"compress_level": 1})
     picture = Image.open(drawn).convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
