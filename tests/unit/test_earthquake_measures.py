@@ -249,7 +249,8 @@ def test_cells_hold_the_layers_and_the_heat(profiles: Any) -> None:
 
 def test_profiles_at_chosen_times(profiles: Any, tmp_path: Path) -> None:
     figure = profiles.plot.profiles([5.0, 10.0])
-    assert len(figure.axes) == 2
+    assert len(figure.axes) == 3  # two bearings, and the lead of one
+    assert figure.axes[2].get_xlabel() == "lead [°C]"
     data = profiles.dataset.isel(run=0)
     row = int(np.abs(data["time"].values - 10.0).argmin())
     cells = np.isfinite(data["depth"].values)

@@ -347,9 +347,13 @@ def test_lead_has_its_own_figures(tmp_path: Path) -> None:
     shares = result.plot.force_shares()
     assert len(shares.axes) == 4
     assert shares.axes[0].get_ylabel() == "force [kN]"
-    profile = result.plot.profiles().axes[0]
-    dashed = [line for line in profile.get_lines() if str(line.get_linestyle()) != "-"]
-    assert len(dashed) >= 3  # two cores and the ambient
+    profiles = result.plot.profiles().axes
+    assert [ax.get_xlabel() for ax in profiles] == ["rubber and steel [°C]", "lead [°C]"] * 2
+    assert profiles[0].get_xlim()[1] < result["temperature"].values[0].max() + 5.0  # lead is off it
+    dashed = [line for line in profiles[1].get_lines() if str(line.get_linestyle()) != "-"]
+    lead = [np.asarray(line.get_xdata(), dtype=float)[0] for line in dashed]
+    assert len(lead) >= 3  # two cores and the ambient
+    assert max(lead) > profiles[0].get_xlim()[1]
 
 
 def test_no_lead_no_lead_figures() -> None:

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import thermobearing as tb
+from thermobearing.identify.check_figure import check_figure
 from thermobearing.identify.checks import CheckReport, check_test
-from thermobearing.identify.figures import check_figure
 from thermobearing.identify.forward import ForwardModel
 from thermobearing.identify.noise import noise_of, spikes_of
 from thermobearing.identify.record import TestRecord

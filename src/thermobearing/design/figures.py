@@ -9,7 +9,6 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from thermobearing.bearing.model import Bearing
@@ -23,14 +22,23 @@ from thermobearing.results import drawing
 
 Floats = NDArray[np.float64]
 
-BAND = "#c8ccd2"
+BAND = "#e1e4e8"
+BAR = 0.5  # width, of the distance between two motions
+UNSAFE_RED = "#aa0000"
+RATIO = "envelope of the bounds over the coupled model"
+EDGES = {  # column of the table: the bearing it belongs to, its colour
+    "lower_bound": ("warmest", "#f0a08c"),
+    "upper_bound": ("coldest", "#8cbfe0"),
+}
 LOOPS = ("#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7")
 LOOKS = {
     "first": ("#0072B2", "first cycle"),
     "heated": ("#D55E00", "with self-heating"),
     "mean": ("#009E73", "mean of the cycles"),
 }
-OTHERS = ("#666666", "#999999", "#bbbbbb")
+OTHERS = ("#333333", "#777777")  # greys of other sources; markers tell them apart
+DOTTED = {"markerfacecolor": "white", "markersize": 4.0, "linestyle": ":", "linewidth": 1.0}
+ACROSS = 3  # panels of factors beside each other
 PARTS: dict[str, Any] = {"inner layer": "-", "outer layer": "--", "lead": ":"}
 
 
@@ -160,15 +168,15 @@ class FactorFigures:
     --------
     >>> from thermobearing.design.run import run_factors
     >>> report = run_factors(["shen-hdr-bridge"], temperatures=[-20.0], strains=[1.0])
-    >>> len(FactorFigures(report).factors().axes)
-    5
+    >>> len(FactorFigures(report).factors().axes)  # five quantities and the legend
+    6
     """
 
     def __init__(self, report: FactorReport) -> None:
         self._report = report
 
     def factors(self) -> Figure:
-        """One panel per quantity at the largest strain.
+        """One panel per quantity at the largest strain, the legend in a free one.
 
         Bands where the table has them; published factors dotted, at their own reference
         temperature; unverified ones say so.
@@ -177,20 +185,34 @@ class FactorFigures:
         what = f"temperature factors, {report.motion}, strain {report.strain:.0%}"
         rows = report.table[report.table["strain"] == report.strain]
         quantities = list(dict.fromkeys(report.table["quantity"]))
-        size = (3.0 * len(quantities), 3.8)
-        figure, axes = drawing.panels(1, len(quantities), size, f"{report.name}: {what}")
-        for ax, quantity in zip(axes, quantities, strict=True):
+        down = -(-(len(quantities) + 1) // ACROSS)  # with room for the legend
+        size = (3.5 * ACROSS, 0.5 + 3.1 * down)
+        figure, axes = drawing.panels(down, ACROSS, size, f"{report.name}: {what}")
+        looks = _published_looks(quantities)
+        shown, free = axes[: len(quantities)], axes[len(quantities) :]
+        for ax, quantity in zip(shown, quantities, strict=True):
             _draw_factors(ax, rows[rows["quantity"] == quantity])
-            _draw_published(ax, quantity)
+            for item in published_tables():
+                if item.quantity == quantity:
+                    ax.plot(item.temperatures, item.factors, **looks[item.label])
             ax.axvline(report.reference, color=drawing.GREY, linewidth=0.7)
             ax.axhline(1.0, color=drawing.GREY, linewidth=0.7)
-            title = f"{quantity} / {quantity} at reference"
-            drawing.name_axes(ax, "ambient temperature [°C]", "", title)
-            ax.title.set_fontsize(drawing.SMALL)
+            at = drawing.degrees(report.reference)
+            name = f"{quantity} over {quantity} at {at}"
+            drawing.name_axes(ax, "ambient temperature [°C]", "factor", name)
+        limits = [ax.get_xlim() for ax in shown]  # one scale: some sources reach further
+        for ax in shown:
+            ax.set_xlim(min(low for low, _ in limits), max(high for _, high in limits))
         tested = (ranges_of(report.bearings[0]) or {}).get("ambient", (-np.inf, np.inf))
-        drawing.shade_untested(axes, [tested] * len(axes))
+        drawing.shade_untested(shown, [tested] * len(shown))
+        for ax in free:
+            ax.set_axis_off()
         handles = [Line2D([], [], color=colour, label=label) for colour, label in LOOKS.values()]
-        drawing.legend_below(figure, handles)
+        if looks:
+            words = "other sources, at their own reference:"
+            handles.append(Line2D([], [], linestyle="none", label=words))
+        handles += [Line2D([], [], label=label, **look) for label, look in looks.items()]
+        free[0].legend(handles=handles, loc="center left", fontsize=drawing.SMALL, frameon=False)
         return figure
 
     def sizes(self) -> Figure:
@@ -244,35 +266,60 @@ def draw_bounds(table: pd.DataFrame, title: str) -> Figure:
     ]
     colours = drawing.ambient_colours(np.array(temperatures))
     motions = list(dict.fromkeys(table["motion"]))
-    wide = max(2.6, 0.42 * len(motions) + 1.2)
-    figure, axes = drawing.panels(1, len(DEMANDS), (wide * len(DEMANDS), 4.0), title)
+    wide = max(4.4, 0.5 * len(motions) + 1.2)
+    figure, axes = drawing.panels(2, 2, (2.0 * wide, 6.4), title)
+    most = (table.attrs.get("ranges") or {}).get("strain", (0.0, np.inf))[1]
     for ax, (column, label) in zip(axes, DEMANDS.items(), strict=True):
         rows = table[table["demand"] == column].set_index("motion").loc[motions]
-        low = rows[["lower_bound", "upper_bound"]].min(axis=1).to_numpy()
-        high = rows[["lower_bound", "upper_bound"]].max(axis=1).to_numpy()
-        at = np.arange(len(motions))
-        ax.bar(at, high - low, bottom=low, width=0.62, color=BAND, zorder=1)
-        for temperature, colour in zip(temperatures, colours, strict=True):
-            values = rows[f"coupled_{temperature:g}_degC"].to_numpy()
-            ax.plot(at, values, "o", color=colour, markersize=4.5, zorder=3)
-        ax.set_ylim(bottom=0.0)
-        most = (table.attrs.get("ranges") or {}).get("strain", (0.0, np.inf))[1]
+        _draw_demand(ax, rows, temperatures, colours)
         if column == "bearing_strain_max" and ax.get_ylim()[1] > most:
+            ax.set_ylim(top=max(ax.get_ylim()[1], 1.1 * most))
             drawing.mark_tested(ax, most, "tested to here")
-        ax.set_xticks(at, motions, rotation=60, ha="right", rotation_mode="anchor")
-        drawing.name_axes(ax, "", "", label)
+        below = ax in axes[2:]
+        ax.set_xticks(np.arange(len(motions)), motions if below else [""] * len(motions))
+        ax.tick_params(axis="x", labelrotation=0 if len(motions) == 1 else 45)
+        drawing.name_axes(ax, "", "", label.replace("m/s2", "m/s²"))
     handles = [
         Line2D([], [], color=c, marker="o", linestyle="none", label=drawing.degrees(t))
         for t, c in zip(temperatures, colours, strict=True)
     ]
-    figure.legend(
-        handles=[Patch(color=BAND, label="between the two bounds"), *handles],
-        loc="outside lower center",
-        ncols=len(handles) + 1,
-        fontsize=drawing.SMALL,
-        frameon=False,
-    )
+    edges = [
+        Line2D([], [], color=colour, linewidth=2.0, label=f"{name} bearing (bound)")
+        for name, colour in EDGES.values()
+    ]
+    ratio = Line2D([], [], linestyle="none", label=f"number: {RATIO}, red if unsafe")
+    drawing.legend_below(figure, [*edges, *handles, ratio])
     return figure
+
+
+def _draw_demand(
+    ax: Axes, rows: pd.DataFrame, temperatures: list[float], colours: list[str]
+) -> None:
+    """One demand: a bar with its two bounds for each motion, dots beside each other on it."""
+    at = np.arange(len(rows))
+    ends = [rows[bound].to_numpy() for bound in EDGES]
+    low, high = np.minimum(*ends), np.maximum(*ends)
+    ax.bar(at, high - low, bottom=low, width=BAR, color=BAND, zorder=1)
+    for end, (_, colour) in zip(ends, EDGES.values(), strict=True):
+        ax.hlines(end, at - 0.5 * BAR, at + 0.5 * BAR, color=colour, linewidth=2.0, zorder=2)
+    places = (np.arange(len(temperatures)) - 0.5 * (len(temperatures) - 1)) * BAR
+    top = high.copy()
+    for temperature, colour, place in zip(temperatures, colours, places, strict=True):
+        values = rows[f"coupled_{temperature:g}_degC"].to_numpy()
+        top = np.fmax(top, values)
+        beside = at + place / len(temperatures)
+        ax.plot(beside, values, "o", color=colour, markeredgecolor="white", zorder=3)
+    look: drawing.Look = {"ha": "center", "va": "bottom", "textcoords": "offset points"}
+    ratios, verdicts = rows["envelope_over_coupled"], rows["verdict"]
+    for x, y, ratio, verdict in zip(at, top, ratios, verdicts, strict=True):
+        if np.isfinite([y, ratio]).all():
+            colour = UNSAFE_RED if verdict == "unsafe" else drawing.GREY
+            look |= {"color": colour, "fontsize": drawing.SMALL, "xytext": (0, 5)}
+            ax.annotate(f"{ratio:.2f}", (x, y), **look)
+    highest = float(np.nanmax(top, initial=0.0))
+    ax.set_ylim(0.0, 1.15 * highest or 1.0)  # a dot on the frame is cut, and numbers need room
+    ax.set_xlim(-0.8, len(rows) - 0.2)
+    ax.grid(False, axis="x")
 
 
 def _draw_factors(ax: Axes, rows: pd.DataFrame) -> None:
@@ -283,17 +330,17 @@ def _draw_factors(ax: Axes, rows: pd.DataFrame) -> None:
         if np.isfinite(one["factor_low"]).all():
             low, high = one["factor_low"].to_numpy(), one["factor_high"].to_numpy()
             ax.fill_between(x, low, high, color=colour, alpha=0.2, linewidth=0)
-        ax.plot(x, one["factor"].to_numpy(), color=colour, linewidth=1.3)
+        ax.plot(x, one["factor"].to_numpy(), ".-", color=colour, linewidth=1.3, markersize=4.5)
 
 
-def _draw_published(ax: Axes, quantity: str) -> None:
-    """Factors of other sources."""
-    others = [item for item in published_tables() if item.quantity == quantity]
-    look: dict[str, Any] = {"linestyle": ":", "marker": "x", "markersize": 3.5, "linewidth": 1.0}
-    for item, colour in zip(others, OTHERS, strict=False):
-        ax.plot(item.temperatures, item.factors, color=colour, label=item.label, **look)
-    if others:
-        ax.legend(fontsize=drawing.SMALL - 1.5, frameon=False)
+def _published_looks(quantities: list[str]) -> dict[str, dict[str, Any]]:
+    """How the factors of each other source are drawn, by its name in the legend."""
+    names = dict.fromkeys(item.label for item in published_tables() if item.quantity in quantities)
+    marks = drawing.MARKERS
+    return {
+        name: {"color": OTHERS[k % len(OTHERS)], "marker": marks[k % len(marks)], **DOTTED}
+        for k, name in enumerate(names)
+    }
 
 
 def draw_scale(bearing: Bearing, results: dict[float, Result]) -> Figure:

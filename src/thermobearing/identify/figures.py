@@ -1,72 +1,112 @@
-"""What an engineer looks at after a fit, and before one: records, loops, residuals, bands."""
+"""What an engineer looks at after a fit: loops, cycles, residuals, bands."""
 
-import textwrap
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from thermobearing.identify.agreement import RecordFit
-from thermobearing.identify.checks import CheckReport
-from thermobearing.identify.forward import Prediction
+from thermobearing.bearing.model import Bearing
+from thermobearing.identify.agreement import CycleErrors, RecordFit
+from thermobearing.identify.forward import TURN, Prediction, turning_points
+from thermobearing.identify.loops import Loop, loops_of
 from thermobearing.identify.posterior import Band
 from thermobearing.identify.record import TestRecord
 from thermobearing.identify.result import Identification
 from thermobearing.identify.thermocouples import draw_thermocouples
 from thermobearing.results import drawing
+from thermobearing.results.metrics import FEWEST_POINTS, measure_cycle
 
 Floats = NDArray[np.float64]
 
 TEST, MODEL = "#8a8f98", "#CC3311"
 BINS = 3000
 LABELLED = 14  # parameters whose correlation is printed into the squares
-ERRORS = {
-    "G_eq_error": "equivalent shear modulus G_e",
-    "h_eq_error": "equivalent damping ratio h_eq",
-    "energy_error": "energy",
-    "force_max_error": "peak force",
+BAND_WIDTH = 4.0  # of a test under the thin line of the model [pt]
+PALE_TEST = "#c3c8d0"
+SMALL_TURN = 0.1  # of the largest displacement: the force at smaller turns is not shown
+MEASURES = {  # of a cycle, by name of its error: name of the panel, unit
+    "G_eq_error": ("equivalent shear modulus G_e", "G_e [MPa]"),
+    "h_eq_error": ("equivalent damping ratio h_eq", "h_eq"),
+    "energy_error": ("energy", "energy [kJ = kN m]"),
+    "force_max_error": ("peak force", "force [kN]"),
 }
 
 
 @dataclass(frozen=True)
 class Panel:
-    """One record for the figures: the test, the model's force, and errors of its cycles."""
+    """One record for the figures: the test, the model's force, and full cycles of the two."""
 
     title: str
     record: TestRecord
     model: Floats
-    cycle: Floats
-    errors: dict[str, Floats]
+    loops: list[Loop]
+    test_measures: list[dict[str, float]]
+    model_measures: list[dict[str, float]]
+    errors: list[CycleErrors]
 
 
-def _panel(fit: RecordFit, prediction: Prediction) -> Panel:
+def _panel(fit: RecordFit, prediction: Prediction, bearing: Bearing) -> Panel:
     record = fit.record
-    errors = {
-        title: np.array([getattr(cycle, name) for cycle in fit.cycles])
-        for name, title in ERRORS.items()
-    }
+    found = loops_of(record, prediction.force)
+    loops = [loop for loop in found if loop.last - loop.first + 1 >= FEWEST_POINTS]
+    test, model = (
+        [_measures(record, force, loop, bearing) for loop in loops]
+        for force in (record.force, prediction.force)
+    )
     return Panel(
         title=f"{record.name}, {drawing.degrees(record.ambient)}, R² = {fit.R2:.4f}",
         record=record,
         model=prediction.force,
-        cycle=np.array([cycle.cycle for cycle in fit.cycles], dtype=float),
-        errors=errors,
+        loops=loops,
+        test_measures=test,
+        model_measures=model,
+        errors=fit.cycles,
     )
 
 
 def _draw_loops(ax: Axes, panel: Panel, colour: str) -> None:
-    """A test, and the model over it."""
+    """A test as a broad band, and the model as a thin line in it."""
     x, force = panel.record.displacement, panel.record.force
     span = float(np.ptp(x)), float(np.ptp(force))
-    for values, shown, width in ((force, TEST, 0.9), (panel.model, colour, 0.7)):
+    broad, thin = (PALE_TEST, BAND_WIDTH, 1.5), (colour, 0.8, 2.0)
+    for values, (shown, width, order) in ((force, broad), (panel.model, thin)):
         kept = drawing.thin_loops(x, values, *span)
-        ax.plot(x[kept], values[kept], color=shown, linewidth=width)
+        ax.plot(x[kept], values[kept], color=shown, linewidth=width, zorder=order)
+
+
+def _measures(record: TestRecord, force: Floats, loop: Loop, bearing: Bearing) -> dict[str, float]:
+    """What is shown of a cycle, by name of its error; as `measure` has it, with its full peaks."""
+    rows = slice(loop.first, loop.last + 1)
+    size = {"area": bearing.area, "total_rubber_thickness": bearing.total_rubber_thickness}
+    found = measure_cycle(record.displacement[rows], force[rows], slope=False, **size)
+    return {
+        "G_eq_error": found.G_eq_MPa,
+        "h_eq_error": found.h_eq,
+        "energy_error": found.energy_kN_mm / 1000.0,
+        "force_max_error": max(found.force_max_kN, -found.force_min_kN),
+    }
+
+
+def _draw_cycles(ax: Axes, panel: Panel, measure: str, colour: str, marker: str) -> None:
+    """One measure of the cycles of a record, each amplitude a line."""
+    loops = panel.loops
+    number = np.array([loop.cycle for loop in loops], dtype=float)
+    first = [k for k, loop in enumerate(loops) if k and loop.number <= loops[k - 1].number]
+    test, model = (
+        np.insert(np.array([found[measure] for found in side], dtype=float), first, np.nan)
+        for side in (panel.test_measures, panel.model_measures)
+    )
+    x = np.insert(number, first, np.nan)
+    ax.plot(x, test, "o-", color=colour, alpha=0.3, linewidth=6.0, markersize=6.0, mew=0.0)
+    ax.plot(x, model, marker + "-", color=colour, markersize=3.5, linewidth=1.0)
 
 
 class IdentificationFigures:
@@ -89,7 +129,7 @@ class IdentificationFigures:
     def __init__(self, found: Identification) -> None:
         self._found = found
         self._panels = [
-            _panel(fit, prediction)
+            _panel(fit, prediction, found.bearing)
             for fit, prediction in zip(found.fits, found.predictions, strict=True)
         ]
 
@@ -118,11 +158,15 @@ class IdentificationFigures:
         for place, panel in zip(axes, panels, strict=False):
             _draw_loops(place, panel, MODEL)
             drawing.name_axes(place, "displacement [mm]", "force [kN]", panel.title)
+        force = drawing.common_limits(axes[: len(panels)])  # one scale: the cold is the stronger
+        widest = 1.06 * max(panel.record.peak_displacement for panel in panels)
+        for place in axes[: len(panels)]:
+            place.set(xlim=(-widest, widest), ylim=force)
         for place in axes[len(panels) :]:
             place.set_visible(False)
         lines = [
-            Line2D([], [], color=TEST, linewidth=2.0, label="test"),
-            Line2D([], [], color=MODEL, linewidth=2.0, label="model"),
+            Line2D([], [], color=PALE_TEST, linewidth=BAND_WIDTH, label="test (band)"),
+            Line2D([], [], color=MODEL, linewidth=1.2, label="model"),
         ]
         drawing.legend_below(figure, lines)
         return figure
@@ -184,26 +228,29 @@ class IdentificationFigures:
         return figure
 
     def cycles(self) -> Figure:
-        """Errors of each cycle: one panel per measure, one line per record."""
-        panels = self._panels
-        title = self._title("errors of each cycle")
-        figure, axes = drawing.panels(2, 2, (10.0, 6.0), title)
-        colours = drawing.ordered_colours(len(panels), "viridis")
-        for ax, name in zip(axes, ERRORS.values(), strict=True):
-            for k, panel in enumerate(panels):
-                ax.plot(
-                    panel.cycle,
-                    100.0 * panel.errors[name],
-                    drawing.MARKERS[k % 8] + "-",
-                    color=colours[k],
-                    markersize=3.5,
-                    linewidth=0.9,
-                    label=panel.title,
-                )
-            ax.axhline(0.0, color=drawing.GREY, linewidth=0.9)
-            drawing.name_axes(ax, "cycle", "model / test - 1 [%]", name)
-        lines, _ = axes[0].get_legend_handles_labels()
-        drawing.legend_below(figure, [line for line in lines if isinstance(line, Line2D)])
+        """Measures of each cycle: test as a broad band, model as a line, a colour a record.
+
+        Titles have the errors of the table, whose peaks are those of a short running mean.
+        """
+        figure, axes = drawing.panels(2, 2, (10.0, 6.4), self._title("test and model, each cycle"))
+        colours = drawing.ordered_colours(len(self._panels), "viridis")
+        for ax, (measure, (title, unit)) in zip(axes, MEASURES.items(), strict=True):
+            for k, (panel, colour) in enumerate(zip(self._panels, colours, strict=True)):
+                _draw_cycles(ax, panel, measure, colour, drawing.MARKERS[k % 8])
+            ax.set_ylim(0.0, 1.06 * ax.get_ylim()[1])
+            ax.xaxis.set_major_locator(MaxNLocator(integer=True))
+            errors = [100.0 * getattr(e, measure) for panel in self._panels for e in panel.errors]
+            if errors:  # not without a full cycle
+                told = f"model off by {min(errors):+.1f} to {max(errors):+.1f} %"
+                title += ": " + told.replace("-", "\N{MINUS SIGN}")
+            drawing.name_axes(ax, "cycle", unit, title)
+        handles = [
+            Line2D([], [], color=colour, marker=drawing.MARKERS[k % 8], label=panel.title)
+            for k, (panel, colour) in enumerate(zip(self._panels, colours, strict=True))
+        ]
+        broad = Line2D([], [], color=PALE_TEST, linewidth=6.0, label="test (band)")
+        thin = Line2D([], [], color=drawing.INK, linewidth=1.0, label="model (line)")
+        drawing.legend_below(figure, [broad, thin, *handles])
         return figure
 
     def temperatures(self) -> Figure:
@@ -226,7 +273,7 @@ class IdentificationFigures:
         return figure
 
     def band(self, band: Band) -> Figure:
-        """Loops at a temperature with their 95 % band over samples, and the peak force.
+        """Loops at a temperature within their 95 % band, and the force at each turn.
 
         Parameters
         ----------
@@ -238,15 +285,33 @@ class IdentificationFigures:
         """
         told = " (not tested)" if band.beyond_tested else ""
         title = self._title(f"predicted at {drawing.degrees(band.ambient)}{told}")
-        figure, (loops, width) = drawing.panels(1, 2, (10.0, 4.2), title)
-        loops.plot(band.displacement, band.best, color=drawing.INK, linewidth=0.6)
+        figure, (loops, peaks) = drawing.panels(1, 2, (10.0, 4.4), title)
+        x, force = band.displacement, band.best
+        most = float(np.abs(x).max())
+        turns = turning_points(x, TURN * most)
+        for first, last in pairwise(turns):  # a leg for itself: the whole would fill the loops
+            leg = slice(first, last + 1)
+            kept = first + drawing.thin_loops(x[leg], force[leg], 2.0 * most, 2.0 * band.peak)
+            low, high = band.lower[kept], band.upper[kept]
+            loops.fill_between(x[kept], low, high, color=PALE_TEST, linewidth=0.0)
+        kept = drawing.thin_loops(x, force, 2.0 * most, 2.0 * band.peak)
+        loops.plot(x[kept], force[kept], color=MODEL, linewidth=0.7)
         text = f"peak {band.peak:.4g} kN, 95 % {band.peak_lower:.4g} to {band.peak_upper:.4g} kN"
         drawing.name_axes(loops, "displacement [mm]", "force [kN]", text)
-        below, above = band.lower - band.best, band.upper - band.best
-        width.fill_between(np.arange(len(below)), below, above, color=TEST, linewidth=0.0)
-        width.axhline(0.0, color=MODEL, linewidth=0.8)
-        drawing.name_axes(
-            width, "sample", "force - best [kN]", "95 % band from the parameters alone"
+        shown = turns[np.abs(x[turns]) > SMALL_TURN * most]
+        number, side = np.arange(1, len(shown) + 1), np.sign(x[shown])
+        ends = side * band.lower[shown], side * band.upper[shown]
+        peaks.vlines(number, *ends, color=PALE_TEST, linewidth=BAND_WIDTH)
+        peaks.plot(number, side * force[shown], "o", color=MODEL, markersize=3.5)
+        peaks.set_ylim(bottom=min(0.0, *peaks.get_ylim()))
+        drawing.name_axes(peaks, "turn of the motion", "force on the side of the turn [kN]")
+        drawing.name_axes(peaks, title="force at each turn")
+        drawing.legend_below(
+            figure,
+            [
+                Line2D([], [], color=PALE_TEST, linewidth=6.0, label="95 %, parameters alone"),
+                Line2D([], [], color=MODEL, marker="o", markersize=3.5, label="best fit"),
+            ],
         )
         return figure
 
@@ -273,88 +338,3 @@ class IdentificationFigures:
             figures["temperatures"] = self.temperatures
         figures |= {f"band_{band.ambient:g}": partial(self.band, band) for band in bands}
         return drawing.save_figures(figures, folder)
-
-
-def check_figure(report: CheckReport) -> Figure:
-    """A record at a glance: histories over samples, loops, middles of the loops, findings.
-
-    Parameters
-    ----------
-    report : from `check_test`.
-
-    Returns
-    -------
-    Figure
-
-    Examples
-    --------
-    >>> import thermobearing as tb
-    >>> t = np.linspace(0.0, 10.0, 500)
-    >>> report = tb.identify.check_test(tb.identify.record_from_arrays(t, 0.0 * t, np.sin(t), 23.0))
-    >>> len(check_figure(report).axes)
-    4
-    """
-    record = report.record
-    title = f"{record.name}: {report.outcome}"
-    figure, (top, middle, loops, centre) = drawing.panels(2, 2, (10.0, 6.8), title)
-    _draw_histories(report, top, middle)
-    x, force = record.displacement, record.force
-    spans = max(float(np.ptp(x)), 1e-9), max(float(np.ptp(force)), 1e-9)
-    kept = drawing.thin_loops(x, force, *spans)
-    loops.plot(x[kept], force[kept], color=drawing.INK, linewidth=0.6)
-    drawing.name_axes(loops, "displacement [mm]", "force [kN]", "loops as recorded")
-    _draw_middles(report, centre)
-    if report.findings:
-        sentences = [f"{finding.level}: {finding.sentence}" for finding in report.findings]
-        shown = "\n".join(textwrap.fill(f"- {text}", 150) for text in sentences)
-        figure.supxlabel(shown, fontsize=drawing.SMALL, x=0.02, ha="left")
-    return figure
-
-
-def _draw_histories(report: CheckReport, top: Axes, middle: Axes) -> None:
-    """Displacement and force over samples, cycles, rests, spikes, clipped samples."""
-    record = report.record
-    number = np.arange(len(record.time))
-    starts = [cycle.first for cycle in report.cycles]
-    for ax, values, name in (
-        (top, record.displacement, "displacement [mm]"),
-        (middle, record.force, "force [kN]"),
-    ):
-        kept = drawing.thin(values, BINS)
-        ax.plot(number[kept], values[kept], color=drawing.INK, linewidth=0.7)
-        ax.plot(starts, np.zeros(len(starts)), "|", color=MODEL, markersize=7)
-        drawing.name_axes(ax, "sample", name)
-    told = "bars: begin of each cycle found"
-    clipped = report.clipped
-    middle.plot(number[clipped], record.force[clipped], "x", color=MODEL, markersize=4)
-    found = report.treatment
-    if found is not None:
-        for ax, name in ((top, "displacement"), (middle, "force")):
-            for first, last in found.rests:
-                ax.axvspan(first, last, color=TEST, alpha=0.25, linewidth=0.0)
-            bad = found.spikes[name]
-            ax.plot(number[bad], getattr(record, name)[bad], "o", color=MODEL, markersize=4)
-        told += "; grey: rests" if found.rests else ""
-        told += "; dots: spikes" if any(bad.any() for bad in found.spikes.values()) else ""
-    top.set_title(told, fontsize=drawing.NORMAL, loc="left")
-
-
-def _draw_middles(report: CheckReport, ax: Axes) -> None:
-    """Middle of each loop, for drift and offset."""
-    full = [cycle for cycle in report.cycles if not cycle.closing]
-    record = report.steady
-    for name, colour in (("displacement", "#0077BB"), ("force", "#EE7733")):
-        values = getattr(record, name)
-        peak = max(float(np.abs(values).max()), 1e-12)
-        loops = [values[cycle.first : cycle.last + 1] for cycle in full]
-        mids = [50.0 * (loop.max() + loop.min()) / peak for loop in loops]
-        ax.plot(np.arange(1, len(mids) + 1), mids, "o-", color=colour, markersize=3, label=name)
-        drift = report.treatment.drifts.get(name) if report.treatment else None
-        if drift is not None:
-            begins = record.time[[cycle.first for cycle in full]]
-            away = drift.begin + drift.slope * (begins - drift.times[0])
-            number, label = np.arange(1, len(away) + 1), f"drift of {name}"
-            ax.plot(number, 100.0 * away / peak, "--", color=colour, linewidth=1.0, label=label)
-    ax.axhline(0.0, color=drawing.GREY, linewidth=0.8)
-    drawing.name_axes(ax, "cycle", "middle of loop [% of peak]", "drift and offset")
-    ax.legend(fontsize=drawing.SMALL, frameon=False)

@@ -71,7 +71,7 @@ def save_checks(
 
 
 def _draw_checks(reports: list[CheckReport], folder: Path) -> None:
-    from thermobearing.identify.figures import check_figure
+    from thermobearing.identify.check_figure import check_figure
     from thermobearing.results.drawing import save_figures
 
     figures = {}

@@ -96,7 +96,13 @@ def ordered_colours(count: int, name: str) -> list[str]:
 
 
 def panels(
-    rows: int, columns: int, size: tuple[float, float], title: str, *, share: bool = False
+    rows: int,
+    columns: int,
+    size: tuple[float, float],
+    title: str,
+    *,
+    share: bool = False,
+    widths: list[float] | None = None,
 ) -> tuple[Figure, list[Axes]]:
     """A figure of so many inches with its panels row by row, styled but empty."""
     figure = Picture(figsize=size, layout="constrained")
@@ -104,7 +110,9 @@ def panels(
     lines = title.replace(": ", ":\n", 1) if len(title) > room else title
     wrapped = "\n".join(textwrap.fill(line, room) for line in lines.splitlines())
     figure.suptitle(wrapped, fontsize=LARGE, fontweight="bold", color=INK)
-    axes = figure.subplots(rows, columns, squeeze=False, sharex=share, sharey=share)
+    axes = figure.subplots(
+        rows, columns, squeeze=False, sharex=share, sharey=share, width_ratios=widths
+    )
     for ax in axes.flat:
         style(ax)
         ax.grid(True, color="#dddddd", linewidth=0.6)
@@ -281,7 +289,7 @@ def mark_tested(ax: Axes, largest: float, name: str) -> None:
         ax.text(0.99, largest, name, transform=ax.get_yaxis_transform(), **look)
 
 
-def draw_stack(ax: Axes, data: xr.Dataset, *, names: bool) -> None:
+def draw_stack(ax: Axes, data: xr.Dataset, *, names: bool, faces: bool = True) -> None:
     """Bands of steel and rubber behind profiles, the faces, and beside them the parts' names."""
     part = [str(name) for name in data["part"].values]
     bottom = np.cumsum(data["cell_thickness"].values)
@@ -302,9 +310,9 @@ def draw_stack(ax: Axes, data: xr.Dataset, *, names: bool) -> None:
     ax.set_yticks([y for y in ax.get_yticks() if 0.0 <= y <= height])
     ax.set_ylim(1.055 * height, -0.055 * height)  # with room for the names of the faces
     ax.grid(False, axis="y")
-    _draw_face(ax, -0.006 * height, 0.0, "upper face", "-")
-    lower = ("plane of symmetry", "-.") if half else ("lower face", "-")
-    _draw_face(ax, 1.006 * height, height, *lower)
+    lower, line = ("plane of symmetry", "-.") if half else ("lower face", "-")
+    _draw_face(ax, -0.006 * height, 0.0, "upper face" if faces else "", "-")
+    _draw_face(ax, 1.006 * height, height, lower if faces else "", line)
 
 
 def _draw_face(ax: Axes, label_at: float, at: float, name: str, line: str) -> None:

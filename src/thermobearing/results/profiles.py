@@ -14,6 +14,9 @@ from thermobearing.results import drawing
 Floats = NDArray[np.float64]
 MOST_PROFILES = 8
 CORE = (0, (4, 1.5))  # dashes of a lead core
+STRIP = 0.4  # width of the panel of the lead, of that of the profiles beside it
+STRIP_INCHES = 1.2
+MOST_MARKERS = 24  # on a profile through many cells
 
 
 @dataclass(frozen=True)
@@ -42,46 +45,78 @@ def draw_profile_panels(
     names: list[str],
 ) -> Figure:
     """Panels row by row, all with the same number of kelvin; one colour and marker for a name."""
-    figure, axes = drawing.panels(-(-len(panels) // columns), columns, size, title)
+    cored = any(lead is not None for panel in panels for _, _, lead in panel.lines)
+    size = (size[0] + (STRIP_INCHES * columns if cored else 0.0), size[1])
+    rows, each = -(-len(panels) // columns), 2 if cored else 1
+    widths = [1.0, STRIP][:each] * columns
+    figure, every = drawing.panels(rows, each * columns, size, title, widths=widths)
     colours = drawing.ordered_colours(len(names), "viridis")
     looks: list[drawing.Look] = [
         {"color": colour, "marker": marker, "markersize": 3.2}
         for colour, marker in zip(colours, drawing.MARKERS, strict=False)
     ]
-    ranges = []
-    for ax in axes[len(panels) :]:  # of runs that an interrupted study did not come to
+    for ax in every[each * len(panels) :]:  # of runs that an interrupted study did not come to
         ax.remove()
-    for ax, panel in zip(axes, panels, strict=False):
-        seen = [panel.ambient]
-        for number, profile, lead in panel.lines:
-            look = looks[number]
-            ax.plot(profile, panel.stack["depth"].values, linewidth=1.1, **look)
-            seen += [float(profile.min()), float(profile.max())]
-            if lead is not None:
-                seen.append(lead)
-                _draw_core(ax, panel.stack, lead, look["color"])
-        ax.axvline(panel.ambient, color=drawing.GREY, linewidth=0.8, linestyle=":")
-        ax.locator_params(axis="x", nbins=6)
-        drawing.name_axes(ax, title=panel.title)
-        ranges.append((min(seen), max(seen)))
-    span = max(*(high - low for low, high in ranges), 0.1)
-    for place, (ax, panel) in enumerate(zip(axes, panels, strict=False)):
-        low = ranges[place][0]
-        ax.set_xlim(low - 0.06 * span, low + 1.06 * span)
+    axes = every[::each][: len(panels)]
+    beside: list[Axes | None] = [*every[1::2]] if cored else [None] * len(panels)
+    strips = [_draw_panel(*one, looks) for one in zip(axes, beside, panels, strict=False)]
+    _same_kelvin(axes, panels)
+    _same_kelvin(
+        [strip for strip in strips if strip is not None],
+        [panel for panel, strip in zip(panels, strips, strict=True) if strip is not None],
+    )
+    for place, (ax, panel) in enumerate(zip(axes, panels, strict=True)):
         first, last = place % columns == 0, place % columns == columns - 1
-        drawing.draw_stack(ax, panel.stack, names=last)
+        lowest, strip = place >= len(panels) - columns, strips[place]
+        drawing.draw_stack(ax, panel.stack, names=last and strip is None)
         ax.tick_params(labelleft=first)
-        drawing.name_axes(
-            ax,
-            "temperature [°C]" if place >= len(panels) - columns else "",
-            "distance from the upper face [mm]" if first else "",
-        )
+        what = "rubber and steel [°C]" if cored else "temperature [°C]"
+        y = "distance from the upper face [mm]" if first else ""
+        drawing.name_axes(ax, what if lowest else "", y)
+        if strip is not None:
+            drawing.draw_stack(strip, panel.stack, names=last, faces=False)
+            strip.tick_params(labelleft=False)
+            drawing.name_axes(strip, "lead [°C]" if lowest else "")
     handles = [Line2D([], [], label=name, **k) for name, k in zip(names, looks, strict=False)]
-    if any(lead is not None for panel in panels for _, _, lead in panel.lines):
+    if cored:
         dashed = Line2D([], [], color=drawing.INK, linestyle=CORE, label="lead core (dashed)")
         handles.append(dashed)
     drawing.legend_below(figure, [*handles, drawing.ambient_handle()])
     return figure
+
+
+def _draw_panel(
+    ax: Axes, strip: Axes | None, panel: ProfilePanel, looks: list[drawing.Look]
+) -> Axes | None:
+    """Profiles of a run; its lead in the strip beside them, which is given back if it has one."""
+    if strip is not None and all(lead is None for _, _, lead in panel.lines):
+        strip.remove()
+        strip = None
+    depth = panel.stack["depth"].values
+    every = max(1, len(depth) // MOST_MARKERS)
+    for number, profile, lead in panel.lines:
+        look = looks[number]
+        ax.plot(profile, depth, linewidth=1.1, markevery=every, **look)
+        if strip is not None and lead is not None:
+            _draw_core(strip, panel.stack, lead, look["color"])
+    for shown, ticks in ((ax, 6), (strip, 3)):
+        if shown is not None:
+            shown.axvline(panel.ambient, color=drawing.GREY, linewidth=0.8, linestyle=":")
+            shown.locator_params(axis="x", nbins=ticks)
+    drawing.name_axes(ax, title=panel.title)
+    return strip
+
+
+def _same_kelvin(axes: list[Axes], panels: list[ProfilePanel]) -> None:
+    """Panels show the same number of kelvin, each from its own coldest."""
+    ranges = []
+    for ax, panel in zip(axes, panels, strict=True):
+        seen = [np.asarray(line.get_xdata(), dtype=float) for line in ax.get_lines()]
+        values = np.concatenate([*seen, [panel.ambient]])
+        ranges.append((float(values.min()), float(values.max())))
+    span = max([0.1, *(high - low for low, high in ranges)])
+    for ax, (low, _) in zip(axes, ranges, strict=True):
+        ax.set_xlim(low - 0.06 * span, low + 1.06 * span)
 
 
 def _draw_core(ax: Axes, stack: xr.Dataset, temperature: float, colour: str) -> None:

@@ -1,0 +1,83 @@
+"""Figures of fits, factors and bounds: scales, bands, legends, verdicts."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import thermobearing as tb
+from thermobearing.design.run import run_bounds, run_factors
+from thermobearing.identify.cycles import measures_of
+from thermobearing.identify.posterior import forecast
+
+HDR = tb.load_bearing("shen-hdr-specimen")
+
+
+@pytest.fixture(scope="module")
+def fit() -> tb.identify.Identification:
+    """A warm test, and a cold one that is 5 % stronger than the law."""
+    test = tb.cyclic_test(strain=[0.5, 1.0], cycles=2, rest=None)
+    warm, cold = (tb.identify.synthetic_record(HDR, ambient, test) for ambient in (23.0, -20.0))
+    records = [warm, replace(cold, force=1.05 * cold.force)]
+    return tb.identify_bearing(records, HDR, free=["K_r"], starts=1)
+
+
+def test_loops_of_a_fit_have_one_force_scale(fit: tb.identify.Identification) -> None:
+    """The cold test is the stronger one, and looks it; the test is a band around the model."""
+    warm, cold = fit.plot.loops().axes
+    assert warm.get_ylim() == cold.get_ylim()
+    assert warm.get_xlim() == cold.get_xlim()
+    band, line = cold.get_lines()
+    assert band.get_linewidth() > 3.0 * line.get_linewidth()
+    assert np.max(band.get_ydata()) == fit.records[1].force.max()
+
+
+def test_cycles_of_a_fit_are_absolute(fit: tb.identify.Identification) -> None:
+    """Test and model in their unit, from zero, and how far the model is off."""
+    modulus, _, energy, peak = fit.plot.cycles().axes
+    assert energy.get_ylabel() == "energy [kJ = kN m]"
+    assert peak.get_ylim()[0] == 0.0
+    test, model = (np.asarray(line.get_ydata(), dtype=float) for line in peak.get_lines()[2:])
+    assert np.nanmax(test) == fit.records[1].force.max()
+    assert np.nanmax(model) == fit.predictions[1].force.max()
+    record = fit.records[0]
+    measured = measures_of(record, record.force, HDR.area, HDR.total_rubber_thickness)
+    drawn = np.asarray(modulus.get_lines()[0].get_ydata(), dtype=float)
+    assert drawn[0] == pytest.approx(measured[0].G_eq_MPa)
+    errors = [cycle.energy_error for one in fit.fits for cycle in one.cycles]
+    text = f"model off by {100.0 * min(errors):+.1f} to {100.0 * max(errors):+.1f} %"
+    assert text.replace("-", "−") in energy.get_title(loc="left")
+
+
+def test_a_band_lies_around_the_loops(fit: tb.identify.Identification) -> None:
+    """Legs in the band, and the force at each turn with its ends."""
+    band = forecast(fit, [-30.0]).bands[0]
+    loops, turns = fit.plot.band(band).axes
+    tops = [path.vertices[:, 1].max() for c in loops.collections for path in c.get_paths()]
+    assert max(tops) == pytest.approx(band.upper.max())
+    (dots,) = turns.get_lines()
+    assert np.max(dots.get_ydata()) == pytest.approx(band.peak, rel=0.01)
+    assert len(dots.get_xdata()) >= 8  # two to each side at each of two strains
+
+
+def test_factors_have_one_legend_outside() -> None:
+    report = run_factors(["shen-hdr-specimen"], temperatures=[-20.0], strains=[1.0])
+    figure = report.plot.factors()
+    *panels, free = figure.axes
+    assert figure.axes[0].get_subplotspec().get_gridspec().get_geometry() == (2, 3)
+    assert [ax.get_legend() for ax in panels] == [None] * 5
+    assert len({ax.get_xlim() for ax in panels}) == 1
+    named = [text.get_text() for text in free.get_legend().get_texts()]
+    assert {"first cycle", "Toyo G0.35, design"} <= set(named)
+
+
+def test_bounds_show_every_dot_and_the_verdict() -> None:
+    """No dot on the frame; bounds by the bearing they come from; unsafe ones in red."""
+    report = run_bounds(["shen-hdr-bridge"], ["jra-ii-i-1"], [23.0, -20.0])
+    table = report.tables["shen-hdr-bridge"].set_index("demand")
+    for ax, demand in zip(report.plot.demands("shen-hdr-bridge").axes, table.index, strict=True):
+        row = table.loc[demand]
+        assert ax.get_ylim()[1] > 1.05 * max(row["coupled_max"], row["upper_bound"])
+        ratio = ax.texts[0]
+        assert ratio.get_text() == f"{row['envelope_over_coupled']:.2f}"
+        assert (ratio.get_color() == "#aa0000") == (row["verdict"] == "unsafe")
