@@ -304,6 +304,7 @@ def mark_tested(ax: Axes, largest: float, name: str) -> None:
     if np.isfinite(largest):
         ax.axhline(largest, color="#a33", linewidth=0.8, linestyle=(0, (6, 2, 1, 2)))
         look: Look = {"fontsize": SMALL - 0.5, "color": "#a33", "va": "bottom", "ha": "left"}
+        look["zorder"] = 1.9  # below lines and marks
         look["bbox"] = {"facecolor": "white", "alpha": 0.6, "pad": 0.5, "linewidth": 0}
         ax.text(0.01, largest, name, transform=ax.get_yaxis_transform(), **look)
 
