@@ -162,9 +162,10 @@ def test_results_say_how_much_is_damped() -> None:
         assert len(told["damping_ratios"]) == 4
         assert math.isclose(told["runs"][0]["damping_of_input"], share)
         shares[kind] = share
-        assert bool(told["warnings"]) == (share > LARGEST_DAMPING_SHARE)
+        damped = [text for text in told["warnings"] if "damping" in text]
+        assert bool(damped) == (share > LARGEST_DAMPING_SHARE)
         assert told["warnings"] == result.warnings
     assert shares["none"] == 0.0
     assert shares["source"] > LARGEST_DAMPING_SHARE
-    assert "source" in result.warnings[0]
-    assert "1 of 1 runs" in result.warnings[0]
+    assert "source" in damped[0]
+    assert "1 of 1 runs" in damped[0]

@@ -5,6 +5,7 @@ from pathlib import Path
 from thermobearing.bearing.plausible import Usuals
 from thermobearing.border.schema import Strict, validated
 from thermobearing.border.toml import read_toml, split_sources
+from thermobearing.design.peaks import Rules
 from thermobearing.design.published import Published
 from thermobearing.design.rubber import Curves
 from thermobearing.identify.assumed import Groups
@@ -20,6 +21,9 @@ DATA: dict[str, tuple[set[str], type[Strict] | None]] = {
     "standard spectra": ({"I", "II"}, None),
     "design of the source": ({"more"}, None),
     "phases of motions": ({"jra-ii-ii-1"}, None),
+    "rules of peaks": ({"rules"}, Rules),
+    "stiffness ratios": ({"HDR", "LHDR", "LRB"}, None),
+    "words of tables": ({"names"}, None),
 }
 
 

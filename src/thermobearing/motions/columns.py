@@ -1,7 +1,7 @@
 """Accelerograms in columns of numbers, with or without a line that names them."""
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -50,6 +50,20 @@ def _is_row(cells: list[str]) -> bool:
     return all(fits) and any(cells)
 
 
+def _without_gaps(sheet: Sheet) -> Sheet:
+    """Without columns in which no row has anything: two tabs between numbers are one gap."""
+    width = max((len(cells) for _, cells in sheet.rows), default=0)
+    kept = [
+        column
+        for column in range(width)
+        if any(column < len(cells) and cells[column].strip() for _, cells in sheet.rows)
+    ]
+    if len(kept) == width:
+        return sheet
+    rows = [(at, [cells[c] for c in kept if c < len(cells)]) for at, cells in sheet.rows]
+    return replace(sheet, rows=rows)
+
+
 def _numbers(sheet: Sheet, first: int, width: int) -> tuple[list[int], list[list[float]]]:
     """Lines and rows of numbers from a line on.
 
@@ -82,7 +96,7 @@ def read_columns_of_text(lines: list[str], options: Options) -> Raw:
     InputError : no numbers, rows of different length, cells that are not finite numbers, uneven
         times, several components and none chosen.
     """
-    sheet = sheet_of_text("\n".join(lines), quotes=False)
+    sheet = _without_gaps(sheet_of_text("\n".join(lines), quotes=False))
     plain = [(at, [sheet.plain(cell) for cell in cells]) for at, cells in sheet.rows]
     start, width = next(((at, len(cells)) for at, cells in plain if _is_row(cells)), (0, 0))
     if not start:
