@@ -18,8 +18,14 @@ from thermobearing.earthquake.loop_figures import draw_largest_loops, draw_modes
 from thermobearing.earthquake.modes import has_both
 from thermobearing.earthquake.parts import has_parts
 from thermobearing.earthquake.parts_figure import draw_parts
+from thermobearing.earthquake.peaks_figure import draw_peaks
 from thermobearing.earthquake.profile_figure import draw_profiles
 from thermobearing.earthquake.result import EarthquakeResult
+from thermobearing.earthquake.rises_figure import draw_rises
+from thermobearing.earthquake.shares_figure import draw_shares
+from thermobearing.earthquake.speed_figure import draw_speed
+from thermobearing.earthquake.strong_part import peak_of, strong_part
+from thermobearing.earthquake.yield_point import yield_point
 from thermobearing.results import drawing
 
 Floats = NDArray[np.float64]
@@ -27,11 +33,9 @@ MOST_COLUMNS = 4
 WIDTH, HEIGHT = 2.9, 2.4  # of one panel [inch]
 TIME_BINS = 900  # points of a history are thinned to two per bin
 KJ = 1e-3
-SHARES = (
-    ("rubber_force", "rubber", "#0072B2"),
-    ("lead_force", "lead cores", "#000000"),
-    ("viscous_force", "rate-dependent branch", "#D55E00"),
-)
+WIDER = 0.8  # of its width: each line that lies below another
+NOTE_ROOM = 0.12  # of the height of a panel, for the values that are printed in it
+SIZES = "bearing_strain_max"
 LINES: dict[str, Any] = {"": "-", "rt": "-", "pd": "--"}
 MODES = {"rt": "real time", "pd": "pseudo-dynamic"}
 Draw = Callable[[Axes, int, str], None]
@@ -85,11 +89,15 @@ class EarthquakeFigures:
         ax: Axes | None = None,
         *,
         strain: Literal["x", "y"] | None = None,
+        sizes: str = "",
+        notes: bool = False,
     ) -> Figure:
         """One panel per bearing and motion; `draw` is called for every run in it.
 
         All runs go into `ax` where somebody gives one. `strain` is the axis that shows the strain
-        [%]: beyond the tested range it is shaded.
+        [%]: beyond the tested range it is shaded. `sizes` names the variable whose largest run
+        is drawn first, below the others; `notes` leaves room for `_note`. The panels of a motion
+        have the same axes.
         """
         if ax is not None:
             for run, ambient in zip(self._table.index, self._table["ambient_degC"], strict=True):
@@ -103,13 +111,16 @@ class EarthquakeFigures:
         more = len(self._motions) - columns
         note = f" (first {columns} of {len(self._motions)} motions)" if more else ""
         title = f"{self._data.attrs['structure']}: {what}{note}"
-        figure, axes = drawing.panels(rows, columns, size, title, share=True)
+        figure, axes = drawing.panels(rows, columns, size, title, share="col")
         for panel, ax in enumerate(axes):
             bearing, motion = self._bearings[panel // columns], motions[panel % columns]
             chosen = self._table.query("bearing == @bearing and motion == @motion")
-            for run, ambient in zip(chosen.index, chosen["ambient_degC"], strict=True):
-                draw(ax, int(run), self._colours[ambient])
-            untested.append(100.0 * self._result.tested_to(list(chosen.index), "strain"))
+            runs = self._largest_first([int(run) for run in chosen.index], sizes)
+            for run in runs:
+                draw(ax, run, self._colours[self._table["ambient_degC"][run]])
+            for place, line in enumerate(ax.get_lines()):  # equal ones remain visible
+                line.set_linewidth(line.get_linewidth() * (1.0 + WIDER * (len(runs) - 1 - place)))
+            untested.append(100.0 * self._result.tested_to(runs, "strain"))
             drawing.name_axes(
                 ax,
                 x if panel // columns == rows - 1 else "",
@@ -117,9 +128,65 @@ class EarthquakeFigures:
                 f"{motion}, {bearing}" if columns > 1 else bearing,
             )
             ax.title.set_fontsize(drawing.SMALL)
+        for ax in axes[:columns] if notes else []:
+            low, high = ax.get_ylim()
+            ax.set_ylim(low, high + NOTE_ROOM * (high - low))
         if strain is not None:
             drawing.shade_untested(axes, [(-end, end) for end in untested], strain)
         self._legend(figure)
+        return figure
+
+    def _largest_first(self, runs: list[int], name: str) -> list[int]:
+        """Runs of a panel in the order they are drawn, so that none hides a smaller one."""
+        if name not in self._data:
+            return runs
+        sizes = np.nan_to_num(self._data[name].values)
+        return sorted(runs, key=lambda run: -float(sizes[run]))
+
+    def _panel_runs(self, figure: Figure) -> list[tuple[Axes, list[int], str]]:
+        """Panels of a grid, the runs in each from cold to warm, and its motion."""
+        motions = self._motions[:MOST_COLUMNS]
+        found = []
+        for panel, ax in enumerate(figure.axes):
+            bearing, motion = self._bearings[panel // len(motions)], motions[panel % len(motions)]
+            table = self._table[self._table["bearing"] == bearing]
+            table = table[table["motion"] == motion].sort_values("ambient_degC", kind="stable")
+            runs = [int(run) for run in table.index]
+            found.append((ax, runs, motion))
+        return found
+
+    def _note(self, ax: Axes, name: str, runs: list[int], values: list[float]) -> None:
+        """Values of the runs of a panel, each in the colour of its temperature."""
+        colours = [self._colours[self._table["ambient_degC"][run]] for run in runs]
+        drawing.note_values(ax, name, [f"{value:.3g}" for value in values], colours)
+
+    def _history(
+        self,
+        name: str,
+        what: str,
+        y: str,
+        ax: Axes | None,
+        factor: float = 1.0,
+        strain: Literal["y"] | None = None,
+    ) -> Figure:
+        """A history in the strong part of each motion, with its peaks marked and printed."""
+        told = f"{what}, strong part of the motion"
+        draw, peaks = self._time(name, factor), f"{name}_max"
+        if ax is not None:
+            return self._grid(what, "time [s]", y, draw, ax)
+        figure = self._grid(told, "time [s]", y, draw, strain=strain, sizes=peaks, notes=True)
+        for ax, runs, motion in self._panel_runs(figure):
+            same = list(self._table.index[self._table["motion"] == motion])
+            ax.set_xlim(*strong_part(self._data, same, name))
+            for run in runs:
+                values = factor * self._values(name, run)
+                place = peak_of(values)
+                if place is None:
+                    continue
+                look: drawing.Look = {"color": self._colours[self._table["ambient_degC"][run]]}
+                at = [self._values("time", run)[place]], [values[place]]
+                ax.plot(*at, "o", markersize=4.0, markeredgecolor="white", zorder=4, **look)
+            self._note(ax, "peak", runs, [factor * float(self._data[peaks][run]) for run in runs])
         return figure
 
     def _plane(self, x: str, y: str, factor: float = 1.0) -> Draw:
@@ -162,7 +229,7 @@ class EarthquakeFigures:
                 panel.get_lines()[-1].set_label(label)
 
         what, x = "hysteresis of one bearing", "shear strain [%]"
-        return self._grid(what, x, "force [kN]", draw, ax, strain="x")
+        return self._grid(what, x, "force [kN]", draw, ax, strain="x", sizes=SIZES)
 
     def largest_loops(self) -> Figure:
         """The largest loop, the bearings over each other, as Fig. 4.12 and 6.6."""
@@ -178,33 +245,42 @@ class EarthquakeFigures:
 
     def strain(self, ax: Axes | None = None) -> Figure:
         """Shear strain in time, as Fig. 6.10 and 6.13."""
-        draw = self._time("bearing_strain", 100.0)
         what, y = "shear strain of the bearings", "shear strain [%]"
-        return self._grid(what, "time [s]", y, draw, ax, strain="y")
+        return self._history("bearing_strain", what, y, ax, 100.0, "y")
 
     def pier(self, ax: Axes | None = None) -> Figure:
         """Displacement of the pier top relative to its base, as Fig. 6.17 and 6.19."""
-        draw = self._time("pier_displacement")
-        return self._grid(
-            "pier top relative to its base", "time [s]", "displacement [mm]", draw, ax
-        )
+        what = "pier top relative to its base"
+        return self._history("pier_displacement", what, "displacement [mm]", ax)
 
     def pier_acceleration(self, ax: Axes | None = None) -> Figure:
         """Absolute acceleration of the pier top, as Fig. 3.27, 3.29, 4.15, 5.18 and 5.20."""
-        draw = self._time("pier_top_acceleration")
-        return self._grid(
-            "acceleration of the pier top", "time [s]", "acceleration [m/s2]", draw, ax
-        )
+        what = "acceleration of the pier top"
+        return self._history("pier_top_acceleration", what, "acceleration [m/s2]", ax)
 
     def hinge(self, ax: Axes | None = None) -> Figure:
-        """Moment against rotation of the pier base, as Fig. 6.21 and 6.22."""
-        draw = self._plane("pier_rotation", "pier_moment", 1e3)
-        return self._grid("pier base", "rotation [mrad]", "moment [kN m]", draw, ax)
+        """Moment against rotation of the pier base, as Fig. 6.21 and 6.22; its yield point."""
+        draw, x, y = self._plane("pier_rotation", "pier_moment", 1e3), "rotation [mrad]", "moment"
+        what, y = "pier base (dashed: where it yields)", f"{y} [kN m]"
+        if ax is not None:
+            return self._grid(what, x, y, draw, ax)
+        figure = self._grid(what, x, y, draw, sizes="pier_rotation_max", notes=True)
+        for panel, runs, _ in self._panel_runs(figure):
+            found = [yield_point(self._data, run) for run in runs]
+            for point in [point for point in found if point is not None][:1]:
+                rotation, moment = 1e3 * point[0], point[1]
+                look: drawing.Look = {"color": drawing.GREY, "linewidth": 0.8, "linestyle": "--"}
+                for sign in (-1.0, 1.0):
+                    panel.axhline(sign * moment, zorder=1.2, **look)
+                    panel.plot([sign * rotation], [sign * moment], "D", color=drawing.INK, ms=3.5)
+            ductility = [float(self._data["pier_ductility"][run]) for run in runs]
+            self._note(panel, "ductility", runs, ductility)
+        return figure
 
     def deck(self, ax: Axes | None = None) -> Figure:
         """Absolute acceleration of the deck, as Fig. 6.23 and 6.25."""
-        draw = self._time("deck_acceleration")
-        return self._grid("acceleration of the deck", "time [s]", "acceleration [m/s2]", draw, ax)
+        what = "acceleration of the deck"
+        return self._history("deck_acceleration", what, "acceleration [m/s2]", ax)
 
     def energy(self, ax: Axes | None = None) -> Figure:
         """Work done on one bearing in time, as Fig. 3.25."""
@@ -212,34 +288,12 @@ class EarthquakeFigures:
         return self._grid("energy taken by one bearing", "time [s]", "energy [kJ]", draw, ax)
 
     def temperature(self) -> Figure:
-        """Rubber layers (solid, outer layer palest) and lead (dashed), as Fig. 3.20 and 5.16."""
-
-        def draw(ax: Axes, run: int, colour: str) -> None:
-            time = self._values("time", run)
-            layers = self._data["rubber_temperature"].values[run][: len(time)]
-            count = int(np.isfinite(layers[0]).sum())
-            for j in range(count):
-                fade = 0.35 + 0.65 * (j + 1) / count
-                kept = drawing.thin(layers[:, j].astype(float), TIME_BINS)
-                look: drawing.Look = {"color": colour, "alpha": fade, "linewidth": 0.9}
-                line = ":" if self._line(run) == "--" else "-"  # lead is dashed
-                ax.plot(time[kept], layers[kept, j], linestyle=line, **look)
-            lead = self._values("lead_temperature", run)
-            if np.isfinite(lead).all():
-                end = self._result.tested_to([run], "lead_temperature")
-                drawing.mark_tested(ax, end, "lead tested to here")
-                kept = drawing.thin(lead, TIME_BINS)
-                line = "-." if self._line(run) == "--" else "--"
-                ax.plot(time[kept], lead[kept], color=colour, linewidth=0.9, linestyle=line)
-
-        what = "rubber layers (solid; outer palest) and lead (dashed)"
-        what += "; pseudo-dynamic dotted and dash-dotted" if len(self._modes) > 1 else ""
-        return self._grid(what, "time [s]", "temperature [°C]", draw)
+        """Rise of the rubber layers and, below them, of the lead, as Fig. 3.20 and 5.16."""
+        return draw_rises(self._result)
 
     def speed(self) -> Figure:
         """Loading speed of the bearing on its own clock, as Fig. 3.15."""
-        draw = self._time("bearing_speed")
-        return self._grid("loading speed", "time [s]", "speed [mm/s]", draw)
+        return draw_speed(self._result)
 
     def profiles(self, times: Sequence[float] | None = None) -> Figure:
         """Temperature through the height, the bearings below each other, as Fig. 4.14 and 5.17.
@@ -255,93 +309,12 @@ class EarthquakeFigures:
         return draw_profiles(self._result, times)
 
     def shares(self) -> Figure:
-        """Shares of rubber, lead and rate dependence in the force, as Fig. 5.15.
-
-        The first motion; rows are bearings, columns ambient temperatures.
-        """
-        motion, columns = self._motions[0], len(self._ambients)
-        size = (max(WIDTH * columns, 5.0) + 0.6, HEIGHT * len(self._bearings) + 0.9)
-        title = f"{self._data.attrs['structure']}: shares of the force of one bearing, {motion}"
-        figure, axes = drawing.panels(len(self._bearings), columns, size, title, share=True)
-        for panel, ax in enumerate(axes):
-            bearing, ambient = self._bearings[panel // columns], self._ambients[panel % columns]
-            chosen = self._table.query(
-                "bearing == @bearing and motion == @motion and ambient_degC == @ambient"
-            )
-            for run in chosen.index:
-                time = self._values("time", int(run))
-                for name, _, colour in SHARES:
-                    values = self._values(name, int(run))
-                    if not values.any():  # the bearing has no such branch
-                        continue
-                    kept = drawing.thin(values, TIME_BINS)
-                    line = self._line(int(run))
-                    ax.plot(time[kept], values[kept], color=colour, linewidth=0.7, linestyle=line)
-            drawing.name_axes(
-                ax,
-                "time [s]" if panel // columns == len(self._bearings) - 1 else "",
-                "force [kN]" if panel % columns == 0 else "",
-                f"{bearing}, {drawing.degrees(ambient)}",
-            )
-            ax.title.set_fontsize(drawing.SMALL)
-        drawing.legend_below(
-            figure,
-            [Line2D([], [], color=colour, label=label) for _, label, colour in SHARES]
-            + self._mode_handles(),
-        )
-        return figure
+        """Shares of the force in the largest loop of the first motion, as Fig. 5.15."""
+        return draw_shares(self._result)
 
     def peaks(self) -> Figure:
         """Peaks of every run, as Fig. 6.11, 6.14 to 6.16, 6.18, 6.20, 6.24 and 6.26."""
-        shown: list[tuple[str, str, float]] = [
-            ("bearing_strain_max", "bearing strain [%]", 100.0),
-            ("bearing_force_max_kN", "bearing force [kN]", 1.0),
-            ("bearing_energy_kN_mm", "bearing energy [kJ]", KJ),
-            ("pier_displacement_max_mm", "pier displacement [mm]", 1.0),
-            ("pier_ductility", "pier ductility", 1.0),
-            ("deck_acceleration_max_m_s2", "deck acceleration [m/s2]", 1.0),
-        ]
-        table = self._table
-        shown = [item for item in shown if np.isfinite(table[item[0]]).any()]
-        columns = len(self._bearings)
-        wide = max(1.9, 0.42 * len(self._motions) + 0.9)
-        size = (max(wide * columns, 4.0) + 0.8, 1.55 * len(shown) + 1.2)
-        title = f"{self._data.attrs['structure']}: peaks"
-        title += " (pseudo-dynamic: hatched)" if len(self._modes) > 1 else ""
-        figure, axes = drawing.panels(len(shown), columns, size, title)
-        for panel, ax in enumerate(axes):
-            name, label, factor = shown[panel // columns]
-            bearing = self._bearings[panel % columns]
-            self._bars(ax, table[table["bearing"] == bearing], name, factor)
-            ax.set_ylim(0.0, 1.08 * factor * float(np.nanmax(table[name])))
-            if name == "bearing_strain_max":
-                mine = list(table.index[table["bearing"] == bearing])
-                end = factor * self._result.tested_to(mine, "strain")
-                drawing.mark_tested(ax, end, "tested to here")
-            first, last = panel // columns == 0, panel // columns == len(shown) - 1
-            drawing.name_axes(
-                ax, "", label if panel % columns == 0 else "", bearing if first else ""
-            )
-            ax.yaxis.label.set_fontsize(drawing.SMALL)
-            ax.title.set_fontsize(drawing.SMALL)
-            names = self._motions if last else [""] * len(self._motions)
-            ax.set_xticks(range(len(names)), names, rotation=60, ha="right", rotation_mode="anchor")
-            ax.grid(False, axis="x")
-        self._legend(figure, modes=False)
-        return figure
-
-    def _bars(self, ax: Axes, rows: Any, name: str, factor: float) -> None:
-        """Groups of bars: one group per motion, one bar per temperature (and mode; pd hatched)."""
-        groups = [(ambient, mode) for ambient in self._ambients for mode in self._modes]
-        width = 0.8 / len(groups)
-        for place, (ambient, mode) in enumerate(groups):
-            chosen = (rows["ambient_degC"] == ambient) & (self._run_modes[rows.index] == mode)
-            mine = rows[chosen].set_index("motion")[name]
-            heights = [factor * float(mine.get(motion, np.nan)) for motion in self._motions]
-            at = np.arange(len(heights)) + (place - 0.5 * (len(groups) - 1)) * width
-            hatch = "////" if mode == "pd" and len(self._modes) > 1 else ""
-            look: drawing.Look = {"color": self._colours[ambient], "edgecolor": "white"}
-            ax.bar(at, heights, width=width, hatch=hatch, linewidth=0.0, zorder=2, **look)
+        return draw_peaks(self._result)
 
     def save_all(self, folder: Path) -> list[Path]:
         """Every figure that the study holds, as PNG."""

@@ -56,6 +56,11 @@ HISTORIES = (  # name, unit, long name
     ("pier_moment", "kN m", "moment of the first hinge"),
     ("lead_temperature", "degC", "temperature of the lead cores"),
 )
+CLOCK = (
+    "bearing_clock",
+    "s",
+    "time of the bearing: in a pseudo-dynamic test that of the laboratory",
+)
 LOOP = {  # of the largest loop: name in CycleMeasures, unit
     "loop_force_max": ("force_max_kN", "kN"),
     "loop_force_min": ("force_min_kN", "kN"),
@@ -90,7 +95,8 @@ def label_study(
     every = case.analysis.keep_every
     length = max((len(trace["time"][::every]) for trace in traces), default=0)
     data: dict[str, Any] = {}
-    for name, unit_name, long_name in (("time", "s", "time"), *HISTORIES):
+    slow = [CLOCK] if "pd" in case.modes else []
+    for name, unit_name, long_name in (("time", "s", "time"), *HISTORIES, *slow):
         rows = _padded([trace[name][::every] for trace in traces], (length,))
         data[name] = (("run", "step"), rows, {"units": unit_name, "long_name": long_name})
     across = ACROSS | ({"temperature": CELLS} if "cells" in case.analysis.keep else {})
@@ -162,6 +168,7 @@ def _traces(task: "Task", history: StructureHistory) -> dict[str, Floats]:
         "lead_force": bearing["lead_force"],
         "viscous_force": bearing["viscous_force"],
         "bearing_speed": _speed(bearing),
+        "bearing_clock": bearing["clock"],
         "bearing_energy": bearing["work_in"],
         "pier_displacement": q @ (top - base),
         "pier_top_displacement": q @ top,

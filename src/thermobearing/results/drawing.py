@@ -101,7 +101,7 @@ def panels(
     size: tuple[float, float],
     title: str,
     *,
-    share: bool = False,
+    share: bool | Literal["row", "col"] = False,
     widths: list[float] | None = None,
 ) -> tuple[Figure, list[Axes]]:
     """A figure of so many inches with its panels row by row, styled but empty."""
@@ -281,12 +281,35 @@ def shade_untested(
         ax.text(*place, "shaded: not tested", transform=ax.transAxes, **look)
 
 
+def note_values(ax: Axes, name: str, values: list[str], colours: list[str]) -> None:
+    """A name and values at the upper right of a panel, each value in its own colour."""
+    look: Look = {"fontsize": SMALL - 0.5, "va": "top", "ha": "right", "zorder": 5}
+    anchor: Any = ax.transAxes
+    at, gap = (1.0, 1.0), (-3.0, -3.0)
+    pairs = list(zip(values, colours, strict=True))
+    for text, colour in [*reversed(pairs), (name, GREY)]:
+        told = ax.annotate(
+            text.replace("-", "\N{MINUS SIGN}"),
+            at,
+            gap,
+            xycoords=anchor,
+            textcoords="offset points",
+            color=colour,
+            bbox={"facecolor": "white", "alpha": 0.7, "pad": 0.5, "linewidth": 0},
+            **look,
+        )
+        told.set_in_layout(False)
+        anchor, at, gap = told, (0.0, 1.0), (-4.0, 0.0)
+
+
 def mark_tested(ax: Axes, largest: float, name: str) -> None:
     """A line at the largest tested value of what the vertical axis shows, if it is finite."""
     if np.isfinite(largest):
         ax.axhline(largest, color="#a33", linewidth=0.8, linestyle=(0, (6, 2, 1, 2)))
-        look: Look = {"fontsize": SMALL - 0.5, "color": "#a33", "va": "bottom", "ha": "right"}
-        ax.text(0.99, largest, name, transform=ax.get_yaxis_transform(), **look)
+        look: Look = {"fontsize": SMALL - 0.5, "color": "#a33", "va": "bottom", "ha": "left"}
+        look["zorder"] = 1.9  # below lines and marks
+        look["bbox"] = {"facecolor": "white", "alpha": 0.6, "pad": 0.5, "linewidth": 0}
+        ax.text(0.01, largest, name, transform=ax.get_yaxis_transform(), **look)
 
 
 def draw_stack(ax: Axes, data: xr.Dataset, *, names: bool, faces: bool = True) -> None:
