@@ -11,6 +11,7 @@ import pytest
 import thermobearing as tb
 from tests import tolerances as tol
 from tests.unit.inputs import SPECIMEN, changed_table, specimen_table, write_toml
+from thermobearing.bearing.library import BEARINGS
 from thermobearing.bearing.model import Bearing, Material
 from thermobearing.border.schema import validated
 from thermobearing.border.toml import to_table
@@ -148,3 +149,11 @@ def test_bilinear_bearing_is_stiff_first() -> None:
     with pytest.raises(tb.InputError, match="must be greater than post_yield_stiffness"):
         tb.bearing.BilinearBearing(**given, initial_stiffness=2.0, post_yield_stiffness=2.0)
     assert tb.bearing.BilinearBearing(**given, initial_stiffness=2.0, post_yield_stiffness=1.9)
+
+
+def test_what_is_read_once_is_nobodys_to_change() -> None:
+    """A shipped file is parsed once; every reader has a table of its own."""
+    first, where = BEARINGS.table(SPECIMEN)
+    first["geometry"]["rubber_layers"] = 1
+    again, there = BEARINGS.table(SPECIMEN)
+    assert (again, there) == (specimen_table(), where)

@@ -7,7 +7,7 @@ from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError, shortened
 from thermobearing.border.library import Library
 from thermobearing.border.schema import validated
-from thermobearing.border.toml import read_toml, split_sources
+from thermobearing.border.toml import split_sources
 
 BEARINGS = Library("bearing", "bearings")
 
@@ -57,8 +57,7 @@ def load_bearing(name_or_path: str | Path) -> Bearing:
     >>> load_bearing("shen-hdr-specimen").total_rubber_thickness
     30.0
     """
-    path = BEARINGS.path(name_or_path)
-    return bearing_from_table(read_toml(path), str(path))
+    return bearing_from_table(*BEARINGS.table(name_or_path))
 
 
 def as_bearing(given: Any, key: str = "bearing") -> Bearing:

@@ -1,5 +1,6 @@
 """Data shipped with the package: where it lies, and what a name or a path stands for."""
 
+import copy
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache
@@ -37,6 +38,12 @@ def _names(folder: str) -> tuple[str, ...]:
     return tuple(sorted(path.stem for path in data_path(folder).glob("*.toml")))
 
 
+@cache
+def _shipped(path: Path) -> dict[str, Any]:
+    """A file of the package, which stays as it is while a program runs: read once."""
+    return read_toml(path)
+
+
 @dataclass(frozen=True)
 class Library:
     """The built-in things of one kind, a TOML file each, and the user's own files beside them."""
@@ -63,7 +70,13 @@ class Library:
             return Path(text)
         raise unknown_name(self.what, text, names)
 
+    def table(self, name_or_path: str | Path) -> tuple[dict[str, Any], str]:
+        """The table of a file with its sources, and its path for messages; see `path`."""
+        path = self.path(name_or_path)
+        built_in = str(name_or_path) in self.names()
+        return copy.deepcopy(_shipped(path)) if built_in else read_toml(path), str(path)
+
     def read(self, name_or_path: str | Path) -> tuple[dict[str, Any], str]:
         """The plain values of a file, and its path for messages; see `path`."""
-        path = self.path(name_or_path)
-        return split_sources(read_toml(path))[0], str(path)
+        table, where = self.table(name_or_path)
+        return split_sources(table)[0], where

@@ -20,7 +20,7 @@ _APART = re.compile(r"^(?P<name>.*\S)(?:\s*[,:/]\s*|\s+)(?P<unit>\S+)$")
 
 @cache
 def words(table: str) -> Mapping[str, tuple[str, ...]]:
-    """One table of data/tables/words.toml: names, parts or units."""
+    """One table of data/tables/words.toml: names, within or units."""
     content = read_toml(data_path("tables", "words.toml"))
     return {name: tuple(some) for name, some in content[table].items()}
 
@@ -122,7 +122,7 @@ def holds_word(name: str, quantity: str) -> bool:
     """
     flat = plain_title(name)
     tokens = {re.sub(r"[\d.]+$", "", token) for token in re.split(r"[^\w]+|_", flat)}
-    for word in words("parts")[quantity]:
+    for word in words("within")[quantity]:
         if (
             word in tokens
             or (not word.isascii() and word in flat)

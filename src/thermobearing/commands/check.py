@@ -77,7 +77,6 @@ def kind_of(table: dict[str, Any], path: Path) -> str:
         return "compound"
     for kind, its in (
         ("structure", {"bodies"}),
-        ("words of tables", DATA["words of tables"][0]),  # they have `parts` too
         ("sequence case", {"parts"}),
         ("earthquake case", {"command"}),
         ("bearing", {"geometry", "hysteresis", "materials", "kind"}),

@@ -59,6 +59,16 @@ RigName = Annotated[
         rich_help_panel=INPUT,
     ),
 ]
+FixedBase = Annotated[
+    bool, typer.Option("--fixed-base", help="Leave out the springs of the foundation.")
+]
+EarlierModel = Annotated[
+    str | None,
+    typer.Option("--model", help="An earlier model, see docs/theory.md.", rich_help_panel=MODEL),
+]
+Compare = Annotated[
+    bool, typer.Option("--compare", help="Earlier models beside it.", rich_help_panel=MODEL)
+]
 Limit = Annotated[
     list[str] | None,
     typer.Option(

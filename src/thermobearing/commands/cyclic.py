@@ -14,6 +14,8 @@ from thermobearing.commands.common import (
     RESULT,
     TEST,
     AsJson,
+    Compare,
+    EarlierModel,
     Exposed,
     Force,
     NoFigures,
@@ -73,13 +75,6 @@ LeadEnds = Annotated[
 ]
 Clock = Annotated[
     str | None, typer.Option(help="Of a half-space: lead or steel.", rich_help_panel=MODEL)
-]
-EarlierModel = Annotated[
-    str | None,
-    typer.Option(help="An earlier model, see docs/theory.md.", rich_help_panel=MODEL),
-]
-Compare = Annotated[
-    bool, typer.Option("--compare", help="Earlier models beside it.", rich_help_panel=MODEL)
 ]
 KeepEvery = Annotated[
     int | None, typer.Option(help="Keep every n-th step.", rich_help_panel=RESULT)

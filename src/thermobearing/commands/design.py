@@ -8,6 +8,7 @@ import typer
 from thermobearing.commands.common import (
     STRUCTURES,
     AsJson,
+    FixedBase,
     Force,
     NoFigures,
     Output,
@@ -19,9 +20,6 @@ from thermobearing.commands.common import (
 
 Structure_ = Annotated[
     str | None, typer.Option("--structure", help="Name or TOML file.", metavar="NAME/FILE")
-]
-FixedBase = Annotated[
-    bool, typer.Option("--fixed-base", help="Leave out the springs of the foundation.")
 ]
 Motions = Annotated[
     list[str] | None,

@@ -11,7 +11,10 @@ from thermobearing.commands.common import (
     MODEL,
     STRUCTURES,
     AsJson,
+    Compare,
+    EarlierModel,
     Exposed,
+    FixedBase,
     Force,
     NoFigures,
     Output,
@@ -58,9 +61,6 @@ Structure_ = Annotated[
         "--structure", help="Name or TOML file.", metavar="NAME/FILE", rich_help_panel=INPUT
     ),
 ]
-FixedBase = Annotated[
-    bool, typer.Option("--fixed-base", help="Leave out the springs of the foundation.")
-]
 Method = Annotated[
     str | None,
     typer.Option(
@@ -76,13 +76,6 @@ Damping_ = Annotated[
 ]
 Duration = Annotated[
     float | None, typer.Option(help="Cut motions to this [s].", rich_help_panel=INPUT)
-]
-Model_ = Annotated[
-    str | None,
-    typer.Option("--model", help="An earlier model, see docs/theory.md.", rich_help_panel=MODEL),
-]
-Compare = Annotated[
-    bool, typer.Option("--compare", help="Earlier models beside it.", rich_help_panel=MODEL)
 ]
 Weather = Annotated[
     str | None,
@@ -110,7 +103,7 @@ def bridge(
     method: Method = None,
     dt: Dt = None,
     duration: Duration = None,
-    model: Model_ = None,
+    model: EarlierModel = None,
     exposure: Exposed = None,
     compare: Compare = False,
     rig: RigName = None,
@@ -176,7 +169,7 @@ def hybrid(
     method: Method = None,
     dt: Dt = None,
     duration: Duration = None,
-    model: Model_ = None,
+    model: EarlierModel = None,
     exposure: Exposed = None,
     compare: Compare = False,
     rig: RigName = None,

@@ -6,6 +6,7 @@ import typer
 
 from thermobearing.commands.common import (
     AsJson,
+    FixedBase,
     Force,
     NoFigures,
     Output,
@@ -38,9 +39,7 @@ def list_(as_json: AsJson = False) -> int:
 @reported
 def show(
     structure: Annotated[str, typer.Argument(help="Name or TOML file.", metavar="NAME/FILE")],
-    fixed_base: Annotated[
-        bool, typer.Option("--fixed-base", help="Leave out the springs of the foundation.")
-    ] = False,
+    fixed_base: FixedBase = False,
     mass: Annotated[str, typer.Option(help="consistent or published.")] = "consistent",
     damping: Annotated[
         str | None, typer.Option(help="modal, rayleigh, element, none or source.")
