@@ -316,8 +316,8 @@ class EarthquakeFigures:
         """Peaks of every run, as Fig. 6.11, 6.14 to 6.16, 6.18, 6.20, 6.24 and 6.26."""
         return draw_peaks(self._result)
 
-    def save_all(self, folder: Path) -> list[Path]:
-        """Every figure that the study holds, as PNG."""
+    def held(self) -> dict[str, Callable[[], Figure]]:
+        """What draws each figure that the study holds data for, by name of its file."""
         figures = {
             "loops": self.loops,
             "strain": self.strain,
@@ -343,9 +343,8 @@ class EarthquakeFigures:
             figures["shares"] = self.shares
         if self._data.attrs["command"] == "hybrid":
             figures["speed"] = self.speed
-        written = []
-        for name, make in figures.items():
-            path = folder / f"{name}.png"
-            drawing.save_figure(make(), path)
-            written.append(path)
-        return written
+        return figures
+
+    def save_all(self, folder: Path) -> list[Path]:
+        """Every figure that the study holds, as PNG."""
+        return drawing.save_figures(self.held(), folder)
