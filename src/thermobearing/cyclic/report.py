@@ -37,7 +37,7 @@ from thermobearing.report.limits import (
     verdict,
 )
 from thermobearing.report.pieces import Check, Pieces, ReportTable
-from thermobearing.report.words import change, degrees, joined, number, percent, tidy
+from thermobearing.report.words import change, degrees, joined, number, percent, quantity, tidy
 from thermobearing.results.ranges import parted
 from thermobearing.results.writing import from_attribute
 
@@ -243,7 +243,7 @@ def _start(case: Case) -> list[str]:
     elif "initial_profile" in case:
         begins = "The bearing begins with a given temperature in each cell."
     elif "initial" in case:
-        begins = f"The bearing begins at {case['initial'].replace('degC', '°C')} throughout."
+        begins = f"The bearing begins at {quantity(case['initial'])} throughout."
     else:
         begins = "The bearing begins at the temperature of the air throughout."
     series = "ambient_series" in case

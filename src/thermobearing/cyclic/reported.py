@@ -11,7 +11,7 @@ from thermobearing.model.earlier import BLIND
 from thermobearing.model.options import ModelOptions
 from thermobearing.report.inputs import input_table
 from thermobearing.report.pieces import ReportTable
-from thermobearing.report.words import number
+from thermobearing.report.words import number, quantity
 
 Table = Mapping[str, Any]
 TOLD = ("name", "kind", "description", "citation", "poor_fit")  # in the note
@@ -139,7 +139,7 @@ def _heat_flow(analysis: Table, bearings: Sequence[Table]) -> str:
         if "eta" in face:
             faces.append(f"{name} η_B = {face['eta']:g} (1 adiabatic, 3 at ambient)")
         else:
-            faces.append(f"{name} film {face['film']}".replace("m^2", "m²"))
+            faces.append(f"{name} film {quantity(face['film'])}")
     return (
         f"Heat flows through the thickness only (one-dimensional), {sides}; end faces: "
         f"{', '.join(faces)}. Thermal properties do not change with temperature."

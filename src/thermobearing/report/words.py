@@ -110,6 +110,18 @@ def plain(words: str) -> str:
     return NEGATIVE.sub(MINUS, words.replace(" degC", " °C"))
 
 
+def quantity(text: str) -> str:
+    """A number with its unit, as TOML has it, in a sentence.
+
+    Examples
+    --------
+    >>> quantity("-10.0 degC"), quantity("600.0 s")
+    ('−10 °C', '600 s')
+    """
+    value, _, unit = str(text).partition(" ")
+    return plain(f"{number(float(value), '.6g')} {printed_unit(unit)[0] or unit}".strip())
+
+
 def tidy(sentence: str) -> str:
     """A sentence of a result as a document prints it, with its full stop."""
     text = plain(sentence.strip())
