@@ -96,8 +96,8 @@ def test_tangent_is_the_slope_of_the_force() -> None:
     assert_allclose(tangent, (ahead - behind) / (2.0 * step), rtol=tol.TANGENT_BEARING)
 
 
-def test_failed_trial_changes_nothing() -> None:
-    """After a trial that ran away, even a commit leaves the element where it was."""
+def test_failed_trial_cannot_be_committed() -> None:
+    """After a trial that ran away the element is where it was, and a commit says so."""
     table = changed_table(specimen_table(), {"hysteresis.yield_displacement": "0.1 mm"})
     constants = assembled(bearing_from_table(table, "table"), integrator="euler")
     element = tb.BearingElement.from_constants(constants, START)
@@ -105,8 +105,39 @@ def test_failed_trial_changes_nothing() -> None:
     before = element.save()
     trial = element.set_trial(60.0, DT, AIR)
     assert trial.outcome == "euler_unstable"
-    element.commit()
+    with pytest.raises(tb.InputError, match="ended as euler_unstable"):
+        element.commit()
     assert_same_state(element.state, before)
+    assert element.set_trial(0.03, DT, AIR).outcome == "completed"
+    element.commit()
+    assert element.state.books[0].displacement == 0.03
+
+
+@pytest.mark.parametrize("back", ["restore", "revert_to_start"])
+def test_a_failed_trial_is_forgotten_with_its_state(back: str) -> None:
+    element = fresh()
+    saved = element.save()
+    assert element.set_trial(float("nan"), DT, AIR).outcome == "not_finite"
+    if back == "restore":
+        element.restore(saved)
+    else:
+        element.revert_to_start()
+    element.commit()
+    assert_same_state(element.state, saved)
+
+
+@pytest.mark.parametrize("dt", [0.0, -1.0, float("nan")])
+def test_a_step_takes_time(dt: float) -> None:
+    with pytest.raises(tb.InputError, match="must be more than 0 s"):
+        fresh().set_trial(1.0, dt)
+
+
+def test_what_an_element_says_of_itself() -> None:
+    element = tb.element("shen-hdr-specimen", ambient=-20)
+    element.set_trial(3.0, DT)
+    element.commit()
+    assert "at 3 mm" in repr(element)
+    assert "-20.0 degC" in repr(element)
 
 
 @pytest.mark.parametrize("integrator", ["exact", "euler"])

@@ -184,11 +184,26 @@ class BearingElement:
         self._start = new_state(constants, temperature, initial_lead)
         self._committed = new_state(constants, temperature, initial_lead)
         self._trial = new_state(constants, temperature, initial_lead)
+        self._failed = ""
 
     @property
     def state(self) -> State:
-        """The committed state (a live record: copy it to keep it)."""
+        """The committed state (a live record: copy it, or `save`, to keep it).
+
+        `temperature` [degC] of each cell from the upper face, of a half stack to its middle;
+        `layers` with displacement `d` and `z` [mm] of each modelled layer, the outermost first;
+        `branches["lead_temperature"]` [degC]; `books` of one row with `clock` [s],
+        `displacement`, `force` and its shares, and energies since the start [kN mm]: `work_in`,
+        `heat_released`, `heat_stored`, `heat_lost_ends`, `heat_lost_sides`, `recoverable`.
+        """
         return self._committed
+
+    def __repr__(self) -> str:
+        books = self._committed.books
+        return (
+            f"<BearingElement at {books['displacement'][0]:g} mm, {books['force'][0]:g} kN, "
+            f"{books['clock'][0]:g} s; warmest cell {self._committed.temperature.max():.1f} degC>"
+        )
 
     def set_trial(self, x: float, dt: float, ambient: float | None = None) -> Trial:
         """Displacement x [mm] after a step dt [s] from the committed state.
@@ -198,21 +213,41 @@ class BearingElement:
         x : displacement of the upper face against the lower one [mm].
         dt : length of the step [s], > 0.
         ambient : temperature of the air [degC]; that of the element by default.
+
+        Returns
+        -------
+        Trial : after any `outcome` but "completed" there is nothing to commit.
+
+        Raises
+        ------
+        InputError : a step that takes no time, or goes back in it.
         """
+        if not dt > 0.0:
+            raise InputError(f"set_trial(): dt = {dt!r}: must be more than 0 s")
         air = self._ambient if ambient is None else ambient
         force, tangent, outcome = step(
             self._constants, self._work, self._committed, x, dt, air, self._trial
         )
-        if outcome not in (COMPLETED, SOFTENED):
-            copy_state(self._committed, self._trial)
+        self._failed = "" if outcome in (COMPLETED, SOFTENED) else NAMES[outcome]
         return Trial(force, tangent, NAMES[outcome])
 
     def commit(self) -> None:
-        """Accept the last trial."""
+        """Accept the last trial.
+
+        Raises
+        ------
+        InputError : it did not get through; the bearing is where it was, for another trial.
+        """
+        if self._failed:
+            raise InputError(
+                f"commit(): the last trial ended as {self._failed} (its `outcome`); try a smaller "
+                "step from the committed state"
+            )
         copy_state(self._trial, self._committed)
 
     def revert_to_start(self) -> None:
         """Back to the virgin bearing at its first temperatures."""
+        self._failed = ""
         copy_state(self._start, self._committed)
         copy_state(self._start, self._trial)
 
@@ -224,6 +259,7 @@ class BearingElement:
 
     def restore(self, saved: State) -> None:
         """Continue from a state that `save` returned."""
+        self._failed = ""
         copy_state(saved, self._committed)
         copy_state(saved, self._trial)
 
