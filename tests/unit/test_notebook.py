@@ -229,3 +229,18 @@ def test_every_kind_of_result_is_read_again(
 def test_a_summary_that_is_none(text: str, tmp_path: Path) -> None:
     (tmp_path / "summary.json").write_text(text)
     told(lambda: tb.load_result(tmp_path), str(tmp_path))
+
+
+def test_one_cycle_has_the_labels_of_many() -> None:
+    """Before: over the number of the cycle, unless there were several ambient temperatures."""
+    for strain in ([1.0], [0.5, 1.0]):
+        test = tb.cyclic_test(strain=strain, cycles=1, rest=None)
+        found = tb.run("shen-hdr-specimen", test, ambient=-20).to_dataset()
+        assert dict(found.sizes) == {"ambient": 1, "strain": len(strain), "cycle": 1}
+
+
+def test_cycles_of_a_history_are_numbered() -> None:
+    time = np.arange(0.0, 8.0, 0.02)
+    wave = 20.0 * np.sin(np.pi * time / 2.0)
+    found = tb.run("shen-hdr-specimen", history=(time, wave), ambient=[-20, 23]).to_dataset()
+    assert set(found.sizes) == {"ambient", "number"}
