@@ -244,3 +244,21 @@ def test_cycles_of_a_history_are_numbered() -> None:
     wave = 20.0 * np.sin(np.pi * time / 2.0)
     found = tb.run("shen-hdr-specimen", history=(time, wave), ambient=[-20, 23]).to_dataset()
     assert set(found.sizes) == {"ambient", "number"}
+
+
+def test_every_number_of_a_study_says_what_it_is() -> None:
+    """Before: only histories did, and an axis made of a peak was called None."""
+    study = tb.bridge("shen-hdr-bridge", "jra-ii-i-1", [23], duration=2)
+    data = study.to_dataset()
+    mute = [name for name in data.data_vars if not data[name].attrs.get("long_name")]
+    assert not mute
+    assert data.bearing_force_max.attrs["long_name"] == "largest force of one bearing"
+    assert data.ambient.attrs["long_name"] == "ambient temperature"
+    assert "float64" not in str(data.attrs["periods_s"])
+
+
+def test_a_half_stack_says_so() -> None:
+    test = tb.cyclic_test(strain=[0.5], cycles=1)
+    half, full = (tb.run("shen-hdr-specimen", test, stack=s)["depth"] for s in ("half", "full"))
+    assert "half stack" in half.attrs["long_name"]
+    assert "half stack" not in full.attrs["long_name"]
