@@ -262,3 +262,9 @@ def test_a_half_stack_says_so() -> None:
     half, full = (tb.run("shen-hdr-specimen", test, stack=s)["depth"] for s in ("half", "full"))
     assert "half stack" in half.attrs["long_name"]
     assert "half stack" not in full.attrs["long_name"]
+
+
+def test_a_motion_is_short_in_a_notebook() -> None:
+    """Before: its samples."""
+    said = repr(tb.load_motion("jra-ii-i-1"))
+    assert said == "<GroundMotion jra-ii-i-1: 670 gal, 50 s in steps of 0.01 s>"

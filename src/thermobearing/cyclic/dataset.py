@@ -172,12 +172,13 @@ def depth_attributes(half: bool) -> dict[str, str]:
 
 def _coordinates(runs: list[RunRecord], labels: StackLabels, half: bool) -> dict[str, Any]:
     ambient = {"units": "degC", "long_name": "ambient temperature at the start"}
+    depth = depth_attributes(half)
     thickness = {"units": "mm", "long_name": "thickness of the cell"}
     return {
         "ambient": ("ambient", np.array([run.ambient for run in runs]), ambient),
         "layer": ("layer", np.arange(1, labels.layers + 1), {"long_name": "rubber layer, 1 outer"}),
         "cell": ("cell", np.arange(1, len(labels.depth) + 1), {"long_name": "cell, 1 at the face"}),
-        "depth": ("cell", labels.depth, depth_attributes(half)),
+        "depth": ("cell", labels.depth, depth),
         "cell_thickness": ("cell", labels.thickness, thickness),
         "part": ("cell", np.array(labels.part, dtype=object), {"long_name": "what the cell is"}),
     }
