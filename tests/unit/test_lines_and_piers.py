@@ -255,3 +255,10 @@ def test_air_of_lines_is_added_to_that_of_the_run() -> None:
     assert_array_equal(said["line_force"], plain["line_force"])
     other = tb.bridge("shen-hdr-bridge", ambient=23, lines=lines, **given)
     assert_allclose(other["line_force"], plain["line_force"], rtol=1e-6)
+
+
+def test_a_run_with_several_cold_lines_leaves_the_law_once() -> None:
+    """Two lines of one bearing in one run; before, lines were counted and called runs."""
+    said = tb.bridge("shen-hdr-bridge", ambient=[-30.0], structure=bridge_of(two_piers()), **MOTION)
+    (law,) = [text for text in said.warnings if "temperature law" in text]
+    assert "extrapolated in 1 run," in law
