@@ -12,6 +12,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 import thermobearing as tb
 from tests import tolerances as tol
 from thermobearing.border.schema import validated
+from thermobearing.design.bounds import DEMANDS, bounds_study, least_safe, paragraph
 from thermobearing.earthquake.case import make_earthquake_case
 from thermobearing.earthquake.run import build_tasks
 from thermobearing.structure.matrices import coordinates
@@ -262,3 +263,21 @@ def test_a_run_with_several_cold_lines_leaves_the_law_once() -> None:
     said = tb.bridge("shen-hdr-bridge", ambient=[-30.0], structure=bridge_of(two_piers()), **MOTION)
     (law,) = [text for text in said.warnings if "temperature law" in text]
     assert "extrapolated in 1 run," in law
+
+
+def test_bounds_judge_every_line_and_pier() -> None:
+    """Before, the line and pier of the report alone, and nothing said so."""
+    structure = bridge_of(two_piers())
+    study = bounds_study("shen-hdr-bridge", ambient=[23.0, -20.0], structure=structure, **MOTION)
+    assert set(study["part"]) == {"on A", "on B", "A", "B", ""}
+    strain = study[study["demand"] == "bearing_strain_max"].set_index("part")
+    assert list(strain.index) == ["on A", "on B"]
+    assert strain.loc["on A", "coupled_max"] != strain.loc["on B", "coupled_max"]
+    assert "bearing strain (on A, on B)" in paragraph(study, "x")
+    shown = least_safe(study)
+    assert len(shown) == len(DEMANDS)
+    lowest = study.groupby("demand")["envelope_over_coupled"].min()
+    assert_array_equal(shown["envelope_over_coupled"], lowest.loc[list(DEMANDS)].to_numpy())
+    whole = tb.bridge("shen-hdr-bridge", ambient=[23.0, -20.0], structure=structure, **MOTION)
+    largest = whole.lines.groupby("line")["strain_max"].max()
+    assert_array_equal(strain["coupled_max"], largest.loc[list(strain.index)])
