@@ -14,6 +14,7 @@ from tests import tolerances as tol
 from thermobearing.border.schema import validated
 from thermobearing.design.bounds import DEMANDS, bounds_study, least_safe, paragraph
 from thermobearing.earthquake.case import make_earthquake_case
+from thermobearing.earthquake.governing import governing_runs
 from thermobearing.earthquake.run import build_tasks
 from thermobearing.structure.matrices import coordinates
 from thermobearing.structure.model import Structure
@@ -281,3 +282,26 @@ def test_bounds_judge_every_line_and_pier() -> None:
     whole = tb.bridge("shen-hdr-bridge", ambient=[23.0, -20.0], structure=structure, **MOTION)
     largest = whole.lines.groupby("line")["strain_max"].max()
     assert_array_equal(strain["coupled_max"], largest.loc[list(strain.index)])
+
+
+def test_the_largest_of_all_lines_and_piers_is_said(
+    study: tb.earthquake.EarthquakeResult, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Before, the first table was about one line and pier and did not say which."""
+    rows = governing_runs(study).set_index("what")
+    farthest = study.lines.loc[study.lines["strain_max"].idxmax()]
+    assert rows.loc["bearing strain", "largest"] == farthest["strain_max"]
+    assert rows.loc["bearing strain", "part"] == farthest["line"]
+    assert rows.loc["pier ductility", "part"] == "B"  # A has no hinge
+    deck = float(np.abs(study.dataset["deck_displacement"]).max())
+    assert rows.loc["deck displacement [mm]", "largest"] == pytest.approx(deck, rel=1e-6)
+    assert (
+        study.table["deck_displacement_max_mm"][0] == rows.loc["deck displacement [mm]", "largest"]
+    )
+    assert study.summary()["largest"] == governing_runs(study).to_dict("records")
+    study.show()
+    shown = capsys.readouterr().out
+    assert "shen-hdr-bridge: line on B, pier B" in shown
+    assert "largest of all runs" in shown
+    title = study.plot.pier().get_suptitle()
+    assert title.replace("\n", " ").endswith("(line on B, pier B)")

@@ -241,11 +241,9 @@ class FactorFigures:
 def draw_bounds(table: pd.DataFrame, title: str) -> Figure:
     """Bars between the bounds, dots of the coupled model: a dot above its bar is unsafe.
 
-    Of several bearing lines or piers the least safe one, named at its number.
-
     Parameters
     ----------
-    table : of `bounds_study`.
+    table : of `bounds_study`; of several lines or piers the least safe is drawn, with its name.
     title : of the figure.
 
     Returns

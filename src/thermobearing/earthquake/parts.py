@@ -180,6 +180,13 @@ def has_parts(dataset: xr.Dataset) -> bool:
     return "line" in dataset.coords
 
 
+def told_of_parts(dataset: xr.Dataset) -> str:
+    """Which line and pier tables and histories are about, where there are several; else empty."""
+    if not has_parts(dataset) or "line" not in dataset.attrs:  # results before 0.2
+        return ""
+    return f"line {dataset.attrs['line']}, pier {dataset.attrs['pier']}"
+
+
 def parts_table(dataset: xr.Dataset, dimension: str, columns: dict[str, Any]) -> pd.DataFrame:
     """One row for each run and line (`LINES`) or pier (`PIERS`)."""
     if not has_parts(dataset):
