@@ -17,8 +17,9 @@ from thermobearing.earthquake.case import make_earthquake_case
 from thermobearing.earthquake.governing import governing_runs
 from thermobearing.earthquake.run import build_tasks
 from thermobearing.structure.matrices import coordinates
-from thermobearing.structure.model import Structure
+from thermobearing.structure.model import Structure, load_structure
 from thermobearing.structure.parts import fixed_base, piers_of, reported_line
+from thermobearing.structure.plausible import implausible_structure
 
 MOTION: dict[str, Any] = {"motion": "jra-ii-i-1", "duration": 6.0}
 
@@ -305,3 +306,40 @@ def test_the_largest_of_all_lines_and_piers_is_said(
     assert "largest of all runs" in shown
     title = study.plot.pier().get_suptitle()
     assert title.replace("\n", " ").endswith("(line on B, pier B)")
+
+
+def test_the_structure_of_the_docs_is_what_they_say(tmp_path: Path) -> None:
+    """k = M/(theta h^2), u_y = theta h; the equivalent stiffness does not touch the response."""
+    text = (Path(__file__).parents[2] / "docs" / "files.md").read_text()
+    block = next(b for b in text.split("```") if 'name = "pier and abutment"' in b)
+    file = tmp_path / "mine.toml"
+    file.write_text(block.removeprefix("toml\n"))
+    assert implausible_structure(load_structure(file)) == []
+    (hinge,) = load_structure(file).hinges
+    assert hinge.yield_rotation * 8000.0 == pytest.approx(20.0)
+    assert hinge.stiffness / 8000.0**2 == pytest.approx(200.0)
+    other = tmp_path / "other.toml"
+    other.write_text(file.read_text().replace('"2.6 kN/mm"', '"1.3 kN/mm"'))
+    one, two = (
+        tb.bridge("shen-hdr-bridge", ambient=[23.0], structure=path, **MOTION)
+        for path in (file, other)
+    )
+    assert_array_equal(one["bearing_force"], two["bearing_force"])
+
+
+def test_a_study_says_what_is_not_usual_in_its_bearing_and_structure() -> None:
+    """Before, only `check` did; a bearing of 0.1 % of the stiffness ran without a word."""
+    bearing = tb.load_bearing("shen-hdr-bridge")
+    soft = bearing.hysteresis.model_copy(update={"layer_stiffness": 0.0784})
+    odd = bearing.model_copy(update={"name": "odd", "hysteresis": soft})
+    light = two_piers()
+    light["masses"][0]["mass"] = "400 kg"
+    said = tb.bridge(odd, ambient=[23.0], structure=bridge_of(light), **MOTION).warnings
+    assert any(text.startswith("odd: shear modulus K_r t_r / A") for text in said), said
+    assert any(text.startswith("mass of the deck = 0.4 t") for text in said), said
+
+
+def test_a_misspelled_file_is_told_its_neighbour(tmp_path: Path) -> None:
+    (tmp_path / "hdr-720-10x17.toml").write_text("")
+    with pytest.raises(tb.InputError, match=r'no such file; did you mean "hdr-720-10x17\.toml"\?'):
+        tb.load_bearing(tmp_path / "hdr-720-10x71.toml")
