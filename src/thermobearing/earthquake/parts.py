@@ -184,7 +184,9 @@ def told_of_parts(dataset: xr.Dataset) -> str:
     """Which line and pier tables and histories are about, where there are several; else empty."""
     if not has_parts(dataset) or "line" not in dataset.attrs:  # results before 0.2
         return ""
-    return f"line {dataset.attrs['line']}, pier {dataset.attrs['pier']}"
+    names = {part: str(dataset.attrs[part]) for part in ("line", "pier")}
+    told = [n if n.lower().startswith(part) else f"{part} {n}" for part, n in names.items()]
+    return ", ".join(told)
 
 
 def parts_table(dataset: xr.Dataset, dimension: str, columns: dict[str, Any]) -> pd.DataFrame:
