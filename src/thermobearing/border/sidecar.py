@@ -284,11 +284,11 @@ def _read_block(
     try:
         found = columns_of(file, wanted, optional=optional, layout=layout)
     except InputError as error:
-        told = list(error.problems)
-        lost = any(text.startswith("no column") for text in told)
+        problems = list(error.problems)
+        lost = any(text.startswith("no column") for text in problems)
         if lost and "force" not in optional and not sidecar.columns:
-            told[-1] += f"; thermobearing intake {file.name} finds out which columns it has"
-        raise InputError(told, error.where) from None
+            problems[-1] += f"; thermobearing intake {file.name} finds out which columns it has"
+        raise InputError(problems, error.where) from None
     unused += found.unused
     if found.others and told.sheet is None:
         names = ", ".join(f'"{name}"' for name in found.others)

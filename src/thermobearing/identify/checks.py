@@ -315,7 +315,10 @@ def _centred(report: CheckReport) -> None:
         else:
             near.append(f"{shown} in the {name}")
     if near:
-        report.note("zero", f"middle of the loops at {' and '.join(near)}: as good as zero")
+        report.note(
+            "zero",
+            f"middle of the loops at {' and '.join(near)}: no more than these cycles can tell",
+        )
 
 
 def _clipping(report: CheckReport) -> None:
