@@ -79,6 +79,7 @@ docs: $(TESTS)
 
 # Warnings are errors; then links with their anchors, version and date on each page are looked at.
 site: $(SPHINX)
+	rm -rf build/site
 	$(BIN)/python -m sphinx -W --keep-going --quiet --builder html docs build/site
 	$(BIN)/python docs/builder/links.py build/site
 

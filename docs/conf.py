@@ -29,7 +29,7 @@ extensions = [
 ]
 exclude_patterns = ["texts", "examples", "builder"]
 suppress_warnings = ["config.cache"]  # the figures of the gallery are found by a function of ours
-default_role = "py:obj"  # `run` in a docstring leads to its page where it has one
+default_role = "literal"  # one backtick in a docstring
 templates_path = ["_templates"]
 
 # Markdown: the pages are read on their own too, so links are those between files.
