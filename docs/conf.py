@@ -26,6 +26,7 @@ extensions = [
     "sphinx.ext.autosummary",
     "sphinx.ext.mathjax",
     "numpydoc",
+    "docs.builder.docstrings",
 ]
 exclude_patterns = ["texts", "examples", "builder"]
 suppress_warnings = ["config.cache"]  # the figures of the gallery are found by a function of ours
@@ -40,7 +41,10 @@ myst_heading_anchors = 4
 # Equations without a network: one file with MathJax and its fonts, from a wheel.
 MATHJAX = "tex-svg.js"
 mathjax_path = MATHJAX
-mathjax3_config = {"options": {"enableMenu": False}}  # the menu would load more files
+mathjax3_config = {
+    "options": {"enableMenu": False},  # the menu would load more files
+    "svg": {"displayAlign": "left", "displayIndent": "1.5em", "scale": 0.95},
+}
 
 # Docstrings, one page a public name.
 autosummary_generate = True

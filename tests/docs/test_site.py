@@ -42,7 +42,7 @@ def no_histories(*_: Any) -> None:
 def told(block: str) -> str:
     """What the commands of a block print; figures, which take longest, are tested elsewhere."""
     printed = ""
-    for line in block.splitlines():
+    for line in block.replace("\\\n", " ").splitlines():
         if not line.startswith("thermobearing "):
             assert line.startswith("pip "), line
             continue
