@@ -7,7 +7,6 @@ looks for; so this takes the value of the last line of each block.
 from typing import Any
 
 from matplotlib.figure import Figure
-from sphinx_gallery.scrapers import figure_rst
 
 DPI = 110
 
@@ -16,6 +15,8 @@ def returned_figures(
     block: tuple[Any, ...], block_vars: dict[str, Any], gallery_conf: dict[str, Any]
 ) -> str:
     """Save the figure that a block returned, and the text that shows it."""
+    from sphinx_gallery.scrapers import figure_rst  # only there where the site is built
+
     value = block_vars["example_globals"].get("___")
     if not isinstance(value, Figure):
         return ""
