@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 import thermobearing as tb
 
 bearings = ["shen-hdr-bridge", "shen-lhdr-bridge", "lrb-example"]
-motions = ["jra-i-i-1", "jra-ii-i-1"]
-peaks = tb.sweep(bearings, motion=motions, ambient=[-30, -20, 0, 23], keep_every=20)
+motions = ["jra-ii-i-1", "jra-ii-iii-1"]
+peaks = tb.sweep(bearings, motion=motions, ambient=[-30, -20, 0, 23], keep_every=50)
 ratio = peaks.bearing_force_max / peaks.bearing_force_max.sel(ambient=23)
 
 figure = Figure(figsize=(7.0, 3.2), layout="constrained")
