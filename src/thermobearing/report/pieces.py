@@ -1,0 +1,279 @@
+"""What a document is made of: texts, tables, figures, checks. Plain data, no layout."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Floats = NDArray[np.float64]
+
+# Verdicts of a check; the third where there is no limit, or nothing to hold beside it.
+PASSED, EXCEEDED, NOT_JUDGED = "within", "exceeded", "not judged"
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column of a table.
+
+    Attributes
+    ----------
+    head : words above it, without the unit.
+    unit : such as "kN"; "" for words and pure numbers.
+    form : of Python's format for its numbers, such as ".1f" or ".3g".
+
+    Examples
+    --------
+    >>> Column("Peak force", "kN", ".0f").text(312.6)
+    '313'
+    >>> Column("Motion").text("jra-ii-i-1")
+    'jra-ii-i-1'
+    """
+
+    head: str
+    unit: str = ""
+    form: str = ".4g"
+
+    def text(self, value: Any) -> str:
+        """A cell of this column as a reader sees it; nothing for None and NaN."""
+        if value is None or (isinstance(value, float | np.floating) and not np.isfinite(value)):
+            return ""
+        if isinstance(value, bool | np.bool_):
+            return "yes" if value else "no"
+        if isinstance(value, int | float | np.integer | np.floating):
+            # A true minus sign; no zero with a sign.
+            text = format(value, self.form)
+            text = text.lstrip("-") if float(text) == 0.0 else text
+            return text.replace("-", "\N{MINUS SIGN}")
+        return str(value)
+
+    @property
+    def title(self) -> str:
+        """Head with the unit in brackets."""
+        return f"{self.head} [{self.unit}]" if self.unit else self.head
+
+
+@dataclass(frozen=True)
+class ReportTable:
+    """A table that an engineer can quote.
+
+    Attributes
+    ----------
+    caption : what it holds, a sentence without a full stop.
+    columns : heads, units and digits.
+    rows : values as they are (numbers stay numbers, so that they sort and go into a workbook).
+    keys : leading columns that say what a row is.
+    marked : (row, column) of cells beyond what the bearing was tested at; drawn with a mark.
+    note : below the table: what marks and symbols mean.
+    """
+
+    caption: str
+    columns: Sequence[Column]
+    rows: Sequence[Sequence[Any]]
+    keys: int = 1
+    marked: frozenset[tuple[int, int]] = frozenset()
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class Trace:
+    """A line of a plot.
+
+    Attributes
+    ----------
+    name : in the legend; lines of one name are switched together.
+    x, y : equally long; NaN interrupts the line.
+    colour : such as "#0077BB".
+    look : "line", "dashed", "points" or "line with points".
+    frames : with a slider: y (and x, if `frames_x`) of each of its places, shape (places, points).
+    frames_x : as `frames`; None where x stays.
+    """
+
+    name: str
+    x: Floats
+    y: Floats
+    colour: str = "#1a1a1a"
+    look: str = "line"
+    frames: Floats | None = None
+    frames_x: Floats | None = None
+
+
+@dataclass(frozen=True)
+class Plot:
+    """A picture that a reader of the HTML page can zoom and ask; the PDF has the drawn figure.
+
+    Attributes
+    ----------
+    x_title, y_title : with units.
+    choices : traces by the words of a menu (one menu entry: no menu), such as one per motion.
+    slider : words of each place of the slider, such as "12.5 s"; empty without one.
+    slider_title : what the slider moves through, such as "time".
+    equal : the same scale on both axes, as an orbit wants it.
+    bands : (lower, upper, words) on the x axis shaded as outside the tested range.
+    """
+
+    x_title: str
+    y_title: str
+    choices: Mapping[str, Sequence[Trace]]
+    slider: Sequence[str] = ()
+    slider_title: str = ""
+    equal: bool = False
+    bands: Sequence[tuple[float, float, str]] = ()
+
+
+@dataclass(frozen=True)
+class ReportFigure:
+    """A figure with its caption.
+
+    Attributes
+    ----------
+    caption : what is to be seen, in words that stand without the text.
+    draw : makes the figure; called once, when a document is written. None: only the plot.
+    image : bytes of a picture that exists (SVG or PNG), instead of `draw`.
+    alt : what somebody who does not see it must know; the caption where it is empty.
+    plot : its interactive counterpart for the HTML page; None: the drawn figure stands there too.
+    """
+
+    caption: str
+    draw: "Callable[[], Figure] | None" = None
+    image: bytes | None = None
+    alt: str = ""
+    plot: Plot | None = None
+
+
+@dataclass(frozen=True)
+class Check:
+    """A number beside its limit.
+
+    Attributes
+    ----------
+    what : with the run or place that decides.
+    value, limit : in `unit`; NaN limit: not judged.
+    unit : "" for pure numbers.
+    source : of the limit: a code, a table, the data file.
+    verdict : "within", "exceeded" or "not judged".
+    lower : the limit is a lower one.
+    """
+
+    what: str
+    value: float
+    limit: float
+    unit: str
+    source: str
+    verdict: str
+    lower: bool = False
+
+
+@dataclass(frozen=True)
+class Pieces:
+    """Everything that a result has to say; which of it is shown, and where, a template says.
+
+    Attributes
+    ----------
+    command : that made the result, such as "bridge".
+    title : of the document, without the project.
+    question : what was asked: a sentence or two.
+    answer : what came out: three sentences with numbers.
+    inputs : tables of what went in, each value with unit and source.
+    tables, figures : by name; a template calls them by it, the rest comes in this order.
+    checks : numbers beside limits.
+    validity : sentences on what left the range that the parameters were identified in; empty:
+        nothing did, or `validity_unknown`.
+    validity_unknown : why there is no verdict on it; "" where there is one.
+    books : table of the energy books; None where nothing moves.
+    assumptions : sentences.
+    warnings : sentences; those of the result.
+    identity : version, input hash, the command that makes it again, date of the run, by name.
+    """
+
+    command: str
+    title: str
+    question: str
+    answer: Sequence[str]
+    inputs: Mapping[str, ReportTable] = field(default_factory=dict)
+    tables: Mapping[str, ReportTable] = field(default_factory=dict)
+    figures: Mapping[str, ReportFigure] = field(default_factory=dict)
+    checks: Sequence[Check] = ()
+    validity: Sequence[str] = ()
+    validity_unknown: str = ""
+    books: ReportTable | None = None
+    assumptions: Sequence[str] = ()
+    warnings: Sequence[str] = ()
+    identity: Mapping[str, str] = field(default_factory=dict)
+
+
+# Blocks of a document, in reading order. Text is Markdown of the template's own sentences:
+# **bold**, *italic*, `code`, [words](address).
+@dataclass(frozen=True)
+class Heading:
+    """A heading; level 1 to 3."""
+
+    level: int
+    text: str
+
+
+@dataclass(frozen=True)
+class Paragraph:
+    """A paragraph of Markdown text; `kind` is "", "warning" or "answer"."""
+
+    text: str
+    kind: str = ""
+
+
+@dataclass(frozen=True)
+class Bullets:
+    """A list of sentences; `kind` as of a paragraph."""
+
+    items: Sequence[str]
+    kind: str = ""
+
+
+@dataclass(frozen=True)
+class TableBlock:
+    """A table with its name in the document."""
+
+    name: str
+    table: ReportTable
+
+
+@dataclass(frozen=True)
+class FigureBlock:
+    """A figure with its name in the document."""
+
+    name: str
+    figure: ReportFigure
+
+
+@dataclass(frozen=True)
+class ChecksBlock:
+    """The checks of a result."""
+
+    checks: Sequence[Check]
+
+
+Block = Heading | Paragraph | Bullets | TableBlock | FigureBlock | ChecksBlock
+
+
+@dataclass(frozen=True)
+class Document:
+    """What is written, whatever the format.
+
+    Attributes
+    ----------
+    title : of the document.
+    block : the title block: project, structure, client, author, number, date, revision; what is
+        not given is not there. `logo` is apart.
+    logo : bytes of a PNG or SVG; None without.
+    blocks : in reading order.
+    identity : as of `Pieces`; in the foot of every page what is short of it.
+    """
+
+    title: str
+    block: Mapping[str, str]
+    logo: bytes | None
+    blocks: Sequence[Block]
+    identity: Mapping[str, str]
