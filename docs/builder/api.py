@@ -28,12 +28,13 @@ def at_the_top(room: str) -> list[str]:
 
 
 def rooms() -> dict[str, list[str]]:
-    """Public names by the place of their page: the top, which has no rooms, and each room."""
-    stubs = sorted(PACKAGE.glob("*/__init__.pyi"))
-    names = {f"{TOP}.{stub.parent.name}": public_names(stub) for stub in stubs}
-    top = [name for name, file in public_names(PACKAGE / "__init__.pyi").items() if file]
-    found = {room: [n for n in inner if n not in at_the_top(room)] for room, inner in names.items()}
-    return {TOP: top} | found
+    """Public names by the place of their page: the top, which names its rooms, and each room."""
+    top = public_names(PACKAGE / "__init__.pyi")
+    found = {TOP: [name for name, file in top.items() if file]}
+    for room in (f"{TOP}.{name}" for name, file in top.items() if not file):
+        names = public_names(PACKAGE / room.removeprefix(f"{TOP}.") / "__init__.pyi")
+        found[room] = [name for name in names if name not in at_the_top(room)]
+    return found
 
 
 def room_page(room: str, names: list[str]) -> str:
@@ -51,7 +52,7 @@ def room_page(room: str, names: list[str]) -> str:
 
 
 def index_page(places: list[str]) -> str:
-    """The rooms in the order of the stubs."""
+    """The rooms in the order of the stub."""
     title = "Python interface"
     words = (
         "A dozen names are at the top, ``import thermobearing as tb``; the others are in rooms, "

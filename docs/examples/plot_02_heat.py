@@ -13,7 +13,7 @@ result = tb.run("shen-lhdr-specimen", test, ambient=-20, keep=["rubber", "cells"
 result.plot.layer_temperatures()
 
 # %%
-# The lead is small and works hard: it is far hotter than the rubber, and cools in seconds.
+# The lead is small and works hard: it is far hotter than the rubber, and cools first.
 
 result.plot.lead_temperature()
 

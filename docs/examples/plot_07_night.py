@@ -14,12 +14,12 @@ import numpy as np
 
 import thermobearing as tb
 
-hours = np.arange(0.0, 36.5, 0.5)
-air = -12.0 + 8.0 * np.cos(2.0 * np.pi * (hours - 14.0) / 24.0)  # coldest at 2 o'clock at night
+hours = np.arange(0.0, 26.5, 0.5)  # the earthquake comes at 2 o'clock at night
+air = -12.0 + 8.0 * np.cos(2.0 * np.pi * (hours - 14.0) / 24.0)
 rows = [f"{3600.0 * hour:g},{degrees:.2f}" for hour, degrees in zip(hours, air, strict=True)]
 with TemporaryDirectory() as folder:
     weather = Path(folder, "night.csv")
-    weather.write_text("\n".join(["time_s,temperature_degC", *rows[:53]]))  # ends at 2 o'clock
+    weather.write_text("\n".join(["time_s,temperature_degC", *rows]))
     study = tb.bridge("lrb-example", "jra-ii-i-1", weather=weather, keep=["rubber", "cells"])
 study.plot.profiles(times=[0.0, 10.0])
 

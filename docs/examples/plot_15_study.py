@@ -3,7 +3,7 @@ A study with labelled dimensions
 ================================
 
 Bearings, motions and temperatures, every combination, as one xarray dataset: pick, divide and draw
-by name.
+by name. On soft ground (right) cold bearings move so much less that their force falls too.
 """
 
 from matplotlib.figure import Figure
