@@ -3,7 +3,8 @@ A study with labelled dimensions
 ================================
 
 Bearings, motions and temperatures, every combination, as one xarray dataset: pick, divide and draw
-by name. On soft ground (right) cold bearings move so much less that their force falls too.
+by name. On soft ground (right) cold bearings of high damping rubber move so much less that their
+force falls too.
 """
 
 from matplotlib.figure import Figure
