@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from thermobearing.earthquake.loop_figures import draw_largest_loops, draw_modes, has_loops
 from thermobearing.earthquake.modes import has_both
-from thermobearing.earthquake.parts import has_parts
+from thermobearing.earthquake.parts import has_parts, told_of_parts
 from thermobearing.earthquake.parts_figure import draw_parts
 from thermobearing.earthquake.peaks_figure import draw_peaks
 from thermobearing.earthquake.profile_figure import draw_profiles
@@ -110,7 +110,8 @@ class EarthquakeFigures:
         size = (max(WIDTH * columns, 5.0) + 0.6, HEIGHT * rows + 0.9)
         more = len(self._motions) - columns
         note = f" (first {columns} of {len(self._motions)} motions)" if more else ""
-        title = f"{self._data.attrs['structure']}: {what}{note}"
+        about = told_of_parts(self._data)
+        title = f"{self._data.attrs['structure']}: {what}{note}{f' ({about})' if about else ''}"
         figure, axes = drawing.panels(rows, columns, size, title, share="col")
         for panel, ax in enumerate(axes):
             bearing, motion = self._bearings[panel // columns], motions[panel % columns]
