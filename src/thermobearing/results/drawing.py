@@ -22,6 +22,8 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 from PIL import Image
 
+from thermobearing.results.vector import vector_bytes
+
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Look = dict[str, Any]  # how an artist is drawn
@@ -192,23 +194,29 @@ def say_why(ax: Axes, why: str, at: tuple[float, float] = (0.02, 0.02)) -> None:
     ax.text(*at, why, transform=ax.transAxes, **look).set_in_layout(False)
 
 
-def save_figures(figures: Mapping[str, Callable[[], Figure]], folder: Path) -> list[Path]:
+def save_figures(
+    figures: Mapping[str, Callable[[], Figure]], folder: Path, *, vector: bool = False
+) -> list[Path]:
     """Draw and write figures as PNG.
 
     Parameters
     ----------
     figures : what draws each of them, by name of its file without `.png`.
     folder : where to; made if it does not exist.
+    vector : as SVG too, for documents of results that are read back as tables and pictures.
 
     Returns
     -------
-    list of the files written.
+    list of the PNG files written.
     """
     folder.mkdir(parents=True, exist_ok=True)
     written = []
     for name, draw in figures.items():
         written.append(folder / f"{name}.png")
-        save_figure(draw(), written[-1])
+        figure = draw()
+        save_figure(figure, written[-1])
+        if vector:
+            (folder / f"{name}.svg").write_bytes(vector_bytes(figure))
     return written
 
 
