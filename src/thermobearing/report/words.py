@@ -4,6 +4,7 @@ import re
 from collections.abc import Iterable, Sequence
 
 MINUS = "\N{MINUS SIGN}"
+SHARE = re.compile(r"(\d)%")
 NEGATIVE = re.compile(r"(?<![\w.-])-(?=\d)")
 # Of the package's units: how one prints them, and the factor to a unit that engineers quote.
 PRINTED = {
@@ -107,7 +108,7 @@ def plain(words: str) -> str:
     >>> plain("jra-i-i-1, -20 degC")
     'jra-i-i-1, −20 °C'
     """
-    return NEGATIVE.sub(MINUS, words.replace(" degC", " °C"))
+    return SHARE.sub(r"\1 %", NEGATIVE.sub(MINUS, words.replace(" degC", " °C")))
 
 
 def quantity(text: str) -> str:
