@@ -1,7 +1,6 @@
 """What the document of a fit says: what a laboratory signs. From a result as it is loaded."""
 
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Any
 
 import pandas as pd
@@ -35,7 +34,7 @@ from thermobearing.report.pieces import (
     ReportTable,
     Trace,
 )
-from thermobearing.report.saved import saved_figures, saved_identity, saved_validity
+from thermobearing.report.saved import saved_figures, saved_identity, saved_validity, with_plot
 from thermobearing.report.traces import path
 from thermobearing.report.words import counted, degrees, joined, number, percent, quantity, tidy
 from thermobearing.results.directory import IDENTIFIED
@@ -104,11 +103,11 @@ def figures_of(saved: SavedResult) -> dict[str, ReportFigure]:
     """Pictures of the directory; loops of tests and model besides as a plot, one test at a time."""
     found = saved_figures(saved, CAPTIONS)
     names = [str(record["name"]) for record in saved.summary["records"]]
-    if "loops" in found and "fit" in saved.tables:
+    if "fit" in saved.tables:
         rows = saved["fit"].groupby("record", sort=False)
         choices = {names[int(str(k))]: _loops(mine) for k, mine in rows}
         plot = Plot("displacement [mm]", "force [kN]", choices)
-        found["loops"] = replace(found["loops"], plot=plot)
+        found = with_plot(found, "loops", plot, CAPTIONS)
     return found
 
 

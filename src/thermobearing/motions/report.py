@@ -18,7 +18,7 @@ from thermobearing.report.pieces import (
     ReportTable,
     Trace,
 )
-from thermobearing.report.saved import saved_figures
+from thermobearing.report.saved import saved_figures, with_plot
 from thermobearing.report.traces import history, rounded
 from thermobearing.report.words import tidy
 from thermobearing.results.saved import SavedResult
@@ -150,7 +150,7 @@ def _tables(saved: SavedResult) -> dict[str, ReportTable]:
 def _figures(saved: SavedResult) -> dict[str, ReportFigure]:
     """Drawn figures, with the acceleration and the spectrum as plots."""
     found = saved_figures(saved, CAPTIONS)
-    if "motion" in found and "motion" in saved.tables:
+    if "motion" in saved.tables:
         table = saved["motion"]
         trace = Trace(
             str(saved.summary["motion"]),
@@ -158,8 +158,8 @@ def _figures(saved: SavedResult) -> dict[str, ReportFigure]:
             "#0077BB",
         )
         plot = Plot("time [s]", "acceleration [gal]", {"all": [trace]})
-        found["motion"] = _with(found["motion"], plot)
-    if "spectrum" in found and "spectrum" in saved.tables:
+        found = with_plot(found, "motion", plot, CAPTIONS)
+    if "spectrum" in saved.tables:
         table = saved["spectrum"]
         x = rounded(table["period_s"].to_numpy(float))
         looks = [("acceleration_gal", "motion", "#0077BB", "line")]
@@ -171,12 +171,8 @@ def _figures(saved: SavedResult) -> dict[str, ReportFigure]:
             for name, words, colour, look in looks
         ]
         plot = Plot("period [s]", "response acceleration [gal]", {"all": traces})
-        found["spectrum"] = _with(found["spectrum"], plot)
+        found = with_plot(found, "spectrum", plot, CAPTIONS)
     return found
-
-
-def _with(figure: ReportFigure, plot: Plot) -> ReportFigure:
-    return ReportFigure(figure.caption, image=figure.image, alt=figure.alt, plot=plot)
 
 
 def _checks(summary: Mapping[str, Any]) -> list[Check]:

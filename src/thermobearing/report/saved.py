@@ -2,10 +2,11 @@
 
 import json
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 from thermobearing.report.identity import identity_of
-from thermobearing.report.pieces import ReportFigure
+from thermobearing.report.pieces import Plot, ReportFigure
 from thermobearing.report.words import tidy
 from thermobearing.results.ranges import NOT_GIVEN, parted
 from thermobearing.results.saved import SavedResult
@@ -36,6 +37,15 @@ def saved_figures(saved: SavedResult, captions: Mapping[str, str]) -> dict[str, 
         caption = captions.get(beginning(name), f"{own[:1].upper()}{own[1:]}.")
         found[name] = ReportFigure(caption, image=image, alt=caption)
     return found
+
+
+def with_plot(
+    found: dict[str, ReportFigure], name: str, plot: Plot, captions: Mapping[str, str]
+) -> dict[str, ReportFigure]:
+    """Figures with a plot beside one of them; first, and without a picture, where it has none."""
+    if name in found:
+        return {**found, name: replace(found[name], plot=plot)}
+    return {name: ReportFigure(captions[name], alt=captions[name], plot=plot), **found}
 
 
 def saved_identity(saved: SavedResult, otherwise: str) -> dict[str, str]:

@@ -1,7 +1,6 @@
 """What the document of a validation says, from a result as it is loaded again."""
 
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Any
 
 import pandas as pd
@@ -26,7 +25,7 @@ from thermobearing.report.pieces import (
     ReportTable,
     Trace,
 )
-from thermobearing.report.saved import saved_figures, saved_identity, saved_validity
+from thermobearing.report.saved import saved_figures, saved_identity, saved_validity, with_plot
 from thermobearing.report.traces import path
 from thermobearing.report.words import counted, degrees, joined, percent, tidy
 from thermobearing.results.saved import SavedResult
@@ -160,7 +159,7 @@ def _beyond(saved: SavedResult, count: int) -> list[str]:
 def figures_of(saved: SavedResult) -> dict[str, ReportFigure]:
     """Pictures of the directory; loops of tests and models besides as a plot."""
     found = saved_figures(saved, CAPTIONS)
-    if "loops" in found and "fit" in saved.tables:
+    if "fit" in saved.tables:
         choices: dict[str, list[Trace]] = {}
         for (test, bearing, model), rows in saved["fit"].groupby(
             ["test", "bearing", "model"], sort=False
@@ -172,7 +171,7 @@ def figures_of(saved: SavedResult) -> dict[str, ReportFigure]:
             if rows["model_force_kN"].notna().any():
                 traces.append(_loop(rows, f"{bearing}, {model}", "model_force_kN", colour))
         plot = Plot("displacement [mm]", "force [kN]", choices)
-        found["loops"] = replace(found["loops"], plot=plot)
+        found = with_plot(found, "loops", plot, CAPTIONS)
     return found
 
 
