@@ -6,12 +6,13 @@ import shutil
 from collections.abc import Mapping
 from pathlib import Path
 
-from thermobearing.border.errors import InputError, OutputError, is_folder
-from thermobearing.report.pictures import drawn
+from thermobearing.border.errors import OutputError, is_folder
+from thermobearing.report.html import html_page
+from thermobearing.report.pdf import pdf_bytes
+from thermobearing.report.pictures import drawn_once
 from thermobearing.report.pieces import Pieces
 from thermobearing.report.template import document
 from thermobearing.report.title import TitleBlock
-from thermobearing.report.workbook import History, workbook_bytes
 from thermobearing.results.directory import LOGO, REPORT_HTML, REPORT_PDF, TITLE, WORKBOOK
 from thermobearing.results.swap import new_sibling
 
@@ -35,69 +36,43 @@ def check_place(directory: Path) -> None:
             raise OutputError(f"{directory / name}: is a directory, where a document is to go")
 
 
-def write_report(
-    directory: Path,
-    pieces: Pieces,
-    title: TitleBlock,
-    template: Path | None = None,
-    *,
-    pdf: bool = True,
-) -> list[Path]:
-    """Write report.html, report.pdf and the title block into a result directory.
+def report_files(
+    pieces: Pieces, title: TitleBlock, template: Path | None = None, *, pdf: bool = True
+) -> dict[str, bytes | None]:
+    """report.html and report.pdf, by name.
 
     Parameters
     ----------
-    directory : of the result.
-    pieces : what it has to say.
-    title : kept in report.toml, its logo beside it.
+    pieces : what the result has to say.
+    title : block at the head.
     template : of the user; None for that of the package.
-    pdf : write report.pdf too; else one that is there goes, since it would tell another state.
+    pdf : without it, a report.pdf that is there goes, since it would tell another state.
 
     Raises
     ------
     InputError : the template does not fit, or the logo cannot be read.
-    OutputError : a file cannot be written; the earlier ones are as they were.
     """
-    from thermobearing.report.html import html_page
-
-    check_place(directory)
-    logo = title.logo_bytes()
-    made = drawn(document(pieces, title.words(), logo, template))
-    content: dict[str, bytes | None] = {REPORT_HTML: html_page(made).encode(), REPORT_PDF: None}
-    if pdf:
-        from thermobearing.report.pdf import pdf_bytes
-
-        content[REPORT_PDF] = pdf_bytes(made)
-    put_files(directory, content | title_files(title, logo))
-    return [directory / name for name in (REPORT_HTML, REPORT_PDF) if content[name] is not None]
+    made = drawn_once(document(pieces, title.words(), title.logo_bytes(), template))
+    content = {REPORT_PDF: pdf_bytes(made) if pdf else None}  # first: it keeps the layouts
+    return {REPORT_HTML: html_page(made).encode(), **content}
 
 
-def write_workbook(directory: Path, pieces: Pieces, histories: Mapping[str, History]) -> Path:
-    """Write report.xlsx into a result directory.
-
-    Raises
-    ------
-    OutputError : it cannot be written; an earlier one is as it was.
-    """
-    check_place(directory)
-    put_files(directory, {WORKBOOK: workbook_bytes(pieces, histories)})
-    return directory / WORKBOOK
-
-
-def keep_title(directory: Path, title: TitleBlock) -> None:
-    """Keep a title block for a document that is made later."""
-    put_files(directory, title_files(title, title.logo_bytes()))
-
-
-def title_files(title: TitleBlock, logo: bytes | None) -> dict[str, bytes | None]:
-    """The title block as files of a result directory; nothing where nothing is said."""
+def title_files(title: TitleBlock) -> dict[str, bytes | None]:
+    """The title block as files that a result directory keeps; none where nothing is said."""
     if title == TitleBlock():
         return {TITLE: None, LOGO: None}
+    logo = title.logo_bytes()
     kept = title.model_copy(update={"logo": LOGO if logo is not None else None})
     return {TITLE: kept.to_toml().encode(), LOGO: logo}
 
 
-def put_files(directory: Path, content: Mapping[str, bytes | None]) -> None:
+def keep_title(directory: Path, title: TitleBlock) -> None:
+    """Keep a title block for a document that is made later."""
+    if title != TitleBlock():
+        put_files(directory, title_files(title))
+
+
+def put_files(directory: Path, content: Mapping[str, bytes | None]) -> list[Path]:
     """Put files into a directory, all of them or none; None takes one away.
 
     They are written beside the directory first: a process that is killed leaves nothing in it
@@ -122,6 +97,8 @@ def put_files(directory: Path, content: Mapping[str, bytes | None]) -> None:
         raise OutputError(
             f"{directory}: the document cannot be written: {told}; what was there is as it was"
         ) from None
+    documents = (REPORT_HTML, REPORT_PDF, WORKBOOK)
+    return [directory / name for name in documents if content.get(name) is not None]
 
 
 def write_through(file: Path, raw: bytes) -> None:
@@ -155,8 +132,3 @@ def _exchange(partial: Path, final: Path, names: list[str]) -> None:
             else:
                 (final / name).unlink(missing_ok=True)
         raise
-
-
-def refuse_missing(package: str, what: str) -> InputError:
-    """What to install for a format."""
-    return InputError(f'{what} needs {package}: pip install "thermobearing[report]"')

@@ -15,7 +15,7 @@ UNITS = {
     **{"degC": "°C", "kN_mm": "kN mm", "kN_per_mm": "kN/mm", "mm_s": "mm/s", "m_s2": "m/s²"},
     **{"cm_s": "cm/s", "cm": "cm", "kN_m": "kN m", "kNmm": "kN mm", "percent": "%"},
 }
-MOST_ROWS = 200  # of a table in a document; longer ones stay in their files
+MOST_ROWS = 400  # of a table in a document; longer ones stay in their files
 TOLD_APART = {"command", "warnings", "outcome", "sentence", "version", "tested_range", "rig"}
 
 

@@ -60,7 +60,7 @@ def foot(document: Document) -> str:
     told = document.identity.items()
     version = next((v for k, v in told if "version" in k.lower() or "program" in k.lower()), "")
     version = version if version.startswith("thermobearing") else f"thermobearing {version}"
-    digest = next((v for k, v in told if "hash" in k.lower()), "")
+    digest = next((v for k, v in told if "hash" in k.lower() or "sha" in k.lower()), "")
     return version.strip() + (f" \N{MIDDLE DOT} input {digest[:12]}" if digest else "")
 
 
@@ -73,7 +73,7 @@ def _number(document: Document) -> str:
 def _data(block: Block, name: str, folder: Path | None) -> list[Data]:
     """A block as data; a table in several parts where its columns do not fit."""
     if isinstance(block, Heading):
-        return [{"kind": "heading", "level": block.level, "text": block.text}]
+        return [{"kind": "heading", "level": block.level, "runs": _runs(block.text)}]
     if isinstance(block, Paragraph):
         return [{"kind": "paragraph", "box": block.kind, "runs": _runs(block.text)}]
     if isinstance(block, Bullets):

@@ -18,7 +18,7 @@ from thermobearing.border.errors import InputError, printable
 from thermobearing.border.library import data_path
 from thermobearing.report.columns import SEAM
 from thermobearing.report.layout import laid_out
-from thermobearing.report.pictures import missing_words
+from thermobearing.report.pictures import drawn, missing_words
 from thermobearing.report.pieces import Document, Paragraph
 
 SOURCE = "report.typ"
@@ -33,12 +33,14 @@ def pdf_bytes(document: Document) -> bytes:
 
     Parameters
     ----------
-    document : its figures as pictures (`pictures.drawn`).
+    document : what is written.
 
     Raises
     ------
     InputError : typst is not installed, or a picture or logo cannot be read.
     """
+    the_compiler()  # before anything is drawn
+    document = drawn(document)
     missing = letters_without_font(_letters(document))
     spoken = document
     if missing:

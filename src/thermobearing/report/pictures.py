@@ -5,12 +5,14 @@ import re
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from functools import cache
+from typing import Any
 
-from thermobearing.report.pieces import Document, FigureBlock, Paragraph, ReportFigure
+import matplotlib as mpl
+from matplotlib import font_manager
+from matplotlib.figure import Figure
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from thermobearing.report.pieces import Block, Document, FigureBlock, Paragraph, ReportFigure
 
 # Fonts with Japanese letters that systems have, by the names that they go by; for figures, whose
 # own font (DejaVu Sans) has Latin, Greek and Cyrillic letters.
@@ -22,6 +24,13 @@ MISSING = re.compile(r"Glyph (\d+) \(.*\) missing from font")
 # What two neighbouring pieces of a line may be off their sum, in points at 72 an inch: a line of
 # 20 000 samples has then hundreds of pieces, and nobody sees it at print width.
 SIMPLIFY = 0.15
+LOOK: dict[Any, Any] = {
+    "svg.fonttype": "path",
+    "svg.hashsalt": "thermobearing",  # else names of parts differ from run to run
+    "path.simplify": True,
+    "path.simplify_threshold": SIMPLIFY,
+}
+NO_DATE = {"Date": None, "Creator": None}
 
 
 def drawn(document: Document) -> Document:
@@ -49,37 +58,56 @@ def missing_words(letters: Sequence[str], where: str) -> str:
     )
 
 
+def drawn_once(document: Document) -> Document:
+    """The document with figures that are drawn when they are first asked for, and then kept."""
+    return replace(document, blocks=[_kept(block) for block in document.blocks])
+
+
+def _kept(block: Block) -> Block:
+    if not isinstance(block, FigureBlock) or block.figure.draw is None:
+        return block
+    return replace(block, figure=replace(block.figure, draw=cache(in_fonts(block.figure.draw))))
+
+
+def in_fonts(draw: Callable[[], Figure]) -> Callable[[], Figure]:
+    """What draws a figure with letters of Japanese fonts too, where the machine has one."""
+
+    def drawn_in_fonts() -> Figure:
+        with mpl.rc_context({"font.family": ["DejaVu Sans", *japanese_fonts()]}):
+            return draw()
+
+    return drawn_in_fonts
+
+
+@cache
+def japanese_fonts() -> tuple[str, ...]:
+    """Those of the machine."""
+    there = {font.name for font in font_manager.fontManager.ttflist}
+    return tuple(name for name in JAPANESE if name in there)
+
+
 def _pictured(figure: ReportFigure, missing: set[str]) -> ReportFigure:
     if figure.image is not None or figure.draw is None:
         return figure
-    return replace(figure, image=svg_bytes(figure.draw, missing))
+    return replace(figure, image=svg_bytes(figure.draw(), missing))
 
 
-def svg_bytes(draw: "Callable[[], Figure]", missing: set[str]) -> bytes:
-    """A figure as SVG, its letters as outlines; letters without a font are added to `missing`."""
-    import matplotlib as mpl
-    from matplotlib import font_manager
+def svg_bytes(figure: Figure, missing: set[str]) -> bytes:
+    """A figure as SVG, its letters as outlines; letters without a font are added to `missing`.
 
-    there = {font.name for font in font_manager.fontManager.ttflist}
-    look: Any = {
-        "font.family": ["DejaVu Sans", *(name for name in JAPANESE if name in there)],
-        "svg.fonttype": "path",
-        "svg.hashsalt": "thermobearing",  # else names of parts differ from run to run
-        "path.simplify": True,
-        "path.simplify_threshold": SIMPLIFY,
-    }
+    The figure keeps its layout: half of the time of a drawing goes into it.
+    """
     written = io.BytesIO()
-    with mpl.rc_context(look), warnings.catch_warnings(record=True) as caught:
+    with mpl.rc_context(LOOK), warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        draw().savefig(written, format="svg", metadata={"Date": None, "Creator": None})
+        figure.savefig(written, format="svg", metadata=NO_DATE)
+    figure.set_layout_engine("none")
     for warning in caught:
         told = MISSING.search(str(warning.message))
         if told:
             missing.add(chr(int(told[1])))
         else:
-            warnings.warn_explicit(
-                warning.message, warning.category, warning.filename, warning.lineno
-            )
+            warnings.warn(warning.message, warning.category, stacklevel=2)
     return written.getvalue()
 
 

@@ -55,11 +55,7 @@ def workbook_bytes(pieces: Pieces, histories: Mapping[str, History]) -> bytes:
     ------
     InputError : openpyxl is not installed.
     """
-    try:
-        from openpyxl import Workbook
-    except ImportError:
-        raise InputError('a workbook needs openpyxl: pip install "thermobearing[report]"') from None
-    book = Workbook(write_only=True)
+    book = the_writer()(write_only=True)
     names: set[str] = set()
     _front(book, pieces, names)
     if pieces.checks:
@@ -75,6 +71,20 @@ def workbook_bytes(pieces: Pieces, histories: Mapping[str, History]) -> bytes:
     written = io.BytesIO()
     book.save(written)
     return restamped(written.getvalue())
+
+
+def the_writer() -> Any:
+    """What makes a workbook.
+
+    Raises
+    ------
+    InputError : openpyxl is not installed.
+    """
+    try:
+        from openpyxl import Workbook
+    except ImportError:
+        raise InputError('a workbook needs openpyxl: pip install "thermobearing[report]"') from None
+    return Workbook
 
 
 def _front(book: Any, pieces: Pieces, names: set[str]) -> None:
