@@ -12,6 +12,7 @@ NARROW, FIGURE, WIDE, CAPITAL, FULL, BOLD = 0.31, 0.5, 0.82, 0.68, 1.05, 1.08
 POINT = 25.4 / 72.0  # [mm]
 GAP = 3.2  # between columns [mm]
 LONGEST_WORD = 12.0  # a longer one (a path, a digest) may be broken; of the size of letters
+ROUNDING = 0.01  # of widths, of the size of letters
 SHORT = 7.0  # such a text is not broken between words either
 SEAM = "\N{ZERO WIDTH SPACE}"
 
@@ -36,7 +37,7 @@ class Columns:
     def broken(self, text: str, column: int) -> str:
         """Text of a column with places where long words may be broken."""
         room = self.widths[self.places.index(column)] - GAP
-        most = room / (POINT * self.size)
+        most = room / (POINT * self.size) + ROUNDING
         return re.sub(r"\S+", lambda word: _seamed(word[0], most), text)
 
 

@@ -13,8 +13,9 @@ from dataclasses import replace
 from datetime import UTC, date, datetime
 from pathlib import Path
 from typing import Any
+from unicodedata import category
 
-from thermobearing.border.errors import InputError, printable
+from thermobearing.border.errors import HIDDEN, InputError, printable
 from thermobearing.border.library import data_path
 from thermobearing.report.columns import SEAM
 from thermobearing.report.layout import laid_out
@@ -121,7 +122,7 @@ def _letters(document: Document) -> set[str]:
         return text
 
     _each_text(laid_out(document, None), note)
-    return {mark for mark in found if not mark.isascii() and mark.isprintable()}
+    return {m for m in found if not (m.isascii() or m.isspace() or category(m) in HIDDEN)}
 
 
 def _shipped_fonts_do(document: Document) -> bool:
@@ -140,9 +141,10 @@ def letters_without_font(letters: set[str]) -> set[str]:
 
 def undrawn(letters: set[str], *, system_fonts: bool) -> set[str]:
     """Letters that the compiler has no font for: it refuses to write an archive with them."""
-    missing: set[str] = set()
+    # Letters for private use, or of no use yet, mean nothing in an archive whatever the font.
+    missing = {mark for mark in letters if category(mark) in ("Co", "Cn")}
     typst = the_compiler()
-    left = sorted(letters)
+    left = sorted(letters - missing)
     while left:
         quoted = json.dumps(" ".join(left), ensure_ascii=False)
         source = f'#set document(title: "x")\n#text(font: "Libertinus Serif", {quoted})'

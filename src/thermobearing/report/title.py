@@ -24,7 +24,7 @@ def _line(value: Any) -> Any:
     return " ".join(printable(value).split()) if isinstance(value, str) else value
 
 
-Words = Annotated[str, BeforeValidator(_line), Field(min_length=1, max_length=300)]
+Words = Annotated[str, Field(min_length=1, max_length=300), BeforeValidator(_line)]
 
 
 class TitleBlock(Strict):

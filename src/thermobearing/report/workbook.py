@@ -4,6 +4,7 @@ Text of users is written as text: a name that begins with "=" is no formula.
 """
 
 import io
+import math
 import re
 import zipfile
 from collections.abc import Iterator, Mapping, Sequence
@@ -13,10 +14,12 @@ from typing import Any
 import numpy as np
 
 from thermobearing.border.errors import InputError, printable
+from thermobearing.report.inline import runs_of
 from thermobearing.report.pieces import Check, Column, Pieces, ReportTable
 
 ROWS, COLUMNS, NAME, LETTERS = 1_048_576, 16_384, 31, 32_767  # what a sheet can hold
 MOST_HISTORY_ROWS = 60_000  # of all histories together: what opens quickly
+FORMATTED = 5_000  # rows of a sheet up to which every number has a format of its own
 STAMP = (1980, 1, 1, 0, 0, 0)  # of every part of the file: the same bytes for the same result
 MARKED, HEAD = "F6DEDE", "E8ECF1"  # fills
 CHECKED = ("Check", "Value", "Limit", "Unit", "Source of the limit", "Verdict")
@@ -89,13 +92,20 @@ def the_writer() -> Any:
 
 def _front(book: Any, pieces: Pieces, names: set[str]) -> None:
     """What was asked, the answer, warnings, what is where."""
-    rows: list[tuple[str, str]] = [("Asked", pieces.question)]
-    rows += [("Answer", text) for text in pieces.answer]
-    rows += [("Validity", text) for text in (*pieces.validity, pieces.validity_unknown) if text]
-    rows += [("Warning", text) for text in pieces.warnings]
-    rows += [("Assumed", text) for text in pieces.assumptions]
+    told: list[tuple[str, Sequence[str]]] = [
+        ("Asked", [pieces.question]),
+        ("Answer", pieces.answer),
+    ]
+    told += [("Validity", [*pieces.validity, pieces.validity_unknown])]
+    told += [("Warning", pieces.warnings), ("Assumed", pieces.assumptions)]
+    rows = [(word, plain(text)) for word, texts in told for text in texts if text]
     rows += list(pieces.identity.items())
     _sheet(book, "Answer", ReportTable(pieces.title, [Column("What"), Column("Text")], rows), names)
+
+
+def plain(text: str) -> str:
+    """A sentence without the signs of its Markdown."""
+    return "".join(run.text for run in runs_of(text))
 
 
 def _checks(checks: Sequence[Check]) -> ReportTable:
@@ -161,7 +171,7 @@ def _sheet(book: Any, name: str, table: ReportTable, names: set[str]) -> None:
         sheet.append(
             [
                 _cell(sheet, value, column.form, fill=MARKED if (number, k) in table.marked else "")
-                if isinstance(value, str) or table.marked or _format(value, column.form)
+                if len(table.rows) <= FORMATTED or isinstance(value, str)
                 else _number(value)
                 for k, (value, column) in enumerate(zip(row, table.columns, strict=True))
             ]
@@ -213,11 +223,16 @@ def _format(value: Any, form: str) -> str:
     """Excel's format of a number from Python's; "" where it may choose itself."""
     if isinstance(value, bool | np.bool_) or not isinstance(value, int | float | np.number):
         return ""
-    found = re.fullmatch(r",?\.(\d)([f%])", form)
-    if not found:
+    found = re.fullmatch(r",?\.(\d)([fg])", form)
+    if not found or not np.isfinite(value):
         return ""
-    digits = f"0.{'0' * int(found[1])}" if found[1] != "0" else "0"
-    return f"{digits}%" if found[2] == "%" else digits
+    digits, kind = int(found[1]), found[2]
+    if kind == "g":
+        size = math.floor(math.log10(abs(value))) if value else 0
+        if not -4 <= size <= 9:
+            return f"0.{'0' * max(digits - 1, 1)}E+00"
+        digits = max(0, digits - 1 - size) if value != round(value) else 0
+    return f"0.{'0' * digits}" if digits else "0"
 
 
 def _widths(table: ReportTable) -> list[float]:
