@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from thermobearing.earthquake.loop_figures import draw_largest_loops, draw_modes, has_loops
 from thermobearing.earthquake.modes import has_both
-from thermobearing.earthquake.parts import has_parts
+from thermobearing.earthquake.parts import has_parts, told_of_parts
 from thermobearing.earthquake.parts_figure import draw_parts
 from thermobearing.earthquake.peaks_figure import draw_peaks
 from thermobearing.earthquake.profile_figure import draw_profiles
@@ -110,7 +110,8 @@ class EarthquakeFigures:
         size = (max(WIDTH * columns, 5.0) + 0.6, HEIGHT * rows + 0.9)
         more = len(self._motions) - columns
         note = f" (first {columns} of {len(self._motions)} motions)" if more else ""
-        title = f"{self._data.attrs['structure']}: {what}{note}"
+        about = told_of_parts(self._data)
+        title = f"{self._data.attrs['structure']}: {what}{note}{f' ({about})' if about else ''}"
         figure, axes = drawing.panels(rows, columns, size, title, share="col")
         for panel, ax in enumerate(axes):
             bearing, motion = self._bearings[panel // columns], motions[panel % columns]
@@ -327,8 +328,8 @@ class EarthquakeFigures:
         """Peaks of every run, as Fig. 6.11, 6.14 to 6.16, 6.18, 6.20, 6.24 and 6.26."""
         return draw_peaks(self._result)
 
-    def save_all(self, folder: Path) -> list[Path]:
-        """Every figure that the study holds, as PNG."""
+    def held(self) -> dict[str, Callable[[], Figure]]:
+        """What draws each figure that the study holds data for, by name of its file."""
         figures = {
             "loops": self.loops,
             "strain": self.strain,
@@ -354,9 +355,8 @@ class EarthquakeFigures:
             figures["shares"] = self.shares
         if self._data.attrs["command"] == "hybrid":
             figures["speed"] = self.speed
-        written = []
-        for name, make in figures.items():
-            path = folder / f"{name}.png"
-            drawing.save_figure(make(), path)
-            written.append(path)
-        return written
+        return figures
+
+    def save_all(self, folder: Path) -> list[Path]:
+        """Every figure that the study holds, as PNG."""
+        return drawing.save_figures(self.held(), folder)
