@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from thermobearing.report.html_text import escaped
+from thermobearing.report.html_text import breakable, escaped
 from thermobearing.report.pieces import (
     EXCEEDED,
     NOT_JUDGED,
@@ -41,7 +41,7 @@ def table_html(table: ReportTable, number: int) -> str:
     >>> 'class="amount" data-value="2">2.0<' in text
     True
     """
-    kinds = ["amount" if _is_amount(table, place) else "words" for place in _places(table)]
+    kinds = [_kind(table, place) for place in range(len(table.columns))]
     heads = [_head(c, kind, len(table.rows)) for c, kind in zip(table.columns, kinds, strict=True)]
     rows = [_row(table, at, kinds) for at in range(len(table.rows))]
     notes = [f"{MARK} {MARK_WORDS}."] if table.marked else []
@@ -82,21 +82,26 @@ def _check_cells(check: Check) -> str:
     kind = check.verdict.replace(" ", "-")
     verdict = f"{SIGNS[check.verdict]} {check.verdict}"
     return (
-        f'<th scope="row" class="words">{escaped(check.what)}</th>'
+        f'<th scope="row" class="words">{breakable(check.what)}</th>'
         f"<td {_amount(check.value)}>{escaped(value)}</td>"
         f"<td {_amount(check.limit)}>{escaped(limit)}</td>"
-        f'<td class="words">{escaped(check.source)}</td>'
+        f'<td class="words">{breakable(check.source)}</td>'
         f'<td class="verdict {escaped(kind)}">{escaped(verdict)}</td>'
     )
-
-
-def _places(table: ReportTable) -> range:
-    return range(len(table.columns))
 
 
 def _is_number(value: Any) -> bool:
     number = isinstance(value, int | float | np.integer | np.floating)
     return number and not isinstance(value, bool | np.bool_)
+
+
+def _kind(table: ReportTable, place: int) -> str:
+    """Numbers, words, or sentences, which want more room."""
+    if _is_amount(table, place):
+        return "amount"
+    column = table.columns[place]
+    longest = max((len(column.text(row[place])) for row in table.rows), default=0)
+    return "words long" if longest > LONGEST else "words"
 
 
 def _is_amount(table: ReportTable, place: int) -> bool:
@@ -124,7 +129,7 @@ def _row(table: ReportTable, at: int, kinds: Sequence[str]) -> str:
     cells = []
     for place, (column, kind) in enumerate(zip(table.columns, kinds, strict=True)):
         value = table.rows[at][place]
-        text = escaped(column.text(value))
+        text = breakable(column.text(value))
         look = _amount(value) if _is_number(value) else f'class="{kind}"'
         if (at, place) in table.marked:
             look = look.replace('class="', 'class="marked ')
