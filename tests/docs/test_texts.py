@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import thermobearing as tb
 from docs import generate
 from tests import tolerances as tol
 from tests.told_numbers import disagreements
@@ -61,6 +62,27 @@ def test_examples_in_python_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     exec(compile(halved, "python.md, half the step", "exec"), finer)
     assert 50.0 < finer["peak"] < 300.0
     assert names["peak"] == pytest.approx(finer["peak"], rel=tol.SIMPLEST_INTEGRATOR)
+
+
+def test_the_mass_of_the_python_page_is_that_of_its_integrator(tmp_path: Path) -> None:
+    """A structure of one mass: Newmark and the simplest of all integrators move it as far."""
+    (table,) = blocks((ROOT / "docs" / "python.md").read_text(), "toml")
+    (tmp_path / "mass.toml").write_text(table)
+    study = tb.bridge(
+        "shen-hdr-bridge", "jra-ii-i-1", [-20], structure=str(tmp_path / "mass.toml"), duration=10
+    )
+    assert study.outcome == "completed"
+    x = study["bearing_displacement"].values[0]
+    bearing = tb.element("shen-hdr-bridge", ambient=-20)
+    motion = tb.load_motion("jra-ii-i-1")
+    at, speed, force, peak = 0.0, 0.0, 0.0, 0.0
+    for acceleration in motion.acceleration[:1000]:
+        speed -= (acceleration + force / 0.08) * motion.dt
+        at += speed * motion.dt
+        force = bearing.set_trial(at, motion.dt).force
+        bearing.commit()
+        peak = max(peak, abs(at))
+    assert peak == pytest.approx(float(np.abs(x).max()), rel=tol.SIMPLEST_INTEGRATOR)
 
 
 def test_readme_commands_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -119,7 +141,7 @@ def test_case_in_the_docs_is_valid(tmp_path: Path) -> None:
         )
         (tmp_path / "record.csv").write_text("t_s,acc_gal\n0,0\n0.01,300\n0.02,-200\n0.03,0\n")
         found[check_file(path).kind] = path
-    assert set(found) == {"case", "earthquake case", "sequence case"}
+    assert set(found) == {"case", "earthquake case", "sequence case", "structure"}
 
 
 def test_library_files_are_described(tmp_path: Path) -> None:

@@ -31,6 +31,17 @@ def test_samples_become_bearings(tmp_path: Path) -> None:
     assert len(posterior_bearings(NAME, file, 100)) == 10
 
 
+def test_samples_are_told_apart_in_a_sweep(tmp_path: Path) -> None:
+    """Before: all had the name of the fit, and a sweep refused them."""
+    bearings = posterior_bearings(NAME, written(tmp_path, "K_r\n25\n30\n35\n"))
+    test = tb.cyclic_test(strain=[1.0], cycles=1, rest=None)
+    band = tb.sweep(bearings, test=test, ambient=-20).G_eq_MPa.isel(strain=0, cycle=0, ambient=0)
+    names = [NAME, *(f"{NAME}, sample {k}" for k in (1, 2, 3))]
+    assert list(band.bearing.values) == names
+    lowest, _, highest = band.sel(bearing=names[1:]).values
+    assert lowest < band.sel(bearing=NAME).item() < highest
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [

@@ -188,8 +188,10 @@ def print_factors(report: FactorReport) -> None:
     >>> "upper bound" in shown.getvalue()
     True
     """
+    others = len(report.bearings) - 1
+    band = f" (values; figure and factors.csv have the band of it and {others} more)"
     say(
-        f"{report.name}: {report.motion}, cycles {report.cycles}, "
+        f"{report.name}{band if others else ''}: {report.motion}, cycles {report.cycles}, "
         f"reference {report.reference:g} degC, strain {report.strain:.0%}"
     )
     _print_factors(report)
@@ -206,6 +208,7 @@ def print_factors(report: FactorReport) -> None:
     for code in published_codes():
         mark = " (unverified)" if code.unverified else ""
         say(f"{code.code}: {code.says}{mark}")
+    say("values of other sources: figure, and `published` in summary.json")
     print_warnings(report.warnings)
 
 

@@ -88,7 +88,14 @@ class Band:
 
 @dataclass(frozen=True)
 class Forecast:
-    """Draws of the parameters, and the bands that they make at some temperatures."""
+    """Draws of the parameters, and the bands that they make at some temperatures.
+
+    Attributes
+    ----------
+    samples : the draws; `found.save(directory, forecast=...)` writes them as posterior.csv.
+    bands : one at each temperature.
+    warnings : what of it goes beyond the tests.
+    """
 
     samples: Samples
     bands: tuple[Band, ...] = ()
@@ -113,7 +120,7 @@ def forecast(
     posterior: bool = False,
     seed: int = 0,
 ) -> Forecast:
-    """What the tests leave open at some temperatures.
+    """What the tests leave open at some temperatures: a band around the predicted loops.
 
     Parameters
     ----------

@@ -29,7 +29,8 @@ def posterior_bearings(
 
     Returns
     -------
-    list of Bearing : the bearing itself first; for `temperature_factors`.
+    list of Bearing : the bearing itself first, then the samples, each with a name of its own; for
+        `tb.sweep`, `tb.bridge` and `temperature_factors`.
 
     Raises
     ------
@@ -43,8 +44,8 @@ def posterior_bearings(
     ...     file = Path(folder, "posterior.csv")
     ...     _ = file.write_text("K_r,m_T\n30,-1.1\n31,-1.2\n")
     ...     bearings = posterior_bearings("shen-hdr-specimen", file)
-    >>> [item.hysteresis.layer_stiffness for item in bearings[1:]]
-    [30.0, 31.0]
+    >>> [(item.name, item.hysteresis.layer_stiffness) for item in bearings[1:]]
+    [('shen-hdr-specimen, sample 1', 30.0), ('shen-hdr-specimen, sample 2', 31.0)]
     """
     first, where = as_bearing(bearing), str(path)
     if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= MOST:
@@ -54,7 +55,7 @@ def posterior_bearings(
         raise InputError("holds no samples: a line of symbols, then a row for each", where)
     keys = _keys(rows[0], first, where)
     chosen = np.unique(np.linspace(1, len(rows) - 1, min(count, len(rows) - 1)).round().astype(int))
-    return [first, *(_sample(first, keys, rows[k], f"{where}, row {k}") for k in chosen.tolist())]
+    return [first, *(_sample(first, keys, rows[k], k, where) for k in chosen.tolist())]
 
 
 def _keys(head: list[str], bearing: Bearing, where: str) -> list[str]:
@@ -77,8 +78,9 @@ def _keys(head: list[str], bearing: Bearing, where: str) -> list[str]:
     return keys
 
 
-def _sample(bearing: Bearing, keys: list[str], cells: list[str], where: str) -> Bearing:
+def _sample(bearing: Bearing, keys: list[str], cells: list[str], number: int, path: str) -> Bearing:
     """The bearing with the numbers of one row."""
+    where = f"{path}, row {number}"
     if len(cells) != len(keys):
         raise InputError(f"{len(cells)} numbers instead of {len(keys)}", where)
     data = bearing.model_dump()
@@ -88,4 +90,5 @@ def _sample(bearing: Bearing, keys: list[str], cells: list[str], where: str) -> 
             data[table][name] = float(cell)
         except ValueError:
             raise InputError(f'"{cell}" is not a number', where) from None
+    data["name"] = f"{bearing.name}, sample {number}"
     return validated(Bearing, data, where, from_file=False)
