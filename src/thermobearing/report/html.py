@@ -9,7 +9,7 @@ from string import Template
 from thermobearing.report.html_figures import figure_html, image_address
 from thermobearing.report.html_plots import plot_html, points_each
 from thermobearing.report.html_tables import checks_html, table_html
-from thermobearing.report.html_text import anchor, escaped, heading, page_file, sentence
+from thermobearing.report.html_text import anchor, breakable, escaped, heading, page_file, sentence
 from thermobearing.report.pieces import (
     Block,
     Bullets,
@@ -90,7 +90,7 @@ def _title_block(document: Document) -> str:
     if not document.block:
         return ""
     rows = [
-        f"<div><dt>{escaped(name)}</dt><dd>{escaped(value)}</dd></div>\n"
+        f"<div><dt>{escaped(name)}</dt><dd>{breakable(value)}</dd></div>\n"
         for name, value in document.block.items()
     ]
     return f'<dl class="block">\n{"".join(rows)}</dl>\n'
@@ -100,7 +100,7 @@ def _foot(document: Document) -> str:
     if not document.identity:
         return ""
     told = " \N{MIDDLE DOT} ".join(
-        f"{escaped(k)}: {escaped(v)}" for k, v in document.identity.items()
+        f"{escaped(k)}: {breakable(v)}" for k, v in document.identity.items()
     )
     return f'<footer class="page-foot">{told}</footer>\n'
 

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from thermobearing.report.html_text import escaped
+from thermobearing.report.html_text import breakable, escaped
 from thermobearing.report.pieces import (
     EXCEEDED,
     NOT_JUDGED,
@@ -18,9 +18,10 @@ from thermobearing.report.pieces import (
 MARK = "\N{DAGGER}"
 MARK_WORDS = "beyond what was tested"
 FEWEST_TO_SORT = 3  # rows; two are seen at once
-# Letters in a row of a table that fit on a page: as it is, in small letters; more is turned.
-FITS, FITS_SMALL = 105, 135
+UPRIGHT = 130  # letters in a row of a table that fit on a page; more is turned, as page.css knows
+SHORT = 12  # rows that stay on one page
 PADDING = 3  # of a column, in letters
+BRIEF = 16  # letters of a cell that stays on a line
 LONGEST = 34  # letters of a cell that is not wrapped
 SIGNS = {PASSED: "\N{CHECK MARK}", EXCEEDED: "\N{MULTIPLICATION X}", NOT_JUDGED: "\N{EN DASH}"}
 CHECK_CAPTION = "Numbers beside their limits"
@@ -41,12 +42,12 @@ def table_html(table: ReportTable, number: int) -> str:
     >>> 'class="amount" data-value="2">2.0<' in text
     True
     """
-    kinds = ["amount" if _is_amount(table, place) else "words" for place in _places(table)]
+    kinds = [_kind(table, place) for place in range(len(table.columns))]
     heads = [_head(c, kind, len(table.rows)) for c, kind in zip(table.columns, kinds, strict=True)]
     rows = [_row(table, at, kinds) for at in range(len(table.rows))]
     notes = [f"{MARK} {MARK_WORDS}."] if table.marked else []
     notes += [table.note] if table.note else []
-    return _framed(table.caption, number, heads, rows, " ".join(notes), _breadth(table))
+    return _framed(table.caption, number, heads, rows, " ".join(notes), _letters(table))
 
 
 def checks_html(checks: Sequence[Check], number: int) -> str:
@@ -68,7 +69,7 @@ def checks_html(checks: Sequence[Check], number: int) -> str:
     heads = [_head(c, k, len(checks)) for c, k in zip(columns, kinds, strict=True)]
     heads.append(_head(Column("Verdict"), "words", len(checks)))
     rows = [f"<tr>{_check_cells(check)}</tr>" for check in checks]
-    return _framed(CHECK_CAPTION, number, heads, rows, "", "")
+    return _framed(CHECK_CAPTION, number, heads, rows, "", UPRIGHT)
 
 
 def _check_cells(check: Check) -> str:
@@ -82,21 +83,26 @@ def _check_cells(check: Check) -> str:
     kind = check.verdict.replace(" ", "-")
     verdict = f"{SIGNS[check.verdict]} {check.verdict}"
     return (
-        f'<th scope="row" class="words">{escaped(check.what)}</th>'
+        f'<th scope="row" class="words">{breakable(check.what)}</th>'
         f"<td {_amount(check.value)}>{escaped(value)}</td>"
         f"<td {_amount(check.limit)}>{escaped(limit)}</td>"
-        f'<td class="words">{escaped(check.source)}</td>'
+        f'<td class="words">{breakable(check.source)}</td>'
         f'<td class="verdict {escaped(kind)}">{escaped(verdict)}</td>'
     )
-
-
-def _places(table: ReportTable) -> range:
-    return range(len(table.columns))
 
 
 def _is_number(value: Any) -> bool:
     number = isinstance(value, int | float | np.integer | np.floating)
     return number and not isinstance(value, bool | np.bool_)
+
+
+def _kind(table: ReportTable, place: int) -> str:
+    """Numbers, words, or sentences, which want more room."""
+    if _is_amount(table, place):
+        return "amount"
+    column = table.columns[place]
+    longest = max((len(column.text(row[place])) for row in table.rows), default=0)
+    return f"words {'long' if longest > LONGEST else 'brief' if longest < BRIEF else ''}".strip()
 
 
 def _is_amount(table: ReportTable, place: int) -> bool:
@@ -124,7 +130,7 @@ def _row(table: ReportTable, at: int, kinds: Sequence[str]) -> str:
     cells = []
     for place, (column, kind) in enumerate(zip(table.columns, kinds, strict=True)):
         value = table.rows[at][place]
-        text = escaped(column.text(value))
+        text = breakable(column.text(value))
         look = _amount(value) if _is_number(value) else f'class="{kind}"'
         if (at, place) in table.marked:
             look = look.replace('class="', 'class="marked ')
@@ -134,27 +140,26 @@ def _row(table: ReportTable, at: int, kinds: Sequence[str]) -> str:
     return f"<tr>{''.join(cells)}</tr>"
 
 
-def _breadth(table: ReportTable) -> str:
-    """How it is put on paper: as it is, in small letters, or on a page that is turned."""
+def _letters(table: ReportTable) -> int:
+    """Width of a table, in letters: how large they are on paper follows from it."""
     wide = 0
     for place, column in enumerate(table.columns):
         cells = [min(len(column.text(row[place])), LONGEST) for row in table.rows]
         words = [len(word) for word in column.title.split()]
         wide += max([*cells, *words], default=0) + PADDING
-    if wide <= FITS:
-        return ""
-    return " dense" if wide <= FITS_SMALL else " broad"
+    return wide
 
 
 def _framed(
-    caption: str, number: int, heads: list[str], rows: list[str], note: str, breadth: str
+    caption: str, number: int, heads: list[str], rows: list[str], note: str, letters: int
 ) -> str:
     """A table within what scrolls, which a keyboard reaches."""
     name = f"table-{number}"
+    looks = [*["broad"] * (letters > UPRIGHT), *["short"] * (len(rows) < SHORT)]
     below = f'\n<p class="note">{escaped(note)}</p>' if note else ""
     told = "\n".join(rows)
     return (
-        f'<figure class="table{breadth}" id="{name}">\n'
+        f'<figure class="{" ".join(["table", *looks])}" id="{name}" style="--letters: {letters}">\n'
         f'<figcaption id="{name}-caption"><span class="number">Table {number}.</span> '
         f"{escaped(caption)}</figcaption>\n"
         f'<div class="scroll" role="region" tabindex="0" aria-labelledby="{name}-caption">'

@@ -12,10 +12,23 @@ from thermobearing.border.library import data_path
 SENTENCES = MarkdownIt("zero", {"html": False}).enable(["emphasis", "backticks", "link", "escape"])
 HEADINGS = MarkdownIt("zero", {"html": False}).enable(["emphasis", "backticks", "escape"])
 
+LONGEST_WORD = 24  # letters of a word that stays on a line
+PARTS = re.compile(r"\S{1,8}")  # of a longer one
+
 
 def escaped(text: object) -> str:
     """Text as text, between tags and in attributes."""
     return html.escape(str(text), quote=True)
+
+
+def breakable(text: str) -> str:
+    """Text as text, whose long words (a digest, a path) may go on in the next line."""
+    return "".join(
+        "<wbr>".join(map(escaped, PARTS.findall(word)))
+        if len(word) > LONGEST_WORD
+        else escaped(word)
+        for word in re.split(r"(\s+)", text)
+    )
 
 
 def sentence(text: str) -> str:

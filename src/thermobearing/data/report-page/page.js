@@ -42,14 +42,17 @@
   // Contents: open beside the text, folded above it; the section that is read is marked.
   const details = document.querySelector(".contents details");
   const beside = matchMedia("(min-width: 64rem)");
+  let printing = false; // paper is narrow, but shows the list
   const fold = () => {
-    if (details) details.open = beside.matches;
+    if (details) details.open = printing || beside.matches;
+  };
+  const onPaper = (now) => () => {
+    printing = now;
+    fold();
   };
   beside.addEventListener("change", fold);
-  addEventListener("beforeprint", () => {
-    if (details) details.open = true;
-  });
-  addEventListener("afterprint", fold);
+  addEventListener("beforeprint", onPaper(true));
+  addEventListener("afterprint", onPaper(false));
   fold();
 
   const links = [...document.querySelectorAll(".contents a")];

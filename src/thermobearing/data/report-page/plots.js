@@ -159,6 +159,8 @@
         showline: true,
         automargin: true,
         hoverformat: ".4g",
+        exponentformat: "power",
+        minexponent: 5,
       });
       const x = axis(this.data.x_title);
       const y = axis(this.data.y_title);
