@@ -8,8 +8,8 @@ from pathlib import Path
 
 from thermobearing.border.errors import OutputError, is_folder
 from thermobearing.report.html import html_page
-from thermobearing.report.pdf import pdf_bytes
-from thermobearing.report.pictures import drawn_once
+from thermobearing.report.pdf import pdf_bytes, the_compiler
+from thermobearing.report.pictures import drawn, for_page
 from thermobearing.report.pieces import Pieces
 from thermobearing.report.template import document
 from thermobearing.report.title import TitleBlock
@@ -52,9 +52,12 @@ def report_files(
     ------
     InputError : the template does not fit, or the logo cannot be read.
     """
-    made = drawn_once(document(pieces, title.words(), title.logo_bytes(), template))
-    content = {REPORT_PDF: pdf_bytes(made) if pdf else None}  # first: it keeps the layouts
-    return {REPORT_HTML: html_page(made).encode(), **content}
+    made = document(pieces, title.words(), title.logo_bytes(), template)
+    if not pdf:
+        return {REPORT_HTML: html_page(made).encode(), REPORT_PDF: None}
+    the_compiler()  # before anything is drawn
+    shown = drawn(made)
+    return {REPORT_HTML: html_page(for_page(shown)).encode(), REPORT_PDF: pdf_bytes(shown)}
 
 
 def title_files(title: TitleBlock) -> dict[str, bytes | None]:

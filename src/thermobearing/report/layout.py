@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from thermobearing.report.columns import fitted
-from thermobearing.report.inline import runs_of
+from thermobearing.report.inline import Run, runs_of
 from thermobearing.report.pictures import size_of
 from thermobearing.report.pieces import (
     Block,
@@ -26,6 +26,7 @@ from thermobearing.report.title import logo_kind
 
 # Room for a picture [mm], upright and on a turned page; `data/reports/report.typ` has the margins.
 UPRIGHT, TURNED = (170.0, 222.0), (267.0, 156.0)
+LONG_BOX = 2500  # letters of a box that may go over two pages
 SMALL_PRINT = 0.75  # a picture that must be made smaller than this is looked at on a turned page
 GAIN = 1.15  # by which it must be larger there
 UNTESTED = "beyond what the bearing was tested at"
@@ -75,10 +76,11 @@ def _data(block: Block, name: str, folder: Path | None) -> list[Data]:
     if isinstance(block, Heading):
         return [{"kind": "heading", "level": block.level, "runs": _runs(block.text)}]
     if isinstance(block, Paragraph):
-        return [{"kind": "paragraph", "box": block.kind, "runs": _runs(block.text)}]
+        return [{"kind": "paragraph", "box": block.kind, "runs": _runs(block.text), "whole": True}]
     if isinstance(block, Bullets):
         items = [_runs(item) for item in block.items]
-        return [{"kind": "bullets", "box": block.kind, "items": items}]
+        whole = sum(map(len, block.items)) < LONG_BOX
+        return [{"kind": "bullets", "box": block.kind, "items": items, "whole": whole}]
     if isinstance(block, TableBlock):
         return _table(block.table)
     if isinstance(block, ChecksBlock):
@@ -95,7 +97,10 @@ def _figure(figure: ReportFigure, name: str, folder: Path | None) -> list[Data]:
     """A picture, as large as it is or as fits; nothing where only a plot is."""
     told = {"kind": "figure", "caption": figure.caption, "alt": figure.alt or figure.caption}
     if figure.image is None:
-        return []
+        moving = {"kind": "paragraph", "box": "", "whole": True}
+        return [
+            moving | {"runs": [asdict(Run(f"{figure.caption} (in the HTML page).", italic=True))]}
+        ]
     width, height = size_of(figure.image)
     upright = min(1.0, UPRIGHT[0] / width, UPRIGHT[1] / height)
     across = min(1.0, TURNED[0] / width, TURNED[1] / height)

@@ -12,7 +12,9 @@ import matplotlib as mpl
 from matplotlib import font_manager
 from matplotlib.figure import Figure
 
+from thermobearing.report.html_figures import LARGEST_VECTORS, POINTS
 from thermobearing.report.pieces import Block, Document, FigureBlock, Paragraph, ReportFigure
+from thermobearing.results.drawing import save_figure
 
 # Fonts with Japanese letters that systems have, by the names that they go by; for figures, whose
 # own font (DejaVu Sans) has Latin, Greek and Cyrillic letters.
@@ -47,6 +49,23 @@ def drawn(document: Document) -> Document:
     return replace(document, blocks=blocks)
 
 
+def for_page(document: Document) -> Document:
+    """A drawn document whose large pictures are points, as an HTML page takes them."""
+    return replace(document, blocks=[_light(block) for block in document.blocks])
+
+
+def _light(block: Block) -> Block:
+    """A block with a picture of points instead of many vectors; plots need none."""
+    if not isinstance(block, FigureBlock) or block.figure.draw is None:
+        return block
+    figure = block.figure
+    if figure.plot is not None or figure.image is None or len(figure.image) <= LARGEST_VECTORS:
+        return block
+    points = io.BytesIO()
+    save_figure(block.figure.draw(), points, POINTS)
+    return replace(block, figure=replace(figure, image=points.getvalue()))
+
+
 def missing_words(letters: Sequence[str], where: str) -> str:
     """What a reader is told of letters that no font has."""
     codes = ", ".join(f"U+{ord(letter):04X}" for letter in letters[:20])
@@ -56,17 +75,6 @@ def missing_words(letters: Sequence[str], where: str) -> str:
         f"({codes}{more}); they are shown by their codes or as boxes. For Japanese install a "
         'font such as "Noto Sans CJK JP", and make the document again.'
     )
-
-
-def drawn_once(document: Document) -> Document:
-    """The document with figures that are drawn when they are first asked for, and then kept."""
-    return replace(document, blocks=[_kept(block) for block in document.blocks])
-
-
-def _kept(block: Block) -> Block:
-    if not isinstance(block, FigureBlock) or block.figure.draw is None:
-        return block
-    return replace(block, figure=replace(block.figure, draw=cache(in_fonts(block.figure.draw))))
 
 
 def in_fonts(draw: Callable[[], Figure]) -> Callable[[], Figure]:
@@ -89,7 +97,8 @@ def japanese_fonts() -> tuple[str, ...]:
 def _pictured(figure: ReportFigure, missing: set[str]) -> ReportFigure:
     if figure.image is not None or figure.draw is None:
         return figure
-    return replace(figure, image=svg_bytes(figure.draw(), missing))
+    draw = cache(in_fonts(figure.draw))
+    return replace(figure, draw=draw, image=svg_bytes(draw(), missing))
 
 
 def svg_bytes(figure: Figure, missing: set[str]) -> bytes:

@@ -221,8 +221,11 @@ def _number(value: Any) -> Any:
 
 def _format(value: Any, form: str) -> str:
     """Excel's format of a number from Python's; "" where it may choose itself."""
-    if isinstance(value, bool | np.bool_) or not isinstance(value, int | float | np.number):
+    if isinstance(value, bool | np.bool_) or not isinstance(
+        value, int | float | np.integer | np.floating
+    ):
         return ""
+    value = float(value)
     found = re.fullmatch(r",?\.(\d)([fg])", form)
     if not found or not np.isfinite(value):
         return ""
