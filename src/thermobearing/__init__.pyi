@@ -9,7 +9,6 @@ from . import identify as identify
 from . import intake as intake
 from . import model as model
 from . import motions as motions
-from . import report as report
 from . import results as results
 from . import sequences as sequences
 from . import structure as structure

@@ -175,7 +175,7 @@ _add("validate", validate, LABORATORY, "validate mine.toml other-test.csv --limi
 _add("design", design.design, OFFICE, "design --motion jra-ii-i-1 --compound G10 -o design")
 _add("bounds", design.bounds, OFFICE, "bounds --bearing shen-hdr-bridge --ambient -20")
 _add("lambda", factors.lambda_, OFFICE, "lambda shen-hdr-bridge --strain 1.75 -o factors")
-_add("report", report, FILES, 'report pier --title project="Bridge 12" --title revision=B')
+_add("report", report, FILES, "report pier --title number=B12-7 --title revision=B")
 app.add_typer(motions, name="motions", rich_help_panel=FILES)
 app.add_typer(structures, name="structures", rich_help_panel=FILES)
 

@@ -237,10 +237,10 @@ def written(
     outcome: str,
     sentence: str,
     target: Path,
+    documents: Documents = NO_DOCUMENTS,
     *,
     as_json: bool,
     quiet: bool,
-    documents: Documents = NO_DOCUMENTS,
 ) -> int:
     """Write what is asked for, say where all is and how it ended; the exit status."""
     made = documents.write(target)

@@ -177,14 +177,7 @@ def _carry_out(
     if not quiet:
         with contextlib.suppress(KeyboardInterrupt):  # the result is safe by now
             print_result(result, others)
-    return written(
-        result.outcome,
-        result.sentence,
-        target,
-        as_json=as_json,
-        quiet=quiet,
-        documents=documents,
-    )
+    return written(result.outcome, result.sentence, target, documents, as_json=as_json, quiet=quiet)
 
 
 def _short_test(strain: list[float] | None, words: dict[str, Any]) -> "CyclicTest | None":

@@ -94,14 +94,7 @@ def design(
     if not quiet:
         print_design(found)
     outcome = "completed" if found.usable else found.outcome
-    return written(
-        outcome,
-        found.sentence,
-        target,
-        as_json=as_json,
-        quiet=quiet,
-        documents=documents,
-    )
+    return written(outcome, found.sentence, target, documents, as_json=as_json, quiet=quiet)
 
 
 @reported
@@ -139,6 +132,4 @@ def bounds(
     report.save(target, force=force, figures=not no_figures)
     if not quiet:
         print_bounds(report)
-    return written(
-        report.outcome, report.sentence, target, as_json=as_json, quiet=quiet, documents=documents
-    )
+    return written(report.outcome, report.sentence, target, documents, as_json=as_json, quiet=quiet)

@@ -245,11 +245,4 @@ def _carry_out(
     if not quiet:
         with contextlib.suppress(KeyboardInterrupt):  # the result is safe by now
             print_study(result, others)
-    return written(
-        result.outcome,
-        result.sentence,
-        target,
-        as_json=as_json,
-        quiet=quiet,
-        documents=documents,
-    )
+    return written(result.outcome, result.sentence, target, documents, as_json=as_json, quiet=quiet)

@@ -94,7 +94,7 @@ def lambda_(
     report.save(target, force=force, figures=not no_figures)
     if not quiet:
         print_factors(report)
-    return written("completed", "", target, as_json=as_json, quiet=quiet, documents=documents)
+    return written("completed", "", target, documents, as_json=as_json, quiet=quiet)
 
 
 def _cycles(text: str) -> str | list[int]:

@@ -173,9 +173,7 @@ def identify(
     found.save(target, force=force, figures=not no_figures, forecast=drawn)
     if not quiet:
         _show(found, drawn.warnings if drawn else ())
-    return written(
-        found.outcome, found.sentence, target, as_json=as_json, quiet=quiet, documents=documents
-    )
+    return written(found.outcome, found.sentence, target, documents, as_json=as_json, quiet=quiet)
 
 
 def _found(

@@ -198,6 +198,4 @@ def _end(
             echo_json({"exit_status": 0, **result.summary()})
         return 0
     result.save(target, force=force, figures=not no_figures)
-    return written(
-        result.outcome, result.sentence, target, as_json=as_json, quiet=quiet, documents=documents
-    )
+    return written(result.outcome, result.sentence, target, documents, as_json=as_json, quiet=quiet)

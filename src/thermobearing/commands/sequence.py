@@ -50,11 +50,4 @@ def sequence(
     if not quiet:
         with contextlib.suppress(KeyboardInterrupt):  # the result is safe by now
             print_sequence(result)
-    return written(
-        result.outcome,
-        result.sentence,
-        target,
-        as_json=as_json,
-        quiet=quiet,
-        documents=documents,
-    )
+    return written(result.outcome, result.sentence, target, documents, as_json=as_json, quiet=quiet)

@@ -61,6 +61,4 @@ def validate(
     found.save(target, force=force, figures=not no_figures)
     if not quiet:
         print_validation(found)
-    return written(
-        found.outcome, found.sentence, target, as_json=as_json, quiet=quiet, documents=documents
-    )
+    return written(found.outcome, found.sentence, target, documents, as_json=as_json, quiet=quiet)
