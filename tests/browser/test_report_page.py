@@ -41,9 +41,7 @@ def address(tmp_path_factory: pytest.TempPathFactory) -> str:
 @pytest.fixture
 def opened(chromium: Any, address: str, request: pytest.FixtureRequest) -> Iterator[Any]:
     """The page; whatever goes wrong in it, or is asked of a network, is a fault of the test."""
-    look = {"viewport": BROAD, "color_scheme": "light"} | getattr(
-        request, "param", {}
-    )
+    look = {"viewport": BROAD, "color_scheme": "light"} | getattr(request, "param", {})
     page = chromium.new_page(**look)
     told: list[str] = []
     page.on("console", lambda message: told.append(f"{message.type}: {message.text}"))
