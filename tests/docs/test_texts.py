@@ -20,7 +20,9 @@ from tests.unit.inputs import command
 LIBRARY = Path(str(resources.files("thermobearing") / "data"))
 ROOT = Path(__file__).parents[2]
 TEXTS = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
+GUIDE = sorted((ROOT / "docs" / "guide").glob("*.md"))  # its blocks run in test_site.py
 README = (ROOT / "README.md").read_text()
+TWO_SCREENS = 110  # lines
 
 
 def blocks(text: str, language: str) -> list[str]:
@@ -45,6 +47,10 @@ def test_readme_examples_run_and_the_first_is_short(
         exec(compile(example, "README.md", "exec"), names)
     for figure in re.findall(r'savefig\("(\w+\.png)"\)', README):
         assert (tmp_path / figure).stat().st_size > 10_000, figure
+
+
+def test_readme_is_short() -> None:
+    assert README.count("\n") <= TWO_SCREENS
 
 
 def test_examples_in_python_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -171,7 +177,7 @@ def test_every_measured_number_has_its_test() -> None:
 
 
 def test_links_between_texts_lead_somewhere() -> None:
-    for path in TEXTS:
+    for path in [*TEXTS, *GUIDE]:
         for target in re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", path.read_text()):
             assert (path.parent / target).exists(), f"{path.name}: {target}"
 
@@ -184,6 +190,7 @@ def test_files_and_functions_stay_small() -> None:
         *ROOT.glob("src/**/*.py"),
         *ROOT.glob("tests/**/*.py"),
         *ROOT.glob("benchmarks/*.py"),
+        *ROOT.glob("docs/**/*.py"),
     ]:
         text = path.read_text()
         assert text.count("\n") < 400, path

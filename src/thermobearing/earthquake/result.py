@@ -172,10 +172,10 @@ class EarthquakeResult(Shown):
     def largest_loops(self) -> pd.DataFrame:
         """The largest loop of one bearing in each run; NaN where none is closed.
 
-        The loop holds the largest |displacement| and begins and ends at zero displacement, see
-        results/largest_loop.py: its extreme forces F+, F- and displacements D+, D-, K_eq (|F+| +
-        |F-|)/(|D+| + |D-|), h_eq and G_e (Eq. 3.1, 3.2; a bilinear bearing has no G_e), energy,
-        and when it begins and ends [s].
+        The loop holds the largest displacement, to either side, and begins and ends at zero
+        displacement, see results/largest_loop.py: its extreme forces F+, F- and displacements D+,
+        D-, ``K_eq = (|F+| + |F-|)/(|D+| + |D-|)``, h_eq and G_e (Eq. 3.1, 3.2; a bilinear bearing
+        has no G_e), energy, and when it begins and ends [s].
         """
         table = self.table
         told = [name for name in ("bearing", "motion", "ambient_degC", "mode") if name in table]

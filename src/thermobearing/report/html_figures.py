@@ -13,7 +13,8 @@ from thermobearing.report.html_text import encoded, escaped
 from thermobearing.report.pieces import ReportFigure
 from thermobearing.results.drawing import save_figure
 
-LARGEST_VECTORS = 300_000  # bytes; a figure of more is written as points
+LARGEST_VECTORS = 300_000  # letters; a figure of more is written as points
+PIXELS = 96  # of a page, an inch
 POINTS = 170  # an inch, of a figure of points
 # Letters as outlines: the page looks the same wherever it is opened. A fixed salt, no date: the
 # same figure has the same bytes.
@@ -40,25 +41,27 @@ def figure_html(figure: ReportFigure, number: int) -> str:
     True
     """
     name = f"figure-{number}"
-    source = picture_address(figure)
     alt = escaped(figure.alt or figure.caption)
-    image = f'<img class="drawn" src="{source}" alt="{alt}">\n' if source else ""
     return (
-        f'<figure class="figure" id="{name}">\n{image}'
+        f'<figure class="figure" id="{name}">\n{_image(figure, alt)}'
         f'<figcaption><span class="number">Figure {number}.</span> '
         f"{escaped(figure.caption)}</figcaption>\n</figure>\n"
     )
 
 
-def picture_address(figure: ReportFigure) -> str:
-    """The picture of a figure as an address that holds it; "" where it has none."""
+def _image(figure: ReportFigure, alt: str) -> str:
+    """The picture of a figure; nothing where it has none."""
     if figure.image is not None:
-        return image_address(figure.image)
-    return _drawn_address(figure.draw()) if figure.draw else ""
+        return f'<img class="drawn" src="{image_address(figure.image)}" alt="{alt}">\n'
+    if figure.draw is None:
+        return ""
+    drawn = figure.draw()
+    width = round(PIXELS * drawn.get_figwidth())
+    return f'<img class="drawn" src="{_drawn_address(drawn)}" width="{width}" alt="{alt}">\n'
 
 
 def image_address(image: bytes) -> str:
-    """Bytes of a PNG, JPEG or SVG as an address."""
+    """Bytes of a PNG, JPEG or SVG as an address that holds them."""
     if image.startswith(b"\x89PNG"):
         return encoded(image, "image/png")
     if image.startswith(b"\xff\xd8"):
@@ -76,13 +79,12 @@ def _drawn_address(figure: Figure) -> str:
 
 
 def _vectors(figure: Figure) -> str:
-    """A figure as SVG in an address, which wants few of its signs written otherwise."""
+    """A figure as SVG in an address, in which few signs want to be written otherwise."""
     drawn = io.StringIO()
     with rc_context(LOOK):
         figure.savefig(drawn, format="svg", metadata=NO_DATE)
     text = drawn.getvalue()
     text = re.sub(r"<!--.*?-->", "", text[text.index("<svg") :], flags=re.DOTALL)
     text = OUTLINE.sub(lambda found: TOO_FINE.sub(r"\1", found[0]), text)
-    text = " ".join(text.split())
-    signs = quote(text, safe=" ~!*'()/:;=?@$,+<>")
+    signs = quote(" ".join(text.split()), safe=" ~!*'()/:;=?@$,+<>")
     return html.escape(f"data:image/svg+xml,{signs}", quote=True)

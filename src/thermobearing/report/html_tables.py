@@ -16,12 +16,13 @@ from thermobearing.report.pieces import (
 )
 
 MARK = "\N{DAGGER}"
+MARKED = "Marked:"  # a note that begins so says itself what the mark means
 MARK_WORDS = "beyond what was tested"
 FEWEST_TO_SORT = 3  # rows; two are seen at once
 UPRIGHT = 130  # letters in a row of a table that fit on a page; more is turned, as page.css knows
 SHORT = 12  # rows that stay on one page
 PADDING = 3  # of a column, in letters
-BRIEF = 16  # letters of a cell that stays on a line
+BRIEF = 25  # letters of a cell that stays on a line
 LONGEST = 34  # letters of a cell that is not wrapped
 SIGNS = {PASSED: "\N{CHECK MARK}", EXCEEDED: "\N{MULTIPLICATION X}", NOT_JUDGED: "\N{EN DASH}"}
 CHECK_CAPTION = "Numbers beside their limits"
@@ -45,9 +46,7 @@ def table_html(table: ReportTable, number: int) -> str:
     kinds = [_kind(table, place) for place in range(len(table.columns))]
     heads = [_head(c, kind, len(table.rows)) for c, kind in zip(table.columns, kinds, strict=True)]
     rows = [_row(table, at, kinds) for at in range(len(table.rows))]
-    notes = [f"{MARK} {MARK_WORDS}."] if table.marked else []
-    notes += [table.note] if table.note else []
-    return _framed(table.caption, number, heads, rows, " ".join(notes), _letters(table))
+    return _framed(table.caption, number, heads, rows, _note(table), _letters(table))
 
 
 def checks_html(checks: Sequence[Check], number: int) -> str:
@@ -94,6 +93,13 @@ def _check_cells(check: Check) -> str:
 def _is_number(value: Any) -> bool:
     number = isinstance(value, int | float | np.integer | np.floating)
     return number and not isinstance(value, bool | np.bool_)
+
+
+def _note(table: ReportTable) -> str:
+    """What stands below a table; where cells are marked, what the mark means."""
+    if not table.marked or MARKED in table.note:
+        return table.note.replace(MARKED, MARK)
+    return f"{MARK} {MARK_WORDS}. {table.note}".strip()
 
 
 def _kind(table: ReportTable, place: int) -> str:

@@ -7,6 +7,7 @@ matplotlib settings and none of the user's settings are touched.
 import io
 import math
 import textwrap
+import warnings
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Literal
@@ -78,7 +79,7 @@ def figure_of(ax: Axes) -> Figure:
 
 def degrees(value: float) -> str:
     """A temperature for a title, with a true minus sign."""
-    return f"{value:g} °C".replace("-", "\N{MINUS SIGN}")
+    return f"{round(value, 2):g} °C".replace("-", "\N{MINUS SIGN}")
 
 
 def residual(value: float) -> str:
@@ -135,7 +136,10 @@ def save_figure(figure: Figure, path: str | Path | io.BytesIO, dpi: int | None =
     """Write a figure as PNG with a palette, a third as large as one with a colour a point."""
     dpi = DPI if dpi is None else dpi
     drawn = io.BytesIO()
-    figure.savefig(drawn, dpi=dpi, pil_kwargs={"compress_level": 1})
+    with warnings.catch_warnings():
+        # A title in letters that the font lacks is drawn as boxes; the screen and files have it.
+        warnings.filterwarnings("ignore", "Glyph .* missing from font", UserWarning)
+        figure.savefig(drawn, dpi=dpi, pil_kwargs={"compress_level": 1})
     picture = Image.open(drawn).convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
     picture.save(path, "PNG", optimize=True, dpi=(dpi, dpi))
 

@@ -183,6 +183,7 @@
         showlegend: names > 1,
         legend: { orientation: "h", x: 0, y: 1.01, yanchor: "bottom" },
         modebar: { bgcolor: "rgba(0,0,0,0)", color: look.ink, activecolor: look.ink },
+        separators: ".\u202f",
         shapes: this.shades(reach, look),
         xaxis: x,
         yaxis: y,
