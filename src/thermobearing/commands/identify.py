@@ -154,13 +154,9 @@ def identify(
     records, bearing, target = _read([*tests, *held], start, check, output, force)
     records = to_be_treated(records, despike, detrend)
     if check or bearing is None:
-<<<<<<< HEAD
         return _look_over(records, bearing, target, force, no_figures, as_json, quiet, documents)
-=======
-        return _look_over(records, bearing, target, force, no_figures, as_json, quiet)
     if posterior:
         need_emcee()
->>>>>>> r-html
     announce_compiling(quiet)
     how: dict[str, Any] = {
         "free": [name.strip() for name in free.split(",")] if free is not None else None,
