@@ -9,7 +9,7 @@ from pathlib import Path
 from thermobearing.border.errors import OutputError, is_folder
 from thermobearing.report.html import html_page
 from thermobearing.report.pdf import pdf_bytes, the_compiler
-from thermobearing.report.pictures import drawn, for_page
+from thermobearing.report.pictures import drawn
 from thermobearing.report.pieces import Pieces
 from thermobearing.report.template import document
 from thermobearing.report.title import TitleBlock
@@ -57,7 +57,7 @@ def report_files(
         return {REPORT_HTML: html_page(made).encode(), REPORT_PDF: None}
     the_compiler()  # before anything is drawn
     shown = drawn(made)
-    return {REPORT_HTML: html_page(for_page(shown)).encode(), REPORT_PDF: pdf_bytes(shown)}
+    return {REPORT_HTML: html_page(shown).encode(), REPORT_PDF: pdf_bytes(shown)}
 
 
 def title_files(title: TitleBlock) -> dict[str, bytes | None]:

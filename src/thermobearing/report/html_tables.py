@@ -64,7 +64,7 @@ def checks_html(checks: Sequence[Check], number: int) -> str:
     True
     """
     columns = [Column("Check"), Column("Value"), Column("Limit"), Column("Source of the limit")]
-    kinds = ["words", "amount", "amount", "words"]
+    kinds = ["words long", "amount", "amount", "words long"]
     heads = [_head(c, k, len(checks)) for c, k in zip(columns, kinds, strict=True)]
     heads.append(_head(Column("Verdict"), "words", len(checks)))
     rows = [f"<tr>{_check_cells(check)}</tr>" for check in checks]
@@ -82,10 +82,10 @@ def _check_cells(check: Check) -> str:
     kind = check.verdict.replace(" ", "-")
     verdict = f"{SIGNS[check.verdict]} {check.verdict}"
     return (
-        f'<th scope="row" class="words">{breakable(check.what)}</th>'
+        f'<th scope="row" class="words long">{breakable(check.what)}</th>'
         f"<td {_amount(check.value)}>{escaped(value)}</td>"
         f"<td {_amount(check.limit)}>{escaped(limit)}</td>"
-        f'<td class="words">{breakable(check.source)}</td>'
+        f'<td class="words long">{breakable(check.source)}</td>'
         f'<td class="verdict {escaped(kind)}">{escaped(verdict)}</td>'
     )
 

@@ -12,8 +12,7 @@ import matplotlib as mpl
 from matplotlib import font_manager
 from matplotlib.figure import Figure
 
-from thermobearing.report.html_figures import LARGEST_VECTORS, POINTS
-from thermobearing.report.pieces import Block, Document, FigureBlock, Paragraph, ReportFigure
+from thermobearing.report.pieces import Document, FigureBlock, Paragraph, ReportFigure
 from thermobearing.results.drawing import save_figure
 
 # Fonts with Japanese letters that systems have, by the names that they go by; for figures, whose
@@ -33,6 +32,11 @@ LOOK: dict[Any, Any] = {
     "path.simplify_threshold": SIMPLIFY,
 }
 NO_DATE = {"Date": None, "Creator": None}
+LARGEST_VECTORS = 300_000  # bytes; a figure of more is written as points into a page
+POINTS = 170  # an inch, of a figure of points
+OUTLINE = re.compile(rb'\bd="[^"]*"')
+TOO_FINE = re.compile(rb"(\.\d\d)\d+")  # below a hundredth of a point
+COMMENT = re.compile(rb"<!--.*?-->", re.DOTALL)
 
 
 def drawn(document: Document) -> Document:
@@ -49,21 +53,23 @@ def drawn(document: Document) -> Document:
     return replace(document, blocks=blocks)
 
 
-def for_page(document: Document) -> Document:
-    """A drawn document whose large pictures are points, as an HTML page takes them."""
-    return replace(document, blocks=[_light(block) for block in document.blocks])
+def page_picture(figure: ReportFigure) -> bytes | None:
+    """The picture of a figure as an HTML page takes it: points where it is of many vectors.
 
-
-def _light(block: Block) -> Block:
-    """A block with a picture of points instead of many vectors; plots need none."""
-    if not isinstance(block, FigureBlock) or block.figure.draw is None:
-        return block
-    figure = block.figure
-    if figure.plot is not None or figure.image is None or len(figure.image) <= LARGEST_VECTORS:
-        return block
+    Parameters
+    ----------
+    figure : drawn or not; None comes back where it has no picture.
+    """
+    if figure.draw is None:
+        return figure.image
+    made = _pictured(figure, set())
+    assert made.image is not None
+    assert made.draw is not None
+    if len(made.image) <= LARGEST_VECTORS:
+        return made.image
     points = io.BytesIO()
-    save_figure(block.figure.draw(), points, POINTS)
-    return replace(block, figure=replace(figure, image=points.getvalue()))
+    save_figure(made.draw(), points, POINTS)
+    return points.getvalue()
 
 
 def missing_words(letters: Sequence[str], where: str) -> str:
@@ -117,7 +123,8 @@ def svg_bytes(figure: Figure, missing: set[str]) -> bytes:
             missing.add(chr(int(told[1])))
         else:
             warnings.warn(warning.message, warning.category, stacklevel=2)
-    return written.getvalue()
+    lean = COMMENT.sub(b"", written.getvalue())
+    return OUTLINE.sub(lambda found: TOO_FINE.sub(rb"\1", found[0]), lean)
 
 
 def size_of(image: bytes) -> tuple[float, float]:

@@ -3,6 +3,7 @@
 (() => {
   const PRINTED = 660; // width on paper [px]: that of the text on A4
   const HEIGHT = 420;
+  const HEIGHT_PRINTED = 360; // two on a page
   const BROAD = 640; // above this width equal axes get more height
   const root = document.documentElement;
   const system = matchMedia("(prefers-color-scheme: dark)");
@@ -170,10 +171,11 @@
       if (this.data.equal) Object.assign(y, { scaleanchor: "x", constrain: "domain" });
       if (this.data.equal) x.constrain = "domain";
       const names = new Set(this.traces.map((trace) => trace.name)).size;
+      const height = printing ? HEIGHT_PRINTED : HEIGHT;
       const width = printing ? PRINTED : this.div.clientWidth;
       return {
         width,
-        height: this.data.equal ? Math.min(Math.max(width, 320), BROAD) : HEIGHT,
+        height: this.data.equal ? Math.min(Math.max(width, 320), BROAD) : height,
         margin: { l: 60, r: 16, t: 16, b: 50 },
         paper_bgcolor: look.paper,
         plot_bgcolor: look.paper,
