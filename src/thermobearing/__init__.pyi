@@ -9,6 +9,7 @@ from . import identify as identify
 from . import intake as intake
 from . import model as model
 from . import motions as motions
+from . import reproduce as reproduce
 from . import results as results
 from . import sequences as sequences
 from . import structure as structure
