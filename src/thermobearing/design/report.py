@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
+from thermobearing.border.encodings import read_text
 from thermobearing.border.toml import read_toml, split_sources
 from thermobearing.cyclic.reported import analysis_table, bearing_tables
 from thermobearing.design.report_bounds import bounds_pieces
@@ -62,8 +63,7 @@ def pieces_of(saved: SavedResult) -> Pieces:
 def design_pieces(saved: SavedResult) -> Pieces:
     """Of a design."""
     summary = saved.summary
-    text = (saved.path / RESOLVED).read_text(encoding="utf-8")
-    case = read_toml(saved.path / RESOLVED)
+    case, text = read_toml(saved.path / RESOLVED), read_text(saved.path / RESOLVED)
     validity, unknown, warnings = saved_validity(saved)
     checks = checks_of(saved)
     motions = [str(one.get("label") or one["name"]) for one in case["motions"]]

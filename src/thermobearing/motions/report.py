@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from thermobearing.border.encodings import read_text
 from thermobearing.motions.matching import LARGEST_MISFIT
 from thermobearing.report.identity import identity_of
 from thermobearing.report.pieces import (
@@ -21,6 +22,7 @@ from thermobearing.report.pieces import (
 from thermobearing.report.saved import saved_figures, with_plot
 from thermobearing.report.traces import history, rounded
 from thermobearing.report.words import tidy
+from thermobearing.results.directory import MOTION
 from thermobearing.results.saved import SavedResult
 
 CAPTIONS = {
@@ -56,7 +58,7 @@ def pieces_of(saved: SavedResult) -> Pieces:
     standard = summary.get("standard_spectrum")
     beside = f" beside the standard spectrum of {_standard(standard)}" if standard else ""
     about = tidy(str(summary.get("description") or name))
-    motion = (saved.path / "motion.csv").read_text(encoding="utf-8")
+    motion = read_text(saved.path / MOTION)
     return Pieces(
         command="motions",
         title=f"Ground motion {name}",
@@ -77,7 +79,7 @@ def pieces_of(saved: SavedResult) -> Pieces:
             str(summary.get("version", "unknown")),
             motion,
             str(summary.get("command_line") or "thermobearing.motions in Python"),
-            "motion.csv",
+            MOTION,
         ),
     )
 
