@@ -19,7 +19,6 @@ from thermobearing.report.inputs import COLUMNS, input_table, value_and_unit
 from thermobearing.report.names import name_of
 from thermobearing.report.pieces import Column, ReportTable
 from thermobearing.report.words import counted, degrees, joined, quantity
-from thermobearing.results.writing import from_attribute
 from thermobearing.structure.model import STRUCTURES, Structure
 
 Case = Mapping[str, Any]
@@ -36,8 +35,7 @@ DAMPING = {
 
 def inputs_of(result: EarthquakeResult, case: Case) -> dict[str, ReportTable]:
     """Tables of what went in: structure, bearings, motions, air, laboratory, model."""
-    told = "sources" in result.dataset.attrs
-    sources = from_attribute(result.dataset, "sources") if told else {}
+    sources = case.get("sources", {})
     found = {
         "structure": structure_table(case["structure"]),
         "motions": motions_table(result, case),
