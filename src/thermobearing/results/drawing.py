@@ -15,6 +15,7 @@ import numpy as np
 import xarray as xr
 from matplotlib import colormaps
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import LinearSegmentedColormap, to_hex
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -122,9 +123,11 @@ def panels(
 def save_figure(figure: Figure, path: str | Path, dpi: int | None = None) -> None:
     """Write a figure as PNG with a palette, a third as large as one with a colour a point."""
     dpi = DPI if dpi is None else dpi
-    drawn = io.BytesIO()
-    figure.savefig(drawn, dpi=dpi, pil_kwargs={"compress_level": 1})
-    picture = Image.open(drawn).convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
+    figure.dpi = dpi
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()  # lays out and draws in one go: `savefig` draws twice, and packs a first PNG
+    drawn = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
+    picture = drawn.quantize(COLOURS, dither=Image.Dither.NONE)
     picture.save(path, optimize=True, dpi=(dpi, dpi))
 
 
