@@ -124,8 +124,9 @@ def save_figure(figure: Figure, path: str | Path, dpi: int | None = None) -> Non
     """Write a figure as PNG with a palette, a third as large as one with a colour a point."""
     dpi = DPI if dpi is None else dpi
     figure.dpi = dpi
-    canvas = FigureCanvasAgg(figure)
-    canvas.draw()  # lays out and draws in one go: `savefig` draws twice, and packs a first PNG
+    # Laid out and drawn in one go: `savefig` draws twice, and packs a PNG that is unpacked here.
+    canvas: Any = FigureCanvasAgg(figure)
+    canvas.draw()
     drawn = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
     picture = drawn.quantize(COLOURS, dither=Image.Dither.NONE)
     picture.save(path, optimize=True, dpi=(dpi, dpi))

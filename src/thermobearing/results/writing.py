@@ -75,7 +75,7 @@ def write_csv(path: Path, table: "pd.DataFrame", *, below: bool = False) -> None
     The numbers become text here: pandas asks of each whether it is missing, and takes longer.
     """
     texts = {
-        name: ["" if value != value else DIGITS % value for value in column.tolist()]
+        str(name): ["" if value != value else DIGITS % value for value in column.tolist()]
         for name, column in table.items()
         if column.dtype.kind == "f"
     }
