@@ -6,11 +6,12 @@ BIN := $(VENV)/bin
 PROGRAM := $(VENV)/.installed
 TESTS := $(VENV)/.tests
 TOOLS := $(VENV)/.lint
+SPHINX := $(VENV)/.site
 WORKERS ?= auto
 
 LOWEST := .venv-minimum
 
-.PHONY: help demo test test-minimum fuzz mutants bench lint docs clean
+.PHONY: help demo test test-minimum fuzz mutants bench lint docs site clean
 
 help:
 	@echo "make demo   install, and run the default cyclic test into ./demo"
@@ -21,6 +22,7 @@ help:
 	@echo "make bench  speed, accuracy and memory, each beside its target"
 	@echo "make lint   ruff, mypy, import contracts"
 	@echo "make docs   regenerate every number and figure in README and docs"
+	@echo "make site   the documentation site, into build/site; its examples are run"
 	@echo "make clean  forget the environment and all results"
 
 $(PROGRAM): pyproject.toml
@@ -35,6 +37,10 @@ $(TESTS): $(PROGRAM)
 
 $(TOOLS): $(PROGRAM)
 	$(BIN)/python -m pip install --quiet -e ".[lint]"
+	touch $@
+
+$(SPHINX): $(PROGRAM)
+	$(BIN)/python -m pip install --quiet -e ".[site]"
 	touch $@
 
 demo: $(PROGRAM)
@@ -71,5 +77,12 @@ lint: $(TOOLS)
 docs: $(TESTS)
 	$(BIN)/python docs/generate.py
 
+# Warnings are errors; then links with their anchors, version and date on each page are looked at.
+site: $(SPHINX)
+	rm -rf build/site
+	$(BIN)/python -m sphinx -W --keep-going --quiet --builder html docs build/site
+	$(BIN)/python docs/builder/links.py build/site
+
 clean:
+	rm -rf docs/api docs/gallery
 	rm -rf $(VENV) $(LOWEST) demo build dist

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import thermobearing as tb
 from docs import generate
 from tests import tolerances as tol
 from tests.told_numbers import disagreements
@@ -19,7 +20,9 @@ from tests.unit.inputs import command
 LIBRARY = Path(str(resources.files("thermobearing") / "data"))
 ROOT = Path(__file__).parents[2]
 TEXTS = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
+GUIDE = sorted((ROOT / "docs" / "guide").glob("*.md"))  # its blocks run in test_site.py
 README = (ROOT / "README.md").read_text()
+TWO_SCREENS = 110  # lines
 
 
 def blocks(text: str, language: str) -> list[str]:
@@ -46,6 +49,10 @@ def test_readme_examples_run_and_the_first_is_short(
         assert (tmp_path / figure).stat().st_size > 10_000, figure
 
 
+def test_readme_is_short() -> None:
+    assert README.count("\n") <= TWO_SCREENS
+
+
 def test_examples_in_python_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """One after the other, as in a notebook; the integrator is short and gives what it should."""
     examples = blocks((ROOT / "docs" / "python.md").read_text(), "python")
@@ -61,6 +68,27 @@ def test_examples_in_python_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     exec(compile(halved, "python.md, half the step", "exec"), finer)
     assert 50.0 < finer["peak"] < 300.0
     assert names["peak"] == pytest.approx(finer["peak"], rel=tol.SIMPLEST_INTEGRATOR)
+
+
+def test_the_mass_of_the_python_page_is_that_of_its_integrator(tmp_path: Path) -> None:
+    """A structure of one mass: Newmark and the simplest of all integrators move it as far."""
+    (table,) = blocks((ROOT / "docs" / "python.md").read_text(), "toml")
+    (tmp_path / "mass.toml").write_text(table)
+    study = tb.bridge(
+        "shen-hdr-bridge", "jra-ii-i-1", [-20], structure=str(tmp_path / "mass.toml"), duration=10
+    )
+    assert study.outcome == "completed"
+    x = study["bearing_displacement"].values[0]
+    bearing = tb.element("shen-hdr-bridge", ambient=-20)
+    motion = tb.load_motion("jra-ii-i-1")
+    at, speed, force, peak = 0.0, 0.0, 0.0, 0.0
+    for acceleration in motion.acceleration[:1000]:
+        speed -= (acceleration + force / 0.08) * motion.dt
+        at += speed * motion.dt
+        force = bearing.set_trial(at, motion.dt).force
+        bearing.commit()
+        peak = max(peak, abs(at))
+    assert peak == pytest.approx(float(np.abs(x).max()), rel=tol.SIMPLEST_INTEGRATOR)
 
 
 def test_readme_commands_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -119,7 +147,7 @@ def test_case_in_the_docs_is_valid(tmp_path: Path) -> None:
         )
         (tmp_path / "record.csv").write_text("t_s,acc_gal\n0,0\n0.01,300\n0.02,-200\n0.03,0\n")
         found[check_file(path).kind] = path
-    assert set(found) == {"case", "earthquake case", "sequence case"}
+    assert set(found) == {"case", "earthquake case", "sequence case", "structure"}
 
 
 def test_library_files_are_described(tmp_path: Path) -> None:
@@ -149,7 +177,7 @@ def test_every_measured_number_has_its_test() -> None:
 
 
 def test_links_between_texts_lead_somewhere() -> None:
-    for path in TEXTS:
+    for path in [*TEXTS, *GUIDE]:
         for target in re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", path.read_text()):
             assert (path.parent / target).exists(), f"{path.name}: {target}"
 
@@ -162,6 +190,7 @@ def test_files_and_functions_stay_small() -> None:
         *ROOT.glob("src/**/*.py"),
         *ROOT.glob("tests/**/*.py"),
         *ROOT.glob("benchmarks/*.py"),
+        *ROOT.glob("docs/**/*.py"),
     ]:
         text = path.read_text()
         assert text.count("\n") < 400, path

@@ -188,3 +188,30 @@ def test_what_a_bearing_was_tested_at_is_a_fact() -> None:
     assert facts["tested at"].startswith("strain 50 to 250 %, strain rate 0.333 to 1/s, ambient")
     facts = check_file(data_path("bearings", "lrb-example.toml")).facts
     assert facts["tested at"] == "range not given (tested_range)"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ('"2615.3 N/mm"', '"2.6153 N/mm"', ["first period", "N/mm for kN/mm"]),
+        ('"400 t"', '"400 kg"', ["mass of the deck = 0.4 t", "kg for t"]),
+        ('"34839 kN m"', '"34839 N m"', ["pier base: yield moment", "N m for kN m"]),
+        ('"0.309e-2 rad"', '"0.309 rad"', ["pier base: yield_rotation = 0.309 rad"]),
+    ],
+)
+def test_slips_in_a_structure(tmp_path: Path, old: str, new: str, said: list[str]) -> None:
+    """Before, a deck with a period of 37 s was "a valid structure" and nothing else."""
+    text = (data_path("structures") / "pier-p1.toml").read_text()
+    file = tmp_path / "mine.toml"
+    file.write_text(text)
+    assert check_file(file).warnings == []
+    assert old in text
+    file.write_text(text.replace(old, new))
+    warnings = check_file(file).warnings
+    for words in said:
+        assert any(words in text for text in warnings), warnings
+    case = tmp_path / "case.toml"
+    case.write_text('structure = "mine.toml"\ncompound = "G8"\n')
+    assert set(warnings) <= set(check_file(case).warnings)
+    shown = CliRunner().invoke(app, ["structures", "show", str(file)])
+    assert "Often behind it" in shown.output

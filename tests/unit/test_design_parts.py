@@ -304,14 +304,17 @@ def test_bounding_analysis_by_hand(monkeypatch: pytest.MonkeyPatch) -> None:
     def analyse(case: Any) -> Any:
         asked.append(case)
         if len(case.bearings) == 2:
-            rows = [{"bearing": n, **dict(zip(demands, v, strict=True))}
+            rows = [{"bearing": n, "ambient_degC": 23.0, **dict(zip(demands, v, strict=True))}
                     for n, v in (("lower", soft), ("upper", stiff))]  # fmt: skip
         else:
-            rows = [{"ambient_degC": t, **dict(zip(demands, v, strict=True))}
+            rows = [{"bearing": "x", "ambient_degC": t, **dict(zip(demands, v, strict=True))}
                     for t, v in coupled.items()]  # fmt: skip
         table = pd.DataFrame(rows).assign(motion="m", beyond_tested="strain")
         none = pd.DataFrame()
-        return SimpleNamespace(table=table, tested_range=none, outcome="completed", sentence="")
+        parts = {"lines": none, "piers": none}
+        return SimpleNamespace(
+            table=table, tested_range=none, outcome="completed", sentence="", **parts
+        )
 
     monkeypatch.setattr(bounds, "run_earthquake", analyse)
     models = {

@@ -96,8 +96,8 @@ def test_tangent_is_the_slope_of_the_force() -> None:
     assert_allclose(tangent, (ahead - behind) / (2.0 * step), rtol=tol.TANGENT_BEARING)
 
 
-def test_failed_trial_changes_nothing() -> None:
-    """After a trial that ran away, even a commit leaves the element where it was."""
+def test_failed_trial_cannot_be_committed() -> None:
+    """After a trial that ran away the element is where it was, and a commit says so."""
     table = changed_table(specimen_table(), {"hysteresis.yield_displacement": "0.1 mm"})
     constants = assembled(bearing_from_table(table, "table"), integrator="euler")
     element = tb.BearingElement.from_constants(constants, START)
@@ -105,8 +105,39 @@ def test_failed_trial_changes_nothing() -> None:
     before = element.save()
     trial = element.set_trial(60.0, DT, AIR)
     assert trial.outcome == "euler_unstable"
-    element.commit()
+    with pytest.raises(tb.InputError, match="ended as euler_unstable"):
+        element.commit()
     assert_same_state(element.state, before)
+    assert element.set_trial(0.03, DT, AIR).outcome == "completed"
+    element.commit()
+    assert element.state.books[0].displacement == 0.03
+
+
+@pytest.mark.parametrize("back", ["restore", "revert_to_start"])
+def test_a_failed_trial_is_forgotten_with_its_state(back: str) -> None:
+    element = fresh()
+    saved = element.save()
+    assert element.set_trial(float("nan"), DT, AIR).outcome == "not_finite"
+    if back == "restore":
+        element.restore(saved)
+    else:
+        element.revert_to_start()
+    element.commit()
+    assert_same_state(element.state, saved)
+
+
+@pytest.mark.parametrize("dt", [0.0, -1.0, float("nan")])
+def test_a_step_takes_time(dt: float) -> None:
+    with pytest.raises(tb.InputError, match="must be more than 0 s"):
+        fresh().set_trial(1.0, dt)
+
+
+def test_what_an_element_says_of_itself() -> None:
+    element = tb.element("shen-hdr-specimen", ambient=-20)
+    element.set_trial(3.0, DT)
+    element.commit()
+    assert "at 3 mm" in repr(element)
+    assert "-20.0 degC" in repr(element)
 
 
 @pytest.mark.parametrize("integrator", ["exact", "euler"])
@@ -123,3 +154,37 @@ def test_run_of_the_package_is_the_same_march(integrator: str) -> None:
     # The clock is a sum, so its differences are the steps but for rounding.
     peak = np.abs(forces).max()
     assert_allclose(result["force"].values[0], forces, rtol=0.0, atol=tol.CLOCK_FORCE * peak)
+
+
+@pytest.mark.parametrize("name", ["shen-hdr-specimen", "shen-lhdr-specimen"])
+def test_an_element_goes_on_where_a_test_ended(name: str) -> None:
+    """As a second test of the package does, forces and temperatures to the bit."""
+    test = tb.cyclic_test(strain=[1.0], cycles=1, rest=None, dt=0.01, closing_strain=None)
+    first = tb.run(name, test, ambient=AIR)
+    second = tb.run(name, test, ambient=AIR, initial=first)
+    element = tb.element(name, ambient=AIR, initial=tb.cyclic.end_state(first, name))
+    x, clock = second["displacement"].values[0], second["time"].values
+    forces = [float(element.state.books["force"][0])]
+    for k in range(1, len(x)):
+        forces.append(element.set_trial(x[k], clock[k] - clock[k - 1]).force)
+        element.commit()
+    peak = np.abs(forces).max()
+    assert_allclose(second["force"].values[0], forces, rtol=0.0, atol=tol.CLOCK_FORCE * peak)
+    element.revert_to_start()
+    assert element.state.books["force"][0] == first["force"].values[0, -1]
+
+
+def test_an_element_begins_only_where_its_bearing_was() -> None:
+    test = tb.cyclic_test(strain=[0.5], cycles=1, rest=None, dt=0.02)
+    result = tb.run("shen-hdr-specimen", test, ambient=[AIR, 23.0])
+    with pytest.raises(tb.InputError, match="not of this"):
+        tb.cyclic.end_state(result, "shen-lhdr-specimen", AIR)
+    with pytest.raises(tb.InputError, match="2 runs"):
+        tb.cyclic.end_state(result, "shen-hdr-specimen")
+    warm = tb.cyclic.end_state(result, "shen-hdr-specimen", 23.0)
+    assert min(warm.temperature) > 22.0
+    with pytest.raises(tb.InputError, match="end_state"):
+        tb.element("shen-hdr-specimen", initial=result)
+    fine = tb.bearing.changed_bearing("shen-hdr-specimen", cells={"rubber": 4})
+    with pytest.raises(tb.InputError, match="cells"):
+        tb.element(fine, initial=warm)

@@ -39,7 +39,7 @@ def labels(ax: Axes) -> tuple[str, str]:
 
 
 def titles(figure: Figure) -> list[str]:
-    return [ax.get_title(loc="left") for ax in figure.axes]
+    return [ax.get_title(loc="left").replace("\n", " ") for ax in figure.axes]
 
 
 def shown(figure: Figure) -> list[str]:

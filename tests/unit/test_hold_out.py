@@ -252,3 +252,24 @@ def test_command_with_folds(tmp_path: Path, good: list[TestRecord]) -> None:
     assert told["limits"] == {"K_eq": 0.15, "h_eq": 0.15, "NRMSE": 1e-6}
     assert set(told["jackknife_stderr"]) == {"K_r"}
     assert table["K_r"].to_numpy() == pytest.approx([row["K_r"] for row in told["folds"]], rel=1e-6)
+
+
+def test_a_test_is_judged_as_it_is_fitted() -> None:
+    """Before: R2 0.97 for 0.996, since rests that relax and spikes taken out counted."""
+    steps = tb.cyclic_test(strain=[0.5, 1.0], cycles=2, rest=120.0)
+    record = tb.identify.synthetic_record(
+        "shen-hdr-specimen", 0.0, steps, noise=0.005, sampling=20.0, through_rests=True, jitter=0.02
+    )
+    force = record.force + 0.2 * record.peak_force * (np.abs(record.displacement) < 0.2)
+    force[len(force) // 3] += 3.0 * record.peak_force
+    record = replace(record, force=force, despike=True)
+    found = tb.validate.validate("shen-hdr-specimen", record).comparisons[0]
+    assert found.R2 > 0.97
+    assert found.NRMSE < 0.05
+    held = cross_validate(
+        [record, replace(record, name="other")], "shen-hdr-specimen", folds=2, free=["K_r"],
+        starts=1,
+    )  # fmt: skip
+    assert held.table["fold"].tolist() == [0, 0, 1, 2]
+    assert held.judged.table["R2"].min() > 0.97
+    assert len({id(item.record) for item in held.judged.comparisons}) == 2

@@ -1,5 +1,6 @@
 """Bad records are refused or warned of, with the reason; good ones are left in peace."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -8,7 +9,7 @@ import pytest
 import thermobearing as tb
 from thermobearing.border.errors import InputError
 from thermobearing.identify.checks import CheckReport, check_test
-from thermobearing.identify.record import TestRecord
+from thermobearing.identify.record import TestRecord, record_from_arrays
 from thermobearing.identify.run import identify_bearing
 from thermobearing.identify.synthetic import synthetic_record
 
@@ -143,6 +144,43 @@ def test_force_clipped_below(good: TestRecord) -> None:
     assert "clipped" in said(report, "warning")
     assert (good.force[report.clipped] <= limit).all()
     assert report.clipped.sum() > 10
+
+
+@pytest.mark.parametrize("zero", [-1.6, 1.6])
+def test_a_slight_zero_of_the_force_is_told(zero: float) -> None:
+    """Before: 1.4 % of the peak passed without a word. In the cold, where every side is weaker."""
+    steps = tb.cyclic_test(strain=[0.5, 1.0, 1.5], cycles=4, rest=None)
+    cold = synthetic_record(BEARING, -20.0, steps, noise=0.01, seed=3)
+    assert "no more than these cycles can tell" in said(check_test(cold, BEARING), "note")
+    assert "offset" not in {finding.check for finding in check_test(cold, BEARING).findings}
+    peak = cold.peak_force
+    shifted = replace(cold, force=cold.force + zero / 160.0 * peak)
+    told = said(check_test(shifted, BEARING), "warning")
+    number = float(re.findall(r'force_offset = "(.*) kN"', told)[0])
+    assert number == pytest.approx(zero / 160.0 * peak, rel=0.15)
+
+
+@pytest.mark.parametrize(
+    ("way", "force", "slip"),
+    [
+        (1.0, 1e3, "is force in N labelled kN (1.25 MPa)?"),
+        (0.1, 1.0, "displacement in cm labelled mm (1.25 MPa)?"),
+        (
+            1.0,
+            1.0 / 9.80665,
+            "is force in tonf labelled kN (1.25 MPa) or displacement in mm labelled cm",
+        ),
+    ],
+)
+def test_a_wrong_unit_is_told_by_the_slip_behind_it(way: float, force: float, slip: str) -> None:
+    """Before: "127 MPa if force is in kN labelled tonf?" for newtons, and that for centimetres."""
+    t = np.linspace(0.0, 4.0, 2001)
+    x = 60.0 * np.sin(np.pi * t)
+    scale = 1.25 * BEARING.area / BEARING.total_rubber_thickness / 1e3
+    f = scale * (x + 10.0 * np.cos(np.pi * t))
+    f *= scale * 60.0 / np.abs(f).max()
+    report = check_test(record_from_arrays(t, way * x, force * f, 23.0), BEARING)
+    assert slip in said(report, "refused")
 
 
 def test_offset_is_the_middle_of_the_middles(good: TestRecord) -> None:

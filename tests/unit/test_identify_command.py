@@ -221,3 +221,17 @@ def test_posterior_without_emcee(found: Identification, monkeypatch: pytest.Monk
     monkeypatch.setitem(sys.modules, "emcee", None)
     with pytest.raises(InputError, match="thermobearing\\[bayes\\]"):
         posterior_samples(found)
+
+
+def test_a_missing_emcee_is_told_before_the_fit(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Before: after it, and the fit was lost."""
+    monkeypatch.setitem(sys.modules, "emcee", None)
+    monkeypatch.setattr("thermobearing.identify.run.run_identify", lambda case: pytest.fail("fit"))
+    file = tmp_path / "t.csv"
+    file.write_text("time_s,displacement_mm,force_kN\n0,0,0\n1,2,3\n2,0,-1\n")
+    words = ["identify", str(file), "--bearing", "shen-hdr-specimen", "--posterior"]
+    done = CliRunner().invoke(app, [*words, "-o", str(tmp_path / "out")])
+    assert done.exit_code == 2
+    assert "thermobearing[bayes]" in done.output

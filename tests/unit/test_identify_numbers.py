@@ -178,6 +178,11 @@ def test_stiffer_first_cycles_are_told(first: float, told: bool) -> None:
     assert len(said) == int(told)
     if told:
         assert "17% stronger" in said[0]  # 1 - 1/1.2
+        assert "first_cycle_weight = 0" in said[0]
+        fit = replace(fit, record=replace(fit.record, first_cycle_weight=0.0))
+        (text,) = (text for text in fit.warnings if "scragging" in text)
+        assert "they had no weight" in text
+        assert "first_cycle_weight" not in text
 
 
 def linear_problem(sizes: tuple[float, float]) -> tuple[Any, np.ndarray]:

@@ -158,6 +158,7 @@ BAD = [
     ("words", "a,b,c\n" + "x,y,z\n" * 20, "0 rows of numbers"),
     ("short", "time_s,displacement_mm,force_kN\n0,0,0\n1,1,1\n", "2 rows of numbers"),
     ("no force", "time_s,a_mm\n" + "".join(f"{k},{k % 7}\n" for k in range(20)), "like a force"),
+    ("no unit of force", "time_s,a_mm,Kraft [t]\n" + "1,2,3\n2,3,4\n" * 20, '"t" is no unit of it'),
     ("empty", "", "is empty"),
     ("binary", bytes(range(1, 256)) * 3, "neither UTF-8"),
 ]

@@ -9,6 +9,7 @@ from numpy.testing import assert_allclose
 
 import thermobearing as tb
 from tests import tolerances as tol
+from thermobearing.border.errors import InputError
 from thermobearing.border.sidecar import read_laboratory
 from thermobearing.border.stamps import seconds_of
 from thermobearing.border.tables import columns_of
@@ -242,3 +243,32 @@ def test_what_a_sidecar_tells_is_not_looked_for(tmp_path: Path) -> None:
     for decimal, displacement in ((",", [1.234, 2.345]), (".", [1234.0, 2345.0])):
         path = lies(tmp_path, text, sidecar=f'decimal = "{decimal}"\nseparator = ";"')
         assert load_test(path).displacement.tolist() == displacement
+
+
+def test_a_head_of_words_and_numbers_is_no_table(tmp_path: Path) -> None:
+    """Before: "Datum;05.02.2026" was the first row of numbers, the specimen's name its title."""
+    rows = "".join(f"{k / 10};{k % 7};{2 * (k % 7)};-10,2\n" for k in range(40)).replace(".", ",")
+    file = tmp_path / "cold.csv"
+    head = "Pr\u00fcfling A7\nDatum;05.02.2026\nAbtastrate [Hz];20\n\n"
+    file.write_text(f"{head}Zeit [s];Verschiebung [cm];Kraft [N];Raumtemperatur [\u00b0C]\n{rows}")
+    record = load_test(file)
+    assert (len(record.time), record.ambient) == (40, pytest.approx(-10.2))
+    assert_allclose(record.displacement[:3], [0.0, 10.0, 20.0])
+
+
+@pytest.mark.parametrize(
+    "title", ["\u6052\u6e29\u69fd\u6e29\u5ea6 (\u2103)", "\u6052\u6e29\u5ba4 [degC]"]
+)
+def test_a_climate_chamber_is_the_ambient(tmp_path: Path, title: str) -> None:
+    """Before: taken for a thermocouple without a place, and 23 degC assumed."""
+    rows = "".join(f"{k},{k % 7},{2 * (k % 7)},-25\n" for k in range(40))
+    file = tmp_path / "cold.csv"
+    file.write_text(f"time_s,displacement_mm,force_kN,{title}\n{rows}", encoding="utf-8")
+    assert load_test(file).ambient == -25.0
+
+
+def test_a_sidecar_without_columns_says_where_to_look(tmp_path: Path) -> None:
+    (tmp_path / "t.csv").write_text("Zeit [s];Weg [cm];Kraft [N]\n0;0;0\n1;2;3\n")
+    (tmp_path / "t.toml").write_text('ambient = "5 degC"\n')
+    with pytest.raises(InputError, match=r"thermobearing intake t\.csv finds out"):
+        load_test(tmp_path / "t.toml")

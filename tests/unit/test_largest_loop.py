@@ -102,3 +102,12 @@ def test_work_is_that_of_the_books_from_zero_to_zero() -> None:
     loop = largest_loop(d, d, 7.0 * angle, **PLAN)
     assert loop is not None
     assert loop.measures.energy_kN_mm == pytest.approx(14.0 * np.pi, rel=tol.LOOP_POINTS)
+
+
+def test_noise_does_not_choose_between_equal_excursions() -> None:
+    """Three cycles of one amplitude, the third a hair larger: of a test, the first is meant."""
+    angle = np.linspace(0.0, 6.0 * np.pi, 601)
+    d = np.sin(angle) * np.where(angle > 4.0 * np.pi, 1.004, 1.0)
+    assert find_largest_loop(d) == (399, 600)
+    assert find_largest_loop(d, 0.01) == (0, 200)
+    assert find_largest_loop(-d, 0.01) == (0, 200)

@@ -12,11 +12,14 @@ from numpy.testing import assert_allclose, assert_array_equal
 import thermobearing as tb
 from tests import tolerances as tol
 from thermobearing.border.schema import validated
+from thermobearing.design.bounds import DEMANDS, bounds_study, least_safe, paragraph
 from thermobearing.earthquake.case import make_earthquake_case
+from thermobearing.earthquake.governing import governing_runs
 from thermobearing.earthquake.run import build_tasks
 from thermobearing.structure.matrices import coordinates
-from thermobearing.structure.model import Structure
+from thermobearing.structure.model import Structure, load_structure
 from thermobearing.structure.parts import fixed_base, piers_of, reported_line
+from thermobearing.structure.plausible import implausible_structure
 
 MOTION: dict[str, Any] = {"motion": "jra-ii-i-1", "duration": 6.0}
 
@@ -255,3 +258,88 @@ def test_air_of_lines_is_added_to_that_of_the_run() -> None:
     assert_array_equal(said["line_force"], plain["line_force"])
     other = tb.bridge("shen-hdr-bridge", ambient=23, lines=lines, **given)
     assert_allclose(other["line_force"], plain["line_force"], rtol=1e-6)
+
+
+def test_a_run_with_several_cold_lines_leaves_the_law_once() -> None:
+    """Two lines of one bearing in one run; before, lines were counted and called runs."""
+    said = tb.bridge("shen-hdr-bridge", ambient=[-30.0], structure=bridge_of(two_piers()), **MOTION)
+    (law,) = [text for text in said.warnings if "temperature law" in text]
+    assert "extrapolated in 1 run," in law
+
+
+def test_bounds_judge_every_line_and_pier() -> None:
+    """Before, the line and pier of the report alone, and nothing said so."""
+    structure = bridge_of(two_piers())
+    study = bounds_study("shen-hdr-bridge", ambient=[23.0, -20.0], structure=structure, **MOTION)
+    assert set(study["part"]) == {"on A", "on B", "A", "B", ""}
+    strain = study[study["demand"] == "bearing_strain_max"].set_index("part")
+    assert list(strain.index) == ["on A", "on B"]
+    assert strain.loc["on A", "coupled_max"] != strain.loc["on B", "coupled_max"]
+    assert "bearing strain (on A, on B)" in paragraph(study, "x")
+    shown = least_safe(study)
+    assert len(shown) == len(DEMANDS)
+    lowest = study.groupby("demand")["envelope_over_coupled"].min()
+    assert_array_equal(shown["envelope_over_coupled"], lowest.loc[list(DEMANDS)].to_numpy())
+    whole = tb.bridge("shen-hdr-bridge", ambient=[23.0, -20.0], structure=structure, **MOTION)
+    largest = whole.lines.groupby("line")["strain_max"].max()
+    assert_array_equal(strain["coupled_max"], largest.loc[list(strain.index)])
+
+
+def test_the_largest_of_all_lines_and_piers_is_said(
+    study: tb.earthquake.EarthquakeResult, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Before, the first table was about one line and pier and did not say which."""
+    rows = governing_runs(study).set_index("what")
+    farthest = study.lines.loc[study.lines["strain_max"].idxmax()]
+    assert rows.loc["bearing strain", "largest"] == farthest["strain_max"]
+    assert rows.loc["bearing strain", "part"] == farthest["line"]
+    assert rows.loc["pier ductility", "part"] == "B"  # A has no hinge
+    deck = float(np.abs(study.dataset["deck_displacement"]).max())
+    assert rows.loc["deck displacement [mm]", "largest"] == pytest.approx(deck, rel=1e-6)
+    assert (
+        study.table["deck_displacement_max_mm"][0] == rows.loc["deck displacement [mm]", "largest"]
+    )
+    assert study.summary()["largest"] == governing_runs(study).to_dict("records")
+    study.show()
+    shown = capsys.readouterr().out
+    assert "shen-hdr-bridge: line on B, pier B" in shown
+    assert "largest of all runs" in shown
+    title = study.plot.pier().get_suptitle()
+    assert title.replace("\n", " ").endswith("(line on B, pier B)")
+
+
+def test_the_structure_of_the_docs_is_what_they_say(tmp_path: Path) -> None:
+    """k = M/(theta h^2), u_y = theta h; the equivalent stiffness does not touch the response."""
+    text = (Path(__file__).parents[2] / "docs" / "files.md").read_text()
+    block = next(b for b in text.split("```") if 'name = "pier and abutment"' in b)
+    file = tmp_path / "mine.toml"
+    file.write_text(block.removeprefix("toml\n"))
+    assert implausible_structure(load_structure(file)) == []
+    (hinge,) = load_structure(file).hinges
+    assert hinge.yield_rotation * 8000.0 == pytest.approx(20.0)
+    assert hinge.stiffness / 8000.0**2 == pytest.approx(200.0)
+    other = tmp_path / "other.toml"
+    other.write_text(file.read_text().replace('"2.6 kN/mm"', '"1.3 kN/mm"'))
+    one, two = (
+        tb.bridge("shen-hdr-bridge", ambient=[23.0], structure=path, **MOTION)
+        for path in (file, other)
+    )
+    assert_array_equal(one["bearing_force"], two["bearing_force"])
+
+
+def test_a_study_says_what_is_not_usual_in_its_bearing_and_structure() -> None:
+    """Before, only `check` did; a bearing of 0.1 % of the stiffness ran without a word."""
+    bearing = tb.load_bearing("shen-hdr-bridge")
+    soft = bearing.hysteresis.model_copy(update={"layer_stiffness": 0.0784})
+    odd = bearing.model_copy(update={"name": "odd", "hysteresis": soft})
+    light = two_piers()
+    light["masses"][0]["mass"] = "400 kg"
+    said = tb.bridge(odd, ambient=[23.0], structure=bridge_of(light), **MOTION).warnings
+    assert any(text.startswith("odd: shear modulus K_r t_r / A") for text in said), said
+    assert any(text.startswith("mass of the deck = 0.4 t") for text in said), said
+
+
+def test_a_misspelled_file_is_told_its_neighbour(tmp_path: Path) -> None:
+    (tmp_path / "hdr-720-10x17.toml").write_text("")
+    with pytest.raises(tb.InputError, match=r'no such file; did you mean "hdr-720-10x17\.toml"\?'):
+        tb.load_bearing(tmp_path / "hdr-720-10x71.toml")

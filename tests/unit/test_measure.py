@@ -50,3 +50,13 @@ def test_sidecar_and_rests(tmp_path: Path, ending: str, separator: str, comma: b
     assert [cycle["ends"] for cycle in said["cycles"]] == ["rest"] * 3
     assert "columns not used: T_3" in said["notes"]
     assert "columns not used: T_3" in done.stdout
+
+
+def test_a_unit_that_no_bearing_can_have_is_told(tmp_path: Path) -> None:
+    """Before: 2000 MPa, without a word."""
+    path = logged(tmp_path / "t.csv")
+    sidecar = path.with_suffix(".toml")
+    sidecar.write_text(sidecar.read_text().replace('"N"', '"kN"'))
+    done = CliRunner().invoke(app, ["measure", str(path), "--bearing", "shen-hdr-specimen"])
+    assert done.exit_code == 0, done.output
+    assert "more than any bearing has; is force in N labelled kN" in done.stdout

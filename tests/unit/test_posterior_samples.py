@@ -8,6 +8,7 @@ from numpy.testing import assert_allclose
 
 import thermobearing as tb
 from tests.unit.inputs import command, summary
+from thermobearing.border.toml import to_toml
 from thermobearing.cyclic.equivalent import backbone, bilinear_parameters, post_yield_ratio
 from thermobearing.design.published import coldest_factors, published_codes, published_tables
 from thermobearing.identify import posterior_bearings
@@ -29,6 +30,45 @@ def test_samples_become_bearings(tmp_path: Path) -> None:
     assert [one.hysteresis.layer_stiffness for one in others] == [30.0, 34.0, 38.0]
     assert others[1].hysteresis.elastic_temperature_coefficient == pytest.approx(-1.4)
     assert len(posterior_bearings(NAME, file, 100)) == 10
+
+
+def test_samples_are_told_apart_in_a_sweep(tmp_path: Path) -> None:
+    """Before: all had the name of the fit, and a sweep refused them."""
+    bearings = posterior_bearings(NAME, written(tmp_path, "K_r\n25\n30\n35\n"))
+    test = tb.cyclic_test(strain=[1.0], cycles=1, rest=None)
+    band = tb.sweep(bearings, test=test, ambient=-20).G_eq_MPa.isel(strain=0, cycle=0, ambient=0)
+    names = [NAME, *(f"{NAME}, sample {k}" for k in (1, 2, 3))]
+    assert list(band.bearing.values) == names
+    lowest, _, highest = band.sel(bearing=names[1:]).values
+    assert lowest < band.sel(bearing=NAME).item() < highest
+
+
+def test_a_full_size_bearing_takes_the_samples_of_its_specimen(tmp_path: Path) -> None:
+    """Before: K_r and d_y of the specimen in the large bearing, whose band left out its factor."""
+    specimen = tb.load_bearing("shen-lhdr-specimen")
+    large = tb.bearing.new_bearing(
+        "large", specimen, plan="900x900mm", layers="6x22mm", shim="4.5mm", lead="130mm", cores=4
+    )
+    h, lead = specimen.hysteresis, specimen.lead
+    assert lead is not None
+    row = (1.1 * h.layer_stiffness, h.yield_displacement, 1.2 * lead.stiffness, -1.0)
+    file = written(tmp_path, "K_r,d_y,K_l,m_T\n" + ",".join(map(str, row)) + "\n")
+    with pytest.raises(tb.InputError, match="of another bearing"):
+        posterior_bearings(large, file)
+    specimen_file = tmp_path / "bearing.toml"
+    specimen_file.write_text(to_toml(specimen))
+    first, other = posterior_bearings(large, file)
+    assert first == large
+    assert large.lead is not None
+    assert other.lead is not None
+    assert other.hysteresis.layer_stiffness == pytest.approx(1.1 * large.hysteresis.layer_stiffness)
+    assert other.hysteresis.yield_displacement == pytest.approx(large.hysteresis.yield_displacement)
+    assert other.lead.stiffness == pytest.approx(1.2 * large.lead.stiffness)
+    assert other.hysteresis.elastic_temperature_coefficient == -1.0
+    assert other.geometry == large.geometry
+    assert other.name == "large, sample 1"
+    with pytest.raises(tb.InputError, match="not made of its compound: shear_modulus"):
+        posterior_bearings("shen-lhdr-bridge", file)
 
 
 @pytest.mark.parametrize(

@@ -171,8 +171,10 @@ def test_a_study_says_what_it_leaves(tmp_path: Path) -> None:
         "shen-lhdr-bridge, jra-ii-i-1, 23 degC", "strain"
     ] == pytest.approx(worst)
     assert study.summary()["runs"][4]["beyond_tested"].startswith("strain")
-    shaded = [[text.get_text() for text in ax.texts] for ax in study.plot.loops().axes]
-    assert shaded == [[], ["shaded: not tested"], ["shaded: not tested"]]
+    shaded = [
+        "shaded: not tested" in [t.get_text() for t in ax.texts] for ax in study.plot.loops().axes
+    ]
+    assert shaded == [False, True, True]
     folder = study.save(tmp_path / "out", figures=False)
     assert len(pd.read_csv(folder / "tested_range.csv")) == len(rows) == 14
     with contextlib.redirect_stdout(io.StringIO()) as screen:

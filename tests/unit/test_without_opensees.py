@@ -21,9 +21,10 @@ ROOT = Path(__file__).parents[2]
 NEED_IT = (
     "tests/cross_code/test_opensees_lead.py",
     "tests/cross_code/test_opensees_pier.py",
+    "tests/docs/test_site.py",
     "tests/verification/test_factors.py",
 )
-SKIPPED = 1 + 6 + 1
+SKIPPED = 1 + 6 + 1 + 1
 
 
 @pytest.fixture

@@ -260,6 +260,7 @@ BAD_WORDS: list[tuple[list[Any], list[str]]] = [
     (["shen-hdr-bridge", "--cycles", "third"], ['cycles = "third"', "all-but-first"]),
     (["shen-hdr-bridge", "--cycles", "0,1"], ["cycles = [0, 1]", "1 to 100"]),
     (["shen-hdr-bridge", "--cycles", "1-4"], ['cycles = "1-4"', '"1-3"?']),
+    (["shen-hdr-bridge", "shen-lhdr-bridge"], ["(HDR)", "(LHDR)", "a run each"]),
 ]
 
 

@@ -3,6 +3,8 @@ from .ambient import Ambient as Ambient
 from .bilinear import BilinearBearing as BilinearBearing
 from .bilinear import list_bilinear as list_bilinear
 from .bilinear import load_bilinear as load_bilinear
+from .changed import changed_bearing as changed_bearing
+from .changed import save_bearing as save_bearing
 from .compound import Compound as Compound
 from .compound import list_compounds as list_compounds
 from .compound import load_compound as load_compound

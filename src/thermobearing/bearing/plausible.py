@@ -57,15 +57,19 @@ class Usuals(Strict):
 
 
 @cache
-def usual_values() -> list[Usual]:
+def usual_values(name: str = "bearing.toml") -> list[Usual]:
     """The usual ranges that are shipped with the package.
+
+    Parameters
+    ----------
+    name : of the file in data/plausible: "bearing.toml" or "structure.toml".
 
     Examples
     --------
     >>> usual_values()[0].key, usual_values()[0].ends
     ('geometry.rubber_thickness', (1.5, 40.0))
     """
-    path = data_path("plausible", "bearing.toml")
+    path = data_path("plausible", name)
     return validated(Usuals, read_toml(path), str(path)).usual
 
 
@@ -98,12 +102,30 @@ def implausible(bearing: Bearing | BilinearBearing) -> list[str]:
         low, high = usual.ends
         if value is None or low <= value <= high or _does_nothing(bearing, usual.key, value):
             continue
-        unit = f" {usual.unit}" if usual.unit else ""
-        found.append(
-            f"{usual.key} = {value:.4g}{unit}: usual are {low:g} to {high:g}{unit} "
-            f"({usual.source}: {usual.note}). Often behind it: {usual.slip}"
-        )
+        found.append(sentence(usual.key, value, usual))
     return found
+
+
+def sentence(what: str, value: float, usual: Usual) -> str:
+    """What is said of a value outside its usual range.
+
+    Parameters
+    ----------
+    what : the number, for people.
+    value : in the unit of the range.
+    usual : the range.
+
+    Examples
+    --------
+    >>> sentence("layer", 200.0, usual_values()[0])[:46]
+    'layer = 200 mm: usual are 1.5 to 40 mm (assume'
+    """
+    low, high = usual.ends
+    unit = f" {usual.unit}" if usual.unit else ""
+    return (
+        f"{what} = {value:.4g}{unit}: usual are {low:g} to {high:g}{unit} "
+        f"({usual.source}: {usual.note}). Often behind it: {usual.slip}"
+    )
 
 
 def _value(item: Any, key: str) -> float | None:

@@ -2,11 +2,13 @@
 
 import difflib
 from collections.abc import Iterable
+from itertools import islice
 from pathlib import Path
 from unicodedata import category
 
 HIDDEN = ("Cc", "Cf", "Cs")  # control characters, marks without a shape, lone surrogates
 LONGEST_NAME = 500  # characters of a path that a message shows
+MOST_BESIDE = 2000  # files of a folder that are looked through for one of nearly the same name
 
 
 class ThermobearingError(Exception):
@@ -58,7 +60,7 @@ def read_bytes(path: Path, most: int) -> bytes:
         with path.open("rb") as file:
             raw = file.read(most + 1)
     except FileNotFoundError:
-        raise InputError("no such file", shown) from None
+        raise InputError(f"no such file{_beside(path)}", shown) from None
     except IsADirectoryError:
         raise InputError("is a directory, not a file", shown) from None
     except OSError as error:  # a name too long, no rights, a failing disk
@@ -68,6 +70,15 @@ def read_bytes(path: Path, most: int) -> bytes:
     if len(raw) > most:
         raise InputError(f"is larger than {most / 1e6:g} MB", shown)
     return raw
+
+
+def _beside(path: Path) -> str:
+    """A clause with a file of nearly that name in the same folder, if there is one."""
+    try:
+        names = [item.name for item in islice(path.parent.iterdir(), MOST_BESIDE)]
+    except (OSError, ValueError):
+        return ""
+    return closest(path.name, names)
 
 
 def is_file(path: Path) -> bool:

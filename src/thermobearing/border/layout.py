@@ -16,6 +16,7 @@ from thermobearing.border.units import HUGEST
 Floats = NDArray[np.float64]
 
 DATA = 0.5  # of the cells that hold anything are numbers: a row of data, with faults perhaps
+USUAL = 200  # rows whose cells are counted
 UNITLESS = re.compile(r"[-–]*|[hHmMsSdDyY./: -]*[:/.][hHmMsSdDyY./: -]*f*")  # in a row of units
 
 
@@ -98,6 +99,11 @@ def _share(row: list[str]) -> float:
     return sum(held) / max(len(held), 1)
 
 
+def _held(row: list[str]) -> int:
+    """Cells that hold anything: "Date;05.02.2026" above a table has fewer than its rows."""
+    return sum(bool(cell.strip()) for cell in row)
+
+
 def _is_units(row: list[str]) -> bool:
     """Whether a row holds units: "[s]", "kN", "-"."""
     bare = [cell.strip().strip("[]()").strip() for cell in row]
@@ -155,7 +161,15 @@ def _looks_like_head(row: list[str]) -> bool:
 
 def _head(rows: list[Row]) -> int:
     """Number of the row of titles: the widest row of words before the first row of numbers."""
-    first = next((n for n, (_, row) in enumerate(rows) if _share(row) >= DATA), len(rows))
+    usual = int(np.median([_held(row) for _, row in rows[:USUAL]])) if rows else 0
+    first = next(
+        (
+            n
+            for n, (_, row) in enumerate(rows)
+            if _share(row) >= DATA and (_held(row) >= usual or is_numeric(row[0]))
+        ),
+        len(rows),
+    )
     before = rows[:first]
     if not before:
         return 0

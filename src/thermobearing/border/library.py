@@ -1,7 +1,7 @@
 """Data shipped with the package: where it lies, and what a name or a path stands for."""
 
 import copy
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from thermobearing.border.errors import InputError, nearest
-from thermobearing.border.toml import read_toml, split_sources
+from thermobearing.border.schema import Strict, validated
+from thermobearing.border.toml import flat, read_toml, split_sources, to_table
 
 
 @cache
@@ -80,3 +81,18 @@ class Library:
         """The plain values of a file, and its path for messages; see `path`."""
         table, where = self.table(name_or_path)
         return split_sources(table)[0], where
+
+    def sources(self, model: type[Strict], table: Mapping[str, Any]) -> dict[str, str]:
+        """Sources of those values of a thing that are as in the built-in one of its name.
+
+        Parameters
+        ----------
+        model : of the thing.
+        table : of it, as `to_table` writes it; resolved cases hold no sources.
+        """
+        name = str(table.get("name", ""))
+        if name not in self.names():
+            return {}
+        values, sources = split_sources(self.table(name)[0])
+        built_in, given = flat(to_table(validated(model, values, name))), flat(table)
+        return {key: told for key, told in sources.items() if given.get(key) == built_in.get(key)}

@@ -64,8 +64,10 @@ def number_list(values: Any, what: str) -> Floats:
         raise InputError(f"{what}: must be a list of numbers, got {shortened(repr(values))}")
     if not np.isfinite(found).all():
         at = int(np.argmin(np.isfinite(found)))
-        raise InputError(f"{what}: {found[at]:g} at place {at + 1} is not finite")
+        raise InputError(f"{what}: {found[at]:g} at place {at + 1} (index {at}) is not finite")
     if float(np.abs(found).max()) > HUGEST:
         at = int(np.abs(found).argmax())
-        raise InputError(f"{what}: {found[at]:g} at place {at + 1} is more than {HUGEST:g}")
+        raise InputError(
+            f"{what}: {found[at]:g} at place {at + 1} (index {at}) is more than {HUGEST:g}"
+        )
     return found

@@ -43,6 +43,14 @@ class Strict(BaseModel):
     # context of the validation (whether the data are those of a file).
     __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
 
+    def __setattr__(self, name: str, value: Any) -> None:
+        if name in type(self).model_fields:
+            raise InputError(
+                f"{type(self).__name__}.{name}: records are frozen; make another (of a bearing: "
+                "tb.bearing.changed_bearing)"
+            )
+        super().__setattr__(name, value)
+
     @classmethod
     def conflicts(cls, given: dict[str, Any]) -> list[str]:
         """What is wrong with the combination of the keys that were given."""

@@ -185,13 +185,7 @@ def read_laboratory(
     if is_file(beside) and not _is_a_bearing(beside):
         return _with_sidecar(beside, path, optional)
     blocks = [BlockFile(file=str(path.absolute()))]
-    try:
-        return readings_of(Sidecar(), blocks, path, optional)
-    except InputError as error:
-        told = list(error.problems)
-        if "force" not in optional and any(text.startswith("no column") for text in told):
-            told[-1] += f"; thermobearing intake {path.name} finds out which columns it has"
-        raise InputError(told, error.where) from None
+    return readings_of(Sidecar(), blocks, path, optional)
 
 
 def _is_a_bearing(path: Path) -> bool:
@@ -287,7 +281,14 @@ def _read_block(
     layout = Layout(sidecar.lines_before, sidecar.lines_after, titles, sidecar.units, told)
     wanted = dict(zip(COLUMNS, ("s", "mm", "kN", "degC"), strict=True))
     wanted |= dict.fromkeys(sidecar.thermocouples, "degC")
-    found = columns_of(file, wanted, optional=optional, layout=layout)
+    try:
+        found = columns_of(file, wanted, optional=optional, layout=layout)
+    except InputError as error:
+        problems = list(error.problems)
+        lost = any(text.startswith("no column") for text in problems)
+        if lost and "force" not in optional and not sidecar.columns:
+            problems[-1] += f"; thermobearing intake {file.name} finds out which columns it has"
+        raise InputError(problems, error.where) from None
     unused += found.unused
     if found.others and told.sheet is None:
         names = ", ".join(f'"{name}"' for name in found.others)

@@ -71,6 +71,27 @@ def split_sources(table: Any, key: str = "") -> tuple[Any, dict[str, str]]:
     return values, sources
 
 
+def flat(table: Mapping[str, Any], key: str = "") -> dict[str, Any]:
+    """Values of a table by dotted key; lists of tables are counted, other lists are values.
+
+    Examples
+    --------
+    >>> flat({"a": {"b": 1}, "c": [{"d": 2}], "e": [3, 4]})
+    {'a.b': 1, 'c[0].d': 2, 'e': [3, 4]}
+    """
+    found: dict[str, Any] = {}
+    for name, value in table.items():
+        own = f"{key}.{name}" if key else name
+        if isinstance(value, Mapping):
+            found |= flat(value, own)
+        elif isinstance(value, list | tuple) and value and isinstance(value[0], Mapping):
+            for number, item in enumerate(value):
+                found |= flat(item, f"{own}[{number}]")
+        else:
+            found[own] = value
+    return found
+
+
 def to_table(model: Strict) -> dict[str, Any]:
     """A model as a TOML table: units on every number, unset choices left out."""
     table: dict[str, Any] = {}

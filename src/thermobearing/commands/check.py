@@ -26,6 +26,7 @@ from thermobearing.model.stack import build_stack
 from thermobearing.results.ranges import TESTED
 from thermobearing.sequences.case import SequenceCase, load_sequence_case
 from thermobearing.structure.model import DampingKind, Structure, load_structure
+from thermobearing.structure.plausible import implausible_structure
 from thermobearing.structure.run import prepare_structure
 
 # Keys that files of one kind alone have, to tell files that do not say what they are.
@@ -44,7 +45,7 @@ class Checked(NamedTuple):
 
 
 def check_file(path: Path) -> Checked:
-    """Kind of a TOML file, its main facts, and numbers that usual bearings do not have.
+    """Kind of a TOML file, its main facts, and numbers that usual ones do not have.
 
     Kinds: "bearing", "bilinear bearing", "compound", "structure", "rig", "test record" (the file
     beside a CSV), "earthquake case", "sequence case", "design case", "case" of a cyclic test, and
@@ -58,9 +59,11 @@ def check_file(path: Path) -> Checked:
     kind = kind_of(table, path)
     if kind in DATA:
         return Checked(kind, data_facts(kind, path), [])
-    facts, bearings = KINDS[kind](path)
+    facts, things = KINDS[kind](path)
+    structures = [item for item in things if isinstance(item, Structure)]
+    bearings = [item for item in things if not isinstance(item, Structure)]
     several = len(bearings) > 1
-    warnings = [
+    warnings = [text for item in structures for text in implausible_structure(item)] + [
         f"{bearing.name}: {sentence}" if several or "bearing" not in kind else sentence
         for bearing in {item.name: item for item in bearings}.values()
         for sentence in implausible(bearing)
@@ -108,8 +111,9 @@ def _compound(path: Path) -> tuple[dict[str, str], list[Bearing]]:
     return compound_facts(load_compound(path)), []
 
 
-def _structure(path: Path) -> tuple[dict[str, str], list[Bearing]]:
-    return structure_facts(load_structure(path)), []
+def _structure(path: Path) -> tuple[dict[str, str], list[Structure]]:
+    structure = load_structure(path)
+    return structure_facts(structure), [structure]
 
 
 def _rig(path: Path) -> tuple[dict[str, str], list[Bearing]]:
@@ -123,9 +127,9 @@ def _record(path: Path) -> tuple[dict[str, str], list[Bearing]]:
     return record_facts(load_test(path)), []
 
 
-def _study(path: Path) -> tuple[dict[str, str], list[Bearing | BilinearBearing]]:
+def _study(path: Path) -> tuple[dict[str, str], list[Bearing | BilinearBearing | Structure]]:
     case = load_earthquake_case(path)
-    return earthquake_facts(case), list(case.bearings)
+    return earthquake_facts(case), [*case.bearings, case.structure]
 
 
 def _sequence(path: Path) -> tuple[dict[str, str], list[Bearing]]:
@@ -133,9 +137,9 @@ def _sequence(path: Path) -> tuple[dict[str, str], list[Bearing]]:
     return sequence_facts(case), [case.bearing]
 
 
-def _design(path: Path) -> tuple[dict[str, str], list[Bearing]]:
+def _design(path: Path) -> tuple[dict[str, str], list[Bearing | Structure]]:
     case = load_design_case(path)
-    return design_facts(case), [load_bearing(name) for name in case.equal]
+    return design_facts(case), [*(load_bearing(name) for name in case.equal), case.structure]
 
 
 def _case(path: Path) -> tuple[dict[str, str], list[Bearing]]:

@@ -143,7 +143,7 @@ def identify(
     quiet: Quiet = False,
 ) -> int:
     """Identify a bearing's parameters from cyclic tests, with their uncertainty."""
-    from thermobearing.identify.posterior import forecast
+    from thermobearing.identify.posterior import forecast, need_emcee
     from thermobearing.identify.result import Identification
     from thermobearing.identify.treatment import to_be_treated
 
@@ -152,6 +152,8 @@ def identify(
     records = to_be_treated(records, despike, detrend)
     if check or bearing is None:
         return _look_over(records, bearing, target, force, no_figures, as_json, quiet)
+    if posterior:
+        need_emcee()
     announce_compiling(quiet)
     how: dict[str, Any] = {
         "free": [name.strip() for name in free.split(",")] if free is not None else None,

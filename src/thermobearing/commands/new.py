@@ -1,14 +1,12 @@
 """`thermobearing new`: a bearing made from a compound and the sizes of a drawing."""
 
-import os
 import re
-import secrets
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from thermobearing.border.errors import OutputError, printable
+from thermobearing.border.errors import printable
 from thermobearing.commands.common import AsJson, Quiet, echo_json, reported
 
 if TYPE_CHECKING:
@@ -73,9 +71,9 @@ def new(
     quiet: Quiet = False,
 ) -> int:
     """Make a bearing from a compound and its sizes, and write it as a TOML file."""
+    from thermobearing.bearing.changed import save_bearing
     from thermobearing.bearing.new import new_bearing
     from thermobearing.bearing.plausible import implausible
-    from thermobearing.border.toml import sourced_toml
     from thermobearing.commands.check import bearing_facts
     from thermobearing.results.screen import print_facts, print_warnings
 
@@ -94,7 +92,7 @@ def new(
         end_spreading=end_spreading,
     )
     target = output or Path(f"{name}.toml")
-    write_file(target, sourced_toml(made, made.sources), force=force)
+    save_bearing(made, target, force=force)
     if not quiet:
         facts = bearing_facts(made)
         if end_plate is None:
@@ -112,26 +110,3 @@ def not_measured(made: "Bearing") -> dict[str, str]:
     """Numbers that were chosen, assumed or borrowed and not measured on the compound."""
     keys = [key for key, text in made.sources.items() if NOT_MEASURED & set(WORD.findall(text))]
     return {"not measured": ", ".join(keys)} if keys else {}
-
-
-def write_file(target: Path, text: str, *, force: bool) -> None:
-    """A whole file or none; an earlier one only with `force`.
-
-    Raises
-    ------
-    OutputError : it exists, or cannot be written.
-    """
-    try:
-        if target.is_dir():
-            raise OutputError(f"{target}: is a directory; name a file with -o")
-        part = target.with_name(f".{target.name}-{secrets.token_hex(4)}")
-        if target.exists() and not force:
-            raise OutputError(f"{target}: exists; give --force to replace it, or -o FILE")
-        try:
-            part.write_text(text, encoding="utf-8")
-            os.replace(part, target)
-        finally:
-            part.unlink(missing_ok=True)
-    except (OSError, ValueError) as error:  # no such directory, a null byte in the name
-        told = getattr(error, "strerror", None) or error
-        raise OutputError(f"{target}: cannot be written: {told}") from None

@@ -12,3 +12,4 @@ from .result import Result as Result
 from .rig import Rig as Rig
 from .rig import load_rig as load_rig
 from .run import run_case as run_case
+from .start import end_state as end_state

@@ -93,7 +93,7 @@ def build_dataset(
         attrs = {"units": unit, "long_name": meaning}
         data[name] = (("ambient", "time", dimension), stacked(parts, length), attrs)
     data |= _per_run(runs, length) | _memories(runs)
-    coordinates = _coordinates(runs, labels)
+    coordinates = _coordinates(runs, labels, bool(attributes.get("half_stack")))
     if same:
         coordinates["time"] = ("time", clock[0], meanings["clock"])
     return xr.Dataset(
@@ -164,14 +164,21 @@ def _memories(runs: list[RunRecord]) -> dict[str, Any]:
     return found
 
 
-def _coordinates(runs: list[RunRecord], labels: StackLabels) -> dict[str, Any]:
+def depth_attributes(half: bool) -> dict[str, str]:
+    """Of the coordinate `depth`; of a half stack the other half is its mirror image."""
+    name = "distance of the cell centre from the upper face"
+    return {"units": "mm", "long_name": f"{name}, to the middle (half stack)" if half else name}
+
+
+def _coordinates(runs: list[RunRecord], labels: StackLabels, half: bool) -> dict[str, Any]:
     ambient = {"units": "degC", "long_name": "ambient temperature at the start"}
-    depth = {"units": "mm", "long_name": "distance of the cell centre from the upper face"}
+    depth = depth_attributes(half)
+    thickness = {"units": "mm", "long_name": "thickness of the cell"}
     return {
         "ambient": ("ambient", np.array([run.ambient for run in runs]), ambient),
         "layer": ("layer", np.arange(1, labels.layers + 1), {"long_name": "rubber layer, 1 outer"}),
         "cell": ("cell", np.arange(1, len(labels.depth) + 1), {"long_name": "cell, 1 at the face"}),
         "depth": ("cell", labels.depth, depth),
-        "cell_thickness": ("cell", labels.thickness, {"units": "mm"}),
+        "cell_thickness": ("cell", labels.thickness, thickness),
         "part": ("cell", np.array(labels.part, dtype=object), {"long_name": "what the cell is"}),
     }

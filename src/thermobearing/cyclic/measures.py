@@ -20,17 +20,17 @@ def unit_of(column: str) -> str:
     return next((unit for end, unit in UNITS.items() if column.endswith(end)), "1")
 
 
-def measures_dataset(cycles: pd.DataFrame) -> xr.Dataset:
+def measures_dataset(cycles: pd.DataFrame, *, recorded: bool) -> xr.Dataset:
     """Columns of `Result.cycles` as variables over ambient temperature, strain and cycle.
 
-    Where a strain comes twice (and in recorded histories, whose cycles have each their own) the
+    Where a strain comes twice, and in `recorded` histories, whose cycles have each their own, the
     dimensions are ambient temperature and `number` of the cycle in the test.
     """
     table = cycles.rename(columns={"ambient_degC": "ambient", "amplitude_strain": "strain"})
     labels = list(LABELS)
     if not len(table):
         return xr.Dataset()
-    if table.duplicated(labels).any() or (table.groupby("strain").size() == 1).all():
+    if recorded or table.duplicated(labels).any():
         table["number"] = table.groupby("ambient").cumcount() + 1
         labels = ["ambient", "number"]
     found = table.set_index(labels).to_xarray()

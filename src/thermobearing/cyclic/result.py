@@ -118,7 +118,8 @@ class Result(Shown):
         >>> result.to_dataset()["h_eq"].dims
         ('ambient', 'strain', 'cycle')
         """
-        return measures_dataset(self.cycles)
+        recorded = any(segment["kind"] == "recorded" for segment in self.segments)
+        return measures_dataset(self.cycles, recorded=recorded)
 
     @property
     def bearing_name(self) -> str:

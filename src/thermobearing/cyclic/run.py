@@ -72,8 +72,9 @@ def run(
     ambient : temperature of the air [degC], in [-100, 100]; several temperatures make several
         runs in one result; an `Ambient` is a series in time.
     history : instead of a test: two arrays, times [s] that increase and displacements [mm],
-        the first where the bearing is (0 mm for a virgin one).
-    dt : largest time step while the bearing moves [s], in [1e-6, 10].
+        the first where the bearing is (0 mm for a virgin one); straight lines between.
+    dt : largest time step while the bearing moves [s], in [1e-6, 10]; that of the test by
+        default, which is 0.005 unless told.
     scheme : "conservative" (default) or "published" heat scheme.
     integrator : "exact" (default) or "euler" integration of Z.
     hardening : "printed" (default, Eq. 4.34), or "monotone": unloading that never goes up.

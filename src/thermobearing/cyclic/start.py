@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
 from thermobearing.border.toml import to_table
@@ -62,6 +63,42 @@ def left_by(data: xr.Dataset, bearing: Bearing, ambient: list[float], where: str
     except InputError as error:
         raise InputError(error.lines("initial_result"), where) from None
     return state
+
+
+def end_state(
+    result: Earlier | str | Path, bearing: Bearing | str | Path, ambient: float | None = None
+) -> SpecimenState:
+    """Where an earlier result left a bearing, for `tb.element(bearing, initial=...)`.
+
+    Parameters
+    ----------
+    result : of a test, or of `bridge` or `hybrid` on one bearing line; or its directory.
+    bearing : the same bearing, with which the forces and the memory go.
+    ambient : which run, if the result has several [degC].
+
+    Returns
+    -------
+    SpecimenState : displacement, forces, temperatures and all memory.
+
+    Raises
+    ------
+    InputError : no such result, another bearing, or several runs.
+
+    Examples
+    --------
+    >>> import thermobearing as tb
+    >>> test = tb.cyclic_test(strain=[1.0], cycles=1, rest=None)
+    >>> result = tb.run("shen-hdr-specimen", test, ambient=-20)
+    >>> left = end_state(result, "shen-hdr-specimen")
+    >>> element = tb.element("shen-hdr-specimen", ambient=-20, initial=left)
+    >>> bool(element.state.books["force"][0] == result["force"].values[0, -1])
+    True
+    """
+    faults, data = settle_start({"initial_result": result}, ("initial_result",))
+    if data is None:
+        raise InputError(faults or "result: give one", "end_state()")
+    air = [] if ambient is None else [ambient]
+    return left_by(data, as_bearing(bearing), air, "end_state()")
 
 
 def final_state(data: xr.Dataset, ambient: list[float], bearing: str = "") -> SpecimenState:

@@ -24,7 +24,7 @@ MOST_POINTS = 2000  # bins of a history across the page, about one per pixel
 RESTS_SHARE = 0.55  # of the loading time: room that all shortened rests have together
 REST_SHARE = 0.13  # ... and that one of them has at most
 CUT_SHARE = 0.5  # of that room for a rest that is cut out
-LETTER, BOLD_LETTER = 0.0061, 0.0078  # mean width of a letter of a label, of the axis
+LETTER, BOLD_LETTER = 0.0082, 0.0105  # mean width of a letter of a label, of the axis
 REST_TICKS = (
     (10.0, "10 s"),
     (60.0, "1 min"),

@@ -13,6 +13,7 @@ from thermobearing.bearing.model import Bearing
 from thermobearing.bearing.validity import ranges_of
 from thermobearing.cyclic.equivalent import DESIGN_STRAIN, bilinear_parameters
 from thermobearing.earthquake.case import make_earthquake_case
+from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.earthquake.run import run_earthquake
 from thermobearing.motions.library import list_motions
 
@@ -21,6 +22,11 @@ DEMANDS = {  # column of the study's table: title of the panel
     "bearing_force_max_kN": "bearing force [kN]",
     "pier_displacement_max_mm": "pier displacement [mm]",
     "deck_acceleration_max_m_s2": "deck acceleration [m/s2]",
+}
+PARTS = {  # demand: table of a study with several lines or piers, who, column
+    "bearing_strain_max": ("lines", "line", "strain_max"),
+    "bearing_force_max_kN": ("lines", "line", "force_max_kN"),
+    "pier_displacement_max_mm": ("piers", "pier", "displacement_max_mm"),
 }
 BEARINGS = ("shen-hdr-bridge", "shen-lhdr-bridge")
 AIR = (23.0, 0.0, -20.0)  # at which the coupled model runs [degC]
@@ -100,7 +106,8 @@ def bounds_study(
 
     Returns
     -------
-    DataFrame : one row per motion and demand: lower, upper, envelope of the two; largest of the
+    DataFrame : one row per motion and demand, and where the structure has several bearing lines or
+        piers for each of them (column `part`): lower, upper, envelope of the two; largest of the
         coupled model and the temperature where it occurs; envelope over coupled; verdict
         ("unsafe" below 0.95, "wasteful" above 1.3); quantities beyond the tested range. Its `attrs`
         hold what the coupled model asks of that range, and how runs ended that did not complete.
@@ -122,29 +129,32 @@ def bounds_study(
         {"command": "bridge"}, "bounds", bearings=[bearing], ambient=list(ambient), **common
     )
     studies = run_earthquake(simple), run_earthquake(whole)
-    bounded, coupled = (study.table for study in studies)
+    coupled = studies[1].table
+    left = {m: _joined(mine["beyond_tested"]) for m, mine in coupled.groupby("motion")}
+    bounded, many = (_demanded(study) for study in studies)
+    whose = ["motion", "demand", "part"]
+    ends = bounded.set_index([*whose, "bearing"])["value"]
     rows = []
-    for motion in dict.fromkeys(coupled["motion"]):
-        two = bounded[bounded["motion"] == motion].set_index("bearing")
-        many = coupled[coupled["motion"] == motion].set_index("ambient_degC")
-        for column in DEMANDS:
-            lower, upper = (float(two.loc[name, column]) for name in ("lower", "upper"))
-            values = many[column]
-            ratio = max(lower, upper) / float(values.max())
-            rows.append(
-                {
-                    "motion": motion,
-                    "demand": column,
-                    "lower_bound": lower,
-                    "upper_bound": upper,
-                    "coupled_max": float(values.max()),
-                    "coupled_at_degC": float(values.idxmax()),
-                    "envelope_over_coupled": ratio,
-                    "verdict": verdict(ratio),
-                    **{f"coupled_{t:g}_degC": float(values[t]) for t in ambient},
-                    "beyond_tested": _joined(many["beyond_tested"]),
-                }
-            )
+    for key, mine in many.groupby(whose, sort=False):
+        motion, column, part = (str(name) for name in key)
+        lower, upper = (float(ends[motion, column, part, name]) for name in ("lower", "upper"))
+        values: pd.Series = mine.set_index("ambient_degC")["value"]
+        ratio = max(lower, upper) / float(values.max())
+        rows.append(
+            {
+                "motion": motion,
+                "demand": column,
+                **({"part": part} if len(set(many["part"])) > 1 else {}),
+                "lower_bound": lower,
+                "upper_bound": upper,
+                "coupled_max": float(values.max()),
+                "coupled_at_degC": float(values.index[int(values.argmax())]),
+                "envelope_over_coupled": ratio,
+                "verdict": verdict(ratio),
+                **{f"coupled_{t:g}_degC": float(values[t]) for t in ambient},
+                "beyond_tested": left[motion],
+            }
+        )
     found = pd.DataFrame(rows)
     found.attrs["tested_range"] = studies[1].tested_range.to_dict("records")
     found.attrs["structure"] = whole.structure.name
@@ -152,6 +162,45 @@ def bounds_study(
     found.attrs["sentences"] = [study.sentence for study in studies if study.outcome != "completed"]
     found.attrs["ranges"] = ranges_of(bearing)
     return found
+
+
+def _demanded(study: EarthquakeResult) -> pd.DataFrame:
+    """Demands of every run, of each line and pier where there are several: a row each."""
+    keys, found = ["bearing", "motion", "ambient_degC"], []
+    for motion in dict.fromkeys(study.table["motion"]):
+        for column in DEMANDS:
+            name, who, value = PARTS.get(column, ("", "", ""))
+            parts = getattr(study, name) if name else study.table
+            if not name or parts.empty:
+                parts, who, value = study.table.assign(part=""), "part", column
+            mine = parts[parts["motion"] == motion].rename(columns={who: "part", value: "value"})
+            found.append(mine[[*keys, "part", "value"]].assign(demand=column))
+    rows: pd.DataFrame = pd.concat(found, ignore_index=True)
+    return rows
+
+
+def least_safe(table: pd.DataFrame) -> pd.DataFrame:
+    """Of several lines or piers the one whose envelope is lowest over the coupled model.
+
+    Parameters
+    ----------
+    table : of `bounds_study`.
+
+    Returns
+    -------
+    DataFrame : one row per motion and demand, in their order.
+
+    Examples
+    --------
+    >>> rows = [{"motion": "x", "demand": "y", "envelope_over_coupled": r} for r in (1.2, 0.8)]
+    >>> least_safe(pd.DataFrame(rows))["envelope_over_coupled"].tolist()
+    [0.8]
+    """
+    order = table["envelope_over_coupled"].to_numpy().argsort(kind="stable")
+    lowest = table.iloc[order].drop_duplicates(["motion", "demand"])
+    kept: pd.DataFrame = lowest.sort_index()
+    kept.attrs = dict(table.attrs)
+    return kept
 
 
 def _joined(several: pd.Series) -> str:
@@ -200,17 +249,23 @@ def paragraph(table: pd.DataFrame, name: str) -> str:
     """
     sentences = []
     for column, title in DEMANDS.items():
-        ratios = table[table["demand"] == column]["envelope_over_coupled"].to_numpy()
+        rows = table[table["demand"] == column]
+        parts = list(dict.fromkeys(rows["part"])) if "part" in rows else []
+        ratios = rows["envelope_over_coupled"].to_numpy()
         unsafe, wasteful = int((ratios < UNSAFE).sum()), int((ratios > WASTEFUL).sum())
+        several = len(parts) > 1
+        who = f" ({', '.join(parts)})" if several else ""
+        of = f"{len(ratios)} {'cases' if several else 'motions'}"
         sentences.append(
-            f"{title.split(' [')[0]}: {ratios.min():.2f} to {ratios.max():.2f} of what the coupled "
-            f"model gives (unsafe for {unsafe}, wasteful for {wasteful} of {len(ratios)} motions)"
+            f"{title.split(' [')[0]}{who}: {ratios.min():.2f} to {ratios.max():.2f} of what the "
+            f"coupled model gives (unsafe for {unsafe}, wasteful for {wasteful} of {of})"
         )
     on = f" on {table.attrs['structure']}" if "structure" in table.attrs else ""
     worst = table.loc[int(np.argmin(table["envelope_over_coupled"].to_numpy()))]
+    where = f" of {worst['part']}" if worst.get("part") else ""
     return (
         f"{name}{on}: the envelope of the two bilinear bounds against the coupled model. "
         + "; ".join(sentences)
-        + f". The least safe is {DEMANDS[str(worst['demand'])].split(' [')[0]} under "
+        + f". The least safe is {DEMANDS[str(worst['demand'])].split(' [')[0]}{where} under "
         f"{worst['motion']} ({worst['envelope_over_coupled']:.2f})."
     )

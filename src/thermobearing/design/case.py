@@ -110,7 +110,13 @@ def make_design_case(
     except InputError as error:
         raise InputError(error.lines("compound"), where) from None
     if len(case.structure.bearings) != 1:
-        raise InputError("structure: the design loop needs exactly one bearing line", where)
+        names = ", ".join(f'"{line.name}"' for line in case.structure.bearings)
+        raise InputError(
+            f"structure: the design loop needs exactly one bearing line, and this has {names}; "
+            "give one pier with its line and the mass of the deck that it carries, then take the "
+            "bearings found (bearings/*.toml) for the whole structure in `bridge`",
+            where,
+        )
     return case
 
 

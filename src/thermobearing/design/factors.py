@@ -91,9 +91,9 @@ def temperature_factors(
 
     Parameters
     ----------
-    bearing : one bearing (a Bearing, a library name, or a TOML file); or several, such as samples
-        of a posterior: the first gives the values, all of them the band between the 5 and 95 %
-        quantiles.
+    bearing : one bearing (a Bearing, a library name, or a TOML file); or several of one kind, such
+        as samples of a posterior: the first gives the values, all of them the band between the 5
+        and 95 % quantiles.
     reference_temperature : [degC], in [-60, 60]; there is no default.
     temperatures : [degC], in [-60, 60].
     strains : shear strain amplitudes, in [0.1, 3].
@@ -203,6 +203,13 @@ def _check(
     problems: list[str] = []
     if not bearings:
         problems.append("bearing: give one or more layered bearings")
+    kinds = {item.kind: item.name for item in bearings}
+    if len(kinds) > 1:
+        told = ", ".join(f"{name} ({kind})" for kind, name in kinds.items())
+        problems.append(
+            f"bearing: {told}: several bearings make one band, as samples of a posterior do; "
+            "bearings of several kinds need a run each"
+        )
     for name, values, low, high, unit in (
         ("reference_temperature", [reference], COLDEST, HOTTEST, "degC"),
         ("temperatures", temperatures, COLDEST, HOTTEST, "degC"),

@@ -15,7 +15,7 @@ from thermobearing.bearing.model import Bearing
 from thermobearing.bearing.validity import ranges_of
 from thermobearing.border.errors import InputError
 from thermobearing.cyclic.result import Result
-from thermobearing.design.bounds import DEMANDS
+from thermobearing.design.bounds import DEMANDS, least_safe
 from thermobearing.design.published import published_tables
 from thermobearing.design.result import BoundsReport, Design, FactorReport
 from thermobearing.results import drawing
@@ -243,7 +243,7 @@ def draw_bounds(table: pd.DataFrame, title: str) -> Figure:
 
     Parameters
     ----------
-    table : of `bounds_study`.
+    table : of `bounds_study`; of several lines or piers the least safe is drawn, with its name.
     title : of the figure.
 
     Returns
@@ -258,6 +258,7 @@ def draw_bounds(table: pd.DataFrame, title: str) -> Figure:
     >>> len(draw_bounds(table, "bounds").axes)
     4
     """
+    table = least_safe(table)
     names = [str(name) for name in table.columns]
     temperatures = [
         float(name.split("_")[1])
@@ -275,8 +276,7 @@ def draw_bounds(table: pd.DataFrame, title: str) -> Figure:
         if column == "bearing_strain_max" and ax.get_ylim()[1] > most:
             ax.set_ylim(top=max(ax.get_ylim()[1], 1.1 * most))
             drawing.mark_tested(ax, most, "tested to here")
-        below = ax in axes[2:]
-        ax.set_xticks(np.arange(len(motions)), motions if below else [""] * len(motions))
+        ax.set_xticks(np.arange(len(motions)), motions if ax in axes[2:] else [""] * len(motions))
         ax.tick_params(axis="x", labelrotation=0 if len(motions) == 1 else 45)
         drawing.name_axes(ax, "", "", label.replace("m/s2", "m/s²"))
     handles = [
@@ -310,12 +310,12 @@ def _draw_demand(
         beside = at + place / len(temperatures)
         ax.plot(beside, values, "o", color=colour, markeredgecolor="white", zorder=3)
     look: drawing.Look = {"ha": "center", "va": "bottom", "textcoords": "offset points"}
-    ratios, verdicts = rows["envelope_over_coupled"], rows["verdict"]
-    for x, y, ratio, verdict in zip(at, top, ratios, verdicts, strict=True):
+    told = rows.assign(part=rows.get("part", ""))[["envelope_over_coupled", "verdict", "part"]]
+    for x, y, (ratio, verdict, part) in zip(at, top, told.to_numpy(), strict=True):
         if np.isfinite([y, ratio]).all():
             colour = UNSAFE_RED if verdict == "unsafe" else drawing.GREY
             look |= {"color": colour, "fontsize": drawing.SMALL, "xytext": (0, 5)}
-            ax.annotate(f"{ratio:.2f}", (x, y), **look)
+            ax.annotate(f"{part} {ratio:.2f}".strip(), (x, y), **look)
     highest = float(np.nanmax(top, initial=0.0))
     ax.set_ylim(0.0, 1.15 * highest or 1.0)  # a dot on the frame is cut, and numbers need room
     ax.set_xlim(-0.8, len(rows) - 0.2)

@@ -163,7 +163,8 @@ def judged(
 
     Returns
     -------
-    DataFrame : bearing, ambient [degC], peaks, verdict, what fails.
+    DataFrame : bearing, ambient [degC], peaks, verdict, what fails. Its `attrs` hold what the runs
+        ask of the range that the bearings were tested in.
 
     Examples
     --------
@@ -186,7 +187,9 @@ def judged(
         fails = [k for k, limit in kept.items() if limit is not None and peaks[k] > limit]
         fails += [str(v) for v in dict.fromkeys(mine["outcome"]) if v != "completed"]
         rows.append(row | peaks | {"verdict": "NG" if fails else "OK", "fails": " ".join(fails)})
-    return pd.DataFrame(rows)
+    found = pd.DataFrame(rows)
+    found.attrs["tested_range"] = study.tested_range.to_dict("records")
+    return found
 
 
 def envelope(table: pd.DataFrame) -> pd.DataFrame:

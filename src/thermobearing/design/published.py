@@ -119,6 +119,7 @@ def coldest_factors(table: pd.DataFrame, strain: float) -> list[str]:
         worst = max(rows.to_dict("records"), key=lambda row: row["factor"])
         others = [
             f"{item.label} x {np.interp(coldest, item.temperatures, item.factors):.2f}"
+            f"{'' if coldest in item.temperatures else ' (between its values)'}"
             for item in published_tables()
             if item.quantity == quantity
             and item.temperatures[0] <= coldest <= item.temperatures[-1]

@@ -1,5 +1,7 @@
 """The room's results on the terminal: rounds as they come, sheets, paragraphs, factors."""
 
+import pandas as pd
+
 from thermobearing.cyclic.equivalent import post_yield_ratio
 from thermobearing.design.bilinear import bounds_table
 from thermobearing.design.case import DesignCase, bearing_weight, make_design_case
@@ -188,8 +190,10 @@ def print_factors(report: FactorReport) -> None:
     >>> "upper bound" in shown.getvalue()
     True
     """
+    others = len(report.bearings) - 1
+    band = f" (values; figure and factors.csv have the band of it and {others} more)"
     say(
-        f"{report.name}: {report.motion}, cycles {report.cycles}, "
+        f"{report.name}{band if others else ''}: {report.motion}, cycles {report.cycles}, "
         f"reference {report.reference:g} degC, strain {report.strain:.0%}"
     )
     _print_factors(report)
@@ -206,16 +210,36 @@ def print_factors(report: FactorReport) -> None:
     for code in published_codes():
         mark = " (unverified)" if code.unverified else ""
         say(f"{code.code}: {code.says}{mark}")
+    say("values of other sources: figure, and `published` in summary.json")
     print_warnings(report.warnings)
 
 
 def _print_factors(report: FactorReport) -> None:
-    """Factors at the largest strain, a column for each temperature."""
+    """Factors at the largest strain, their band, and what they are made of."""
     rows = report.table[report.table["strain"] == report.strain]
-    wide = rows.pivot_table(index=["quantity", "basis"], columns="ambient_degC", values="factor")
+    last, mean = (rows.loc[rows["basis"] == basis, "value"] for basis in ("heated", "mean"))
+    if last.tolist() == mean.tolist():  # of one cycle: the same twice
+        rows = rows[rows["basis"] != "mean"]
+    _print_by_temperature(rows, "factor", [f"{value:.2f}" for value in rows["factor"]])
+    if len(report.bearings) > 1:
+        pairs = zip(rows["factor_low"], rows["factor_high"], strict=True)
+        shown = [f"{low:.2f} to {high:.2f}" for low, high in pairs]
+        _print_by_temperature(rows, f"5 to 95 % of {len(report.bearings)} bearings", shown)
+    names = [
+        quantity if unit == "1" else f"{quantity} {unit}"
+        for quantity, unit in zip(rows["quantity"], rows["unit"], strict=True)
+    ]
+    shown = [f"{value:.4g}" for value in rows["value"]]
+    _print_by_temperature(rows.assign(quantity=names), "value", shown)
+
+
+def _print_by_temperature(rows: pd.DataFrame, head: str, shown: list[str]) -> None:
+    """One table: a row for each quantity and basis, a column for each temperature."""
+    wide = rows.assign(shown=shown).pivot_table(
+        index=["quantity", "basis"], columns="ambient_degC", values="shown", aggfunc="first"
+    )
     cells = []
     for key, values in wide.iterrows():
         quantity, basis = key if isinstance(key, tuple) else (key, "")
-        cells.append((str(quantity), str(basis), *(f"{value:.2f}" for value in values)))
-    heads = ("factor", "cycles", *(f"{value:g} degC" for value in wide.columns))
-    print_table(heads, cells, keys=2)
+        cells.append((str(quantity), str(basis), *(str(value) for value in values)))
+    print_table((head, "cycles", *(f"{value:g} degC" for value in wide.columns)), cells, keys=2)

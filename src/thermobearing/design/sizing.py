@@ -16,13 +16,15 @@ from thermobearing.design.rubber import (
 )
 
 MOST_LAYERS = 60
+STRAIN_LIMIT, DUCTILITY_LIMIT = 2.5, 3.0  # Table 3.4, section 6.3.3
 
 
 class SizingRules(Strict):
     """How a bearing is sized; the defaults give the source's bearing for its displacement.
 
     As many layers as keep the design strain, then the smallest square plan (in whole steps)
-    with the second shape factor and under the stress.
+    with the second shape factor and under the stress. `strain_limit` and `ductility_limit` are
+    what the largest strain and the pier's ductility are judged by, at every temperature.
     """
 
     layer_thickness: Annotated[float, in_unit("mm"), Field(ge=0.5, le=200)] = 14.0  # Table 6.1
@@ -30,6 +32,8 @@ class SizingRules(Strict):
     second_shape_factor: Annotated[float, Field(ge=0.1, le=100)] = 5.0
     stress: Annotated[float, in_unit("MPa"), Field(ge=0.05, le=200)] = 6.0
     plan_step: Annotated[float, in_unit("mm"), Field(ge=1, le=1000)] = 50.0
+    strain_limit: Annotated[float, Field(ge=0.05, le=5)] = STRAIN_LIMIT
+    ductility_limit: Annotated[float, Field(ge=0.1, le=20)] = DUCTILITY_LIMIT
 
 
 @dataclass(frozen=True)
@@ -155,12 +159,15 @@ def checks_of(
     chosen = "chosen; unverified: no limit is printed"
     usual = "usual in Japan; unverified: no limit is printed"
     large = "a large value for a pier in an isolated bridge, section 6.3.3"
+    far = "largest strain tested, Table 3.4"
+    large = large if rules.ductility_limit == DUCTILITY_LIMIT else "sizing.ductility_limit"
+    far = far if rules.strain_limit == STRAIN_LIMIT else "sizing.strain_limit"
     return [
-        Check("shear strain", strain, 2.5, "1", "largest strain tested, Table 3.4"),
+        Check("shear strain", strain, rules.strain_limit, "1", far),
         Check("compressive stress", stress, rules.stress, "MPa", "of the tests, section 3.3"),
         Check("first shape factor", first, 5.0, "1", chosen, least=True),
         Check("second shape factor", second, 4.0, "1", usual, least=True),
-        Check("pier ductility", ductility, 3.0, "1", large),
+        Check("pier ductility", ductility, rules.ductility_limit, "1", large),
     ]
 
 

@@ -15,13 +15,16 @@ if TYPE_CHECKING:
 
 
 def asked_by_design(design: "Design") -> list[Row]:
-    """Rows of `compared`: the last round against its curves, equal bearings against their tests."""
+    """Rows of `compared`: the last round against its curves, equal bearings against their tests.
+
+    Those stand for the design displacement, and for every run at every temperature.
+    """
     rows = rows_of(design.study.tested_range)
     for item in design.equal:
         bearing, size = item.bearing, design.last.assumed
         reached = {"strain": size / bearing.total_rubber_thickness}
         rows += asked_of_tests(f"{bearing.name}, {size:.0f} mm", reached, ranges_of(bearing))
-    return rows
+    return rows + list(design.temperatures.attrs.get("tested_range", []))
 
 
 def warnings_of_design(design: "Design") -> list[str]:

@@ -16,6 +16,7 @@ COLUMNS = {  # of the table: name in the dataset, factor
     "pier_displacement_max_mm": ("pier_displacement_max", 1.0),
     "pier_ductility": ("pier_ductility", 1.0),
     "pier_moment_max_kN_m": ("pier_moment_max", 1.0),
+    "deck_displacement_max_mm": ("deck_displacement_max", 1.0),
     "deck_acceleration_max_m_s2": ("deck_acceleration_max", 1.0),
     "pier_top_acceleration_max_m_s2": ("pier_top_acceleration_max", 1.0),
     "pier_top_displacement_max_mm": ("pier_top_displacement_max", 1.0),

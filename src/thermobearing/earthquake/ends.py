@@ -19,7 +19,10 @@ from thermobearing.structure.run import StructureHistory
 if TYPE_CHECKING:
     from thermobearing.earthquake.task import Task
 
-DEGREES = {"units": "degC"}
+ENDS = {  # temperatures at the end
+    "final_temperature": {"units": "degC", "long_name": "temperature of the cell at the end"},
+    "final_lead_temperature": {"units": "degC", "long_name": "temperature of the lead at the end"},
+}
 
 
 def end_of(task: "Task", history: StructureHistory) -> SpecimenState:
@@ -60,7 +63,7 @@ def labelled_ends(tasks: Sequence["Task"], histories: Sequence[StructureHistory]
         whole = np.full((len(parts), max(len(part) for part in parts)), np.nan)
         for row, part in zip(whole, parts, strict=True):
             row[: len(part)] = part
-        name, about = (PREFIX + key, attributes_of(key)) if key in MEMORY else (key, DEGREES)
+        name, about = (PREFIX + key, attributes_of(key)) if key in MEMORY else (key, ENDS[key])
         if dimension is None:
             data[name] = (("run",), whole[:, 0], about)
         elif whole.size:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from thermobearing.earthquake.loop_figures import draw_largest_loops, draw_modes, has_loops
 from thermobearing.earthquake.modes import has_both
-from thermobearing.earthquake.parts import has_parts
+from thermobearing.earthquake.parts import has_parts, told_of_parts
 from thermobearing.earthquake.parts_figure import draw_parts
 from thermobearing.earthquake.peaks_figure import draw_peaks
 from thermobearing.earthquake.profile_figure import draw_profiles
@@ -32,7 +32,7 @@ Floats = NDArray[np.float64]
 MOST_COLUMNS = 4
 WIDTH, HEIGHT = 2.9, 2.4  # of one panel [inch]
 TIME_BINS = 900  # points of a history are thinned to two per bin
-KJ = 1e-3
+KJ, MN_M = 1e-3, 1e-3
 WIDER = 0.8  # of its width: each line that lies below another
 NOTE_ROOM = 0.12  # of the height of a panel, for the values that are printed in it
 SIZES = "bearing_strain_max"
@@ -110,24 +110,24 @@ class EarthquakeFigures:
         size = (max(WIDTH * columns, 5.0) + 0.6, HEIGHT * rows + 0.9)
         more = len(self._motions) - columns
         note = f" (first {columns} of {len(self._motions)} motions)" if more else ""
-        title = f"{self._data.attrs['structure']}: {what}{note}"
+        about = told_of_parts(self._data)
+        title = f"{self._data.attrs['structure']}: {what}{note}{f' ({about})' if about else ''}"
         figure, axes = drawing.panels(rows, columns, size, title, share="col")
         for panel, ax in enumerate(axes):
             bearing, motion = self._bearings[panel // columns], motions[panel % columns]
-            chosen = self._table.query("bearing == @bearing and motion == @motion")
+            of_motion = self._table[self._table["motion"] == motion]
+            chosen = of_motion[of_motion["bearing"] == bearing]
             runs = self._largest_first([int(run) for run in chosen.index], sizes)
             for run in runs:
                 draw(ax, run, self._colours[self._table["ambient_degC"][run]])
             for place, line in enumerate(ax.get_lines()):  # equal ones remain visible
                 line.set_linewidth(line.get_linewidth() * (1.0 + WIDER * (len(runs) - 1 - place)))
             untested.append(100.0 * self._result.tested_to(runs, "strain"))
-            drawing.name_axes(
-                ax,
-                x if panel // columns == rows - 1 else "",
-                y if panel % columns == 0 else "",
-                f"{motion}, {bearing}" if columns > 1 else bearing,
-            )
-            ax.title.set_fontsize(drawing.SMALL)
+            foot, side = panel // columns == rows - 1, panel % columns == 0
+            drawing.name_axes(ax, x if foot else "", y if side else "")
+            if side and self._knows_no_heat(runs):
+                drawing.say_why(ax, "bilinear: the same\nat all temperatures")
+        drawing.head_grid(axes, motions, self._bearings)
         for ax in axes[:columns] if notes else []:
             low, high = ax.get_ylim()
             ax.set_ylim(low, high + NOTE_ROOM * (high - low))
@@ -135,6 +135,12 @@ class EarthquakeFigures:
             drawing.shade_untested(axes, [(-end, end) for end in untested], strain)
         self._legend(figure)
         return figure
+
+    def _knows_no_heat(self, runs: list[int]) -> bool:
+        """Whether the lines of a panel lie over each other since its bearing has no temperature."""
+        names = {str(self._data["bearing"].values[run]) for run in runs}
+        same = all(self._data.attrs.get(f"bilinear:{name}", 0) for name in names)
+        return len(runs) > 1 and same
 
     def _largest_first(self, runs: list[int], name: str) -> list[int]:
         """Runs of a panel in the order they are drawn, so that none hides a smaller one."""
@@ -189,11 +195,11 @@ class EarthquakeFigures:
             self._note(ax, "peak", runs, [factor * float(self._data[peaks][run]) for run in runs])
         return figure
 
-    def _plane(self, x: str, y: str, factor: float = 1.0) -> Draw:
+    def _plane(self, x: str, y: str, factor: float = 1.0, other: float = 1.0) -> Draw:
         """A path in the plane of two histories."""
 
         def draw(ax: Axes, run: int, colour: str) -> None:
-            a, b = factor * self._values(x, run), self._values(y, run)
+            a, b = factor * self._values(x, run), other * self._values(y, run)
             width, height = max(np.ptp(a), 1e-12), max(np.ptp(b), 1e-12)
             kept = drawing.thin_loops(a, b, width, height)
             ax.plot(a[kept], b[kept], color=colour, linewidth=0.8, linestyle=self._line(run))
@@ -260,21 +266,27 @@ class EarthquakeFigures:
 
     def hinge(self, ax: Axes | None = None) -> Figure:
         """Moment against rotation of the pier base, as Fig. 6.21 and 6.22; its yield point."""
-        draw, x, y = self._plane("pier_rotation", "pier_moment", 1e3), "rotation [mrad]", "moment"
-        what, y = "pier base (dashed: where it yields)", f"{y} [kN m]"
+        draw = self._plane("pier_rotation", "pier_moment", 1e3, MN_M)
+        x, y, what = "rotation [mrad]", "moment [MN m]", "pier base (dashed: where it yields)"
         if ax is not None:
             return self._grid(what, x, y, draw, ax)
-        figure = self._grid(what, x, y, draw, sizes="pier_rotation_max", notes=True)
+        figure = self._grid(what, x, y, draw, sizes="pier_rotation_max")
         for panel, runs, _ in self._panel_runs(figure):
             found = [yield_point(self._data, run) for run in runs]
             for point in [point for point in found if point is not None][:1]:
-                rotation, moment = 1e3 * point[0], point[1]
+                rotation, moment = 1e3 * point[0], MN_M * point[1]
                 look: drawing.Look = {"color": drawing.GREY, "linewidth": 0.8, "linestyle": "--"}
                 for sign in (-1.0, 1.0):
                     panel.axhline(sign * moment, zorder=1.2, **look)
                     panel.plot([sign * rotation], [sign * moment], "D", color=drawing.INK, ms=3.5)
             ductility = [float(self._data["pier_ductility"][run]) for run in runs]
             self._note(panel, "ductility", runs, ductility)
+            if max(ductility) < 1.0:
+                drawing.say_why(panel, "stays elastic", (0.98, 0.12))
+        for panel in figure.axes:  # with room above the line where it yields
+            panel.relim()
+            low, high = panel.dataLim.intervaly
+            panel.set_ylim(1.08 * low, (1.08 + 2.0 * NOTE_ROOM) * high)
         return figure
 
     def deck(self, ax: Axes | None = None) -> Figure:
@@ -316,8 +328,8 @@ class EarthquakeFigures:
         """Peaks of every run, as Fig. 6.11, 6.14 to 6.16, 6.18, 6.20, 6.24 and 6.26."""
         return draw_peaks(self._result)
 
-    def save_all(self, folder: Path) -> list[Path]:
-        """Every figure that the study holds, as PNG."""
+    def held(self) -> dict[str, Callable[[], Figure]]:
+        """What draws each figure that the study holds data for, by name of its file."""
         figures = {
             "loops": self.loops,
             "strain": self.strain,
@@ -343,9 +355,8 @@ class EarthquakeFigures:
             figures["shares"] = self.shares
         if self._data.attrs["command"] == "hybrid":
             figures["speed"] = self.speed
-        written = []
-        for name, make in figures.items():
-            path = folder / f"{name}.png"
-            drawing.save_figure(make(), path)
-            written.append(path)
-        return written
+        return figures
+
+    def save_all(self, folder: Path) -> list[Path]:
+        """Every figure that the study holds, as PNG."""
+        return drawing.save_figures(self.held(), folder)

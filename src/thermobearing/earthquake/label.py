@@ -8,11 +8,14 @@ import xarray as xr
 
 import thermobearing
 from thermobearing.bearing.bilinear import BilinearBearing
+from thermobearing.bearing.model import Bearing
 from thermobearing.core.records import Floats, Rows, labels
 from thermobearing.core.types import Books
+from thermobearing.cyclic.dataset import depth_attributes
 from thermobearing.cyclic.label import stack_labels
 from thermobearing.earthquake.case import EarthquakeCase
 from thermobearing.earthquake.ends import labelled_ends
+from thermobearing.earthquake.meanings import meaning_of
 from thermobearing.earthquake.parts import label_parts
 from thermobearing.earthquake.reached import warnings_of
 from thermobearing.earthquake.result import EarthquakeResult
@@ -36,6 +39,7 @@ from thermobearing.structure.types import Bend, MotionBooks
 if TYPE_CHECKING:
     from thermobearing.earthquake.task import Task
 
+AIR = {"units": "degC", "long_name": "ambient temperature"}
 MM_PER_M, KN_MM_PER_KN_M = 1e3, 1e3
 HISTORIES = (  # name, unit, long name
     ("ground_acceleration", "m/s2", "acceleration of the ground"),
@@ -113,15 +117,16 @@ def label_study(
         data |= _stacks(tasks, data["temperature"][1].shape[2])
     parts_data, parts_coords = label_parts(tasks, histories, _padded, length)
     data |= parts_data
+    known = {name: long_name for name, _, long_name in HISTORIES}
     for name, values, unit_name in _scalars(tasks, histories, traces):
-        data[name] = (("run",), values, {"units": unit_name})
+        data[name] = (("run",), values, {"units": unit_name, "long_name": meaning_of(name, known)})
     data |= labelled_ends(tasks, histories)
     dataset = xr.Dataset(
         data,
         coords={
             "bearing": ("run", np.array([task.device.bearing.name for task in tasks], dtype=str)),
             "motion": ("run", np.array([task.shaking.motion.name for task in tasks], dtype=str)),
-            "ambient": ("run", np.array([task.ambient for task in tasks]), {"units": "degC"}),
+            "ambient": ("run", np.array([task.ambient for task in tasks]), AIR),
             "mode": ("run", np.array([task.mode for task in tasks], dtype=str)),
             "layer": np.arange(1, data["rubber_temperature"][1].shape[2] + 1),
             "body": np.array([body.name for body in case.structure.bodies], dtype=str),
@@ -215,7 +220,7 @@ def _stacks(tasks: Sequence["Task"], cells: int) -> dict[str, Any]:
         own = slice(0, len(labels_.depth))
         depth[run, own], thickness[run, own] = labels_.depth, labels_.thickness
         part[run, own] = labels_.part
-    about = {"units": "mm", "long_name": "distance of the cell centre from the upper face"}
+    about = depth_attributes(bool(tasks and tasks[0].case.analysis.half))
     return {
         "depth": (("run", "cell"), depth, about),
         "cell_thickness": (("run", "cell"), thickness, {"units": "mm"}),
@@ -254,6 +259,7 @@ def _scalars(
         ),
         ("pier_rotation_max", peak("pier_rotation"), "rad"),
         ("pier_moment_max", peak("pier_moment"), "kN m"),
+        ("deck_displacement_max", peak("deck_displacement"), "mm"),
         ("deck_acceleration_max", peak("deck_acceleration"), "m/s2"),
         ("pier_top_acceleration_max", peak("pier_top_acceleration"), "m/s2"),
         ("steps", np.array([history.steps for history in histories]), "1"),
@@ -320,6 +326,7 @@ def _attributes(
         "half_stack": int(case.analysis.half),
         "deck": case.structure.report.deck,
         "pier": case.structure.report.pier,
+        "line": case.structure.bearings[case.told_line].name,
         "mass": case.analysis.mass,
         "method": case.analysis.method,
         "damping": case.analysis.damping or case.structure.damping.kind,
@@ -329,20 +336,28 @@ def _attributes(
         "case": case.to_toml(),
         "interrupted": int(_interrupted(case, histories)),
         "sentences": as_attribute(RUN_SENTENCES | SENTENCES),
+        "sources": as_attribute(_sources(case)),
     }
     if prepared is None:
         return attrs
     matrices = prepared.matrices
-    attrs["periods_s"] = list(prepared.modes.periods)
-    attrs["damping_ratios"] = list(prepared.ratios)
+    attrs["periods_s"] = np.asarray(prepared.modes.periods).tolist()
+    attrs["damping_ratios"] = np.asarray(prepared.ratios).tolist()
     attrs["coordinates"] = list(matrices.coordinates)
     seen: dict[str, Any] = {}
     for task in tasks:
         seen.setdefault(task.device.bearing.name, task)
     for name, task in seen.items():
-        attrs[f"initial_periods_s:{name}"] = list(_initial_periods(task))
+        attrs[f"initial_periods_s:{name}"] = _initial_periods(task).tolist()
         attrs[f"bilinear:{name}"] = int(isinstance(task.device.bearing, BilinearBearing))
     return attrs
+
+
+def _sources(case: EarthquakeCase) -> dict[str, dict[str, str]]:
+    """Where the numbers of the bearings come from, by name; the resolved case does not say it."""
+    own = [line.bearing for line in case.lines]
+    found = [one for one in (*case.bearings, *own) if isinstance(one, Bearing)]
+    return {bearing.name: bearing.sources for bearing in found}
 
 
 def _initial_periods(task: "Task") -> Floats:

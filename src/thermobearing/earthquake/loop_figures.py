@@ -43,11 +43,10 @@ def draw_largest_loops(result: EarthquakeResult) -> Figure:
             ax,
             "displacement [mm]" if panel // columns == len(ambients) - 1 else "",
             "force [kN]" if panel % columns == 0 else "",
-            f"{motion}, ambient {drawing.degrees(ambient)}",
         )
-        ax.title.set_fontsize(drawing.SMALL)
         ax.axhline(0.0, color=drawing.GREY, linewidth=0.6, zorder=1)
         ax.axvline(0.0, color=drawing.GREY, linewidth=0.6, zorder=1)
+    drawing.head_grid(axes, motions[:columns], [f"ambient {drawing.degrees(t)}" for t in ambients])
     handles = [Line2D([], [], color=colours[name], label=name) for name in bearings]
     if has_both(result):
         look = {"color": drawing.GREY, "linestyle": "--"}
@@ -67,7 +66,8 @@ def draw_modes(result: EarthquakeResult) -> Figure:
     figure, axes = drawing.panels(len(bearings), len(ambients), size, title, share=True)
     for panel, ax in enumerate(axes):
         bearing, ambient = bearings[panel // len(ambients)], ambients[panel % len(ambients)]
-        mine = table.query("bearing == @bearing and ambient_degC == @ambient and motion == @motion")
+        mine = table[(table["bearing"] == bearing) & (table["ambient_degC"] == ambient)]
+        mine = mine[mine["motion"] == motion]
         for run, mode in zip(mine.index.to_numpy(), mine["mode"], strict=True):
             told = np.isfinite(data["time"].values[run])
             strain = 100.0 * data["bearing_strain"].values[run, told]
@@ -77,9 +77,8 @@ def draw_modes(result: EarthquakeResult) -> Figure:
             ax,
             "shear strain [%]" if panel // len(ambients) == len(bearings) - 1 else "",
             "force [kN]" if panel % len(ambients) == 0 else "",
-            f"{bearing}, {drawing.degrees(ambient)}",
         )
-        ax.title.set_fontsize(drawing.SMALL)
+    drawing.head_grid(axes, [f"ambient {drawing.degrees(t)}" for t in ambients], bearings)
     names = {"pd": "pseudo-dynamic", "rt": "real time"}
     handles = [Line2D([], [], label=names[mode], **MODE_LOOKS[mode]) for mode in ("rt", "pd")]
     drawing.legend_below(figure, handles)

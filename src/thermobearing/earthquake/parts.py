@@ -180,6 +180,15 @@ def has_parts(dataset: xr.Dataset) -> bool:
     return "line" in dataset.coords
 
 
+def told_of_parts(dataset: xr.Dataset) -> str:
+    """Which line and pier tables and histories are about, where there are several; else empty."""
+    if not has_parts(dataset) or "line" not in dataset.attrs:  # results before 0.2
+        return ""
+    names = {part: str(dataset.attrs[part]) for part in ("line", "pier")}
+    told = [n if n.lower().startswith(part) else f"{part} {n}" for part, n in names.items()]
+    return ", ".join(told)
+
+
 def parts_table(dataset: xr.Dataset, dimension: str, columns: dict[str, Any]) -> pd.DataFrame:
     """One row for each run and line (`LINES`) or pier (`PIERS`)."""
     if not has_parts(dataset):

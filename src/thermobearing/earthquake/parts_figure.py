@@ -27,9 +27,12 @@ def draw_parts(result: EarthquakeResult) -> Figure:
     tables = {"line": result.lines, "pier": result.piers}
     shown = [item for item in SHOWN if tables[item[0]][item[1]].notna().any()]
     names = {part: list(dict.fromkeys(table[part])) for part, table in tables.items()}
+    motions = list(dict.fromkeys(result.table["motion"]))
     wide = max(len(parts) for parts in names.values())
     size = (max(3.0, 1.0 + 0.8 * wide) * len(shown), 3.8)
-    title = f"{result.dataset.attrs['structure']}: bearing lines and piers"
+    several = len(motions) > 1
+    told = f" (from the left: {', '.join(motions)})" if several and len(motions) < 5 else ""
+    title = f"{result.dataset.attrs['structure']}: bearing lines and piers{told}"
     figure, axes = drawing.panels(1, len(shown), size, title)
     ambients = sorted(set(result.table["ambient_degC"]))
     colours = drawing.ambient_colours(np.array(ambients, dtype=float))

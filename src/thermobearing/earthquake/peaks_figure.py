@@ -6,6 +6,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from thermobearing.earthquake.parts import told_of_parts
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.results import drawing
 
@@ -34,7 +35,8 @@ def draw_peaks(result: EarthquakeResult) -> Figure:
     columns, ambients = len(bearings), sorted(set(table["ambient_degC"]))
     wide = max(1.9, 0.5 * len(ambients) + 0.9)
     size = (max(wide * columns, 4.0) + 0.8, 1.55 * len(shown) + 1.2)
-    title = f"{result.dataset.attrs['structure']}: peaks"
+    about = told_of_parts(result.dataset)
+    title = f"{result.dataset.attrs['structure']}: peaks{f' ({about})' if about else ''}"
     figure, axes = drawing.panels(len(shown), columns, size, title)
     colours = drawing.ambient_colours(np.array(ambients, dtype=float))
     for panel, ax in enumerate(axes):
@@ -44,18 +46,16 @@ def draw_peaks(result: EarthquakeResult) -> Figure:
         for place, (ambient, colour) in enumerate(zip(ambients, colours, strict=True)):
             rows = mine[mine["ambient_degC"] == ambient]
             _dots(ax, place, rows.assign(value=factor * rows[name]), motions, colour)
-        ax.set_ylim(0.0, 1.12 * top)
+        ax.set_ylim(0.0, 1.2 * top)
         _limits(ax, result, name, list(mine.index), factor)
-        first, last = panel // columns == 0, panel // columns == len(shown) - 1
-        head = bearings[panel % columns] if first else ""
-        foot = "ambient [°C]" if last else ""
-        drawing.name_axes(ax, foot, label if panel % columns == 0 else "", head)
+        last = panel // columns == len(shown) - 1
+        drawing.name_axes(ax, "ambient [°C]" if last else "", label if panel % columns == 0 else "")
         ax.yaxis.label.set_fontsize(drawing.SMALL)
-        ax.title.set_fontsize(drawing.SMALL)
         names = [drawing.degrees(value).removesuffix(" °C") for value in ambients]
         ax.set_xticks(range(len(names)), names if last else [""] * len(names))
         ax.set_xlim(-0.6, len(names) - 0.4)
         ax.grid(False, axis="x")
+    drawing.head_grid(axes, bearings, [])
     figure.align_ylabels()
     drawing.legend_below(figure, _handles(motions, list(dict.fromkeys(result.modes))))
     return figure

@@ -8,6 +8,7 @@ import numpy as np
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.exposure import exposure_attribute, exposures, told_of
 from thermobearing.bearing.model import Bearing
+from thermobearing.bearing.plausible import implausible
 from thermobearing.bearing.validity import ranges_of
 from thermobearing.core.records import Floats
 from thermobearing.cyclic.rig import asked_of, beyond
@@ -17,6 +18,7 @@ from thermobearing.model.earlier import BLIND
 from thermobearing.model.temperature import outside_law
 from thermobearing.results.ranges import Ends, Row, asked_of_tests, outside_tests, reached_by
 from thermobearing.results.writing import as_attribute
+from thermobearing.structure.plausible import implausible_structure
 from thermobearing.structure.run import StructureHistory
 
 if TYPE_CHECKING:
@@ -34,7 +36,10 @@ def warnings_of(
     """Attributes of the dataset: sentences, what was asked of the rig and of the bearings."""
     rig = _asked_of_rig(case, tasks, traces)
     found, asked = beyond(case.rig, rig), []
+    if tasks:
+        found += implausible_structure(case.structure, tasks[0].prepared)
     for bearing, mine in _bearings(tasks).values():
+        found += [f"{bearing.name}: {text}" for text in implausible(bearing)]
         ranges = ranges_of(bearing)
         rows: list[Row] = []
         for k, lines in mine:

@@ -11,6 +11,7 @@ import xarray as xr
 from thermobearing.border.showing import Shown
 from thermobearing.core.records import Floats
 from thermobearing.earthquake.columns import BEARING, COLUMNS, HISTORY, LABELS, LOOP, STRUCTURE
+from thermobearing.earthquake.governing import governing_runs
 from thermobearing.earthquake.parts import LINES, PIERS, parts_columns, parts_table
 from thermobearing.results.metrics import LEAST_ENERGY, LEAST_HEAT
 from thermobearing.results.ranges import largest_tested, limits_passed
@@ -171,10 +172,10 @@ class EarthquakeResult(Shown):
     def largest_loops(self) -> pd.DataFrame:
         """The largest loop of one bearing in each run; NaN where none is closed.
 
-        The loop holds the largest |displacement| and begins and ends at zero displacement, see
-        results/largest_loop.py: its extreme forces F+, F- and displacements D+, D-, K_eq (|F+| +
-        |F-|)/(|D+| + |D-|), h_eq and G_e (Eq. 3.1, 3.2; a bilinear bearing has no G_e), energy,
-        and when it begins and ends [s].
+        The loop holds the largest displacement, to either side, and begins and ends at zero
+        displacement, see results/largest_loop.py: its extreme forces F+, F- and displacements D+,
+        D-, ``K_eq = (|F+| + |F-|)/(|D+| + |D-|)``, h_eq and G_e (Eq. 3.1, 3.2; a bilinear bearing
+        has no G_e), energy, and when it begins and ends [s].
         """
         table = self.table
         told = [name for name in ("bearing", "motion", "ambient_degC", "mode") if name in table]
@@ -363,9 +364,8 @@ class EarthquakeResult(Shown):
             "periods_s": _numbers(attrs.get("periods_s", [])),
             "damping": attrs["damping"],
             "damping_ratios": _numbers(attrs.get("damping_ratios", [])),
-            "initial_periods_s": {
-                name: _numbers(attrs[f"initial_periods_s:{name}"]) for name in names
-            },
+            "initial_periods_s": {n: _numbers(attrs[f"initial_periods_s:{n}"]) for n in names},
+            "largest": governing_runs(self).to_dict("records"),
             "runs": runs,
         }
 

@@ -51,10 +51,9 @@ def draw_rises(result: EarthquakeResult) -> Figure:
         start, end = strong_part(data, list(table.index[table["motion"] == motion]))
         ax.set_xlim(start, end)
         last, first = panel // len(shown) == len(rows) - 1, panel % len(shown) == 0
-        what = "lead" if row.lead else "rubber"
-        name = f"{motion}, {row.bearing}: {what}" if len(shown) > 1 else f"{row.bearing}: {what}"
-        drawing.name_axes(ax, "time [s]" if last else "", "rise [K]" if first else "", name)
-        ax.title.set_fontsize(drawing.SMALL)
+        drawing.name_axes(ax, "time [s]" if last else "", "rise [K]" if first else "")
+    sides = [f"{row.bearing}\n{'lead' if row.lead else 'rubber'}" for row in rows]
+    drawing.head_grid(axes, shown, sides)
     _same_heights(axes, rows, len(shown))
     drawing.legend_below(figure, _handles(result, looks))
     return figure

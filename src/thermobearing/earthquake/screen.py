@@ -5,7 +5,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from thermobearing.earthquake.governing import governing_runs
 from thermobearing.earthquake.modes import has_both, modes_table
+from thermobearing.earthquake.parts import told_of_parts
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.results.screen import print_table, print_warnings, say
 
@@ -28,8 +30,8 @@ ERRORS = {  # columns of comparison.csv
     "loop K_eq %": "K_eq %",
 }
 KEYS = ("motion", "degC")
-# Bearing strain, force, energy, that of the warmest run; pier; deck acceleration; share of the
-# input energy that viscous damping takes; hottest rubber and lead.
+# Bearing strain, force, energy, that of the warmest run; pier; deck: how far from the ground, its
+# acceleration; share of the input energy that viscous damping takes; hottest rubber and lead.
 HEADS = (
     "strain",
     "force kN",
@@ -37,6 +39,7 @@ HEADS = (
     "of warm",
     "pier mm",
     "ductility",
+    "deck mm",
     "deck m/s2",
     "damped",
     "rubber degC",
@@ -52,6 +55,7 @@ PARTS = {  # columns of lines.csv and piers.csv: head, how a number is told
         "force_max_kN": ("kN each", "{:.0f}"),
         "total_force_max_kN": ("kN all", "{:.0f}"),
         "rubber_max_degC": ("rubber degC", "{:.1f}"),
+        "lead_max_degC": ("lead degC", "{:.1f}"),
     },
     "pier": {
         "displacement_max_mm": ("mm", "{:.1f}"),
@@ -82,6 +86,8 @@ def print_study(
     for part, rows in (("line", result.lines), ("pier", result.piers)):
         if len(rows) and len(set(rows[part])) > 1:
             _print_parts(part, rows)
+    if result.runs > 1 or told_of_parts(result.dataset):
+        _print_governing(result)
     marked = table["beyond_tested"].str.split().explode()
     if marked.isin(["strain", "ambient"]).any():
         say("! beyond what the bearing was tested at")
@@ -131,12 +137,13 @@ def _print_runs(result: EarthquakeResult, rows: pd.DataFrame, both: bool) -> Non
         _cells(row, result.hottest(int(run)), both)
         for run, row in zip(rows.index, rows.to_dict("records"), strict=True)
     ]
-    heads = (*KEYS, *HEADS)
+    heads, about = (*KEYS, *HEADS), told_of_parts(result.dataset)
+    more = f": {about}; all lines and piers below" if about else ""
     told = [k for k in range(len(heads)) if k < len(KEYS) or any(line[k] for line in cells)]
     print_table(
         [heads[k] for k in told],
         [[line[k] for k in told] for line in cells],
-        title=str(rows["bearing"].iloc[0]),
+        title=f"{rows['bearing'].iloc[0]}{more}",
         keys=len(KEYS),
         styles=["" if outcome == "completed" else "red" for outcome in rows["outcome"]],
     )
@@ -155,6 +162,26 @@ def _print_parts(part: str, rows: pd.DataFrame) -> None:
     print_table(heads, cells, title=f"{part}s", keys=4)
 
 
+def _print_governing(result: EarthquakeResult) -> None:
+    """The largest of all runs, and where it is."""
+    cells = [
+        (
+            row["bearing"],
+            row["what"],
+            f"{row['largest']:.0%}" if row["what"] == "bearing strain" else f"{row['largest']:.4g}",
+            row["part"],
+            row["motion"],
+            f"{row['ambient_degC']:g}",
+        )
+        for row in governing_runs(result).to_dict("records")
+    ]
+    heads = ("bearing", "what", "largest", "line or pier", "motion", "degC")
+    several = any(line[3] for line in cells)
+    kept = [k for k in range(len(heads)) if k != 3 or several]
+    told = [[line[k] for k in kept] for line in cells]
+    print_table([heads[k] for k in kept], told, title="largest of all runs", keys=2)
+
+
 def _cells(row: dict[Any, Any], hottest: dict[str, float], both: bool) -> list[str]:
     return [
         f"{row['motion']} {row['mode']}" if both else row["motion"],
@@ -165,6 +192,7 @@ def _cells(row: dict[Any, Any], hottest: dict[str, float], both: bool) -> list[s
         f"{row['energy_of_warmest']:.0%}",
         f"{row['pier_displacement_max_mm']:.1f}",
         _told(row["pier_ductility"], "{:.2f}"),
+        _told(row.get("deck_displacement_max_mm", np.nan), "{:.0f}"),
         f"{row['deck_acceleration_max_m_s2']:.2f}",
         f"{row['damping_of_input']:.0%}",
         _told(hottest["rubber"], "{:.1f}"),

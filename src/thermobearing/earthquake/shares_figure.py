@@ -38,18 +38,18 @@ def draw_shares(result: EarthquakeResult) -> Figure:
     used: dict[str, str] = {}
     for panel, ax in enumerate(axes):
         bearing, ambient = bearings[panel // columns], ambients[panel % columns]
-        mine = table.query("bearing == @bearing and motion == @motion and ambient_degC == @ambient")
+        mine = table[(table["bearing"] == bearing) & (table["ambient_degC"] == ambient)]
+        mine = mine[mine["motion"] == motion]
         for run in mine.index:
             used |= _draw(ax, result, int(run))
         drawing.name_axes(
             ax,
             "displacement [mm]" if panel // columns == len(bearings) - 1 else "",
             "force [kN]" if panel % columns == 0 else "",
-            f"{bearing}, {drawing.degrees(ambient)}",
         )
-        ax.title.set_fontsize(drawing.SMALL)
         ax.axhline(0.0, color=drawing.GREY, linewidth=0.6, zorder=1)
         ax.axvline(0.0, color=drawing.GREY, linewidth=0.6, zorder=1)
+    drawing.head_grid(axes, [f"ambient {drawing.degrees(t)}" for t in ambients], bearings)
     known = [label for _, label, _ in (WHOLE, *SHARES, *BILINEAR)]
     told = [label for label in known if label in used]
     handles = [Line2D([], [], color=used[label], label=label) for label in told]

@@ -3,6 +3,9 @@ from .case import IdentifyCase as IdentifyCase
 from .case import make_identify_case as make_identify_case
 from .checks import CheckReport as CheckReport
 from .checks import check_test as check_test
+from .posterior import Band as Band
+from .posterior import Forecast as Forecast
+from .posterior import forecast as forecast
 from .record import TestRecord as TestRecord
 from .record import load_test as load_test
 from .record import record_from_arrays as record_from_arrays

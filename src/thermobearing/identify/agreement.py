@@ -16,6 +16,12 @@ Floats = NDArray[np.float64]
 POOR = 0.98  # coefficient of determination below which the fit is called poor
 UNUSABLE = 0.9  # below it a fit is no bearing: forces that are all off by 31 % have this R2
 FIRST_CYCLE = 0.04  # of the peak force: first cycles stiffer than later ones by this are told
+AVERAGED = (
+    "the fitted values are averages that belong to neither, and warnings of heat or conduction may "
+    "come from it; first_cycle_weight = 0 in the sidecar fits the later ones, a table scragging in "
+    "the bearing and its parameters in --free (a_v, c_d, l_r; b_s, gamma_s) fit both"
+)
+LATER = "they had no weight; the bearing is that of the later ones, and too soft in a first cycle"
 ENERGY = 0.15  # error of a cycle's energy that is told
 
 
@@ -74,11 +80,11 @@ class RecordFit:
         if first and later:
             stiffer = float(np.mean(later)) - float(np.mean(first))
             if stiffer > FIRST_CYCLE:
-                said.append(
+                text = (
                     f"{name}: first cycles are {stiffer:.0%} stronger in the test than later ones "
-                    "beyond what heating explains (scragging): the fitted values are averages "
-                    "that belong to neither; first_cycle_weight = 0 fits the later ones"
+                    "beyond what heating explains (scragging): "
                 )
+                said.append(text + (AVERAGED if self.record.first_cycle_weight else LATER))
         worst = max((abs(c.energy_error) for c in self.cycles), default=0.0)
         if worst > ENERGY:
             said.append(f"{name}: the energy of a cycle is off by up to {worst:.0%}")

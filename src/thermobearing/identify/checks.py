@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 
 from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
-from thermobearing.border.errors import InputError
-from thermobearing.identify.cycles import Cycle, measures_of
+from thermobearing.identify.cycles import Cycle, middles_of, zeros_of
 from thermobearing.identify.forward import PAUSE
+from thermobearing.identify.plausible import plausibility
 from thermobearing.identify.record import TestRecord, load_test
-from thermobearing.identify.treatment import Treatment, told, treat
+from thermobearing.identify.treatment import SURE, UNITS, Treatment, told, treat
 from thermobearing.results.metrics import loop_energy
 
 Floats = NDArray[np.float64]
@@ -22,13 +22,11 @@ Level = Literal["refused", "warning", "note"]
 FEW_SAMPLES, FEWEST_SAMPLES = 40, 12  # in a cycle: warned, refused
 GAP_FACTOR = 5.0  # a sampling gap longer than this times the usual one, while moving
 GAP_WAY = 0.05  # of the largest displacement, covered without a sample
-OFFSET = 0.03  # of the largest force or displacement, mean of all cycles
+OFFSET = 0.03  # of the largest force or displacement, middle of the cycles, however few
+SLIGHT, FEWEST_ZEROS = 0.005, 4  # the same where so many cycles agree on it (SURE)
 ENDS_AWAY = 0.1  # of the largest displacement
 CLIPPED_RUN = 4  # samples in a row at exactly the extreme force ...
 CLIPPED_WAY = 0.02  # ... while the bearing moves this part of the largest displacement
-SOFTEST, STIFFEST = 0.2, 12.0  # equivalent shear modulus of bearings, cold ones too [MPa]
-LARGEST_STRAIN, SMALLEST_STRAIN = 4.0, 0.05
-TONF = 9.80665
 SLOWEST, FASTEST = 0.01, 2000.0  # mean speed [mm/s]
 COLDEST, HOTTEST = -80.0, 250.0  # thermocouples [degC]
 
@@ -176,7 +174,7 @@ def check_test(
     _centred(report)
     _clipping(report)
     if bearing is not None and report.cycles:
-        _plausible(report, bearing)
+        report.findings += [Finding(*words) for words in plausibility(report.steady, bearing)]
     _temperatures(report)
     return report
 
@@ -293,24 +291,34 @@ def _cycles(report: CheckReport) -> None:
 
 
 def _centred(report: CheckReport) -> None:
-    """Offset of the middle of the loops."""
+    """Zero of force and displacement, from the middle of the loops."""
     record = report.steady
-    full = [c for c in report.cycles if not c.closing]
-    for name, values, peak, unit in (
-        ("force", record.force, record.peak_force, "kN"),
-        ("displacement", record.displacement, record.peak_displacement, "mm"),
+    near = []
+    for name, values, peak in (
+        ("force", record.force, record.peak_force),
+        ("displacement", record.displacement, record.peak_displacement),
     ):
-        loops = [values[c.first : c.last + 1] for c in full]
-        middles = np.array([0.5 * (loop.max() + loop.min()) for loop in loops])
+        middles, zeros = middles_of(values, report.cycles), zeros_of(values, report.cycles)
         if len(middles) == 0:
             continue
-        offset = float(np.median(middles))
-        if abs(offset) > OFFSET * peak:
+        offset = float(np.median(zeros if len(zeros) >= FEWEST_ZEROS else middles))
+        error = float(zeros.std()) / np.sqrt(len(zeros)) if len(zeros) else np.inf
+        sure = len(zeros) >= FEWEST_ZEROS and abs(offset) > max(SURE * error, SLIGHT * peak)
+        shown = f"{offset:.2g} {UNITS[name]}"
+        if abs(offset) > OFFSET * peak or sure:
             report.warn(
                 "offset",
-                f"the middle of the {name} loops is at {offset:.3g} {unit}, not at zero; "
-                f'{name}_offset = "{offset:.3g} {unit}" in the sidecar takes it away',
+                f"the middle of the {name} loops is at {shown} ({abs(offset) / peak:.1%} of the "
+                f'peak), not at zero: left in; {name}_offset = "{shown}" in the sidecar takes it '
+                "away",
             )
+        else:
+            near.append(f"{shown} in the {name}")
+    if near:
+        report.note(
+            "zero",
+            f"middle of the loops at {' and '.join(near)}: no more than these cycles can tell",
+        )
 
 
 def _clipping(report: CheckReport) -> None:
@@ -331,40 +339,6 @@ def _clipping(report: CheckReport) -> None:
             f"force is clipped at {largest:.4g} kN in {count} samples: the load cell or amplifier "
             "was saturated; a fit leaves them out, and peak forces of the test are too small",
         )
-
-
-def _plausible(report: CheckReport, bearing: Bearing) -> None:
-    """Strains and moduli that a rubber bearing can have."""
-    record, rubber = report.steady, bearing.total_rubber_thickness
-    strain = record.peak_displacement / rubber
-    if strain > LARGEST_STRAIN:
-        report.refuse(
-            "strain",
-            f"displacement reaches {record.peak_displacement:.4g} mm, {strain:.0%} of the total "
-            f"rubber thickness of {rubber:g} mm: wrong unit, or the wrong bearing?",
-        )
-    elif strain < SMALLEST_STRAIN:
-        report.warn(
-            "strain",
-            f"displacement reaches {strain:.1%} of the total rubber thickness only: wrong unit?",
-        )
-    try:
-        measured = measures_of(record, record.force, bearing.area, rubber)
-    except InputError:  # a cycle with too few samples, which `_sampling` has refused
-        return
-    largest = max(measured, key=lambda m: m.amplitude_mm)
-    modulus = largest.G_eq_MPa
-    stated = f"the equivalent shear modulus at the largest amplitude is {modulus:.3g} MPa"
-    if modulus < SOFTEST:
-        hint = ""
-        if SOFTEST < TONF * modulus < STIFFEST:
-            hint = f"; in tonf it would be {TONF * modulus:.3g} MPa: is force in tonf labelled kN?"
-        report.refuse("force unit", f"{stated}, less than any rubber has{hint}")
-    elif modulus > STIFFEST:
-        hint = f"; {modulus / TONF:.3g} MPa if force is in kN labelled tonf?"
-        report.refuse("force unit", f"{stated}, more than any bearing has{hint}")
-    else:
-        report.note("force unit", stated)
 
 
 def _temperatures(report: CheckReport) -> None:

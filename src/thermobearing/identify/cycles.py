@@ -114,3 +114,64 @@ def measures_of(
     return measure_history(
         side * record.displacement, side * force, area=area, total_rubber_thickness=rubber
     )
+
+
+def middles_of(values: Floats, cycles: list[Cycle]) -> Floats:
+    """Half-way between the extremes of each loop that is no closing one.
+
+    Parameters
+    ----------
+    values : force or displacement.
+    cycles : from `cycles_of`.
+
+    Returns
+    -------
+    ndarray : in the unit of `values`.
+
+    Examples
+    --------
+    >>> middles_of(np.array([0.0, 3.0, 0.0, -1.0, 0.0]), [Cycle(0, 4, 1.0, 1, False)])
+    array([1.])
+    """
+    loops = [values[cycle.first : cycle.last + 1] for cycle in cycles if not cycle.closing]
+    return np.array([0.5 * (loop.max() + loop.min()) for loop in loops])
+
+
+def zeros_of(values: Floats, cycles: list[Cycle]) -> Floats:
+    """Middle of each loop, where the zero of a signal shows, free of what heating does to it.
+
+    A rubber that softens makes the second side of each loop weaker than the first, by up to 1 %
+    of the peak in the cold. So the first extreme is held against the mean of those before and
+    after it. First cycles lean to their first side and have no say.
+
+    Parameters
+    ----------
+    values : force or displacement.
+    cycles : from `cycles_of`, in the order of time.
+
+    Returns
+    -------
+    ndarray : in the unit of `values`, one for each cycle that is the third of its amplitude or
+        later.
+
+    Examples
+    --------
+    >>> angle = np.linspace(0.0, 8.0 * np.pi, 801)
+    >>> softer = (1.0 - 0.002 * angle) * np.sin(angle) + 0.1
+    >>> cycles = [Cycle(200 * k, 200 * k + 200, 1.0, k + 1, False) for k in range(4)]
+    >>> zeros_of(softer, cycles).round(3)
+    array([0.1, 0.1])
+    """
+    full = [cycle for cycle in cycles if not cycle.closing]
+    ends = [_extremes(values[cycle.first : cycle.last + 1]) for cycle in full]
+    found = []
+    for k in range(1, len(full)):
+        if full[k - 1].number >= 2 and full[k].number == full[k - 1].number + 1:
+            found.append(0.5 * ends[k][0] + 0.25 * (ends[k - 1][1] + ends[k][1]))
+    return np.array(found)
+
+
+def _extremes(values: Floats) -> tuple[float, float]:
+    """Those of a loop, in the order of time."""
+    high, low = float(values.max()), float(values.min())
+    return (high, low) if values.argmax() < values.argmin() else (low, high)

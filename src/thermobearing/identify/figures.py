@@ -202,7 +202,8 @@ class IdentificationFigures:
         error = 100.0 * np.sqrt(np.array([item[1] for item in history]))
         ax.step(count, error, where="post", color=drawing.INK, linewidth=1.3)
         ax.set_yscale("log")
-        ax.yaxis.set_minor_formatter("{x:g}")
+        decades = np.log10(error.max() / error.min()) if error.min() > 0.0 else 2.0
+        ax.yaxis.set_minor_formatter("{x:g}" if decades < 1.0 else "")
         ax.yaxis.set_major_formatter("{x:g}")
         ax.tick_params(which="both", labelsize=drawing.SMALL)
         drawing.name_axes(ax, "evaluations (all records each)", "rms residual [% of peak]")

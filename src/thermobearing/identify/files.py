@@ -18,6 +18,7 @@ from thermobearing.identify.checks import CheckReport, checks_summary
 from thermobearing.identify.kinds import M_T, N_T
 from thermobearing.identify.posterior import Forecast, Samples
 from thermobearing.identify.result import Identification
+from thermobearing.identify.uncertainty import Estimate
 from thermobearing.results.directory import (
     COMPOUND,
     FIGURES,
@@ -247,14 +248,21 @@ def _sources(found: Identification) -> dict[str, str]:
     tests = ", ".join(record.name for record in found.records)
     sources = found.bearing.sources
     for key, item in estimates.items():
-        error = f"standard error {item.stderr:.2g}" if not item.at_bound else "at its bound"
-        sources[key] = f"identified from {tests}; {error}"
+        sources[key] = f"identified from {tests}; {_error_of(item)}"
     for p in found.pset.parameters:
         if p.tie is not None:
             sources[p.kind.key] = f"tied to {p.tie[1]:g} x {p.tie[0]}"
         elif p.kind.key not in estimates:
             sources.setdefault(p.kind.key, "held at the value of the starting bearing")
     return sources
+
+
+def _error_of(item: Estimate) -> str:
+    """Standard error of a parameter of the specimen, with the part of it that has no size."""
+    if item.at_bound:
+        return "at its bound"
+    said = f"standard error {item.stderr:.2g} {item.parameter.kind.unit}".rstrip()
+    return f"{said} ({abs(item.stderr / item.value):.1%})" if item.value else said
 
 
 def fit_text(found: Identification) -> str:

@@ -12,6 +12,7 @@ from thermobearing.results.metrics import loop_energy
 
 Floats = NDArray[np.float64]
 
+ALIKE = 0.01  # of the largest displacement: noise, and samples that miss a turn by so much
 SMOOTHED = 20  # running means of a loop over a twentieth of it, for its peaks
 
 
@@ -82,6 +83,9 @@ def loops_of(record: TestRecord, force: Floats) -> list[Loop]:
 def largest_of(record: TestRecord, force: Floats, loops: list[Loop]) -> Loop | None:
     """The largest loop of a record (results/largest_loop.py), in the test and in the model.
 
+    Of loops as large as it but for 1 % the first: noise does not choose between a first cycle and
+    a later one.
+
     Parameters
     ----------
     record : a test.
@@ -101,7 +105,7 @@ def largest_of(record: TestRecord, force: Floats, loops: list[Loop]) -> Loop | N
     >>> largest_of(record, record.force, loops_of(record, record.force)).cycle
     1
     """
-    found = find_largest_loop(record.displacement)
+    found = find_largest_loop(record.displacement, ALIKE)
     if found is None:
         return None
     for loop in loops:  # which may begin a sample later, inside its zeros

@@ -8,7 +8,9 @@ import numpy as np
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
 from thermobearing.border.sidecar import read_laboratory
+from thermobearing.identify.cycles import cycles_of
 from thermobearing.identify.forward import PAUSE
+from thermobearing.identify.plausible import plausibility
 from thermobearing.identify.record import TestRecord, record_of
 from thermobearing.identify.treatment import told, treat
 from thermobearing.results.metrics import CycleMeasures, found_cycles, measure_history
@@ -78,6 +80,8 @@ def measured_cycles(path: str | Path, bearing: Bearing) -> MeasuredCycles:
         notes.append("a cycle that is not complete was left out")
     if "rest" in ends:
         notes.append("a cycle before a rest ends where the motion stops: Q_d takes the force there")
+    if cycles_of(record):
+        notes += [said for level, _, said in plausibility(record, bearing) if level != "note"]
     if readings.unused:
         notes.append(f"columns not used: {', '.join(readings.unused)}")
     try:

@@ -88,7 +88,14 @@ class Band:
 
 @dataclass(frozen=True)
 class Forecast:
-    """Draws of the parameters, and the bands that they make at some temperatures."""
+    """Draws of the parameters, and the bands that they make at some temperatures.
+
+    Attributes
+    ----------
+    samples : the draws; `found.save(directory, forecast=...)` writes them as posterior.csv.
+    bands : one at each temperature.
+    warnings : what of it goes beyond the tests.
+    """
 
     samples: Samples
     bands: tuple[Band, ...] = ()
@@ -113,7 +120,7 @@ def forecast(
     posterior: bool = False,
     seed: int = 0,
 ) -> Forecast:
-    """What the tests leave open at some temperatures.
+    """What the tests leave open at some temperatures: a band around the predicted loops.
 
     Parameters
     ----------
@@ -186,6 +193,22 @@ def laplace_samples(found: Identification, count: int = 200, *, seed: int = 0) -
     return Samples(np.clip(draws, 0.0, 1.0), "laplace")
 
 
+def need_emcee() -> None:
+    """Ask for emcee before an hour of fitting, not after.
+
+    Raises
+    ------
+    InputError : it is not installed.
+    """
+    try:
+        import emcee  # noqa: F401
+    except ImportError:
+        raise InputError(
+            "the posterior needs emcee: pip install 'thermobearing[bayes]'; without it, "
+            "laplace_samples draws from the normal distribution of the fit"
+        ) from None
+
+
 def posterior_samples(
     found: Identification, *, steps: int = 300, burn: int = 100, seed: int = 0
 ) -> Samples:
@@ -207,13 +230,9 @@ def posterior_samples(
     """
     if not (1 <= steps <= MOST_STEPS and 0 <= burn <= MOST_STEPS):
         raise InputError(f"steps = {steps}, burn = {burn}: must be 1 and 0 to {MOST_STEPS}")
-    try:
-        import emcee
-    except ImportError:
-        raise InputError(
-            "the posterior needs emcee: pip install 'thermobearing[bayes]'; without it, "
-            "laplace_samples draws from the normal distribution of the fit"
-        ) from None
+    need_emcee()
+    import emcee
+
     problem, best = found.problem, found.cube
     residual = np.concatenate(problem.parts(best, fine=True))
     variance = float(residual @ residual) / max(len(residual) - len(best), 1)

@@ -104,7 +104,7 @@ def _print_parameters(found: Identification) -> None:
 def _print_measures(found: Identification) -> None:
     rows = []
     for fit in found.fits:
-        ambient = f"{fit.record.ambient:g}"
+        ambient = f"{round(fit.record.ambient, 2):g}"
         cells = [fit.record.name, ambient, f"{fit.R2:.4f}", f"{fit.NRMSE:.2%}"]
         for name in ERRORS:
             values = [100.0 * getattr(cycle, name) for cycle in fit.cycles]

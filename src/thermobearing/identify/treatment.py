@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from thermobearing.border.errors import InputError, nearest
-from thermobearing.identify.cycles import Cycle, cycles_of
+from thermobearing.identify.cycles import Cycle, cycles_of, middles_of
 from thermobearing.identify.forward import turning_points
 from thermobearing.identify.noise import WINDOW, bridged, noise_of, runs_of, spikes_of
 from thermobearing.identify.record import TestRecord
@@ -252,8 +252,7 @@ def _drifts(record: TestRecord, cycles: list[Cycle]) -> dict[str, Drift]:
     times = np.array([0.5 * (record.time[c.first] + record.time[c.last]) for c in used])
     for name in UNITS:
         values = getattr(record, name)
-        loops = [values[c.first : c.last + 1] for c in used]
-        middles = np.array([0.5 * (loop.max() + loop.min()) for loop in loops])
+        middles = middles_of(values, used)
         (slope, begin), error = np.polyfit(times - times[0], middles, 1, cov=True)
         total = float(slope * (record.time[-1] - record.time[0]))
         sure = abs(slope) > SURE * np.sqrt(error[0, 0])

@@ -269,6 +269,8 @@ def _likely_causes(found: Uncertainty) -> list[str]:
             f"{shown} would be rubber that stiffens as it warms: are the ambient temperatures of "
             "the tests swapped?"
         )
+    if found.rms <= NEGLIGIBLE:  # the model met the tests: there is no misfit to explain
+        return said
     told = sorted(found.assumed.told, key=lambda item: -item.explained)
     if told and told[0].contradicted:
         worst = told[0]

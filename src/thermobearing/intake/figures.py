@@ -81,6 +81,10 @@ def _draw_temperatures(ax: Axes, found: Intake) -> None:
     label = f"ambient {drawing.degrees(round(record.ambient, 2))}" + (
         " (assumed)" if assumed else ""
     )
+    if found.ambient is not None:
+        kept = drawing.thin(found.ambient, BINS)
+        ax.plot(record.time[kept], found.ambient[kept], color=REST, linewidth=0.5, zorder=0)
+    ax.set_xlim(*(record.time[[0, -1]].tolist()))
     ax.axhline(record.ambient, color=drawing.GREY, linewidth=1.2, linestyle="--", label=label)
     drawing.name_axes(ax, "time [s]", "temperature [degC]", "temperatures")
     ax.legend(fontsize=drawing.SMALL, frameon=False)

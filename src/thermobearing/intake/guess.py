@@ -92,6 +92,17 @@ def guessed_columns(table: Table, said: Sidecar | None = None) -> list[ColumnGue
     held = {quantity for quantity, _ in taken.values()}
     missing = [name for name in ("displacement", "force") if name not in held]
     if missing:
+        other = [
+            f'"{column.title}" is called a {name}, but "{column.unit}" is no unit of it'
+            for name in missing
+            for column in columns
+            if column.unit
+            and column.target != UNITS[name]
+            and (is_called(column.name, name) or holds_word(column.name, name))
+            and not holds_word(column.name, "other")
+        ]
+        if other:
+            raise InputError([f"{text}; say it in [units] of a sidecar" for text in other])
         shown = ", ".join(f'"{column.title}"' for column in columns[:12] if not column.empty)
         raise InputError(
             f"no column looks like a {' or a '.join(missing)}; columns: {shown or 'none'}; name "

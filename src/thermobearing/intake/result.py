@@ -4,6 +4,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from thermobearing.identify.checks import CheckReport
 from thermobearing.identify.record import TestRecord
 from thermobearing.identify.treatment import Treatment
@@ -28,6 +31,7 @@ class Intake:
     report : what a look at the test found; `report.treatment` holds rests, spikes and drift.
     sidecar : its keys, those of a sidecar that is there already among them.
     kept : keys that came from that sidecar.
+    ambient : samples of the column of ambient temperature [degC], where there is one.
     """
 
     file: Path
@@ -41,6 +45,7 @@ class Intake:
     report: CheckReport
     sidecar: dict[str, Any]
     kept: list[str] = field(default_factory=list)
+    ambient: NDArray[np.float64] | None = None
 
     @property
     def treatment(self) -> Treatment | None:

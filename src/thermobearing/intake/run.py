@@ -121,6 +121,7 @@ def _one(path: Path, bearing: Bearing | str | Path | None) -> Intake:
         report=check_test(record, bearing),
         sidecar=keys,
         kept=sorted(given),
+        ambient=readings.values.get("ambient"),
     )
 
 

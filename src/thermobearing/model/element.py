@@ -18,7 +18,7 @@ from thermobearing.bearing.ambient import check_temperature
 from thermobearing.bearing.exposure import Exposure
 from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing, Clock
-from thermobearing.border.errors import InputError, nearest
+from thermobearing.border.errors import InputError, nearest, shortened
 from thermobearing.border.schema import validated
 from thermobearing.core.march import copy_state
 from thermobearing.core.step import step
@@ -32,6 +32,7 @@ from thermobearing.core.types import (
 )
 from thermobearing.model.constants import Hardening, HeatSource, Integrator, LeadEnds
 from thermobearing.model.earlier import Model
+from thermobearing.model.handover import SpecimenState, begun_from
 from thermobearing.model.options import EndFace, ModelOptions, Stacked, build_model
 from thermobearing.model.outcomes import NAMES
 from thermobearing.model.stack import Scheme
@@ -64,7 +65,8 @@ class BearingElement:
     ambient : temperature of the air [degC], in [-100, 100]: of the bearing too at the start,
         unless `initial` says otherwise, and of the air in a trial that does not say its own.
     initial : temperature at the start [degC], in [-100, 100]: uniform, or one per cell (upper
-        face first).
+        face first). Or where an earlier test left this bearing, from `tb.cyclic.end_state`; its
+        energies begin anew.
     initial_lead : lead temperature at the start [degC]; that of the cells beside it by default.
     scheme : "conservative" (default) or "published" heat scheme.
     integrator : "exact" (default) or "euler" integration of Z.
@@ -100,7 +102,7 @@ class BearingElement:
         bearing: Bearing | str | Path,
         ambient: float = DEFAULT_AMBIENT,
         *,
-        initial: float | Sequence[float] | NDArray[np.float64] | None = None,
+        initial: float | Sequence[float] | NDArray[np.float64] | SpecimenState | None = None,
         initial_lead: float | None = None,
         scheme: Scheme | None = None,
         integrator: Integrator | None = None,
@@ -144,7 +146,7 @@ class BearingElement:
         constants: Constants,
         ambient: float = DEFAULT_AMBIENT,
         *,
-        initial: float | Sequence[float] | NDArray[np.float64] | None = None,
+        initial: float | Sequence[float] | NDArray[np.float64] | SpecimenState | None = None,
         initial_lead: float | None = None,
     ) -> Self:
         """An element from constants of the coupled step: of a model changed by hand, say.
@@ -173,22 +175,42 @@ class BearingElement:
         self, constants: Constants, ambient: float, initial: Any, initial_lead: float | None
     ) -> None:
         """Memory for the states, all at the start."""
-        cells = len(constants.cells.capacity)
         self._ambient = float(check_temperature(ambient, "ambient"))
-        start = ambient if initial is None else initial
-        temperature = _of_cells("initial", start, cells)
         if initial_lead is not None:
             initial_lead = float(check_temperature(initial_lead, "initial_lead"))
+        if isinstance(initial, SpecimenState):
+            start = begun_from(initial, constants, initial_lead)
+        else:
+            cells = len(constants.cells.capacity)
+            given = ambient if initial is None else initial
+            start = new_state(constants, _of_cells("initial", given, cells), initial_lead)
         self._constants = constants
         self._work = new_workspace(constants)
-        self._start = new_state(constants, temperature, initial_lead)
-        self._committed = new_state(constants, temperature, initial_lead)
-        self._trial = new_state(constants, temperature, initial_lead)
+        self._start = start
+        self._committed = new_state(constants, start.temperature)
+        self._trial = new_state(constants, start.temperature)
+        copy_state(start, self._committed)
+        copy_state(start, self._trial)
+        self._failed = ""
 
     @property
     def state(self) -> State:
-        """The committed state (a live record: copy it to keep it)."""
+        """The committed state (a live record: copy it, or `save`, to keep it).
+
+        `temperature` [degC] of each cell from the upper face, of a half stack to its middle;
+        `layers` with displacement `d` and `z` [mm] of each modelled layer, the outermost first;
+        `branches["lead_temperature"]` [degC]; `books` of one row with `clock` [s],
+        `displacement`, `force` and its shares, and energies since the start [kN mm]: `work_in`,
+        `heat_released`, `heat_stored`, `heat_lost_ends`, `heat_lost_sides`, `recoverable`.
+        """
         return self._committed
+
+    def __repr__(self) -> str:
+        books = self._committed.books
+        return (
+            f"<BearingElement at {books['displacement'][0]:g} mm, {books['force'][0]:g} kN, "
+            f"{books['clock'][0]:g} s; warmest cell {self._committed.temperature.max():.1f} degC>"
+        )
 
     def set_trial(self, x: float, dt: float, ambient: float | None = None) -> Trial:
         """Displacement x [mm] after a step dt [s] from the committed state.
@@ -198,21 +220,41 @@ class BearingElement:
         x : displacement of the upper face against the lower one [mm].
         dt : length of the step [s], > 0.
         ambient : temperature of the air [degC]; that of the element by default.
+
+        Returns
+        -------
+        Trial : after any `outcome` but "completed" there is nothing to commit.
+
+        Raises
+        ------
+        InputError : a step that takes no time, or goes back in it.
         """
+        if not dt > 0.0:
+            raise InputError(f"set_trial(): dt = {dt!r}: must be more than 0 s")
         air = self._ambient if ambient is None else ambient
         force, tangent, outcome = step(
             self._constants, self._work, self._committed, x, dt, air, self._trial
         )
-        if outcome not in (COMPLETED, SOFTENED):
-            copy_state(self._committed, self._trial)
+        self._failed = "" if outcome in (COMPLETED, SOFTENED) else NAMES[outcome]
         return Trial(force, tangent, NAMES[outcome])
 
     def commit(self) -> None:
-        """Accept the last trial."""
+        """Accept the last trial.
+
+        Raises
+        ------
+        InputError : it did not get through; the bearing is where it was, for another trial.
+        """
+        if self._failed:
+            raise InputError(
+                f"commit(): the last trial ended as {self._failed} (its `outcome`); try a smaller "
+                "step from the committed state"
+            )
         copy_state(self._trial, self._committed)
 
     def revert_to_start(self) -> None:
-        """Back to the virgin bearing at its first temperatures."""
+        """Back to where it began: a virgin bearing, or where an earlier test left it."""
+        self._failed = ""
         copy_state(self._start, self._committed)
         copy_state(self._start, self._trial)
 
@@ -224,6 +266,7 @@ class BearingElement:
 
     def restore(self, saved: State) -> None:
         """Continue from a state that `save` returned."""
+        self._failed = ""
         copy_state(saved, self._committed)
         copy_state(saved, self._trial)
 
@@ -267,7 +310,8 @@ def _of_cells(key: str, temperature: Any, cells: int) -> NDArray[np.float64]:
     try:
         given = np.asarray(temperature, dtype=np.float64)
     except (TypeError, ValueError):
-        raise InputError(f"{key} = {temperature!r}: must be in degC, numbers") from None
+        said = f"{key} = {shortened(repr(temperature))}: must be in degC, numbers"
+        raise InputError(f"{said}, or a state (tb.cyclic.end_state)") from None
     if given.ndim and given.shape != (cells,):
         raise InputError(f"{key}: has {given.size} numbers, but the stack has {cells} cells")
     for value in (given.min(), given.max()):

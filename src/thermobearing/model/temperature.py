@@ -54,17 +54,19 @@ def outside_law(
     ----------
     name : of the bearing.
     law : its temperature law.
-    runs : of each what it is called, times [s] and layer temperatures [degC], a row a time.
+    runs : of each what it is called, times [s] and layer temperatures [degC], a row a time. A run
+        with several bearings has one entry for each, under the same name, and counts once.
     """
     if law is None or law.range is None:
         return []
     low, high = law.range
-    coldest, warmest, longest, worst, left = np.inf, -np.inf, 0.0, "", 0
+    coldest, warmest, longest, worst = np.inf, -np.inf, 0.0, ""
+    left: set[str] = set()
     for label, time, layers in runs:
         out = ((layers < low - SLACK) | (layers > high + SLACK)).any(axis=1)
         if not out.any():
             continue
-        left += 1
+        left.add(label)
         coldest = min(coldest, float(np.nanmin(layers)))
         warmest = max(warmest, float(np.nanmax(layers)))
         seconds = float(np.diff(time, prepend=time[0])[out].sum())
@@ -72,7 +74,7 @@ def outside_law(
             longest, worst = seconds, label
     if not left:
         return []
-    runs_left = f"{left} run" if left == 1 else f"{left} runs"
+    runs_left = "1 run" if len(left) == 1 else f"{len(left)} runs"
     return [
         f"{name}: the temperature law was identified at {low:g} to {high:g} degC, and is "
         f"extrapolated in {runs_left}, where rubber layers are at {coldest:.1f} to {warmest:.1f} "

@@ -82,6 +82,11 @@ class GroundMotion:
         """Time of the last sample [s]."""
         return self.dt * (len(self.acceleration) - 1)
 
+    def __repr__(self) -> str:
+        name = f"{self.name} {self.component}".strip()
+        size = f"{self.pga / MM_S2_PER_GAL:.0f} gal, {self.duration:g} s in steps of {self.dt:g} s"
+        return f"<GroundMotion {name}: {size}>"
+
     @property
     def pga(self) -> float:
         """Largest absolute acceleration [mm/s2]."""

@@ -14,6 +14,7 @@ from thermobearing.border.errors import OutputError
 from thermobearing.results.seal import seal
 from thermobearing.results.swap import new_sibling, put_in_place
 
+FORCE = "--force (in Python force=True)"
 SUMMARY, DATASET, HISTORY = "summary.json", "result.nc", "history.csv"
 RESOLVED, FIGURES, COMPARISON = "case.resolved.toml", "figures", "comparison.csv"
 TABLE, MODES, RIG, PARTS = "table.csv", "modes.csv", "rig.csv", "parts"
@@ -47,7 +48,7 @@ def check_target(directory: Path, *, force: bool) -> None:
     OutputError : it exists and `force` is False, it is not a result directory or holds
         anything else, or it cannot be made.
     """
-    choose = "choose another directory with -o"
+    choose = "choose another directory"
     try:
         final = directory.resolve()
         if not final.exists():
@@ -71,7 +72,7 @@ def check_target(directory: Path, *, force: bool) -> None:
         held = f" (it holds {', '.join(foreign[:3])})" if foreign else ""
         raise OutputError(f"{directory}: exists and is not a result directory{held}; {choose}")
     if not force:
-        raise OutputError(f"{directory}: exists; give --force to replace it, or {choose}")
+        raise OutputError(f"{directory}: exists; give {FORCE} to replace it, or {choose}")
 
 
 def write_directory(directory: Path, fill: Callable[[Path], None], *, force: bool = False) -> Path:

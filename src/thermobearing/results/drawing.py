@@ -7,6 +7,7 @@ matplotlib settings and none of the user's settings are touched.
 import io
 import math
 import textwrap
+import warnings
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Literal
@@ -29,8 +30,14 @@ Look = dict[str, Any]  # how an artist is drawn
 DPI = 150  # of a saved figure
 NOTEBOOK_DPI = 100
 COLOURS = 256  # of a saved figure: its lines, and their edges that fade into the paper
-LARGE, NORMAL, SMALL = 10.5, 9.0, 7.5  # font sizes [pt]
+LARGE, NORMAL, SMALL = 9.5, 8.5, 7.5  # font sizes [pt]
+WIDEST = (
+    7.1  # of a figure [inch]: a page of A4 between its margins, so that its letters keep their size
+)
+FLATTER = 0.6  # power of the factor by which a figure becomes narrower, for its height
 LETTER, BOLD_LETTER = 0.56, 0.66  # mean width of a letter, of the font size
+MARGIN = 0.6  # between panels, for their labels [inch]
+SHORTEST_LINE = 24  # letters of a title before it is broken
 HANDLE = 4.5  # width of a legend's line and gaps, of the font size
 INK, GREY, PALE, STEEL, RUBBER = "#1a1a1a", "#6b6b6b", "#eef0f3", "#d3d8de", "#fdf6ec"
 # Paul Tol's "vibrant" colours in the order of temperature: safe for colour-blind readers.
@@ -73,7 +80,7 @@ def figure_of(ax: Axes) -> Figure:
 
 def degrees(value: float) -> str:
     """A temperature for a title, with a true minus sign."""
-    return f"{value:g} °C".replace("-", "\N{MINUS SIGN}")
+    return f"{round(value, 2):g} °C".replace("-", "\N{MINUS SIGN}")
 
 
 def residual(value: float) -> str:
@@ -105,7 +112,13 @@ def panels(
     share: bool | Literal["row", "col"] = False,
     widths: list[float] | None = None,
 ) -> tuple[Figure, list[Axes]]:
-    """A figure of so many inches with its panels row by row, styled but empty."""
+    """A figure of so many inches with its panels row by row, styled but empty.
+
+    One that is wider than a page becomes as wide as a page: figures are looked at in print, and
+    their letters are to have one size there.
+    """
+    narrower = min(1.0, WIDEST / size[0])
+    size = narrower * size[0], narrower**FLATTER * size[1]
     figure = Picture(figsize=size, layout="constrained")
     room = int(size[0] * 72.0 / (BOLD_LETTER * LARGE))
     lines = title.replace(": ", ":\n", 1) if len(title) > room else title
@@ -126,7 +139,10 @@ def save_figure(figure: Figure, path: str | Path, dpi: int | None = None) -> Non
     figure.dpi = dpi
     # Laid out and drawn in one go: `savefig` draws twice, and packs a PNG that is unpacked here.
     canvas: Any = FigureCanvasAgg(figure)
-    canvas.draw()
+    with warnings.catch_warnings():
+        # A title in letters that the font lacks is drawn as boxes; the screen and files have it.
+        warnings.filterwarnings("ignore", "Glyph .* missing from font", UserWarning)
+        canvas.draw()
     drawn = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
     picture = drawn.quantize(COLOURS, dither=Image.Dither.NONE)
     picture.save(path, optimize=True, dpi=(dpi, dpi))
@@ -142,13 +158,42 @@ def style(ax: Axes) -> None:
 
 
 def name_axes(ax: Axes, x: str = "", y: str = "", title: str = "", pad: float = 5.0) -> None:
-    """Labels with units, and the title of the panel."""
+    """Labels with units, and the title of the panel, in two lines where it is too long for one."""
     if x:
         ax.set_xlabel(x, fontsize=NORMAL)
     if y:
         ax.set_ylabel(y, fontsize=NORMAL)
     if title:
-        ax.set_title(title, fontsize=NORMAL, loc="left", pad=pad)
+        grid = ax.get_gridspec()
+        wide = figure_of(ax).get_figwidth() / (grid.ncols if grid else 1) - MARGIN
+        room = max(int(wide * 72.0 / (LETTER * NORMAL)), SHORTEST_LINE)
+        ax.set_title(textwrap.fill(title, room), fontsize=NORMAL, loc="left", pad=pad)
+
+
+def head_grid(axes: list[Axes], heads: list[str], sides: list[str]) -> None:
+    """Names of the columns above a grid of panels, those of its rows at its right edge, once each.
+
+    Parameters
+    ----------
+    axes : row by row.
+    heads : of the columns.
+    sides : of the rows; a single empty one where they need no name.
+    """
+    for k, head in enumerate(heads):
+        axes[k].set_title(head, fontsize=SMALL, fontweight="bold", color=INK)
+    for k, side in enumerate(sides):
+        look: Look = {"rotation": -90, "va": "center", "ha": "left", "fontsize": SMALL}
+        look |= {"fontweight": "bold", "color": INK, "textcoords": "offset points"}
+        ax = axes[(k + 1) * len(heads) - 1]
+        ax.annotate(side, (1.0, 0.5), (4.0, 0.0), xycoords="axes fraction", **look)
+
+
+def say_why(ax: Axes, why: str, at: tuple[float, float] = (0.02, 0.02)) -> None:
+    """A word in a panel on why there is less to be seen than in the others."""
+    look: Look = {"fontsize": SMALL - 0.5, "color": GREY, "va": "bottom", "zorder": 5}
+    look["ha"] = "left" if at[0] < 0.5 else "right"
+    look["bbox"] = {"facecolor": "white", "alpha": 0.7, "pad": 0.5, "linewidth": 0}
+    ax.text(*at, why, transform=ax.transAxes, **look).set_in_layout(False)
 
 
 def save_figures(figures: Mapping[str, Callable[[], Figure]], folder: Path) -> list[Path]:
@@ -279,9 +324,9 @@ def shade_untested(
             if last > first:
                 span(first, last, color=UNTESTED, zorder=0.2, linewidth=0)
         put(low, high)
-        place = (0.99, 0.985) if along == "x" else (0.01, 0.985)
-        look: Look = {"fontsize": SMALL - 0.5, "color": "#a33", "va": "top"}
-        look["ha"] = "right" if along == "x" else "left"
+        place = (0.99, 0.985) if along == "x" else (0.01, 0.015)
+        look: Look = {"fontsize": SMALL - 0.5, "color": "#a33"}
+        look |= {"ha": "right", "va": "top"} if along == "x" else {"ha": "left", "va": "bottom"}
         ax.text(*place, "shaded: not tested", transform=ax.transAxes, **look)
 
 

@@ -28,12 +28,14 @@ class LargestLoop:
     measures: CycleMeasures
 
 
-def find_largest_loop(displacement: Floats) -> tuple[int, int] | None:
+def find_largest_loop(displacement: Floats, alike: float = 0.0) -> tuple[int, int] | None:
     """First and last point of the largest loop; None if no loop holds the largest displacement.
 
     Parameters
     ----------
     displacement : history [mm].
+    alike : part of the largest displacement by which measured excursions differ although they are
+        meant to be one: the first of them counts. 0 where none is measured.
 
     Returns
     -------
@@ -45,9 +47,13 @@ def find_largest_loop(displacement: Floats) -> tuple[int, int] | None:
     (2, 6)
     """
     d = np.asarray(displacement, float)
-    peak = int(np.abs(d).argmax()) if len(d) else 0
-    if not len(d) or d[peak] == 0.0:
+    if not len(d) or not d.any():
         return None
+    ways = np.abs(d)
+    first = int((ways >= (1.0 - alike) * ways.max()).argmax())
+    other = (d * d[first] < 0.0)[first:]  # on the other side
+    end = first + int(other.argmax()) if other.any() else len(d)
+    peak = first + int(ways[first:end].argmax()) if alike else int(ways.argmax())
     e = d / d[peak]  # 1 at the peak
     after, before = _look_from(e[peak:]), _look_from(e[peak::-1])
     if after.own_end is None or before.own_end is None:

@@ -37,7 +37,7 @@ class CycleMeasures:
     G_eq_MPa : equivalent shear modulus, Eq. 3.1.
     h_eq : equivalent damping ratio E / (4 pi W), Eq. 3.2, W the elastic triangle.
     energy_kN_mm : area of the loop.
-    stiffness_kN_mm : equivalent stiffness (|f_max| + |f_min|) / (|d_max| + |d_min|).
+    stiffness_kN_mm : equivalent stiffness ``(|f_max| + |f_min|) / (|d_max| + |d_min|)``.
     characteristic_strength_kN : half the difference of the forces at zero displacement.
     post_yield_stiffness_kN_mm : slope fitted to the loading branches between 50 and 90 % of
         the peak displacement, mean of both directions.

@@ -21,6 +21,9 @@ Row = dict[str, Any]
 # nominal and the measured value of one test differ by.
 SLACK = 0.02
 REST = 600.0  # between two loadings, after which cycles are counted anew [s]
+NOT_GIVEN = "range not given"
+# What sentences on validity hold, and no other warning: those below, and of the temperature law.
+OF_VALIDITY = (NOT_GIVEN, " tested (", "the temperature law was identified")
 TESTED = {  # of a bearing: unit in rows; title, factor and unit in sentences
     "strain": ("1", "strain", 100.0, " %"),
     "strain_rate": ("1/s", "strain rate", 1.0, "/s"),
@@ -195,7 +198,7 @@ def outside_tests(
     ['mine: strain 352 %, above the 250 % tested (kobe)']
     """
     if ranges is None:
-        said = f"{name}: range not given (tested_range in its file), so nothing is said of it"
+        said = f"{name}: {NOT_GIVEN} (tested_range in its file), so nothing is said of it"
         return [said] if given else []
     runs = len({row["run"] for row in rows})
     found = []
@@ -216,6 +219,19 @@ def outside_tests(
                 f"{factor * worst[end]:.4g}{unit} tested ({many}{where})"
             )
     return found
+
+
+def parted(warnings: Iterable[str]) -> tuple[list[str], list[str]]:
+    """Warnings on the range behind a bearing's parameters, and the others.
+
+    Examples
+    --------
+    >>> parted(["mine: strain 352 %, above the 250 % tested (kobe)", "a coarse step"])
+    (['mine: strain 352 %, above the 250 % tested (kobe)'], ['a coarse step'])
+    """
+    told = list(warnings)
+    of_range = [text for text in told if any(words in text for words in OF_VALIDITY)]
+    return of_range, [text for text in told if text not in of_range]
 
 
 def titles_passed(rows: Iterable[Mapping[Any, Any]], run: str) -> str:

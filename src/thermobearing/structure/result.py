@@ -12,6 +12,7 @@ from thermobearing.border.errors import InputError
 from thermobearing.core.records import Floats
 from thermobearing.structure.model import DampingKind, MassModel, Structure, load_structure
 from thermobearing.structure.parts import fixed_base, piers_of, reported_line
+from thermobearing.structure.plausible import implausible_structure
 from thermobearing.structure.run import Prepared, prepare_structure
 
 if TYPE_CHECKING:
@@ -96,6 +97,11 @@ class StructureResult:
         columns = ["part", "name", "body", "base", "height_mm", "size"]
         return pd.DataFrame(rows, columns=columns)
 
+    @property
+    def warnings(self) -> list[str]:
+        """Numbers that usual structures do not have."""
+        return implausible_structure(self.structure, self.prepared)
+
     def summary(self) -> dict[str, Any]:
         """The content of summary.json."""
         structure = self.structure
@@ -106,6 +112,7 @@ class StructureResult:
             "citation": structure.citation,
             "version": thermobearing.__version__,
             "outcome": "completed",
+            "warnings": self.warnings,
             "mass_t": TONNES * self.mass,
             "mass_model": self.mass_model,
             "damping": structure.damping.kind,

@@ -2,7 +2,7 @@
 
 import pandas as pd
 
-from thermobearing.results.screen import print_table, say
+from thermobearing.results.screen import print_table, print_warnings, say
 from thermobearing.structure.model import load_structure
 from thermobearing.structure.result import TONNES, StructureResult
 
@@ -34,6 +34,7 @@ def print_structure(result: StructureResult) -> None:
     for name in result.prepared.matrices.coordinates:
         shown[name] = table[name].map("{:.3g}".format)
     _print_rows(shown)
+    print_warnings(result.warnings)
 
 
 def _print_rows(table: pd.DataFrame) -> None:

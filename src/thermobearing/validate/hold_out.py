@@ -3,7 +3,7 @@
     tests -> some are held out -> fit to the others -> the fitted bearing beside those held out
 
 Either the user says which tests are held out, or every test is once: `folds` groups of them, one
-fit without each group, and a last one to all of them. Tests are judged by `run_validate`.
+fit without each group, and a last one to all of them. Tests are judged as `validate` does.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -22,7 +22,7 @@ from thermobearing.identify.run import run_identify
 from thermobearing.validate.case import LIMITS, ValidateCase, checked_limits
 from thermobearing.validate.held_out_result import CrossValidation
 from thermobearing.validate.result import Comparison, Validation
-from thermobearing.validate.run import refuse_unusable, run_validate
+from thermobearing.validate.run import as_fitted, judge, refuse_unusable
 
 Progress = Callable[[int, int], None]
 
@@ -212,12 +212,14 @@ def run_hold_out(case: HoldOutCase, *, progress: Progress | None = None) -> Cros
         except InputError as error:
             raise InputError(error.lines(f"fold {number}")) from None
         told(number + 1, many)
+    alike = {id(record): as_fitted(record) for record in [*tests, *case.held_out]}
+    groups = [[alike[id(record)] for record in group] for group in groups]
     judged = [_judged(found, group) for found, group in zip(folds or [final], groups, strict=True)]
     return CrossValidation(
         final=final,
         folds=folds,
         groups=groups,
-        fitted=Validation(_judged(final, tests), case.limits),
+        fitted=Validation(_judged(final, [alike[id(r)] for r in tests]), case.limits),
         held_out=Validation([item for items in judged for item in items], case.limits),
     )
 
@@ -229,4 +231,4 @@ def _groups(tests: list[TestRecord], folds: int) -> list[list[TestRecord]]:
 
 
 def _judged(found: Identification, records: list[TestRecord]) -> list[Comparison]:
-    return run_validate(ValidateCase([found.bearing], records)).comparisons
+    return judge(ValidateCase([found.bearing], records)).comparisons

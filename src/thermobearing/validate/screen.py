@@ -28,7 +28,7 @@ def print_validation(found: Validation, which: str = "tests") -> None:
         cells = [
             (
                 str(row["test"]),
-                f"{row['ambient_degC']:g}",
+                f"{round(row['ambient_degC'], 2):g}",
                 f"{row['R2']:.3f}",
                 *(_cell(row, name) for name in QUANTITIES),
             )

@@ -1,0 +1,1 @@
+"""What Sphinx needs of ours to build the site."""

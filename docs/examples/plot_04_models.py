@@ -1,0 +1,21 @@
+"""
+Earlier models beside this one
+==============================
+
+What a model gives that knows no temperature, one temperature, or no heat flow. Ten cycles in the
+cold.
+"""
+
+import thermobearing as tb
+
+test = tb.cyclic_test(strain=[1.75], cycles=10, wave="sine", frequency=0.5, rest=None)
+models = ["multi-layer", "single-temperature", "adiabatic", "temperature-blind"]
+results = {name: tb.run("shen-hdr-specimen", test, ambient=-20, model=name) for name in models}
+tb.results.overlay(results, title="ten cycles at -20 degC")
+
+# %%
+# The modulus of the tenth cycle over that of the first: how far each softens.
+
+for name, result in results.items():
+    modulus = result.to_dataset().G_eq_MPa.sel(ambient=-20, strain=1.75)
+    print(f"{name:20} {float(modulus.sel(cycle=10) / modulus.sel(cycle=1)):.2f}")

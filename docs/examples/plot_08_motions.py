@@ -1,0 +1,32 @@
+"""
+A ground motion and its spectrum
+================================
+
+A built-in motion: a synthetic one that fits the Level 2 standard spectrum of Japanese road
+bridges, beside that spectrum. Use your own with `tb.load_motion("record.csv", unit="gal")`.
+"""
+
+import numpy as np
+from matplotlib.figure import Figure
+
+import thermobearing as tb
+
+motion = tb.load_motion("jra-ii-i-1")
+figure = Figure(figsize=(7.0, 2.6), layout="constrained")
+axes = figure.add_subplot(xlabel="time [s]", ylabel="acceleration [m/s2]")
+axes.plot(np.arange(len(motion.acceleration)) * motion.dt, motion.acceleration / 1000.0, lw=0.7)
+figure
+
+# %%
+# Response spectrum with 5 % damping.
+
+periods = np.geomspace(0.1, 5.0, 60)
+spectrum = tb.motions.response_spectrum(motion, periods)
+figure = Figure(figsize=(5.0, 3.4), layout="constrained")
+axes = figure.add_subplot(xscale="log", xlabel="period [s]", ylabel="acceleration [m/s2]")
+axes.plot(periods, spectrum.acceleration / 1000.0, label=motion.name)
+axes.plot(
+    periods, tb.motions.standard_spectrum("II", "I", periods) / 1000.0, "--", label="standard"
+)
+axes.legend(frameon=False)
+figure

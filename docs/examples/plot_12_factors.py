@@ -1,0 +1,24 @@
+"""
+Temperature factors
+===================
+
+What a bounding analysis multiplies stiffness and strength with: the first cycle in the cold, and
+the third, which has heated itself, over the same at 23 degC.
+"""
+
+from matplotlib.figure import Figure
+
+import thermobearing as tb
+
+temperatures = [-40, -30, -20, -10, 0, 10, 20, 30, 40]
+table = tb.temperature_factors(
+    "shen-hdr-bridge", reference_temperature=23, temperatures=temperatures, strains=[1.75]
+)
+figure = Figure(figsize=(5.5, 3.6), layout="constrained")
+axes = figure.add_subplot(xlabel="ambient temperature [degC]", ylabel="factor")
+for quantity, colour in (("Q_d", "#0077BB"), ("K_d", "#EE7733")):
+    for basis, style in (("first", "-"), ("heated", "--")):
+        rows = table[(table.quantity == quantity) & (table.basis == basis)]
+        axes.plot(rows.ambient_degC, rows.factor, style, color=colour, label=f"{quantity}, {basis}")
+axes.legend(frameon=False)
+figure

@@ -1,0 +1,19 @@
+"""
+Sizing bearings
+===============
+
+Assume a displacement, size the bearing, analyse the bridge, compare, repeat (Fig. 6.4 of the
+source). Layered bearings of the stiffness that was found are then judged on the coldest day.
+"""
+
+import thermobearing as tb
+
+case = tb.design.make_design_case({"motions": ["jra-ii-i-1"]}, "example")
+templates = [tb.load_bearing("shen-hdr-bridge")]
+design = tb.design.run_design(case, templates=templates)
+design.plot.rounds()
+
+# %%
+# The layered bearing of that stiffness beside the bilinear one.
+
+design.plot.equal()

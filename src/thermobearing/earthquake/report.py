@@ -1,0 +1,226 @@
+"""What the document of an earthquake study says, from a result as it is loaded again."""
+
+import tomllib
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from thermobearing.earthquake.report_inputs import assumptions, bearings_of, inputs_of, question
+from thermobearing.earthquake.report_plots import figures_of
+from thermobearing.earthquake.report_tables import books_table, cold_ratios, tables_of
+from thermobearing.earthquake.result import EarthquakeResult
+from thermobearing.model.earlier import BLIND
+from thermobearing.report.identity import identity_of
+from thermobearing.report.limits import (
+    BOOKS_CLOSE,
+    RIG,
+    TESTED_RANGE,
+    TESTS,
+    limit_checks,
+    residual_check,
+    verdict,
+)
+from thermobearing.report.pieces import NOT_JUDGED, Check, Pieces
+from thermobearing.report.words import (
+    change,
+    counted,
+    degrees,
+    joined,
+    number,
+    percent,
+    plain,
+    tidy,
+)
+from thermobearing.results.ranges import parted
+
+Case = Mapping[str, Any]
+COMMANDS = {"bridge": "Earthquake study", "hybrid": "Hybrid test"}
+
+
+def pieces_of(result: EarthquakeResult) -> Pieces:
+    """Everything that the document of a study says.
+
+    Parameters
+    ----------
+    result : of `bridge` or `hybrid`, or loaded again: both give the same.
+
+    Examples
+    --------
+    >>> import thermobearing as tb
+    >>> pieces = pieces_of(tb.bridge("shen-hdr-bridge", "jra-ii-i-1", [23, -20], duration=2))
+    >>> pieces.command, len(pieces.tables["peaks"].rows)
+    ('bridge', 2)
+    """
+    attrs = result.dataset.attrs
+    case = tomllib.loads(attrs["case"])
+    found, warnings = parted(result.warnings)
+    given = any(one.get("tested_range") is not None for one in bearings_of(case))
+    validity = [tidy(text) for text in found] if given else []
+    unknown = "" if given else " ".join(map(tidy, found))
+    checks = checks_of(result, case)
+    command = str(attrs["command"])
+    return Pieces(
+        command=command,
+        title=f"{COMMANDS[command]} of {attrs['structure']}",
+        question=question(result, case),
+        answer=answer(result, verdict(checks, validity, unknown)),
+        inputs=inputs_of(result, case),
+        tables=tables_of(result) if result.runs else {},
+        figures=figures_of(result),
+        checks=checks,
+        validity=validity,
+        validity_unknown=unknown,
+        books=books_table(result) if result.runs else None,
+        assumptions=assumptions(result, case),
+        warnings=[tidy(text) for text in warnings],
+        identity=identity_of(
+            str(attrs["version"]),
+            str(attrs["case"]),
+            f"thermobearing {command} case.resolved.toml",
+        ),
+    )
+
+
+def answer(result: EarthquakeResult, told: str) -> list[str]:
+    """What came out: what governs, what the cold changes, whether limits were kept."""
+    if not result.runs:
+        return [f"No run was finished ({result.outcome}): {tidy(result.sentence)}"]
+    return [*early_words(result), _governing(result), _cold(result), told]
+
+
+def early_words(result: EarthquakeResult) -> list[str]:
+    """That runs ended early or are missing, and why; nothing if none did."""
+    if result.outcome == "completed":
+        return []
+    outcomes = [str(name) for name in result["outcome"].values]
+    names = [n for n, out in zip(result.run_names, outcomes, strict=True) if out != "completed"]
+    where = f" in {counted(len(names), 'run')}, first {plain(names[0])}" if names else ""
+    return [
+        f"The analysis ended early{where} ({result.outcome.replace('_', ' ')}), and what follows "
+        f"is what had been computed until then: {tidy(result.sentence)}"
+    ]
+
+
+def _largest(result: EarthquakeResult, column: str) -> tuple[float, str]:
+    """Largest value of a column, and its run in words."""
+    values = result.table[column]
+    if not values.notna().any():
+        return float("nan"), ""
+    place = int(np.nanargmax(values.to_numpy(dtype=float)))
+    return float(values.iloc[place]), plain(result.run_names[place])
+
+
+def _governing(result: EarthquakeResult) -> str:
+    """Largest strain, force, and what the pier takes, each with its run."""
+    strain, where = _largest(result, "bearing_strain_max")
+    force, pushed = _largest(result, "bearing_force_max_kN")
+    pier, moved = _largest(result, "pier_displacement_max_mm")
+    told = [
+        f"the largest shear strain is {percent(strain)} ({where})",
+        f"the largest force of one bearing {number(force, '.4g')} kN"
+        + (f" ({pushed})" if pushed != where else " (the same run)"),
+        f"the pier top moves {pier:.1f} mm relative to its base ({moved})",
+    ]
+    ductility, bent = _largest(result, "pier_ductility")
+    if ductility == ductility:
+        if ductility > 1.0:
+            told.append(f"its hinge yields, to a ductility of {ductility:.2f} ({bent})")
+        else:
+            told.append(f"its hinge does not yield (ductility {ductility:.2f} at most, {bent})")
+    many = f"Of {counted(result.runs, 'run')}, " if result.runs > 1 else ""
+    text = f"{many}{joined(told)}."
+    return f"{text[:1].upper()}{text[1:]}"
+
+
+def _cold(result: EarthquakeResult) -> str:
+    """What the coldest air changes, bearing by bearing; heating where there is no cold."""
+    ratios = cold_ratios(result)
+    blind = {str(n) for n in result["bearing"].values if result.dataset.attrs.get(f"bilinear:{n}")}
+    if len(ratios):
+        ratios = ratios[~ratios["bearing"].isin(blind)]
+    if not len(ratios):
+        return _heating(result)
+    coldest, warmest = ratios["ambient_degC"].min(), result.table["ambient_degC"].max()
+    cold = ratios[ratios["ambient_degC"] == coldest]
+    told = [_cold_of(str(name), group) for name, group in cold.groupby("bearing", sort=False)]
+    motions = cold["motion"].nunique()
+    mean = " on average over the motions" if motions > 1 else ""
+    only = f"; {', '.join(sorted(blind))} knows no temperature" if blind else ""
+    return (
+        f"{degrees([coldest])} against {degrees([warmest])} changes{mean}: {'; '.join(told)}{only}."
+    )
+
+
+def _cold_of(name: str, group: pd.DataFrame) -> str:
+    parts = []
+    for column, what in (
+        ("bearing_force_max_kN", "force"),
+        ("bearing_strain_max", "strain"),
+        ("pier_displacement_max_mm", "pier displacement"),
+    ):
+        values = group[column].dropna()
+        if len(values):
+            parts.append(f"{what} {change(float(values.mean()), 'more', 'less')}")
+    return f"{name}: {joined(parts)}"
+
+
+def _heating(result: EarthquakeResult) -> str:
+    """How warm rubber and lead get."""
+    found: dict[str, tuple[float, int]] = {}
+    for run in range(result.runs):
+        for place, rise in result.rises(run).items():
+            if np.isfinite(rise) and rise > found.get(place, (-1.0, 0))[0]:
+                found[place] = rise, run
+    rubber = max((found[p] for p in ("outer_layer", "inner_layer") if p in found), default=None)
+    told = []
+    for what, one in (("rubber", rubber), ("lead", found.get("lead"))):
+        if one is not None:
+            where = plain(result.run_names[one[1]])
+            told.append(f"the {what} by up to {one[0]:.1f} K ({where})")
+    if not told:
+        return "No bearing of the study knows temperature."
+    return f"The motions warm {joined(told)}."
+
+
+def checks_of(result: EarthquakeResult, case: Case) -> list[Check]:
+    """Yielding of piers, rig, tested ranges, energy books."""
+    if not result.runs:
+        return []
+    rig = str(case.get("rig", {}).get("name", "rig"))
+    found = _ductilities(result)
+    found += limit_checks(result.rig.to_dict("records"), RIG, f"rig {rig}")
+    names = [str(one["name"]) for one in bearings_of(case)]
+
+    def bearing_of(run: str) -> str:
+        return next((name for name in names if run.startswith(f"{name}, ")), "")
+
+    rows = result.tested_range.to_dict("records")
+    found += limit_checks(rows, TESTS, f"{TESTED_RANGE} of the bearing", bearing_of)
+    gaps = case["analysis"]["scheme"] == "published" or case["analysis"]["model"] in BLIND
+    for name in ("structure", "mechanical", "thermal"):
+        largest = float(result.energy[f"{name}_residual"].abs().max())
+        limit = float("nan") if gaps and name == "thermal" else BOOKS_CLOSE
+        source = "energy balance" if limit == limit else "no limit: this model's books have gaps"
+        what = f"{name} residual of the energy books"
+        found.append(residual_check(what, largest, limit, source))
+    return found
+
+
+def _ductilities(result: EarthquakeResult) -> list[Check]:
+    """Of each pier; first yield is told, a limit of a code is not in the input."""
+    source = "first yield of the hinge; no limit of a code is given"
+    piers, names = result.piers, result.run_names
+    if len(piers) and piers["ductility"].notna().any():
+        groups = [(f"pier {name}", mine) for name, mine in piers.groupby("pier", sort=False)]
+        columns = [(what, mine["ductility"].to_numpy(dtype=float)) for what, mine in groups]
+    else:
+        columns = [("pier", result.table["pier_ductility"].to_numpy(dtype=float))]
+    found = []
+    for what, values in columns:
+        if np.isfinite(values).any():
+            place = int(np.nanargmax(values))
+            told = f"ductility of {what} ({plain(names[place])})"
+            found.append(Check(told, float(values[place]), 1.0, "", source, NOT_JUDGED))
+    return found

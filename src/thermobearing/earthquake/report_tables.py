@@ -1,0 +1,299 @@
+"""Tables of an earthquake study that an engineer can quote."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from thermobearing.earthquake.modes import has_both, modes_table
+from thermobearing.earthquake.result import EarthquakeResult
+from thermobearing.report.pieces import Column, ReportTable
+from thermobearing.results.ranges import TESTED
+
+KJ = 1e-3
+MARKED = "Marked: beyond what the bearing was tested at"
+KEYS = {
+    "bearing": Column("Bearing"),
+    "motion": Column("Motion"),
+    "ambient_degC": Column("Ambient", "°C", "g"),
+    "mode": Column("Mode"),
+}
+PEAKS = {  # column of the table: head, factor
+    "bearing_strain_max": (Column("Strain", "%", ".0f"), 100.0),
+    "bearing_force_max_kN": (Column("Force of one", "kN", ".0f"), 1.0),
+    "bearing_energy_kN_mm": (Column("Energy of one", "kJ", ".1f"), KJ),
+    "pier_displacement_max_mm": (Column("Pier top", "mm", ".1f"), 1.0),
+    "pier_ductility": (Column("Ductility", "", ".2f"), 1.0),
+    "pier_moment_max_kN_m": (Column("Pier moment", "kN m", ".0f"), 1.0),
+    "deck_acceleration_max_m_s2": (Column("Deck", "m/s²", ".2f"), 1.0),
+}
+HOTTEST = {"rubber": Column("Rubber", "°C", ".1f"), "lead": Column("Lead", "°C", ".1f")}
+COLD = {  # of the warmest: column of the table, head
+    "bearing_strain_max": "Strain",
+    "bearing_force_max_kN": "Force",
+    "bearing_energy_kN_mm": "Energy",
+    "pier_displacement_max_mm": "Pier top",
+    "deck_acceleration_max_m_s2": "Deck acceleration",
+}
+LOOP = {
+    "K_eq_kN_mm": (Column("K_eq", "kN/mm", ".3f"), 1.0),
+    "h_eq": (Column("h_eq", "", ".3f"), 1.0),
+    "G_e_MPa": (Column("G_e", "MPa", ".3f"), 1.0),
+    "D_plus_mm": (Column("D+", "mm", ".1f"), 1.0),
+    "D_minus_mm": (Column("D−", "mm", ".1f"), 1.0),
+    "F_plus_kN": (Column("F+", "kN", ".0f"), 1.0),
+    "F_minus_kN": (Column("F−", "kN", ".0f"), 1.0),
+    "energy_kN_mm": (Column("Energy", "kJ", ".1f"), KJ),
+}
+PARTS = {
+    "line": {
+        "line_bearing": (Column("Bearing of the line"), 1.0),
+        "count": (Column("Bearings", form="d"), 1),
+        "line_ambient_degC": (Column("Its air", "°C", "g"), 1.0),
+        "strain_max": (Column("Strain", "%", ".0f"), 100.0),
+        "force_max_kN": (Column("Force of one", "kN", ".0f"), 1.0),
+        "total_force_max_kN": (Column("Force of all", "kN", ".0f"), 1.0),
+        "rubber_max_degC": (Column("Rubber", "°C", ".1f"), 1.0),
+        "lead_max_degC": (Column("Lead", "°C", ".1f"), 1.0),
+    },
+    "pier": {
+        "displacement_max_mm": (Column("Top", "mm", ".1f"), 1.0),
+        "displacement_residual_mm": (Column("Left", "mm", ".2f"), 1.0),
+        "ductility": (Column("Ductility", "", ".2f"), 1.0),
+        "moment_max_kN_m": (Column("Moment", "kN m", ".0f"), 1.0),
+        "top_acceleration_max_m_s2": (Column("Acceleration of the top", "m/s²", ".2f"), 1.0),
+    },
+}
+RATIOS = {
+    "force_ratio": "Force",
+    "strain_ratio": "Strain",
+    "energy_ratio": "Energy",
+    "outer_layer_rise_ratio": "Rise, outer layer",
+    "inner_layer_rise_ratio": "Rise, inner layer",
+    "lead_rise_ratio": "Rise, lead",
+}
+
+
+def tables_of(result: EarthquakeResult) -> dict[str, ReportTable]:
+    """Tables of what came out, by name."""
+    found = {
+        "peaks": peaks_table(result),
+        "cold": cold_table(result),
+        "lines": parts_table(result, "line"),
+        "piers": parts_table(result, "pier"),
+        "modes": ratios_table(result),
+        "loops": loops_table(result),
+        "periods": periods_table(result),
+        "bearing_books": bearing_books(result),
+    }
+    return {name: table for name, table in found.items() if table is not None}
+
+
+def _keys(table: pd.DataFrame) -> list[str]:
+    return [name for name in KEYS if name in table]
+
+
+def _told(table: pd.DataFrame, columns: Sequence[str]) -> list[str]:
+    """Those that some run has."""
+    return [name for name in columns if name in table and table[name].notna().any()]
+
+
+def peaks_table(result: EarthquakeResult) -> ReportTable:
+    """Largest value of everything that counts, a row a run."""
+    table, keys = result.table, _keys(result.table)
+    names = _told(table, list(PEAKS))
+    hottest = [result.hottest(run) for run in range(result.runs)]
+    warm = [name for name in HOTTEST if any(np.isfinite(one[name]) for one in hottest)]
+    columns = [*(KEYS[key] for key in keys), *(PEAKS[name][0] for name in names)]
+    columns += [HOTTEST[name] for name in warm]
+    ended = (table["outcome"] != "completed").any()
+    columns += [Column("Ended")] if ended else []
+    places = {"ambient": keys.index("ambient_degC")}
+    places |= {"strain": len(keys) + names.index("bearing_strain_max")}
+    if "lead" in warm:
+        places["lead_temperature"] = len(keys) + len(names) + warm.index("lead")
+    rows, marked, others = [], set(), set()
+    for run, row in enumerate(table.to_dict("records")):
+        cells = [row[key] for key in keys] + [PEAKS[name][1] * row[name] for name in names]
+        cells += [hottest[run][name] for name in warm]
+        rows.append([*cells, *([row["outcome"].replace("_", " ")] if ended else [])])
+        for limit in str(row["beyond_tested"]).split():
+            if limit in places:
+                marked.add((run, places[limit]))
+            else:  # no column of its own: the run is marked where its name ends
+                marked.add((run, keys.index("motion")))
+                others.add(TESTED[limit][1])
+    note = "Force, energy: of one bearing. Pier top: relative to its base. Deck: absolute "
+    note += "acceleration. Rubber, lead: highest temperature."
+    if marked:
+        note += f" {MARKED}" + (f" (a motion: {', '.join(sorted(others))})." if others else ".")
+    return ReportTable("Peaks of every run", columns, rows, len(keys), frozenset(marked), note)
+
+
+def cold_ratios(result: EarthquakeResult) -> pd.DataFrame:
+    """Peaks of each run over those at the warmest air, same bearing, motion and mode."""
+    table = result.table
+    table = table[table["outcome"] == "completed"]
+    same = [name for name in ("bearing", "motion", "mode") if name in table]
+    if table["ambient_degC"].nunique() < 2:
+        return pd.DataFrame()
+    warmest = float(table["ambient_degC"].max())
+    warm = table[table["ambient_degC"] == warmest].set_index(same)
+    cold = table[table["ambient_degC"] < warmest]
+    rows = []
+    for row in cold.to_dict("records"):
+        key = tuple(row[name] for name in same)
+        if key not in warm.index:
+            continue
+        of = warm.loc[key]
+        ratios = {name: row[name] / of[name] if of[name] else np.nan for name in COLD}
+        rows.append({name: row[name] for name in (*same, "ambient_degC")} | ratios)
+    return pd.DataFrame(rows)
+
+
+def cold_table(result: EarthquakeResult) -> ReportTable | None:
+    """What the cold changes: mean over the motions, lowest and highest; None without cold."""
+    ratios = cold_ratios(result)
+    if not len(ratios):
+        return None
+    warmest = f"{result.table['ambient_degC'].max():g}".replace("-", "\N{MINUS SIGN}")
+    same = [name for name in ("bearing", "ambient_degC", "mode") if name in ratios]
+    rows = []
+    for key, group in ratios.groupby(same, sort=False):
+        several = len(group) > 1
+        cells: list[Any] = list(key)
+        for name in COLD:
+            values = group[name].dropna()
+            if not len(values):
+                cells.append("")
+            elif several:
+                cells.append(f"{values.mean():.2f} ({values.min():.2f}–{values.max():.2f})")
+            else:
+                cells.append(float(values.iloc[0]))
+        rows.append(cells)
+    columns = [KEYS[name] for name in same] + [Column(head, "", ".2f") for head in COLD.values()]
+    motions = ratios["motion"].nunique()
+    of = f", mean over {motions} motions (lowest–highest)" if motions > 1 else ""
+    caption = f"The cold: peaks over those at {warmest} °C{of}"
+    return ReportTable(caption, columns, rows, len(same))
+
+
+def loops_table(result: EarthquakeResult) -> ReportTable | None:
+    """The largest loop of one bearing in each run; None where none is closed."""
+    if "loop_stiffness" not in result.dataset:
+        return None
+    loops = result.largest_loops
+    loops = loops[loops["K_eq_kN_mm"].notna()]
+    if not len(loops):
+        return None
+    keys, names = _keys(loops), _told(loops, list(LOOP))
+    columns = [*(KEYS[key] for key in keys), *(LOOP[name][0] for name in names)]
+    rows = [
+        [*(row[key] for key in keys), *(LOOP[name][1] * row[name] for name in names)]
+        for row in loops.to_dict("records")
+    ]
+    note = "The loop that holds the largest displacement, from zero to zero displacement: K_eq = "
+    note += "(|F+| + |F−|)/(|D+| + |D−|), h_eq and G_e as of a test (Eq. 3.1, 3.2)."
+    caption = "Largest loop of one bearing in each run"
+    return ReportTable(caption, columns, rows, len(keys), note=note)
+
+
+def parts_table(result: EarthquakeResult, part: str) -> ReportTable | None:
+    """A row for each run and bearing line, or pier; None with one of all."""
+    table = result.lines if part == "line" else result.piers
+    if not len(table) or table[part].nunique() < 2:
+        return None
+    shown = {name: PARTS[part][name] for name in _told(table, list(PARTS[part]))}
+    keys = _keys(table)
+    columns = [Column(part.capitalize()), *(KEYS[key] for key in keys)]
+    columns += [column for column, _ in shown.values()]
+    rows = []
+    for row in table.to_dict("records"):
+        values = [
+            row[name] if isinstance(row[name], str) else factor * row[name]
+            for name, (_, factor) in shown.items()
+        ]
+        values = [int(v) if name == "count" else v for name, v in zip(shown, values, strict=True)]
+        rows.append([row[part], *(row[key] for key in keys), *values])
+    of = "Every bearing line" if part == "line" else "Every pier"
+    return ReportTable(f"{of} in each run", columns, rows, 1 + len(keys))
+
+
+def ratios_table(result: EarthquakeResult) -> ReportTable | None:
+    """Real time over pseudo-dynamic; None where only one was run."""
+    if not has_both(result):
+        return None
+    table = modes_table(result)
+    names, keys = _told(table, list(RATIOS)), _keys(table)
+    columns = [*(KEYS[key] for key in keys), *(Column(RATIOS[n], "", ".3f") for n in names)]
+    rows = [[row[name] for name in (*keys, *names)] for row in table.to_dict("records")]
+    return ReportTable("Real time over pseudo-dynamic", columns, rows, len(keys))
+
+
+def periods_table(result: EarthquakeResult) -> ReportTable | None:
+    """Periods and damping ratios with equivalent stiffness; None of a study without a run."""
+    attrs = result.dataset.attrs
+    if "periods_s" not in attrs:
+        return None
+    names = [n for n in dict.fromkeys(result["bearing"].values.tolist())]
+    columns = [
+        Column("Mode", form="d"),
+        Column("Period, equivalent stiffness", "s", ".3f"),
+        Column("Viscous damping ratio", "%", ".1f"),
+        *(Column(f"Initial period, {name}", "s", ".3f") for name in names),
+    ]
+    periods = np.atleast_1d(attrs["periods_s"])
+    ratios = np.atleast_1d(attrs["damping_ratios"])
+    initial = [np.atleast_1d(attrs[f"initial_periods_s:{name}"]) for name in names]
+    rows = [
+        [k + 1, float(periods[k]), 100.0 * float(ratios[k]), *(float(one[k]) for one in initial)]
+        for k in range(len(periods))
+    ]
+    note = "Initial periods are with the stiffness of the bearings before they yield, at the "
+    note += "temperature of the first run."
+    return ReportTable("Natural periods and viscous damping", columns, rows, note=note)
+
+
+def _books(result: EarthquakeResult, heads: dict[str, str], residuals: dict[str, str]) -> Any:
+    """Columns and rows of energies [kJ] and residuals, a row a run."""
+    keys = _keys(result.table)
+    columns = [*(KEYS[key] for key in keys), *(Column(h, "kJ", ".1f") for h in heads.values())]
+    columns += [Column(head, "", ".1e") for head in residuals.values()]
+    runs = zip(result.table.to_dict("records"), result.energy.to_dict("records"), strict=True)
+    rows = [
+        [
+            *(row[key] for key in keys),
+            *(KJ * energy[f"{name}_kN_mm"] for name in heads),
+            *(energy[name] for name in residuals),
+        ]
+        for row, energy in runs
+    ]
+    return columns, rows, len(keys)
+
+
+def books_table(result: EarthquakeResult) -> ReportTable:
+    """Energy books of the structure at the end of each run."""
+    names = ("input", "kinetic", "damping", "springs", "hinges", "bearings")
+    heads = {name: name.capitalize() for name in names}
+    columns, rows, keys = _books(result, heads, {"structure_residual": "Residual"})
+    note = "Input = kinetic + damping + springs + hinges + bearings (all of them); the residual is "
+    note += "relative to the input. Books of one bearing stand in their own table."
+    return ReportTable("Energy books of the structure", columns, rows, keys, note=note)
+
+
+def bearing_books(result: EarthquakeResult) -> ReportTable:
+    """Energy books of one bearing at the end of each run."""
+    heads = {
+        "bearing_work_in": "Work in",
+        "bearing_heat_released": "Heat released",
+        "bearing_recoverable": "Recoverable",
+        "bearing_heat_stored": "Heat stored",
+        "bearing_heat_lost_ends": "Lost, ends",
+        "bearing_heat_lost_sides": "Lost, sides",
+    }
+    residuals = {"mechanical_residual": "Residual, mech.", "thermal_residual": "Residual, therm."}
+    columns, rows, keys = _books(result, heads, residuals)
+    note = "Work in = heat released + recoverable; heat released = stored + lost; of a bilinear "
+    note += "bearing all heat counts as stored."
+    return ReportTable("Energy books of one bearing", columns, rows, keys, note=note)

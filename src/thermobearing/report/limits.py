@@ -1,0 +1,147 @@
+"""Checks and marks from what runs asked of a rig, or of the tests behind a bearing."""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any
+
+from thermobearing.report.pieces import EXCEEDED, NOT_JUDGED, PASSED, Check
+from thermobearing.report.words import plain, printed_unit
+from thermobearing.results.ranges import TESTED
+
+# Largest residual of energy books, of the largest energy in them: rounding comes to 1e-10, what is
+# more is a fault of the computation.
+BOOKS_CLOSE = 1e-6
+TESTED_RANGE = "tested range"  # how the source of those limits begins
+RIG = {"force": "force", "stroke": "stroke", "speed": "speed"}
+TESTS = {name: title for name, (_, title, _, _) in TESTED.items()}
+TESTS |= {"strain": "shear strain", "ambient": "ambient temperature"}
+TESTS |= {"lead_temperature": "temperature of the lead"}
+Row = Mapping[Any, Any]
+
+
+def limit_checks(
+    rows: Iterable[Row],
+    titles: Mapping[str, str],
+    source: str,
+    bearing_of: Callable[[str], str] = lambda run: "",
+) -> list[Check]:
+    """A check for each end of each limit: the run that goes farthest.
+
+    Parameters
+    ----------
+    rows : of `results.ranges.compared`.
+    titles : words for a limit; others are left out.
+    source : of the limits.
+    bearing_of : bearing of a run, whose limits are its own; "" where there is one for all.
+
+    Examples
+    --------
+    >>> row = {"run": "kobe", "limit": "force", "unit": "kN", "asked": 445.0, "lowest": 0.0,
+    ...        "largest": 400.0, "passed": True}
+    >>> check, = limit_checks([row], RIG, "shen-rig")
+    >>> check.what, check.verdict
+    ('force (kobe)', 'exceeded')
+    """
+    groups: dict[tuple[str, str], list[Row]] = {}
+    for row in rows:
+        if row["limit"] in titles:
+            groups.setdefault((bearing_of(str(row["run"])), row["limit"]), []).append(row)
+    found = []
+    for (bearing, limit), mine in groups.items():
+        name = f"{bearing}: {titles[limit]}" if bearing else titles[limit]
+        above = max(mine, key=lambda row: row["asked"])
+        found.append(_check(name, above, bearing, source, lower=False))
+        below = min(mine, key=lambda row: row["asked"])
+        if below["passed"] and below["asked"] < below["lowest"]:
+            found.append(_check(name, below, bearing, source, lower=True))
+    return found
+
+
+def _check(name: str, row: Row, bearing: str, source: str, *, lower: bool) -> Check:
+    """One end of a limit."""
+    limit = float(row["lowest"] if lower else row["largest"])
+    value = float(row["asked"])
+    unit, factor = printed_unit(str(row["unit"]))
+    if row["limit"] == "strain":
+        unit, factor = "%", 100.0
+    outside = value < limit if lower else value > limit
+    passed = bool(row["passed"]) and outside
+    run = plain(str(row["run"]).removeprefix(f"{bearing}, "))
+    verdict = EXCEEDED if passed else PASSED
+    told = f"{name} ({run})"
+    return Check(told, factor * value, factor * limit, unit, source, verdict, lower)
+
+
+def residual_check(what: str, value: float, limit: float, source: str) -> Check:
+    """A residual of the energy books beside what it may be."""
+    judged = value == value and limit == limit
+    verdict = (PASSED if abs(value) <= limit else EXCEEDED) if judged else NOT_JUDGED
+    return Check(what, abs(value), limit, "", source, verdict)
+
+
+def verdict_of(checks: Iterable[Check]) -> str:
+    """What the checks beside the tested range come to, as a sentence.
+
+    Examples
+    --------
+    >>> verdict_of([Check("force", 445.0, 400.0, "kN", "rig", EXCEEDED)])
+    'Of 1 check, 1 is exceeded: force.'
+    """
+    judged = [
+        check
+        for check in checks
+        if check.verdict != NOT_JUDGED and not check.source.startswith(TESTED_RANGE)
+    ]
+    beyond = [check.what for check in judged if check.verdict == EXCEEDED]
+    if not judged:
+        return "Nothing beside the tested range was held against a limit."
+    many = f"{len(judged)} check" + ("s" if len(judged) != 1 else "")
+    if not beyond and len(judged) > 1:
+        return f"All {many} beside the tested range are within their limits."
+    if not beyond:
+        return "The check beside the tested range is within its limit."
+    more = f" and {len(beyond) - 3} more" if len(beyond) > 3 else ""
+    verb = "is" if len(beyond) == 1 else "are"
+    return f"Of {many}, {len(beyond)} {verb} exceeded: {'; '.join(beyond[:3])}{more}."
+
+
+def verdict(checks: Iterable[Check], validity: Sequence[str], unknown: str = "") -> str:
+    """Sentence on limits and validity, the last of an answer.
+
+    Parameters
+    ----------
+    checks : of the result.
+    validity : sentences on what left the range behind the parameters.
+    unknown : why there is no such range.
+
+    Examples
+    --------
+    >>> verdict([Check("force", 4.0, 5.0, "kN", "rig", PASSED)], [])  # doctest: +ELLIPSIS
+    'The check beside the tested range is within its limit. Nothing left the range...'
+    """
+    if unknown:
+        told = "The range that the parameters were identified in is not given, so nothing is said "
+        told += "of validity."
+    elif validity:
+        told = "Beyond the range that the parameters were identified in, results are extrapolated: "
+        told += f"{_few(validity)}."
+    else:
+        told = "Nothing left the range that the parameters were identified in."
+    return f"{verdict_of(checks)} {told}"
+
+
+def _few(validity: Sequence[str]) -> str:
+    """The first sentences without their ends, and how many more there are."""
+    shown = [text.rstrip(".").split(" (")[0].split(", outside")[0] for text in validity[:2]]
+    more = len(validity) - len(shown)
+    return "; ".join(shown) + (f"; and {more} more" if more else "")
+
+
+def beyond_mark(rows: Iterable[Row], run: str, limit: str, value: float) -> bool:
+    """Whether a value of a run lies outside the range, and the run was found to leave it."""
+    return any(
+        row["passed"]
+        and row["run"] == run
+        and row["limit"] == limit
+        and not row["lowest"] <= value <= row["largest"]
+        for row in rows
+    )

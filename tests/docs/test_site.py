@@ -1,0 +1,205 @@
+"""The site: blocks of tutorial and how-tos run, examples draw, every name has a page."""
+
+import ast
+import contextlib
+import io
+import re
+import shlex
+import sys
+from pathlib import Path
+from types import ModuleType, SimpleNamespace
+from typing import Any
+
+import pytest
+from matplotlib.figure import Figure
+
+import thermobearing as tb
+from docs.builder import api, docstrings, figures, links
+from tests.opensees import needs_opensees
+from tests.unit.inputs import command
+
+DOCS = Path(__file__).parents[2] / "docs"
+GUIDE = [DOCS / "index.md", *sorted((DOCS / "guide").glob("[!i]*.md"))]
+EXAMPLES = sorted((DOCS / "examples").glob("plot_*.py"))
+BLOCK = re.compile(
+    r"(<!-- (?P<mark>.*?) -->\n)?```(?P<language>[\w{}]+)\n(?P<text>.*?)```", re.DOTALL
+)
+FILE = re.compile(r"# (\S+\.(?:toml|csv))\n")  # the first line of a block that is a file
+LATER = "with the report layer"  # mark of a block whose commands are not there yet
+SCREEN = 64  # lines of a page: what a screen shows
+WITHOUT_FIGURES = {"new", "check", "list", "measure", "--version"}
+PAGES = [
+    pytest.param(path, id=path.stem, marks=needs_opensees if path.stem == "opensees" else ())
+    for path in GUIDE
+]
+
+
+def blocks(path: Path) -> list[re.Match[str]]:
+    return list(BLOCK.finditer(path.read_text(encoding="utf-8")))
+
+
+def no_histories(*_: Any) -> None:
+    """In place of the samples of studies, half the time of their commands; tested elsewhere."""
+
+
+def told(block: str) -> str:
+    """What the commands of a block print; figures, which take longest, are tested elsewhere."""
+    printed = ""
+    for line in block.replace("\\\n", " ").splitlines():
+        if not line.startswith("thermobearing "):
+            assert line.startswith("pip "), line
+            continue
+        words = shlex.split(line, comments=True)[1:]
+        draws = "-o" in words and words[0] not in WITHOUT_FIGURES
+        result = command(*words, *(["--no-figures"] if draws else []))
+        assert result.exit_code == 0, f"{line}: {result.stderr}"
+        printed += result.stdout
+    return printed
+
+
+def run(path: Path, names: dict[str, Any]) -> None:
+    """One block after the other, as a reader would; text below a block is what that printed."""
+    printed = ""
+    for block in blocks(path):
+        text, language = block["text"], block["language"]
+        file = FILE.match(text)
+        if block["mark"] == LATER:
+            continue
+        if file:
+            Path(file[1]).write_text(text, encoding="utf-8")
+        elif language.startswith("{"):
+            continue  # a directive of the site
+        elif language == "bash":
+            printed = told(text)
+        elif language == "python":
+            with contextlib.redirect_stdout(io.StringIO()) as caught:
+                exec(compile(text, path.name, "exec"), names)
+            printed = caught.getvalue()
+        else:
+            assert language == "text", f"{path.name}: a block of {language} that is no file"
+            missing = [row for row in text.splitlines() if row not in printed.splitlines()]
+            assert not missing, f"{path.name} shows what is not printed: {missing}"
+
+
+@pytest.mark.parametrize("path", PAGES)
+def test_every_block_of_a_page_runs(
+    path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "100")
+    monkeypatch.setattr("thermobearing.earthquake.files._write_histories", no_histories)
+    run(path, {"__name__": "page"})
+
+
+def test_blocks_for_later_are_those_of_the_report() -> None:
+    """Take the marks out when `--report` is there: its commands are refused until then."""
+    marked = [(path.stem, block) for path in GUIDE for block in blocks(path) if block["mark"]]
+    assert {stem for stem, _ in marked} <= {"report"}
+    assert {block["mark"] for _, block in marked} <= {LATER}
+    if marked:
+        assert command("bridge", "--report", "--duration", "0.1").exit_code == 2
+
+
+def test_a_how_to_fits_on_a_screen() -> None:
+    lines = {path.stem: path.read_text(encoding="utf-8").count("\n") for path in GUIDE}
+    del lines["index"], lines["tutorial"]
+    assert max(lines.values()) <= SCREEN, lines
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_an_example_draws(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each line that the gallery shows as a figure is one."""
+    monkeypatch.chdir(tmp_path)
+    lines = path.read_text(encoding="utf-8").split("# %%")
+    names: dict[str, Any] = {"__name__": "example"}
+    drawn = 0
+    with contextlib.redirect_stdout(io.StringIO()):
+        for part in lines:
+            drawn += isinstance(value_of(part, path.name, names), Figure)
+    assert drawn >= 1
+
+
+def value_of(text: str, name: str, names: dict[str, Any]) -> Any:
+    """The value of the last line of a part, as a notebook shows it; None without one."""
+    *body, last = ast.parse(text).body
+    exec(compile(ast.Module(body, []), name, "exec"), names)
+    if not isinstance(last, ast.Expr):
+        exec(compile(ast.Module([last], []), name, "exec"), names)
+        return None
+    return eval(compile(ast.Expression(last.value), name, "eval"), names)
+
+
+def test_a_dozen_examples_and_a_page_for_each_name() -> None:
+    assert len(EXAMPLES) >= 12
+    listed = {room: set(names) for room, names in api.rooms().items()}
+    top = {name for name in tb.__all__ if not isinstance(getattr(tb, name), ModuleType)}
+    assert listed.pop("thermobearing") == top
+    assert set(listed) == {f"thermobearing.{name}" for name in set(tb.__all__) - top}
+    for room, names in listed.items():
+        module = getattr(tb, room.split(".")[1])
+        also_at_top = set(module.__all__) & top
+        assert names == set(module.__all__) - also_at_top
+        assert all(f"tb.{name}" in api.room_page(room, sorted(names)) for name in also_at_top)
+
+
+PAGE = '<html><body><p class="edition">x 1.0, built today</p><h1 id="a">A</h1>{}</body></html>'
+
+
+@pytest.mark.parametrize(
+    ("body", "fault"),
+    [
+        ('<a href="two.html#b">b</a> <a href="#a">a</a> <a href="https://x.org/y">y</a>', None),
+        ('<a href="two.html#c">b</a>', "two.html#c"),
+        ('<a href="three.html">b</a>', "three.html"),
+        ('<img src="figure.png">', "figure.png"),
+        ('<script src="https://x.org/y.js"></script>', "https://x.org/y.js"),
+    ],
+)
+def test_links_of_a_built_site_are_checked(tmp_path: Path, body: str, fault: str | None) -> None:
+    (tmp_path / "one.html").write_text(PAGE.format(body))
+    (tmp_path / "two.html").write_text(PAGE.format('<a id="b"></a>'))
+    found = links.faults(tmp_path, "1.0")
+    assert (found == []) if fault is None else (len(found) == 1 and fault in found[0])
+
+
+def test_a_page_without_version_is_told(tmp_path: Path) -> None:
+    (tmp_path / "one.html").write_text(PAGE.format("").replace("1.0", "0.9"))
+    assert "version" in links.faults(tmp_path, "1.0")[0]
+
+
+def test_the_gallery_saves_what_a_block_returns(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    gallery = SimpleNamespace(figure_rst=lambda paths, folder: f"{paths[0]} in {folder}")
+    monkeypatch.setitem(sys.modules, "sphinx_gallery.scrapers", gallery)
+    names: dict[str, Any] = {"___": Figure()}
+    picture = tmp_path / "a.png"
+    variables = {"example_globals": names, "image_path_iterator": iter([str(picture)])}
+    text = figures.returned_figures((), variables, {"src_dir": "there"})
+    assert text == f"{picture} in there"
+    assert picture.stat().st_size > 0
+    assert figures.returned_figures((), variables, {"src_dir": "there"}) == ""
+
+
+def test_words_of_a_docstring_move_below_the_name() -> None:
+    lines = [
+        "Parameters",
+        "----------",
+        "dt : step [s],",
+        "    > 0.",
+        "",
+        "Notes",
+        "-----",
+        "a : b",
+    ]
+    docstrings.words_below_names(None, "function", "f", None, None, lines)
+    assert lines[2:5] == ["dt", "    step [s],", "    > 0."]
+    assert lines[-1] == "a : b"
+
+
+def test_numbered_formulas_are_single_lines() -> None:
+    """MathJax refuses a number in the environment that Sphinx makes of several lines."""
+    for path in sorted(DOCS.glob("*.md")):
+        for block in blocks(path):
+            if block["language"] == "math" and "\\tag" in block["text"]:
+                assert "\\\\" not in block["text"], f"{path.name}: {block['text']}"

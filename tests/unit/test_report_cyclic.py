@@ -1,0 +1,164 @@
+"""What the document of a cyclic test says, against the result that it is about."""
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+import thermobearing as tb
+from tests.unit.report_words import as_data, assert_well_formed, numbers_in
+from thermobearing.cyclic.report import pieces_of
+from thermobearing.cyclic.result import Result
+from thermobearing.report import arranged
+from thermobearing.report.pieces import EXCEEDED, PASSED, Pieces
+
+
+def short_test(strain: list[float], cycles: int = 2) -> tb.cyclic.CyclicTest:
+    return tb.cyclic_test(strain=strain, cycles=cycles, rest=60.0, dt=0.02)
+
+
+@pytest.fixture(scope="module")
+def result() -> Result:
+    """A bearing with lead, cold and warm; the last strain is beyond its tests."""
+    return tb.run("shen-lhdr-specimen", short_test([1.0, 3.0]), ambient=[23, -20], rig="shen-rig")
+
+
+@pytest.fixture(scope="module")
+def pieces(result: Result) -> Pieces:
+    return pieces_of(result)
+
+
+def test_form(pieces: Pieces) -> None:
+    assert_well_formed(pieces)
+    arranged(pieces)
+
+
+def test_question_and_answer(result: Result, pieces: Pieces) -> None:
+    assert "shen-lhdr-specimen" in pieces.question
+    assert "23 and −20 °C" in pieces.question
+    assert "2 cycles each of 100 and 300 %" in pieces.question
+    cycles = result.cycles
+    last = cycles[cycles["amplitude_strain"] == 3.0].groupby("ambient_degC").last()
+    for ambient in (23.0, -20.0):
+        assert f"{last['G_eq_MPa'][ambient]:.3f} MPa" in pieces.answer[0]
+    ratio = last["G_eq_MPa"][-20.0] / last["G_eq_MPa"][23.0]
+    assert f"{100 * (ratio - 1):.0f} % higher" in pieces.answer[1]
+    force = float(np.abs(result["force"].values).max())
+    assert f"{force:.4g} kN, at −20 °C" in pieces.answer[0]
+
+
+def test_table_of_cycles(result: Result, pieces: Pieces) -> None:
+    table = pieces.tables["cycles"]
+    assert numbers_in(table, "G_e") == result.cycles["G_eq_MPa"].tolist()
+    energy = 1e-3 * result.cycles["energy_kN_mm"]
+    assert np.allclose(numbers_in(table, "Energy"), energy, rtol=1e-12)
+    strain = [column.head for column in table.columns].index("Strain")
+    beyond = {k for k, s in enumerate(numbers_in(table, "Strain")) if s > 250.0}
+    assert {row for row, column in table.marked if column == strain} == beyond
+    assert len(beyond) == 4
+
+
+def test_checks(result: Result, pieces: Pieces) -> None:
+    told = {check.what.split(" (")[0]: check for check in pieces.checks}
+    assert told["shear strain"].value == pytest.approx(300.0)
+    assert told["shear strain"].limit == 250.0
+    assert told["shear strain"].verdict == EXCEEDED
+    assert told["force"].limit == 400.0
+    assert told["force"].value == pytest.approx(float(np.abs(result["force"].values).max()))
+    assert told["thermal residual of the energy books"].verdict == PASSED
+    assert "1 is exceeded: force" in pieces.answer[-1]
+
+
+def test_validity(result: Result, pieces: Pieces) -> None:
+    """What left the tests is under validity and not among the warnings; the rig the reverse."""
+    assert any("strain 300 %, above the 250 % tested" in text for text in pieces.validity)
+    assert not any("tested" in text for text in pieces.warnings)
+    assert any("that rig cannot do it" in text for text in pieces.warnings)
+    assert len(pieces.validity) + len(pieces.warnings) == len(result.warnings)
+    assert "300 %" in pieces.answer[-1]
+
+
+def test_within_its_tests() -> None:
+    inside = pieces_of(tb.run("shen-hdr-specimen", short_test([1.0]), ambient=0))
+    assert_well_formed(inside)
+    assert not inside.validity
+    assert not inside.validity_unknown
+    assert "Nothing left the range" in inside.answer[-1]
+    assert "cold" not in inside.tables  # one temperature
+    assert not any(table.marked for table in inside.tables.values())
+
+
+def test_no_tested_range() -> None:
+    bearing = tb.load_bearing("shen-hdr-specimen").model_copy(update={"tested_range": None})
+    unknown = pieces_of(tb.run(bearing, short_test([3.0]), ambient=0))
+    assert not unknown.validity
+    assert "range not given" in unknown.validity_unknown
+    assert "not given" in unknown.answer[-1]
+
+
+def test_inputs_have_units_and_sources(pieces: Pieces) -> None:
+    rows = {row[0]: row for row in pieces.inputs["shen-lhdr-specimen.parameters"].rows}
+    assert rows["Initial stiffness of one layer K_r"][1:] == (26.783, "kN/mm", "Table 5.2")
+    rig = {row[0]: row for row in pieces.inputs["rig"].rows}
+    assert rig["Rig: largest force"][1:] == (400.0, "kN", "Table 3.2; either way")
+    model = {row[0]: row for row in pieces.inputs["analysis"].rows}
+    assert model["Heat scheme"][3] == "default of the program"
+
+
+def test_sources_of_an_own_file(tmp_path) -> None:
+    """They come from the file, of which the resolved case has only the numbers."""
+    text = (tb.bearing.library.BEARINGS.path("shen-hdr-specimen")).read_text(encoding="utf-8")
+    text = text.replace('name = "shen-hdr-specimen"', 'name = "mine"')
+    path = tmp_path / "mine.toml"
+    path.write_text(text.replace('source = "Table 4.2"', 'source = "our test 12"'))
+    own = pieces_of(tb.run(path, short_test([0.5]), ambient=23))
+    told = {row[0]: row[3] for row in own.inputs["mine.parameters"].rows}
+    assert told["Initial stiffness of one layer K_r"] == "our test 12"
+
+
+def test_what_was_asked_for_is_no_default() -> None:
+    slow = pieces_of(tb.run("shen-hdr-specimen", short_test([0.5]), ambient=23, scheme="published"))
+    model = {row[0]: row for row in slow.inputs["analysis"].rows}
+    assert model["Heat scheme"][1:] == ("published", "", "as asked for")
+    assert any("as published" in text for text in slow.assumptions)
+    thermal = [check for check in slow.checks if check.what.startswith("thermal")]
+    assert [check.verdict for check in thermal] == ["not judged"]
+
+
+def test_live_and_loaded_are_the_same(result: Result, pieces: Pieces, tmp_path) -> None:
+    saved = result.save(tmp_path / "out", figures=False)
+    assert as_data(pieces_of(tb.load_result(saved))) == as_data(pieces)
+
+
+def test_plots(result: Result, pieces: Pieces) -> None:
+    loops = pieces.figures["loops"].plot
+    assert loops is not None
+    strain = 100.0 * np.abs(result["strain"].values).max()
+    for trace in loops.choices["all"]:
+        assert np.nanmax(np.abs(trace.x)) == pytest.approx(strain, rel=1e-3)
+        assert len(trace.x) < 3000
+    assert loops.bands[0][0] == 250.0
+    profile = pieces.figures["profiles"].plot
+    assert profile is not None
+    warmest = max(float(np.nanmax(trace.frames_x)) for trace in profile.choices["all"])
+    assert warmest <= float(np.nanmax(result["temperature"].values)) + 0.01
+    assert isinstance(pieces.figures["loops"].draw(), Figure)
+
+
+def test_ended_early() -> None:
+    """The lead melts: the answer begins with that, and with what to try."""
+    test = tb.cyclic_test(strain=[2.5], cycles=60, frequency=2.0, rest=None, dt=0.01)
+    early = pieces_of(tb.run("shen-lhdr-specimen", test, ambient=[23, -20]))
+    assert_well_formed(early)
+    assert early.answer[0].startswith("The analysis ended early at 23")
+    assert "temperature runaway" in early.answer[0]
+    assert "fewer cycles" in early.answer[0]
+
+
+def test_no_cycle() -> None:
+    steps = [{"step": "ramp", "to_strain": 1.0, "speed": 30.0}, {"step": "rest", "duration": 5.0}]
+    ramp = pieces_of(
+        tb.run("shen-hdr-specimen", tb.cyclic.CyclicTest(dt=0.02, steps=steps), ambient=0)
+    )
+    assert_well_formed(ramp)
+    assert "No cycle was closed" in ramp.answer[0]
+    arranged(ramp)

@@ -1,0 +1,138 @@
+"""What the document of an earthquake study says, against the result that it is about."""
+
+import numpy as np
+import pytest
+
+import thermobearing as tb
+from tests.unit.report_words import as_data, assert_well_formed, numbers_in
+from thermobearing.earthquake.report import pieces_of
+from thermobearing.earthquake.result import EarthquakeResult
+from thermobearing.report import arranged
+from thermobearing.report.pieces import EXCEEDED, NOT_JUDGED, Pieces
+
+BEARINGS = ["shen-bilinear-bridge", "shen-lhdr-bridge"]
+
+
+@pytest.fixture(scope="module")
+def study() -> EarthquakeResult:
+    return tb.bridge(
+        BEARINGS, ["jra-ii-i-1", "jra-ii-i-2"], [23, -20], duration=12, keep=["rubber", "cells"]
+    )
+
+
+@pytest.fixture(scope="module")
+def pieces(study: EarthquakeResult) -> Pieces:
+    return pieces_of(study)
+
+
+def test_form(pieces: Pieces) -> None:
+    assert_well_formed(pieces)
+    arranged(pieces)
+
+
+def test_question_and_answer(study: EarthquakeResult, pieces: Pieces) -> None:
+    assert "jra-ii-i-1 and jra-ii-i-2" in pieces.question
+    assert "23 and −20 °C" in pieces.question
+    table = study.table
+    assert f"{table['bearing_strain_max'].max():.0%}".replace("%", " %") in pieces.answer[0]
+    assert f"{table['pier_displacement_max_mm'].max():.1f} mm" in pieces.answer[0]
+    assert f"{table['pier_ductility'].max():.2f}" in pieces.answer[0]
+    lead = table[table["bearing"] == "shen-lhdr-bridge"]
+    cold, warm = (lead[lead["ambient_degC"] == t] for t in (-20.0, 23.0))
+    ratio = np.mean(cold["bearing_force_max_kN"].to_numpy() / warm["bearing_force_max_kN"])
+    assert (
+        f"force {100 * abs(ratio - 1):.0f} % {'more' if ratio > 1 else 'less'}" in pieces.answer[1]
+    )
+    assert "shen-bilinear-bridge knows no temperature" in pieces.answer[1]
+
+
+def test_peaks(study: EarthquakeResult, pieces: Pieces) -> None:
+    table, told = pieces.tables["peaks"], study.table
+    assert np.allclose(numbers_in(table, "Strain"), 100.0 * told["bearing_strain_max"])
+    assert numbers_in(table, "Ductility") == told["pier_ductility"].tolist()
+    place = [column.head for column in table.columns].index("Ambient")
+    beyond = {k for k, text in enumerate(told["beyond_tested"]) if "ambient" in text.split()}
+    assert {row for row, column in table.marked if column == place} == beyond
+    assert beyond  # the bilinear bearing in the cold
+
+
+def test_cold(study: EarthquakeResult, pieces: Pieces) -> None:
+    rows = {(row[0], row[1]): row for row in pieces.tables["cold"].rows}
+    assert rows["shen-bilinear-bridge", -20.0][3] == "1.00 (1.00–1.00)"
+    assert set(rows) == {(name, -20.0) for name in BEARINGS}
+
+
+def test_checks_and_validity(study: EarthquakeResult, pieces: Pieces) -> None:
+    told = {check.what.split(" (")[0]: check for check in pieces.checks}
+    rate = told["shen-lhdr-bridge: strain rate"]
+    assert (rate.limit, rate.verdict) == (1.571, EXCEEDED)
+    rows = study.tested_range
+    mine = rows[(rows["limit"] == "strain_rate") & rows["run"].str.startswith("shen-lhdr")]
+    assert rate.value == mine["asked"].max()
+    cold = [check for check in pieces.checks if check.lower and "bilinear" in check.what]
+    assert [check.value for check in cold] == [-20.0]
+    assert told["ductility of pier"].verdict == NOT_JUDGED
+    assert any("above the 1.571/s tested" in text for text in pieces.validity)
+    assert not any("tested" in text for text in pieces.warnings)
+    assert "extrapolated" in pieces.answer[-1]
+
+
+def test_live_and_loaded_are_the_same(study: EarthquakeResult, pieces: Pieces, tmp_path) -> None:
+    saved = study.save(tmp_path / "out", figures=False)
+    assert as_data(pieces_of(tb.load_result(saved))) == as_data(pieces)
+
+
+def test_plots(study: EarthquakeResult, pieces: Pieces) -> None:
+    loops, profile = (pieces.figures[name].plot for name in ("loops", "profiles"))
+    assert loops is not None
+    assert profile is not None
+    assert list(loops.choices) == [
+        f"{b}, {m}" for b in BEARINGS for m in ("jra-ii-i-1", "jra-ii-i-2")
+    ]
+    run = 0
+    trace = loops.choices["shen-bilinear-bridge, jra-ii-i-1"][0]
+    strain = 100.0 * np.nanmax(np.abs(study["bearing_strain"].values[run]))
+    assert np.nanmax(np.abs(trace.x)) == pytest.approx(strain, rel=1e-3)
+    assert set(profile.choices) == {f"shen-lhdr-bridge, {m}" for m in ("jra-ii-i-1", "jra-ii-i-2")}
+    assert {trace.name for trace in profile.choices["shen-lhdr-bridge, jra-ii-i-1"]} == {
+        "23 °C",
+        "−20 °C",
+    }
+
+
+def test_tested_strain_is_drawn_for_its_bearing() -> None:
+    far = pieces_of(tb.bridge("shen-bilinear-bridge", "jra-ii-i-1", 23, duration=12))
+    for name in ("loops", "strain"):
+        plot = far.figures[name].plot
+        assert plot is not None
+        assert "tested to 160 %" in [trace.name for trace in plot.choices["jra-ii-i-1"]]
+    assert "cold" not in far.tables
+    assert far.answer[1] == "No bearing of the study knows temperature."
+
+
+def test_hybrid_says_its_laboratory() -> None:
+    hybrid = pieces_of(
+        tb.hybrid(
+            "shen-lhdr-specimen",
+            "jra-ii-ii-1",
+            -20,
+            duration=4,
+            laboratory={"mode": ["rt", "pd"]},
+            rig="shen-rig",
+        )
+    )
+    assert_well_formed(hybrid)
+    arranged(hybrid)
+    assert "in real time and pseudo-dynamic" in hybrid.question
+    assert "modes" in hybrid.tables
+    assert any("1:6" in text for text in hybrid.assumptions)
+    assert any(check.source == "rig shen-rig" for check in hybrid.checks)
+
+
+def test_ended_early() -> None:
+    """A motion a hundred times too strong tears the bearing."""
+    motion = {"name": "jra-ii-i-1", "factor": 30.0}
+    early = pieces_of(tb.bridge("shen-hdr-bridge", [motion], 23, duration=8))
+    assert_well_formed(early)
+    assert early.answer[0].startswith("The analysis ended early in 1 run")
+    assert "Ended" in [column.head for column in early.tables["peaks"].columns]
