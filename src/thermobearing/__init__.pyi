@@ -30,6 +30,7 @@ from .loading import load_result as load_result
 from .model.element import BearingElement as BearingElement
 from .model.element import element as element
 from .motions.library import load_motion as load_motion
+from .reporting import make_report as make_report
 from .sequences.run import sequence as sequence
 
 __version__: str

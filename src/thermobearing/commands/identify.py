@@ -11,8 +11,10 @@ from thermobearing.border.errors import InputError
 from thermobearing.commands.common import (
     BAD_INPUT,
     INPUT,
+    NO_DOCUMENTS,
     SEARCH,
     AsJson,
+    Documents,
     Force,
     Limit,
     NoFigures,
@@ -141,6 +143,7 @@ def identify(
     no_figures: NoFigures = False,
     as_json: AsJson = False,
     quiet: Quiet = False,
+    documents: Documents = NO_DOCUMENTS,
 ) -> int:
     """Identify a bearing's parameters from cyclic tests, with their uncertainty."""
     from thermobearing.identify.posterior import forecast, need_emcee
@@ -151,7 +154,7 @@ def identify(
     records, bearing, target = _read([*tests, *held], start, check, output, force)
     records = to_be_treated(records, despike, detrend)
     if check or bearing is None:
-        return _look_over(records, bearing, target, force, no_figures, as_json, quiet)
+        return _look_over(records, bearing, target, force, no_figures, as_json, quiet, documents)
     if posterior:
         need_emcee()
     announce_compiling(quiet)
@@ -172,7 +175,7 @@ def identify(
     found.save(target, force=force, figures=not no_figures, forecast=drawn)
     if not quiet:
         _show(found, drawn.warnings if drawn else ())
-    return written(found.outcome, found.sentence, target, as_json=as_json, quiet=quiet)
+    return written(found.outcome, found.sentence, target, documents, as_json=as_json, quiet=quiet)
 
 
 def _found(
@@ -229,6 +232,7 @@ def _look_over(
     no_figures: bool,
     as_json: bool,
     quiet: bool,
+    documents: Documents,
 ) -> int:
     """The findings of the tests, without a fit."""
     from thermobearing.identify.checks import check_test
@@ -237,9 +241,10 @@ def _look_over(
 
     reports = [check_test(record, bearing) for record in records]
     save_checks(reports, target, force=force, figures=not no_figures)
+    made = documents.write(target)
     if not quiet:
         print_checks(reports)
-        typer.echo(f"written: {target}")
+        typer.echo(", ".join([f"written: {target}", *(file.name for file in made)]))
     return _checked(reports, target, as_json)
 
 
