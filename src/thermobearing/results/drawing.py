@@ -16,6 +16,7 @@ import numpy as np
 import xarray as xr
 from matplotlib import colormaps
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import LinearSegmentedColormap, to_hex
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -137,12 +138,16 @@ def panels(
 def save_figure(figure: Figure, path: str | Path | io.BytesIO, dpi: int | None = None) -> None:
     """Write a figure as PNG with a palette, a third as large as one with a colour a point."""
     dpi = DPI if dpi is None else dpi
-    drawn = io.BytesIO()
+    usual, figure.dpi = figure.dpi, dpi
+    # Laid out and drawn in one go: `savefig` draws twice, and packs a PNG that is unpacked here.
+    canvas: Any = FigureCanvasAgg(figure)
     with warnings.catch_warnings():
         # A title in letters that the font lacks is drawn as boxes; the screen and files have it.
         warnings.filterwarnings("ignore", "Glyph .* missing from font", UserWarning)
-        figure.savefig(drawn, dpi=dpi, pil_kwargs={"compress_level": 1})
-    picture = Image.open(drawn).convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
+        canvas.draw()
+    drawn = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
+    figure.dpi = usual
+    picture = drawn.quantize(COLOURS, dither=Image.Dither.NONE)
     picture.save(path, "PNG", optimize=True, dpi=(dpi, dpi))
 
 

@@ -83,9 +83,17 @@ def limits_of(dataset: "xr.Dataset", name: str) -> "pd.DataFrame":
     return pd.DataFrame(from_attribute(dataset, name) if told else [])
 
 
-def write_csv(path: Path, table: "pd.DataFrame") -> None:
-    """Write a table without its index, with seven digits."""
-    table.to_csv(path, index=False, float_format=DIGITS)
+def write_csv(path: Path, table: "pd.DataFrame", *, below: bool = False) -> None:
+    """Write a table without its index, with seven digits; or below one that is there.
+
+    The numbers become text here: pandas asks of each whether it is missing, and takes longer.
+    """
+    texts = {
+        str(name): ["" if value != value else DIGITS % value for value in column.tolist()]
+        for name, column in table.items()
+        if column.dtype.kind == "f"
+    }
+    table.assign(**texts).to_csv(path, mode="a" if below else "w", header=not below, index=False)
 
 
 def as_attribute(value: Any) -> str | int | float:
