@@ -394,7 +394,5 @@ def _rises(result: Result) -> dict[str, Floats]:
     """Temperatures above the ambient [K] by part of the bearing."""
     ambient = float(result["ambient"].values[0])
     layers = result["rubber_temperature"].values[0] - ambient
-    rises = {"inner layer": layers[:, -1], "outer layer": layers[:, 0]}
-    if result.has_lead:
-        rises["lead"] = result["lead_temperature"].values[0] - ambient
-    return rises
+    lead = {"lead": result["lead_temperature"].values[0] - ambient} if result.has_lead else {}
+    return {"inner layer": layers[:, -1], "outer layer": layers[:, 0]} | lead
