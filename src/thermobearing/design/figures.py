@@ -106,9 +106,8 @@ class DesignFigures:
         -------
         list of the files written.
         """
-        return drawing.save_figures(
-            {"rounds": self.rounds, "equal": self.equal}, folder, vector=True
-        )
+        figures = {"rounds": self.rounds, "equal": self.equal}
+        return drawing.save_figures(figures, folder, vector=True)
 
 
 class BoundsFigures:

@@ -200,17 +200,13 @@ def say_why(ax: Axes, why: str, at: tuple[float, float] = (0.02, 0.02)) -> None:
 def save_figures(
     figures: Mapping[str, Callable[[], Figure]], folder: Path, *, vector: bool = False
 ) -> list[Path]:
-    """Draw and write figures as PNG.
+    """Draw and write figures as PNG; gives the files.
 
     Parameters
     ----------
     figures : what draws each of them, by name of its file without `.png`.
     folder : where to; made if it does not exist.
     vector : as SVG too, for documents of results that are read back as tables and pictures.
-
-    Returns
-    -------
-    list of the PNG files written.
     """
     folder.mkdir(parents=True, exist_ok=True)
     written = []
