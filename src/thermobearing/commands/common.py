@@ -121,6 +121,7 @@ def reported(command: Callable[..., int]) -> Callable[..., None]:
 def written(outcome: str, sentence: str, target: Path, *, as_json: bool, quiet: bool) -> int:
     """Say where the result is and how it ended; the exit status."""
     statuses = {"completed": 0, "poor_fit": POOR_FIT, "interrupted": INTERRUPTED}
+    statuses["files_left_out"] = BAD_INPUT
     status = statuses.get(outcome, ENDED_EARLY)
     if status:
         typer.echo(f"thermobearing: {outcome}: {sentence}", err=True)
