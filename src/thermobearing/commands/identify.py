@@ -127,7 +127,9 @@ def identify(
     loss: Loss = "linear",
     temperatures: Thermocouples = False,
     from_start: FromStart = False,
-    check: Annotated[bool, typer.Option("--check", help="Only look the tests over; written with -o.")] = False,
+    check: Annotated[
+        bool, typer.Option("--check", help="Only look the tests over; written with -o.")
+    ] = False,
     posterior: Sampled = False,
     predict: Predicted = None,
     hold_out: HeldOut = None,
