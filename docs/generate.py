@@ -212,6 +212,7 @@ def main() -> None:
         subprocess.run(bench, check=True, cwd=DOCS.parent)
         fill_tables()
         draw()
+        subprocess.run([sys.executable, str(DOCS / "contact.py")], check=True)
         for name in ("opensees_lead", "opensees_pier", "takeda"):
             figure = ["-m", f"benchmarks.{name}_figure", str(DOCS / f"figures/{name}.png")]
             subprocess.run([sys.executable, *figure], check=True, cwd=DOCS.parent)

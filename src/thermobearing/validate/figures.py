@@ -2,10 +2,13 @@
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
 
 from thermobearing.identify.record import TestRecord
 from thermobearing.results import drawing
@@ -13,6 +16,9 @@ from thermobearing.validate.result import RATIOS, Comparison, Validation
 
 TEST = "#8a8f98"
 BINS = 3000
+SPREAD = 0.2  # of the room of a test: between two models
+LEAST_SPAN = 2.0  # of an axis of errors, to either side of none [%]
+WORDS = {"K_eq": "stiffness K_eq", "h_eq": "damping h_eq"}
 
 
 class ValidationFigures:
@@ -80,53 +86,69 @@ class ValidationFigures:
         return min(ends, default=np.inf)
 
     def ratios(self) -> Figure:
-        """Model over test of the largest loop: a group of bars for each test (Figs. 5.11, 5.14)."""
-        size = (max(6.5, 2.0 + 2.6 * len(self._records)), 1.9 * len(RATIOS))
-        figure, axes = drawing.panels(len(RATIOS), 1, size, "largest loop, model over test")
-        width = 0.8 / max(len(self._names), 1)
+        """How far models are off the largest loop: a column for each measure (Figs. 5.11, 5.14)."""
+        count = len(self._records)
+        size = (drawing.WIDEST, 1.3 + max(0.22 * len(self._names), 0.35) * count)
+        title = "largest loop: model off the test"
+        figure, axes = drawing.panels(1, len(RATIOS), size, title)
         for ax, measure in zip(axes, RATIOS, strict=True):
             for place, record in enumerate(self._records):
                 for item in self._of(record):
                     if item.largest is None:
                         continue
                     number = self._names.index(_name(item))
-                    at = place + (number - 0.5 * (len(self._names) - 1)) * width
-                    ratio = item.largest.ratios[measure]
-                    ax.bar(at, ratio, 0.92 * width, color=self._colours[_name(item)])
-            limit = self._found.limits.get("force" if measure[0] == "F" else measure)
-            for off in () if limit is None else (-limit, limit):
-                ax.axhline(1.0 + off, color=drawing.GREY, linewidth=0.8, linestyle="--")
-            ax.axhline(1.0, color=drawing.INK, linewidth=0.9)
-            ax.set_xticks(range(len(self._records)), [""] * len(self._records))
-            drawing.name_axes(ax, y=measure)
-        titles = [_title(record) for record in self._records]
-        axes[-1].set_xticks(range(len(titles)), titles, fontsize=drawing.SMALL)
-        drawing.legend_below(figure, self._handles(test=False))
+                    at = place + (number - 0.5 * (len(self._names) - 1)) * SPREAD
+                    off = 100.0 * (item.largest.ratios[measure] - 1.0)
+                    look: drawing.Look = {"color": self._colours[_name(item)], "linewidth": 1.4}
+                    ax.plot([0.0, off], [at, at], marker="o", markevery=[1], ms=4.5, **look)
+            self._shade_limit(ax, measure, "x")
+            widest = max(LEAST_SPAN, *(abs(v) for v in (*ax.get_xlim(), *ax.dataLim.intervalx)))
+            ax.set_xlim(-1.1 * widest, 1.1 * widest)
+            ax.set_ylim(count - 0.5, -0.5)
+            ax.set_yticks(range(count), [""] * count)
+            ax.grid(False, axis="y")
+            drawing.name_axes(ax, "off [%]")
+        drawing.head_grid(axes, [WORDS.get(name, name) for name in RATIOS], [])
+        axes[0].set_yticks(range(count), [_title(r).replace(", ", "\n") for r in self._records])
+        drawing.legend_below(figure, [*self._handles(test=False), *self._limit_handles()])
         return figure
 
+    def _shade_limit(self, ax: Axes, measure: str, along: Literal["x", "y"]) -> None:
+        """The limit of a measure as a band around no error, where there is one."""
+        limit = self._found.limits.get("force" if measure[0] == "F" else measure)
+        span, line = (ax.axvspan, ax.axvline) if along == "x" else (ax.axhspan, ax.axhline)
+        if limit is not None:
+            span(-100.0 * limit, 100.0 * limit, color=drawing.PALE, zorder=0.1, linewidth=0)
+        line(0.0, color=drawing.INK, linewidth=0.8, zorder=1.2)
+
+    def _limit_handles(self) -> list[Line2D]:
+        """Legend entry of the bands, if any measure has a limit."""
+        look: drawing.Look = {"color": drawing.PALE, "linewidth": 7.0}
+        return [Line2D([], [], label="within the limit", **look)] if self._found.limits else []
+
     def cycles(self) -> Figure:
-        """Model over test of every cycle: a column for each test."""
-        size = (max(5.5, 1.0 + 3.4 * len(self._records)), 1.0 + 1.9 * len(RATIOS))
-        title = "every cycle: model over test"
-        figure, axes = drawing.panels(len(RATIOS), len(self._records), size, title)
-        for line, measure in enumerate(RATIOS):
-            for place, record in enumerate(self._records):
-                ax = axes[line * len(self._records) + place]
-                for item in self._of(record):
-                    ax.plot(
-                        [loop.cycle for loop in item.loops],
-                        [loop.ratios[measure] for loop in item.loops],
-                        color=self._colours[_name(item)],
-                        marker=".",
-                        linewidth=0.9,
-                    )
-                ax.axhline(1.0, color=drawing.INK, linewidth=0.8)
-                drawing.name_axes(ax, y=measure if place == 0 else "")
-                if line == 0:
-                    drawing.name_axes(ax, title=_title(record))
-                if line == len(RATIOS) - 1:
-                    drawing.name_axes(ax, "cycle")
-        drawing.legend_below(figure, self._handles(test=False))
+        """How far models are off every cycle: a column for each test, a row for each measure."""
+        columns = len(self._records)
+        size = (max(5.0, 1.0 + 2.6 * columns), 1.2 + 1.3 * len(RATIOS))
+        title = "every cycle: model off the test"
+        figure, axes = drawing.panels(len(RATIOS), columns, size, title, share="col")
+        for number, ax in enumerate(axes):
+            measure, record = RATIOS[number // columns], self._records[number % columns]
+            for item in self._of(record):
+                off = [100.0 * (loop.ratios[measure] - 1.0) for loop in item.loops]
+                look: drawing.Look = {"color": self._colours[_name(item)], "linewidth": 0.9}
+                ax.plot([loop.cycle for loop in item.loops], off, marker=".", **look)
+            low, high = ax.dataLim.intervaly
+            widest = max(LEAST_SPAN, abs(low), abs(high)) if np.isfinite([low, high]).all() else 1.0
+            self._shade_limit(ax, measure, "y")
+            ax.set_ylim(-1.15 * widest, 1.15 * widest)
+            ax.xaxis.set_major_locator(MaxNLocator(integer=True))
+            foot, side = number // columns == len(RATIOS) - 1, number % columns == 0
+            name = f"{WORDS.get(measure, measure)}\noff [%]"
+            drawing.name_axes(ax, "cycle" if foot else "", name if side else "")
+        drawing.head_grid(axes, [_title(record) for record in self._records], [])
+        figure.align_ylabels()
+        drawing.legend_below(figure, [*self._handles(test=False), *self._limit_handles()])
         return figure
 
     def temperatures(self) -> Figure:
