@@ -170,11 +170,26 @@ def identify(
     drawn = None
     if posterior or predict:
         final = found if isinstance(found, Identification) else found.final
+        if posterior and not quiet:
+            _announce_posterior(final)
         drawn = forecast(final, predict or [], posterior=posterior, seed=seed)
     found.save(target, force=force, figures=not no_figures, forecast=drawn)
     if not quiet:
         _show(found, drawn.warnings if drawn else ())
     return written(found.outcome, found.sentence, target, as_json=as_json, quiet=quiet)
+
+
+def _announce_posterior(found: "Identification") -> None:
+    """Before the posterior is sampled: how many runs that takes, and about how long."""
+    from thermobearing.identify.posterior import posterior_effort
+    from thermobearing.results.time_axis import duration
+
+    runs, seconds = posterior_effort(found)
+    tests = "1 test" if len(found.records) == 1 else f"{len(found.records)} tests"
+    typer.echo(
+        f"posterior: up to {runs} runs of the model through {tests}, about {duration(seconds)}",
+        err=True,
+    )
 
 
 def _found(
