@@ -58,4 +58,11 @@ def test_sdist_holds_what_is_needed(built: Path) -> None:
     parts = [Path(name).parts for name in names]
     assert {part[1] for part in parts} - MADE == NEEDED
     sources = [part for part in parts if part[1] == "src"]
-    assert {Path(*part).suffix for part in sources} == {".py", ".pyi", ".toml", ".npz", ".typed", ".md"}
+    assert {Path(*part).suffix for part in sources} == {
+        ".py",
+        ".pyi",
+        ".toml",
+        ".npz",
+        ".typed",
+        ".md",
+    }

@@ -9,6 +9,7 @@ from typing import Annotated, Any, TypeVar
 import typer
 
 from thermobearing.border.errors import InputError, OutputError, printable
+from thermobearing.commands.options import as_options
 
 T = TypeVar("T")
 BAD_INPUT, ENDED_EARLY, POOR_FIT, INTERRUPTED = 2, 3, 4, 130
@@ -103,12 +104,12 @@ def reported(command: Callable[..., int]) -> Callable[..., None]:
         try:
             status = command(*args, **kwargs)
         except InputError as error:
-            raise _fail(str(error), BAD_INPUT, "bad_input", as_json) from None
+            raise _fail(as_options(str(error)), BAD_INPUT, "bad_input", as_json) from None
         except OutputError as error:
             raise _fail(str(error), BAD_INPUT, "not_written", as_json) from None
         except MemoryError:
             message = "not enough memory; keep fewer histories (keep_every) or a larger dt"
-            raise _fail(message, BAD_INPUT, "bad_input", as_json) from None
+            raise _fail(as_options(message), BAD_INPUT, "bad_input", as_json) from None
         except KeyboardInterrupt:
             message = "interrupted; nothing was written"
             raise _fail(message, INTERRUPTED, "interrupted", as_json) from None
@@ -124,7 +125,7 @@ def written(outcome: str, sentence: str, target: Path, *, as_json: bool, quiet: 
     statuses["files_left_out"] = BAD_INPUT
     status = statuses.get(outcome, ENDED_EARLY)
     if status:
-        typer.echo(f"thermobearing: {outcome}: {sentence}", err=True)
+        typer.echo(f"thermobearing: {outcome}: {as_options(sentence)}", err=True)
     if not quiet:
         size = sum(p.stat().st_size for p in target.rglob("*") if p.is_file())
         typer.echo(f"written: {printable(str(target))} ({megabytes(size)})")
