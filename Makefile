@@ -6,16 +6,18 @@ BIN := $(VENV)/bin
 PROGRAM := $(VENV)/.installed
 TESTS := $(VENV)/.tests
 TOOLS := $(VENV)/.lint
+BROWSER := $(VENV)/.browser
 SPHINX := $(VENV)/.site
 WORKERS ?= auto
 
 LOWEST := .venv-minimum
 
-.PHONY: help demo test test-minimum fuzz mutants bench lint docs site clean
+.PHONY: help demo test browser test-minimum fuzz mutants bench lint docs site clean
 
 help:
 	@echo "make demo   install, and run the default cyclic test into ./demo"
 	@echo "make test   all tests, on all cores (WORKERS=0: in one process)"
+	@echo "make browser   what tests need that look at pages with the system's Chromium"
 	@echo "make test-minimum   unit tests with the lowest versions of all that is needed"
 	@echo "make fuzz   hostile input, 100 000 examples (FUZZ=motions: a part)"
 	@echo "make mutants  small errors put into the code: do the tests notice? (RANDOM=40 SEED=1: by chance)"
@@ -34,6 +36,12 @@ $(PROGRAM): pyproject.toml
 $(TESTS): $(PROGRAM)
 	$(BIN)/python -m pip install --quiet -e ".[test]"
 	touch $@
+
+$(BROWSER): $(TESTS)
+	$(BIN)/python -m pip install --quiet -e ".[browser]"
+	touch $@
+
+browser: $(BROWSER)
 
 $(TOOLS): $(PROGRAM)
 	$(BIN)/python -m pip install --quiet -e ".[lint]"

@@ -64,6 +64,9 @@ STEPPER_FORCE = 1e-9  # of the peak force
 STEPPER_DISPLACEMENT = 1e-9  # of the largest layer displacement
 STEPPER_TEMPERATURE = 1e-9  # K
 SINGLE_PRECISION = 4e-6  # K: cell histories are kept as float32, 2e-6 at 40 degC
+SCALES_ALIKE = 1e-3  # pixels a unit along both axes of a plot, which are whole in each
+TYPED_FLOAT = 1e-6  # numbers of a page are 4-byte floats: 6e-8
+SEEN = 1e-2  # of the size of a plot: what a thinned line may be off where it turns
 
 # --- Validation and regression, HDR ------------------------------------------------------
 ROUNDING = 1e-14  # sums of a few dozen numbers

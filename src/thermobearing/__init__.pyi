@@ -9,6 +9,7 @@ from . import identify as identify
 from . import intake as intake
 from . import model as model
 from . import motions as motions
+from . import reproduce as reproduce
 from . import results as results
 from . import sequences as sequences
 from . import structure as structure
@@ -30,6 +31,7 @@ from .loading import load_result as load_result
 from .model.element import BearingElement as BearingElement
 from .model.element import element as element
 from .motions.library import load_motion as load_motion
+from .reporting import make_report as make_report
 from .sequences.run import sequence as sequence
 
 __version__: str

@@ -30,6 +30,7 @@ from thermobearing.commands.intake import intake
 from thermobearing.commands.measure import measure
 from thermobearing.commands.motions import app as motions
 from thermobearing.commands.new import new
+from thermobearing.commands.report import report
 from thermobearing.commands.streams import patient_streams
 from thermobearing.commands.structures import app as structures
 from thermobearing.commands.threads import one_blas_thread
@@ -174,6 +175,7 @@ _add("validate", validate, LABORATORY, "validate mine.toml other-test.csv --limi
 _add("design", design.design, OFFICE, "design --motion jra-ii-i-1 --compound G10 -o design")
 _add("bounds", design.bounds, OFFICE, "bounds --bearing shen-hdr-bridge --ambient -20")
 _add("lambda", factors.lambda_, OFFICE, "lambda shen-hdr-bridge --strain 1.75 -o factors")
+_add("report", report, FILES, "report pier --title number=B12-7 --title revision=B")
 app.add_typer(motions, name="motions", rich_help_panel=FILES)
 app.add_typer(structures, name="structures", rich_help_panel=FILES)
 

@@ -96,3 +96,12 @@ def test_a_program_in_a_pipe_writes_plain_text() -> None:
         shown = done.stdout + done.stderr
         assert "Usage" in shown
         assert not FRAMES.search(shown), shown
+
+
+@pytest.mark.parametrize(("ambients", "shown"), [((0,), False), ((0, 23), True)])
+def test_of_warm_needs_a_warmer_run(tmp_path: Path, ambients: tuple[int, ...], shown: bool) -> None:
+    """Before: a column of 100 % where there is one temperature."""
+    words = ["--bearing", "shen-hdr-bridge", "--motion", "jra-ii-i-1", "--duration", "0.5"]
+    words += [word for at in ambients for word in ("--ambient", str(at))]
+    done = command("bridge", *words, "--no-figures", "-o", tmp_path / "out")
+    assert ("of warm" in done.stdout) is shown

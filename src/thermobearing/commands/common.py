@@ -1,15 +1,20 @@
 """What all commands share: options, how they end, the last line of JSON."""
 
 import functools
+import inspect
 import sys
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 import typer
 
 from thermobearing.border.errors import InputError, OutputError, printable
 from thermobearing.commands.options import as_options
+
+if TYPE_CHECKING:
+    from thermobearing.report.title import TitleBlock
 
 T = TypeVar("T")
 BAD_INPUT, ENDED_EARLY, POOR_FIT, INTERRUPTED = 2, 3, 4, 130
@@ -22,6 +27,7 @@ ANALYSES, LABORATORY, OFFICE, FILES = (
     "Library and files",
 )
 INPUT, TEST, MODEL, SEARCH, RESULT = ("What", "Test", "Model", "Search", "Result")
+REPORT = "Report"
 
 Output = Annotated[
     Path | None,
@@ -80,6 +86,107 @@ Limit = Annotated[
 ]
 
 
+Title = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--title",
+        help="Of the report: project, structure, client, author, number, date, revision or logo "
+        "(a file); may be repeated.",
+        metavar="KEY=VALUE",
+        rich_help_panel=REPORT,
+    ),
+]
+Template = Annotated[
+    Path | None,
+    typer.Option(
+        "--template",
+        help="Markdown that orders the report.",
+        metavar="FILE",
+        rich_help_panel=REPORT,
+    ),
+]
+Workbook = Annotated[
+    bool, typer.Option("--xlsx", help="Write report.xlsx.", rich_help_panel=REPORT)
+]
+WithReport = Annotated[
+    bool, typer.Option("--report", help="Write report.html and .pdf.", rich_help_panel=REPORT)
+]
+
+
+@dataclass(frozen=True)
+class Documents:
+    """What is to be written of a result besides its files: what four options ask for."""
+
+    report: bool = False
+    workbook: bool = False
+    title: Sequence[str] = ()
+    template: Path | None = None
+    case: Path | None = None  # the file of the command, which may have a title block
+
+    def check(self) -> None:
+        """Refuse before a run what could not be written after it."""
+        from thermobearing.border.encodings import read_text
+        from thermobearing.report.pdf import the_compiler
+        from thermobearing.report.workbook import the_writer
+
+        if (self.title or self.template) and not (self.report or self.workbook):
+            raise InputError("--title and --template belong to a report: give --report too")
+        self.block().logo_bytes()
+        if self.template is not None:
+            read_text(self.template)
+        if self.report:
+            the_compiler()
+        if self.workbook:
+            the_writer()
+
+    def block(self) -> "TitleBlock":
+        """The title block: of the options, and below them of the case file."""
+        from thermobearing.report.title import read_title, title_given
+
+        return title_given(self.title).over(read_title(self.case))
+
+    def write(self, target: Path) -> list[Path]:
+        """Write them into the directory of a result; of a case file its title block at least."""
+        from thermobearing.report.files import keep_title
+        from thermobearing.reporting import Kinds, make_documents
+
+        title = self.block()
+        try:
+            if not (self.report or self.workbook):
+                keep_title(target, title)
+                return []
+            kinds = Kinds(html=self.report, pdf=self.report, workbook=self.workbook)
+            return make_documents(target, kinds, title=title, template=self.template)
+        except (InputError, OutputError) as error:
+            told = f"the result is in {target}, but its report is not: {error}"
+            raise type(error)(told) from None
+
+
+NO_DOCUMENTS = Documents()
+DOCUMENTS = "documents"  # argument of a command that offers the options of `Documents`
+_OPTIONS = {"report": WithReport, "workbook": Workbook, "title": Title, "template": Template}
+
+
+def _with_options(command: Callable[..., int], wrapper: Callable[..., None]) -> None:
+    """In the words of a command, the argument `documents` becomes its four options."""
+    whole = inspect.signature(command)
+    found = [item for item in whole.parameters.values() if item.name != DOCUMENTS]
+    for name, kind in _OPTIONS.items():
+        option = inspect.Parameter(name, inspect.Parameter.POSITIONAL_OR_KEYWORD, annotation=kind)
+        found.append(option.replace(default=False if kind in (WithReport, Workbook) else None))
+    told = {parameter.name: parameter.annotation for parameter in found}
+    wrapper.__annotations__ = told | {"return": None}
+    wrapper.__signature__ = whole.replace(parameters=found)  # type: ignore[attr-defined]
+
+
+def _documents(words: dict[str, Any]) -> Documents:
+    """What the four options ask for, taken out of the words of a command."""
+    given = {name: words.pop(name, None) for name in _OPTIONS}
+    made = Documents(**{k: v for k, v in given.items() if v}, case=words.get("case"))
+    made.check()
+    return made
+
+
 def _fail(message: str, status: int, outcome: str, as_json: bool) -> typer.Exit:
     """Report a failure once, on stderr, and as JSON if asked for."""
     typer.echo(f"thermobearing: {message}", err=True)
@@ -96,12 +203,18 @@ def echo_json(last: dict[str, Any]) -> None:
 
 
 def reported(command: Callable[..., int]) -> Callable[..., None]:
-    """Turn what a command raises or returns into one message and an exit status."""
+    """Turn what a command raises or returns into one message and an exit status.
+
+    A command with the argument `documents` has the options of `Documents`.
+    """
+    offers = DOCUMENTS in inspect.signature(command).parameters
 
     @functools.wraps(command)
     def wrapper(*args: Any, **kwargs: Any) -> None:
         as_json = bool(kwargs.get("as_json"))
         try:
+            if offers:
+                kwargs[DOCUMENTS] = _documents(kwargs)
             status = command(*args, **kwargs)
         except InputError as error:
             raise _fail(as_options(str(error)), BAD_INPUT, "bad_input", as_json) from None
@@ -116,11 +229,22 @@ def reported(command: Callable[..., int]) -> Callable[..., None]:
         if status:
             raise typer.Exit(status)
 
+    if offers:
+        _with_options(command, wrapper)
     return wrapper
 
 
-def written(outcome: str, sentence: str, target: Path, *, as_json: bool, quiet: bool) -> int:
-    """Say where the result is and how it ended; the exit status."""
+def written(
+    outcome: str,
+    sentence: str,
+    target: Path,
+    documents: Documents = NO_DOCUMENTS,
+    *,
+    as_json: bool,
+    quiet: bool,
+) -> int:
+    """Write what is asked for, say where all is and how it ended; the exit status."""
+    made = documents.write(target)
     statuses = {"completed": 0, "poor_fit": POOR_FIT, "interrupted": INTERRUPTED}
     statuses["files_left_out"] = BAD_INPUT
     status = statuses.get(outcome, ENDED_EARLY)
@@ -128,7 +252,11 @@ def written(outcome: str, sentence: str, target: Path, *, as_json: bool, quiet: 
         typer.echo(f"thermobearing: {outcome}: {as_options(sentence)}", err=True)
     if not quiet:
         size = sum(p.stat().st_size for p in target.rglob("*") if p.is_file())
-        typer.echo(f"written: {printable(str(target))} ({megabytes(size)})")
+        names = ", ".join(file.name for file in made)
+        typer.echo(
+            f"written: {printable(str(target))} ({megabytes(size)})"
+            + (f"; {names}" if names else "")
+        )
     if as_json:
         files = sorted(str(p.relative_to(target)) for p in target.rglob("*") if p.is_file())
         last = {"outcome": outcome, "exit_status": status, "output": str(target), "files": files}

@@ -11,10 +11,12 @@ from thermobearing.border.errors import InputError
 from thermobearing.commands.common import (
     INPUT,
     MODEL,
+    NO_DOCUMENTS,
     RESULT,
     TEST,
     AsJson,
     Compare,
+    Documents,
     EarlierModel,
     Exposed,
     Force,
@@ -119,6 +121,7 @@ def cyclic(
     no_figures: NoFigures = False,
     as_json: AsJson = False,
     quiet: Quiet = False,
+    documents: Documents = NO_DOCUMENTS,
 ) -> int:
     """Displacement-controlled cyclic test of a bearing, heat and hysteresis coupled."""
     from thermobearing.cyclic.case import load_case, make_case
@@ -146,7 +149,7 @@ def cyclic(
         whole = make_case({}, "command line", **overrides)
     else:
         whole = load_case(case, **overrides)
-    return _carry_out(whole, output, force, no_figures, as_json, quiet, compare)
+    return _carry_out(whole, output, force, no_figures, as_json, quiet, compare, documents)
 
 
 def _carry_out(
@@ -157,6 +160,7 @@ def _carry_out(
     as_json: bool,
     quiet: bool,
     compare: bool,
+    documents: Documents,
 ) -> int:
     """Check the target, run, write, tell."""
     from thermobearing.cyclic.files import save_result
@@ -173,7 +177,7 @@ def _carry_out(
     if not quiet:
         with contextlib.suppress(KeyboardInterrupt):  # the result is safe by now
             print_result(result, others)
-    return written(result.outcome, result.sentence, target, as_json=as_json, quiet=quiet)
+    return written(result.outcome, result.sentence, target, documents, as_json=as_json, quiet=quiet)
 
 
 def _short_test(strain: list[float] | None, words: dict[str, Any]) -> "CyclicTest | None":

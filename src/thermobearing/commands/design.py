@@ -6,8 +6,10 @@ from typing import Annotated, Any
 import typer
 
 from thermobearing.commands.common import (
+    NO_DOCUMENTS,
     STRUCTURES,
     AsJson,
+    Documents,
     FixedBase,
     Force,
     NoFigures,
@@ -57,6 +59,7 @@ def design(
     no_figures: NoFigures = False,
     as_json: AsJson = False,
     quiet: Quiet = False,
+    documents: Documents = NO_DOCUMENTS,
 ) -> int:
     """Size isolation bearings: assume a displacement, size, analyse, compare, repeat."""
     from thermobearing.bearing.library import load_bearing
@@ -91,7 +94,7 @@ def design(
     if not quiet:
         print_design(found)
     outcome = "completed" if found.usable else found.outcome
-    return written(outcome, found.sentence, target, as_json=as_json, quiet=quiet)
+    return written(outcome, found.sentence, target, documents, as_json=as_json, quiet=quiet)
 
 
 @reported
@@ -113,6 +116,7 @@ def bounds(
     no_figures: NoFigures = False,
     as_json: AsJson = False,
     quiet: Quiet = False,
+    documents: Documents = NO_DOCUMENTS,
 ) -> int:
     """Is a bounding analysis good enough? Two bilinear bounds against the coupled model."""
     from thermobearing.design.bounds import AIR, BEARINGS
@@ -128,4 +132,4 @@ def bounds(
     report.save(target, force=force, figures=not no_figures)
     if not quiet:
         print_bounds(report)
-    return written(report.outcome, report.sentence, target, as_json=as_json, quiet=quiet)
+    return written(report.outcome, report.sentence, target, documents, as_json=as_json, quiet=quiet)

@@ -9,9 +9,11 @@ import typer
 from thermobearing.commands.common import (
     INPUT,
     MODEL,
+    NO_DOCUMENTS,
     STRUCTURES,
     AsJson,
     Compare,
+    Documents,
     EarlierModel,
     Exposed,
     FixedBase,
@@ -112,6 +114,7 @@ def bridge(
     no_figures: NoFigures = False,
     as_json: AsJson = False,
     quiet: Quiet = False,
+    documents: Documents = NO_DOCUMENTS,
 ) -> int:
     """A bridge pier on isolation bearings in earthquakes, at several temperatures."""
     overrides = {
@@ -131,7 +134,7 @@ def bridge(
         "rig": rig,
     }
     complete = _case("bridge", case, overrides)
-    return _carry_out(complete, output, force, no_figures, as_json, quiet, compare)
+    return _carry_out(complete, output, force, no_figures, as_json, quiet, compare, documents)
 
 
 ForceNoise = Annotated[
@@ -178,6 +181,7 @@ def hybrid(
     no_figures: NoFigures = False,
     as_json: AsJson = False,
     quiet: Quiet = False,
+    documents: Documents = NO_DOCUMENTS,
 ) -> int:
     """A hybrid test, simulated: a specimen in the loop with a calculated pier."""
     from thermobearing.border.units import with_unit
@@ -201,7 +205,7 @@ def hybrid(
         "laboratory": {key: value for key, value in lab.items() if value is not None} or None,
     }
     complete = _case("hybrid", case, overrides)
-    return _carry_out(complete, output, force, no_figures, as_json, quiet, compare)
+    return _carry_out(complete, output, force, no_figures, as_json, quiet, compare, documents)
 
 
 def _case(command: str, path: Path | None, overrides: dict[str, Any]) -> "EarthquakeCase":
@@ -220,6 +224,7 @@ def _carry_out(
     as_json: bool,
     quiet: bool,
     compare: bool,
+    documents: Documents,
 ) -> int:
     """Check the target, run, write, tell."""
     from thermobearing.earthquake.compare import compare_models, refuse_incomparable
@@ -240,4 +245,4 @@ def _carry_out(
     if not quiet:
         with contextlib.suppress(KeyboardInterrupt):  # the result is safe by now
             print_study(result, others)
-    return written(result.outcome, result.sentence, target, as_json=as_json, quiet=quiet)
+    return written(result.outcome, result.sentence, target, documents, as_json=as_json, quiet=quiet)

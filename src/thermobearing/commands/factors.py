@@ -8,7 +8,9 @@ import typer
 
 from thermobearing.border.errors import InputError
 from thermobearing.commands.common import (
+    NO_DOCUMENTS,
     AsJson,
+    Documents,
     Force,
     NoFigures,
     Output,
@@ -59,6 +61,7 @@ def lambda_(
     no_figures: NoFigures = False,
     as_json: AsJson = False,
     quiet: Quiet = False,
+    documents: Documents = NO_DOCUMENTS,
 ) -> int:
     """Temperature factors from the coupled model: K_eq, Q_d, K_d, h_eq, energy; and bounds."""
     from thermobearing.bearing.library import load_bearing
@@ -91,7 +94,7 @@ def lambda_(
     report.save(target, force=force, figures=not no_figures)
     if not quiet:
         print_factors(report)
-    return written("completed", "", target, as_json=as_json, quiet=quiet)
+    return written("completed", "", target, documents, as_json=as_json, quiet=quiet)
 
 
 def _cycles(text: str) -> str | list[int]:

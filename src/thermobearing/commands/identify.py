@@ -11,8 +11,10 @@ from thermobearing.border.errors import InputError, printable
 from thermobearing.commands.common import (
     BAD_INPUT,
     INPUT,
+    NO_DOCUMENTS,
     SEARCH,
     AsJson,
+    Documents,
     Force,
     Limit,
     NoFigures,
@@ -143,6 +145,7 @@ def identify(
     no_figures: NoFigures = False,
     as_json: AsJson = False,
     quiet: Quiet = False,
+    documents: Documents = NO_DOCUMENTS,
 ) -> int:
     """Identify a bearing's parameters from cyclic tests, with their uncertainty."""
     from thermobearing.identify.posterior import forecast, need_emcee
@@ -152,8 +155,13 @@ def identify(
     held = hold_out or []
     records, bearing, target = _read([*tests, *held], start, check, output, force)
     records = to_be_treated(records, despike, detrend)
+<<<<<<< HEAD
     if check or bearing is None or target is None:
         return _look_over(records, bearing, target, force, no_figures, as_json, quiet)
+=======
+    if check or bearing is None:
+        return _look_over(records, bearing, target, force, no_figures, as_json, quiet, documents)
+>>>>>>> main
     if posterior:
         need_emcee()
     announce_compiling(quiet)
@@ -176,7 +184,7 @@ def identify(
     found.save(target, force=force, figures=not no_figures, forecast=drawn)
     if not quiet:
         _show(found, drawn.warnings if drawn else ())
-    return written(found.outcome, found.sentence, target, as_json=as_json, quiet=quiet)
+    return written(found.outcome, found.sentence, target, documents, as_json=as_json, quiet=quiet)
 
 
 def _announce_posterior(found: "Identification") -> None:
@@ -251,6 +259,7 @@ def _look_over(
     no_figures: bool,
     as_json: bool,
     quiet: bool,
+    documents: Documents,
 ) -> int:
     """The findings of the tests, without a fit."""
     from thermobearing.identify.checks import check_test
@@ -258,12 +267,20 @@ def _look_over(
     from thermobearing.identify.screen import print_checks
 
     reports = [check_test(record, bearing) for record in records]
+<<<<<<< HEAD
     if target is not None:
         save_checks(reports, target, force=force, figures=not no_figures)
     if not quiet:
         print_checks(reports)
         if target is not None:
             typer.echo(f"written: {printable(str(target))}")
+=======
+    save_checks(reports, target, force=force, figures=not no_figures)
+    made = documents.write(target)
+    if not quiet:
+        print_checks(reports)
+        typer.echo(", ".join([f"written: {target}", *(file.name for file in made)]))
+>>>>>>> main
     return _checked(reports, target, as_json)
 
 

@@ -7,7 +7,9 @@ import typer
 
 from thermobearing.border.errors import InputError
 from thermobearing.commands.common import (
+    NO_DOCUMENTS,
     AsJson,
+    Documents,
     Force,
     NoFigures,
     Output,
@@ -69,6 +71,7 @@ def show(
     no_figures: NoFigures = False,
     as_json: AsJson = False,
     quiet: Quiet = False,
+    documents: Documents = NO_DOCUMENTS,
 ) -> int:
     """Size, duration and ends of a motion; with -o its histories, spectra and figures."""
     from thermobearing.motions.library import load_motion
@@ -79,7 +82,7 @@ def show(
     result = examine_motion(motion, kind, ground, baseline=baseline, high_pass=high_pass)
     if not quiet:
         print_motion(result)
-    return _end(result, output, force, no_figures, as_json, quiet)
+    return _end(result, output, force, no_figures, as_json, quiet, documents)
 
 
 @app.command(
@@ -102,6 +105,7 @@ def spectrum(
     no_figures: NoFigures = False,
     as_json: AsJson = False,
     quiet: Quiet = False,
+    documents: Documents = NO_DOCUMENTS,
 ) -> int:
     """Response spectrum of a motion, beside a standard one (5 % damping)."""
     from thermobearing.motions.library import load_motion
@@ -120,7 +124,7 @@ def spectrum(
     )
     if not quiet:
         print_spectrum(result)
-    return _end(result, output, force, no_figures, as_json, quiet)
+    return _end(result, output, force, no_figures, as_json, quiet, documents)
 
 
 @app.command(
@@ -145,6 +149,7 @@ def make(
     no_figures: NoFigures = False,
     as_json: AsJson = False,
     quiet: Quiet = False,
+    documents: Documents = NO_DOCUMENTS,
 ) -> int:
     """A motion that fits a standard spectrum: from a seed, or from the phases of a record."""
     from thermobearing.motions.run import make_motion_case, run_motion
@@ -173,7 +178,7 @@ def make(
     )
     if not quiet:
         print_motion(result)
-    return _end(result, target, force, no_figures, as_json, quiet)
+    return _end(result, target, force, no_figures, as_json, quiet, documents)
 
 
 def _end(
@@ -183,11 +188,14 @@ def _end(
     no_figures: bool,
     as_json: bool,
     quiet: bool,
+    documents: Documents,
 ) -> int:
     """Write the result directory if there is to be one; the exit status."""
     if target is None:
+        if documents.report or documents.workbook:
+            raise InputError("a report goes into a result directory: give -o")
         if as_json:
             echo_json({"exit_status": 0, **result.summary()})
         return 0
     result.save(target, force=force, figures=not no_figures)
-    return written(result.outcome, result.sentence, target, as_json=as_json, quiet=quiet)
+    return written(result.outcome, result.sentence, target, documents, as_json=as_json, quiet=quiet)

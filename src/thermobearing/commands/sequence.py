@@ -7,7 +7,9 @@ from typing import Annotated
 import typer
 
 from thermobearing.commands.common import (
+    NO_DOCUMENTS,
     AsJson,
+    Documents,
     Force,
     NoFigures,
     Output,
@@ -32,6 +34,7 @@ def sequence(
     no_figures: NoFigures = False,
     as_json: AsJson = False,
     quiet: Quiet = False,
+    documents: Documents = NO_DOCUMENTS,
 ) -> int:
     """Hybrid and cyclic tests and rests, one after the other on one specimen."""
     from thermobearing.results.directory import check_target
@@ -47,4 +50,4 @@ def sequence(
     if not quiet:
         with contextlib.suppress(KeyboardInterrupt):  # the result is safe by now
             print_sequence(result)
-    return written(result.outcome, result.sentence, target, as_json=as_json, quiet=quiet)
+    return written(result.outcome, result.sentence, target, documents, as_json=as_json, quiet=quiet)

@@ -7,7 +7,9 @@ from typing import Annotated
 import typer
 
 from thermobearing.commands.common import (
+    NO_DOCUMENTS,
     AsJson,
+    Documents,
     Force,
     Limit,
     NoFigures,
@@ -38,6 +40,7 @@ def validate(
     no_figures: NoFigures = False,
     as_json: AsJson = False,
     quiet: Quiet = False,
+    documents: Documents = NO_DOCUMENTS,
 ) -> int:
     """Judge a bearing by tests it was not fitted to; nothing is fitted."""
     from thermobearing.results.directory import check_target
@@ -58,4 +61,4 @@ def validate(
     found.save(target, force=force, figures=not no_figures)
     if not quiet:
         print_validation(found)
-    return written(found.outcome, found.sentence, target, as_json=as_json, quiet=quiet)
+    return written(found.outcome, found.sentence, target, documents, as_json=as_json, quiet=quiet)

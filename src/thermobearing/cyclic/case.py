@@ -15,7 +15,7 @@ from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
 from thermobearing.border.overrides import overridden, said_with_unit, updated
 from thermobearing.border.schema import Strict, in_unit, validated
-from thermobearing.border.toml import read_toml, split_sources, to_table, to_toml
+from thermobearing.border.toml import split_sources, to_table, to_toml
 from thermobearing.core.records import labels
 from thermobearing.core.types import Books
 from thermobearing.cyclic.protocol import CyclicTest, cyclic_test, survey
@@ -26,6 +26,7 @@ from thermobearing.model.effort import too_much
 from thermobearing.model.handover import SpecimenState, misfit
 from thermobearing.model.options import ModelOptions, build_model
 from thermobearing.model.stack import build_stack
+from thermobearing.report.title import case_table
 
 Group = Literal["rubber", "layer_displacement", "hysteretic", "cells"]
 Temperature = Annotated[float, in_unit("degC"), Field(ge=-100, le=100)]
@@ -159,7 +160,7 @@ def load_case(path: str | Path, **overrides: Any) -> Case:
     [0.0, 23.0]
     """
     path = Path(path)
-    table, _ = split_sources(read_toml(path))
+    table = case_table(path)
     _make_absolute(table, path.parent)
     bearing = table.get("bearing")
     if isinstance(bearing, str) and bearing.endswith(".toml") and overrides.get("bearing") is None:

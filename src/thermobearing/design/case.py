@@ -8,7 +8,7 @@ from pydantic import Field, field_validator
 from thermobearing.border.errors import InputError
 from thermobearing.border.overrides import overridden
 from thermobearing.border.schema import Strict, in_unit, validated
-from thermobearing.border.toml import read_toml, split_sources, to_toml
+from thermobearing.border.toml import to_toml
 from thermobearing.cyclic.case import Temperature, each_once
 from thermobearing.design.peaks import PeakRule
 from thermobearing.design.rubber import Kind, load_rubber
@@ -16,6 +16,7 @@ from thermobearing.design.sizing import SizingRules
 from thermobearing.earthquake.case import make_earthquake_case
 from thermobearing.earthquake.motion import Motion
 from thermobearing.motions.record import STANDARD_GRAVITY
+from thermobearing.report.title import case_table
 from thermobearing.structure.model import MassModel, Structure
 
 STIFFNESS_RATIO = 0.19  # alpha of Table 6.3
@@ -146,7 +147,7 @@ def load_design_case(path: str | Path, **overrides: Any) -> DesignCase:
     'G10'
     """
     path = Path(path)
-    table, _ = split_sources(read_toml(path))
+    table = case_table(path)
     return make_design_case(table, str(path), path.parent, **overrides)
 
 

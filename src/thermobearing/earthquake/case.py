@@ -11,7 +11,7 @@ from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
 from thermobearing.border.overrides import overridden
 from thermobearing.border.schema import Strict, in_unit, validated
-from thermobearing.border.toml import read_toml, split_sources, to_toml
+from thermobearing.border.toml import to_toml
 from thermobearing.cyclic.case import Temperature, each_once
 from thermobearing.cyclic.rig import Rig, settle_rig
 from thermobearing.cyclic.start import left_by, settle_start
@@ -27,6 +27,7 @@ from thermobearing.earthquake.motion import Motion, settle_motions
 from thermobearing.model.handover import SpecimenState, misfit
 from thermobearing.model.options import ModelOptions, build_model
 from thermobearing.motions.record import GroundMotion
+from thermobearing.report.title import case_table
 from thermobearing.structure.model import (
     DampingKind,
     MassModel,
@@ -320,7 +321,7 @@ def load_earthquake_case(path: str | Path, **overrides: Any) -> EarthquakeCase:
     5.0
     """
     path = Path(path)
-    table, _ = split_sources(read_toml(path))
+    table = case_table(path)
     return make_earthquake_case(table, str(path), path.parent, **overrides)
 
 

@@ -1,4 +1,5 @@
 # What this room offers: read by type checkers, and by lazy_loader when it is first used.
+from .html import html_page as html_page
 from .pieces import Check as Check
 from .pieces import Column as Column
 from .pieces import Document as Document

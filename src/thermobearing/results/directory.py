@@ -38,6 +38,9 @@ VALIDATED_CYCLES, FOLDS, THERMOCOUPLES = "cycles.csv", "folds.csv", "thermocoupl
 SIDECARS = "sidecars"
 RESULT_NAMES |= {VALIDATED_CYCLES, FOLDS, THERMOCOUPLES, SIDECARS}
 RESULT_NAMES |= {IDENTIFIED, COMPOUND, FIT_TABLE, SAMPLES}
+REPORT_HTML, REPORT_PDF, WORKBOOK = "report.html", "report.pdf", "report.xlsx"
+TITLE, LOGO = "report.toml", "report-logo"
+RESULT_NAMES |= {REPORT_HTML, REPORT_PDF, WORKBOOK, TITLE, LOGO}
 
 
 def check_target(directory: Path, *, force: bool) -> None:

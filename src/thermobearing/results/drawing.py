@@ -132,7 +132,7 @@ def panels(
     return figure, list(axes.flat)
 
 
-def save_figure(figure: Figure, path: str | Path, dpi: int | None = None) -> None:
+def save_figure(figure: Figure, path: str | Path | io.BytesIO, dpi: int | None = None) -> None:
     """Write a figure as PNG with a palette, a third as large as one with a colour a point."""
     dpi = DPI if dpi is None else dpi
     drawn = io.BytesIO()
@@ -141,7 +141,7 @@ def save_figure(figure: Figure, path: str | Path, dpi: int | None = None) -> Non
         warnings.filterwarnings("ignore", "Glyph .* missing from font", UserWarning)
         figure.savefig(drawn, dpi=dpi, pil_kwargs={"compress_level": 1})
     picture = Image.open(drawn).convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
-    picture.save(path, optimize=True, dpi=(dpi, dpi))
+    picture.save(path, "PNG", optimize=True, dpi=(dpi, dpi))
 
 
 def style(ax: Axes) -> None:
@@ -242,15 +242,17 @@ def thin_paths(
     return np.concatenate(xs), np.concatenate(ys)
 
 
-def thin_loops(x: Floats, y: Floats, width: float, height: float) -> Ints:
+def thin_loops(
+    x: Floats, y: Floats, width: float, height: float, most: int = MOST_LOOP_POINTS
+) -> Ints:
     """Points of a path in the plane that keep its shape: evenly along it, and where it turns."""
     if len(x) < 3:
         return np.arange(len(x))
     way = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x) / width, np.diff(y) / height))])
-    step = max(LOOP_STEP, way[-1] / MOST_LOOP_POINTS)
+    step = max(LOOP_STEP, way[-1] / most)
     kept = np.flatnonzero(np.diff(np.floor(way / step), prepend=-1.0))
     turns = 1 + np.flatnonzero(np.diff(x)[:-1] * np.diff(x)[1:] < 0.0)
-    if len(turns) < MOST_LOOP_POINTS:  # else it is noise that turns
+    if len(turns) < most:  # else it is noise that turns
         kept = np.union1d(kept, turns)
     return np.union1d(kept, [len(x) - 1]).astype(np.int64)
 

@@ -12,7 +12,7 @@ from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
 from thermobearing.border.overrides import overridden
 from thermobearing.border.schema import Strict, in_unit, validated
-from thermobearing.border.toml import read_toml, split_sources, to_toml
+from thermobearing.border.toml import to_toml
 from thermobearing.cyclic.case import DEFAULT_BEARING, Analysis, Case, Temperature
 from thermobearing.cyclic.protocol import (
     Cycles,
@@ -37,6 +37,7 @@ from thermobearing.model.effort import too_much
 from thermobearing.model.handover import SpecimenState
 from thermobearing.model.options import ModelOptions
 from thermobearing.model.stack import build_stack
+from thermobearing.report.title import case_table
 from thermobearing.structure.model import Structure, list_structures, load_structure
 from thermobearing.structure.run import Method
 
@@ -285,7 +286,7 @@ def load_sequence_case(path: str | Path, **overrides: Any) -> SequenceCase:
     'rest'
     """
     path = Path(path)
-    table, _ = split_sources(read_toml(path))
+    table = case_table(path)
     return make_sequence_case(table, str(path), path.parent, **overrides)
 
 

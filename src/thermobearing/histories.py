@@ -1,0 +1,99 @@
+"""Main histories of any result, as a workbook takes them."""
+
+from collections.abc import Hashable
+from typing import Any
+
+import pandas as pd
+
+from thermobearing.cyclic.files import written_part
+from thermobearing.cyclic.result import Result
+from thermobearing.earthquake.result import EarthquakeResult
+from thermobearing.loading import AnyResult
+from thermobearing.report.generic import MOST_ROWS, words
+from thermobearing.report.pieces import Column
+from thermobearing.report.workbook import History
+from thermobearing.results.saved import SavedResult
+
+AMBIENT = "Ambient [°C]"
+# Heads of a history of a test and names in its dataset; those of layers are after them.
+TEST = {
+    **{"displacement_mm": "displacement", "force_kN": "force"},
+    **{"stress_MPa": "stress", "strain": "strain"},
+}
+
+
+def histories_of(result: AnyResult) -> dict[str, History]:
+    """Histories by the name of their run.
+
+    Parameters
+    ----------
+    result : as loaded, or as it was computed.
+    """
+    if isinstance(result, SavedResult):
+        return _of_tables(result)
+    if isinstance(result, EarthquakeResult):
+        return dict(zip(result.run_names, _of_study(result), strict=True))
+    if isinstance(result, Result):
+        return _of_test(result)
+    return {
+        result.case.label(k): _history({"Part": result.case.label(k)}, result.history(k))
+        for k in range(len(result.parts))
+    }
+
+
+def _history(keys: dict[str, Any], table: pd.DataFrame) -> History:
+    columns = [Column(*words(str(name))) for name in table.columns]
+    return History(keys, columns, table.to_numpy(dtype=float))
+
+
+def _of_study(result: EarthquakeResult) -> list[History]:
+    found = []
+    data = result.dataset
+    for run in range(result.runs):
+        names = {"Bearing": str(data["bearing"].values[run])}
+        names["Motion"] = str(data["motion"].values[run])
+        keys: dict[str, Any] = {**names, AMBIENT: float(data["ambient"].values[run])}
+        if any(result.modes):
+            keys["Mode"] = result.modes[run]
+        found.append(_history(keys, result.history(run)))
+    return found
+
+
+def _of_test(result: Result) -> dict[str, History]:
+    written = written_part(result)
+    data = written.dataset
+    found = {}
+    for run, ambient in enumerate(data["ambient"].values):
+        count = int((data["segment"].values[run] >= 0).sum())
+        columns = {"time_s": written.time(run)[:count]}
+        columns |= {head: data[name].values[run, :count] for head, name in TEST.items()}
+        if "rubber_temperature" in data:
+            layers = data["rubber_temperature"].values[run, :count].T
+            columns |= {f"rubber{j}_degC": layer for j, layer in enumerate(layers, 1)}
+        if written.has_lead:
+            columns["lead_degC"] = data["lead_temperature"].values[run, :count]
+        found[f"{ambient:g}"] = _history({AMBIENT: float(ambient)}, pd.DataFrame(columns))
+    return found
+
+
+def _of_tables(saved: SavedResult) -> dict[str, History]:
+    """Long tables, such as samples of tests; what tells their rows apart becomes keys."""
+    found = {}
+    for name, table in saved.tables.items():
+        if len(table) <= MOST_ROWS:
+            continue
+        told = [column for column in table.columns if not _is_number(table[column])]
+        groups: Any = table.groupby(told, sort=False, dropna=False) if told else [((), table)]
+        for values, part in groups:
+            keys = dict(zip(map(_head, told), map(str, values), strict=True))
+            label = " ".join([name, *keys.values()])
+            found[label] = _history(keys, part.drop(columns=told))
+    return found
+
+
+def _head(column: Hashable) -> str:
+    return words(str(column))[0].capitalize()
+
+
+def _is_number(values: "pd.Series[Any]") -> bool:
+    return pd.api.types.is_numeric_dtype(values) and not pd.api.types.is_bool_dtype(values)

@@ -1,0 +1,137 @@
+"""A document is written into its result directory whole, or the earlier one stays as it was."""
+
+import errno
+import os
+import shutil
+from collections.abc import Mapping
+from pathlib import Path
+
+from thermobearing.border.errors import OutputError, is_folder
+from thermobearing.report.html import html_page
+from thermobearing.report.pdf import pdf_bytes, the_compiler
+from thermobearing.report.pictures import drawn
+from thermobearing.report.pieces import Pieces
+from thermobearing.report.template import document
+from thermobearing.report.title import TitleBlock
+from thermobearing.results.directory import LOGO, REPORT_HTML, REPORT_PDF, TITLE, WORKBOOK
+from thermobearing.results.swap import new_sibling
+
+WRITTEN = (REPORT_HTML, REPORT_PDF, WORKBOOK, TITLE, LOGO)
+
+
+def check_place(directory: Path) -> None:
+    """Refuse a directory that no document can be written into, before one is made.
+
+    Raises
+    ------
+    OutputError : it is none, not writable, or a folder has the name of a document.
+    """
+    if not is_folder(directory):
+        raise OutputError(f"{directory}: is no directory")
+    for folder in (directory.resolve(), directory.resolve().parent):
+        if not os.access(folder, os.W_OK | os.X_OK):
+            raise OutputError(f"{folder}: is not writable, so no document can be put there")
+    for name in WRITTEN:
+        if is_folder(directory / name):
+            raise OutputError(f"{directory / name}: is a directory, where a document is to go")
+
+
+def report_files(
+    pieces: Pieces, title: TitleBlock, template: Path | None = None, *, pdf: bool = True
+) -> dict[str, bytes | None]:
+    """report.html and report.pdf, by name.
+
+    Parameters
+    ----------
+    pieces : what the result has to say.
+    title : block at the head.
+    template : of the user; None for that of the package.
+    pdf : without it, a report.pdf that is there goes, since it would tell another state.
+
+    Raises
+    ------
+    InputError : the template does not fit, or the logo cannot be read.
+    """
+    made = document(pieces, title.words(), title.logo_bytes(), template)
+    if not pdf:
+        return {REPORT_HTML: html_page(made).encode(), REPORT_PDF: None}
+    the_compiler()  # before anything is drawn
+    shown = drawn(made)
+    return {REPORT_HTML: html_page(shown).encode(), REPORT_PDF: pdf_bytes(shown)}
+
+
+def title_files(title: TitleBlock) -> dict[str, bytes | None]:
+    """The title block as files that a result directory keeps; none where nothing is said."""
+    if title == TitleBlock():
+        return {TITLE: None, LOGO: None}
+    logo = title.logo_bytes()
+    kept = title.model_copy(update={"logo": LOGO if logo is not None else None})
+    return {TITLE: kept.to_toml().encode(), LOGO: logo}
+
+
+def keep_title(directory: Path, title: TitleBlock) -> None:
+    """Keep a title block for a document that is made later."""
+    if title != TitleBlock():
+        put_files(directory, title_files(title))
+
+
+def put_files(directory: Path, content: Mapping[str, bytes | None]) -> list[Path]:
+    """Put files into a directory, all of them or none; None takes one away.
+
+    They are written beside the directory first: a process that is killed leaves nothing in it
+    that is no result, and the next one takes away what it left beside.
+
+    Raises
+    ------
+    OutputError : the disk is full or not writable.
+    """
+    final = directory.resolve()
+    try:
+        with new_sibling(final) as partial:
+            try:
+                for name, raw in content.items():
+                    if raw is not None:
+                        write_through(partial / name, raw)
+                _exchange(partial, final, list(content))
+            finally:
+                shutil.rmtree(partial, ignore_errors=True)
+    except OSError as error:
+        told = error.strerror or error
+        raise OutputError(
+            f"{directory}: the document cannot be written: {told}; what was there is as it was"
+        ) from None
+    documents = (REPORT_HTML, REPORT_PDF, WORKBOOK)
+    return [directory / name for name in documents if content.get(name) is not None]
+
+
+def write_through(file: Path, raw: bytes) -> None:
+    """Write a file and see it on the disk: some disks say late that they are full."""
+    with file.open("wb") as stream:
+        if stream.write(raw) != len(raw):
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        stream.flush()
+        os.fsync(stream.fileno())
+
+
+def _exchange(partial: Path, final: Path, names: list[str]) -> None:
+    """Move new files over old ones; whatever stops it, the old ones come back."""
+    earlier = partial / "earlier"
+    earlier.mkdir()
+    for name in names:
+        if (final / name).exists():
+            shutil.copy2(final / name, earlier / name)
+    begun = []
+    try:
+        for name in names:
+            begun.append(name)
+            if (partial / name).exists():
+                os.replace(partial / name, final / name)
+            else:
+                (final / name).unlink(missing_ok=True)
+    except BaseException:  # Ctrl-C too
+        for name in begun:
+            if (earlier / name).exists():
+                os.replace(earlier / name, final / name)
+            else:
+                (final / name).unlink(missing_ok=True)
+        raise

@@ -1,0 +1,203 @@
+"""A document as plain data for the typesetter: what stands on which paper, how large, how wide."""
+
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from thermobearing.report.columns import fitted
+from thermobearing.report.inline import Run, runs_of
+from thermobearing.report.pictures import size_of
+from thermobearing.report.pieces import (
+    Block,
+    Bullets,
+    Check,
+    ChecksBlock,
+    Column,
+    Document,
+    FigureBlock,
+    Heading,
+    Paragraph,
+    ReportFigure,
+    ReportTable,
+    TableBlock,
+)
+from thermobearing.report.title import logo_kind
+
+# Room for a picture [mm], upright and on a turned page; `data/reports/report.typ` has the margins.
+UPRIGHT, TURNED = (170.0, 222.0), (267.0, 156.0)
+LONG_BOX = 2500  # letters of a box that may go over two pages
+SMALL_PRINT = 0.75  # a picture that must be made smaller than this is looked at on a turned page
+GAIN = 1.15  # by which it must be larger there
+UNTESTED = "beyond what the bearing was tested at"
+CHECK_COLUMNS = (
+    *(Column("Check"), Column("Value"), Column("Limit"), Column("Unit")),
+    *(Column("Source of the limit"), Column("Verdict")),
+)
+UNBROKEN = "\N{NO-BREAK SPACE}"
+Data = dict[str, Any]
+
+
+def laid_out(document: Document, folder: Path | None) -> Data:
+    """What the typst source reads; pictures are written into a folder, if there is one."""
+    blocks: list[Data] = []
+    for number, block in enumerate(document.blocks):
+        blocks += _data(block, f"figure-{number}", folder)
+    _without_skipped_levels(blocks)
+    return {
+        "title": document.title,
+        "block": [list(item) for item in document.block.items()],
+        "author": document.block.get("Author", ""),
+        "logo": _picture_file(document.logo, "logo", folder) if document.logo else "",
+        "head": [document.block.get("Project", document.title), _number(document)],
+        "foot": foot(document),
+        "contents": sum(item["kind"] == "heading" for item in blocks) > 2,
+        "blocks": _turned_together(blocks),
+    }
+
+
+def foot(document: Document) -> str:
+    """Program and input, short: what tells one print-out from another."""
+    told = document.identity.items()
+    version = next((v for k, v in told if "version" in k.lower() or "program" in k.lower()), "")
+    version = version if version.startswith("thermobearing") else f"thermobearing {version}"
+    digest = next((v for k, v in told if "hash" in k.lower() or "sha" in k.lower()), "")
+    return version.strip() + (f" \N{MIDDLE DOT} input {digest[:12]}" if digest else "")
+
+
+def _number(document: Document) -> str:
+    number, revision = (document.block.get(key, "") for key in ("Document", "Revision"))
+    said = [number, f"revision {revision}" if revision else ""]
+    return ", ".join(word for word in said if word)
+
+
+def _data(block: Block, name: str, folder: Path | None) -> list[Data]:
+    """A block as data; a table in several parts where its columns do not fit."""
+    if isinstance(block, Heading):
+        return [{"kind": "heading", "level": block.level, "runs": _runs(block.text)}]
+    if isinstance(block, Paragraph):
+        return [{"kind": "paragraph", "box": block.kind, "runs": _runs(block.text), "whole": True}]
+    if isinstance(block, Bullets):
+        items = [_runs(item) for item in block.items]
+        whole = sum(map(len, block.items)) < LONG_BOX
+        return [{"kind": "bullets", "box": block.kind, "items": items, "whole": whole}]
+    if isinstance(block, TableBlock):
+        return _table(block.table)
+    if isinstance(block, ChecksBlock):
+        return _checks(block.checks)
+    assert isinstance(block, FigureBlock)
+    return _figure(block.figure, name, folder)
+
+
+def _runs(text: str) -> list[Data]:
+    return [asdict(run) for run in runs_of(text)]
+
+
+def _figure(figure: ReportFigure, name: str, folder: Path | None) -> list[Data]:
+    """A picture, as large as it is or as fits; nothing where only a plot is."""
+    told = {"kind": "figure", "caption": figure.caption, "alt": figure.alt or figure.caption}
+    if figure.image is None:
+        moving = {"kind": "paragraph", "box": "", "whole": True}
+        return [
+            moving | {"runs": [asdict(Run(f"{figure.caption} (in the HTML page).", italic=True))]}
+        ]
+    width, height = size_of(figure.image)
+    upright = min(1.0, UPRIGHT[0] / width, UPRIGHT[1] / height)
+    across = min(1.0, TURNED[0] / width, TURNED[1] / height)
+    turned = upright < SMALL_PRINT and across > GAIN * upright
+    file = _picture_file(figure.image, name, folder)
+    size = width * (across if turned else upright)
+    return [told | {"file": file, "width": round(size, 2), "turned": turned}]
+
+
+def _picture_file(image: bytes, name: str, folder: Path | None) -> str:
+    """Name of the file that a picture is put into."""
+    file = f"{name}.{logo_kind(image) or 'png'}"
+    if folder is not None:
+        (folder / file).write_bytes(image)
+    return file
+
+
+def _checks(checks: Sequence[Check]) -> list[Data]:
+    number = Column("", "", ".4g")
+    rows = []
+    for check in checks:
+        sign = "\N{GREATER-THAN OR EQUAL TO}" if check.lower else "\N{LESS-THAN OR EQUAL TO}"
+        limit = number.text(check.limit)
+        told = f"{sign} {limit}" if limit else ""
+        value = number.text(check.value)
+        rows.append((check.what, value, told, check.unit, check.source, check.verdict))
+    table = ReportTable("Checks", CHECK_COLUMNS, rows)
+    return [part | {"verdicts": True} for part in _table(table, right=(1, 2))]
+
+
+def _table(table: ReportTable, right: Sequence[int] = ()) -> list[Data]:
+    """A table as text, in parts that fit a page in width; each part begins with the key columns."""
+    cells = [
+        [column.text(value) for column, value in zip(table.columns, row, strict=True)]
+        for row in table.rows
+    ]
+    numbers = {k for k in range(len(table.columns)) if _is_numbers(table, k)} | set(right)
+    heads = [(column.head, column.unit) for column in table.columns]
+    parts = fitted([_whole_head(*head) for head in heads], cells, numbers, table.keys)
+    note = table.note or (f"Marked: {UNTESTED}." if table.marked else "")
+    found = []
+    for number, part in enumerate(parts):
+        found.append(
+            {
+                "kind": "table",
+                "caption": table.caption + (f" ({number + 1} of {len(parts)})" * (len(parts) > 1)),
+                "note": note if number == len(parts) - 1 else "",
+                "heads": [list(heads[k]) for k in part.places],
+                "rows": [
+                    [row[k] if k in numbers else part.broken(row[k], k) for k in part.places]
+                    for row in cells
+                ],
+                "right": [k in numbers for k in part.places],
+                "marked": [
+                    [row, part.places.index(column)]
+                    for row, column in sorted(table.marked)
+                    if column in part.places
+                ],
+                "widths": part.widths,
+                "size": part.size,
+                "turned": part.turned,
+                "verdicts": False,
+            }
+        )
+    return found
+
+
+def _whole_head(head: str, unit: str) -> str:
+    """A head with its unit, which is not broken."""
+    return f"{head} [{unit.replace(' ', UNBROKEN)}]" if unit else head
+
+
+def _is_numbers(table: ReportTable, column: int) -> bool:
+    """Whether a column holds numbers, and so stands to the right."""
+    values = [row[column] for row in table.rows if row[column] is not None]
+    return bool(values) and not any(isinstance(value, str | bool) for value in values)
+
+
+def _without_skipped_levels(blocks: list[Data]) -> None:
+    """Headings one level below the one before at most: a screen reader steps through them."""
+    before = 0
+    for block in blocks:
+        if block["kind"] == "heading":
+            block["level"] = before = min(block["level"], before + 1)
+
+
+def _turned_together(blocks: Sequence[Data]) -> list[Data]:
+    """What needs turned pages in groups, with the headings that stand before it."""
+    found: list[Data] = []
+    for block in blocks:
+        if not block.get("turned"):
+            found.append(block)
+            continue
+        headings: list[Data] = []
+        while found and found[-1]["kind"] == "heading":
+            headings.insert(0, found.pop())
+        if not (found and found[-1]["kind"] == "turned"):
+            found.append({"kind": "turned", "blocks": []})
+        found[-1]["blocks"] += [*headings, block]
+    return found

@@ -1,0 +1,181 @@
+"""A document of any result: what its analysis says, put into its directory."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from datetime import UTC, datetime
+from importlib import import_module
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any, NamedTuple, cast
+
+from thermobearing.border.errors import InputError, is_file
+from thermobearing.border.schema import validated
+from thermobearing.cyclic.result import Result
+from thermobearing.histories import histories_of
+from thermobearing.loading import AnyResult, load_result
+from thermobearing.report.files import check_place, put_files, report_files, title_files
+from thermobearing.report.generic import pieces_of_saved
+from thermobearing.report.pieces import Pieces
+from thermobearing.report.title import TitleBlock, read_title
+from thermobearing.report.workbook import workbook_bytes
+from thermobearing.results.directory import FIGURES, SUMMARY, TITLE, WORKBOOK
+from thermobearing.results.saved import SavedResult
+
+# Rooms whose `report.py` says what the document of a command holds.
+ROOMS = {
+    **{"cyclic": "cyclic", "bridge": "earthquake", "hybrid": "earthquake"},
+    **{"sequence": "sequences", "identify": "identify", "validate": "validate"},
+    **dict.fromkeys(("design", "bounds", "lambda"), "design"),
+    **dict.fromkeys(("motions show", "motions make", "motions spectrum"), "motions"),
+}
+# What files that were edited, or are of another version, lead to where their numbers are looked up.
+UNFIT = (LookupError, TypeError, ValueError, AttributeError, AssertionError)
+
+
+class Kinds(NamedTuple):
+    """Which documents are written."""
+
+    html: bool = True
+    pdf: bool = True
+    workbook: bool = False
+
+
+def make_report(
+    result: AnyResult | str | Path,
+    directory: str | Path | None = None,
+    *,
+    title: TitleBlock | Mapping[str, str] | None = None,
+    template: str | Path | None = None,
+    pdf: bool = True,
+    workbook: bool = False,
+) -> list[Path]:
+    """Write report.html and report.pdf of a result into its directory; nothing is run again.
+
+    Parameters
+    ----------
+    result : a result, or the directory of one.
+    directory : that a result was saved in; of a path not needed.
+    title : title block (project, structure, client, author, number, date, revision, logo); what
+        it does not say is as the directory's report.toml says.
+    template : Markdown file that puts the pieces in order; None for that of the package.
+    pdf : write report.pdf too; needs the extra `report`.
+    workbook : write report.xlsx too; needs the extra `report`.
+
+    Returns
+    -------
+    list of Path : what was written.
+
+    Raises
+    ------
+    InputError : there is no readable result there, title block or template is wrong, or what a
+        format needs is not installed.
+    OutputError : a file cannot be written; the earlier ones are as they were.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import thermobearing as tb
+    >>> result = tb.run("shen-hdr-specimen", tb.cyclic_test(strain=[0.5], cycles=1))
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     saved = result.save(f"{folder}/out", figures=False)
+    ...     files = make_report(saved, title={"project": "Bridge 12"}, pdf=False)
+    ...     print(*(file.name for file in files))
+    report.html
+    """
+    block = validated(TitleBlock, dict(title), "title") if isinstance(title, Mapping) else title
+    file = Path(template) if template is not None else None
+    kinds = Kinds(pdf=pdf, workbook=workbook)
+    return make_documents(result, kinds, directory, title=block, template=file)
+
+
+def make_documents(
+    result: AnyResult | str | Path,
+    kinds: Kinds,
+    directory: str | Path | None = None,
+    *,
+    title: TitleBlock | None = None,
+    template: Path | None = None,
+) -> list[Path]:
+    """As `make_report`; the workbook may be asked for alone."""
+    place = _place_of(result, directory)
+    check_place(place)
+    block = (title or TitleBlock()).over(kept_title(place))
+    loaded = load_result(result) if isinstance(result, str | Path) else result
+    pieces = pieces_of(loaded, place)
+    content = title_files(block)
+    if kinds.html:
+        content |= report_files(pieces, block, template, pdf=kinds.pdf)
+    if kinds.workbook:
+        content[WORKBOOK] = workbook_bytes(pieces, histories_of(loaded))
+    return put_files(place, content)
+
+
+def _place_of(result: AnyResult | str | Path, directory: str | Path | None) -> Path:
+    """The directory that documents go into."""
+    if directory is not None:
+        return Path(directory)
+    if isinstance(result, SavedResult):
+        return result.path
+    if not isinstance(result, str | Path):
+        raise InputError("save the result first, and say its directory")
+    path = Path(result)
+    return path.parent if is_file(path) else path  # result.nc of a directory stands for it
+
+
+def kept_title(directory: Path) -> TitleBlock:
+    """The title block that a result directory keeps."""
+    file = directory / TITLE
+    return read_title(file if is_file(file) else None)
+
+
+def pieces_of(result: AnyResult, directory: Path) -> Pieces:
+    """What a result has to say, in the words of its analysis.
+
+    Parameters
+    ----------
+    result : as loaded.
+    directory : of its files.
+
+    Raises
+    ------
+    InputError : its files do not fit together.
+    """
+    command = str(_summary(result)["command"])
+    room = f"thermobearing.{ROOMS.get(command, '')}.report"
+    try:
+        if command in ROOMS and find_spec(room) is not None:
+            pieces = cast(Pieces, import_module(room).pieces_of(result))
+        else:
+            pieces = pieces_of_saved(_as_saved(result, directory))
+    except InputError:
+        raise
+    except UNFIT as error:
+        told = f"{type(error).__name__}: {error}"
+        raise InputError(
+            "its files do not fit together: they were changed, or are of another version "
+            f"({told}); run its case again",
+            str(directory),
+        ) from None
+    return replace(pieces, identity={**pieces.identity, **_written_on(directory)})
+
+
+def _summary(result: AnyResult) -> dict[str, Any]:
+    return result.summary if isinstance(result, SavedResult) else result.summary()
+
+
+def _as_saved(result: AnyResult, directory: Path) -> SavedResult:
+    """A result with a dataset, by its summary, its table and its pictures."""
+    if isinstance(result, SavedResult):
+        return result
+    table = result.cycles if isinstance(result, Result) else result.table
+    pictures = sorted((directory / FIGURES).glob("*.png"))
+    return SavedResult(directory, result.summary(), {"table": table}, pictures)
+
+
+def _written_on(directory: Path) -> dict[str, str]:
+    """The day that the result was written, by the file that every result has."""
+    file = directory / SUMMARY
+    if not is_file(file):
+        return {}
+    day = datetime.fromtimestamp(file.stat().st_mtime, UTC).date()
+    return {"Date of the result's files": day.isoformat()}

@@ -1,0 +1,1 @@
+"""What chapter 7 says, computed: a function for each claim of `data/claims/conclusions.toml`."""

@@ -1,0 +1,1 @@
+"""The computed figures of the source: a module each, with `CAPTION` and `draw(runs)`."""

@@ -1,0 +1,118 @@
+"""A document with every kind of piece, small, for a browser to open."""
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from thermobearing.report.pieces import (
+    Bullets,
+    Check,
+    ChecksBlock,
+    Column,
+    Document,
+    FigureBlock,
+    Heading,
+    Paragraph,
+    Plot,
+    ReportFigure,
+    ReportTable,
+    TableBlock,
+    Trace,
+)
+
+HOSTILE = '<script>window.hurt = true</script><img src=x onerror="window.hurt = true">'
+TIME = np.linspace(0.0, 20.0, 401)
+DEPTH = np.linspace(0.0, 80.0, 30)
+PLACES = 11
+FORCES = (200.0, -30.0, 1000.0, np.nan)
+
+
+def drawn() -> Figure:
+    """A figure as the analyses draw them."""
+    figure = Figure(figsize=(8.0, 6.0))
+    axes = figure.subplots()
+    axes.plot(TIME, np.sin(TIME))
+    axes.set_title("drawn")
+    return figure
+
+
+def peaks() -> ReportTable:
+    """Forces that are sorted otherwise as text than as numbers, one of them not there."""
+    columns = [Column("Run"), Column("Force", "kN", ".0f")]
+    rows = [(f"run {name}", force) for name, force in zip("bcad", FORCES, strict=True)]
+    marked = frozenset({(2, 1)})
+    return ReportTable("Peaks", columns, rows, marked=marked, note="Force: of one bearing.")
+
+
+def long_table() -> ReportTable:
+    """More rows than a page holds, more columns than it has room for."""
+    columns = [Column(f"Quantity {place}", "kN/mm", ".3f") for place in range(18)]
+    rows = [[1234.5678 * k] * 18 for k in range(40)]
+    return ReportTable("Long and broad", columns, rows, marked=frozenset({(3, 17)}))
+
+
+def loops() -> Plot:
+    """Two choices of two lines each, partly beyond what was tested."""
+    lines = {
+        words: [
+            Trace("23 °C", size * np.cos(TIME), np.sin(TIME), "#CC3311"),
+            Trace(HOSTILE, size * np.cos(TIME), 2.0 * np.sin(TIME), "#1a1a1a", "dashed"),
+        ]
+        for words, size in (("first motion", 1.0), ("second motion", 3.0))
+    }
+    bands = [(2.5, np.inf, "strain beyond 250 %"), (-np.inf, -2.5, "strain beyond 250 %")]
+    return Plot("strain", "force [kN]", lines, bands=bands)
+
+
+def profile() -> Plot:
+    """A line that a slider moves."""
+    warmth = np.stack([20.0 + k * np.sin(np.pi * DEPTH / 80.0) for k in range(PLACES)])
+    depths = np.stack([DEPTH] * PLACES)
+    line = Trace("profile", warmth[0], DEPTH, "#0077BB", frames=depths, frames_x=warmth)
+    words = [f"{k} s" for k in range(PLACES)]
+    return Plot("temperature [°C]", "depth [mm]", {"": [line]}, words, "time")
+
+
+def orbit() -> Plot:
+    """A path with the same scale on both axes."""
+    return Plot(
+        "x [mm]",
+        "y [mm]",
+        {"": [Trace("orbit", np.cos(TIME), np.sin(2.0 * TIME))]},
+        equal=True,
+    )
+
+
+def document() -> Document:
+    """Every kind of block, in an order in which figures meet the ends of pages."""
+    figures = {
+        "loops": ReportFigure("Loops", alt="Two loops", plot=loops()),
+        "drawn": ReportFigure("Drawn", draw=drawn),
+        "profile": ReportFigure("Profile", plot=profile()),
+        "orbit": ReportFigure("Orbit", plot=orbit()),
+        "again": ReportFigure("Loops again", plot=loops()),
+        "last": ReportFigure("Drawn again", draw=drawn),
+    }
+    checks = [
+        Check("strain of run 7", 2.81, 2.5, "", "Table 4.2", "exceeded"),
+        Check("force", 312.0, 400.0, "kN", "data sheet", "within"),
+        Check(HOSTILE, 80.0, float("nan"), "°C", HOSTILE, "not judged"),
+    ]
+    blocks = [
+        Heading(1, "What was asked"),
+        Paragraph(f"Does **it** hold what {HOSTILE} says?"),
+        Heading(1, "The answer"),
+        Bullets(["It holds.", "It is warm.", "All is well."], "answer"),
+        Heading(1, "Checks"),
+        ChecksBlock(checks),
+        Bullets(["The strain left the tested range."], "warning"),
+        Heading(1, "Results"),
+        Heading(3, "Tables"),
+        TableBlock("peaks", peaks()),
+        TableBlock("long", long_table()),
+        Heading(2, "Figures"),
+        *(FigureBlock(name, figure) for name, figure in figures.items()),
+        Heading(1, "How to make it again"),
+        Paragraph("Run it `again`."),
+    ]
+    block = {"Project": "Bridge 12", "Client": HOSTILE}
+    return Document("A report", block, None, blocks, {"Version": "1.0", "Input hash": "0a" * 32})

@@ -1,0 +1,258 @@
+"""A report as a reader has it: opened from a disk by a browser, used, printed."""
+
+import re
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests import tolerances as tol
+from tests.browser.chromium import browser, needs_chromium
+from tests.browser.document import FORCES, PLACES, document
+from thermobearing.report.html import html_page
+
+pytestmark = needs_chromium
+BROAD = {"width": 1280, "height": 900}
+NARROW = {"width": 400, "height": 800}
+PRINTED = 680.0  # width of the text of an A4 page [px]
+PRINTED_TURNED = 1010.0
+THEMES = ("light", "dark")
+TOP_OF_FIGURES = "document.getElementById('figures').getBoundingClientRect().top"
+NEAR = 60.0  # the top of the window [px]
+PATIENCE = 10.0  # [s]
+
+
+@pytest.fixture(scope="module")
+def chromium() -> Iterator[Any]:
+    with browser() as running:
+        yield running
+
+
+@pytest.fixture(scope="module")
+def address(tmp_path_factory: pytest.TempPathFactory) -> str:
+    file = tmp_path_factory.mktemp("page") / "report.html"
+    file.write_text(html_page(document()), encoding="utf-8")
+    return file.as_uri()
+
+
+@pytest.fixture
+def opened(chromium: Any, address: str, request: pytest.FixtureRequest) -> Iterator[Any]:
+    """The page; whatever goes wrong in it, or is asked of a network, is a fault of the test."""
+    look = {"viewport": BROAD, "color_scheme": "light"} | getattr(request, "param", {})
+    page = chromium.new_page(**look)
+    told: list[str] = []
+    page.on("console", lambda message: told.append(f"{message.type}: {message.text}"))
+    page.on("pageerror", lambda error: told.append(str(error)))
+    page.on("request", lambda asked: told.append(asked.url) if _is_outside(asked.url) else None)
+    page.goto(address)
+    yield page
+    page.close()
+    assert not told
+
+
+def _is_outside(url: str) -> bool:
+    return not url.startswith(("file:", "data:", "blob:"))
+
+
+def until(holds: Callable[[], bool]) -> None:
+    """Wait for what comes after a movement; the page itself lets no words be run in it."""
+    end = time.monotonic() + PATIENCE
+    while not holds():
+        assert time.monotonic() < end
+        time.sleep(0.02)
+
+
+def line(page: Any, figure: int, axis: str = "y", trace: int = 0) -> list[float]:
+    """Numbers of a line as it is drawn."""
+    page.locator(f"#plot-{figure}").scroll_into_view_if_needed()
+    page.locator(f"#plot-{figure} .main-svg").first.wait_for()
+    found = page.evaluate(
+        f"Array.from(document.getElementById('plot-{figure}').data[{trace}].{axis})"
+    )
+    return [float(value) for value in found]
+
+
+def path(page: Any, figure: int) -> str:
+    """The first line of a plot as it stands on the page."""
+    return str(page.locator(f"#plot-{figure} .scatterlayer path.js-line").first.get_attribute("d"))
+
+
+def column(page: Any, place: int) -> list[str]:
+    """Cells of the table of peaks."""
+    cells = page.locator(f"#table-2 tbody tr > :nth-child({place})")
+    return [text.split(":")[-1].strip() for text in cells.all_inner_texts()]
+
+
+def test_what_a_user_wrote_stays_text(opened: Any) -> None:
+    line(opened, 1)
+    assert opened.evaluate("window.hurt") is None
+    for place in ("#what-was-asked + p", ".block", "#table-1", "#plot-1 .legend"):
+        assert "<script>window.hurt" in opened.locator(place).text_content()
+    assert opened.locator("img:not(.drawn), a[href^=http]").count() == 0
+
+
+def test_the_slider_moves_the_curve(opened: Any) -> None:
+    before, at_first = line(opened, 3, "x"), path(opened, 3)
+    slider = opened.get_by_label("Time")
+    slider.press("End")
+    after = line(opened, 3, "x")
+    np.testing.assert_allclose(max(before), 20.0, rtol=tol.TYPED_FLOAT)
+    assert max(after) > 20.0 + 0.99 * (PLACES - 1)
+    assert path(opened, 3) != at_first
+    assert slider.get_attribute("aria-valuetext") == f"{PLACES - 1} s"
+    assert opened.locator("#figure-3 output").inner_text() == f"{PLACES - 1} s"
+    slider.press("ArrowLeft")
+    assert max(line(opened, 3, "x")) < max(after)
+
+
+def test_the_menu_changes_the_lines(opened: Any) -> None:
+    assert max(line(opened, 1, "x")) < 1.01
+    assert opened.locator("#plot-1 .shapelayer path").count() == 0
+    opened.locator("#figure-1").get_by_label("Show").select_option("second motion")
+    assert max(line(opened, 1, "x")) > 2.99
+    # What was not tested is shaded on both sides, with an edge each.
+    assert opened.locator("#plot-1 .shapelayer path").count() == 4
+
+
+def test_equal_scales(opened: Any) -> None:
+    line(opened, 4)
+    scale = opened.evaluate(
+        "['xaxis', 'yaxis'].map((a) => document.getElementById('plot-4')._fullLayout[a]._m)"
+    )
+    assert abs(scale[0]) == pytest.approx(abs(scale[1]), rel=tol.SCALES_ALIKE)
+
+
+def test_the_contents_list_jumps_and_follows(opened: Any) -> None:
+    contents = opened.get_by_role("navigation", name="Contents")
+    current = contents.locator("a[aria-current=true]")
+    assert current.all_inner_texts() == ["What was asked"]
+    contents.get_by_role("link", name="Figures").click()
+    until(lambda: 0.0 <= opened.evaluate(TOP_OF_FIGURES) < NEAR)
+    until(lambda: current.all_inner_texts() == ["Figures"])
+    assert contents.is_visible()  # it stays beside the text
+
+
+def test_tables_sort_by_click_and_by_key(opened: Any) -> None:
+    head = opened.locator("#table-2 thead th").nth(1)
+    at_first = column(opened, 2)
+    upwards = [f"{force:.0f}".replace("-", "−") for force in sorted(FORCES[:3])] + [""]
+    head.get_by_role("button").click()
+    assert column(opened, 2) == upwards
+    assert head.get_attribute("aria-sort") == "ascending"
+    assert "Force" in opened.locator("#told").inner_text()
+    opened.keyboard.press("Enter")  # what is empty stays below
+    assert column(opened, 2) == [*upwards[2::-1], ""]
+    assert head.get_attribute("aria-sort") == "descending"
+    opened.keyboard.press("Space")
+    assert column(opened, 2) == at_first
+    assert head.get_attribute("aria-sort") is None
+    opened.locator("#table-2 thead button").first.press("Enter")
+    assert column(opened, 1) == ["run a", "run b", "run c", "run d"]
+
+
+@pytest.mark.parametrize("opened", [{"color_scheme": theme} for theme in THEMES], indirect=True)
+def test_light_and_dark(opened: Any) -> None:
+    line(opened, 1)
+    system = opened.evaluate("matchMedia('(prefers-color-scheme: dark)').matches")
+    button = opened.get_by_role("button", name="Dark colours")
+    for dark in (system, not system, system):
+        assert button.get_attribute("aria-pressed") == str(dark).lower()
+        grounds = [_ground(opened, place) for place in ("body", "#plot-1 .main-svg")]
+        assert [ground < 0.5 for ground in grounds] == [dark, dark]
+        # The black line is seen on either.
+        ink = opened.locator("#plot-1 .scatterlayer .trace").nth(1).locator("path.js-line")
+        assert abs(_brightness(ink, "stroke") - grounds[1]) > 0.4
+        button.click()
+
+
+def _ground(page: Any, place: str) -> float:
+    return _brightness(page.locator(place).first, "background-color")
+
+
+def _brightness(part: Any, style: str) -> float:
+    told = part.evaluate(f"(part) => getComputedStyle(part).getPropertyValue('{style}')")
+    return sum(map(float, re.findall(r"[\d.]+", told)[:3])) / 3.0 / 255.0
+
+
+@pytest.mark.parametrize("opened", [{"viewport": NARROW}], indirect=True)
+def test_a_narrow_screen_is_not_scrolled_sideways(opened: Any) -> None:
+    line(opened, 4)
+    assert opened.evaluate("document.documentElement.scrollWidth") <= NARROW["width"]
+    contents = opened.get_by_role("navigation", name="Contents")
+    assert not contents.get_by_role("link", name="Figures").is_visible()
+    contents.locator("summary").press("Enter")
+    contents.get_by_role("link", name="Figures").press("Enter")
+    until(lambda: 0.0 <= opened.evaluate(TOP_OF_FIGURES) < NEAR)
+
+
+@pytest.mark.parametrize(("theme", "viewport"), [("light", BROAD), ("dark", NARROW)], ids=THEMES)
+def test_no_serious_fault_for_those_who_use_it_otherwise(
+    chromium: Any, address: str, theme: str, viewport: dict[str, int]
+) -> None:
+    from axe_playwright_python.sync_playwright import Axe
+
+    page = chromium.new_page(viewport=viewport, color_scheme=theme)
+    page.goto(address)
+    for figure in (1, 3, 4, 5):
+        line(page, figure)
+    faults = Axe().run(page).response["violations"]
+    page.close()
+    grave = [fault for fault in faults if fault["impact"] in ("serious", "critical")]
+    assert not [(fault["id"], fault["nodes"][0]["html"]) for fault in grave]
+
+
+def test_a_keyboard_reaches_everything(opened: Any) -> None:
+    opened.keyboard.press("Tab")
+    assert opened.evaluate("document.activeElement.className") == "skip"
+    opened.keyboard.press("Enter")
+    assert opened.evaluate("document.activeElement.id") == "content"
+    reached = set()
+    for _ in range(40):
+        opened.keyboard.press("Tab")
+        reached.add(opened.evaluate("document.activeElement.id || document.activeElement.tagName"))
+    assert {"plot-1-menu", "plot-3-slider", "BUTTON"} <= reached
+
+
+@pytest.mark.parametrize("opened", [{"color_scheme": "dark"}], indirect=True)
+def test_paper_has_whole_figures_and_heads_on_every_page(opened: Any, tmp_path: Path) -> None:
+    # A word above each figure: where it and the caption are not on one page, the figure is cut.
+    opened.add_style_tag(content="figure.figure::before { content: 'over-' attr(id) '.' }")
+    opened.locator("#figure-1").get_by_label("Show").select_option("second motion")
+    pages = printed(opened, tmp_path)
+    numbers = range(1, opened.locator("figure.figure").count() + 1)
+    for number in numbers:
+        words = (f"over-figure-{number}.", f"Figure {number}.")
+        where = [{k for k, page in enumerate(pages) if word in page} for word in words]
+        assert len(where[0]) == 1
+        assert where[0] == where[1]
+    assert "second motion" in "".join(pages)  # what the menu shows
+    assert "time 0 s" in "".join(pages)
+    assert sum("Quantity 17 [kN/mm]" in page for page in pages) > 1
+    assert any("again Run it again" in page for page in pages)  # a heading and what it is of
+    assert "How to make it again" in pages[0]  # the contents
+
+
+def printed(page: Any, folder: Path) -> list[str]:
+    """Text of the pages of paper."""
+    import pypdfium2
+
+    raw = page.pdf(prefer_css_page_size=True)
+    document = pypdfium2.PdfDocument(raw)
+    return [" ".join(sheet.get_textpage().get_text_bounded().split()) for sheet in document]
+
+
+def test_nothing_is_cut_at_the_side_of_paper(opened: Any) -> None:
+    opened.set_viewport_size({"width": int(PRINTED), "height": 900})
+    opened.emulate_media(media="print", color_scheme="dark")
+    edges = opened.evaluate(
+        "[...document.querySelectorAll('main > *, main figure, main img, .main-svg, table')]"
+        ".map((part) => [part.closest('.broad') !== null, part.getBoundingClientRect().right])"
+    )
+    assert len(edges) > 10
+    for broad, right in edges:
+        assert right <= (PRINTED_TURNED if broad else PRINTED) + 1.0
+    assert _ground(opened, "body") > 0.9  # paper is light
+    assert _ground(opened, "#plot-1 .main-svg") > 0.9

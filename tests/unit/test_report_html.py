@@ -1,0 +1,304 @@
+"""Pages of reports as text: what is in them, and what is not. How they look: tests/browser."""
+
+import base64
+import hashlib
+import re
+import tomllib
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+from tests import tolerances as tol
+from tests.browser.document import HOSTILE, document
+from thermobearing.border.library import data_path
+from thermobearing.report import pictures
+from thermobearing.report.html import html_page
+from thermobearing.report.html_figures import figure_html
+from thermobearing.report.html_plots import (
+    ALL_POINTS,
+    FEWEST_POINTS,
+    MOST_POINTS,
+    plot_data,
+    plot_html,
+    points_each,
+    thinned,
+)
+from thermobearing.report.html_tables import checks_html, table_html
+from thermobearing.report.html_text import anchor, breakable, heading, sentence
+from thermobearing.report.pieces import (
+    Bullets,
+    Check,
+    Column,
+    Document,
+    FigureBlock,
+    Heading,
+    Paragraph,
+    Plot,
+    ReportFigure,
+    ReportTable,
+    Trace,
+)
+
+DATA = data_path("report-page")
+
+
+class Parts(HTMLParser):
+    """Start tags of a page with their attributes, and what stands in scripts."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.tags: list[tuple[str, dict[str, str | None]]] = []
+        self.scripts: list[str] = []
+        self._inside = False
+        self.feed(text)
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append((tag, dict(attrs)))
+        self._inside = tag == "script"
+        if self._inside:
+            self.scripts.append("")
+
+    def handle_endtag(self, tag):
+        self._inside = False
+
+    def handle_data(self, data):
+        if self._inside:
+            self.scripts[-1] += data
+
+
+@pytest.fixture(scope="module")
+def page() -> str:
+    return html_page(document())
+
+
+def lines(*traces: Trace, **other) -> Plot:
+    return Plot("x [mm]", "force [kN]", {"": list(traces)}, **other)
+
+
+def numbers(data: dict, place: int) -> np.ndarray:
+    return np.frombuffer(base64.b64decode(data["arrays"][place]), dtype="<f4")
+
+
+def test_the_same_document_has_the_same_bytes(page):
+    assert html_page(document()) == page
+
+
+def test_what_users_wrote_is_no_part_of_the_page(page):
+    assert "<script>window" not in page
+    tags = Parts(page).tags
+    assert not [attributes for _, attributes in tags if "onerror" in attributes]
+    plots = sum(isinstance(b, FigureBlock) and b.figure.plot is not None for b in document().blocks)
+    assert sum(tag == "script" for tag, _ in tags) == 3 + plots  # plotly, the page, plots; numbers
+    hurt = Document(HOSTILE, {"Project": HOSTILE}, None, [Heading(1, HOSTILE)], {HOSTILE: HOSTILE})
+    assert [tag for tag, _ in Parts(html_page(hurt)).tags].count("script") == 1
+
+
+def test_nothing_is_asked_of_a_network_and_no_other_script_runs(page):
+    parts = Parts(page)
+    policy = next(a["content"] for _, a in parts.tags if a.get("http-equiv"))
+    assert "default-src 'none'" in policy
+    running = [s for s, (_, a) in zip(parts.scripts, _scripts(parts), strict=True) if not a]
+    hashes = [base64.b64encode(hashlib.sha256(s.encode()).digest()).decode() for s in running]
+    assert re.findall(r"'sha256-(.+?)'", policy) == hashes
+    sources = [a.get(name) for _, a in parts.tags for name in ("src", "href") if a.get(name)]
+    assert all(source.startswith(("data:", "#")) for source in sources)
+
+
+def _scripts(parts: Parts) -> list[tuple[str, dict[str, str | None]]]:
+    return [(tag, attributes) for tag, attributes in parts.tags if tag == "script"]
+
+
+def test_the_plotting_library_is_the_one_that_is_told_and_only_where_it_is_needed(page):
+    told = tomllib.loads((DATA / "plotly.toml").read_text())["plotly"]
+    raw = (DATA / told["file"]).read_bytes()
+    assert hashlib.sha256(raw).hexdigest() == told["sha256"]
+    assert f"v{told['version']}" in raw[:200].decode()
+    assert "MIT" in (DATA / "plotly-LICENSE").read_text()
+    assert raw.decode() in page
+    small = html_page(Document("A test", {}, None, [Paragraph("It held.")], {}))
+    assert len(small) < 40_000
+    assert "Plotly" not in small
+    for file in ("plotly-basic.min.js", "page.js", "plots.js"):  # nothing ends their element
+        assert not re.search(r"</script|<!--", (DATA / file).read_text(), re.IGNORECASE)
+
+
+def test_headings_go_down_one_by_one_and_every_name_is_given_once(page):
+    tags = Parts(page).tags
+    levels = [int(tag[1]) for tag, _ in tags if re.fullmatch(r"h[1-6]", tag)]
+    assert levels[:2] == [1, 2]
+    assert max(np.diff(levels)) == 1  # the third level below the first was asked for
+    names = [a["id"] for _, a in tags if "id" in a]
+    assert len(names) == len(set(names))
+    links = {a["href"] for tag, a in tags if tag == "a"}
+    assert {"#what-was-asked", "#tables", "#figures", "#content"} <= links
+    assert links <= {f"#{name}" for name in names}
+    pointed = [a[k] for _, a in tags for k in ("for", "aria-labelledby") if k in a]
+    assert pointed
+    assert set(pointed) <= set(names)
+
+
+def test_addresses_within_a_page():
+    taken = {"content"}
+    assert [anchor(t, taken) for t in ("Content", "A & B", "a b", "冷")] == [
+        "content-2",
+        "a-b",
+        "a-b-2",
+        "section",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("**a** *b* `c`", "<strong>a</strong> <em>b</em> <code>c</code>"),
+        ("[words](https://example.org)", '<a href="https://example.org">words</a>'),
+        ("[words](javascript:alert(1))", "[words](javascript:alert(1))"),
+        ("<b>bold</b> &lt;", "&lt;b&gt;bold&lt;/b&gt; &amp;lt;"),
+        ("my_bearing_1 and 3 * 4 * 5", "my_bearing_1 and 3 * 4 * 5"),
+    ],
+)
+def test_markdown_of_a_sentence(text, told):
+    assert sentence(text) == told
+
+
+def test_pictures_from_elsewhere_and_links_in_headings_stay_words():
+    assert "<img" not in sentence("![x](https://example.org/x.png)")
+    assert "<a" not in heading("[x](https://example.org)")
+
+
+def test_long_words_may_be_broken_and_stay_whole_when_they_are_copied():
+    digest = "0123456789abcdef" * 4
+    assert "<wbr>" in breakable(digest)
+    assert breakable(f"a {digest} <b>").replace("<wbr>", "") == f"a {digest} &lt;b&gt;"
+    assert breakable("shen-lhdr-specimen") == "shen-lhdr-specimen"
+
+
+def test_cells_of_a_table():
+    columns = [Column("Run"), Column("Force", "kN", ".1f"), Column("Value"), Column("Unit")]
+    rows = [("a", -1.25, 3.0, "mm"), ("b", float("nan"), "steel", ""), ("c", 2.0, 4.0, "mm")]
+    table = ReportTable("Forces", columns, rows, marked=frozenset({(2, 1)}), note="N.")
+    text = table_html(table, 4)
+    assert "Table 4." in text
+    assert '<th scope="row" class="words brief">a</th>' in text
+    assert '<td class="amount" data-value="-1.25">−1.2</td>' in text
+    assert '<td class="amount" data-value=""></td>' in text  # nothing, and so below all others
+    assert '<td class="amount">steel</td>' in text  # most of its column are numbers
+    assert re.search(r'class="marked amount" data-value="2">†<span.+?</span> 2.0</td>', text)
+    assert '<p class="note">† beyond what was tested. N.</p>' in text
+    assert 'Force <span class="unit">[kN]</span></button>' in text
+    assert "<button" not in table_html(ReportTable("Two", columns, rows[:2]), 1)
+
+
+def test_broad_tables_are_turned_on_paper():
+    def look(count):
+        columns = [Column(f"Quantity {place}") for place in range(count)]
+        return table_html(ReportTable("x", columns, [[1234.5] * count] * 20), 1)[:80]
+
+    assert 'class="table"' in look(5)
+    assert 'class="table broad"' in look(15)
+
+
+def test_verdicts_are_words_and_signs():
+    checks = [
+        Check("strain", 2.81, 2.5, "", "Table 1", "exceeded"),
+        Check("force", 312.0, 400.0, "kN", "sheet", "within"),
+        Check("gap", 12.0, 10.0, "mm", "sheet", "within", lower=True),
+        Check("lead", 80.0, float("nan"), "°C", "", "not judged"),
+    ]
+    words = re.sub(r"<.+?>", "|", checks_html(checks, 1))
+    for told in ("✕ exceeded", "✓ within", "≤ 400 kN", "≥ 10 mm", "|none|", "– not judged"):
+        assert told in words
+
+
+def test_small_figures_are_vectors_and_large_ones_points(monkeypatch):
+    def draw():
+        figure = Figure()
+        figure.subplots().plot([0.0, 1.0], [0.0, 1.0], label="<b>")
+        return figure
+
+    figure = ReportFigure("A <line>", draw=draw)
+    small = figure_html(figure, 1)
+    assert 'src="data:image/svg+xml,' in small
+    assert 'alt="A &lt;line&gt;"' in small
+    assert [tag for tag, _ in Parts(small).tags].count("img") == 1
+    monkeypatch.setattr(pictures, "LARGEST_VECTORS", 1000)
+    assert 'src="data:image/png;base64,' in figure_html(figure, 1)
+    logo = html_page(Document("x", {}, b"<svg onload='hurt()'/>", [], {}))
+    # A picture of its own, in which no script runs.
+    assert not [attributes for _, attributes in Parts(logo).tags if "onload" in attributes]
+
+
+def test_histories_keep_their_extremes_and_gaps():
+    x = np.linspace(0.0, 100.0, 50_001)
+    y = np.sin(x)
+    y[12_345], y[40_000], y[30_000:30_010] = 5.0, -7.0, np.nan
+    found_x, found_y = thinned(x, y, 1000)
+    assert len(found_x) <= 1150
+    assert np.nanmax(found_y) == 5.0
+    assert np.nanmin(found_y) == -7.0
+    assert np.isnan(found_y).sum() == 1
+    assert found_x[np.isnan(found_y)][0] == x[30_000]
+    assert (found_x[0], found_x[-1]) == (x[0], x[-1])
+    for few in ((x[:900], y[:900]), (x, np.full_like(x, np.nan))):
+        assert len(thinned(*few, 1000)[0]) <= 1000
+
+
+def test_paths_keep_their_shape_and_turns():
+    angle = np.linspace(0.0, 60.0 * np.pi, 60_001)
+    x, y = np.cos(angle), np.sin(angle)
+    found_x, found_y = thinned(x, y, 4000)
+    assert len(found_x) <= 2 * 4000
+    assert np.hypot(found_x, found_y) == pytest.approx(1.0)
+    assert found_x.max() > 1.0 - tol.SEEN
+    assert np.abs(np.diff(found_x)).max() < 0.1  # evenly along the way
+
+
+def test_points_are_shared_so_that_the_page_stays_small():
+    def lengths(*counts):
+        return [lines(*(Trace("", np.zeros(n), np.zeros(n)) for n in counts))]
+
+    assert points_each(lengths(10, 100_000)) == MOST_POINTS
+    assert points_each(lengths(*[10_000] * 100)) == ALL_POINTS // 100
+    # Short lines leave room for the others.
+    assert points_each(lengths(*[100] * 50, *[10_000] * 50)) == ALL_POINTS // 50 - 100
+    assert points_each(lengths(*[500] * 5000)) == FEWEST_POINTS
+
+
+def test_numbers_of_plots_are_typed_floats_written_once():
+    x, frames = np.linspace(0.0, 1.0, 5), np.arange(10.0).reshape(2, 5)
+    traces = [Trace("a", x, 2.0 * x), Trace("b", x, frames[0], frames=frames)]
+    plot = lines(*traces, slider=["0 s", "1 s"], bands=[(-np.inf, 0.2, "x"), (9.0, np.inf, "y")])
+    data = plot_data(plot, 100)
+    first, second = data["choices"][0]
+    assert first["x"] == second["x"]
+    np.testing.assert_allclose(numbers(data, first["y"]), 2.0 * x, rtol=tol.TYPED_FLOAT)
+    assert numbers(data, second["frames_y"]).tolist() == list(range(10))
+    assert (first["frames_y"], second["frames_x"]) == (None, None)
+    assert data["bands"] == [[None, 0.2], [9.0, None]]
+
+
+def test_menu_slider_and_what_is_shaded():
+    x = np.array([0.0, 1.0])
+    choices = {"one <a>": [Trace("t", x, x)], "two": [Trace("t", x, x)]}
+    bands = [(0.5, np.inf, "beyond <b>"), (5.0, np.inf, "far away")]
+    plot = Plot("x", "y", choices, ["0 s", "1 s"], "time", bands=bands)
+    text = plot_html(ReportFigure("Loops", plot=plot), 3, 100)
+    assert '<label for="plot-3-menu">' in text
+    assert "<option>one &lt;a&gt;</option><option>two</option>" in text
+    assert '<label for="plot-3-slider">Time</label>' in text
+    assert 'max="1"' in text
+    assert "Shaded: beyond &lt;b&gt;.</p>" in text  # no line comes to the other
+    plain = plot_html(ReportFigure("Loops", plot=lines(Trace(HOSTILE, x, x))), 1, 100)
+    assert "<select" not in plain
+    assert "<input" not in plain
+    assert plain.count("<script") == 1
+
+
+def test_boxes_say_what_they_are():
+    text = html_page(
+        Document("x", {}, None, [Bullets(["a", "b"], "answer"), Paragraph("c", "warning")], {})
+    )
+    assert '<div class="box answer" role="note"><p class="box-name">Answer</p>\n<p>a</p>' in text
+    assert "⚠ Warning</p>\n<p>c</p>" in text

@@ -1,0 +1,218 @@
+"""The PDF: archive and accessible, nothing cut, text is text, the same bytes again."""
+
+import dataclasses
+import io
+import sys
+from pathlib import Path
+from typing import Any
+
+import pikepdf
+import pypdfium2
+import pytest
+
+from tests.unit.report_pieces import EVIL, LOGO, PIECES, line, many_columns, wide
+from thermobearing.border.errors import InputError
+from thermobearing.report import Column, Pieces, ReportFigure, ReportTable, document
+from thermobearing.report.columns import SEAM, TURNED, UPRIGHT, fitted
+from thermobearing.report.layout import laid_out
+from thermobearing.report.pdf import date_of, pdf_bytes
+from thermobearing.report.pictures import missing_words, size_of, svg_bytes
+
+BLOCK = {"Project": EVIL, "Document": "B12-7", "Revision": "C", "Date": "2026-04-01"}
+A4 = (595, 842)  # [pt]
+
+
+def written(pieces: Pieces = PIECES, **block: str) -> bytes:
+    return pdf_bytes(document(pieces, BLOCK | block, LOGO))
+
+
+@pytest.fixture(scope="module")
+def whole() -> bytes:
+    return written()
+
+
+def opened(raw: bytes) -> Any:
+    return pikepdf.open(io.BytesIO(raw))
+
+
+def text_of(raw: bytes) -> list[str]:
+    """Text of each page."""
+    pdf = pypdfium2.PdfDocument(raw)
+    texts = [page.get_textpage().get_text_range() for page in pdf]
+    pdf.close()
+    return texts
+
+
+def paper(raw: bytes) -> set[tuple[int, int]]:
+    """Sizes of the pages [pt]."""
+    pdf = pypdfium2.PdfDocument(raw)
+    sizes = {tuple(map(round, page.get_size())) for page in pdf}
+    pdf.close()
+    return sizes
+
+
+def joined(raw: bytes) -> str:
+    return " ".join(" ".join(text_of(raw)).split())
+
+
+def test_it_says_that_it_is_an_archive_and_accessible(whole: bytes) -> None:
+    pdf = opened(whole)
+    with pdf.open_metadata() as told:
+        assert (told["pdfaid:part"], told["pdfaid:conformance"]) == ("2", "A")
+        assert told["pdfuaid:part"] == "1"
+        assert told["dc:title"] == PIECES.title
+        assert told["xmp:CreateDate"].startswith("2026-04-01")
+    assert "/StructTreeRoot" in pdf.Root
+    assert bool(pdf.Root.MarkInfo.Marked)
+    assert str(pdf.Root.Lang) == "en"
+    assert bool(pdf.Root.ViewerPreferences.DisplayDocTitle)
+
+
+def test_every_font_is_inside(whole: bytes) -> None:
+    pdf = opened(whole)
+    fonts = [
+        item
+        for item in pdf.objects
+        if isinstance(item, pikepdf.Dictionary) and item.get("/Type") == "/FontDescriptor"
+    ]
+    assert len(fonts) >= 2
+    files = {"/FontFile", "/FontFile2", "/FontFile3"}
+    assert all(files & set(font.keys()) for font in fonts)
+
+
+def test_figures_are_vectors_with_words_for_who_does_not_see_them(whole: bytes) -> None:
+    pdf = opened(whole)
+    kinds = [
+        item.get("/S")
+        for item in pdf.objects
+        if isinstance(item, pikepdf.Dictionary) and item.get("/Alt") == "It rises."
+    ]
+    assert kinds == ["/Figure"]
+    images = [
+        o for o in pdf.objects if isinstance(o, pikepdf.Stream) and o.get("/Subtype") == "/Image"
+    ]
+    assert not images
+
+
+def test_the_same_document_has_the_same_bytes(whole: bytes) -> None:
+    assert written() == whole
+    assert written(Revision="D") != whole
+
+
+def test_text_of_users_is_text(whole: bytes) -> None:
+    told = joined(whole)
+    assert told.count(EVIL) >= 2  # title block and table
+    assert "θ₀ Δ" in told
+
+
+def test_it_says_what_a_document_says(whole: bytes) -> None:
+    told = joined(whole)
+    pieces = ["Contents", "1 What was asked", "313 kN", "≤ 2.5", "exceeded", "Table 3.2"]
+    pieces += ["beyond what the bearing was tested at", "−312.6", "Figure 1: A parabola"]
+    pieces += [f"page 1 of {len(text_of(whole))}", "thermobearing 0.2.0 · input 0123456789ab"]
+    for piece in pieces:
+        assert piece in told, piece
+    assert "B12-7, revision C" in text_of(whole)[1]  # the running head
+
+
+def test_long_tables_go_over_pages_with_their_heads() -> None:
+    raw = written(many_columns(4, rows=240))
+    with_head = [text for text in text_of(raw) if "Quantity 2" in text]
+    assert len(with_head) >= 3
+    told = joined(raw)
+    assert all(f"run {k} " in told for k in range(240))
+
+
+@pytest.mark.parametrize(("count", "turned"), [(8, False), (14, True), (40, True)])
+def test_wide_tables_are_made_smaller_turned_or_parted_but_never_cut(
+    count: int, turned: bool
+) -> None:
+    raw = written(many_columns(count))
+    sizes = paper(raw)
+    assert sizes == ({A4, A4[::-1]} if turned else {A4})
+    pdf = pypdfium2.PdfDocument(raw)
+    for page in pdf:
+        width = page.get_size()[0]
+        texts = page.get_textpage()
+        rights = [texts.get_charbox(k)[2] for k in range(texts.count_chars())]
+        assert max(rights) < width - 30
+    pdf.close()
+    told = joined(raw)
+    assert all(f"{100.0 * k:.1f}" in told for k in range(count - 1))
+
+
+def test_long_words_are_broken_and_numbers_are_not() -> None:
+    digest, number = "0123456789abcdef" * 8, "1" * 24
+    (part,) = fitted(["What", "Value", "N"], [["hash", f"{digest} x", number]], {2}, 1)
+    assert part.broken(digest, 1).replace(SEAM, "") == digest
+    assert SEAM in part.broken(digest, 1)
+    assert part.broken("a short one", 1) == "a short one"
+    assert sum(part.widths) <= UPRIGHT < TURNED
+
+
+def test_wide_figures_stand_on_turned_pages_with_their_headings() -> None:
+    pieces = dataclasses.replace(PIECES, tables={}, figures={"wide": ReportFigure("Wide", wide)})
+    blocks = laid_out(document(pieces, {}), None)["blocks"]
+    assert not [block for block in blocks if block["kind"] == "turned"]  # it is not drawn yet
+    assert A4[::-1] in {
+        tuple(round(v) for v in p.mediabox[2:]) for p in opened(written(pieces)).pages
+    }
+
+
+def test_headings_skip_no_level(tmp_path: Path) -> None:
+    template = tmp_path / "mine.md"
+    template.write_text("## First\nwords\n### Second\nwords")
+    blocks = laid_out(document(PIECES, {}, template=template), None)["blocks"]
+    assert [block["level"] for block in blocks if block["kind"] == "heading"] == [1, 2]
+    assert pdf_bytes(document(PIECES, {}, template=template)).startswith(b"%PDF")
+
+
+def test_letters_without_a_font_are_told() -> None:
+    """No font of any machine has a letter for private use."""
+    raw = written(dataclasses.replace(PIECES, title="A \ue123 test"))
+    told = joined(raw)
+    assert "A [U+E123] test" in told
+    assert "No font of the machine that made this document has some letters" in told
+
+
+def test_letters_that_no_figure_can_show_are_told() -> None:
+    figure, missing = line(), set[str]()
+    figure.suptitle("\ue123")
+    svg = svg_bytes(figure, missing)
+    assert missing == {"\ue123"}
+    assert "(U+E123)" in missing_words(sorted(missing), "the figures")
+    assert size_of(svg) == pytest.approx((127.0, 76.2))
+
+
+def test_a_picture_has_the_same_bytes_again() -> None:
+    assert svg_bytes(line(), set()) == svg_bytes(line(), set())
+
+
+def test_the_date_is_that_of_the_document_or_of_the_run() -> None:
+    of_run = dataclasses.replace(PIECES, identity={"Date of the run": "2026-03-09"})
+    assert str(date_of(document(of_run, {}))) == "2026-03-09"
+    assert str(date_of(document(of_run, {"Date": "2026-04-01"}))) == "2026-04-01"
+    assert str(date_of(document(of_run, {"Date": "in spring"}))) == "2026-03-09"
+    assert str(date_of(document(of_run, {"Date": "2026-13-45"}))) == "2026-03-09"
+
+
+def test_without_the_compiler_a_sentence_says_what_to_install(monkeypatch: Any) -> None:
+    monkeypatch.setitem(sys.modules, "typst", None)
+    with pytest.raises(InputError, match=r'pip install "thermobearing\[report\]"'):
+        pdf_bytes(document(PIECES, {}))
+
+
+def test_a_logo_that_is_no_picture_is_refused() -> None:
+    with pytest.raises(InputError, match="the PDF cannot be made"):
+        pdf_bytes(document(PIECES, {}, b"<svg nonsense"))
+
+
+def test_a_caption_is_not_parted_from_its_table() -> None:
+    tables = {
+        f"t{k}": ReportTable(f"Caption {k}", [Column("a")], [(j,) for j in range(3 + k % 5)])
+        for k in range(60)
+    }
+    for text in text_of(written(dataclasses.replace(PIECES, tables=tables))):
+        before_foot = text.split("thermobearing 0.2.0 ·")[0].split()
+        assert before_foot[-2] != "Caption"  # a number of it would follow
+        assert before_foot[-1] != "a"

@@ -1,0 +1,173 @@
+"""Claims, rules, verdicts and flips of `thermobearing reproduce`, on small examples."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from thermobearing.border.errors import InputError
+from thermobearing.reproduce.claims import (
+    Claim,
+    Limit,
+    NeedsTestData,
+    Order,
+    Trend,
+    Within,
+    load_claims,
+)
+from thermobearing.reproduce.flips import Variants, find_flip
+from thermobearing.reproduce.judge import (
+    CONTRADICTED,
+    FAILED,
+    HOLDS,
+    NEEDS,
+    REPRODUCED,
+    Verdict,
+    verdict_of,
+)
+from thermobearing.reproduce.rows import function_of, make_row
+from thermobearing.reproduce.runs import Runs, parameters
+
+RISES = Trend(direction="rises", along="time")
+FALLS = Trend(direction="falls", along="time")
+ORDER = Order(names=("a", "b", "c"))
+
+
+def claim(**changes: Any) -> Claim:
+    given = {
+        "id": "one",
+        "place": "nowhere",
+        "statement": "something",
+        "computed": "chapter_3.first_shape_factor",
+        "rule": Within(value=(12.0, 12.0), per_cent=1.0),
+    }
+    return Claim(**given | changes)
+
+
+@pytest.mark.parametrize(
+    ("rule", "numbers", "kind"),
+    [
+        (Within(value=2.0, per_cent=5.0), 2.09, REPRODUCED),
+        (Within(value=2.0, per_cent=5.0), 2.11, CONTRADICTED),
+        (Within(value=-2.0, per_cent=5.0), -1.91, REPRODUCED),
+        (Within(value=(1.0, 2.0), per_cent=5.0), (1.0, 2.2), CONTRADICTED),
+        (Within(value=(1.0, 2.0), per_cent=5.0), (1.0, 2.0, 3.0), FAILED),
+        (Within(value=0.0, absolute=0.5, unit="degC"), 0.4, REPRODUCED),
+        (Within(value=0.0, absolute=0.5, unit="degC"), 0.6, CONTRADICTED),
+        (RISES, (1.0, 2.0, 3.0), HOLDS),
+        (RISES, (1.0, 2.0, 2.0), CONTRADICTED),
+        (FALLS, [(3.0, 2.0), (2.0, 1.0)], HOLDS),
+        (FALLS, [(3.0, 2.0), (1.0, 2.0)], CONTRADICTED),
+        (RISES, 1.0, FAILED),
+        (ORDER, (3.0, 2.0, 1.0), HOLDS),
+        (ORDER, (3.0, 1.0, 2.0), CONTRADICTED),
+        (ORDER, (3.0, 1.0), FAILED),
+        (Limit(above=1.0), (1.1, 1.2), HOLDS),
+        (Limit(above=1.0), (1.1, 1.0), CONTRADICTED),
+        (Limit(above=1.0, below=2.0), 2.5, CONTRADICTED),
+        (Limit(above=1.0), np.nan, FAILED),
+        (Limit(above=1.0), (), FAILED),
+        (NeedsTestData(why="its records"), (), NEEDS),
+    ],
+)
+def test_a_rule_gives_its_verdict(rule: Any, numbers: Any, kind: str) -> None:
+    verdict = verdict_of(rule, numbers)
+    assert verdict.kind == kind
+    assert verdict.words.startswith(kind)
+    assert verdict.settled == (kind in (REPRODUCED, HOLDS))
+
+
+def test_words_tell_how_near_and_how_many() -> None:
+    assert verdict_of(Within(value=2.0, per_cent=5.0), 2.05).words == "reproduced within 2.5 %"
+    assert verdict_of(Within(value=2.0, per_cent=5.0), 5.0).words == "contradicted: 150 % away"
+    assert verdict_of(RISES, (1.0, 2.0, 1.0)).words == "contradicted: 1 of 2 steps as said"
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"rule": {"kind": "within", "value": 1.0}}, "per_cent or absolute"),
+        ({"rule": {"kind": "limit"}}, "above, below or both"),
+        ({"rule": {"kind": "needs-test-data", "why": "x"}}, "give computed, or"),
+        ({"computed": None}, "give computed, or"),
+    ],
+)
+def test_a_claim_that_cannot_be_judged_is_refused(changes: dict[str, Any], words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        claim(**changes)
+
+
+def test_every_claim_has_its_function_and_its_parameters() -> None:
+    claims = load_claims()
+    assert len({one.id for one in claims}) == len(claims)
+    for one in claims:
+        assert one.needs_data or function_of(one).__doc__
+        assert set(one.flips) <= set(parameters())
+    with pytest.raises(InputError, match=r'no part is called "chapter3".*chapter-3'):
+        load_claims("chapter3")
+
+
+def test_changes_reach_every_bearing_and_structure() -> None:
+    runs = Runs({"K_r": 1.1, "m_1": 2.0, "sigma_Y": 0.5})
+    plain = Runs()
+    for name in ("shen-hdr-specimen", "shen-lhdr-bridge"):
+        before, after = plain.bearing(name), runs.bearing(name)
+        ratio = after.hysteresis.layer_stiffness / before.hysteresis.layer_stiffness
+        assert ratio == pytest.approx(1.1)
+        assert (before.lead is None) == (after.lead is None)
+    lead = runs.bearing("shen-lhdr-specimen").lead
+    assert lead is not None
+    assert lead.yield_stress == 6.0  # MPa
+    masses = [one.structure("hybrid-pier").masses[0].mass for one in (plain, runs)]
+    assert masses[1] == pytest.approx(2.0 * masses[0])
+    assert Runs({"a_g": 1.2}).motion("jra-i-i-1")["factor"] == 1.2
+    assert plain.motion("jra-i-i-1") == "jra-i-i-1"
+    with pytest.raises(InputError, match=r'no parameter "sigma_y".*sigma_Y'):
+        Runs({"sigma_y": 1.0})
+
+
+def test_a_simulation_is_made_once() -> None:
+    runs = Runs()
+    test = runs.cyclic("shen-hdr-specimen", 23.0)
+    assert runs.cyclic("shen-hdr-specimen", 23.0) is test
+    assert runs.cyclic("shen-hdr-specimen", 0.0) is not test
+
+
+@pytest.mark.parametrize(("limit", "change"), [(10.0, 0.1), (30.0, 0.3), (60.0, None)])
+def test_the_smallest_change_that_flips(limit: float, change: float | None) -> None:
+    def judged(runs: Runs) -> Verdict:
+        factor = runs.change.get("K_r", 1.0)
+        return verdict_of(Within(value=1.0, per_cent=limit), factor if factor > 1.0 else 1.0)
+
+    found = find_flip(claim(), judged, Variants(), "K_r").change
+    assert found is None if change is None else found == pytest.approx(change, abs=0.01)
+
+
+def test_either_side_may_flip_first() -> None:
+    def judged(runs: Runs) -> Verdict:
+        return verdict_of(Limit(above=0.9, below=1.4), runs.change.get("K_r", 1.0))
+
+    assert find_flip(claim(), judged, Variants(), "K_r").change == pytest.approx(-0.1, abs=0.01)
+
+
+def test_a_row_says_what_flips_it() -> None:
+    row = make_row(claim(flips=("t_r",), depends="geometry"), Runs(), Variants())
+    assert row.verdict.kind == REPRODUCED
+    assert row.stiffer is True
+    assert row.smallest is not None
+    assert abs(row.smallest.change or 0.0) == pytest.approx(0.01, abs=0.005)
+
+
+def test_a_row_that_stands_more_stiffness_says_why() -> None:
+    row = make_row(claim(flips=("t_r",)), Runs(), Variants())
+    assert row.verdict.words == "failed: stands 5 % more K_r and does not say why"
+
+
+def test_a_broken_row_is_a_row_with_its_reason() -> None:
+    missing = make_row(claim(computed="chapter_3.no_such_thing"), Runs())
+    assert missing.verdict.kind == FAILED
+    assert "chapter_3.no_such_thing" in missing.verdict.words
+    few = make_row(claim(rule=Within(value=(1.0, 2.0, 3.0), per_cent=1.0)), Runs())
+    assert few.verdict.words == "failed: 2 numbers, 3 printed"
+    unknown = make_row(claim(rule=NeedsTestData(why="its records"), computed=None), Runs())
+    assert unknown.verdict.kind == NEEDS
