@@ -155,13 +155,8 @@ def identify(
     held = hold_out or []
     records, bearing, target = _read([*tests, *held], start, check, output, force)
     records = to_be_treated(records, despike, detrend)
-<<<<<<< HEAD
     if check or bearing is None or target is None:
-        return _look_over(records, bearing, target, force, no_figures, as_json, quiet)
-=======
-    if check or bearing is None:
         return _look_over(records, bearing, target, force, no_figures, as_json, quiet, documents)
->>>>>>> main
     if posterior:
         need_emcee()
     announce_compiling(quiet)
@@ -266,21 +261,18 @@ def _look_over(
     from thermobearing.identify.files import save_checks
     from thermobearing.identify.screen import print_checks
 
+    if target is None and (documents.report or documents.workbook):
+        raise InputError("a look at tests is written where -o says: give -o DIR with --report")
     reports = [check_test(record, bearing) for record in records]
-<<<<<<< HEAD
+    made: list[Path] = []
     if target is not None:
         save_checks(reports, target, force=force, figures=not no_figures)
+        made = documents.write(target)
     if not quiet:
         print_checks(reports)
         if target is not None:
-            typer.echo(f"written: {printable(str(target))}")
-=======
-    save_checks(reports, target, force=force, figures=not no_figures)
-    made = documents.write(target)
-    if not quiet:
-        print_checks(reports)
-        typer.echo(", ".join([f"written: {target}", *(file.name for file in made)]))
->>>>>>> main
+            where = printable(str(target))
+            typer.echo(", ".join([f"written: {where}", *(file.name for file in made)]))
     return _checked(reports, target, as_json)
 
 
