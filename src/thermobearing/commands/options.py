@@ -21,7 +21,7 @@ def options_of(context: Any) -> dict[str, bool]:
     -------
     dict
     """
-    found = {}
+    found: dict[str, bool] = {}
     for parameter in context.command.params:
         source = context.get_parameter_source(parameter.name)
         given = source is not None and source.name == "COMMANDLINE"
