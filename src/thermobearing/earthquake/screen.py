@@ -191,7 +191,7 @@ def _cells(row: dict[Any, Any], hottest: dict[str, float], both: bool, several: 
         f"{row['bearing_force_max_kN']:.0f}",
         f"{1e-3 * row['bearing_energy_kN_mm']:.1f}",
         f"{row['energy_of_warmest']:.0%}" if several else "",
-        f"{row['pier_displacement_max_mm']:.1f}",
+        _told(row["pier_displacement_max_mm"] or np.nan, "{:.1f}"),  # none: no pier
         _told(row["pier_ductility"], "{:.2f}"),
         _told(row.get("deck_displacement_max_mm", np.nan), "{:.0f}"),
         f"{row['deck_acceleration_max_m_s2']:.2f}",
