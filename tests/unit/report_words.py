@@ -70,7 +70,7 @@ def assert_well_formed(pieces: Pieces) -> None:
             assert row_number < len(table.rows)
             assert column_number < len(table.columns)
     for figure in pieces.figures.values():
-        assert figure.draw is not None or figure.image
+        assert figure.draw is not None or figure.image or figure.plot
         assert figure.caption.endswith(".")
         for traces in figure.plot.choices.values() if figure.plot else ():
             for trace in traces:

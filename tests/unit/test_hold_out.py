@@ -190,7 +190,8 @@ def test_figures(folded: CrossValidation, tmp_path: Path, monkeypatch: pytest.Mo
     assert len(folded.judged.plot.ratios().axes[0].patches) == 10  # five tests, seen and not
     drawn: list[str] = []
     monkeypatch.setattr(
-        "thermobearing.results.drawing.save_figures", lambda figures, _: drawn.extend(figures) or []
+        "thermobearing.results.drawing.save_figures",
+        lambda figures, _, **how: drawn.extend(figures) or [],
     )
     folded.save(tmp_path / "out")
     of_tests = [f"held_out_{name}" for name in ("loops", "ratios", "cycles", "residuals")]

@@ -17,7 +17,7 @@ from thermobearing.motions.jra import standard_spectrum
 from thermobearing.motions.library import list_motions, load_motion
 
 NAMES = {"motion.csv", "spectrum.csv", "summary.json"}
-FIGURES = {"figures/motion.png", "figures/spectrum.png"}
+FIGURES = {f"figures/{name}.{kind}" for name in ("motion", "spectrum") for kind in ("png", "svg")}
 KEYS = {"command", "motion", "outcome", "dt_s", "pga_gal", "pgv_cm_s", "pgd_cm", "samples"}
 KEYS |= {"end_velocity_cm_s", "end_displacement_cm", "arias_intensity_m_s", "duration_s"}
 KEYS |= {"significant_duration_s", "bracketed_duration_s", "cumulative_absolute_velocity_m_s"}

@@ -26,6 +26,9 @@ DATA: dict[str, tuple[set[str], type[Strict] | None]] = {
     "rules of peaks": ({"rules"}, Rules),
     "stiffness ratios": ({"HDR", "LHDR", "LRB"}, None),
     "words of tables": ({"names"}, None),
+    "claims of the source": ({"claim"}, None),
+    "parameters of claims": ({"parameter"}, None),
+    "code of others": ({"plotly"}, None),
 }
 
 

@@ -7,12 +7,11 @@ import numpy as np
 import pandas as pd
 
 from thermobearing.cyclic.result import Result, run_name
-from thermobearing.report.limits import beyond_mark
+from thermobearing.report.limits import MARKED, beyond_mark
 from thermobearing.report.pieces import Column, ReportTable
 from thermobearing.results import drawing
 
 KJ = 1e-3
-MARKED = "Marked: beyond what the bearing was tested at."
 MOST_ROWS = 60
 AMBIENT = Column("Ambient", "°C", "g")
 
@@ -91,7 +90,7 @@ def cycles_table(result: Result) -> ReportTable:
     note = "G_e: equivalent shear modulus (Eq. 3.1); h_eq: equivalent damping ratio (Eq. 3.2); "
     note += "Q_d, K_d: characteristic strength and post-yield stiffness of the bearing; "
     note += "temperatures at the end of the cycle."
-    note += f" {MARKED}" if marked else ""
+    note += f" {MARKED}." if marked else ""
     caption = f"Measures of {of} of each amplitude" if of != "each cycle" else f"Measures of {of}"
     return ReportTable(caption, columns, rows, 3, frozenset(marked), note)
 

@@ -106,7 +106,9 @@ class DesignFigures:
         -------
         list of the files written.
         """
-        return drawing.save_figures({"rounds": self.rounds, "equal": self.equal}, folder)
+        return drawing.save_figures(
+            {"rounds": self.rounds, "equal": self.equal}, folder, vector=True
+        )
 
 
 class BoundsFigures:
@@ -154,7 +156,7 @@ class BoundsFigures:
         list of the files written.
         """
         figures = {f"bounds-{n}": partial(self.demands, n) for n in self._report.tables}
-        return drawing.save_figures(figures, folder)
+        return drawing.save_figures(figures, folder, vector=True)
 
 
 class FactorFigures:
@@ -235,7 +237,7 @@ class FactorFigures:
         figures = {"factors": self.factors}
         if self._report.sizes is not None:
             figures["scale"] = self.sizes
-        return drawing.save_figures(figures, folder)
+        return drawing.save_figures(figures, folder, vector=True)
 
 
 def draw_bounds(table: pd.DataFrame, title: str) -> Figure:

@@ -16,11 +16,14 @@ import numpy as np
 import xarray as xr
 from matplotlib import colormaps
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import LinearSegmentedColormap, to_hex
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 from PIL import Image
+
+from thermobearing.results.vector import vector_bytes
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -135,12 +138,16 @@ def panels(
 def save_figure(figure: Figure, path: str | Path | io.BytesIO, dpi: int | None = None) -> None:
     """Write a figure as PNG with a palette, a third as large as one with a colour a point."""
     dpi = DPI if dpi is None else dpi
-    drawn = io.BytesIO()
+    usual, figure.dpi = figure.dpi, dpi
+    # Laid out and drawn in one go: `savefig` draws twice, and packs a PNG that is unpacked here.
+    canvas: Any = FigureCanvasAgg(figure)
     with warnings.catch_warnings():
         # A title in letters that the font lacks is drawn as boxes; the screen and files have it.
         warnings.filterwarnings("ignore", "Glyph .* missing from font", UserWarning)
-        figure.savefig(drawn, dpi=dpi, pil_kwargs={"compress_level": 1})
-    picture = Image.open(drawn).convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
+        canvas.draw()
+    drawn = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
+    figure.dpi = usual
+    picture = drawn.quantize(COLOURS, dither=Image.Dither.NONE)
     picture.save(path, "PNG", optimize=True, dpi=(dpi, dpi))
 
 
@@ -192,23 +199,29 @@ def say_why(ax: Axes, why: str, at: tuple[float, float] = (0.02, 0.02)) -> None:
     ax.text(*at, why, transform=ax.transAxes, **look).set_in_layout(False)
 
 
-def save_figures(figures: Mapping[str, Callable[[], Figure]], folder: Path) -> list[Path]:
+def save_figures(
+    figures: Mapping[str, Callable[[], Figure]], folder: Path, *, vector: bool = False
+) -> list[Path]:
     """Draw and write figures as PNG.
 
     Parameters
     ----------
     figures : what draws each of them, by name of its file without `.png`.
     folder : where to; made if it does not exist.
+    vector : as SVG too, for documents of results that are read back as tables and pictures.
 
     Returns
     -------
-    list of the files written.
+    list of the PNG files written.
     """
     folder.mkdir(parents=True, exist_ok=True)
     written = []
     for name, draw in figures.items():
         written.append(folder / f"{name}.png")
-        save_figure(draw(), written[-1])
+        figure = draw()
+        save_figure(figure, written[-1])
+        if vector:
+            (folder / f"{name}.svg").write_bytes(vector_bytes(figure))
     return written
 
 
