@@ -73,6 +73,7 @@ WRITTEN = {
     "design": "design design.toml",
     "bounds": f"bounds --bearing {BRIDGE} --motion jra-ii-i-1 --ambient 23 --ambient -20",
     "lambda": f"lambda {BRIDGE} {HDR} --temperature -20 --temperature 40 --strain 1 --scale",
+    "lambda-lead": f"lambda {LEAD_BRIDGE} --temperature -20 --strain 1",
     "lambda-speed": f"lambda {LRB} --reference 20 --temperature -20 --strain 1 --speed 300 "
     "--cycles 2,3",
 }

@@ -109,7 +109,7 @@ def test_poor_fit_is_an_outcome_of_its_own(tmp_path: Path, monkeypatch: pytest.M
         (["--ground", "IV"], 'ground: "IV"'),
         (["--seed", -1], "seed: -1"),
         (["--dt", 1], "dt: 1 s is outside"),
-        (["--zone-factor", 9], "zone_factor: 9"),
+        (["--zone-factor", 9], "--zone-factor: 9"),
         (["--from", "jra-ii-i-1", "--seed", 2], "--seed belongs to random phases"),
         (["--unit", "gal"], "belong to a record"),
         (["--from", "jra-ii-i-9"], 'no motion is called "jra-ii-i-9"'),

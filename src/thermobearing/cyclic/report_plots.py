@@ -7,12 +7,13 @@ from matplotlib.figure import Figure
 
 from thermobearing.cyclic.figures import Figures
 from thermobearing.cyclic.result import Result
-from thermobearing.cyclic.time_axis import TimeAxis, duration
+from thermobearing.cyclic.time_axis import TimeAxis
 from thermobearing.report.pieces import Plot, ReportFigure, Trace
 from thermobearing.report.traces import history, path, rounded
 from thermobearing.report.words import degrees
 from thermobearing.results import drawing
 from thermobearing.results.drawing import Floats
+from thermobearing.results.time_axis import duration
 
 LOOP_POINTS = 2400  # of all cycles of a run
 WARM_POINTS = 1500  # of a temperature in time

@@ -5,9 +5,9 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any
 
-from thermobearing.cyclic.time_axis import duration
 from thermobearing.report.pieces import Column, ReportTable
 from thermobearing.report.words import counted, joined, percent, quantity
+from thermobearing.results.time_axis import duration
 
 Step = Mapping[str, Any]
 MOST_STEPS = 40  # rows of the table of a test

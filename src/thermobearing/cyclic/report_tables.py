@@ -48,6 +48,7 @@ def cycles_table(result: Result) -> ReportTable:
         Column("Strain", "%", ".0f"),
         Column("Cycle", form="d"),
         Column("G_e", "MPa", ".3f"),
+        Column("K_eq", "kN/mm", ".3f"),
         Column("h_eq", "", ".3f"),
         Column("Energy", "kJ", ".2f"),
         Column("Peak force", "kN", ".0f"),
@@ -65,6 +66,7 @@ def cycles_table(result: Result) -> ReportTable:
                 100.0 * row["amplitude_strain"],
                 int(row["cycle"]),
                 row["G_eq_MPa"],
+                row["K_eq_kN_mm"],
                 row["h_eq"],
                 KJ * row["energy_kN_mm"],
                 stress * max(row["stress_max_MPa"], -row["stress_min_MPa"]),
@@ -77,7 +79,7 @@ def cycles_table(result: Result) -> ReportTable:
             0: ("ambient", row["ambient_degC"]),
             1: ("strain", row["amplitude_strain"]),
             2: ("cycles", row["cycle"]),
-            9 + len(heat) - 1: ("lead_temperature", row.get("lead_degC", math.nan)),
+            10 + len(heat) - 1: ("lead_temperature", row.get("lead_degC", math.nan)),
         }
         marked |= {
             (place, column)

@@ -167,6 +167,6 @@ def check_size(pga: float, unit: str, *, instrument: bool, trusted: bool) -> Non
     guess = f"; it would be {' or '.join(plausible)}" if plausible else ""
     raise InputError(
         f"largest acceleration {number_in_file:.4g} {unit} = {gal:.4g} gal is outside "
-        f"{low:g} to {high:g} gal: is the unit wrong?{guess}. If the unit is right, say so with "
+        f"{low:g} to {high:g} gal: is the unit wrong{guess}? If the unit is right, say so with "
         "trust_unit"
     )
