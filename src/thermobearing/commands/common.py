@@ -249,7 +249,7 @@ def written(
     statuses["files_left_out"] = BAD_INPUT
     status = statuses.get(outcome, ENDED_EARLY)
     if status:
-        typer.echo(f"thermobearing: {outcome}: {as_options(sentence)}", err=True)
+        typer.echo(f"thermobearing: {outcome}: {sentence}", err=True)
     if not quiet:
         size = sum(p.stat().st_size for p in target.rglob("*") if p.is_file())
         names = ", ".join(file.name for file in made)
