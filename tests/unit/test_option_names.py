@@ -61,11 +61,3 @@ def test_python_names_its_keywords(tmp_path: Path) -> None:
         read_motion(tmp_path / "strong.csv")
     with pytest.raises(tb.InputError, match=r'^free: no parameter "K_x"'):
         tb.identify_bearing(tmp_path / "t.csv", "shen-hdr-specimen", free=["K_x"])
-
-
-def test_an_end_of_a_run_names_options_too(tmp_path: Path) -> None:
-    case = Path(__file__).parents[1] / "regression" / "inputs" / "coarse.toml"
-    words = [case, "--scheme", "published", "--integrator", "euler", "--no-figures"]
-    done = command("cyclic", *words, "-o", tmp_path / "out")
-    assert done.exit_code == 3, done.output
-    assert "smaller --dt, or integrator" in done.stderr
