@@ -7,7 +7,6 @@ import pytest
 from typer.testing import CliRunner
 
 import thermobearing as tb
-from tests.unit.inputs import command
 from thermobearing.cli import app
 from thermobearing.motions.readers import read_motion
 
