@@ -56,6 +56,8 @@ class Runs:
     ----------
     change : factors by symbol of `data/claims/parameters.toml`, {"K_r": 1.05}, on every bearing,
         structure and motion that has it.
+    light : cyclic tests without the temperatures of every cell, unless `keep` asks for them: many
+        changes are to be kept at once.
     options : for every simulation, scheme="published".
 
     Examples
@@ -65,8 +67,11 @@ class Runs:
     32.275
     """
 
-    def __init__(self, change: Mapping[str, float] | None = None, **options: Any) -> None:
+    def __init__(
+        self, change: Mapping[str, float] | None = None, *, light: bool = False, **options: Any
+    ) -> None:
         self.change = dict(change or {})
+        self.light = light
         self.options = options
         known = parameters()
         wrong = [name for name in self.change if name not in known]
@@ -114,7 +119,8 @@ class Runs:
             own = None if test == TABLE_3_4 else test
             specimen = self.bearing(bearing) if isinstance(bearing, str) else bearing
             air = [ambient] if isinstance(ambient, int | float) else list(ambient)
-            return run(specimen, own, air, **self.options | options)  # type: ignore[arg-type]
+            kept = {"keep": ["rubber"]} if self.light else {}
+            return run(specimen, own, air, **self.options | kept | options)  # type: ignore[arg-type]
 
         return self._once(make, "cyclic", bearing, ambient, test, options)  # type: ignore[no-any-return]
 
