@@ -119,6 +119,21 @@ def _border(flipped: Callable[[float], bool], sign: float, stands: float, falls:
     return sign * falls
 
 
+def last_that_stands(change: float) -> float:
+    """The largest change that was seen to leave the verdict, below the one that flips it.
+
+    Examples
+    --------
+    >>> last_that_stands(0.05), last_that_stands(-0.059375)
+    (0.046875, -0.05)
+    """
+    size = abs(change)
+    above = next(step for step in STEPS if step >= size)
+    below = max((step for step in STEPS if step < above), default=0.0)
+    sign = 1.0 if change > 0.0 else -1.0
+    return sign * (size - (above - below) / 2.0**HALVINGS)
+
+
 def stands_more_stiffness(judged: Judged, variants: Variants) -> bool:
     """Whether a verdict that holds stands 5 % more K_r."""
     return judged(variants.runs(SYMBOL, MORE)).settled

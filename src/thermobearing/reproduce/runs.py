@@ -1,7 +1,7 @@
 """Every simulation that claims and figures need, made once and kept by its words."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from typing import Any
 
@@ -122,7 +122,7 @@ class Runs:
             kept = {"keep": ["rubber"]} if self.light else {}
             return run(specimen, own, air, **self.options | kept | options)  # type: ignore[arg-type]
 
-        return self._once(make, "cyclic", bearing, ambient, test, options)  # type: ignore[no-any-return]
+        return self.once(make, "cyclic", bearing, ambient, test, options)  # type: ignore[no-any-return]
 
     def bridge(
         self,
@@ -170,9 +170,10 @@ class Runs:
             found: EarthquakeResult = command(devices, shakings, air, **told)
             return found
 
-        return self._once(make, command.__name__, bearing, motion, ambient, options)  # type: ignore[no-any-return]
+        return self.once(make, command.__name__, bearing, motion, ambient, options)  # type: ignore[no-any-return]
 
-    def _once(self, make: Any, *words: Any) -> Any:
+    def once(self, make: Callable[[], Any], *words: Any) -> Any:
+        """What `make` gives, made once for these words."""
         key = repr(words)
         if key not in self._kept:
             self._kept[key] = make()

@@ -19,7 +19,7 @@ ACCELERATION = "pier_top_acceleration_max_m_s2"
 
 def of_cycle(runs: Runs, bearing: str, column: str, cycle: int) -> Floats:
     """A measure of one cycle of Table 3.4, a row per amplitude, warm to cold."""
-    table = runs.cyclic(bearing).cycles
+    table = runs.once(lambda: runs.cyclic(bearing).cycles, "cycles", bearing)
     rows = table[table["cycle"] == cycle]
     found = rows.pivot(index="amplitude_strain", columns="ambient_degC", values=column)
     return np.asarray(found[list(AMBIENT)], dtype=float)
@@ -71,7 +71,7 @@ def both(runs: Runs) -> EarthquakeResult:
 
 def of_hybrid(runs: Runs, bearing: str, mode: str, column: str) -> Floats:
     """Of the table of the hybrid tests, warm to cold."""
-    table = both(runs).table
+    table = runs.once(lambda: both(runs).table, "table of both")
     rows = table[(table["bearing"] == bearing) & (table["mode"] == mode)]
     rows = rows.sort_values("ambient_degC", ascending=False)
     return np.asarray(rows[column], dtype=float)
@@ -89,7 +89,7 @@ def real_over_pseudo(runs: Runs, bearing: str, column: str) -> Floats:
 
 def rise_ratios(runs: Runs, bearing: str, place: str) -> Floats:
     """Rise in real time over pseudo-dynamic ("outer_layer", "inner_layer", "lead")."""
-    table = both(runs).modes_table
+    table = runs.once(lambda: both(runs).modes_table, "modes of both")
     rows = table[table["bearing"] == bearing].sort_values("ambient_degC", ascending=False)
     return np.asarray(rows[f"{place}_rise_ratio"], dtype=float)
 
