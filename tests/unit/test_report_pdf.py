@@ -12,7 +12,7 @@ import pytest
 
 from tests.unit.report_pieces import EVIL, LOGO, PIECES, line, many_columns, wide
 from thermobearing.border.errors import InputError
-from thermobearing.report import Pieces, ReportFigure, document
+from thermobearing.report import Column, Pieces, ReportFigure, ReportTable, document
 from thermobearing.report.columns import SEAM, TURNED, UPRIGHT, fitted
 from thermobearing.report.layout import laid_out
 from thermobearing.report.pdf import date_of, pdf_bytes
@@ -184,6 +184,10 @@ def test_letters_that_no_figure_can_show_are_told() -> None:
     assert size_of(svg) == pytest.approx((127.0, 76.2))
 
 
+def test_a_picture_has_the_same_bytes_again() -> None:
+    assert svg_bytes(line(), set()) == svg_bytes(line(), set())
+
+
 def test_the_date_is_that_of_the_document_or_of_the_run() -> None:
     of_run = dataclasses.replace(PIECES, identity={"Date of the run": "2026-03-09"})
     assert str(date_of(document(of_run, {}))) == "2026-03-09"
@@ -201,3 +205,14 @@ def test_without_the_compiler_a_sentence_says_what_to_install(monkeypatch: Any) 
 def test_a_logo_that_is_no_picture_is_refused() -> None:
     with pytest.raises(InputError, match="the PDF cannot be made"):
         pdf_bytes(document(PIECES, {}, b"<svg nonsense"))
+
+
+def test_a_caption_is_not_parted_from_its_table() -> None:
+    tables = {
+        f"t{k}": ReportTable(f"Caption {k}", [Column("a")], [(j,) for j in range(3 + k % 5)])
+        for k in range(60)
+    }
+    for text in text_of(written(dataclasses.replace(PIECES, tables=tables))):
+        before_foot = text.split("thermobearing 0.2.0 ·")[0].split()
+        assert before_foot[-2] != "Caption"  # a number of it would follow
+        assert before_foot[-1] != "a"

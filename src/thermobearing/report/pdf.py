@@ -11,6 +11,7 @@ import tempfile
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from datetime import UTC, date, datetime
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 from unicodedata import category
@@ -24,6 +25,7 @@ from thermobearing.report.pieces import Document, Paragraph
 
 SOURCE = "report.typ"
 STANDARDS = ["a-2a", "ua-1"]  # both in one file
+OLDEST = (0, 15)  # of the compiler
 NO_DATE = date(1980, 1, 1)  # of a document that nobody dated: PDF/A wants one
 DATED = re.compile(r"\d{4}-\d{2}-\d{2}")
 UNDRAWN = re.compile(r'the text `"(.+?)"` could not be displayed')
@@ -80,15 +82,19 @@ def the_compiler() -> Any:
 
     Raises
     ------
-    InputError : it is not installed.
+    InputError : it is not installed, or too old for both standards in one file.
     """
     try:
         import typst
+
+        old = tuple(map(int, version("typst").split(".")[:2])) < OLDEST
     except ImportError:
+        old = True
+    if old:
         raise InputError(
-            'a PDF needs the typst compiler: pip install "thermobearing[report]"; --no-pdf '
-            "writes the HTML page alone"
-        ) from None
+            'a PDF needs the typst compiler (0.15): pip install "thermobearing[report]"; '
+            "`thermobearing report DIR --no-pdf` writes the HTML page alone"
+        )
     return typst
 
 

@@ -18,7 +18,7 @@ from thermobearing.report.inline import runs_of
 from thermobearing.report.pieces import Check, Column, Pieces, ReportTable
 
 ROWS, COLUMNS, NAME, LETTERS = 1_048_576, 16_384, 31, 32_767  # what a sheet can hold
-MOST_HISTORY_ROWS = 60_000  # of all histories together: what opens quickly
+MOST_HISTORY_ROWS = 20_000  # of all histories together: what opens quickly
 FORMATTED = 5_000  # rows of a sheet up to which every number has a format of its own
 STAMP = (1980, 1, 1, 0, 0, 0)  # of every part of the file: the same bytes for the same result
 MARKED, HEAD = "F6DEDE", "E8ECF1"  # fills
