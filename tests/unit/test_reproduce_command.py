@@ -39,17 +39,16 @@ FEW = [
 def few(monkeypatch: pytest.MonkeyPatch) -> None:
     """Three claims, one of them broken; a figure; tables of which one breaks."""
 
-    def parts(chapter: int | None, *, figures: bool) -> list[work.Part]:
+    def parts(chapter: int | None, *, figures: bool, flips: bool) -> list[work.Part]:
         names = tuple(claim.id for claim in FEW)
         drawn = [work.Part("figure", ("fig_0_01",))] if figures else []
-        return [work.Part("claims", names), *drawn]
+        return [work.Part("claims" if flips else "verdicts", names), *drawn]
 
     def draw(name: str) -> work.Drawn:
         return work.Drawn(name, "a caption", _picture())
 
     known = {claim.id: claim for claim in FEW}
     monkeypatch.setattr("thermobearing.reproduce.run.parts_of", parts)
-    monkeypatch.setattr("thermobearing.reproduce.run.claims_of", lambda chapter: FEW)
     monkeypatch.setattr(work, "_known", lambda: known)
     monkeypatch.setattr(work, "draw", draw)
 
@@ -80,6 +79,12 @@ def test_a_broken_row_does_not_stop_the_others(few: None, tmp_path: Path) -> Non
         in json.loads((folder / "summary.json").read_text())["broken"]["nothing"]
     )
     assert (folder / "figures" / "fig_0_01.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_verdicts_alone_have_no_flips(few: None) -> None:
+    row = reproduce_source(jobs=1, flips=False).rows[0]
+    assert row.verdict.kind == REPRODUCED
+    assert row.flips == ()
 
 
 def test_the_document_has_every_claim(few: None, tmp_path: Path) -> None:

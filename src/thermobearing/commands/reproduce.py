@@ -27,6 +27,9 @@ def reproduce(
     jobs: Annotated[
         int | None, typer.Option(min=1, max=64, help="Processes; one a core by default.")
     ] = None,
+    no_flips: Annotated[
+        bool, typer.Option("--no-flips", help="Verdicts alone, not what would flip them.")
+    ] = False,
     output: Output = None,
     force: Force = False,
     no_figures: NoFigures = False,
@@ -46,7 +49,11 @@ def reproduce(
     check_target(target, force=force)
     found = with_progress(
         lambda progress: reproduce_source(
-            chapter=chapter, figures=not no_figures, jobs=jobs, progress=progress
+            chapter=chapter,
+            figures=not no_figures,
+            flips=not no_flips,
+            jobs=jobs,
+            progress=progress,
         ),
         "claims, figures, tables",
         quiet,

@@ -1,10 +1,12 @@
 """What chapter 3 says of the hybrid tests (3.4 and 3.5): a function for each claim."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from thermobearing.core.types import Floats
 from thermobearing.model.element import BearingElement
-from thermobearing.reproduce.runs import Runs
+from thermobearing.reproduce.runs import AMBIENT, Runs
 from thermobearing.reproduce.values import (
     ACCELERATION,
     ENERGY,
@@ -231,11 +233,21 @@ def pier_modes_lhdr_acceleration(runs: Runs) -> Floats:
     return real_over_pseudo(runs, LHDR, ACCELERATION)
 
 
+def _at_rest(runs: Runs, name: str, airs: Sequence[float]) -> Floats:
+    """Stiffness of all bearings of the deck at rest [kN/mm]."""
+    line = runs.structure(HYBRID_PIER).bearings[0]
+    bearing = runs.bearing(name)
+    each = [BearingElement(bearing, air).set_trial(1e-9, dt=1e6).tangent for air in airs]
+    return np.array(each) * line.count / line.scale
+
+
 def initial_stiffness_of_eight(runs: Runs) -> Floats:
     """Of eight LHDR bearings at rest, warm to cold [kN/mm]."""
+    return _at_rest(runs, LHDR, AMBIENT)
+
+
+def initial_stiffness_of_eight_hdr(runs: Runs) -> Floats:
+    """Of eight HDR bearings at -20 degC, the printed one, and at 23 degC [kN/mm]."""
+    cold, warm = _at_rest(runs, HDR, (COLDEST, 23.0))
     line = runs.structure(HYBRID_PIER).bearings[0]
-    bearing = runs.bearing(LHDR)
-    each = [
-        BearingElement(bearing, air).set_trial(1e-9, dt=1e6).tangent for air in (23.0, 0.0, COLDEST)
-    ]
-    return np.array(each) * line.count / line.scale
+    return np.array([cold, line.count * line.equivalent_stiffness, warm])

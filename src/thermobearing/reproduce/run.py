@@ -10,7 +10,7 @@ from multiprocessing import get_context
 
 from thermobearing.border.errors import InputError
 from thermobearing.reproduce.result import Reproduction
-from thermobearing.reproduce.work import Done, Part, claims_of, do, parts_of
+from thermobearing.reproduce.work import CLAIMS, VERDICTS, Done, Part, do, parts_of
 
 Progress = Callable[[int, int], None]
 CHAPTERS = (3, 4, 5, 6, 7)
@@ -21,6 +21,7 @@ def reproduce_source(
     *,
     chapter: int | None = None,
     figures: bool = True,
+    flips: bool = True,
     jobs: int | None = None,
     progress: Progress | None = None,
 ) -> Reproduction:
@@ -30,6 +31,7 @@ def reproduce_source(
     ----------
     chapter : 3 to 7 alone (7: the conclusions), without the tables; all by default.
     figures : draw them too.
+    flips : look for the smallest changes that flip a verdict too, which takes most of the time.
     jobs : processes, 1 to 64; as many as there are cores by default.
     progress : called with (parts done, all parts).
 
@@ -43,7 +45,7 @@ def reproduce_source(
 
     Examples
     --------
-    >>> found = reproduce_source(chapter=4, figures=False, jobs=1)
+    >>> found = reproduce_source(chapter=4, figures=False, flips=False, jobs=1)
     >>> found.counts["failed"]
     0
     """
@@ -51,13 +53,13 @@ def reproduce_source(
         raise InputError(f"chapter: {chapter} is none of 3, 4, 5, 6, 7", "reproduce_source()")
     if jobs is not None and not 1 <= jobs <= MOST_JOBS:
         raise InputError(f"jobs: {jobs} is not in [1, {MOST_JOBS}]", "reproduce_source()")
-    parts = parts_of(chapter, figures=figures)
+    parts = parts_of(chapter, figures=figures, flips=flips)
     done: list[Done] = []
     for item in _carried_out(parts, jobs or os.cpu_count() or 1):
         done.append(item)
         if progress:
             progress(len(done), len(parts))
-    return _gathered(chapter, done)
+    return _gathered(chapter, parts, done)
 
 
 def _carried_out(parts: list[Part], jobs: int) -> Iterator[Done]:
@@ -76,7 +78,7 @@ def _carried_out(parts: list[Part], jobs: int) -> Iterator[Done]:
             raise
 
 
-def _gathered(chapter: int | None, done: Iterable[Done]) -> Reproduction:
+def _gathered(chapter: int | None, parts: list[Part], done: Iterable[Done]) -> Reproduction:
     """All in the order of the source."""
     items = list(done)
     rows = {row.claim.id: row for item in items for row in item.rows}
@@ -89,7 +91,9 @@ def _gathered(chapter: int | None, done: Iterable[Done]) -> Reproduction:
     }
     return Reproduction(
         chapter=chapter,
-        rows=[rows[claim.id] for claim in claims_of(chapter)],
+        rows=[
+            rows[name] for part in parts if part.kind in (CLAIMS, VERDICTS) for name in part.names
+        ],
         figures=[drawn[name] for name in sorted(drawn)],
         tables={name: tables[name] for name in sorted(tables)},
     )

@@ -20,6 +20,7 @@ from thermobearing.reproduce.runs import Runs
 
 FIGURE = "fig_"  # how the modules of figures begin
 TABLES = ("tables", "slips", "joint")  # modules with tables, where they are there
+CLAIMS, VERDICTS = "claims", "verdicts"
 CHUNK = 5  # claims of one part of the work: neighbours ask for the same simulations
 
 
@@ -45,7 +46,7 @@ class Part:
 
     Attributes
     ----------
-    kind : "claims", "figure" or "tables".
+    kind : "claims" (with their flips), "verdicts" (claims without), "figure" or "tables".
     names : ids of claims; of a figure or of tables the module.
     """
 
@@ -63,21 +64,21 @@ class Done:
     tables: Mapping[str, pd.DataFrame | str] | None = None
 
 
-def parts_of(chapter: int | None, *, figures: bool) -> list[Part]:
+def parts_of(chapter: int | None, *, figures: bool, flips: bool = True) -> list[Part]:
     """All there is to do, the longest first.
 
     Parameters
     ----------
     chapter : 3 to 7 alone; all by default. The misprints come with all.
     figures : draw them too.
+    flips : look for what flips a verdict too.
     """
     found = []
+    kind = CLAIMS if flips else VERDICTS
     if chapter is None:
         found += [Part("tables", (name,)) for name in TABLES if _is_there(name)]
     ids = [claim.id for claim in claims_of(chapter)]
-    found += [
-        Part("claims", tuple(ids[start : start + CHUNK])) for start in range(0, len(ids), CHUNK)
-    ]
+    found += [Part(kind, tuple(ids[start : start + CHUNK])) for start in range(0, len(ids), CHUNK)]
     if figures:
         drawn = [name for name in figure_names() if chapter in (None, chapter_of(name))]
         found += [Part("figure", (name,)) for name in drawn]
@@ -131,9 +132,10 @@ def _known() -> dict[str, Claim]:
 
 def do(part: Part) -> Done:
     """Carry out a part; never raises for what breaks in it."""
-    if part.kind == "claims":
+    if part.kind in (CLAIMS, VERDICTS):
+        variants = _variants() if part.kind == CLAIMS else None
         claims = [_known()[name] for name in part.names]
-        return Done(part, rows=tuple(make_row(claim, _runs(), _variants()) for claim in claims))
+        return Done(part, rows=tuple(make_row(claim, _runs(), variants) for claim in claims))
     if part.kind == "figure":
         return Done(part, drawn=draw(part.names[0]))
     return Done(part, tables=tables_of(part.names[0]))
