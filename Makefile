@@ -12,7 +12,7 @@ WORKERS ?= auto
 
 LOWEST := .venv-minimum
 
-.PHONY: help demo test browser test-minimum fuzz mutants bench lint docs site clean
+.PHONY: help demo test browser test-minimum fuzz mutants bench lint docs reproduce site clean
 
 help:
 	@echo "make demo   install, and run the default cyclic test into ./demo"
@@ -24,6 +24,7 @@ help:
 	@echo "make bench  speed, accuracy and memory, each beside its target"
 	@echo "make lint   ruff, mypy, import contracts"
 	@echo "make docs   regenerate every number and figure in README and docs"
+	@echo "make reproduce  the source again, with a verdict on each claim, into ./reproduction"
 	@echo "make site   the documentation site, into build/site; its examples are run"
 	@echo "make clean  forget the environment and all results"
 
@@ -85,6 +86,9 @@ lint: $(TOOLS)
 docs: $(TESTS)
 	$(BIN)/python docs/generate.py
 
+reproduce: $(PROGRAM)
+	$(BIN)/thermobearing reproduce -o reproduction --force
+
 # Warnings are errors; then links with their anchors, version and date on each page are looked at.
 site: $(SPHINX)
 	rm -rf build/site
@@ -93,4 +97,4 @@ site: $(SPHINX)
 
 clean:
 	rm -rf docs/api docs/gallery
-	rm -rf $(VENV) $(LOWEST) demo build dist
+	rm -rf $(VENV) $(LOWEST) demo reproduction build dist

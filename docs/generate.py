@@ -20,6 +20,7 @@ SECTIONS = ("one_dimension", "factors", "lead", "structures", "near_fault", "sou
 # Tables between marks in the texts, each printed by `python -m benchmarks.NAME`.
 TABLES = {"lead": ("lead_rise",), "source": ("bearing_count", "source_hybrid")}
 COVERAGE = DOCS / "coverage.toml"  # every item of the source; written by hand
+LEDGER = DOCS.parent / "tests" / "reproduce" / "ledger.json"  # made by tests/reproduce/baseline.py
 MEASURED, BENCH = DOCS / "measured.json", DOCS / "bench.json"
 
 VERDICTS = {
@@ -100,6 +101,7 @@ def readme_text(old: str, measured: list[dict[str, str]], bench: dict[str, Any])
             ["verified", "measured", "limit"],
             [[m["what"], m["value"], m["limit"]] for m in (by_name[n] for n in IN_README)],
         ),
+        ledger_sentence(),
         f"Speed and memory ({about['processor']}, one core, Python {about['python']}, "
         f"numba {about['numba']}):",
         table(["what", "measured", "target", "met"], [by_what[n] for n in BENCH_IN_README]),
@@ -161,6 +163,71 @@ def coverage_text(items: list[dict[str, Any]]) -> str:
     return "\n\n".join(p if isinstance(p, str) else table(heads, p) for p in parts) + "\n"
 
 
+def ledger_counts(ids: list[str]) -> dict[str, int]:
+    """Of some claims of the source, how many have each verdict."""
+    from thermobearing.reproduce.judge import FAILED, VERDICTS
+
+    kinds = [load(LEDGER)[name]["verdict"] for name in ids]
+    return {name: kinds.count(name) for name in VERDICTS if name != FAILED or FAILED in kinds}
+
+
+def ledger_sentence() -> str:
+    """What README says of the source's claims."""
+    ledger = list(load(LEDGER))
+    told = ", ".join(f"{count} {name}" for name, count in ledger_counts(ledger).items())
+    return (
+        f"The source's claims, judged anew by `thermobearing reproduce`: {len(ledger)}; {told} "
+        "([docs/reproduction.md](docs/reproduction.md))."
+    )
+
+
+def reproduction_text() -> str:
+    """docs/reproduction.md, all of it: the counts, and every claim with what flips it."""
+    from thermobearing.reproduce.claims import PARTS, load_claims
+    from thermobearing.reproduce.files import CHAPTERS
+    from thermobearing.reproduce.told import rule_words
+
+    ledger = load(LEDGER)
+    claims = {part: [c for c in load_claims(part) if c.id in ledger] for part in PARTS}
+    ids = {CHAPTERS[part]: [c.id for c in claims[part]] for part in PARTS if claims[part]}
+    every = {name: ledger_counts(found) for name, found in [*ids.items(), ("all", list(ledger))]}
+    kinds = list(every["all"])
+    counts = [[name, *(str(found.get(k, 0)) for k in kinds)] for name, found in every.items()]
+    heads = ["place", "statement", "rule", "computed", "verdict", "flips"]
+    parts = [
+        "# Reproduction",
+        "Written by `make docs` from the ledger that the tests hold "
+        "(`tests/reproduce/ledger.json`); do not edit. `thermobearing reproduce` (`make "
+        "reproduce`) makes the ledger, with every figure and table, from data files and code "
+        "alone. Every verdict is computed at every run from the rule beside it; *flips* are the "
+        "smallest changes of a parameter that turn a verdict that holds, found by the program; "
+        "*none*: none within reach. Symbols are those of `data/claims/parameters.toml`. A claim "
+        "that 5 % more K_r does not flip says why.",
+        table(["", *kinds], counts),
+    ]
+    for part, found in claims.items():
+        if not found:
+            continue
+        rows = []
+        for claim in found:
+            row = ledger[claim.id]
+            flips = "; ".join(flip_words(*item) for item in row["flips"].items())
+            why = (
+                f" ({claim.depends})" if row["stands_5_per_cent_more_K_r"] and claim.depends else ""
+            )
+            verdict = row["words"]
+            words = f"**{verdict}**" if row["verdict"] == "contradicted" else verdict
+            start = [claim.place, claim.statement, rule_words(claim.rule), row["computed"]]
+            rows.append([*start, words, f"{flips}{why}"])
+        parts += [f"## {CHAPTERS[part]}", table(heads, rows)]
+    return "\n\n".join(parts) + "\n"
+
+
+def flip_words(symbol: str, change: float | None) -> str:
+    """A parameter with the smallest change that flips a verdict."""
+    return f"{symbol} none" if change is None else f"{symbol} {100.0 * change:+.1f} %"
+
+
 def between(text: str, name: str, content: str) -> str:
     """The text with what stands between two marks replaced."""
     start, end = f"<!-- generated: {name} -->", "<!-- end generated -->"
@@ -220,6 +287,7 @@ def main() -> None:
     README.write_text(readme_text(README.read_text(), measured, bench_numbers))
     (DOCS / "verification.md").write_text(verification_text(measured, bench_numbers))
     (DOCS / "coverage.md").write_text(coverage_text(coverage_items()))
+    (DOCS / "reproduction.md").write_text(reproduction_text(), encoding="utf-8")
 
 
 if __name__ == "__main__":

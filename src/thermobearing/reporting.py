@@ -26,6 +26,7 @@ ROOMS = {
     **{"cyclic": "cyclic", "bridge": "earthquake", "hybrid": "earthquake"},
     **{"sequence": "sequences", "identify": "identify", "validate": "validate"},
     **dict.fromkeys(("design", "bounds", "lambda"), "design"),
+    "reproduce": "reproduce",
     **dict.fromkeys(("motions show", "motions make", "motions spectrum"), "motions"),
 }
 # What files that were edited, or are of another version, lead to where their numbers are looked up.

@@ -168,6 +168,8 @@ def test_numbers_are_the_generated_ones() -> None:
     assert generate.readme_text(README, measured, bench) == README
     page = (ROOT / "docs" / "verification.md").read_text()
     assert generate.verification_text(measured, bench) == page
+    claims = (ROOT / "docs" / "reproduction.md").read_text(encoding="utf-8")
+    assert generate.reproduction_text() == claims
 
 
 def test_every_measured_number_has_its_test() -> None:

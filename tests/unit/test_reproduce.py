@@ -140,14 +140,14 @@ def test_the_smallest_change_that_flips(limit: float, change: float | None) -> N
         return verdict_of(Within(value=1.0, per_cent=limit), factor if factor > 1.0 else 1.0)
 
     found = find_flip(claim(), judged, Variants(), "K_r").change
-    assert found is None if change is None else found == pytest.approx(change, abs=0.01)
+    assert found is None if change is None else found == pytest.approx(change, abs=0.02)
 
 
 def test_either_side_may_flip_first() -> None:
     def judged(runs: Runs) -> Verdict:
         return verdict_of(Limit(above=0.9, below=1.4), runs.change.get("K_r", 1.0))
 
-    assert find_flip(claim(), judged, Variants(), "K_r").change == pytest.approx(-0.1, abs=0.01)
+    assert find_flip(claim(), judged, Variants(), "K_r").change == pytest.approx(-0.1, abs=0.02)
 
 
 def test_a_row_says_what_flips_it() -> None:

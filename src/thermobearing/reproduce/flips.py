@@ -1,7 +1,7 @@
 """The smallest change of a named parameter that flips a verdict that holds.
 
 Changes are looked at on a short list, outwards; between the last that leaves the verdict and the
-first that flips it the border is halved until it is known to half a per cent of the parameter.
+first that flips it the border is halved until it is known to a sixteenth of their distance.
 """
 
 from collections import OrderedDict
@@ -14,10 +14,10 @@ from thermobearing.reproduce.judge import FAILED, Verdict
 from thermobearing.reproduce.runs import Runs
 
 STEPS = (0.05, 0.2, 0.5, 1.0, 2.0, 3.0)  # relative changes that are looked at first
-HALVINGS = 5  # 0.15 between two of them becomes half a per cent
+HALVINGS = 4  # 0.15 between two of them becomes one per cent
 MORE = 0.05  # more K_r: what stands it has to say why
 SYMBOL = "K_r"
-KEPT = 10  # changes whose simulations are kept: claims of one chapter ask for the same ones
+KEPT = 24  # changes whose simulations are kept: claims of one chapter ask for the same ones
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,8 @@ class Variants:
         """Those with one parameter changed by a share of itself."""
         key = (parameter, round(change, 6))
         if key not in self._kept:
-            self._kept[key] = Runs({parameter: 1.0 + change}, **self.base.options)
+            changes = {parameter: 1.0 + change}
+            self._kept[key] = Runs(changes, light=True, **self.base.options)
             if len(self._kept) > KEPT:
                 self._kept.popitem(last=False)
         self._kept.move_to_end(key)
@@ -85,7 +86,7 @@ def find_flip(claim: Claim, judged: Judged, variants: Variants, parameter: str) 
     >>> def judged(runs):
     ...     return verdict_of(claim.rule, runs.change.get("K_r", 1.0))
     >>> find_flip(claim, judged, Variants(), "K_r").words
-    'K_r +10.2 %'
+    'K_r +10.6 %'
     """
 
     def flipped(change: float) -> bool:
@@ -116,6 +117,21 @@ def _border(flipped: Callable[[float], bool], sign: float, stands: float, falls:
         middle = 0.5 * (stands + falls)
         stands, falls = (stands, middle) if flipped(sign * middle) else (middle, falls)
     return sign * falls
+
+
+def last_that_stands(change: float) -> float:
+    """The largest change that was seen to leave the verdict, below the one that flips it.
+
+    Examples
+    --------
+    >>> last_that_stands(0.05), last_that_stands(-0.059375)
+    (0.046875, -0.05)
+    """
+    size = abs(change)
+    above = next(step for step in STEPS if step >= size)
+    below = max((step for step in STEPS if step < above), default=0.0)
+    sign = 1.0 if change > 0.0 else -1.0
+    return sign * (size - (above - below) / 2.0**HALVINGS)
 
 
 def stands_more_stiffness(judged: Judged, variants: Variants) -> bool:

@@ -11,6 +11,7 @@ from thermobearing.reproduce.claims import Limit, NeedsTestData, Order, Rule, Wi
 REPRODUCED, HOLDS = "reproduced", "trend holds"
 CONTRADICTED, NEEDS, FAILED = "contradicted", "needs the test data", "failed"
 VERDICTS = (REPRODUCED, HOLDS, CONTRADICTED, NEEDS, FAILED)
+ROUNDING = 1e-6  # per cent, or of the unit
 SETTLED = (REPRODUCED, HOLDS)
 
 
@@ -81,7 +82,8 @@ def _near(rule: Within, numbers: Floats) -> Verdict:
     else:
         far, allowed, unit = float((100.0 * gap / np.abs(printed)).max()), rule.per_cent or 0.0, "%"
     if far <= allowed:
-        return Verdict(REPRODUCED, f"reproduced within {_size(far)} {unit}".rstrip())
+        near = f"within {_size(far)} {unit}".rstrip() if far > ROUNDING else "to rounding"
+        return Verdict(REPRODUCED, f"reproduced {near}")
     return Verdict(CONTRADICTED, f"contradicted: {_size(far)} {unit}".rstrip() + " away")
 
 
@@ -89,6 +91,8 @@ def _between(rule: Limit, numbers: Floats) -> Verdict:
     low = -np.inf if rule.above is None else rule.above
     high = np.inf if rule.below is None else rule.below
     inside = (numbers > low) & (numbers < high)
+    if numbers.size == 1 and not inside.all():
+        return Verdict(CONTRADICTED, f"contradicted: {numbers.item():.4g} {rule.unit}".rstrip())
     return _told(int(inside.sum()), inside.size, "numbers")
 
 
@@ -100,6 +104,6 @@ def _told(good: int, total: int, what: str) -> Verdict:
 
 def _size(value: float) -> str:
     """Two digits, without an exponent where one can do without."""
-    return (
-        f"{value:.0f}" if value >= 100.0 else f"{value:#.2g}" if value >= 1e-4 else f"{value:.0e}"
-    )
+    if value >= 10.0:
+        return f"{value:.0f}"
+    return f"{value:#.2g}" if value >= 1e-4 else f"{value:.0e}"

@@ -1,7 +1,7 @@
 """Every simulation that claims and figures need, made once and kept by its words."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from typing import Any
 
@@ -56,6 +56,8 @@ class Runs:
     ----------
     change : factors by symbol of `data/claims/parameters.toml`, {"K_r": 1.05}, on every bearing,
         structure and motion that has it.
+    light : cyclic tests without the temperatures of every cell, unless `keep` asks for them: many
+        changes are to be kept at once.
     options : for every simulation, scheme="published".
 
     Examples
@@ -65,8 +67,11 @@ class Runs:
     32.275
     """
 
-    def __init__(self, change: Mapping[str, float] | None = None, **options: Any) -> None:
+    def __init__(
+        self, change: Mapping[str, float] | None = None, *, light: bool = False, **options: Any
+    ) -> None:
         self.change = dict(change or {})
+        self.light = light
         self.options = options
         known = parameters()
         wrong = [name for name in self.change if name not in known]
@@ -114,9 +119,10 @@ class Runs:
             own = None if test == TABLE_3_4 else test
             specimen = self.bearing(bearing) if isinstance(bearing, str) else bearing
             air = [ambient] if isinstance(ambient, int | float) else list(ambient)
-            return run(specimen, own, air, **self.options | options)  # type: ignore[arg-type]
+            kept = {"keep": ["rubber"]} if self.light else {}
+            return run(specimen, own, air, **self.options | kept | options)  # type: ignore[arg-type]
 
-        return self._once(make, "cyclic", bearing, ambient, test, options)  # type: ignore[no-any-return]
+        return self.once(make, "cyclic", bearing, ambient, test, options)  # type: ignore[no-any-return]
 
     def bridge(
         self,
@@ -164,9 +170,10 @@ class Runs:
             found: EarthquakeResult = command(devices, shakings, air, **told)
             return found
 
-        return self._once(make, command.__name__, bearing, motion, ambient, options)  # type: ignore[no-any-return]
+        return self.once(make, command.__name__, bearing, motion, ambient, options)  # type: ignore[no-any-return]
 
-    def _once(self, make: Any, *words: Any) -> Any:
+    def once(self, make: Callable[[], Any], *words: Any) -> Any:
+        """What `make` gives, made once for these words."""
         key = repr(words)
         if key not in self._kept:
             self._kept[key] = make()
