@@ -17,7 +17,7 @@ STEPS = (0.05, 0.2, 0.5, 1.0, 2.0, 3.0)  # relative changes that are looked at f
 HALVINGS = 5  # 0.15 between two of them becomes half a per cent
 MORE = 0.05  # more K_r: what stands it has to say why
 SYMBOL = "K_r"
-KEPT = 10  # changes whose simulations are kept: claims of one chapter ask for the same ones
+KEPT = 40  # changes whose simulations are kept: claims of one chapter ask for the same ones
 
 
 @dataclass(frozen=True)
