@@ -141,9 +141,8 @@ def _mended_bookkeeping(constants: Constants) -> Constants:
     """
     lead, touched = constants.lead, constants.lead_cells.copy()
     for k in range(len(touched)):
-        factor = (
-            lead.fold * lead.capacity / (lead.cores * constants.cells.capacity[touched[k].cell])
-        )
+        capacity = constants.cells.capacity[touched[k].cell]
+        factor = lead.fold * lead.capacity / (lead.cores * capacity)
         touched[k].end *= factor
         touched[k].side *= factor
     lead = lead._replace(
