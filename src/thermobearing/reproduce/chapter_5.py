@@ -91,7 +91,7 @@ def _largest(runs: Runs) -> Result:
     """Five cycles of 250 % and a rest of 1.25 h, at three temperatures."""
     cycles = {"step": "cycles", "strain": LARGEST, "wave": "sine", "speed": SPEED, "count": 5}
     test = CyclicTest(steps=[cycles, {"step": "rest", "duration": 4500.0}])
-    return runs.cyclic(LHDR, AMBIENT, test)
+    return runs.cyclic(LHDR, AMBIENT, test, keep=["rubber"])
 
 
 def _cycles(runs: Runs, column: str) -> Floats:
@@ -176,7 +176,7 @@ def lead_rise_beside_printed(runs: Runs) -> Numbers:
     air = AMBIENT[1:]
     ends = []
     for scheme in ("conservative", "published"):
-        lead = runs.cyclic(LHDR, air, test, scheme=scheme).cycles
+        lead = runs.cyclic(LHDR, air, test, scheme=scheme, keep=["rubber"]).cycles
         last = lead[lead["cycle"] == 5].set_index("ambient_degC")["lead_degC"]
         ends.append(np.array([last[at] - at for at in air]))
     return told(ends[0] / ends[1])
