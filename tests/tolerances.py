@@ -267,3 +267,5 @@ FOUR_DECIMALS = 5.1e-5  # half a unit of the last digit of 1.0000
 
 # Peak of one mass by the ten-line integrator of docs/python.md (first order) at dt and at dt/2.
 SIMPLEST_INTEGRATOR = 0.03
+THETA_OF_A_STEP = 1e-8  # 5e-7 found as the difference of numbers near one
+FACES_OF_A_STEP = 1e-4  # heat that leaves through end faces in one step, of what lead gives

@@ -1,0 +1,284 @@
+"""How much each slip of the printed heat scheme matters: `conservative` becomes `published`.
+
+A slip is a change of the numbers that the one coupled step is given (rates of the cells, ways of
+heat out of lead), so that no step is written twice. The last model of the row is the
+published scheme itself.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from thermobearing.bearing.ambient import Ambient
+from thermobearing.bearing.library import load_bearing
+from thermobearing.bearing.model import Bearing
+from thermobearing.core.types import Constants
+from thermobearing.cyclic.history import run_segments
+from thermobearing.cyclic.protocol import cyclic_test
+from thermobearing.cyclic.segments import build_segments
+from thermobearing.earthquake.case import make_earthquake_case
+from thermobearing.earthquake.label import label_study
+from thermobearing.earthquake.run import build_tasks, run_task
+from thermobearing.earthquake.task import Device
+from thermobearing.model.options import BearingModel, ModelOptions, build_model
+
+PLATES, CLOCK, REFERENCE, BOOKKEEPING = "half-space", "clock", "reference", "bookkeeping"
+SHIMS, SIDES, REST = "shims", "side loss", "rest"
+SLIPS = {  # in the order in which they are put in: what the print does instead of what
+    PLATES: "ends of the lead on a half-space (Eq. 5.3, 5.5; no slip) instead of finite plates",
+    CLOCK: "clock of Eq. 5.6 with the diffusivity of lead instead of steel",
+    REFERENCE: "lead loses heat towards the ambient (Eq. 5.31) instead of the plate it touches",
+    BOOKKEEPING: "n_l twice, and c rho of lead in the plate (Eq. 5.13, 5.21)",
+    SHIMS: "shims receive twice the heat that the rubber loses (P1: Eq. 4.28, 4.31, 5.27, 5.30)",
+    SIDES: "side loss with c rho of rubber in steel too, explicit in time (P2: Eq. 4.10, 4.23)",
+    REST: "gross area everywhere, and no heat from the rate-dependent branch",
+}
+OF_LEAD = (PLATES, CLOCK, REFERENCE, BOOKKEEPING, REST)
+BEARINGS = {"HDR": "shen-hdr", "LHDR": "shen-lhdr"}  # and -specimen, -bridge
+AMBIENT = -20.0  # [degC], where it matters most
+STRAIN, MOTION = 2.5, "jra-ii-i-1"
+QUANTITIES = {
+    "inner_layer_K": "rise of the inner layer, 250 %, five cycles [K]",
+    "lead_K": "rise of the lead, the same [K]",
+    "steel_at_lead_K": "rise of the end plate beside rubber or sealing plate, the same [K]",
+    "force_kN": "force of the fifth cycle, the same [kN]",
+    "energy_kN_mm": "energy of the five cycles [kN mm]",
+    "bridge_inner_layer_K": "rise of the inner layer, bridge, II-I-1 [K]",
+    "bridge_force_kN": "force of a bearing, bridge [kN]",
+    "bridge_energy_kN_mm": "energy of a bearing, bridge [kN mm]",
+    "pier_ductility": "ductility of the pier, bridge",
+}
+
+
+@dataclass(frozen=True)
+class SlipRow:
+    """One model: the slips in it, and what came out.
+
+    Attributes
+    ----------
+    bearing : "HDR" or "LHDR".
+    kind : "chain", on top of all before; or "alone", in the mended model.
+    slip : its key in `SLIPS`; "" for the model without any.
+    values : by the keys of `QUANTITIES`; NaN for lead where there is none.
+    """
+
+    bearing: str
+    kind: str
+    slip: str
+    values: dict[str, float]
+
+
+def slips_of(bearing: Bearing) -> list[str]:
+    """Those that the bearing can have: none of lead without lead, no side loss without a film."""
+    lead, film = bearing.lead is not None, bearing.materials.side_film > 0.0
+    return [slip for slip in SLIPS if (lead or slip not in OF_LEAD) and (film or slip != SIDES)]
+
+
+def with_slips(bearing: Bearing, slips: set[str]) -> BearingModel:
+    """The conservative model with some slips; with all of them, the published one.
+
+    Parameters
+    ----------
+    bearing : with one cell in a shim, as in Fig. 4.2b and 5.2b, or P1 has nothing to act on.
+    slips : keys of `SLIPS`. All of the lead's but `half-space` need that one; `bookkeeping`
+        needs `reference`, since the print has no bookkeeping towards the plate.
+
+    Raises
+    ------
+    ValueError : a slip without the one that it needs.
+    """
+    lead = bearing.lead is not None
+    needs = {CLOCK: PLATES, REFERENCE: PLATES, BOOKKEEPING: REFERENCE}
+    for slip in slips:
+        if lead and needs.get(slip, slip) not in slips:
+            raise ValueError(f'slip "{slip}" needs "{needs[slip]}"')
+    half_space: dict[str, Any] = {}
+    if lead and PLATES in slips:
+        half_space = {"lead_ends": "half-space", "clock": "lead" if CLOCK in slips else "steel"}
+    model = build_model(bearing, ModelOptions(**half_space))
+    clock = half_space.get("clock")
+    printed = build_model(bearing, ModelOptions(scheme="published", clock=clock)).constants
+    constants = model.constants
+    if REST in slips:
+        constants = _printed_flow(constants, printed, model)
+    if SHIMS in slips:
+        constants = _doubled(constants, model, 2.0)
+    if SIDES in slips:
+        cells = constants.cells._replace(side_loss=printed.cells.side_loss)
+        constants = constants._replace(cells=cells, side_implicit=printed.side_implicit)
+    if lead and REFERENCE in slips:
+        constants = constants._replace(lead=printed.lead, lead_cells=printed.lead_cells)
+        if BOOKKEEPING not in slips:
+            constants = _mended_bookkeeping(constants)
+    return replace(model, constants=constants)
+
+
+def _doubled(constants: Constants, model: BearingModel, factor: float) -> Constants:
+    """What shims of one cell exchange with their neighbours, times a factor, on their side only."""
+    cells, times = constants.cells, np.where(model.stack.lone_shim, factor, 1.0)
+    cells = cells._replace(to_previous=cells.to_previous * times, to_next=cells.to_next * times)
+    return constants._replace(cells=cells)
+
+
+def _printed_flow(constants: Constants, printed: Constants, model: BearingModel) -> Constants:
+    """One-dimensional flow without areas, and a rate-dependent branch that heats nothing."""
+    rates = _doubled(printed, model, 0.5).cells  # P1 is a slip of its own
+    cells = constants.cells._replace(
+        to_previous=rates.to_previous, to_next=rates.to_next, end_loss=rates.end_loss
+    )
+    return constants._replace(cells=cells, viscous=printed.viscous)
+
+
+def _mended_bookkeeping(constants: Constants) -> Constants:
+    """One core loses its own flux, and the plates gain what all of them lose.
+
+    `published_exchange` makes a core lose n_l times `end_conductance` and `side_conductance`, and
+    a plate cell gain n_l `end`/(fold c rho V_l) of the lead: the numbers take both out.
+    """
+    lead, touched = constants.lead, constants.lead_cells.copy()
+    for k in range(len(touched)):
+        capacity = constants.cells.capacity[touched[k].cell]
+        factor = lead.fold * lead.capacity / (lead.cores * capacity)
+        touched[k].end *= factor
+        touched[k].side *= factor
+    lead = lead._replace(
+        end_conductance=lead.end_conductance / lead.cores,
+        side_conductance=lead.side_conductance / lead.cores,
+    )
+    return constants._replace(lead=lead, lead_cells=touched)
+
+
+def _needed(slip: str, lead: bool) -> set[str]:
+    """What a slip cannot be without, itself left out."""
+    if not lead:
+        return set()
+    return {CLOCK: {PLATES}, REFERENCE: {PLATES}, BOOKKEEPING: {PLATES, REFERENCE}}.get(slip, set())
+
+
+def _cyclic_values(bearing: Bearing, model: BearingModel, wave: str) -> dict[str, float]:
+    """Five cycles of 250 %."""
+    test = cyclic_test(strain=[STRAIN], wave=wave, closing_strain=None)  # type: ignore[arg-type]
+    cells = len(model.constants.cells.capacity)
+    history = run_segments(
+        model.constants,
+        build_segments(test, bearing.total_rubber_thickness),
+        Ambient.constant(AMBIENT),
+        np.full(cells, AMBIENT),
+        groups=("rubber", "cells"),
+    )
+    books, fifth = history.rows.books, history.cycle == history.cycle.max()
+    end = int(np.flatnonzero(np.array(model.stack.part) == "end_plate")[-1])
+    lead = float(books["lead_temperature"][-1]) - AMBIENT if bearing.lead else float("nan")
+    return {
+        "inner_layer_K": float(history.rows.rubber[-1, -1]) - AMBIENT,
+        "lead_K": lead,
+        "steel_at_lead_K": float(history.rows.cells[-1, end]) - AMBIENT,
+        "force_kN": float(np.abs(books["force"][fifth]).max()),
+        "energy_kN_mm": float(books["work_in"][-1]),
+    }
+
+
+def _bridge_values(bearing: Bearing, model: BearingModel) -> dict[str, float]:
+    """Pier P1 in II-I-1."""
+    case = make_earthquake_case(
+        {"command": "bridge"}, "slips", bearings=[bearing], motions=[MOTION], ambient=[AMBIENT]
+    )
+    (task,) = build_tasks(case)
+    device = Device(bearing, model.constants, model.stack)
+    lines = tuple(replace(line, device=device) for line in task.lines)
+    task = replace(task, device=device, lines=lines)
+    result = label_study(case, [task], [run_task(task)])
+    row = result.table.iloc[0]
+    inner = result["rubber_temperature"].values[0, :, -1]
+    return {
+        "bridge_inner_layer_K": float(np.nanmax(inner)) - AMBIENT,
+        "bridge_force_kN": float(row["bearing_force_max_kN"]),
+        "bridge_energy_kN_mm": float(row["bearing_energy_kN_mm"]),
+        "pier_ductility": float(row["pier_ductility"]),
+    }
+
+
+def _as_in_print(bearing: Bearing) -> Bearing:
+    """With two cells in a layer and one in a shim, as Fig. 4.2b and 5.2b: P1 is of such shims."""
+    cells = bearing.cells.model_copy(update={"rubber": 2, "shim": 1})
+    return bearing.model_copy(update={"cells": cells})
+
+
+def values_of(kind: str, slips: frozenset[str]) -> dict[str, float]:
+    """What a specimen and a bridge bearing with some slips give, by the keys of `QUANTITIES`."""
+    specimen = _as_in_print(load_bearing(f"{BEARINGS[kind]}-specimen"))
+    bridge = _as_in_print(load_bearing(f"{BEARINGS[kind]}-bridge"))
+    wave = "sine" if specimen.lead else "triangular"
+    values = _cyclic_values(specimen, with_slips(specimen, set(slips)), wave)
+    return values | _bridge_values(bridge, with_slips(bridge, set(slips)))
+
+
+def slip_rows(progress: Callable[[int, int], None] | None = None) -> list[SlipRow]:
+    """All models of both bearings: each slip on top of those before it, and each alone.
+
+    A slip alone is compared with the model that has what it needs but not itself: the clock on a
+    half-space, the bookkeeping with the ambient as reference. Its values are those of the model
+    without slips times that change.
+
+    Parameters
+    ----------
+    progress : called with (models done, all models).
+
+    Returns
+    -------
+    list of SlipRow. The first of a bearing has no slip; the last of its chain is `published`.
+    """
+    found: list[SlipRow] = []
+    known = cache(values_of)
+    plans = [(kind, slips_of(load_bearing(f"{name}-specimen"))) for kind, name in BEARINGS.items()]
+    total = sum(2 * len(slips) + 1 for _, slips in plans)
+
+    def add(kind: str, way: str, slip: str, values: dict[str, float]) -> None:
+        found.append(SlipRow(kind, way, slip, values))
+        if progress:
+            progress(len(found), total)
+
+    for kind, slips in plans:
+        lead = kind == "LHDR"
+        add(kind, "chain", "", known(kind, frozenset()))
+        for k, slip in enumerate(slips):
+            add(kind, "chain", slip, known(kind, frozenset(slips[: k + 1])))
+        for slip in slips:
+            needed = _needed(slip, lead)
+            before, after = known(kind, frozenset(needed)), known(kind, frozenset({*needed, slip}))
+            start = known(kind, frozenset())
+            values = {key: start[key] * after[key] / before[key] for key in start}
+            add(kind, "alone", slip, values)
+    return found
+
+
+def slips_table(rows: list[SlipRow]) -> pd.DataFrame:
+    """One row a model: bearing, kind, slip, what it is, and every quantity with its change.
+
+    Changes [%] are of a chain against the model before, of a slip alone against the first model.
+    """
+    lines = []
+    first: dict[str, SlipRow] = {}
+    before: dict[str, SlipRow] = {}
+    for row in rows:
+        start = first.setdefault(row.bearing, row)
+        last = before.get(row.bearing, start) if row.kind == "chain" else start
+        line: dict[str, Any] = {"bearing": row.bearing, "kind": row.kind, "slip": row.slip}
+        line["means"] = SLIPS.get(row.slip, "conservative scheme, no slip")
+        for key, value in row.values.items():
+            line[key] = value
+            line[f"{key}_change_percent"] = 100.0 * (value / last.values[key] - 1.0)
+        lines.append(line)
+        if row.kind == "chain":
+            before[row.bearing] = row
+    return pd.DataFrame(lines)
+
+
+def total_change(rows: list[SlipRow], bearing: str, quantity: str) -> float:
+    """Change from `conservative` to `published`, all slips together [%]."""
+    chain = [row for row in rows if row.bearing == bearing and row.kind == "chain"]
+    return 100.0 * (chain[-1].values[quantity] / chain[0].values[quantity] - 1.0)
