@@ -1,14 +1,26 @@
-"""Before any test: one thread for BLAS, and the kernels compiled once."""
+"""Before any test: one thread for BLAS, byte code kept, and the kernels compiled once."""
 
+import gc
+import os
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 
 import pytest
+from typer import testing
 
 from thermobearing.commands.threads import one_blas_thread
 
 one_blas_thread()  # before numpy is imported; the workers of pytest-xdist inherit it
+
+# Where Python is told to keep no byte code, every worker and every program that a test starts
+# would compile all sources again. What is kept lies in __pycache__, which git ignores.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
+
+# The commands with all their options are made once, and not for each call in a test.
+testing._get_command = cache(testing._get_command)
 
 COMPILE = """
 import thermobearing as tb
@@ -29,3 +41,10 @@ def pytest_xdist_setupnodes(config: pytest.Config) -> None:
     if not config.option.collectonly:
         command = [sys.executable, "-c", COMPILE]
         subprocess.run(command, cwd=Path(__file__).parent, capture_output=True, check=False)
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_collection_finish() -> None:
+    """What is there before the tests stays to the end: the collector need not look at it again."""
+    gc.collect()
+    gc.freeze()

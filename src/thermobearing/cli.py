@@ -1,9 +1,9 @@
 """The command `thermobearing`: thin calls into the library, clear ends.
 
 Exit status: 0 done; 2 bad input or a target that cannot be written (one message, nothing
-written); 3 the analysis ended early (partial results written); 4 a poor fit (written, the
-bearing marked); 130 interrupted (partial results kept). Heavy imports wait until a command needs
-them, so that --help is quick.
+written; `intake` writes what it could read); 3 the analysis ended early (partial results
+written); 4 a poor fit (written, the bearing marked); 130 interrupted (partial results kept).
+Heavy imports wait until a command needs them, so that --help is quick.
 """
 
 import sys

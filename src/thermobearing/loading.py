@@ -18,6 +18,7 @@ from thermobearing.results.saved import SavedResult, is_saved, read_saved
 from thermobearing.sequences.files import load_sequence
 from thermobearing.sequences.result import SequenceResult
 
+POOR_FIT = "poor_fit"
 WITH_DATASET = {"cyclic", "bridge", "hybrid", "sequence"}  # commands
 AnyResult = Result | EarthquakeResult | SequenceResult | SavedResult
 
@@ -62,6 +63,8 @@ def _with_bearings(found: SavedResult) -> SavedResult:
     if found.command in WITH_DATASET:
         raise InputError(f"no result.nc there, which {found.command} writes", str(found.path))
     files = [found.path / IDENTIFIED, *sorted((found.path / BEARINGS).glob("*.toml"))]
+    if found.outcome == POOR_FIT:  # its file is marked, and does not load
+        files = files[1:]
     loaded = [_bearing_of(file) for file in files if is_file(file)]
     return replace(found, bearings={bearing.name: bearing for bearing in loaded})
 

@@ -21,11 +21,8 @@ from tests.unit.inputs import command
 DOCS = Path(__file__).parents[2] / "docs"
 GUIDE = [DOCS / "index.md", *sorted((DOCS / "guide").glob("[!i]*.md"))]
 EXAMPLES = sorted((DOCS / "examples").glob("plot_*.py"))
-BLOCK = re.compile(
-    r"(<!-- (?P<mark>.*?) -->\n)?```(?P<language>[\w{}]+)\n(?P<text>.*?)```", re.DOTALL
-)
+BLOCK = re.compile(r"```(?P<language>[\w{}]+)\n(?P<text>.*?)```", re.DOTALL)
 FILE = re.compile(r"# (\S+\.(?:toml|csv))\n")  # the first line of a block that is a file
-LATER = "with the report layer"  # mark of a block whose commands are not there yet
 SCREEN = 64  # lines of a page: what a screen shows
 WITHOUT_FIGURES = {"new", "check", "list", "measure", "--version"}
 PAGES = [
@@ -63,8 +60,6 @@ def run(path: Path, names: dict[str, Any]) -> None:
     for block in blocks(path):
         text, language = block["text"], block["language"]
         file = FILE.match(text)
-        if block["mark"] == LATER:
-            continue
         if file:
             Path(file[1]).write_text(text, encoding="utf-8")
         elif language.startswith("{"):
@@ -89,15 +84,6 @@ def test_every_block_of_a_page_runs(
     monkeypatch.setenv("COLUMNS", "100")
     monkeypatch.setattr("thermobearing.earthquake.files._write_histories", no_histories)
     run(path, {"__name__": "page"})
-
-
-def test_blocks_for_later_are_those_of_the_report() -> None:
-    """Take the marks out when `--report` is there: its commands are refused until then."""
-    marked = [(path.stem, block) for path in GUIDE for block in blocks(path) if block["mark"]]
-    assert {stem for stem, _ in marked} <= {"report"}
-    assert {block["mark"] for _, block in marked} <= {LATER}
-    if marked:
-        assert command("bridge", "--report", "--duration", "0.1").exit_code == 2
 
 
 def test_a_how_to_fits_on_a_screen() -> None:

@@ -8,6 +8,7 @@ import ast
 import itertools
 import random
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 from tests.mutants.kept import PACKAGE, ROOT, Mutant, nearest_tests, original
@@ -195,10 +196,17 @@ def files_of_the_package() -> list[str]:
     return sorted(path for path in paths if not any(word in Path(path).name for word in LEFT_OUT))
 
 
+@cache
+def _places() -> tuple[tuple[str, _Edit], ...]:
+    """All edits of all files."""
+    files = files_of_the_package()
+    return tuple((file, edit) for file in files for edit in _Finder(original(file)).found)
+
+
 def random_mutants(count: int, seed: int) -> list[Mutant]:
     """So many different changes, each place as likely as any other."""
     nearest = nearest_tests()
-    places = [(file, e) for file in files_of_the_package() for e in _Finder(original(file)).found]
+    places = list(_places())
     random.Random(seed).shuffle(places)
     made = (_mutant(file, edit, nearest[file]) for file, edit in places)
     return list(itertools.islice((mutant for mutant in made if mutant is not None), count))

@@ -1,6 +1,7 @@
 """Small runs of every command whose numbers are kept in golden/, and how they are carried out."""
 
 import contextlib
+import json
 import os
 import shutil
 from collections.abc import Callable
@@ -72,6 +73,7 @@ WRITTEN = {
     "design": "design design.toml",
     "bounds": f"bounds --bearing {BRIDGE} --motion jra-ii-i-1 --ambient 23 --ambient -20",
     "lambda": f"lambda {BRIDGE} {HDR} --temperature -20 --temperature 40 --strain 1 --scale",
+    "lambda-lead": f"lambda {LEAD_BRIDGE} --temperature -20 --strain 1",
     "lambda-speed": f"lambda {LRB} --reference 20 --temperature -20 --strain 1 --speed 300 "
     "--cycles 2,3",
 }
@@ -126,6 +128,10 @@ def results_of(name: str, folder: Path) -> dict[str, str]:
     found = texts_of(*carry_out(name, folder))
     # Parts of a sequence are results of commands that have cases of their own.
     found = {k: v for k, v in found.items() if not k.startswith("parts/")}
+    if "summary.json" in found:  # bearing and structure, which other files have
+        told = json.loads(found["summary.json"])
+        told.pop("inputs", None)
+        found["summary.json"] = json.dumps(told, indent=0, ensure_ascii=False) + "\n"
     return {k: v for k, v in found.items() if k != "case.resolved.toml" or name in RESOLVED}
 
 

@@ -21,6 +21,7 @@ CHANGING = (
     (re.compile(r'("seconds": )[\d.e+-]+'), r'\1"<seconds>"'),
     (re.compile(r"(?<=\()\d+(\.\d+)? MB(?=\)$)", re.M), "<size>"),
     (re.compile(r"(?<=[a-z], )\d+\.\d s$", re.M), "<seconds>"),
+    (re.compile(r"(?<=, about )\d[\d.e+]* (s|min|h|d)$", re.M), "<time>"),
     (re.compile(rf"(?<![\d.]){re.escape(tb.__version__)}(?![\d.])"), "<version>"),
 )
 TEXTS = {".json", ".csv", ".toml", ".tcl"}

@@ -4,6 +4,7 @@ Run it only when a change of the numbers is meant. It prints what changed, and k
 beside the files, in golden/reasons.md. Without a reason it only prints.
 """
 
+import argparse
 import sys
 import tempfile
 from datetime import date
@@ -33,12 +34,23 @@ def write(case: str, texts: dict[str, str]) -> None:
         path.write_text(text)
 
 
+def words(given: list[str]) -> tuple[str, list[str]]:
+    """Reason and cases of a command line."""
+    about = "Print what changed in the golden files; with a reason, rewrite them."
+    parser = argparse.ArgumentParser("python -m tests.regression.regenerate", description=about)
+    parser.add_argument("reason", nargs="?", default="", help="why, for reasons.md")
+    known = f"all by default; there are {', '.join(CASES)}"
+    parser.add_argument("cases", nargs="*", metavar="CASE", help=known)
+    found = parser.parse_args(given)
+    unknown = sorted(set(found.cases) - set(CASES))
+    if unknown:
+        parser.error(f"no case is called {unknown[0]}; {known}")
+    return found.reason, found.cases
+
+
 def main() -> None:
     """Print what changed; with a reason, write it too."""
-    reason, *chosen = sys.argv[1:] or [""]
-    unknown = sorted(set(chosen) - set(CASES))
-    if unknown:
-        sys.exit(f"no case is called {unknown[0]}; there are {', '.join(CASES)}")
+    reason, chosen = words(sys.argv[1:])
     changed = []
     for case in chosen or CASES:
         texts = compute(case)

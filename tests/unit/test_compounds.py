@@ -1,5 +1,6 @@
 """Compounds apart from bearings: every rule of size, new bearings, the library, bad input."""
 
+import json
 import re
 from pathlib import Path
 from typing import Any
@@ -309,3 +310,23 @@ def test_the_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     bad = CliRunner().invoke(app, [*COMMAND, "--layers", "20x8", "-o", "b.toml"])
     assert (bad.exit_code, "no unit" in bad.output) == (2, True)
     assert [path.name for path in tmp_path.iterdir()] == ["pier.toml"]
+
+
+def test_new_lists_thermal_constants_that_nobody_measured(tmp_path: Path) -> None:
+    """A compound from somebody's fit: heat constants are still those of the record it began with
+    (before: listed only where the record itself said "assumed" or "borrowed")."""
+    began = tb.bearing.load_compound("shen-hdr")
+    keys = [key for key in began.sources if key.startswith("materials.")]
+    assert len(keys) == 7
+    measured = "materials.rubber.conductivity"
+    told = {**began.sources, measured: "hot wire, measured on a slab of the batch"}
+    del told["materials.side_film"]
+    (tmp_path / "fit.toml").write_text(sourced_toml(began, told), encoding="utf-8")
+    words = [str(tmp_path / "fit.toml") if w == "natural-rubber" else w for w in COMMAND[:-2]]
+    words += ["-o", str(tmp_path / "pier.toml"), "--json"]
+    done = CliRunner().invoke(app, words)
+    assert done.exit_code == 0, done.output
+    said = json.loads(done.stdout.splitlines()[-1])["not_measured"]
+    assert {key for key in said if key.startswith("materials.")} == {*keys} - {measured}
+    assert said["materials.rubber.density"] == "compound shen-hdr; Table 4.1"
+    assert "materials.rubber.specific_heat, density, materials.steel.conductivity" in done.stdout

@@ -17,6 +17,7 @@ from thermobearing.identify.forward import ForwardModel
 from thermobearing.identify.posterior import (
     forecast,
     laplace_samples,
+    posterior_effort,
     posterior_samples,
     predictive_band,
 )
@@ -205,13 +206,43 @@ def test_band_at_a_temperature_that_was_not_tested(found: Identification) -> Non
     assert inside.mean() > 0.8
 
 
-def test_posterior_agrees_with_the_normal_distribution(found: Identification) -> None:
+def test_posterior_agrees_with_the_normal_distribution() -> None:
+    """Of three parameters, for which walkers enough are half as many as for all."""
     pytest.importorskip("emcee")
+    records = [synthetic_record(HDR, at, SHORT, sampling=25.0) for at in AMBIENTS]
+    found = identify_bearing(records, HDR, free=["K_r", "d_y", "n_T"], starts=1)
     samples = posterior_samples(found, steps=150, burn=100)
     spread = np.sqrt(np.diag(found.uncertainty.covariance))
     assert 0.2 < samples.acceptance < 0.8
     np.testing.assert_allclose(samples.cube.std(axis=0), spread, rtol=0.5)
     assert (np.abs(samples.cube.mean(axis=0) - found.cube) < spread).all()
+
+
+def test_what_a_posterior_takes_is_told_before(
+    found: Identification, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Before: silence for as long as it took."""
+    pytest.importorskip("emcee")
+    runs, seconds = posterior_effort(found, steps=8, burn=2)
+    assert seconds > 0.0
+    before = found.problem.evaluations
+    posterior_samples(found, steps=8, burn=2)
+    used = (found.problem.evaluations - before - 1) * len(AMBIENTS)  # one for the variance
+    assert 0.6 * runs < used <= runs  # those beyond a bound are not run
+    monkeypatch.setattr("thermobearing.identify.run.run_identify", lambda case: found)
+    monkeypatch.setattr(
+        "thermobearing.identify.posterior.posterior_samples",
+        lambda given, seed: laplace_samples(given, 50, seed=seed),
+    )
+    write(tmp_path, found.records[0], "cold")
+    words = (tmp_path / "cold.csv", "--posterior", "--no-figures", "-o", tmp_path / "out")
+    status, text = invoke(*words)
+    assert status == 0, text
+    whole = posterior_effort(found)[0]
+    said = f"posterior: up to {whole} runs of the model through 2 tests, about "
+    assert said in text, text
+    assert text.index(said) < text.index("written:")
+    assert "posterior:" not in invoke(*words, "--force", "-q")[1]
 
 
 def test_posterior_without_emcee(found: Identification, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -13,6 +13,7 @@ import thermobearing as tb
 from tests import tolerances as tol
 from thermobearing.cli import app
 from thermobearing.identify.record import load_test
+from thermobearing.intake.figures import time_axis
 
 BEARING = "shen-hdr-specimen"
 Floats = NDArray[np.float64]
@@ -183,3 +184,60 @@ def test_a_recorded_history_reads_the_sidecar(tmp_path: Path) -> None:
     )
     status, shown = command("check", case)
     assert status == 0, shown
+
+
+def test_one_bad_file_does_not_stop_the_others(tmp_path: Path) -> None:
+    """Before: nothing of a folder was written because of one file in it."""
+    good, bad = laboratory(tmp_path / "good.csv"), tmp_path / "bad.csv"
+    bad.write_text("a,b\nx,y\n")
+    words = ("intake", bad, good, tmp_path / "none.csv", "-o", tmp_path / "out", "--no-figures")
+    status, shown = command(*words, "--json")
+    assert status == 2, shown
+    assert "bad.csv: " in shown
+    assert "none.csv: no such file" in shown
+    said = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))
+    assert said["outcome"] == json.loads(shown.splitlines()[-1])["outcome"] == "files_left_out"
+    assert [Path(item["file"]).name for item in said["files"]] == ["good.csv"]
+    assert len(said["problems"]) == 2
+    assert [item.name for item in (tmp_path / "out" / "sidecars").iterdir()] == ["good.toml"]
+    assert command("intake", bad, "-o", tmp_path / "other")[0] == 2
+    assert not (tmp_path / "other").exists()
+
+
+@pytest.mark.parametrize(
+    ("warmer", "told"),
+    [(0.3, ""), (0.5, "rises by 0.5 K"), (-1.0, "falls by 1.0 K"), (2.0, "rises by 2.0 K")],
+)
+def test_a_chamber_that_warms_is_told(tmp_path: Path, warmer: float, told: str) -> None:
+    """Thermocouples read to a tenth, noise of 0.1 K."""
+    t, x, f = history()
+    noise = 0.1 * np.random.default_rng(3).normal(size=len(t))
+    rows = zip(t, x, f, -20.0 + warmer * t / t[-1] + noise, strict=True)
+    path = tmp_path / "warms.csv"
+    path.write_text(
+        "time_s,displacement_mm,force_kN,chamber_degC\n"
+        + "".join(f"{a:.2f},{b:.4f},{c:.3f},{d:.1f}\n" for a, b, c, d in rows)
+    )
+    status, shown = command("intake", path, "-o", tmp_path / "out", "--no-figures")
+    assert status == 0, shown
+    assert ("the ambient temperature" in shown) is bool(told)
+    assert told in shown
+    status, shown = command("identify", path, "--check")
+    assert (status, told in shown) == (0, True), shown
+
+
+def test_rests_do_not_fill_the_picture(tmp_path: Path) -> None:
+    """Four rests of 75 s beside loadings of 40 s had two thirds of its time axis; a rest of an
+    hour all of it."""
+    (found,) = tb.intake.take_in(laboratory(tmp_path / "lab.csv")).files
+    axis = time_axis(found)
+    rests = [s for s in axis.stretches if s.rest]
+    assert len(rests) == 4
+    assert sum(s.width for s in rests) < 0.5 * axis.end
+    assert all(s.shortened for s in rests)
+    figure = found.plot()
+    assert "shortened" in figure.axes[0].get_xlabel()
+    drawn = figure.axes[0].lines[0].get_xdata()
+    assert drawn[0] == 0.0
+    assert drawn[-1] == pytest.approx(axis.end, rel=tol.DRIFT_FOUND)
+    assert (np.diff(drawn) >= 0.0).all()

@@ -4,13 +4,15 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
 from typing import Any
 
 import pytest
 
+import thermobearing.results.directory as directory
 import thermobearing.results.swap as swap
 from tests.unit.inputs import content, cyclic, quick_case, summary
 from thermobearing.border.errors import OutputError
@@ -51,8 +53,26 @@ def killed(action: Callable[[], object], moment: int) -> bool:
         def call(frame: FrameType, _: str, __: object) -> TraceFunction | None:
             return line if frame.f_code.co_filename == swap.__file__ else None
 
+        @contextmanager
+        def sibling(final: Path) -> Iterator[Path]:
+            sys.settrace(call)
+            with swap.new_sibling(final) as partial:
+                sys.settrace(None)
+                try:
+                    yield partial
+                finally:
+                    sys.settrace(call)
+            sys.settrace(None)
+
+        def put(*given: Any) -> None:
+            sys.settrace(call)
+            swap.put_in_place(*given)
+            sys.settrace(None)
+
+        # Lines are looked at inside of these two alone: a trace of the whole run takes as long
+        # as the run.
+        directory.new_sibling, directory.put_in_place = sibling, put
         sys.addaudithook(hook)
-        sys.settrace(call)
         try:
             action()
         finally:

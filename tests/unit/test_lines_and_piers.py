@@ -343,3 +343,25 @@ def test_a_misspelled_file_is_told_its_neighbour(tmp_path: Path) -> None:
     (tmp_path / "hdr-720-10x17.toml").write_text("")
     with pytest.raises(tb.InputError, match=r'no such file; did you mean "hdr-720-10x17\.toml"\?'):
         tb.load_bearing(tmp_path / "hdr-720-10x71.toml")
+
+
+def test_histories_of_every_pier_and_line(study: tb.earthquake.EarthquakeResult) -> None:
+    """Before: of those that the tables are about."""
+    data, run = study.dataset, 0
+    kept = np.isfinite(data["time"].values[run])
+    for name in study.piers["pier"].unique():
+        figure = study.plot.pier(pier=name)
+        assert name in figure.get_suptitle()
+        drawn = figure.axes[0].lines[0].get_ydata()
+        own = data["pier_part_displacement"].sel(pier_part=name).values[run][kept]
+        assert np.isin(drawn, own).all()
+        assert np.abs(drawn).max() == pytest.approx(np.abs(own).max())
+    for name in study.lines["line"].unique():
+        figure = study.plot.strain(line=name)
+        drawn = np.abs(figure.axes[0].lines[0].get_ydata()).max()
+        own = data.sel(line=name).isel(run=run)
+        per_mm = float(own["line_strain_max"] / own["line_displacement_max"])
+        way = np.abs(own["line_displacement"].values[kept]).max()
+        assert drawn == pytest.approx(100.0 * per_mm * way, rel=tol.SIX_DIGITS)
+    with pytest.raises(tb.InputError, match='pier = "Q": no pier has that name'):
+        study.plot.pier(pier="Q")

@@ -8,6 +8,7 @@ import pytest
 from numpy.testing import assert_allclose
 from typer.testing import CliRunner
 
+import thermobearing as tb
 from tests import tolerances as tol
 from thermobearing.cli import app
 
@@ -60,3 +61,28 @@ def test_a_unit_that_no_bearing_can_have_is_told(tmp_path: Path) -> None:
     done = CliRunner().invoke(app, ["measure", str(path), "--bearing", "shen-hdr-specimen"])
     assert done.exit_code == 0, done.output
     assert "more than any bearing has; is force in N labelled kN" in done.stdout
+
+
+def test_written_like_the_others(tmp_path: Path) -> None:
+    """Before: on the screen only."""
+    path, out = logged(tmp_path / "t.csv"), tmp_path / "out"
+    words = ["measure", str(path), "--bearing", "shen-hdr-specimen", "-o", str(out)]
+    done = CliRunner().invoke(app, [*words, "--json"])
+    assert done.exit_code == 0, done.output
+    said = json.loads(done.stdout.splitlines()[-1])
+    assert said["output"] == str(out)
+    saved = tb.load_result(out)
+    assert (saved.command, saved.outcome) == ("measure", "completed")
+    table = saved["cycles"]
+    assert table["cycle"].tolist() == [1, 2, 3]
+    assert table["ends"].tolist() == ["rest"] * 3
+    told = [cycle["stiffness_kN_mm"] for cycle in said["cycles"]]
+    assert_allclose(table["K_eq_kN_mm"], told, rtol=tol.ROUNDING)
+    assert_allclose(table["strain"], 1.0, rtol=tol.FORCE_AT_A_REST)
+    assert [path.name for path in saved.figures] == ["loops.png"]
+    assert "columns not used: T_3" in saved.summary["notes"]
+    again = CliRunner().invoke(app, words)
+    assert (again.exit_code, "--force" in again.output) == (2, True), again.output
+    quiet = CliRunner().invoke(app, [*words, "--force", "-q", "--no-figures"])
+    assert (quiet.exit_code, quiet.output) == (0, "")
+    assert not (out / "figures").exists()

@@ -17,7 +17,7 @@ from thermobearing.motions.jra import standard_spectrum
 from thermobearing.motions.library import list_motions, load_motion
 
 NAMES = {"motion.csv", "spectrum.csv", "summary.json"}
-FIGURES = {"figures/motion.png", "figures/spectrum.png"}
+FIGURES = {f"figures/{name}.{kind}" for name in ("motion", "spectrum") for kind in ("png", "svg")}
 KEYS = {"command", "motion", "outcome", "dt_s", "pga_gal", "pgv_cm_s", "pgd_cm", "samples"}
 KEYS |= {"end_velocity_cm_s", "end_displacement_cm", "arias_intensity_m_s", "duration_s"}
 KEYS |= {"significant_duration_s", "bracketed_duration_s", "cumulative_absolute_velocity_m_s"}
@@ -109,7 +109,7 @@ def test_poor_fit_is_an_outcome_of_its_own(tmp_path: Path, monkeypatch: pytest.M
         (["--ground", "IV"], 'ground: "IV"'),
         (["--seed", -1], "seed: -1"),
         (["--dt", 1], "dt: 1 s is outside"),
-        (["--zone-factor", 9], "zone_factor: 9"),
+        (["--zone-factor", 9], "--zone-factor: 9"),
         (["--from", "jra-ii-i-1", "--seed", 2], "--seed belongs to random phases"),
         (["--unit", "gal"], "belong to a record"),
         (["--from", "jra-ii-i-9"], 'no motion is called "jra-ii-i-9"'),

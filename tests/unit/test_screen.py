@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 import thermobearing as tb
+from tests import tolerances as tol
 from tests.unit.inputs import command
 from thermobearing.cyclic.screen import print_result
 from thermobearing.results.screen import laid_out, print_table, say
@@ -63,6 +64,12 @@ def test_table_of_cycles_is_whole_and_has_the_lead(
         row = result.cycles.iloc[0]
         for told in (f"{row['G_eq_MPa']:.3f}", f"{row['energy_kN_mm']:.0f}"):
             assert re.search(rf"(^|\s){re.escape(told)}(\s|$)", shown)
+        stiffness = 1e-3 * row["G_eq_MPa"] * 240.0**2 / 30.0  # of the specimen [kN/mm]
+        assert row["K_eq_kN_mm"] == pytest.approx(stiffness, rel=tol.ROUNDING)
+        assert f" {stiffness:.3f} " in shown
+        if columns == "80":
+            assert max(len(line) for line in shown.splitlines() if "%" in line) <= 80
+            assert "G_e MPa  K_eq kN/mm" in shown
         for name in result.cycles.columns[-4:]:
             assert f"{row[name]:.2f}" in shown
 
@@ -89,3 +96,12 @@ def test_a_program_in_a_pipe_writes_plain_text() -> None:
         shown = done.stdout + done.stderr
         assert "Usage" in shown
         assert not FRAMES.search(shown), shown
+
+
+@pytest.mark.parametrize(("ambients", "shown"), [((0,), False), ((0, 23), True)])
+def test_of_warm_needs_a_warmer_run(tmp_path: Path, ambients: tuple[int, ...], shown: bool) -> None:
+    """Before: a column of 100 % where there is one temperature."""
+    words = ["--bearing", "shen-hdr-bridge", "--motion", "jra-ii-i-1", "--duration", "0.5"]
+    words += [word for at in ambients for word in ("--ambient", str(at))]
+    done = command("bridge", *words, "--no-figures", "-o", tmp_path / "out")
+    assert ("of warm" in done.stdout) is shown

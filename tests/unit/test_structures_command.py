@@ -77,3 +77,43 @@ def test_figures_say_every_part(name: str) -> None:
     for part in result.parts["name"]:
         assert part in shown
     assert len([a for a in result.plot.modes().axes if a.get_visible()]) == len(result.table)
+
+
+ON_THE_GROUND = """name = "mass"
+[[bodies]]
+name = "deck"
+moves = true
+[[masses]]
+body = "deck"
+height = "0 m"
+mass = "200 t"
+[[bearings]]
+name = "bearings"
+body = "deck"
+base = "ground"
+count = 4
+equivalent_stiffness = "2 kN/mm"
+[report]
+deck = "deck"
+"""
+
+
+def test_a_mass_on_the_ground_has_no_pier(tmp_path: Path) -> None:
+    """Before: report.pier and report.pier_top were asked for."""
+    path = tmp_path / "mass.toml"
+    path.write_text(ON_THE_GROUND)
+    assert load_structure(path).report.has_pier is False
+    words = ["bridge", "--structure", str(path), "--bearing", "shen-hdr-bridge", "--ambient", "0"]
+    words += ["--motion", "jra-ii-i-1", "--duration", "0.5", "-o", str(tmp_path / "out")]
+    done = command(*words)
+    assert done.exit_code == 0, done.output
+    assert "pier mm" not in done.stdout
+    assert "ductility" not in done.stdout
+    text = path.read_text()
+    path.write_text(
+        text.replace(
+            'name = "deck"\n', 'name = "pier"\nmoves = true\n[[bodies]]\nname = "deck"\n'
+        ).replace('"ground"', '"pier"')
+    )
+    with pytest.raises(tb.InputError, match=r"report\.pier: which body is the pier"):
+        load_structure(path)

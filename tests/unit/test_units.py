@@ -103,3 +103,17 @@ def test_scale_and_offset() -> None:
 
 def test_zero_has_no_sign() -> None:
     assert with_unit(-0.0, "mm") == "0.0 mm"
+
+
+def test_a_unit_that_is_wanted_needs_no_pint(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Most files have no others, and pint takes as long as a small run."""
+
+    def imported() -> None:
+        raise AssertionError("pint is used")
+
+    conversion.cache_clear()
+    monkeypatch.setattr("thermobearing.border.units._registry", imported)
+    assert parse_quantity("30.738 kN/mm", "kN/mm") == 30.738
+    assert parse_quantity("-20 degC", "degC") == -20.0
+    with pytest.raises(AssertionError, match="pint is used"):
+        parse_quantity("1 m", "mm")

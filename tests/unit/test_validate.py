@@ -190,7 +190,7 @@ def test_command(tmp_path: Path, record: TestRecord) -> None:
     drawn = ("loops", "ratios", "cycles", "residuals", "temperatures")
     tables = {"summary.json", "table.csv", "cycles.csv", "fit.csv", "thermocouples.csv"}
     tables |= {"tested_range.csv"}
-    assert files == tables | {f"figures/{name}.png" for name in drawn}
+    assert files == tables | {f"figures/{name}.{k}" for name in drawn for k in ("png", "svg")}
     fit = pd.read_csv(out / "fit.csv")
     assert len(fit) == len(record.time)
     assert fit["force_kN"].to_numpy() == pytest.approx(record.force, rel=1e-5, abs=1e-4)

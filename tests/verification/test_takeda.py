@@ -33,11 +33,12 @@ def turned(constants: Rows[Hinge], state: HingeState, rotation: float) -> tuple[
 
 def walk(constants: Rows[Hinge], rotations: Floats, parts: int = 1) -> tuple[Floats, Floats]:
     """Moments and tangents at the rotations, each leg in so many equal increments."""
-    state, here = straight_hinges(constants), 0.0
+    state, new, here = straight_hinges(constants), straight_hinges(constants), 0.0
     moments, slopes = [], []
     for end in rotations:
-        for target in np.linspace(here, end, parts + 1)[1:]:
-            state, slope = turned(constants, state, float(target))
+        for target in np.linspace(here, end, parts + 1)[1:].tolist():
+            slope = takeda(constants, state, 0, target, new)
+            state, new = new, state
         here = end
         moments.append(state.bends[0].moment)
         slopes.append(slope)

@@ -9,7 +9,7 @@ import datetime
 import io
 import re
 import zipfile
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -145,7 +145,7 @@ def sheet_of_text(text: str, told: Told | None = None, *, quotes: bool = True) -
         rows = list(_split(lines, separator, strict=True, quotes=quotes))
     except csv.Error as error:
         raise InputError(str(error)) from None
-    decimal = told.decimal or _decimal(cell for _, cells in rows for cell in cells)
+    decimal = told.decimal or _decimal([cell for _, cells in rows for cell in cells])
     return Sheet("", rows, comments, separator, decimal)
 
 
@@ -163,7 +163,7 @@ def _split(lines: list[str], separator: str, *, strict: bool, quotes: bool = Tru
     )
     try:
         for row in reader:
-            if any(cell.strip() for cell in row):
+            if any(map(str.strip, row)):
                 yield reader.line_num, row
     except csv.Error as error:
         raise csv.Error(f"line {reader.line_num}: {error}") from None
@@ -202,20 +202,19 @@ def _score(rows: list[list[str]], words: bool) -> tuple[int, float, int]:
     return full, numbers / max(cells, 1), parted if words else 0
 
 
-def _decimal(cells: Iterable[str]) -> str:
+def _decimal(cells: list[str]) -> str:
     """The decimal mark of a file.
 
     Raises
     ------
     InputError : "1,234" and nothing that tells whether that is a thousand or one.
     """
-    points = commas = 0
+    doubtful = [cell.strip() for cell in cells if "," in cell]
+    if not doubtful:
+        return "."
+    commas = 0
     unclear = ""
-    for cell in cells:
-        cell = cell.strip()
-        if "," not in cell:
-            points += "." in cell and bool(_POINT.fullmatch(cell))
-            continue
+    for cell in doubtful:
         both = _BOTH.fullmatch(cell)
         if both and both[1] != both[2]:
             return both[2]
@@ -223,6 +222,8 @@ def _decimal(cells: Iterable[str]) -> str:
             unclear = unclear or cell
         elif _COMMA.fullmatch(cell):
             commas += 1
+    others = (cell.strip() for cell in cells if "." in cell and "," not in cell)
+    points = any(map(_POINT.fullmatch, others))
     if commas and points:
         raise InputError(
             'has numbers with a decimal point and others with a decimal comma; give decimal = "." '

@@ -43,6 +43,8 @@ def _registry() -> Any:
 @cache
 def conversion(unit: str, target: str) -> tuple[float, float]:
     """Scale and offset from `unit` to `target`; InputError if that makes no sense."""
+    if unit == target:  # in most files all: pint takes longer to be imported than a small run
+        return 1.0, 0.0
     import pint
 
     registry = _registry()

@@ -1,7 +1,7 @@
 """What a file says, without running it: its kind, its main facts, and what seems a slip."""
 
 from collections.abc import Callable
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import Any, NamedTuple
 
 from thermobearing.bearing.bilinear import BilinearBearing, load_bilinear
@@ -181,7 +181,7 @@ def design_facts(case: DesignCase) -> dict[str, str]:
     """What a design loop would begin with."""
     return {
         "compound": f"{case.compound_kind} {case.compound}",
-        "motions": ", ".join(motion.name for motion in case.motions),
+        "motions": ", ".join(PurePath(motion.name).name for motion in case.motions),
         "begins at": f"{case.start:g} mm, {bearing_weight(case):.0f} kN a bearing",
         "ends": f"within {case.tolerance:.2%}, or after {case.most_rounds} rounds",
         "equal bearings": ", ".join(case.equal) or "none",

@@ -9,6 +9,7 @@ from thermobearing.design.peaks import Rules
 from thermobearing.design.published import Published
 from thermobearing.design.rubber import Curves
 from thermobearing.identify.assumed import Groups
+from thermobearing.identify.chamber import ChamberNumbers
 from thermobearing.model.limits import TemperatureLimits
 
 # Kind: keys that tell it, and the record that it is; None where it is read key by key.
@@ -16,6 +17,7 @@ DATA: dict[str, tuple[set[str], type[Strict] | None]] = {
     "rubber curves": ({"compounds", "smallest_strain"}, Curves),
     "published factors": ({"tables"}, Published),
     "assumed uncertainties": ({"groups"}, Groups),
+    "ambient temperature of tests": ({"ambient_drift"}, ChamberNumbers),
     "usual values": ({"usual"}, Usuals),
     "temperature limits": ({"absolute_zero"}, TemperatureLimits),
     "standard spectra": ({"I", "II"}, None),
@@ -24,6 +26,9 @@ DATA: dict[str, tuple[set[str], type[Strict] | None]] = {
     "rules of peaks": ({"rules"}, Rules),
     "stiffness ratios": ({"HDR", "LHDR", "LRB"}, None),
     "words of tables": ({"names"}, None),
+    "claims of the source": ({"claim"}, None),
+    "parameters of claims": ({"parameter"}, None),
+    "code of others": ({"plotly"}, None),
 }
 
 

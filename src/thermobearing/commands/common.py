@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 import typer
 
 from thermobearing.border.errors import InputError, OutputError, printable
+from thermobearing.commands.options import as_options
 
 if TYPE_CHECKING:
     from thermobearing.report.title import TitleBlock
@@ -216,12 +217,12 @@ def reported(command: Callable[..., int]) -> Callable[..., None]:
                 kwargs[DOCUMENTS] = _documents(kwargs)
             status = command(*args, **kwargs)
         except InputError as error:
-            raise _fail(str(error), BAD_INPUT, "bad_input", as_json) from None
+            raise _fail(as_options(str(error)), BAD_INPUT, "bad_input", as_json) from None
         except OutputError as error:
             raise _fail(str(error), BAD_INPUT, "not_written", as_json) from None
         except MemoryError:
             message = "not enough memory; keep fewer histories (keep_every) or a larger dt"
-            raise _fail(message, BAD_INPUT, "bad_input", as_json) from None
+            raise _fail(as_options(message), BAD_INPUT, "bad_input", as_json) from None
         except KeyboardInterrupt:
             message = "interrupted; nothing was written"
             raise _fail(message, INTERRUPTED, "interrupted", as_json) from None
@@ -245,9 +246,10 @@ def written(
     """Write what is asked for, say where all is and how it ended; the exit status."""
     made = documents.write(target)
     statuses = {"completed": 0, "poor_fit": POOR_FIT, "interrupted": INTERRUPTED}
+    statuses["files_left_out"] = BAD_INPUT
     status = statuses.get(outcome, ENDED_EARLY)
     if status:
-        typer.echo(f"thermobearing: {outcome}: {sentence}", err=True)
+        typer.echo(f"thermobearing: {outcome}: {as_options(sentence)}", err=True)
     if not quiet:
         size = sum(p.stat().st_size for p in target.rglob("*") if p.is_file())
         names = ", ".join(file.name for file in made)

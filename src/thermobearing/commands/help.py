@@ -1,4 +1,4 @@
-"""What --help looks like where nobody draws frames: in a pipe, in a file.
+"""What --help looks like where nobody draws frames: in a pipe, in a file; which options there are.
 
 On a terminal typer draws panels with rich. Elsewhere the same panels are plain sections.
 """
@@ -8,6 +8,8 @@ import sys
 from typing import Any
 
 import typer.core
+
+from thermobearing.commands.options import RUNNING, options_of
 
 WIDTH, MOST = 100, 200  # letters of a line where COLUMNS does not say, and at most
 
@@ -36,7 +38,15 @@ def _plain(command: Any, ctx: Any, formatter: Any) -> None:
 
 
 class Command(typer.core.TyperCommand):
-    """A command with plain help in a pipe."""
+    """A command with plain help in a pipe, whose messages may name its options."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run, its options known to `as_options`."""
+        before = RUNNING.set(options_of(ctx))
+        try:
+            return super().invoke(ctx)
+        finally:
+            RUNNING.reset(before)
 
     def format_help(self, ctx: Any, formatter: Any) -> None:
         """Panels on a terminal, sections elsewhere."""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from thermobearing.border.errors import InputError
+from thermobearing.border.errors import InputError, printable
 from thermobearing.commands.common import (
     BAD_INPUT,
     INPUT,
@@ -129,7 +129,9 @@ def identify(
     loss: Loss = "linear",
     temperatures: Thermocouples = False,
     from_start: FromStart = False,
-    check: Annotated[bool, typer.Option("--check", help="Only look the tests over.")] = False,
+    check: Annotated[
+        bool, typer.Option("--check", help="Only look the tests over; written with -o.")
+    ] = False,
     posterior: Sampled = False,
     predict: Predicted = None,
     hold_out: HeldOut = None,
@@ -153,7 +155,7 @@ def identify(
     held = hold_out or []
     records, bearing, target = _read([*tests, *held], start, check, output, force)
     records = to_be_treated(records, despike, detrend)
-    if check or bearing is None:
+    if check or bearing is None or target is None:
         return _look_over(records, bearing, target, force, no_figures, as_json, quiet, documents)
     if posterior:
         need_emcee()
@@ -171,11 +173,26 @@ def identify(
     drawn = None
     if posterior or predict:
         final = found if isinstance(found, Identification) else found.final
+        if posterior and not quiet:
+            _announce_posterior(final)
         drawn = forecast(final, predict or [], posterior=posterior, seed=seed)
     found.save(target, force=force, figures=not no_figures, forecast=drawn)
     if not quiet:
         _show(found, drawn.warnings if drawn else ())
     return written(found.outcome, found.sentence, target, documents, as_json=as_json, quiet=quiet)
+
+
+def _announce_posterior(found: "Identification") -> None:
+    """Before the posterior is sampled: how many runs that takes, and about how long."""
+    from thermobearing.identify.posterior import posterior_effort
+    from thermobearing.results.time_axis import duration
+
+    runs, seconds = posterior_effort(found)
+    tests = "1 test" if len(found.records) == 1 else f"{len(found.records)} tests"
+    typer.echo(
+        f"posterior: up to {runs} runs of the model through {tests}, about {duration(seconds)}",
+        err=True,
+    )
 
 
 def _found(
@@ -205,8 +222,11 @@ def _show(found: "Identification | CrossValidation", more: Sequence[str] = ()) -
 
 def _read(
     tests: list[Path], start: str | None, check: bool, output: Path | None, force: bool
-) -> "tuple[list[TestRecord], Bearing | None, Path]":
-    """Tests, their bearing, and where the result goes, which is free to be written."""
+) -> "tuple[list[TestRecord], Bearing | None, Path | None]":
+    """Tests, their bearing, and where the result goes, which is free to be written.
+
+    A look at tests writes nothing unless it is told where.
+    """
     from thermobearing.identify.case import bearing_of
     from thermobearing.identify.record import load_test
     from thermobearing.results.directory import check_target
@@ -218,16 +238,18 @@ def _read(
             "which bearing? give --bearing NAME/FILE, or bearing = ... in the sidecar: a fit needs "
             "its geometry and materials (thermobearing list names the built-in ones)"
         )
-    kind = "check" if check else "identify"
-    target = output or Path(f"{kind}-" + re.sub(r"[^\w.+-]+", "-", records[0].name))
-    check_target(target, force=force)
+    target = output
+    if target is None and not check:
+        target = Path("identify-" + re.sub(r"[^\w.+-]+", "-", records[0].name))
+    if target is not None:
+        check_target(target, force=force)
     return records, bearing, target
 
 
 def _look_over(
     records: "list[TestRecord]",
     bearing: "Bearing | None",
-    target: Path,
+    target: Path | None,
     force: bool,
     no_figures: bool,
     as_json: bool,
@@ -239,20 +261,27 @@ def _look_over(
     from thermobearing.identify.files import save_checks
     from thermobearing.identify.screen import print_checks
 
+    if target is None and (documents.report or documents.workbook):
+        raise InputError("a look at tests is written where -o says: give -o DIR with --report")
     reports = [check_test(record, bearing) for record in records]
-    save_checks(reports, target, force=force, figures=not no_figures)
-    made = documents.write(target)
+    made: list[Path] = []
+    if target is not None:
+        save_checks(reports, target, force=force, figures=not no_figures)
+        made = documents.write(target)
     if not quiet:
         print_checks(reports)
-        typer.echo(", ".join([f"written: {target}", *(file.name for file in made)]))
+        if target is not None:
+            where = printable(str(target))
+            typer.echo(", ".join([f"written: {where}", *(file.name for file in made)]))
     return _checked(reports, target, as_json)
 
 
-def _checked(reports: "list[CheckReport]", target: Path, as_json: bool) -> int:
+def _checked(reports: "list[CheckReport]", target: Path | None, as_json: bool) -> int:
     """How a look at tests ends: status 2 if one of them cannot be used."""
     refused = any(report.outcome == "refused" for report in reports)
     status = BAD_INPUT if refused else 0
     if as_json:
         outcomes = {report.record.name: report.outcome for report in reports}
-        echo_json({"outcome": outcomes, "exit_status": status, "output": str(target)})
+        told = {"outcome": outcomes, "exit_status": status}
+        echo_json(told if target is None else told | {"output": str(target)})
     return status

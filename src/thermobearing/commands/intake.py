@@ -36,7 +36,8 @@ def intake(
     """Look at laboratory files: columns, units, blocks, rests, spikes, drift, ambient [degC].
 
     Writes a picture and a TOML sidecar for each file, to be corrected and kept; identify,
-    validate, measure and recorded steps of cyclic cases read it. For example:
+    validate, measure and recorded steps of cyclic cases read it. A file that cannot be read is told
+    and left out (exit status 2). For example:
     `thermobearing intake cold.xlsx warm.csv --bearing shen-hdr-specimen -o looked`
     """
     from thermobearing.intake.run import take_in
@@ -49,5 +50,5 @@ def intake(
     found.save(target, force=force, figures=not no_figures, beside=beside)
     if not quiet:
         print_intakes(found)
-    status = written("completed", "", target, as_json=as_json, quiet=quiet)
-    return status
+    told = "\n".join(found.problems)
+    return written(found.outcome, told, target, as_json=as_json, quiet=quiet)

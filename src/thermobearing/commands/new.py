@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from thermobearing.border.errors import printable
-from thermobearing.commands.common import AsJson, Quiet, echo_json, reported
+from thermobearing.commands.common import AsJson, echo_json, reported
 
 if TYPE_CHECKING:
     from thermobearing.bearing.model import Bearing
 
 NOT_MEASURED = {"assumed", "borrowed", "chosen"}  # words in sources
 WORD = re.compile(r"[a-z]+")
+MEASURED = re.compile(r"(?<!not )\bmeasured\b")
 
 
 Compound = Annotated[
@@ -68,7 +69,7 @@ def new(
     output: File = None,
     force: Annotated[bool, typer.Option("--force", help="Replace the file.")] = False,
     as_json: AsJson = False,
-    quiet: Quiet = False,
+    quiet: Annotated[bool, typer.Option("-q", "--quiet", help="Print nothing.")] = False,
 ) -> int:
     """Make a bearing from a compound and its sizes, and write it as a TOML file."""
     from thermobearing.bearing.changed import save_bearing
@@ -97,16 +98,44 @@ def new(
         facts = bearing_facts(made)
         if end_plate is None:
             facts["end plates"] += ", assumed: give --end-plate"
-        facts |= not_measured(made)
+        facts |= _told(not_measured(made))
         print_facts(f"{target}: a new bearing", facts)
         print_warnings(implausible(made))
         typer.echo(f"written: {printable(str(target))}")
     if as_json:
-        echo_json({"outcome": "completed", "exit_status": 0, "output": str(target)})
+        told = {"outcome": "completed", "exit_status": 0, "output": str(target)}
+        echo_json(told | {"not_measured": not_measured(made)})
     return 0
 
 
 def not_measured(made: "Bearing") -> dict[str, str]:
-    """Numbers that were chosen, assumed or borrowed and not measured on the compound."""
-    keys = [key for key, text in made.sources.items() if NOT_MEASURED & set(WORD.findall(text))]
-    return {"not measured": ", ".join(keys)} if keys else {}
+    """Numbers that nobody measured on this rubber, by dotted key, and where they come from.
+
+    Those that were chosen, assumed or borrowed, and the thermal constants that the compound's
+    record says nothing of having been measured: a fit of a specimen leaves them as they were.
+    """
+    found = {}
+    for key, text in made.sources.items():
+        thermal = key.startswith("materials.") and not MEASURED.search(text)
+        if thermal or NOT_MEASURED & set(WORD.findall(text)):
+            found[key] = text
+    return found
+
+
+def _told(unmeasured: dict[str, str]) -> dict[str, str]:
+    """The same for the screen: a row for each place that numbers come from."""
+    by_source: dict[str, list[str]] = {}
+    for key, text in unmeasured.items():
+        by_source.setdefault(text, []).append(key)
+    rows = [f"{_listed(keys)}: {text}" for text, keys in by_source.items()]
+    return {"not measured": "\n".join(rows)} if rows else {}
+
+
+def _listed(keys: list[str]) -> str:
+    """Keys, what they begin with said once: "materials.rubber.density, specific_heat"."""
+    shown, before = [], ""
+    for key in keys:
+        table, _, name = key.rpartition(".")
+        shown.append(name if table == before else key)
+        before = table
+    return ", ".join(shown)

@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, field_validator
 
 from thermobearing.bearing.ambient import Ambient
-from thermobearing.bearing.library import load_bearing
+from thermobearing.bearing.library import load_bearing, sources_to_keep
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
 from thermobearing.border.overrides import overridden, said_with_unit, updated
@@ -69,6 +69,8 @@ class Case(Strict):
     initial_state : where an earlier test left the bearing; `initial_result` of a file becomes it.
     rig : limits of the rig that is to do it; a run that passes one says so.
     analysis : how to compute, and what to keep.
+    sources : of the bearing's numbers, by its name and their dotted keys, where its own file has
+        some; for documents only.
     """
 
     bearing: Bearing
@@ -82,6 +84,7 @@ class Case(Strict):
     initial_state: SpecimenState | None = None  # where an earlier test left the bearing
     rig: Rig | None = None
     analysis: Analysis = Analysis()
+    sources: dict[str, dict[str, str]] | None = None
 
     @field_validator("ambient")
     @classmethod
@@ -214,6 +217,7 @@ def make_case(table: dict[str, Any], where: str, **overrides: Any) -> Case:
     problems += settle_rig(table, Path())
     if "ambient" in table and table.get("ambient_series") is not None:
         problems.append("give ambient or ambient_series, not both")
+    told: dict[str, str] = {}
     bearing = table.setdefault("bearing", DEFAULT_BEARING)
     if isinstance(bearing, str | Path):
         try:
@@ -222,7 +226,7 @@ def make_case(table: dict[str, Any], where: str, **overrides: Any) -> Case:
             problems += error.lines("bearing")
             table["bearing"] = load_bearing(DEFAULT_BEARING)  # to find what else is wrong
     elif isinstance(bearing, dict):
-        table["bearing"], _ = split_sources(bearing)
+        table["bearing"], told = split_sources(bearing)
     _fill_defaults(table)
     table["test"] = updated(table["test"], overridden({}, {"dt": dt}, CyclicTest))
     try:
@@ -235,7 +239,11 @@ def make_case(table: dict[str, Any], where: str, **overrides: Any) -> Case:
     problems += case.faults() if not problems else []
     if problems:
         raise InputError(problems, where)
-    return case.model_copy(update={"analysis": case.analysis.settled(case.bearing)})
+    bearing = case.bearing.with_sources(told | case.bearing.sources)
+    sources = sources_to_keep([bearing], case.sources)
+    return case.model_copy(
+        update={"analysis": case.analysis.settled(case.bearing), "sources": sources}
+    )
 
 
 def _fill_defaults(table: dict[str, Any]) -> None:

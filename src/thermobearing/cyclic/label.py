@@ -151,7 +151,6 @@ def label(
         "total_rubber_thickness_mm": case.bearing.total_rubber_thickness,
         "heat_capacity_kN_mm_per_K": constants.cells.capacity.tolist(),
         "histories": case.analysis.histories,  # of files
-        "sources": {case.bearing.name: case.bearing.sources},
         "half_stack": int(model.stack.fold == 2),
         "segments": [
             {"kind": s.kind, "label": s.label, "amplitude_strain": s.amplitude_strain}

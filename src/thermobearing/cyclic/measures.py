@@ -12,10 +12,10 @@ def unit_of(column: str) -> str:
 
     Examples
     --------
-    >>> unit_of("post_yield_stiffness_kN_mm"), unit_of("energy_kN_mm"), unit_of("h_eq")
+    >>> unit_of("K_eq_kN_mm"), unit_of("energy_kN_mm"), unit_of("h_eq")
     ('kN/mm', 'kN mm', '1')
     """
-    if column.endswith("stiffness_kN_mm"):
+    if column.endswith(("stiffness_kN_mm", "K_eq_kN_mm")):
         return "kN/mm"
     return next((unit for end, unit in UNITS.items() if column.endswith(end)), "1")
 

@@ -37,9 +37,8 @@ from thermobearing.report.limits import (
     verdict,
 )
 from thermobearing.report.pieces import Check, Pieces, ReportTable
-from thermobearing.report.words import change, degrees, joined, number, percent, tidy
+from thermobearing.report.words import change, degrees, joined, number, percent, quantity, tidy
 from thermobearing.results.ranges import parted
-from thermobearing.results.writing import from_attribute
 
 Case = Mapping[str, Any]
 
@@ -208,7 +207,7 @@ def tables_of(result: Result) -> dict[str, ReportTable]:
 
 def inputs_of(result: Result, case: Case) -> dict[str, ReportTable]:
     """Tables of what went in: test, bearing, air, rig, model."""
-    sources = own_sources(result).get(result.bearing_name)
+    sources = case.get("sources", {}).get(result.bearing_name)
     found = {"test": table_of_test(case["test"]), **bearing_tables(case["bearing"], sources)}
     air = {key: case[key] for key in ("ambient", "ambient_series", *STARTS) if key in case}
     found["air"] = input_table("Temperatures", air, otherwise="as asked for")
@@ -230,12 +229,6 @@ def rig_table(rig: Mapping[str, Any]) -> ReportTable:
 STARTS = ("initial", "initial_lead")
 
 
-def own_sources(result: Result) -> dict[str, dict[str, str]]:
-    """Sources of the numbers of bearings that a dataset holds, by name of the bearing."""
-    told = "sources" in result.dataset.attrs
-    return dict(from_attribute(result.dataset, "sources")) if told else {}
-
-
 def _start(case: Case) -> list[str]:
     """How the bearing begins, and the air."""
     if "initial_state" in case:
@@ -243,7 +236,7 @@ def _start(case: Case) -> list[str]:
     elif "initial_profile" in case:
         begins = "The bearing begins with a given temperature in each cell."
     elif "initial" in case:
-        begins = f"The bearing begins at {case['initial'].replace('degC', '°C')} throughout."
+        begins = f"The bearing begins at {quantity(case['initial'])} throughout."
     else:
         begins = "The bearing begins at the temperature of the air throughout."
     series = "ambient_series" in case

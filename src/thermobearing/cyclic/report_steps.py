@@ -5,9 +5,9 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any
 
-from thermobearing.cyclic.time_axis import duration
 from thermobearing.report.pieces import Column, ReportTable
-from thermobearing.report.words import counted, joined, number, percent
+from thermobearing.report.words import counted, joined, percent, quantity
+from thermobearing.results.time_axis import duration
 
 Step = Mapping[str, Any]
 MOST_STEPS = 40  # rows of the table of a test
@@ -66,23 +66,20 @@ def _alike_words(alike: tuple[str, ...], steps: Sequence[Step]) -> str:
 def _timing(step: Step) -> str:
     for key, what in (("speed", "mean speed "), ("period", "period "), ("frequency", "")):
         if step.get(key) is not None:
-            value, _, unit = str(step[key]).partition(" ")
-            return f"{what}{number(float(value), '.4g')} {unit}"
+            return f"{what}{quantity(step[key])}"
     return ""
 
 
 def _amplitude(step: Step) -> str:
     if step.get("strain") is not None:
         return percent(float(step["strain"]))
-    value, _, unit = str(step.get("amplitude", "")).partition(" ")
-    return f"{number(float(value), '.4g')} {unit}" if value else ""
+    return quantity(step["amplitude"])
 
 
 def _target(step: Step) -> str:
     if step.get("to_strain") is not None:
         return percent(float(step["to_strain"]))
-    value, _, unit = str(step.get("to", "0 mm")).partition(" ")
-    return f"{number(float(value), '.4g')} {unit}"
+    return quantity(step["to"])
 
 
 def _recording(step: Step) -> str:
@@ -95,7 +92,7 @@ def _rest_words(rests: Sequence[Step]) -> str:
         if step.get("duration") is not None:
             lasts.append(duration(float(str(step["duration"]).split()[0])))
         else:
-            lasts.append(f"until within {step['within']} of the air")
+            lasts.append(f"until within {quantity(step['within'])} of the air")
     return joined(dict.fromkeys(lasts), "or")
 
 
@@ -118,14 +115,14 @@ def table_of_test(test: Mapping[str, Any]) -> ReportTable:
             end = percent(float(closing)) if closing is not None else "none"
             rows.append((place, kind, _amplitude(step), course, int(step["count"]), end))
         elif kind == "ramp":
-            course = str(step.get("speed") or step.get("duration") or "")
+            course = quantity(step.get("speed") or step["duration"])
             rows.append((place, kind, _target(step), course, None, ""))
         elif kind == "rest":
             rows.append((place, kind, "", _rest_words([step]), None, ""))
         else:
             rows.append((place, kind, "", _recording(step), None, ""))
     left = len(test["steps"]) - len(rows)
-    note = f"Largest time step {test.get('dt', '')}. Sizes are shear strains of the total rubber "
+    note = f"Largest time step {quantity(test['dt'])}. Sizes are shear strains of the total rubber "
     note += "thickness, or displacements."
     if left:
         note += f" {counted(left, 'more step')}: see case.resolved.toml."

@@ -7,12 +7,11 @@ import numpy as np
 import pandas as pd
 
 from thermobearing.cyclic.result import Result, run_name
-from thermobearing.report.limits import beyond_mark
+from thermobearing.report.limits import MARKED, beyond_mark
 from thermobearing.report.pieces import Column, ReportTable
 from thermobearing.results import drawing
 
 KJ = 1e-3
-MARKED = "Marked: beyond what the bearing was tested at."
 MOST_ROWS = 60
 AMBIENT = Column("Ambient", "°C", "g")
 
@@ -49,6 +48,7 @@ def cycles_table(result: Result) -> ReportTable:
         Column("Strain", "%", ".0f"),
         Column("Cycle", form="d"),
         Column("G_e", "MPa", ".3f"),
+        Column("K_eq", "kN/mm", ".3f"),
         Column("h_eq", "", ".3f"),
         Column("Energy", "kJ", ".2f"),
         Column("Peak force", "kN", ".0f"),
@@ -66,6 +66,7 @@ def cycles_table(result: Result) -> ReportTable:
                 100.0 * row["amplitude_strain"],
                 int(row["cycle"]),
                 row["G_eq_MPa"],
+                row["K_eq_kN_mm"],
                 row["h_eq"],
                 KJ * row["energy_kN_mm"],
                 stress * max(row["stress_max_MPa"], -row["stress_min_MPa"]),
@@ -78,7 +79,7 @@ def cycles_table(result: Result) -> ReportTable:
             0: ("ambient", row["ambient_degC"]),
             1: ("strain", row["amplitude_strain"]),
             2: ("cycles", row["cycle"]),
-            9 + len(heat) - 1: ("lead_temperature", row.get("lead_degC", math.nan)),
+            10 + len(heat) - 1: ("lead_temperature", row.get("lead_degC", math.nan)),
         }
         marked |= {
             (place, column)
@@ -89,7 +90,7 @@ def cycles_table(result: Result) -> ReportTable:
     note = "G_e: equivalent shear modulus (Eq. 3.1); h_eq: equivalent damping ratio (Eq. 3.2); "
     note += "Q_d, K_d: characteristic strength and post-yield stiffness of the bearing; "
     note += "temperatures at the end of the cycle."
-    note += f" {MARKED}" if marked else ""
+    note += f" {MARKED}." if marked else ""
     caption = f"Measures of {of} of each amplitude" if of != "each cycle" else f"Measures of {of}"
     return ReportTable(caption, columns, rows, 3, frozenset(marked), note)
 

@@ -5,13 +5,13 @@ from typing import Any
 
 from thermobearing.bearing.bilinear import BILINEAR, BilinearBearing
 from thermobearing.bearing.library import BEARINGS
-from thermobearing.bearing.model import Bearing
+from thermobearing.bearing.model import Bearing, Cells
 from thermobearing.border.toml import flat, to_table
 from thermobearing.model.earlier import BLIND
 from thermobearing.model.options import ModelOptions
 from thermobearing.report.inputs import input_table
 from thermobearing.report.pieces import ReportTable
-from thermobearing.report.words import number
+from thermobearing.report.words import number, quantity
 
 Table = Mapping[str, Any]
 TOLD = ("name", "kind", "description", "citation", "poor_fit")  # in the note
@@ -34,9 +34,19 @@ def bearing_sources(table: Table, own: Mapping[str, str] | None = None) -> dict[
     return library.sources(model, table) | dict(own or {})
 
 
-def bearing_tables(table: Table, own: Mapping[str, str] | None = None) -> dict[str, ReportTable]:
-    """A bearing of a resolved case: what it is, its parameters, and what those hold for."""
-    name, sources = str(table["name"]), bearing_sources(table, own)
+def bearing_tables(
+    table: Table, own: Mapping[str, str] | None = None, *, otherwise: str = "not stated"
+) -> dict[str, ReportTable]:
+    """A bearing of a resolved case: what it is, its parameters, and what those hold for.
+
+    Parameters
+    ----------
+    table : of the bearing.
+    own : sources of its file, by dotted key.
+    otherwise : source of the numbers that have none and are no default.
+    """
+    name = str(table["name"])
+    sources = _defaults(table) | bearing_sources(table, own)
     about = ". ".join(
         str(table[k]).rstrip(".") for k in ("description", "citation") if table.get(k)
     )
@@ -50,12 +60,18 @@ def bearing_tables(table: Table, own: Mapping[str, str] | None = None) -> dict[s
         ("range", f"{name}: range that the parameters were identified in", held, ""),
     )
     return {
-        f"{name}.{key}": input_table(
-            caption, part, sources, note=told, otherwise=DEFAULT if key == "geometry" else ""
-        )
+        f"{name}.{key}": input_table(caption, part, sources, note=told, otherwise=otherwise)
         for key, caption, part, told in parts
         if part
     }
+
+
+def _defaults(table: Table) -> dict[str, str]:
+    """Numbers that are as they would be if nobody had said them: cells, no sealing plate."""
+    usual = {f"cells.{name}": value for name, value in to_table(Cells()).items()}
+    usual["geometry.sealing_plate_thickness"] = "0.0 mm"
+    given = flat(table)
+    return {key: DEFAULT for key, value in usual.items() if given.get(key) == value}
 
 
 def analysis_table(analysis: Table, defaults: ModelOptions) -> ReportTable:
@@ -139,7 +155,7 @@ def _heat_flow(analysis: Table, bearings: Sequence[Table]) -> str:
         if "eta" in face:
             faces.append(f"{name} η_B = {face['eta']:g} (1 adiabatic, 3 at ambient)")
         else:
-            faces.append(f"{name} film {face['film']}".replace("m^2", "m²"))
+            faces.append(f"{name} film {quantity(face['film'])}")
     return (
         f"Heat flows through the thickness only (one-dimensional), {sides}; end faces: "
         f"{', '.join(faces)}. Thermal properties do not change with temperature."

@@ -196,7 +196,7 @@ class Result(Shown):
 
     @cached_property
     def cycles(self) -> pd.DataFrame:
-        """One row per closed cycle: amplitude, G_eq, h_eq, energy, strength, temperatures.
+        """One row per closed cycle: amplitude, G_eq, K_eq, h_eq, energy, strength, temperatures.
 
         Temperatures are those at the end of the cycle; `rubber1_degC` is the outer layer.
         """
@@ -234,6 +234,7 @@ class Result(Shown):
             else m.amplitude_mm / rubber,
             "cycle": cycle,
             "G_eq_MPa": m.G_eq_MPa,
+            "K_eq_kN_mm": m.stiffness_kN_mm,
             "h_eq": m.h_eq,
             "stress_max_MPa": m.force_max_kN * stress,
             "stress_min_MPa": m.force_min_kN * stress,

@@ -7,7 +7,7 @@ from thermobearing.results.metrics import CycleMeasures
 from thermobearing.results.ranges import titles_passed
 from thermobearing.results.screen import print_table, print_warnings, say
 
-HEADS = ("strain", "cycle", "G_e MPa", "h_eq", "energy kN mm", "Q_d kN", "K_d kN/mm")
+HEADS = ("strain", "cycle", "G_e MPa", "K_eq kN/mm", "h_eq", "energy kN mm", "Q_d kN", "K_d kN/mm")
 
 
 def print_result(result: Result, compared: dict[str, Result] | None = None) -> None:
@@ -76,6 +76,7 @@ def _cycle_cells(row: dict[Any, Any]) -> list[str]:
         f"{row['amplitude_strain']:.0%}",
         f"{row['cycle']:d}",
         f"{row['G_eq_MPa']:.3f}",
+        f"{row['K_eq_kN_mm']:.3f}",
         f"{row['h_eq']:.4f}",
         f"{row['energy_kN_mm']:.0f}",
         f"{row['characteristic_strength_kN']:.2f}",
@@ -107,13 +108,13 @@ def print_measures(
     cycles: list[CycleMeasures], ends: list[str], total_rubber_thickness: float
 ) -> None:
     """Measures of each cycle of a measured history, and how it ends."""
-    heads = ("cycle", "strain", "K_eq kN/mm", *HEADS[2:], "ends")
+    heads = ("cycle", "strain", *HEADS[2:], "ends")
     rows = [
         (
             str(number),
             f"{m.amplitude_mm / total_rubber_thickness:.1%}",
-            f"{m.stiffness_kN_mm:.3f}",
             f"{m.G_eq_MPa:.3f}",
+            f"{m.stiffness_kN_mm:.3f}",
             f"{m.h_eq:.4f}",
             f"{m.energy_kN_mm:.0f}",
             f"{m.characteristic_strength_kN:.2f}",

@@ -11,8 +11,9 @@ from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.bearing.validity import ranges_of
+from thermobearing.border.toml import to_table
 from thermobearing.cyclic.equivalent import DESIGN_STRAIN, bilinear_parameters
-from thermobearing.earthquake.case import make_earthquake_case
+from thermobearing.earthquake.case import EarthquakeCase, make_earthquake_case
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.earthquake.run import run_earthquake
 from thermobearing.motions.library import list_motions
@@ -161,7 +162,16 @@ def bounds_study(
     found.attrs["ended"] = [study.outcome for study in studies if study.outcome != "completed"]
     found.attrs["sentences"] = [study.sentence for study in studies if study.outcome != "completed"]
     found.attrs["ranges"] = ranges_of(bearing)
+    found.attrs["inputs"] = _inputs(whole, bearing, strain)
     return found
+
+
+def _inputs(case: EarthquakeCase, bearing: Bearing, strain: float) -> dict[str, Any]:
+    """What went in, for documents: tables as in a resolved case."""
+    whole = to_table(case)
+    told = {name: whole[name] for name in ("structure", "motions", "ambient", "analysis")}
+    told["strain"] = strain
+    return told | {"bearing": to_table(bearing), "sources": bearing.sources}
 
 
 def _demanded(study: EarthquakeResult) -> pd.DataFrame:

@@ -106,7 +106,8 @@ class DesignFigures:
         -------
         list of the files written.
         """
-        return drawing.save_figures({"rounds": self.rounds, "equal": self.equal}, folder)
+        figures = {"rounds": self.rounds, "equal": self.equal}
+        return drawing.save_figures(figures, folder, vector=True)
 
 
 class BoundsFigures:
@@ -154,7 +155,7 @@ class BoundsFigures:
         list of the files written.
         """
         figures = {f"bounds-{n}": partial(self.demands, n) for n in self._report.tables}
-        return drawing.save_figures(figures, folder)
+        return drawing.save_figures(figures, folder, vector=True)
 
 
 class FactorFigures:
@@ -235,7 +236,7 @@ class FactorFigures:
         figures = {"factors": self.factors}
         if self._report.sizes is not None:
             figures["scale"] = self.sizes
-        return drawing.save_figures(figures, folder)
+        return drawing.save_figures(figures, folder, vector=True)
 
 
 def draw_bounds(table: pd.DataFrame, title: str) -> Figure:
@@ -392,7 +393,5 @@ def _rises(result: Result) -> dict[str, Floats]:
     """Temperatures above the ambient [K] by part of the bearing."""
     ambient = float(result["ambient"].values[0])
     layers = result["rubber_temperature"].values[0] - ambient
-    rises = {"inner layer": layers[:, -1], "outer layer": layers[:, 0]}
-    if result.has_lead:
-        rises["lead"] = result["lead_temperature"].values[0] - ambient
-    return rises
+    lead = {"lead": result["lead_temperature"].values[0] - ambient} if result.has_lead else {}
+    return {"inner layer": layers[:, -1], "outer layer": layers[:, 0]} | lead

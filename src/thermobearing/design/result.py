@@ -15,7 +15,7 @@ from thermobearing.bearing.model import Bearing
 from thermobearing.bearing.validity import ranges_of
 from thermobearing.border.library import data_path
 from thermobearing.border.showing import Shown
-from thermobearing.border.toml import read_toml
+from thermobearing.border.toml import read_toml, to_table
 from thermobearing.cyclic.equivalent import post_yield_ratio
 from thermobearing.cyclic.result import Result
 from thermobearing.design.bilinear import BoundModel, bound_models, bounds_table
@@ -256,6 +256,8 @@ class BoundsReport(Shown):
             "outcome": self.outcome,
             "warnings": self.warnings,
             **limits_summary(pd.DataFrame(), self.tested_range),
+            "sentence": self.sentence,
+            "inputs": {name: table.attrs.get("inputs") for name, table in self.tables.items()},
             "paragraphs": self.paragraphs,
             "rows": {name: table.to_dict("records") for name, table in self.tables.items()},
         }
@@ -352,6 +354,11 @@ class FactorReport(Shown):
             **limits_summary(pd.DataFrame(), self.tested_range),
             "motion": self.motion,
             "cycles": self.cycles,
+            "inputs": {
+                "bearing": to_table(self.bearings[0]),
+                "sources": self.bearings[0].sources,
+                "others": [bearing.name for bearing in self.bearings[1:]],
+            },
             "bounds": bounds_table(self.bounds).to_dict("records"),
             "stiffness_ratio": post_yield_ratio(self.bearings[0].kind).model_dump(),
             "coldest_day": self.coldest,

@@ -1,5 +1,7 @@
 """The room's results on the terminal: rounds as they come, sheets, paragraphs, factors."""
 
+from pathlib import PurePath
+
 import pandas as pd
 
 from thermobearing.cyclic.equivalent import post_yield_ratio
@@ -38,7 +40,7 @@ def print_head(case: DesignCase) -> None:
     pier-p1, HDR G8, 785 kN a bearing, motions jra-ii-i-1
     round u_B mm    bearing K_B kN/mm    h_B Q_d kN found mm differ ductility
     """
-    names = ", ".join(motion.name for motion in case.motions)
+    names = ", ".join(PurePath(motion.name).name for motion in case.motions)
     say(
         f"{case.structure.name}, {case.compound_kind} {case.compound}, "
         f"{bearing_weight(case):.0f} kN a bearing, motions {names}"

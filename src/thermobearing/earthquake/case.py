@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field, field_validator
 
 from thermobearing.bearing.bilinear import load_bilinear, load_device
+from thermobearing.bearing.library import sources_to_keep
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
 from thermobearing.border.overrides import overridden
@@ -132,6 +133,8 @@ class EarthquakeCase(Strict):
     initial_state : where an earlier test left the bearing; of one bearing that is not bilinear.
         `initial_result` of a file becomes it.
     lines : bearing lines with a bearing, an air or a count of their own.
+    sources : of the bearings' numbers, by name and dotted key, where their own files have some;
+        for documents only.
     rig : limits of the rig that moves the specimen; a run that passes one says so.
     """
 
@@ -147,6 +150,7 @@ class EarthquakeCase(Strict):
     initial_state: SpecimenState | None = None
     lines: Annotated[tuple[OnLine, ...], Field(max_length=8)] = ()
     rig: Rig | None = None
+    sources: dict[str, dict[str, str]] | None = None
 
     @field_validator("ambient")
     @classmethod
@@ -286,7 +290,9 @@ def make_earthquake_case(
     problems += [*case.faults(), *case.length_faults(motions)] if not problems else []
     if problems:
         raise InputError(problems, where)
-    return case
+    devices = [*case.bearings, *(line.bearing for line in case.lines)]
+    layered = [one for one in devices if isinstance(one, Bearing)]
+    return case.model_copy(update={"sources": sources_to_keep(layered, case.sources)})
 
 
 def _with_structure(case: EarthquakeCase, *, fixed: bool) -> EarthquakeCase:

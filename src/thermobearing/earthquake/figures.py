@@ -4,6 +4,7 @@ Rows are bearings, columns motions, colours ambient temperatures from cold (blue
 A study with many motions shows the first few; the table has them all.
 """
 
+import copy
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, Literal
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 
 from thermobearing.earthquake.loop_figures import draw_largest_loops, draw_modes, has_loops
 from thermobearing.earthquake.modes import has_both
+from thermobearing.earthquake.part_histories import told_of
 from thermobearing.earthquake.parts import has_parts, told_of_parts
 from thermobearing.earthquake.parts_figure import draw_parts
 from thermobearing.earthquake.peaks_figure import draw_peaks
@@ -249,15 +251,21 @@ class EarthquakeFigures:
         """Real time over pseudo-dynamic: loops of the specimen, as Fig. 3.16 to 3.19."""
         return draw_modes(self._result)
 
-    def strain(self, ax: Axes | None = None) -> Figure:
-        """Shear strain in time, as Fig. 6.10 and 6.13."""
-        what, y = "shear strain of the bearings", "shear strain [%]"
-        return self._history("bearing_strain", what, y, ax, 100.0, "y")
+    def _of(self, part: str, name: str | None) -> "EarthquakeFigures":
+        """The same figures of another line or pier."""
+        view = copy.copy(self)
+        view._data = told_of(self._data, part, name)
+        return view
 
-    def pier(self, ax: Axes | None = None) -> Figure:
-        """Displacement of the pier top relative to its base, as Fig. 6.17 and 6.19."""
+    def strain(self, ax: Axes | None = None, *, line: str | None = None) -> Figure:
+        """Shear strain in time, as Fig. 6.10 and 6.13; of the bearings of any `line`."""
+        what, y = "shear strain of the bearings", "shear strain [%]"
+        return self._of("line", line)._history("bearing_strain", what, y, ax, 100.0, "y")
+
+    def pier(self, ax: Axes | None = None, *, pier: str | None = None) -> Figure:
+        """Displacement of a pier's top relative to its base, as Fig. 6.17 and 6.19; of any pier."""
         what = "pier top relative to its base"
-        return self._history("pier_displacement", what, "displacement [mm]", ax)
+        return self._of("pier", pier)._history("pier_displacement", what, "displacement [mm]", ax)
 
     def pier_acceleration(self, ax: Axes | None = None) -> Figure:
         """Absolute acceleration of the pier top, as Fig. 3.27, 3.29, 4.15, 5.18 and 5.20."""
@@ -330,7 +338,7 @@ class EarthquakeFigures:
 
     def held(self) -> dict[str, Callable[[], Figure]]:
         """What draws each figure that the study holds data for, by name of its file."""
-        figures = {
+        figures: dict[str, Callable[[], Figure]] = {
             "loops": self.loops,
             "strain": self.strain,
             "energy": self.energy,

@@ -19,7 +19,6 @@ from thermobearing.results.directory import (
 )
 from thermobearing.results.reading import read_dataset
 from thermobearing.results.writing import (
-    DIGITS,
     write_csv,
     write_dataset,
     write_limits,
@@ -102,9 +101,7 @@ def _write_histories(result: EarthquakeResult, path: Path) -> None:
         for name in ("ambient", "motion", "bearing"):
             label = "ambient_degC" if name == "ambient" else name
             frame.insert(0, label, result.dataset[name].values[run])
-        frame.to_csv(
-            path, mode="a" if run else "w", header=run == 0, index=False, float_format=DIGITS
-        )
+        write_csv(path, frame, below=run > 0)
 
 
 def load_study(path: str | Path) -> EarthquakeResult:

@@ -40,7 +40,7 @@ def governing_runs(result: "EarthquakeResult") -> pd.DataFrame:
     Examples
     --------
     >>> import thermobearing as tb
-    >>> study = tb.bridge("shen-hdr-bridge", "jra-ii-i-1", [23, -20], duration=6)
+    >>> study = tb.bridge("shen-hdr-bridge", "jra-ii-i-1", [23, -20], duration=12)
     >>> governing_runs(study).set_index("what").loc["pier ductility", "ambient_degC"]
     np.float64(-20.0)
     """

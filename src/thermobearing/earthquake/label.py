@@ -8,7 +8,6 @@ import xarray as xr
 
 import thermobearing
 from thermobearing.bearing.bilinear import BilinearBearing
-from thermobearing.bearing.model import Bearing
 from thermobearing.core.records import Floats, Rows, labels
 from thermobearing.core.types import Books
 from thermobearing.cyclic.dataset import depth_attributes
@@ -336,7 +335,6 @@ def _attributes(
         "case": case.to_toml(),
         "interrupted": int(_interrupted(case, histories)),
         "sentences": as_attribute(RUN_SENTENCES | SENTENCES),
-        "sources": as_attribute(_sources(case)),
     }
     if prepared is None:
         return attrs
@@ -351,13 +349,6 @@ def _attributes(
         attrs[f"initial_periods_s:{name}"] = _initial_periods(task).tolist()
         attrs[f"bilinear:{name}"] = int(isinstance(task.device.bearing, BilinearBearing))
     return attrs
-
-
-def _sources(case: EarthquakeCase) -> dict[str, dict[str, str]]:
-    """Where the numbers of the bearings come from, by name; the resolved case does not say it."""
-    own = [line.bearing for line in case.lines]
-    found = [one for one in (*case.bearings, *own) if isinstance(one, Bearing)]
-    return {bearing.name: bearing.sources for bearing in found}
 
 
 def _initial_periods(task: "Task") -> Floats:

@@ -46,7 +46,7 @@ def draw_peaks(result: EarthquakeResult) -> Figure:
         for place, (ambient, colour) in enumerate(zip(ambients, colours, strict=True)):
             rows = mine[mine["ambient_degC"] == ambient]
             _dots(ax, place, rows.assign(value=factor * rows[name]), motions, colour)
-        ax.set_ylim(0.0, 1.2 * top)
+        ax.set_ylim(0.0, 1.2 * top or 1.0)  # a deck on the ground has no pier that moves
         _limits(ax, result, name, list(mine.index), factor)
         last = panel // columns == len(shown) - 1
         drawing.name_axes(ax, "ambient [°C]" if last else "", label if panel % columns == 0 else "")

@@ -18,8 +18,7 @@ from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.report.inputs import COLUMNS, input_table, value_and_unit
 from thermobearing.report.names import name_of
 from thermobearing.report.pieces import Column, ReportTable
-from thermobearing.report.words import counted, degrees, joined
-from thermobearing.results.writing import from_attribute
+from thermobearing.report.words import counted, degrees, joined, quantity
 from thermobearing.structure.model import STRUCTURES, Structure
 
 Case = Mapping[str, Any]
@@ -36,8 +35,7 @@ DAMPING = {
 
 def inputs_of(result: EarthquakeResult, case: Case) -> dict[str, ReportTable]:
     """Tables of what went in: structure, bearings, motions, air, laboratory, model."""
-    told = "sources" in result.dataset.attrs
-    sources = from_attribute(result.dataset, "sources") if told else {}
+    sources = case.get("sources", {})
     found = {
         "structure": structure_table(case["structure"]),
         "motions": motions_table(result, case),
@@ -143,8 +141,9 @@ def lines_table(case: Case) -> ReportTable:
     for line in case["lines"]:
         bearing = line.get("bearing")
         name = str(bearing["name"]) if bearing else "that of the study"
-        air = str(line.get("ambient") or line.get("weather") or "that of the study")
-        rows.append((str(line["line"]), name, air.replace("degC", "°C")))
+        air = line.get("weather") or "that of the study"
+        air = quantity(line["ambient"]) if "ambient" in line else Path(air).name
+        rows.append((str(line["line"]), name, air))
     return ReportTable("Bearing lines of their own", columns, rows)
 
 
@@ -190,7 +189,7 @@ def assumptions(result: EarthquakeResult, case: Case) -> list[str]:
         "are those of one modelled bearing.",
         damping,
         f"Mass: {analysis['mass']}. Time integration: {analysis['method'].replace('-', ' ')}, "
-        f"steps of at most {analysis['dt']}.",
+        f"steps of at most {quantity(analysis['dt'])}.",
         "Every bearing begins at the temperature of the air throughout, which it keeps."
         if air
         else "Bearings begin with the temperatures that the weather before the motion gives them.",
@@ -215,11 +214,11 @@ def _laboratory(case: Case) -> list[str]:
         found.append(f"The specimen stands for bearings of the structure at a scale of {told}.")
     if "pd" in lab["mode"]:
         found.append(
-            f"Pseudo-dynamic: the actuator moves at {lab['speed']}, and the specimen lives on "
-            "that slower clock."
+            f"Pseudo-dynamic: the actuator moves at {quantity(lab['speed'])}, and the specimen "
+            "lives on that slower clock."
         )
     errors = [
-        f"{name} {lab[key]}"
+        f"{name} {quantity(lab[key])}"
         for key, name in (("delay", "delay"), ("force_noise", "noise of the force"))
         if float(str(lab.get(key, "0")).split()[0]) > 0.0
     ]

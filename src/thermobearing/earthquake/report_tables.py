@@ -8,11 +8,11 @@ import pandas as pd
 
 from thermobearing.earthquake.modes import has_both, modes_table
 from thermobearing.earthquake.result import EarthquakeResult
+from thermobearing.report.limits import MARKED
 from thermobearing.report.pieces import Column, ReportTable
 from thermobearing.results.ranges import TESTED
 
 KJ = 1e-3
-MARKED = "Marked: beyond what the bearing was tested at"
 KEYS = {
     "bearing": Column("Bearing"),
     "motion": Column("Motion"),

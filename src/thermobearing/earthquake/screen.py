@@ -133,8 +133,9 @@ def _print_modes(name: str, rows: pd.DataFrame) -> None:
 
 def _print_runs(result: EarthquakeResult, rows: pd.DataFrame, both: bool) -> None:
     """One row a run of a bearing; columns that none of them has are left out."""
+    several = rows["ambient_degC"].nunique() > 1  # or each run would be the warmest
     cells = [
-        _cells(row, result.hottest(int(run)), both)
+        _cells(row, result.hottest(int(run)), both, several)
         for run, row in zip(rows.index, rows.to_dict("records"), strict=True)
     ]
     heads, about = (*KEYS, *HEADS), told_of_parts(result.dataset)
@@ -182,15 +183,15 @@ def _print_governing(result: EarthquakeResult) -> None:
     print_table([heads[k] for k in kept], told, title="largest of all runs", keys=2)
 
 
-def _cells(row: dict[Any, Any], hottest: dict[str, float], both: bool) -> list[str]:
+def _cells(row: dict[Any, Any], hottest: dict[str, float], both: bool, several: bool) -> list[str]:
     return [
         f"{row['motion']} {row['mode']}" if both else row["motion"],
         f"{row['ambient_degC']:g}" + _mark(row, "ambient"),
         f"{row['bearing_strain_max']:.0%}" + _mark(row, "strain"),
         f"{row['bearing_force_max_kN']:.0f}",
         f"{1e-3 * row['bearing_energy_kN_mm']:.1f}",
-        f"{row['energy_of_warmest']:.0%}",
-        f"{row['pier_displacement_max_mm']:.1f}",
+        f"{row['energy_of_warmest']:.0%}" if several else "",
+        _told(row["pier_displacement_max_mm"] or np.nan, "{:.1f}"),  # none: no pier
         _told(row["pier_ductility"], "{:.2f}"),
         _told(row.get("deck_displacement_max_mm", np.nan), "{:.0f}"),
         f"{row['deck_acceleration_max_m_s2']:.2f}",

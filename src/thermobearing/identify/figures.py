@@ -338,4 +338,4 @@ class IdentificationFigures:
         if any(panel.record.temperatures for panel in self._panels):
             figures["temperatures"] = self.temperatures
         figures |= {f"band_{band.ambient:g}": partial(self.band, band) for band in bands}
-        return drawing.save_figures(figures, folder)
+        return drawing.save_figures(figures, folder, vector=True)

@@ -28,7 +28,8 @@ from thermobearing.results.directory import (
     THERMOCOUPLES,
     write_directory,
 )
-from thermobearing.results.writing import write_summary
+from thermobearing.results.directory import VALIDATED_CYCLES as CYCLES
+from thermobearing.results.writing import write_csv, write_summary
 
 
 def save_checks(
@@ -90,8 +91,8 @@ def save_identification(
     figures: bool = True,
     forecast: Forecast | None = None,
 ) -> Path:
-    """Write summary.json, bearing.toml, compound.toml, fit.csv, thermocouples.csv, posterior.csv
-    and figures.
+    """Write summary.json, bearing.toml, compound.toml, fit.csv, cycles.csv, thermocouples.csv,
+    posterior.csv and figures.
 
     Parameters
     ----------
@@ -119,7 +120,7 @@ def save_identification(
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     written = save_identification(found, Path(folder) / "fit", figures=False)
     ...     print(sorted(path.name for path in written.iterdir()))
-    ['bearing.toml', 'compound.toml', 'fit.csv', 'summary.json']
+    ['bearing.toml', 'compound.toml', 'cycles.csv', 'fit.csv', 'summary.json']
     """
 
     def fill(folder: Path) -> None:
@@ -147,6 +148,8 @@ def fill_identification(
     if found.outcome != "poor_fit":  # nobody should make bearings of it
         (folder / COMPOUND).write_text(compound_text(found), encoding="utf-8")
     (folder / FIT_TABLE).write_text(fit_text(found), encoding="utf-8")
+    if len(found.cycles):
+        write_csv(folder / CYCLES, found.cycles)
     rows = found.thermocouples
     if rows:
         pd.DataFrame(rows).to_csv(folder / THERMOCOUPLES, index=False)

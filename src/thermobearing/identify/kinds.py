@@ -86,12 +86,13 @@ REMEDIES = (
 )
 
 
-def full_key(name: str) -> str:
+def full_key(name: str, before: str = "") -> str:
     """Dotted key of a parameter from its key or symbol.
 
     Parameters
     ----------
     name : "hysteresis.layer_stiffness" or "K_r".
+    before : what the message is about, "free: ".
 
     Returns
     -------
@@ -108,7 +109,7 @@ def full_key(name: str) -> str:
     """
     key = ALIASES.get(name.strip(), name.strip())
     if key not in BY_KEY:
-        raise InputError(f'no parameter "{name}"{nearest(name, [*ALIASES, *BY_KEY])}')
+        raise InputError(f'{before}no parameter "{name}"{nearest(name, [*ALIASES, *BY_KEY])}')
     return key
 
 

@@ -27,11 +27,36 @@ class MeasuredCycles:
     measures : of each full cycle, in the order of time.
     ends : of each: "closed", or "rest" where the motion stops at zero.
     notes : what else was found: rests, spikes, drift, a cycle left out, columns not used.
+    record : what was measured, spikes and drift taken out where its sidecar tells so.
+    rows : samples of each full cycle.
+    total_rubber_thickness : that strains are of [mm].
     """
 
     measures: list[CycleMeasures]
     ends: list[str]
     notes: list[str]
+    record: TestRecord
+    rows: list[slice]
+    total_rubber_thickness: float
+
+    def save(self, directory: str | Path, *, force: bool = False, figures: bool = True) -> Path:
+        """Write a result directory; see `save_measured`.
+
+        Parameters
+        ----------
+        directory, force, figures : as in `save_measured`.
+
+        Returns
+        -------
+        Path : the directory.
+
+        Raises
+        ------
+        OutputError : the directory exists and `force` is False, or it cannot be written.
+        """
+        from thermobearing.identify.measured_files import save_measured
+
+        return save_measured(self, Path(directory), force=force, figures=figures)
 
 
 def measured_cycles(path: str | Path, bearing: Bearing) -> MeasuredCycles:
@@ -75,7 +100,8 @@ def measured_cycles(path: str | Path, bearing: Bearing) -> MeasuredCycles:
         notes = [sentence for _, check, sentence in told(found) if check in ("spikes", "drift")]
     x = record.displacement
     cycles = found_cycles(x, rests=rests)
-    ends = [cycle.ends for cycle in cycles if cycle.ends != "incomplete"]
+    full = [cycle for cycle in cycles if cycle.ends != "incomplete"]
+    ends = [cycle.ends for cycle in full]
     if len(ends) < len(cycles):
         notes.append("a cycle that is not complete was left out")
     if "rest" in ends:
@@ -94,7 +120,8 @@ def measured_cycles(path: str | Path, bearing: Bearing) -> MeasuredCycles:
         )
     except InputError as error:
         raise InputError(error.problems, str(path)) from None
-    return MeasuredCycles(measures, ends, notes)
+    rows = [slice(cycle.first, cycle.last + 1) for cycle in full]
+    return MeasuredCycles(measures, ends, notes, record, rows, bearing.total_rubber_thickness)
 
 
 def _gaps(record: TestRecord) -> list[tuple[int, int]]:

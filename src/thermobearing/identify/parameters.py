@@ -319,11 +319,12 @@ def _chosen(bearing: Bearing, free: Sequence[str]) -> tuple[set[str], dict[str, 
     there = {kind.key for kind in available(bearing)}
     for name in free:
         match = TIE.fullmatch(name)
-        left = full_key(match[1] if match else name)
+        left = full_key(match[1] if match else name, "free: ")
         if left not in there:
-            raise InputError(f'"{name}": the bearing "{bearing.name}" has no {left.split(".")[0]}')
+            without = left.split(".")[0]
+            raise InputError(f'free: "{name}": the bearing "{bearing.name}" has no {without}')
         if match:
-            ties[left] = (full_key(match[3]), _factor(match[2], name))
+            ties[left] = (full_key(match[3], "free: "), _factor(match[2], name))
         else:
             keys.add(left)
     return keys, ties
@@ -373,7 +374,7 @@ def parameter_set(
     names = default_free(bearing, ambients) if free is None else list(free)
     keys, ties = _chosen(bearing, names)
     if not keys:
-        raise InputError("nothing is free: name at least one parameter")
+        raise InputError("free: nothing is free; name at least one parameter")
     given = {full_key(name): pair for name, pair in (bounds or {}).items()}
     made = []
     for kind in available(bearing):

@@ -7,6 +7,7 @@ within the bounds on the scale of the search; what the assumed numbers leave ope
 added to its draws.
 """
 
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -26,6 +27,7 @@ Floats = NDArray[np.float64]
 WALKERS_PER = 3  # walkers for each parameter
 LOW, HIGH = 0.025, 0.975
 MOST_STEPS = 100_000  # of a walker
+STEPS, BURN = 300, 100  # of a walker, kept and thrown away
 
 
 @dataclass(frozen=True)
@@ -209,8 +211,43 @@ def need_emcee() -> None:
         ) from None
 
 
+def _walkers(found: Identification) -> int:
+    return max(2 * len(found.cube) + 2, WALKERS_PER * len(found.cube))
+
+
+def posterior_effort(
+    found: Identification, *, steps: int = STEPS, burn: int = BURN
+) -> tuple[int, float]:
+    """What `posterior_samples` takes: runs of the model, and about how long.
+
+    Parameters
+    ----------
+    found : a fit.
+    steps, burn : as of `posterior_samples`.
+
+    Returns
+    -------
+    (runs, seconds) : at most so many runs of a test (draws beyond a bound need none), and their
+        time by the clock of one more run of the fit [s].
+
+    Examples
+    --------
+    >>> import thermobearing as tb
+    >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
+    >>> record = tb.identify.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
+    >>> found = tb.identify_bearing(record, "shen-hdr-specimen", free=["K_r"], starts=1)
+    >>> runs, seconds = posterior_effort(found)
+    >>> runs, seconds > 0.0
+    (1604, True)
+    """
+    rounds = _walkers(found) * (burn + steps + 1)  # and each walker's begin
+    begin = time.perf_counter()
+    found.problem.parts(found.cube, fine=True)
+    return rounds * len(found.records), rounds * (time.perf_counter() - begin)
+
+
 def posterior_samples(
-    found: Identification, *, steps: int = 300, burn: int = 100, seed: int = 0
+    found: Identification, *, steps: int = STEPS, burn: int = BURN, seed: int = 0
 ) -> Samples:
     """Draws from the posterior by emcee's ensemble sampler.
 
@@ -244,7 +281,7 @@ def posterior_samples(
         r = np.concatenate(problem.parts(u, fine=True))
         return -0.5 * worth * float(r @ r) / variance
 
-    walkers = max(2 * len(best) + 2, WALKERS_PER * len(best))
+    walkers = _walkers(found)
     start = laplace_samples(found, walkers, seed=seed).cube
     start = np.clip(start + 1e-6 * np.random.default_rng(seed).random(start.shape), 0.0, 1.0)
     sampler = emcee.EnsembleSampler(walkers, len(best), log_probability)

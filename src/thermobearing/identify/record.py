@@ -14,6 +14,7 @@ from thermobearing.bearing.ambient import check_temperature
 from thermobearing.border.errors import InputError
 from thermobearing.border.numbers import number_list
 from thermobearing.border.sidecar import Readings, read_laboratory
+from thermobearing.identify.chamber import told_drift
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -197,4 +198,6 @@ def _ambient(readings: Readings, assumptions: list[str]) -> float:
             "ambient temperature: cut the file in one per temperature, or give ambient",
             str(readings.file),
         )
+    drift = told_drift(readings.values["time"], column) if "time" in readings.values else ""
+    assumptions += [drift] if drift else []
     return check_temperature(float(column.mean()), f"{readings.file}: ambient")

@@ -9,12 +9,15 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+import thermobearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.bearing.validity import Validity
 from thermobearing.border.showing import Shown
 from thermobearing.identify.agreement import UNUSABLE, RecordFit, fit_of_record
 from thermobearing.identify.checks import CheckReport
+from thermobearing.identify.conditions import conditions_of, cycle_row
 from thermobearing.identify.forward import Prediction
+from thermobearing.identify.loops import largest_of, loops_of
 from thermobearing.identify.parameters import ParameterSet
 from thermobearing.identify.problem import Problem
 from thermobearing.identify.record import TestRecord
@@ -52,6 +55,7 @@ class Identification(Shown):
     outcome : "completed", or why not.
     problem : the residuals, for the posterior.
     sensitivity : what the tests can tell, and what is therefore free; empty where that was told.
+    inputs : options of the fit, for documents.
 
     Examples
     --------
@@ -80,6 +84,7 @@ class Identification(Shown):
     outcome: str
     problem: Problem
     sensitivity: list[Sensitivity] = field(default_factory=list)
+    inputs: dict[str, Any] = field(default_factory=dict)
 
     @property
     def headline(self) -> str:
@@ -132,6 +137,18 @@ class Identification(Shown):
         """What these tests cover; it goes into the file of the bearing."""
         rubber = self.bearing.total_rubber_thickness
         return range_of_tests(self.records, self.predictions, rubber)
+
+    @cached_property
+    def cycles(self) -> pd.DataFrame:
+        """One row for each cycle of each test: test, model and ratios, as of a validation."""
+        rows = []
+        for record, prediction in zip(self.records, self.predictions, strict=True):
+            loops = loops_of(record, prediction.force)
+            largest = largest_of(record, prediction.force, loops)
+            whose = {"test": record.name, "ambient_degC": record.ambient}
+            whose |= {"bearing": self.bearing.name, "model": "identified"}
+            rows += [whose | cycle_row(loop, largest=loop is largest) for loop in loops]
+        return pd.DataFrame(rows)
 
     @property
     def poor(self) -> list[str]:
@@ -199,7 +216,9 @@ class Identification(Shown):
         estimates = self.uncertainty.estimates
         return {
             "command": "identify",
+            "version": thermobearing.__version__,
             "bearing": self.bearing.name,
+            "inputs": self.inputs,
             "parameters": {
                 key: _estimate_summary(item, self.start.get(key)) for key, item in estimates.items()
             },
@@ -212,6 +231,7 @@ class Identification(Shown):
             "assumed": [told.summary() for told in self.uncertainty.assumed.told],
             "records": [
                 fit.summary()
+                | {"conditions": conditions_of(fit.record, self.bearing.total_rubber_thickness)}
                 | {"treatment": check.treatment.summary() if check.treatment else None}
                 for fit, check in zip(self.fits, self.checks, strict=True)
             ],
@@ -228,6 +248,7 @@ class Identification(Shown):
             "evaluations": self.evaluations,
             "seconds": self.seconds,
             "outcome": self.outcome,
+            "sentence": self.sentence,
         }
 
     @property

@@ -10,6 +10,7 @@ search in search.py.
 import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -185,7 +186,19 @@ def run_identify(case: IdentifyCase) -> Identification:
         outcome="completed" if converged else "not_converged",
         problem=problem,
         sensitivity=sensitivity,
+        inputs=_inputs(case),
     ).judged(accept_poor=case.accept_poor)
+
+
+def _inputs(case: IdentifyCase) -> dict[str, Any]:
+    """Options of a fit, as summary.json keeps them for documents."""
+    names = ("method", "seed", "starts", "loss", "temperatures", "blind", "polish", "evaluations")
+    told: dict[str, Any] = {"start": case.bearing.name}
+    told |= {name: getattr(case, name) for name in names}
+    told["free"] = None if case.free is None else list(case.free)
+    told["bounds"] = {key: list(ends) for key, ends in (case.bounds or {}).items()}
+    told["assumed"] = dict(case.assumed or {})
+    return told
 
 
 def _to_fit(checks: Sequence[CheckReport]) -> tuple[list[TestRecord], list[NDArray[np.bool_]]]:

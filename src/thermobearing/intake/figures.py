@@ -1,17 +1,22 @@
 """The picture of a file: histories with rests, spikes and drift, loops, temperatures."""
 
+import math
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from thermobearing.border.errors import printable
+from thermobearing.identify.forward import PAUSE
 from thermobearing.intake.result import Intake
 from thermobearing.results import drawing
+from thermobearing.results.time_axis import DrawnAxis, Stretch
 
 Floats = NDArray[np.float64]
 
 BINS = 3000
+FEW_TICKS = 14  # of a panel that is half as wide as the page
 REST, SPIKE, BLOCK, DRIFT = "#dfe7f5", "#CC3311", "#009988", "#EE7733"
 UNITS = {"displacement": "mm", "force": "kN"}
 
@@ -27,25 +32,74 @@ def intake_figure(found: Intake) -> Figure:
     -------
     Figure
     """
-    record = found.record
+    record, axis = found.record, time_axis(found)
     title = f"{printable(found.file.name)}: {found.rows} rows, {found.blocks} block(s)"
-    figure, (way, force, loops, warm) = drawing.panels(2, 2, (11.0, 7.2), title)
+    figure, (way, force, loops, warm) = drawing.panels(2, 2, (drawing.WIDEST, 5.6), title)
     for ax, name in ((way, "displacement"), (force, "force")):
-        _draw_history(ax, found, name)
+        _draw_history(ax, found, axis, name)
     x, f = record.displacement, record.force
     spans = max(float(np.ptp(x)), 1e-9), max(float(np.ptp(f)), 1e-9)
     kept = drawing.thin_loops(x, f, *spans)
     loops.plot(x[kept], f[kept], color=drawing.INK, linewidth=0.6)
     drawing.name_axes(loops, "displacement [mm]", "force [kN]", "loops as recorded")
-    _draw_temperatures(warm, found)
+    _draw_temperatures(warm, found, axis)
     return figure
 
 
-def _draw_history(ax: Axes, found: Intake, name: str) -> None:
+def time_axis(found: Intake) -> DrawnAxis:
+    """Loadings to scale, rests shortened: those that were logged, and those that were not.
+
+    Parameters
+    ----------
+    found : from `take_in`.
+
+    Returns
+    -------
+    DrawnAxis : of stretches whose ends are samples.
+    """
+    time, treatment = found.record.time, found.treatment
+    gaps = np.flatnonzero(np.diff(time) > PAUSE).tolist()
+    rests = sorted({*(treatment.rests if treatment else []), *((k, k + 1) for k in gaps)})
+    ends: list[tuple[int, int, bool]] = []
+    before = 0
+    for first, last in [*rests, (len(time) - 1, len(time) - 1)]:
+        if first > before:
+            ends.append((before, first, False))
+        if last > max(first, before):
+            ends.append((max(first, before), last, True))
+        before = max(before, last)
+    lasting = [(a, b, rest, float(time[b] - time[a])) for a, b, rest in ends]
+    return DrawnAxis([Stretch(a, b, rest, span, span) for a, b, rest, span in lasting])
+
+
+def _places(axis: DrawnAxis, time: Floats) -> Floats:
+    """Where each sample is drawn."""
+    x = np.empty(len(time))
+    for s in axis.stretches:
+        rows = slice(s.first, s.last + 1)
+        x[rows] = s.place(time[rows] - time[s.first])
+    return x
+
+
+def _kept(axis: DrawnAxis, values: Floats) -> NDArray[np.int64]:
+    """Samples to draw: as many of a stretch as it has room, so that rests do not take them all."""
+    parts = []
+    for s in axis.stretches:
+        bins = math.ceil(BINS * s.width / axis.end)
+        parts.append(s.first + drawing.thin(values[s.first : s.last + 1], bins))
+    return np.concatenate(parts)
+
+
+def _name_time(ax: Axes, axis: DrawnAxis) -> None:
+    axis.set_ticks(ax, in_rests=False, most=FEW_TICKS)
+    ax.set_xlabel(axis.caption().replace("; ", ";\n"), fontsize=drawing.NORMAL)
+
+
+def _draw_history(ax: Axes, found: Intake, axis: DrawnAxis, name: str) -> None:
     """One signal in time: rests shaded, spikes crossed, begins of blocks, the line of its drift."""
     record, treatment = found.record, found.treatment
-    time, values = record.time, getattr(record, name)
-    kept = drawing.thin(values, BINS)
+    time, values = _places(axis, record.time), getattr(record, name)
+    kept = _kept(axis, values)
     ax.plot(time[kept], values[kept], color=drawing.INK, linewidth=0.7)
     told = []
     for k in np.flatnonzero(np.diff(record.block)).tolist():
@@ -64,27 +118,31 @@ def _draw_history(ax: Axes, found: Intake, name: str) -> None:
         if name in treatment.drifts:
             drift = treatment.drifts[name]
             middle = float(np.median(drift.middles - drift.slope * drift.times))
-            ax.plot(time[[0, -1]], middle + drift.slope * time[[0, -1]], color=DRIFT, linewidth=1.4)
+            line = middle + drift.slope * record.time[kept]
+            ax.plot(time[kept], line, color=DRIFT, linewidth=1.4)
             told.append(f"line: drift of {drift.total:.3g} {UNITS[name]}")
     title = ", ".join(told) or "nothing out of the way"
-    drawing.name_axes(ax, "time [s]", f"{name} [{UNITS[name]}]", title)
+    _name_time(ax, axis)
+    drawing.name_axes(ax, "", f"{name} [{UNITS[name]}]", title)
 
 
-def _draw_temperatures(ax: Axes, found: Intake) -> None:
+def _draw_temperatures(ax: Axes, found: Intake, axis: DrawnAxis) -> None:
     """Thermocouples, and the ambient as one line."""
     record = found.record
+    time = _places(axis, record.time)
     colours = drawing.ordered_colours(max(len(record.temperatures), 1), "turbo")
     for (title, values), colour in zip(record.temperatures.items(), colours, strict=False):
         label = f"{title} ({record.places[title]})"
-        ax.plot(record.time, values, color=colour, linewidth=0.9, label=label)
+        kept = _kept(axis, values)
+        ax.plot(time[kept], values[kept], color=colour, linewidth=0.9, label=label)
     assumed = "ambient" in found.sidecar and "ambient" not in found.kept
     label = f"ambient {drawing.degrees(round(record.ambient, 2))}" + (
         " (assumed)" if assumed else ""
     )
     if found.ambient is not None:
-        kept = drawing.thin(found.ambient, BINS)
-        ax.plot(record.time[kept], found.ambient[kept], color=REST, linewidth=0.5, zorder=0)
-    ax.set_xlim(*(record.time[[0, -1]].tolist()))
+        kept = _kept(axis, found.ambient)
+        ax.plot(time[kept], found.ambient[kept], color=REST, linewidth=0.5, zorder=0)
     ax.axhline(record.ambient, color=drawing.GREY, linewidth=1.2, linestyle="--", label=label)
-    drawing.name_axes(ax, "time [s]", "temperature [degC]", "temperatures")
+    _name_time(ax, axis)
+    drawing.name_axes(ax, "", "temperature [degC]", "temperatures")
     ax.legend(fontsize=drawing.SMALL, frameon=False)

@@ -83,9 +83,16 @@ class Intakes:
     Attributes
     ----------
     files : in the order given.
+    problems : of the files that are left out: why they could not be read.
     """
 
     files: list[Intake]
+    problems: list[str] = field(default_factory=list)
+
+    @property
+    def outcome(self) -> str:
+        """How it ended: "completed", or "files_left_out"."""
+        return "files_left_out" if self.problems else "completed"
 
     def summary(self) -> dict[str, Any]:
         """The content of summary.json.
@@ -96,7 +103,8 @@ class Intakes:
         """
         return {
             "command": "intake",
-            "outcome": "completed",
+            "outcome": self.outcome,
+            "problems": list(self.problems),
             "files": [item.summary() for item in self.files],
         }
 

@@ -38,11 +38,11 @@ def take_in(
 
     Returns
     -------
-    Intakes
+    Intakes : of the files that could be read; `problems` says why others could not.
 
     Raises
     ------
-    InputError : a file that cannot be read, or in which nothing looks like a test.
+    InputError : no file can be read, or nothing in them looks like a test.
 
     Examples
     --------
@@ -70,9 +70,9 @@ def take_in(
             problems += (
                 error.lines() if error.where else [f"{file}: {one}" for one in error.problems]
             )
-    if problems:
+    if not found:
         raise InputError(problems)
-    return Intakes(found)
+    return Intakes(found, problems)
 
 
 def _one(path: Path, bearing: Bearing | str | Path | None) -> Intake:

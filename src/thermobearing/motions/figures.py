@@ -35,14 +35,13 @@ def save_figures(result: MotionResult, folder: Path) -> None:
         motion.displacement / MM_PER_CM,
         significant_interval(motion),
     )
-    drawing.save_figure(histories, folder / "motion.png")
     standards = {
         f"standard, Level 2 Type {beside.kind}, ground {beside.ground}, 5 %": (
             beside.at(found.periods) / MM_S2_PER_GAL
         )
         for beside in ([result.reference] if result.reference else BOTH_TYPES)
     }
-    spectrum = spectrum_figure(
+    spectra = spectrum_figure(
         motion.name,
         found.periods,
         found.acceleration / MM_S2_PER_GAL,
@@ -50,7 +49,8 @@ def save_figures(result: MotionResult, folder: Path) -> None:
         standards,
         found.damping,
     )
-    drawing.save_figure(spectrum, folder / "spectrum.png")
+    drawn = {"motion": lambda: histories, "spectrum": lambda: spectra}
+    drawing.save_figures(drawn, folder, vector=True)
 
 
 def motion_figure(

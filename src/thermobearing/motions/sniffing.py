@@ -1,5 +1,6 @@
 """What the readers share: text into numbers, checks of unit, size and time steps."""
 
+import math
 import re
 from dataclasses import dataclass
 
@@ -65,7 +66,7 @@ def number(cell: str) -> float:
         what = "is not a finite number" if is_not_finite(text) else "is not a number"
         raise InputError(f'"{shortened(text)}" {what}')
     value = float(text.replace("D", "E").replace("d", "e"))
-    if not np.isfinite(value):
+    if not math.isfinite(value):
         raise InputError(f'"{shortened(text)}" is not a finite number')
     if abs(value) > HUGEST:
         raise InputError(f'"{shortened(text)}" is too large, more than {HUGEST:g}')
@@ -166,6 +167,6 @@ def check_size(pga: float, unit: str, *, instrument: bool, trusted: bool) -> Non
     guess = f"; it would be {' or '.join(plausible)}" if plausible else ""
     raise InputError(
         f"largest acceleration {number_in_file:.4g} {unit} = {gal:.4g} gal is outside "
-        f"{low:g} to {high:g} gal: is the unit wrong?{guess}. If the unit is right, say so with "
+        f"{low:g} to {high:g} gal: is the unit wrong{guess}? If the unit is right, say so with "
         "trust_unit"
     )

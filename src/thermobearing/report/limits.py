@@ -10,6 +10,7 @@ from thermobearing.results.ranges import TESTED
 # Largest residual of energy books, of the largest energy in them: rounding comes to 1e-10, what is
 # more is a fault of the computation.
 BOOKS_CLOSE = 1e-6
+MARKED = "Marked: beyond what the bearing was tested at"
 TESTED_RANGE = "tested range"  # how the source of those limits begins
 RIG = {"force": "force", "stroke": "stroke", "speed": "speed"}
 TESTS = {name: title for name, (_, title, _, _) in TESTED.items()}

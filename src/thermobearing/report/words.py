@@ -4,6 +4,7 @@ import re
 from collections.abc import Iterable, Sequence
 
 MINUS = "\N{MINUS SIGN}"
+SHARE = re.compile(r"(\d)%")
 NEGATIVE = re.compile(r"(?<![\w.-])-(?=\d)")
 # Of the package's units: how one prints them, and the factor to a unit that engineers quote.
 PRINTED = {
@@ -107,7 +108,19 @@ def plain(words: str) -> str:
     >>> plain("jra-i-i-1, -20 degC")
     'jra-i-i-1, −20 °C'
     """
-    return NEGATIVE.sub(MINUS, words.replace(" degC", " °C"))
+    return SHARE.sub(r"\1 %", NEGATIVE.sub(MINUS, words.replace(" degC", " °C")))
+
+
+def quantity(text: str) -> str:
+    """A number with its unit, as TOML has it, in a sentence.
+
+    Examples
+    --------
+    >>> quantity("-10.0 degC"), quantity("600.0 s")
+    ('−10 °C', '600 s')
+    """
+    value, _, unit = str(text).partition(" ")
+    return plain(f"{number(float(value), '.6g')} {printed_unit(unit)[0] or unit}".strip())
 
 
 def tidy(sentence: str) -> str:

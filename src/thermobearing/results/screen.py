@@ -121,8 +121,9 @@ def laid_out(heads: Row, rows: Sequence[Row], keys: int, width: int | None) -> l
 
 
 def print_facts(title: str, facts: dict[str, str]) -> None:
-    """A titled list of names and values."""
+    """A titled list of names and values, each of one or more lines."""
     say(title, "bold")
     width = max(len(name) for name in facts)
     for name, value in facts.items():
-        say(f"  {name:{width}}  {value}")
+        for row, line in enumerate(value.split("\n")):
+            say(f"  {'' if row else name:{width}}  {line}")

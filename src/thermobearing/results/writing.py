@@ -4,7 +4,9 @@ import errno
 import json
 import math
 import os
+import shlex
 import shutil
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +16,9 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
+# Commands whose inputs are files and options, and no case that is written whole.
+WITHOUT_CASE = {"identify", "validate", "lambda", "bounds"}
+WITHOUT_CASE |= {"motions show", "motions make", "motions spectrum"}
 DIGITS = "%.7g"  # in tables; the netCDF file has them all
 FEW = 1000  # numbers that are not worth compressing
 NETCDF_EXTRA = 500_000  # attributes, names and tables of the netCDF file beside its numbers [bytes]
@@ -35,8 +40,17 @@ def json_line(value: Any) -> str:
     return json.dumps(without_nan(value), allow_nan=False)
 
 
+def command_line() -> str | None:
+    """The command that was typed, where the command line runs; None in somebody's own program."""
+    if Path(sys.argv[0]).stem != "thermobearing":
+        return None
+    return shlex.join(["thermobearing", *sys.argv[1:]])
+
+
 def write_summary(folder: Path, content: dict[str, Any]) -> None:
-    """Write summary.json into a folder."""
+    """Write summary.json into a folder; of what is not to be repeated by a case, the command."""
+    if content.get("command") in WITHOUT_CASE and (typed := command_line()):
+        content = content | {"command_line": typed}
     text = json.dumps(without_nan(content), indent=2, allow_nan=False, ensure_ascii=False)
     # A file name that is no text keeps its bytes as lone surrogates; JSON has an escape for them.
     (folder / SUMMARY).write_text(text + "\n", encoding="utf-8", errors="backslashreplace")
@@ -69,9 +83,17 @@ def limits_of(dataset: "xr.Dataset", name: str) -> "pd.DataFrame":
     return pd.DataFrame(from_attribute(dataset, name) if told else [])
 
 
-def write_csv(path: Path, table: "pd.DataFrame") -> None:
-    """Write a table without its index, with seven digits."""
-    table.to_csv(path, index=False, float_format=DIGITS)
+def write_csv(path: Path, table: "pd.DataFrame", *, below: bool = False) -> None:
+    """Write a table without its index, with seven digits; or below one that is there.
+
+    The numbers become text here: pandas asks of each whether it is missing, and takes longer.
+    """
+    texts = {
+        str(name): ["" if value != value else DIGITS % value for value in column.tolist()]
+        for name, column in table.items()
+        if column.dtype.kind == "f"
+    }
+    table.assign(**texts).to_csv(path, mode="a" if below else "w", header=not below, index=False)
 
 
 def as_attribute(value: Any) -> str | int | float:

@@ -146,13 +146,20 @@ class Reported(Strict):
     """What the tables call deck and pier: bodies, and the height of the pier top.
 
     `line` is the bearing line of histories and the table of peaks; by default the first between
-    deck and pier. Every line and every pier has a row of its own besides.
+    deck and pier. Every line and every pier has a row of its own besides. A deck on bearings that
+    stand on the ground has no pier, and both keys are left out.
     """
 
     deck: Name
-    pier: Name
+    pier: Name = GROUND
     pier_base: Name = GROUND
-    pier_top: Height
+    pier_top: Height = 0.0
+
+    @property
+    def has_pier(self) -> bool:
+        """Whether there is one to tell of."""
+        return self.pier != GROUND
+
     line: Name | None = None
 
 
@@ -200,6 +207,11 @@ class Structure(Strict):
         line = self.report.line
         if line is not None and line not in lines:
             faults.append(f'report.line: no bearing line is called "{line}"{nearest(line, lines)}')
+        if not self.report.has_pier and any(line.base != GROUND for line in self.bearings):
+            faults.append(
+                "report.pier: which body is the pier, and report.pier_top, how high its top is? "
+                "Only a deck whose bearings all stand on the ground needs none"
+            )
         used = [mass.body for mass in self.masses]
         connections: list[Spring | Hinge | BearingLine] = [
             *self.springs,

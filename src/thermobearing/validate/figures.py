@@ -203,7 +203,9 @@ class ValidationFigures:
         }
         if any(record.temperatures for record in self._records):
             figures["temperatures"] = self.temperatures
-        return drawing.save_figures({prefix + name: draw for name, draw in figures.items()}, folder)
+        return drawing.save_figures(
+            {prefix + name: draw for name, draw in figures.items()}, folder, vector=True
+        )
 
 
 def _name(item: Comparison) -> str:

@@ -64,5 +64,9 @@ class CrossValidationFigures:
         -------
         list of the files written.
         """
-        written = drawing.save_figures({"folds": self.folds}, folder) if self._found.folds else []
+        written = (
+            drawing.save_figures({"folds": self.folds}, folder, vector=True)
+            if self._found.folds
+            else []
+        )
         return written + self._found.judged.plot.save_all(folder, "held_out_")

@@ -9,7 +9,9 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+import thermobearing
 from thermobearing.border.showing import Shown
+from thermobearing.identify.conditions import conditions_of, cycle_row
 from thermobearing.identify.forward import Prediction
 from thermobearing.identify.loops import Loop
 from thermobearing.identify.record import TestRecord
@@ -50,6 +52,7 @@ class Comparison:
         warmed by a twentieth of its largest rise.
     outcome : of the model's run, as of a cyclic test.
     asked : what the test asks of the range that the bearing was tested in, rows of `compared`.
+    rubber : total thickness of the bearing [mm]; 0 where nobody said it.
     """
 
     bearing: str
@@ -63,6 +66,7 @@ class Comparison:
     temperature_errors: dict[str, Floats]
     outcome: str = "completed"
     asked: list[Row] = field(default_factory=list)
+    rubber: float = 0.0
 
     @property
     def errors(self) -> dict[str, float]:
@@ -91,6 +95,7 @@ class Validation(Shown):
     comparisons : of every test with every bearing and model.
     limits : largest relative error by quantity.
     warnings : what a reader must know.
+    inputs : bearings as tables, by name, with the sources of their numbers; for documents.
 
     Examples
     --------
@@ -105,6 +110,7 @@ class Validation(Shown):
     comparisons: list[Comparison]
     limits: dict[str, float]
     warnings: list[str] = field(default_factory=list)
+    inputs: dict[str, Any] = field(default_factory=dict)
 
     @property
     def headline(self) -> str:
@@ -163,22 +169,13 @@ class Validation(Shown):
         rows = []
         for item in self.comparisons:
             for loop in item.loops:
-                row: dict[str, Any] = {
+                whose = {
                     "test": item.record.name,
                     "ambient_degC": item.record.ambient,
                     "bearing": item.bearing,
                     "model": item.model,
-                    "cycle": loop.cycle,
-                    "number": loop.number,
-                    "largest": loop is item.largest,
-                    "D+_mm": loop.displacement_max,
-                    "D-_mm": loop.displacement_min,
                 }
-                for name, ratio in loop.ratios.items():
-                    row[f"{name}_test"] = loop.test[name]
-                    row[f"{name}_model"] = loop.model[name]
-                    row[f"{name}_ratio"] = ratio
-                rows.append(row)
+                rows.append(whose | cycle_row(loop, largest=loop is item.largest))
         return pd.DataFrame(rows)
 
     @cached_property
@@ -223,7 +220,10 @@ class Validation(Shown):
         """
         return {
             "command": "validate",
+            "version": thermobearing.__version__,
+            "inputs": self.inputs,
             "outcome": self.outcome,
+            "sentence": self.sentence,
             "verdict": self.verdict,
             "limits": self.limits,
             "warnings": self.warnings,
@@ -240,6 +240,7 @@ class Validation(Shown):
             "ambient_degC": item.record.ambient,
             "bearing": item.bearing,
             "model": item.model,
+            "conditions": conditions_of(item.record, item.rubber) if item.rubber else None,
             "unused_columns": list(item.record.unused),
             "thermocouples": []
             if item.prediction is None

@@ -16,6 +16,7 @@ from thermobearing.bearing.exposure import exposures, told_of
 from thermobearing.bearing.model import Bearing
 from thermobearing.bearing.validity import ranges_of
 from thermobearing.border.errors import InputError
+from thermobearing.border.toml import to_table
 from thermobearing.identify.agreement import determination
 from thermobearing.identify.checks import check_test
 from thermobearing.identify.forward import ForwardModel, Prediction
@@ -117,7 +118,8 @@ def judge(case: ValidateCase) -> Validation:
         rows = [row for item in mine for row in item.asked]
         said += outside_tests(bearing.name, rows, ranges_of(bearing))
         found += mine
-    return Validation(found, dict(case.limits), said)
+    went_in = {one.name: {"table": to_table(one), "sources": one.sources} for one in case.bearings}
+    return Validation(found, dict(case.limits), said, {"bearings": went_in})
 
 
 def as_fitted(record: TestRecord) -> TestRecord:
@@ -161,7 +163,8 @@ def _comparison(bearing: Bearing, model: Model, record: TestRecord) -> Compariso
     asked = asked_of_tests(name, reached, ranges_of(bearing))
     if found is None:
         nan, ended = float("nan"), forward.ended
-        return Comparison(bearing.name, model, record, None, nan, nan, [], None, {}, ended, asked)
+        early = Comparison(bearing.name, model, record, None, nan, nan, [], None, {}, ended, asked)
+        return replace(early, rubber=bearing.total_rubber_thickness)
     loops = loops_of(record, found.force)
     off = found.force - record.force
     return Comparison(
@@ -176,6 +179,7 @@ def _comparison(bearing: Bearing, model: Model, record: TestRecord) -> Compariso
         temperature_errors=rise_errors(record, found),
         outcome=forward.ended,
         asked=asked,
+        rubber=bearing.total_rubber_thickness,
     )
 
 

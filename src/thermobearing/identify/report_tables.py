@@ -1,0 +1,334 @@
+"""Tables of the document of a fit: tests, treatment, parameters, cycles, what is not known."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from thermobearing.identify.uncertainty import POOR
+from thermobearing.report.names import name_of
+from thermobearing.report.pieces import Column, ReportTable
+from thermobearing.report.words import joined
+from thermobearing.results.saved import SavedResult
+
+Record = Mapping[str, Any]
+TEST = Column("Test")
+STRONG = 0.9  # correlation that is told
+AT_BOUND, POORLY = "at its bound", "poorly"
+MOST_ROWS = 200
+AMBIENT = Column("Ambient", "°C", "g")
+PERCENT = {"form": "+.1f", "unit": "%"}
+
+
+def tests_table(records: Sequence[Record]) -> ReportTable:
+    """Conditions of each test."""
+    columns = (
+        TEST,
+        Column("File"),
+        AMBIENT,
+        Column("Length", "s", ".1f"),
+        Column("Samples", form="d"),
+        Column("Largest displacement", "mm", ".1f"),
+        Column("Largest strain", "%", ".0f"),
+        Column("Largest force", "kN", ".1f"),
+        Column("Largest speed", "mm/s", ".3g"),
+        Column("Weight", form="g"),
+        Column("Thermocouples"),
+        Column("SHA-256 of its samples"),
+    )
+    rows = []
+    for record in records:
+        told = record.get("conditions") or {}
+        places = [f"{title}: {place}" for title, place in told.get("thermocouples", {}).items()]
+        strain = told.get("largest_strain")
+        rows.append(
+            (
+                record.get("name", record.get("test")),
+                record.get("file", ""),
+                record["ambient_degC"],
+                told.get("duration_s"),
+                told.get("samples"),
+                told.get("largest_displacement_mm"),
+                None if strain is None else 100.0 * strain,
+                told.get("largest_force_kN"),
+                told.get("largest_speed_mm_s"),
+                told.get("weight"),
+                ", ".join(places),
+                str(told.get("sha256", ""))[:16],
+            )
+        )
+    note = "Of the hash the first 16 signs; all are in summary.json."
+    return ReportTable("Tests", columns, rows, note=note)
+
+
+def treatment_table(records: Sequence[Record]) -> ReportTable:
+    """What is between each record and its fit: noise, rests, spikes, drift, zero."""
+    columns = (
+        TEST,
+        Column("Noise of displacement", "mm", ".2g"),
+        Column("Noise of force", "kN", ".2g"),
+        Column("Rests held", form="d"),
+        Column("Samples in them", form="d"),
+        Column("Spikes found", form="d"),
+        Column("Spikes taken out"),
+        Column("Drift of zero"),
+        Column("Drift taken out"),
+        Column("Columns not used"),
+    )
+    rows = []
+    for record in records:
+        told = record.get("treatment") or {}
+        noise = told.get("noise", {})
+        drift = [f"{name} {value:.3g}" for name, value in _drifts(told.get("drift", {}))]
+        rows.append(
+            (
+                record.get("name"),
+                noise.get("displacement_mm"),
+                noise.get("force_kN"),
+                told.get("rests"),
+                told.get("samples_at_rest"),
+                sum(told.get("spikes", {}).values()) if told else None,
+                "yes" if told.get("spikes_removed") else "no",
+                ", ".join(drift) or "none found",
+                ", ".join(told.get("drift_removed", [])) or "nothing",
+                ", ".join(record.get("unused_columns", [])),
+            )
+        )
+    note = "Rests that the logger ran through are held; spikes and drift are taken out only where "
+    note += "that was asked for."
+    return ReportTable("Treatment of the records", columns, rows, note=note)
+
+
+def _drifts(told: Mapping[str, Any]) -> list[tuple[str, float]]:
+    """Numbers of the drift of each signal, whatever else is told of it."""
+    found = []
+    for name, value in told.items():
+        if isinstance(value, Mapping):
+            numbers = [(f"{name}, {key}", one) for key, one in value.items()]
+        else:
+            numbers = [(str(name), value)]
+        found += [(key, float(one)) for key, one in numbers if isinstance(one, int | float)]
+    return found
+
+
+def parameters_table(summary: Mapping[str, Any]) -> ReportTable:
+    """Estimates with standard errors and intervals; strong correlation in words."""
+    columns = (
+        Column("Parameter"),
+        Column("Symbol"),
+        Column("Unit"),
+        Column("Estimate", form=".4g"),
+        Column("Standard error", form=".2g"),
+        Column("of the tests alone", form=".2g"),
+        Column("95 % from", form=".4g"),
+        Column("to", form=".4g"),
+        Column("Determined"),
+        Column("Start", form=".4g"),
+    )
+    rows = []
+    for key, item in summary["parameters"].items():
+        errors = [None, None] if item["at_bound"] else [item["stderr"], item["stderr_of_tests"]]
+        ends = [item["lower"], item["upper"]]
+        head = (name_of(key).removesuffix(f" {item['symbol']}"), item["symbol"], item["unit"])
+        rows.append((*head, item["value"], *errors, *ends, grade(item), item["start"]))
+    note = "Standard errors count what was assumed of the numbers that are not free; beside them "
+    note += f"those of the tests alone. {_correlated(summary)}"
+    return ReportTable("Identified parameters", columns, rows, 2, note=note.strip())
+
+
+def relative_error(item: Mapping[str, Any]) -> float:
+    """Standard error over the estimate; infinite where it is not known."""
+    if item["at_bound"] or item["stderr"] is None:
+        return float("inf")
+    return float(item["stderr"]) / max(abs(float(item["value"])), 1e-12)
+
+
+def grade(item: Mapping[str, Any]) -> str:
+    """How well the tests know a parameter."""
+    if item["at_bound"]:
+        return AT_BOUND
+    if relative_error(item) > POOR:
+        return POORLY
+    return "well" if item["well_determined"] else "yes"
+
+
+def _correlated(summary: Mapping[str, Any]) -> str:
+    """Pairs of parameters that the tests hardly tell apart."""
+    told = summary["correlation"]
+    symbols = [summary["parameters"][key]["symbol"] for key in told["parameters"]]
+    matrix = np.array(told["matrix"], dtype=float).reshape(len(symbols), len(symbols))
+    pairs = [
+        f"{symbols[i]} and {symbols[j]} ({matrix[i, j]:+.2f})".replace("-", "\N{MINUS SIGN}")
+        for i in range(len(symbols))
+        for j in range(i)
+        if abs(matrix[i, j]) >= STRONG
+    ]
+    if not pairs:
+        return f"No correlation reaches {STRONG:g}."
+    return f"Strongly correlated: {joined(pairs)}; read them together."
+
+
+def records_table(records: Sequence[Record]) -> ReportTable:
+    """How well each test is met."""
+    names = {"G_eq": "G_e", "h_eq": "h_eq", "energy": "Energy", "force_max": "Peak force"}
+    columns = [TEST, AMBIENT, Column("R²", form=".4f"), Column("NRMSE", "%", ".2f")]
+    columns += [Column("Cycles", form="d")]
+    for head in names.values():
+        columns += [Column(f"{head}: least error", "%", "+.1f"), Column("largest", "%", "+.1f")]
+    rows = []
+    for record in records:
+        cells = [record["name"], record["ambient_degC"], record["R2"], 100.0 * record["NRMSE"]]
+        cells.append(len(record["cycles"]))
+        for name in names:
+            errors = [100.0 * cycle[f"{name}_error"] for cycle in record["cycles"]]
+            cells += [min(errors), max(errors)] if errors else [None, None]
+        rows.append(cells)
+    note = "R² and NRMSE of the force over the whole test; errors (model over test, less one) over "
+    note += "its cycles."
+    return ReportTable("Residuals of the tests", columns, rows, note=note)
+
+
+def cycles_table(saved: SavedResult) -> ReportTable | None:
+    """Each cycle measured in the test and in the model."""
+    if "cycles" not in saved.tables:
+        return None
+    table = saved["cycles"]
+    names = {"K_eq": ("K_eq", "kN/mm", ".3f"), "h_eq": ("h_eq", "", ".3f")}
+    columns = [TEST, AMBIENT, Column("Cycle", form="d"), Column("Displacement", "mm", ".1f")]
+    for head, unit, form in names.values():
+        columns += [Column(f"{head}, test", unit, form), Column("model", unit, form)]
+        columns.append(Column("error", "%", "+.1f"))
+    columns += [Column("Energy, test", "kJ", ".2f"), Column("model", "kJ", ".2f")]
+    columns += [Column("error", "%", "+.1f"), Column("F+, test", "kN", ".1f")]
+    columns += [Column("model", "kN", ".1f"), Column("F−, test", "kN", ".1f")]
+    columns.append(Column("model", "kN", ".1f"))
+    rows = []
+    for row in table.head(MOST_ROWS).to_dict("records"):
+        far = 0.5 * (row["D+_mm"] - row["D-_mm"])
+        role = str(row["bearing"]).partition(", ")[2]  # of a fit that is judged
+        test = f"{row['test']} ({role})" if role else row["test"]
+        cells = [test, row["ambient_degC"], int(row["cycle"]), far]
+        for name, factor in (("K_eq", 1.0), ("h_eq", 1.0), ("energy", 1e-3)):
+            cells += [factor * row[f"{name}_test"], factor * row[f"{name}_model"]]
+            cells.append(100.0 * (row[f"{name}_ratio"] - 1.0))
+        cells += [row[f"{side}_{who}"] for side in ("F+", "F-") for who in ("test", "model")]
+        rows.append(cells)
+    left = len(table) - len(rows)
+    note = "K_eq and h_eq as Eq. 3.1 and 3.2; displacement: half of what is between the ends of a "
+    note += "cycle, which is the test's and moves the model."
+    note += f" {left} more cycles are in cycles.csv." if left else ""
+    return ReportTable("Cycles measured in test and model", columns, rows, 3, note=note)
+
+
+def thermocouples_table(rows: Sequence[Mapping[str, Any]]) -> ReportTable | None:
+    """Thermocouples of test and model; None without any."""
+    if not rows:
+        return None
+    columns = (
+        TEST,
+        Column("Thermocouple"),
+        Column("Place"),
+        Column("Start", "°C", ".1f"),
+        Column("Highest, test", "°C", ".1f"),
+        Column("Highest, model", "°C", ".1f"),
+        Column("Rise, test", "K", ".2f"),
+        Column("Rise, model", "K", ".2f"),
+        Column("Error of the rise", "%", "+.1f"),
+        Column("rms difference", "K", ".2f"),
+    )
+    cells = [
+        (
+            row["test"],
+            row["thermocouple"],
+            row["place"],
+            row["start_test_degC"],
+            row["highest_test_degC"],
+            row["highest_model_degC"],
+            row["rise_test_K"],
+            row["rise_model_K"],
+            None if row["rise_error"] is None else 100.0 * row["rise_error"],
+            row["rms_difference_K"],
+        )
+        for row in rows
+    ]
+    return ReportTable("Thermocouples, model beside test", columns, cells, 2)
+
+
+def held_out_table(summary: Mapping[str, Any]) -> ReportTable | None:
+    """Tests that were fitted and those that judge the fit; None without any."""
+    held = summary.get("held_out")
+    if not held:
+        return None
+    return errors_table("Tests that judge the fit", held["tests"], ("role", "test"))
+
+
+def errors_table(
+    caption: str, tests: Sequence[Mapping[str, Any]], keys: Sequence[str]
+) -> ReportTable:
+    """Largest error of each quantity of each test, and its verdict."""
+    heads = {"role": "Role", "test": "Test", "bearing": "Bearing", "model": "Model"}
+    names = {"K_eq": "K_eq", "h_eq": "h_eq", "energy": "Energy", "force": "Force"}
+    names |= {"temperature": "Temperature rise", "NRMSE": "NRMSE"}
+    told = [n for n in names if any(_is_known(test.get(f"{n}_error")) for test in tests)]
+    columns = [*(Column(heads[key]) for key in keys), AMBIENT, Column("R²", form=".4f")]
+    columns += [Column(names[name], "%", "+.1f") for name in told]
+    columns += [Column("Beyond a limit")]
+    rows, marked = [], set()
+    for place, test in enumerate(tests):
+        errors = [test.get(f"{name}_error") for name in told]
+        beyond = [names[name] for name in told if test.get(f"{name}_verdict") == "beyond"]
+        cells: list[Any] = [test[key] for key in keys]
+        cells += [test["ambient_degC"], test["R2"]]
+        cells += [100.0 * float(e) if e is not None and e == e else None for e in errors]
+        rows.append([*cells, joined(beyond) or "none"])
+        if "ambient" in str(test.get("beyond_tested") or "").split():
+            marked.add((place, len(keys)))
+    note = "Largest error over the cycles (model over test, less one)."
+    note += " Marked: beyond what the bearing was tested at." if marked else ""
+    return ReportTable(caption, columns, rows, len(keys), frozenset(marked), note)
+
+
+def _is_known(value: Any) -> bool:
+    return value is not None and value == value
+
+
+def undetermined_table(summary: Mapping[str, Any]) -> ReportTable | None:
+    """What is not free or not known, and why."""
+    columns = (Column("What"), Column("Known how well"), Column("Why, or source"))
+    rows = []
+    for item in summary["parameters"].values():
+        if grade(item) in (AT_BOUND, POORLY):
+            spread = (
+                "at its bound" if item["at_bound"] else f"± {item['stderr']:.2g} {item['unit']}"
+            )
+            rows.append((item["symbol"], spread.strip(), "free, and hardly told by the tests"))
+    rows += [
+        (name_of(key), "not free", _why(item))
+        for key, item in summary.get("sensitivity", {}).items()
+        if not item.get("free", True)
+    ]
+    for item in summary["assumed"]:
+        share, size = item["relative_uncertainty"], item["absolute_uncertainty"]
+        spread = f"± {100.0 * share:.3g} %" if share is not None else f"± {size:g}"
+        rows.append((item["name"], spread, item["source"]))
+    return ReportTable("What the tests do not determine", columns, rows) if rows else None
+
+
+def _why(item: Mapping[str, Any]) -> str:
+    """What the tests would tell of a parameter that was held."""
+    source, left = item.get("stderr_of_source"), item.get("stderr_expected")
+    if source is None or left is None:
+        return "held: these tests tell too little of it"
+    return f"held: its source knows it to ± {source:.2g}, these tests to ± {left:.2g}"
+
+
+def checks_table(records: Sequence[Record]) -> ReportTable:
+    """Findings of a look at tests."""
+    columns = (TEST, Column("Finding"), Column("About"), Column("Sentence"))
+    rows = [
+        (record["name"], finding["level"], finding["check"], finding["sentence"])
+        for record in records
+        for finding in record["findings"]
+    ]
+    rows = rows or [(record["name"], "nothing", "", "") for record in records]
+    return ReportTable("What was found", columns, rows)

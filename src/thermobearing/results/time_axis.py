@@ -1,0 +1,215 @@
+"""A time axis on which long rests are shortened or cut out: what loadings show is to scale.
+
+The loadings of Table 3.4 last tens of seconds and the rests between them more than an hour.
+A shortened rest starts to scale and turns logarithmic, so the first seconds of cooling stay
+visible; a rest that would not be longer than the room it gets is drawn to scale.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
+from numpy.typing import NDArray
+
+from thermobearing.results.drawing import GREY, PALE, SMALL, Look
+
+Floats = NDArray[np.float64]
+
+RESTS_SHARE = 0.55  # of the loading time: room that all shortened rests have together
+REST_SHARE = 0.13  # ... and that one of them has at most
+CUT_SHARE = 0.5  # of that room for a rest that is cut out
+LETTER = 0.0082  # mean width of a letter of a label, of the axis
+REST_TICKS = (
+    (10.0, "10 s"),
+    (60.0, "1 min"),
+    (600.0, "10 min"),
+    (3600.0, "1 h"),
+    (36e3, "10 h"),
+    (360e3, "100 h"),
+)
+# A rest that is cut out: the gap, the strokes at its ends, how long it is.
+GAP: Look = {"color": "white", "linewidth": 0, "zorder": 3, "clip_on": False}
+STROKE: Look = {"marker": [(-0.5, -1.0), (0.5, 1.0)], "markersize": 8, "linestyle": "none"}
+STROKE |= {"color": GREY, "zorder": 4, "clip_on": False}
+LENGTH: Look = {"color": GREY, "fontsize": SMALL, "rotation": 90, "ha": "center", "va": "center"}
+TO_SCALE = math.inf
+
+
+def duration(seconds: float) -> str:
+    """A duration in the unit one would say it in."""
+    for size, unit, most in ((1.0, "s", 120.0), (60.0, "min", 3600.0), (3600.0, "h", 360e3)):
+        if seconds < most:
+            return f"{seconds / size:.3g} {unit}"
+    return f"{seconds / 86400.0:.3g} d"
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """Consecutive segments of a test that all move, or all rest, and their place on the axis."""
+
+    first: int  # segment numbers
+    last: int
+    rest: bool
+    shortest: float  # among the runs [s]
+    longest: float
+    left: float = 0.0  # [s] of the drawn axis
+    width: float = 0.0
+    bend: float = TO_SCALE  # [s] after which the scale turns logarithmic
+
+    @property
+    def shortened(self) -> bool:
+        """Whether it gets less room than its time to scale."""
+        return self.bend != TO_SCALE
+
+    @property
+    def right(self) -> float:
+        """Where it ends on the drawn axis."""
+        return self.left + self.width
+
+    @property
+    def middle(self) -> float:
+        """Where a label goes."""
+        return self.left + 0.5 * self.width
+
+    def place(self, elapsed: Floats) -> Floats:
+        """Where on the axis a time since the start of the stretch is drawn."""
+        if not self.shortened:
+            return self.left + elapsed
+        return self.left + self.bend * np.log1p(elapsed / self.bend)
+
+    def label(self) -> str:
+        """How long the rest was; from the shortest to the longest if the runs differ."""
+        low, high = duration(self.shortest), duration(self.longest)
+        if low == high:
+            return f"{high} rest"
+        value, unit = low.split()
+        return f"{value if high.endswith(unit) else low}\N{EN DASH}{high} rest"
+
+
+def _bend(longest: float, room: float) -> float:
+    """Tau with tau ln(1 + longest/tau) = room: drawn to scale at first, and filling the room."""
+    low, high = math.log(room) - 50.0, math.log(longest)
+    for _ in range(80):
+        middle = 0.5 * (low + high)
+        tau = math.exp(middle)
+        low, high = (middle, high) if tau * math.log1p(longest / tau) < room else (low, middle)
+    return math.exp(low)
+
+
+class DrawnAxis:
+    """Stretches of a test side by side; with `cut`, without the long rests."""
+
+    def __init__(self, found: list[Stretch], *, cut: bool = False) -> None:
+        self.cut = cut
+        self.stretches = self._arranged(found)
+        self.end = self.stretches[-1].right or 1.0
+        self.unit, self.unit_name = self._chosen_unit()
+
+    @property
+    def shortened(self) -> list[Stretch]:
+        """The rests that are not drawn to scale."""
+        return [s for s in self.stretches if s.shortened]
+
+    def _arranged(self, found: list[Stretch]) -> list[Stretch]:
+        """The stretches side by side, rests that are too long for their room shortened."""
+        moving = sum(s.longest for s in found if not s.rest)
+        room = moving * min(REST_SHARE, RESTS_SHARE / max(sum(s.rest for s in found), 1))
+        room *= CUT_SHARE if self.cut else 1.0
+        placed: list[Stretch] = []
+        left = 0.0
+        for s in found:
+            shortened = s.rest and 0.0 < room < s.longest
+            width = room if shortened else s.longest
+            bend = _bend(s.longest, width) if shortened else TO_SCALE
+            placed.append(
+                Stretch(s.first, s.last, s.rest, s.shortest, s.longest, left, width, bend)
+            )
+            left += width
+        return placed
+
+    def _chosen_unit(self) -> tuple[float, str]:
+        for most, size, name in ((1200.0, 1.0, "s"), (18e3, 60.0, "min"), (7e5, 3600.0, "h")):
+            if self.end <= most:
+                return size, name
+        return 86400.0, "d"
+
+    def _blocks(self) -> list[tuple[float, float]]:
+        """Left and right end of what is drawn to scale without a break."""
+        found: list[tuple[float, float]] = []
+        for s in self.stretches:
+            if s.shortened:
+                continue
+            if found and found[-1][1] == s.left:
+                found[-1] = (found[-1][0], s.right)
+            else:
+                found.append((s.left, s.right))
+        return found
+
+    def set_ticks(
+        self, ax: Axes, *, labels: bool = True, in_rests: bool = True, most: int = 20
+    ) -> None:
+        """About so many from the starts of loadings, and round times within shortened rests."""
+        round_steps = MaxNLocator(nbins=most, steps=[1, 2, 2.5, 5, 10])
+        ticks = round_steps.tick_values(0.0, self.end / self.unit)
+        step = float(ticks[1] - ticks[0])
+        places: list[float] = []
+        names: list[str] = []
+        for left, right in self._blocks():
+            values = [k * step for k in range(int((right - left) / self.unit / step + 1e-6) + 1)]
+            places += [left + self.unit * value for value in values]
+            names += [f"{value:g}" for value in values]
+        ax.set_xticks(places, names if labels else [""] * len(names))
+        ax.set_xlim(0.0, self.end)
+        if in_rests and not self.cut:
+            self._set_rest_ticks(ax, labels)
+
+    def _set_rest_ticks(self, ax: Axes, labels: bool) -> None:
+        places: list[float] = []
+        names: list[str] = []
+        apart = 0.013 * self.end  # room of one upright label
+        for s in self.shortened:
+            free_from = s.left + apart
+            for seconds, name in REST_TICKS:
+                x = float(s.place(np.array(seconds)))
+                if free_from < x < s.right - apart:
+                    places.append(x)
+                    names.append(name)
+                    free_from = x + apart
+        ax.set_xticks(places, names if labels else [""] * len(names), minor=True)
+        ax.tick_params(
+            which="minor", labelrotation=90, labelsize=SMALL - 1.5, labelcolor=GREY, color=GREY
+        )
+
+    def caption(self) -> str:
+        """Label of the axis."""
+        if not self.shortened:
+            return f"time [{self.unit_name}]"
+        text = f"time from the start of each loading [{self.unit_name}]"
+        return f"{text}, rests cut out" if self.cut else f"{text}; rests (shaded) shortened"
+
+    def shade_rests(self, ax: Axes, *, labels: bool) -> None:
+        """A shaded band over each shortened rest, and above it how long it was."""
+        for s in self.shortened:
+            ax.axvspan(s.left, s.right, color=PALE, zorder=0)
+            room = s.width / (LETTER * self.end)
+            fitting = [text for text in (s.label(), s.label()[:-5]) if len(text) < room]
+            if labels and fitting:
+                write_above(ax, s.middle, fitting[0], GREY, "normal")
+
+    def cut_out_rests(self, ax: Axes) -> None:
+        """A gap in the panel and its frame for each long rest, with strokes at its ends."""
+        place = ax.get_xaxis_transform()
+        for s in self.shortened:
+            ax.fill_between([s.left, s.right], -0.01, 1.01, transform=place, **GAP)
+            corners = ([s.left, s.left, s.right, s.right], [0.0, 1.0, 0.0, 1.0])
+            ax.plot(*corners, transform=place, **STROKE)
+            ax.text(s.middle, 0.5, s.label(), transform=place, zorder=4, **LENGTH)
+
+
+def write_above(ax: Axes, x: float, text: str, colour: str, weight: str) -> None:
+    """A label above a panel, at x of its axis."""
+    place = ax.get_xaxis_transform()
+    look: Look = {"fontsize": SMALL, "fontweight": weight, "color": colour}
+    ax.text(x, 1.02, text, ha="center", va="bottom", transform=place, **look)

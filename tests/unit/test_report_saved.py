@@ -1,0 +1,219 @@
+"""What the documents of fits, validations, factors, bounds, designs and motions say."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import thermobearing as tb
+from tests.unit.report_words import assert_well_formed, numbers_in
+from thermobearing.design import report as design_report
+from thermobearing.design.case import make_design_case
+from thermobearing.design.run import run_bounds, run_design, run_factors
+from thermobearing.identify import report as identify_report
+from thermobearing.motions import report as motions_report
+from thermobearing.motions.library import load_motion
+from thermobearing.motions.run import examine_motion
+from thermobearing.report import arranged
+from thermobearing.report.pieces import EXCEEDED, PASSED, Pieces
+from thermobearing.results.drawing import save_figures
+from thermobearing.results.saved import SavedResult
+from thermobearing.validate import report as validate_report
+
+SPECIMEN = "shen-hdr-specimen"
+
+
+def loaded(path: Path) -> SavedResult:
+    found = tb.load_result(path)
+    assert isinstance(found, SavedResult)
+    return found
+
+
+@pytest.fixture(scope="module")
+def record() -> tb.identify.TestRecord:
+    test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None, closing_strain=None, dt=0.02)
+    return replace(tb.identify.synthetic_record(SPECIMEN, -20.0, test), name="cold")
+
+
+@pytest.fixture(scope="module")
+def fitted(record: tb.identify.TestRecord, tmp_path_factory) -> SavedResult:
+    found = tb.identify_bearing(record, SPECIMEN, free=["K_r", "d_y"], starts=1)
+    saved = found.save(tmp_path_factory.mktemp("fit") / "out", figures=False)
+    save_figures({"loops": found.plot.loops}, saved / "figures", vector=True)
+    return loaded(saved)
+
+
+@pytest.fixture(scope="module")
+def fit(fitted: SavedResult) -> Pieces:
+    return identify_report.pieces_of(fitted)
+
+
+def test_fit_form(fit: Pieces) -> None:
+    assert_well_formed(fit)
+    arranged(fit)
+
+
+def test_fit_numbers(fitted: SavedResult, fit: Pieces) -> None:
+    told = fitted.summary["parameters"]["hysteresis.layer_stiffness"]
+    assert f"K_r = {told['value']:.4g} kN/mm" in fit.answer[0]
+    assert f"({told['lower']:.4g} to {told['upper']:.4g})" in fit.answer[0]
+    table = fit.tables["parameters"]
+    assert numbers_in(table, "Estimate")[0] == told["value"]
+    assert numbers_in(table, "Standard error")[0] == told["stderr"]
+    cycles = fit.tables["cycles"]
+    rows = fitted["cycles"]
+    assert numbers_in(cycles, "K_eq, test") == rows["K_eq_test"].tolist()
+    assert len(cycles.rows) == 2
+    errors = [cycle["G_eq_error"] for cycle in fitted.summary["records"][0]["cycles"]]
+    assert np.allclose(rows["K_eq_ratio"] - 1.0, errors, atol=1e-6)
+
+
+def test_fit_says_what_the_test_was(fitted: SavedResult, fit: Pieces) -> None:
+    row = fit.inputs["tests"].rows[0]
+    conditions = fitted.summary["records"][0]["conditions"]
+    assert row[2] == -20.0
+    assert row[6] == pytest.approx(100.0, rel=1e-3)
+    assert row[-1] == conditions["sha256"][:16]
+    assert "treatment" in fit.inputs
+    assert "shear strains of 100 %, air of −20 °C" in fit.answer[-1]
+    assert not fit.validity
+    parameters = {r[0]: r for r in fit.inputs[f"{SPECIMEN}-identified.parameters"].rows}
+    assert "standard error" in parameters["Initial stiffness of one layer K_r"][3]
+    assert any(row[0] == "conduction of heat" for row in fit.tables["undetermined"].rows)
+
+
+def test_fit_figures_are_lines(fit: Pieces) -> None:
+    loops = fit.figures["loops"]
+    assert loops.image is not None
+    assert b"<svg" in loops.image[:500]
+    assert loops.plot is not None
+    names = [[trace.name for trace in traces] for traces in loops.plot.choices.values()]
+    assert names == [["test", "model"]]
+
+
+def test_poor_fit_says_so_first(fitted: SavedResult, tmp_path) -> None:
+    """Its bearing does not load, and the document is made all the same."""
+    folder = tmp_path / "poor"
+    folder.mkdir()
+    told = fitted.summary | {"outcome": "poor_fit", "sentence": "K_r at its bound. Look again."}
+    (folder / "summary.json").write_text(json.dumps(told))
+    text = (fitted.path / "bearing.toml").read_text().split("\n", 1)
+    (folder / "bearing.toml").write_text('poor_fit = "K_r at its bound"\n' + "\n".join(text))
+    poor = identify_report.pieces_of(loaded(folder))
+    assert_well_formed(poor)
+    assert poor.answer[0].startswith("The fit is not good enough to be used (poor fit): K_r at its")
+
+
+def test_poorly_determined_parameters_are_told(fitted: SavedResult) -> None:
+    summary = json.loads(json.dumps(fitted.summary))
+    item = summary["parameters"]["hysteresis.layer_stiffness"]
+    item["stderr"], item["well_determined"] = 0.2 * item["value"], False
+    weak = identify_report.pieces_of(replace(fitted, summary=summary))
+    assert "Poorly determined by these tests: K_r" in weak.answer[-2]
+    assert weak.tables["undetermined"].rows[0][0] == "K_r"
+
+
+def test_checks_of_tests(record: tb.identify.TestRecord, tmp_path) -> None:
+    from thermobearing.identify.files import save_checks
+
+    saved = save_checks([tb.identify.check_test(record)], tmp_path / "check", figures=False)
+    looked = identify_report.pieces_of(loaded(saved))
+    assert_well_formed(looked)
+    arranged(looked)
+    assert "can be used" in looked.answer[0]
+
+
+def test_validation(record: tb.identify.TestRecord, tmp_path) -> None:
+    """Of a bearing that is too soft, and was not tested at that temperature."""
+    bearing = tb.load_bearing(SPECIMEN)
+    soft = bearing.hysteresis.model_copy(update={"layer_stiffness": 20.0})
+    tested = tb.bearing.Validity(ambient=[0.0, 30.0])
+    bearing = bearing.model_copy(update={"hysteresis": soft, "tested_range": tested})
+    found = tb.validate.validate(bearing, record)
+    saved = loaded(found.save(tmp_path / "out", figures=False))
+    pieces = validate_report.pieces_of(saved)
+    assert_well_formed(pieces)
+    arranged(pieces)
+    assert pieces.answer[0].startswith("The model passes a limit; largest errors K_eq −")
+    worst = found.table["K_eq_error"][0]
+    assert f"{100 * worst:.1f} %".replace("-", "−") in pieces.answer[0]
+    told = {check.what: check for check in pieces.checks}
+    assert told[f"error of K_eq, {record.name}"].verdict == EXCEEDED
+    assert told[f"error of K_eq, {record.name}"].value == pytest.approx(-100.0 * worst)
+    assert any("ambient −20 °C, below the 0 °C tested" in text for text in pieces.validity)
+    assert (0, 1) in pieces.tables["errors"].marked
+
+
+def test_factors(tmp_path) -> None:
+    report = run_factors(["shen-hdr-bridge"], temperatures=[-20.0, 40.0], strains=[1.0])
+    saved = loaded(report.save(tmp_path / "out", figures=False))
+    pieces = design_report.pieces_of(saved)
+    assert_well_formed(pieces)
+    arranged(pieces)
+    table = report.table.query("quantity == 'K_eq' and ambient_degC == -20 and basis == 'first'")
+    assert f"first K_eq x {table['factor'].iloc[0]:.2f}" in pieces.answer[0]
+    factors = pieces.tables["factors"]
+    warm = [column.head for column in factors.columns].index("Factor at 40 °C")
+    assert {column for _, column in factors.marked} == {warm}  # tested up to 23
+    assert "shen-hdr-bridge.parameters" in pieces.inputs
+    rows = {row[0]: row[3] for row in pieces.inputs["shen-hdr-bridge.parameters"].rows}
+    assert rows["Strain hardening b"].startswith("Table 6.4")
+
+
+def test_bounds(tmp_path) -> None:
+    report = run_bounds(["shen-hdr-bridge"], ["jra-ii-i-1"], [23.0, -20.0], duration=8)
+    saved = loaded(report.save(tmp_path / "out", figures=False))
+    pieces = design_report.pieces_of(saved)
+    assert_well_formed(pieces)
+    arranged(pieces)
+    table = report.table
+    unsafe = int((table["verdict"] == "unsafe").sum())
+    assert f"Of {len(table)} demands, {unsafe} are unsafe" in pieces.answer[0]
+    assert f"gives {table['envelope_over_coupled'].min():.2f} of what" in pieces.answer[1]
+    assert "structure" in pieces.inputs
+
+
+def test_design(tmp_path) -> None:
+    case = make_design_case({"tolerance": 0.1}, "example", motions=["jra-ii-i-1"])
+    design = run_design(case)
+    saved = loaded(design.save(tmp_path / "out", figures=False))
+    pieces = design_report.pieces_of(saved)
+    assert_well_formed(pieces)
+    arranged(pieces)
+    assert design.bearing.name in pieces.answer[0]
+    strain = next(check for check in pieces.checks if check.what == "shear strain")
+    assert strain.value == pytest.approx(100.0 * design.checks[0].value)
+    assert (strain.unit, strain.limit, strain.verdict) == ("%", 250.0, PASSED)
+    assert len(pieces.tables["rounds"].rows) == len(design.rounds)
+
+
+def test_motion(tmp_path) -> None:
+    result = examine_motion(load_motion("jra-ii-i-1"))
+    saved = loaded(result.save(tmp_path / "out", figures=False))
+    pieces = motions_report.pieces_of(saved)
+    assert_well_formed(pieces)
+    arranged(pieces)
+    assert f"{saved.summary['pga_gal']:.0f} gal" in pieces.answer[0]
+    measures = {row[0]: row for row in pieces.tables["measures"].rows}
+    assert measures["Peak ground acceleration"][1:] == (f"{saved.summary['pga_gal']:.0f}", "gal")
+    plot = pieces.figures["motion"].plot
+    assert plot is not None
+    peak = np.abs(plot.choices["all"][0].y).max()
+    assert peak == pytest.approx(saved.summary["pga_gal"], rel=1e-3)
+    assert [check.verdict for check in pieces.checks] == [PASSED]
+
+
+def test_held_out_tests_beyond_the_fit_are_told(record: tb.identify.TestRecord, tmp_path) -> None:
+    """On the screen, in the summary, and as validity in the document."""
+    test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None, closing_strain=None, dt=0.02)
+    warm = replace(tb.identify.synthetic_record(SPECIMEN, 23.0, test), name="warm")
+    found = tb.validate.cross_validate(record, SPECIMEN, hold_out=warm, free=["K_r"], starts=1)
+    saved = loaded(found.save(tmp_path / "out", figures=False))
+    assert any("held out" in text and "ambient 23 degC" in text for text in saved.warnings)
+    pieces = identify_report.pieces_of(saved)
+    assert_well_formed(pieces)
+    assert any("ambient 23 °C, above the −20 °C tested" in text for text in pieces.validity)
+    assert [row[0] for row in pieces.tables["held_out"].rows] == ["fitted", "held out"]
+    assert pieces.tables["held_out"].marked == {(1, 2)}
