@@ -34,6 +34,7 @@ UNDERESTIMATES = "underestimates inner layer"
 TIME_BINS = 900
 WIDTH, HEIGHT = 3.1, 2.3  # of one panel [inch]
 BLACK: drawing.Look = {"color": "#000000", "linewidth": 1.6}
+LOOP_LOOKS = {REFERENCE: BLACK, SINGLE: {"color": "#EE7733", "linewidth": 0.9}}
 
 
 def comparison_table(results: dict[str, EarthquakeResult]) -> pd.DataFrame:
@@ -152,17 +153,28 @@ def comparison_figure(results: dict[str, EarthquakeResult]) -> Figure:
 
 
 def comparison_loops(results: dict[str, EarthquakeResult]) -> Figure:
-    """Loops of the multi-layer model and of a single temperature (Fig. 4.11, 5.9, 5.10)."""
-    looks = {REFERENCE: BLACK, SINGLE: {"color": "#EE7733", "linewidth": 0.9}}
+    """Loops of the multi-layer model and of a single temperature (Fig. 4.11, 5.9, 5.12)."""
 
     def draw(ax: Axes, name: str, run: int) -> None:
         data = results[name].dataset
         told = np.isfinite(data["time"].values[run])
         strain = 100.0 * data["bearing_strain"].values[run, told]
-        ax.plot(strain, data["bearing_force"].values[run, told], **looks[name])
+        ax.plot(strain, data["bearing_force"].values[run, told], **LOOP_LOOKS[name])
 
     what = "loops of one bearing"
-    return _panels(results, looks, draw, what, ("shear strain [%]", "force [kN]"), False)
+    return _panels(results, LOOP_LOOKS, draw, what, ("shear strain [%]", "force [kN]"), False)
+
+
+def comparison_strains(results: dict[str, EarthquakeResult]) -> Figure:
+    """Strain in time of the multi-layer model and of a single temperature (Fig. 5.10, 5.13)."""
+
+    def draw(ax: Axes, name: str, run: int) -> None:
+        strain = 100.0 * results[name]["bearing_strain"].values[run].astype(float)
+        kept = drawing.thin(strain[np.isfinite(strain)], TIME_BINS)
+        ax.plot(results[name]["time"].values[run][kept], strain[kept], **LOOP_LOOKS[name])
+
+    what = "strain of one bearing"
+    return _panels(results, LOOP_LOOKS, draw, what, ("time [s]", "shear strain [%]"), False)
 
 
 def _panels(

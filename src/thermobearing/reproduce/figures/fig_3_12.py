@@ -1,0 +1,18 @@
+"""Fig. 3.12: temperatures of the LHDR specimen in the cyclic test."""
+
+from matplotlib.figure import Figure
+
+from thermobearing.reproduce.figures.words import LHDR
+from thermobearing.reproduce.runs import Runs
+
+CAPTION = (
+    "Fig. 3.12: temperatures of the LHDR specimen in the cyclic test. Prediction, where the "
+    "source shows a test. Run: the cyclic test of Table 3.4 at 23, 0 and −20 °C. Drawn: lead, "
+    "innermost and outermost rubber layer in time, rests shortened. The source shows 0 and 23 °C "
+    "only."
+)
+
+
+def draw(runs: Runs) -> Figure:
+    """The figure."""
+    return runs.cyclic(LHDR).plot.lead_temperature()

@@ -1,0 +1,21 @@
+"""Fig. 3.29: pier top acceleration with the LHDR specimen, real time over pseudo-dynamic."""
+
+from matplotlib.figure import Figure
+
+from thermobearing.reproduce.figures.both_modes import draw_both_modes
+from thermobearing.reproduce.figures.words import LHDR, hybrid_tests
+from thermobearing.reproduce.runs import Runs
+
+CAPTION = (
+    "Fig. 3.29: pier top acceleration with the LHDR specimen, real time over pseudo-dynamic. "
+    "Prediction, where the source shows a test. Run: the hybrid test (pier of Table 3.5 on eight "
+    "bearings, motion II-II-1 made to the spectrum, 20 s) at 23, 0 and −20 °C, in both modes. "
+    "Drawn: acceleration [m/s2] against the time of the earthquake, a panel a temperature."
+)
+
+
+def draw(runs: Runs) -> Figure:
+    """The figure."""
+    result = hybrid_tests(runs, LHDR)
+    title = "pier top acceleration, LHDR specimen"
+    return draw_both_modes(result, "pier_top_acceleration", title, "acceleration [m/s2]")

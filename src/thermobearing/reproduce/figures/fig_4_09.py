@@ -1,0 +1,18 @@
+"""Fig. 4.9: temperatures of the HDR specimen in the cyclic test, by the model."""
+
+from matplotlib.figure import Figure
+
+from thermobearing.reproduce.figures.words import HDR
+from thermobearing.reproduce.runs import Runs
+
+CAPTION = (
+    "Fig. 4.9: temperatures of the rubber layers by the multi-layer model of the HDR specimen in "
+    "the cyclic test. Run: the cyclic test of Table 3.4 at 23, 0 and −20 °C. Drawn: the three "
+    "layers in time, rests shortened. The source lays the test over it, whose records are not "
+    "public."
+)
+
+
+def draw(runs: Runs) -> Figure:
+    """The figure."""
+    return runs.cyclic(HDR).plot.layer_temperatures()
