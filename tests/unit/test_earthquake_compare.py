@@ -122,8 +122,8 @@ def test_a_model_on_the_command_line(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("words", "piece"),
     [
-        (["--bearing", "shen-bilinear-bridge"], "bearings: all are bilinear"),
-        (["--bearing", HDR, "--model", "adiabatic"], 'analysis.model = "adiabatic"'),
+        (["--bearing", "shen-bilinear-bridge"], "--bearing: all are bilinear"),
+        (["--bearing", HDR, "--model", "adiabatic"], '--model = "adiabatic"'),
     ],
 )
 def test_what_cannot_be_compared(words: list[str], piece: str, tmp_path: Path) -> None:

@@ -222,7 +222,7 @@ def test_design_command(tmp_path: Path) -> None:
     rounds = pd.read_csv(tmp_path / "out" / "rounds.csv")
     assert len(rounds) == len(told["rounds"])
     figures = {path.name for path in (tmp_path / "out" / "figures").iterdir()}
-    assert figures == {"rounds.png", "equal.png"}
+    assert figures == {"rounds.png", "rounds.svg", "equal.png", "equal.svg"}
     for path in (tmp_path / "out" / "bearings").glob("*hdr*.toml"):
         assert tb.load_bearing(path).geometry.rubber_layers > 1
     (design,) = (tmp_path / "out" / "bearings").glob("G8*.toml")

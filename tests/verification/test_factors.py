@@ -235,7 +235,8 @@ def test_command(tmp_path: Path) -> None:
         "scale.csv",
         "tested_range.csv",
     }
-    assert names == tables | {"summary.json", "figures/factors.png", "figures/scale.png"}
+    figures = {f"figures/{name}.{kind}" for name in ("factors", "scale") for kind in ("png", "svg")}
+    assert names == tables | {"summary.json"} | figures
     told = json.loads((tmp_path / "out" / "summary.json").read_text())
     assert told["reference_degC"] == 23.0
     assert len(told["factors"]) == 3 * 3 * 5
@@ -247,11 +248,11 @@ def test_command(tmp_path: Path) -> None:
 
 BAD_WORDS: list[tuple[list[Any], list[str]]] = [
     (["shen-hdr-bridg"], ['"shen-hdr-bridge"?']),
-    (["shen-hdr-bridge", "--reference", 90], ["reference_temperature = 90", "-60 to 60"]),
-    (["shen-hdr-bridge", "--reference-temperature", 90], ["reference_temperature = 90"]),
-    (["shen-hdr-bridge", "--temperature", -90], ["temperatures = -90", "-60 to 60"]),
-    (["shen-hdr-bridge", "--strain", 0.0], ["strains = 0.0", "0.1 to 3"]),
-    (["shen-hdr-bridge", "--strain", 30], ["strains = 30.0", "0.1 to 3"]),
+    (["shen-hdr-bridge", "--reference", 90], ["--reference-temperature = 90", "-60 to 60"]),
+    (["shen-hdr-bridge", "--reference-temperature", 90], ["--reference-temperature = 90"]),
+    (["shen-hdr-bridge", "--temperature", -90], ["--temperature = -90", "-60 to 60"]),
+    (["shen-hdr-bridge", "--strain", 0.0], ["--strain = 0.0", "0.1 to 3"]),
+    (["shen-hdr-bridge", "--strain", 30], ["--strain = 30.0", "0.1 to 3"]),
     (["shen-hdr-bridge", "--period", 0.01], ["period = 0.01", "0.2 to 1000"]),
     (["shen-hdr-bridge", "--period", 0], ["period = 0.0", "0.2 to 1000"]),
     (["shen-hdr-bridge", "--speed", -3], ["speed = -3"]),
