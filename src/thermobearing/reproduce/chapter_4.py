@@ -35,7 +35,7 @@ ETAS = (1.0, 2.0, 3.0)  # of Eq. 4.15: adiabatic, middle, ambient temperature
 @cache
 def _printed() -> dict[str, list[float]]:
     """Numbers of the print that a claim holds beside its own words."""
-    found: dict[str, list[float]] = read_toml(data_path("claims", "printed-lists.toml"))
+    found: dict[str, list[float]] = read_toml(data_path("claims", "printed-chapter-4.toml"))
     return found
 
 

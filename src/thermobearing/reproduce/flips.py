@@ -124,7 +124,7 @@ def last_that_stands(change: float) -> float:
 
     Examples
     --------
-    >>> last_that_stands(0.05), last_that_stands(-0.059375)
+    >>> round(last_that_stands(0.05), 6), round(last_that_stands(-0.059375), 6)
     (0.046875, -0.05)
     """
     size = abs(change)

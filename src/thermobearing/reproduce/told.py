@@ -14,7 +14,7 @@ def number_words(value: float) -> str:
 
     Examples
     --------
-    >>> number_words(1703.4), number_words(0.12345)
+    >>> number_words(1703.4), number_words(0.12341)
     ('1703', '0.1234')
     """
     text = f"{value:.0f}" if 1000.0 <= abs(value) < 1e6 else f"{value:.4g}"
