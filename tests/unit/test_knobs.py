@@ -182,6 +182,7 @@ def test_every_option_of_a_case_was_tried() -> None:
     elsewhere |= {"lead_ends", "clock"}  # below, and in unit/test_lead_clock.py
     elsewhere |= {"initial_state", "rig"}  # verification/test_handover.py, unit/test_sequences.py
     elsewhere |= {"histories"}  # of files: unit/test_thinning.py
+    elsewhere |= {"sources"}  # of documents, not of numbers: unit/test_cli.py, the same bits
     elsewhere |= {"exposure"}  # unit/test_exposure.py
     elsewhere |= {"hardening"}  # acts at larger strains: verification/test_monotone.py
     assert {*Analysis.model_fields, *Case.model_fields} - elsewhere <= set(OPTIONS)

@@ -25,6 +25,7 @@ from thermobearing.earthquake.label import label_study
 from thermobearing.earthquake.run import build_tasks, run_task
 from thermobearing.earthquake.task import Device
 from thermobearing.model.options import BearingModel, ModelOptions, build_model
+from thermobearing.reproduce.runs import Runs
 
 PLATES, CLOCK, REFERENCE, BOOKKEEPING = "half-space", "clock", "reference", "bookkeeping"
 SHIMS, SIDES, REST = "shims", "side loss", "rest"
@@ -282,3 +283,8 @@ def total_change(rows: list[SlipRow], bearing: str, quantity: str) -> float:
     """Change from `conservative` to `published`, all slips together [%]."""
     chain = [row for row in rows if row.bearing == bearing and row.kind == "chain"]
     return 100.0 * (chain[-1].values[quantity] / chain[0].values[quantity] - 1.0)
+
+
+def all_tables(_runs: Runs) -> dict[str, pd.DataFrame]:
+    """The table of slips, by name; its models are none of those that claims share."""
+    return {"slips": slips_table(slip_rows())}
