@@ -83,8 +83,8 @@ def test_name_and_unit_of_a_title(title: str, parts: tuple[str, str]) -> None:
 @pytest.mark.parametrize(
     ("title", "cells", "ambient"),
     [
-        ("temp_ambient_C", ("-20", "-19"), -19.5),
-        ("ambient_degC", ("-20", "-19"), -19.5),
+        ("temp_ambient_C", ("-20", "-19.6"), -19.8),
+        ("ambient_degC", ("-20", "-19.6"), -19.8),
         ("Ambient temp [°F]", ("50", "50"), 10.0),
         ("chamber [K]", ("253.15", "253.15"), -20.0),
         ("槽内温度(℃)", ("5", "5"), 5.0),
