@@ -8,7 +8,7 @@ from tests.unit.report_words import as_data, assert_well_formed, numbers_in
 from thermobearing.earthquake.report import pieces_of
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.report import arranged
-from thermobearing.report.pieces import EXCEEDED, NOT_JUDGED, Pieces
+from thermobearing.report.pieces import EXCEEDED, NOT_JUDGED, PASSED, Pieces
 
 BEARINGS = ["shen-bilinear-bridge", "shen-lhdr-bridge"]
 
@@ -127,6 +127,9 @@ def test_hybrid_says_its_laboratory() -> None:
     assert "modes" in hybrid.tables
     assert any("1:6" in text for text in hybrid.assumptions)
     assert any(check.source == "rig shen-rig" for check in hybrid.checks)
+    books = next(check for check in hybrid.checks if check.what.startswith("structure residual"))
+    assert (books.limit, books.verdict) == (1e-2, PASSED)  # 1e-5, by the time integration
+    assert "Takeda" not in " ".join(hybrid.assumptions)  # its pier has no hinge
 
 
 def test_ended_early() -> None:

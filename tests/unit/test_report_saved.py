@@ -77,7 +77,8 @@ def test_fit_says_what_the_test_was(fitted: SavedResult, fit: Pieces) -> None:
     assert row[6] == pytest.approx(100.0, rel=1e-3)
     assert row[-1] == conditions["sha256"][:16]
     assert "treatment" in fit.inputs
-    assert "shear strains of 100 %, air of −20 °C" in fit.validity[-1]
+    assert "shear strains of 100 %, air of −20 °C" in fit.answer[-1]
+    assert not fit.validity
     parameters = {r[0]: r for r in fit.inputs[f"{SPECIMEN}-identified.parameters"].rows}
     assert "standard error" in parameters["Initial stiffness of one layer K_r"][3]
     assert any(row[0] == "conduction of heat" for row in fit.tables["undetermined"].rows)
@@ -110,7 +111,7 @@ def test_poorly_determined_parameters_are_told(fitted: SavedResult) -> None:
     item = summary["parameters"]["hysteresis.layer_stiffness"]
     item["stderr"], item["well_determined"] = 0.2 * item["value"], False
     weak = identify_report.pieces_of(replace(fitted, summary=summary))
-    assert "Poorly determined by these tests: K_r" in weak.answer[-1]
+    assert "Poorly determined by these tests: K_r" in weak.answer[-2]
     assert weak.tables["undetermined"].rows[0][0] == "K_r"
 
 
@@ -202,3 +203,17 @@ def test_motion(tmp_path) -> None:
     peak = np.abs(plot.choices["all"][0].y).max()
     assert peak == pytest.approx(saved.summary["pga_gal"], rel=1e-3)
     assert [check.verdict for check in pieces.checks] == [PASSED]
+
+
+def test_held_out_tests_beyond_the_fit_are_told(record: tb.identify.TestRecord, tmp_path) -> None:
+    """On the screen, in the summary, and as validity in the document."""
+    test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None, closing_strain=None, dt=0.02)
+    warm = replace(tb.identify.synthetic_record(SPECIMEN, 23.0, test), name="warm")
+    found = tb.validate.cross_validate(record, SPECIMEN, hold_out=warm, free=["K_r"], starts=1)
+    saved = loaded(found.save(tmp_path / "out", figures=False))
+    assert any("held out" in text and "ambient 23 degC" in text for text in saved.warnings)
+    pieces = identify_report.pieces_of(saved)
+    assert_well_formed(pieces)
+    assert any("ambient 23 °C, above the −20 °C tested" in text for text in pieces.validity)
+    assert [row[0] for row in pieces.tables["held_out"].rows] == ["fitted", "held out"]
+    assert pieces.tables["held_out"].marked == {(1, 2)}

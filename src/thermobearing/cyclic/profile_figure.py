@@ -9,7 +9,12 @@ from thermobearing.core.records import Floats
 from thermobearing.cyclic.result import Result
 from thermobearing.cyclic.time_axis import TimeAxis
 from thermobearing.results import drawing
-from thermobearing.results.profiles import MOST_PROFILES, ProfilePanel, draw_profile_panels
+from thermobearing.results.profiles import (
+    MOST_PROFILES,
+    ProfilePanel,
+    draw_profile_panels,
+    draw_stack,
+)
 
 AT_PEAK = 1.0 - 1e-9  # of the largest displacement, to find its last moment
 
@@ -50,7 +55,7 @@ def draw_layer_shear(result: Result, title: str, titles: list[str]) -> Figure:
                 peak = rows[np.flatnonzero(moved >= AT_PEAK * moved.max())[-1]]
                 layers = np.abs(data["layer_displacement"].values[run, peak])
                 ax.plot(layers, depth, color=colour, marker="o", markersize=3.5, linewidth=1.1)
-        drawing.draw_stack(ax, data, names=run == count - 1)
+        draw_stack(ax, data, names=run == count - 1)
         ax.tick_params(labelleft=run == 0)
         y = "distance from the upper face [mm]" if run == 0 else ""
         drawing.name_axes(ax, "displacement of the layer [mm]", y, titles[run])

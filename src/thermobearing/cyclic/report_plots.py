@@ -16,6 +16,7 @@ from thermobearing.results.drawing import Floats
 from thermobearing.results.time_axis import duration
 
 LOOP_POINTS = 2400  # of all cycles of a run
+WARM_POINTS = 1500  # of a temperature in time
 MOMENTS = 24  # places of the slider
 
 
@@ -56,7 +57,7 @@ MEASURES = (
     "Equivalent shear modulus G_e (Eq. 3.1) and damping ratio h_eq (Eq. 3.2) of single cycles "
     "against their strain."
 )
-LAYERS = "Temperature of the rubber layers; shaded are rests, whose time is shortened."
+LAYERS = "Temperature of the rubber layers during the test; rests are shortened or cut out."
 LEAD = "Temperature of the lead beside that of the innermost rubber layer."
 PROFILES = "Temperature through the height of the bearing at the end of each loading."
 SHARES = "Shares of rubber, lead and rate-dependent branch in the force of single cycles."
@@ -124,26 +125,29 @@ def untested(end: float, traces: list[Trace]) -> list[tuple[float, float, str]]:
 
 
 def temperature_plot(result: Result) -> Plot:
-    """Temperature of the layers in time, a menu entry for each ambient temperature."""
+    """Temperature of the layers and the lead, a menu entry for each ambient temperature.
+
+    Long rests are cut out: loadings last seconds, and would be strokes beside hours of cooling.
+    """
     data = result.dataset
     names = drawing.layer_names(data.sizes["layer"], bool(data.attrs["half_stack"]))
     colours = drawing.ordered_colours(len(names), "plasma")
-    time = TimeAxis(result)
-    unit, scale = ("min", 60.0) if float(time.times[0][-1]) > 600.0 else ("s", 1.0)
+    time = TimeAxis(result, cut=True)
     choices = {}
     for run, ambient in enumerate(result["ambient"].values):
         count = time.rows[run]
         values = result["rubber_temperature"].values[run, :count]
-        clock = time.times[run] / scale
-        traces = [
-            Trace(name, *history(clock, values[:, j]), colour)
-            for j, (name, colour) in enumerate(zip(names, colours, strict=True))
-        ]
+        lines = [(name, values[:, j], colours[j], "line") for j, name in enumerate(names)]
         if result.has_lead:
             lead = result["lead_temperature"].values[run, :count]
-            traces.append(Trace("lead", *history(clock, lead), drawing.INK, "dashed"))
+            lines.append(("lead", lead, drawing.INK, "dashed"))
+        traces = []
+        for name, told, colour, look in lines:
+            x, y = time.trace(run, told)
+            traces.append(Trace(name, *history(x / time.unit, y, WARM_POINTS), colour, look))
         choices[degrees([float(ambient)])] = traces
-    return Plot(f"time [{unit}]", "temperature [°C]", choices)
+    cut = ", long rests cut out" if time.shortened else ""
+    return Plot(f"time{cut} [{time.unit_name}]", "temperature [°C]", choices)
 
 
 def profile_plot(result: Result) -> Plot:

@@ -106,9 +106,8 @@ class DesignFigures:
         -------
         list of the files written.
         """
-        return drawing.save_figures(
-            {"rounds": self.rounds, "equal": self.equal}, folder, vector=True
-        )
+        figures = {"rounds": self.rounds, "equal": self.equal}
+        return drawing.save_figures(figures, folder, vector=True)
 
 
 class BoundsFigures:
@@ -394,7 +393,5 @@ def _rises(result: Result) -> dict[str, Floats]:
     """Temperatures above the ambient [K] by part of the bearing."""
     ambient = float(result["ambient"].values[0])
     layers = result["rubber_temperature"].values[0] - ambient
-    rises = {"inner layer": layers[:, -1], "outer layer": layers[:, 0]}
-    if result.has_lead:
-        rises["lead"] = result["lead_temperature"].values[0] - ambient
-    return rises
+    lead = {"lead": result["lead_temperature"].values[0] - ambient} if result.has_lead else {}
+    return {"inner layer": layers[:, -1], "outer layer": layers[:, 0]} | lead

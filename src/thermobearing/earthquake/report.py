@@ -36,6 +36,9 @@ from thermobearing.report.words import (
 from thermobearing.results.ranges import parted
 
 Case = Mapping[str, Any]
+# Of the input: with average acceleration the books close but for rounding; other methods are off by
+# what a step is off (1e-5 in the default hybrid test).
+INEXACT = 1e-2
 COMMANDS = {"bridge": "Earthquake study", "hybrid": "Hybrid test"}
 
 
@@ -201,8 +204,11 @@ def checks_of(result: EarthquakeResult, case: Case) -> list[Check]:
     gaps = case["analysis"]["scheme"] == "published" or case["analysis"]["model"] in BLIND
     for name in ("structure", "mechanical", "thermal"):
         largest = float(result.energy[f"{name}_residual"].abs().max())
-        limit = float("nan") if gaps and name == "thermal" else BOOKS_CLOSE
-        source = "energy balance" if limit == limit else "no limit: this model's books have gaps"
+        limit, source = BOOKS_CLOSE, "energy balance"
+        if name == "thermal" and gaps:
+            limit, source = float("nan"), "no limit: this model's books have gaps"
+        elif name == "structure" and case["analysis"]["method"] != "average-acceleration":
+            limit, source = INEXACT, "this time integration does not keep energy exactly"
         what = f"{name} residual of the energy books"
         found.append(residual_check(what, largest, limit, source))
     return found

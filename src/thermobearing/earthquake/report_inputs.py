@@ -185,12 +185,12 @@ def assumptions(result: EarthquakeResult, case: Case) -> list[str]:
     found = [
         "Bodies are rigid; they move in one horizontal direction and rock; foundations rest on "
         "linear springs. Second-order effects of gravity are not in the model.",
-        "Hinges degrade after Takeda; bearings of one line are alike, and forces and energies "
-        "are those of one modelled bearing.",
+        "Hinges degrade after Takeda." if case["structure"].get("hinges") else "",
+        "Bearings of one line are alike; forces and energies are those of one modelled bearing.",
         damping,
         f"Mass: {analysis['mass']}. Time integration: {analysis['method'].replace('-', ' ')}, "
         f"steps of at most {quantity(analysis['dt'])}.",
-        "Every bearing begins at the temperature of the air throughout, which it keeps."
+        "Every bearing begins at the temperature of the air throughout; the air keeps it."
         if air
         else "Bearings begin with the temperatures that the weather before the motion gives them.",
     ]

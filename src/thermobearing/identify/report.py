@@ -38,6 +38,7 @@ from thermobearing.report.saved import saved_figures, saved_identity, saved_vali
 from thermobearing.report.traces import path
 from thermobearing.report.words import counted, degrees, joined, number, percent, quantity, tidy
 from thermobearing.results.directory import IDENTIFIED
+from thermobearing.results.ranges import parted
 from thermobearing.results.saved import SavedResult
 
 Summary = Mapping[str, Any]
@@ -82,7 +83,7 @@ def pieces_of(saved: SavedResult) -> Pieces:
             f"{degrees([r['ambient_degC'] for r in summary['records']])}, how well are they known, "
             "and how well does the model meet the tests?"
         ),
-        answer=answer(summary, checks),
+        answer=[*answer(summary, checks), *_covered(bearing)],
         inputs={
             "tests": tests_table(summary["records"]),
             "treatment": treatment_table(summary["records"]),
@@ -91,7 +92,7 @@ def pieces_of(saved: SavedResult) -> Pieces:
         tables=tables_of(saved),
         figures=figures_of(saved),
         checks=checks,
-        validity=[*validity, *_covered(bearing)],
+        validity=[*validity, *_predicted(summary)],
         validity_unknown=unknown,
         assumptions=assumptions(summary, bearing),
         warnings=warnings,
@@ -210,6 +211,12 @@ def checks_of(summary: Summary) -> list[Check]:
             what = f"error of {name}, {test['test']} (held out)"
             found.append(Check(what, value, 100.0 * limit, "%", "limit of the fit", verdict))
     return found
+
+
+def _predicted(summary: Summary) -> list[str]:
+    """What predictions ask beyond the tests."""
+    told = (summary.get("posterior") or {}).get("warnings", [])
+    return [tidy(text) for text in parted(told)[0]]
 
 
 def _covered(bearing: Mapping[str, Any]) -> list[str]:

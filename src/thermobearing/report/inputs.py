@@ -87,4 +87,6 @@ def _several(values: Sequence[Any], ends: bool) -> tuple[Any, str]:
         return ", ".join(f"{Column('').text(v)} {u}".strip() for v, u in pairs), ""
     cell = Column("", form=".6g")
     between = " to " if ends and len(pairs) == 2 else ", "
+    if between == " to " and pairs[0] == pairs[1]:
+        return pairs[0]
     return between.join(cell.text(value) for value, _ in pairs), "".join(units)

@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
-import xarray as xr
 from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -60,7 +59,6 @@ ENERGIES = (
     ("recoverable", "recoverable", "#009E73", "-", 1.3),
 )
 UNTESTED = "#f6dede"  # beyond what a bearing was tested at
-THIN = 0.02  # of the height: a part too thin for its name
 LOOP_STEP = 1 / 250  # distance of kept points of a loop, of the size of the panel
 
 
@@ -202,17 +200,13 @@ def say_why(ax: Axes, why: str, at: tuple[float, float] = (0.02, 0.02)) -> None:
 def save_figures(
     figures: Mapping[str, Callable[[], Figure]], folder: Path, *, vector: bool = False
 ) -> list[Path]:
-    """Draw and write figures as PNG.
+    """Draw and write figures as PNG; gives the files.
 
     Parameters
     ----------
     figures : what draws each of them, by name of its file without `.png`.
     folder : where to; made if it does not exist.
     vector : as SVG too, for documents of results that are read back as tables and pictures.
-
-    Returns
-    -------
-    list of the PNG files written.
     """
     folder.mkdir(parents=True, exist_ok=True)
     written = []
@@ -370,36 +364,3 @@ def mark_tested(ax: Axes, largest: float, name: str) -> None:
         look["zorder"] = 1.9  # below lines and marks
         look["bbox"] = {"facecolor": "white", "alpha": 0.6, "pad": 0.5, "linewidth": 0}
         ax.text(0.01, largest, name, transform=ax.get_yaxis_transform(), **look)
-
-
-def draw_stack(ax: Axes, data: xr.Dataset, *, names: bool, faces: bool = True) -> None:
-    """Bands of steel and rubber behind profiles, the faces, and beside them the parts' names."""
-    part = [str(name) for name in data["part"].values]
-    bottom = np.cumsum(data["cell_thickness"].values)
-    half = bool(data.attrs["half_stack"])
-    height, layer, top = float(bottom[-1]), 0, 0.0
-    ends = [i for i in range(len(part)) if i == len(part) - 1 or part[i] != part[i + 1]]
-    for end in ends:
-        rubber = part[end] == "rubber"
-        layer += rubber
-        ax.axhspan(top, bottom[end], color=RUBBER if rubber else STEEL, zorder=0, linewidth=0)
-        if names and bottom[end] - top > THIN * height:
-            name = f"rubber {layer}" if rubber else part[end].replace("_", " ")
-            name = f"half {name}" if half and end == ends[-1] else name
-            look: Look = {"fontsize": SMALL - 0.5, "color": GREY, "va": "center"}
-            place = ax.get_yaxis_transform()
-            ax.text(1.03, 0.5 * (top + bottom[end]), name, transform=place, **look)
-        top = float(bottom[end])
-    ax.set_yticks([y for y in ax.get_yticks() if 0.0 <= y <= height])
-    ax.set_ylim(1.055 * height, -0.055 * height)  # with room for the names of the faces
-    ax.grid(False, axis="y")
-    lower, line = ("plane of symmetry", "-.") if half else ("lower face", "-")
-    _draw_face(ax, -0.006 * height, 0.0, "upper face" if faces else "", "-")
-    _draw_face(ax, 1.006 * height, height, lower if faces else "", line)
-
-
-def _draw_face(ax: Axes, label_at: float, at: float, name: str, line: str) -> None:
-    ax.axhline(at, color=INK, linewidth=0.9, linestyle=line, zorder=1.5)
-    side = "bottom" if label_at < at else "top"
-    look: Look = {"fontsize": SMALL - 0.5, "color": INK, "ha": "center", "va": side}
-    ax.text(0.5, label_at, name, transform=ax.get_yaxis_transform(), **look)

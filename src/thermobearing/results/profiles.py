@@ -14,6 +14,8 @@ from thermobearing.results import drawing
 Floats = NDArray[np.float64]
 MOST_PROFILES = 8
 CORE = (0, (4, 1.5))  # dashes of a lead core
+THIN = 0.02  # of the height: a part too thin for its name
+NAMES = drawing.SMALL - 0.5  # size of the names of parts [pt]
 STRIP = 0.4  # width of the panel of the lead, of that of the profiles beside it
 STRIP_INCHES = 1.2
 MOST_MARKERS = 24  # on a profile through many cells
@@ -68,13 +70,13 @@ def draw_profile_panels(
     for place, (ax, panel) in enumerate(zip(axes, panels, strict=True)):
         first, last = place % columns == 0, place % columns == columns - 1
         lowest, strip = place >= len(panels) - columns, strips[place]
-        drawing.draw_stack(ax, panel.stack, names=last and strip is None)
+        draw_stack(ax, panel.stack, names=last and strip is None)
         ax.tick_params(labelleft=first)
         what = "rubber and steel [°C]" if cored else "temperature [°C]"
         y = "distance from the upper face [mm]" if first else ""
         drawing.name_axes(ax, what if lowest else "", y)
         if strip is not None:
-            drawing.draw_stack(strip, panel.stack, names=last, faces=False)
+            draw_stack(strip, panel.stack, names=last, faces=False)
             strip.tick_params(labelleft=False)
             drawing.name_axes(strip, "lead [°C]" if lowest else "")
     handles = [Line2D([], [], label=name, **k) for name, k in zip(names, looks, strict=False)]
@@ -127,3 +129,51 @@ def _draw_core(ax: Axes, stack: xr.Dataset, temperature: float, colour: str) -> 
     ax.plot(
         [temperature] * 2, [top, bottom[inside[-1]]], color=colour, linestyle=CORE, linewidth=1.6
     )
+
+
+def draw_stack(ax: Axes, data: xr.Dataset, *, names: bool, faces: bool = True) -> None:
+    """Bands of steel and rubber behind profiles, the faces, and beside them the parts' names."""
+    part = [str(name) for name in data["part"].values]
+    bottom = np.cumsum(data["cell_thickness"].values)
+    half = bool(data.attrs["half_stack"])
+    height, layer, top = float(bottom[-1]), 0, 0.0
+    ends = [i for i in range(len(part)) if i == len(part) - 1 or part[i] != part[i + 1]]
+    for end in ends:
+        rubber = part[end] == "rubber"
+        layer += rubber
+        ax.axhspan(
+            top,
+            bottom[end],
+            color=drawing.RUBBER if rubber else drawing.STEEL,
+            zorder=0,
+            linewidth=0,
+        )
+        if names and bottom[end] - top > THIN * height:
+            name = f"rubber {layer}" if rubber else part[end].replace("_", " ")
+            name = f"half {name}" if half and end == ends[-1] else name
+            look: drawing.Look = {
+                "fontsize": drawing.SMALL - 0.5,
+                "color": drawing.GREY,
+                "va": "center",
+            }
+            place = ax.get_yaxis_transform()
+            ax.text(1.03, 0.5 * (top + bottom[end]), name, transform=place, **look)
+        top = float(bottom[end])
+    ax.set_yticks([y for y in ax.get_yticks() if 0.0 <= y <= height])
+    ax.set_ylim(1.055 * height, -0.055 * height)  # with room for the names of the faces
+    ax.grid(False, axis="y")
+    lower, line = ("plane of symmetry", "-.") if half else ("lower face", "-")
+    _draw_face(ax, -0.006 * height, 0.0, "upper face" if faces else "", "-")
+    _draw_face(ax, 1.006 * height, height, lower if faces else "", line)
+
+
+def _draw_face(ax: Axes, label_at: float, at: float, name: str, line: str) -> None:
+    ax.axhline(at, color=drawing.INK, linewidth=0.9, linestyle=line, zorder=1.5)
+    side = "bottom" if label_at < at else "top"
+    look: drawing.Look = {
+        "fontsize": drawing.SMALL - 0.5,
+        "color": drawing.INK,
+        "ha": "center",
+        "va": side,
+    }
+    ax.text(0.5, label_at, name, transform=ax.get_yaxis_transform(), **look)

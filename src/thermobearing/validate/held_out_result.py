@@ -156,7 +156,9 @@ class CrossValidation:
             "folds": self.parameters.to_dict("records") if self.folds else [],
             "jackknife_stderr": self.spread,
         }
-        return self.final.summary() | {"outcome": self.outcome, "held_out": told}
+        final = self.final.summary()
+        said = [*final["warnings"], *self.held_out.warnings]
+        return final | {"outcome": self.outcome, "warnings": said, "held_out": told}
 
     @property
     def plot(self) -> "CrossValidationFigures":

@@ -21,7 +21,7 @@ from thermobearing.identify.result import Identification
 from thermobearing.identify.run import run_identify
 from thermobearing.validate.case import LIMITS, ValidateCase, checked_limits
 from thermobearing.validate.held_out_result import CrossValidation
-from thermobearing.validate.result import Comparison, Validation
+from thermobearing.validate.result import Validation
 from thermobearing.validate.run import as_fitted, judge, refuse_unusable
 
 Progress = Callable[[int, int], None]
@@ -219,8 +219,12 @@ def run_hold_out(case: HoldOutCase, *, progress: Progress | None = None) -> Cros
         final=final,
         folds=folds,
         groups=groups,
-        fitted=Validation(_judged(final, [alike[id(r)] for r in tests]), case.limits),
-        held_out=Validation([item for items in judged for item in items], case.limits),
+        fitted=replace(_judged(final, [alike[id(r)] for r in tests]), limits=case.limits),
+        held_out=Validation(
+            [item for found in judged for item in found.comparisons],
+            case.limits,
+            _warnings(judged, folds=bool(folds)),
+        ),
     )
 
 
@@ -230,5 +234,14 @@ def _groups(tests: list[TestRecord], folds: int) -> list[list[TestRecord]]:
     return [[tests[i] for i in sorted(order[k::folds])] for k in range(folds)]
 
 
-def _judged(found: Identification, records: list[TestRecord]) -> list[Comparison]:
-    return judge(ValidateCase([found.bearing], records)).comparisons
+def _judged(found: Identification, records: list[TestRecord]) -> Validation:
+    return judge(ValidateCase([found.bearing], records))
+
+
+def _warnings(judged: list[Validation], *, folds: bool) -> list[str]:
+    """What tests that were held out ask beyond those of their fit."""
+    return [
+        f"held out{f' of fold {number}' if folds else ''}: {text}"
+        for number, found in enumerate(judged, start=1)
+        for text in found.warnings
+    ]
