@@ -32,6 +32,7 @@ from thermobearing.commands.common import (
 if TYPE_CHECKING:
     from thermobearing.bearing.model import Bearing
     from thermobearing.identify.checks import CheckReport
+    from thermobearing.identify.posterior import Forecast
     from thermobearing.identify.record import TestRecord
     from thermobearing.identify.result import Identification
     from thermobearing.validate.held_out_result import CrossValidation
@@ -148,8 +149,7 @@ def identify(
     documents: Documents = NO_DOCUMENTS,
 ) -> int:
     """Identify a bearing's parameters from cyclic tests, with their uncertainty."""
-    from thermobearing.identify.posterior import forecast, need_emcee
-    from thermobearing.identify.result import Identification
+    from thermobearing.identify.posterior import need_emcee
     from thermobearing.identify.treatment import to_be_treated
 
     held = hold_out or []
@@ -170,16 +170,30 @@ def identify(
     if held or folds is not None or limit:
         how |= {"hold_out": records[len(tests) :], "folds": folds, "limits": limit_numbers(limit)}
     found = _found(records[: len(tests)], bearing, how, quiet)
-    drawn = None
-    if posterior or predict:
-        final = found if isinstance(found, Identification) else found.final
-        if posterior and not quiet:
-            _announce_posterior(final)
-        drawn = forecast(final, predict or [], posterior=posterior, seed=seed)
+    drawn = _drawn(found, predict or [], posterior, seed, quiet)
     found.save(target, force=force, figures=not no_figures, forecast=drawn)
     if not quiet:
         _show(found, drawn.warnings if drawn else ())
     return written(found.outcome, found.sentence, target, documents, as_json=as_json, quiet=quiet)
+
+
+def _drawn(
+    found: "Identification | CrossValidation",
+    predict: Sequence[float],
+    posterior: bool,
+    seed: int,
+    quiet: bool,
+) -> "Forecast | None":
+    """Draws and bands of the final fit, if any are asked for."""
+    from thermobearing.identify.posterior import forecast
+    from thermobearing.identify.result import Identification
+
+    if not (posterior or predict):
+        return None
+    final = found if isinstance(found, Identification) else found.final
+    if posterior and not quiet:
+        _announce_posterior(final)
+    return forecast(final, predict, posterior=posterior, seed=seed)
 
 
 def _announce_posterior(found: "Identification") -> None:
