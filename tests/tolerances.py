@@ -269,3 +269,16 @@ FOUR_DECIMALS = 5.1e-5  # half a unit of the last digit of 1.0000
 SIMPLEST_INTEGRATOR = 0.03
 THETA_OF_A_STEP = 1e-8  # 5e-7 found as the difference of numbers near one
 FACES_OF_A_STEP = 1e-4  # heat that leaves through end faces in one step, of what lead gives
+
+# --- Studies -------------------------------------------------------------------------------
+LIKELIEST = 1e-6  # another search stops at 1e-10 of its own; its likelihood is flat to 1e-8
+PROFILE = 1e-3  # of the drop: 240 rays, and a search inside a search
+LEAST_COVERAGE = 0.85  # of bands of 95 %: three deviations of 80 repetitions, the bootstrap's lack
+LEAST_COVERAGE_OF_RATIOS = 0.85  # classes take some of the share
+SHARE_OF_4000 = 0.03  # three deviations of a share of 4000 runs, and of those that did not collapse
+HAZARD = 1e-8  # four points of Gauss in steps of 0.02, deviations of 0.05 and more
+HAZARD_JUMP = 0.01  # a jump between two such points, 0.007 apart, times the exponent of the rate
+SOBOL_INDEX = 0.01  # 16384 points of a Sobol sequence; 0.003 measured
+SAME_ESTIMATOR = 1e-12  # the same sums in another order
+CHANCE_OF_2000 = 2e-3  # what epsilon squared takes off for chance, at most classes/runs
+RATIO_IN_CLASSES = 0.03  # twelve classes of a normal number lose some of its tails
