@@ -1,6 +1,7 @@
 """Distributions of the numbers of a study: a few words with units become quantiles."""
 
 import math
+import re
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Literal
@@ -12,6 +13,7 @@ from thermobearing.border.errors import InputError
 from thermobearing.border.schema import Strict
 from thermobearing.border.units import parse_quantity
 from thermobearing.core.records import Floats
+from thermobearing.motions.record import acceleration_unit
 
 Kind = Literal["normal", "lognormal", "uniform", "triangular"]
 Number = float | str | None  # text where the factor has a unit
@@ -24,6 +26,9 @@ WAYS: dict[str, tuple[tuple[str, ...], ...]] = {
 }
 CUT = ("normal", "lognormal")  # have no ends of their own
 PURE = ("cov", "log_sd")  # have no unit whatever the number is
+ACCELERATION = "m/s^2"
+MM_PER_M = 1000.0
+NUMBER = re.compile(r"^(?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(?P<unit>\D.*)?$")
 RARE = 1e-6  # a study of a million runs meets what is as rare as this
 
 
@@ -109,11 +114,29 @@ def settled_number(value: float | str, unit: str | None) -> float:
     """
     if unit:
         if isinstance(value, str):
-            return parse_quantity(value, unit)
+            return acceleration(value) if unit == ACCELERATION else parse_quantity(value, unit)
         raise InputError(f'{value!r} has no unit; write "{value} {unit}" if that is meant')
     if isinstance(value, str):
         raise InputError(f'"{value}": must be a plain number, without a unit')
     return float(value)
+
+
+def acceleration(text: str) -> float:
+    """A number with a unit of acceleration as records have them: m/s2, g, gal, ... [m/s2].
+
+    Raises
+    ------
+    InputError : no such unit, or none.
+
+    Examples
+    --------
+    >>> acceleration("400 gal"), acceleration("0.5 g")
+    (4.0, 4.903325)
+    """
+    number = NUMBER.match(text.strip())
+    if number is None or not number["unit"]:
+        raise InputError(f'"{text}": give a number with its unit, such as "2 m/s2"')
+    return float(number["number"]) * acceleration_unit(number["unit"]) / MM_PER_M
 
 
 def distribution_of(drawn: Drawn, unit: str | None, key: str) -> Distribution:

@@ -5,10 +5,10 @@ import numpy as np
 from thermobearing.border.errors import InputError
 from thermobearing.motions.record import GroundMotion
 from thermobearing.motions.spectrum import DAMPING, response_spectrum
+from thermobearing.studies.distributions import MM_PER_M
 from thermobearing.studies.factors import ScaleFactor
 
 COLUMNS = {"PGA": "PGA_m_s2", "PGV": "PGV_m_s", "Sa": "Sa_m_s2"}
-MM_PER_M = 1000.0
 
 
 def intensity(motion: GroundMotion, scale: ScaleFactor) -> float:

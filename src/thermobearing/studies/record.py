@@ -87,6 +87,7 @@ class Study(Strict):
 
     Attributes
     ----------
+    kind : "study".
     name : of the study.
     case : what all runs share, with the first level of each factor.
     design : how the combinations are chosen.
