@@ -12,6 +12,7 @@ from thermobearing.border.errors import InputError, nearest
 Floats = NDArray[np.float64]
 Failed: TypeAlias = Literal["left-out", "collapse"]
 OUTCOME, COMPLETED = "outcome", "completed"
+NEVER_RUN = ("bad_input", "broken")  # outcomes that say nothing of the structure
 
 
 @dataclass(frozen=True)
@@ -22,25 +23,29 @@ class Counted:
     ----------
     table : their rows.
     demand : of each of them; infinite for a run that failed and counts as collapse.
-    failed : how many runs did not get through, counted or not.
-    how : "left-out" or "collapse".
+    left_out, collapsed : how many runs failed and are not among them, or count as collapse.
     kept : whether each row of the whole table is among them.
     """
 
     table: pd.DataFrame
     demand: Floats
-    failed: int
-    how: Failed
+    left_out: int
+    collapsed: int
     kept: NDArray[np.bool_]
 
     @property
     def sentence(self) -> str:
         """How many runs there are, and what became of those that failed."""
-        runs = len(self.table) + (self.failed if self.how == "left-out" else 0)
-        if not self.failed:
-            return f"all {runs} runs got through"
-        done = "are left out" if self.how == "left-out" else "count as collapse"
-        return f"{self.failed} of {runs} runs failed and {done}"
+        runs = len(self.table) + self.left_out
+        done = [
+            f"{count} of {runs} runs failed and {what}"
+            for count, what in (
+                (self.left_out, "are left out"),
+                (self.collapsed, "count as collapse"),
+            )
+            if count
+        ]
+        return "; ".join(done) or f"all {runs} runs got through"
 
 
 def counted(table: pd.DataFrame, demand: str, failed: Failed = "left-out") -> Counted:
@@ -51,7 +56,8 @@ def counted(table: pd.DataFrame, demand: str, failed: Failed = "left-out") -> Co
     table : of runs; a column `outcome` says "completed" of those that got through. Without that
         column all of them did.
     demand : name of a column of numbers.
-    failed : "left-out" of the count, or counted as "collapse".
+    failed : "left-out" of the count, or counted as "collapse"; runs that could not be begun for
+        their input, or for a fault of the program, are left out in any case.
 
     Raises
     ------
@@ -79,10 +85,12 @@ def counted(table: pd.DataFrame, demand: str, failed: Failed = "left-out") -> Co
         )
     if not through.any():
         raise InputError(f"none of {len(table)} runs got through")
-    lost = int((~through).sum())
-    if failed == "left-out":
-        return Counted(table[through], values[through], lost, failed, through)
-    return Counted(table, np.where(through, values, np.inf), lost, failed, np.ones_like(through))
+    kept = through
+    if failed == "collapse" and OUTCOME in table:
+        kept = through | ~table[OUTCOME].isin(NEVER_RUN).to_numpy(dtype=bool)
+    demands = np.where(through, values, np.inf)[kept]
+    collapsed = int(kept.sum() - through.sum())
+    return Counted(table[kept], demands, int((~kept).sum()), collapsed, kept)
 
 
 def numbers(table: pd.DataFrame, name: str) -> Floats:
