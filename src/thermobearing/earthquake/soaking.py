@@ -130,6 +130,21 @@ def soaked_hours(device: Device, weather: Hourly, hours: Ints | None = None) -> 
     return Soaked(np.ascontiguousarray(found[:, :cells]), lead)
 
 
+def soaked_through(constants: Constants, hour: HourMap, air: Floats) -> tuple[Floats, float | None]:
+    """Temperatures of cells and lead at the end of some hours, as `run.soaked` returns them.
+
+    Parameters
+    ----------
+    constants : of a bearing with a stack of cells, as warm as the air at first.
+    hour : its map.
+    air : at the full hours [degC], the end included.
+    """
+    places = np.array([len(air) - 1])
+    found = _through(hour, air, places, _uniform(constants, float(air[0])))[0]
+    cells = len(constants.cells.capacity)
+    return found[:cells].copy(), float(found[cells]) if _has_lead(constants) else None
+
+
 def _uniform(constants: Constants, air: float) -> Floats:
     return _vector(constants, new_state(constants, np.full(len(constants.cells.capacity), air)))
 
