@@ -26,7 +26,7 @@ from thermobearing.studies.factors import (
     StructureFactor,
 )
 from thermobearing.studies.levels import weather_of
-from thermobearing.studies.names import moves_heat, spelled
+from thermobearing.studies.names import moves_warmth, spelled
 from thermobearing.studies.ranges import reach_faults
 from thermobearing.studies.record import Design, Factors, Keep, Study
 
@@ -299,12 +299,9 @@ def _heat_faults(study: Study) -> list[str]:
     ambient = study.factors.ambient
     if not ambient.hourly or ambient.history is not None:
         return []
-    faces = ("analysis", "upper_face"), ("analysis", "lower_face")
     return [
         f"factors.{target.name}: changes how the bearing takes on the warmth of the air, for every "
         'run anew; give factors.ambient a history, such as "10 d"'
         for target in targets_of(study)
-        for path in [one for one in target.paths if one is not None][:1]
-        if (target.part == "bearing" and moves_heat(path))
-        or (target.part == "case" and path[:2] in faces)
+        if moves_warmth(target)
     ]

@@ -11,6 +11,7 @@ from thermobearing.studies.record import OF_FACTORS
 
 Path = tuple[str | int, ...]
 S = TypeVar("S", bound=Strict)
+FACES = (("analysis", "upper_face"), ("analysis", "lower_face"))
 # Numbers of a bearing that its heat cells know nothing of, so that they are made once.
 WITHOUT_HEAT: dict[str | int, set[str] | None] = {
     "hysteresis": None,
@@ -122,12 +123,12 @@ def _numbers(record: Strict, before: str, above: Path) -> Iterator[tuple[str, Pa
 
 
 def _labels(items: list[Any] | tuple[Any, ...]) -> list[str]:
-    """What tells the things of a list apart: a name, a body, or their numbers."""
-    for key in ("name", "body"):
-        names = [getattr(item, key, None) for item in items]
-        if None not in names and len(set(names)) == len(names):
-            return [f".{name}" for name in names]
-    return [f"[{number}]" for number in range(len(items))]
+    """What tells a thing in a list apart: its name, its body, or its number."""
+    names = [str(getattr(item, "name", getattr(item, "body", ""))) for item in items]
+    return [
+        f".{name}" if name and names.count(name) == 1 else f"[{number}]"
+        for number, name in enumerate(names)
+    ]
 
 
 def spelled(name: str) -> tuple[str, str]:
@@ -188,3 +189,11 @@ def moves_heat(path: Path) -> bool:
         return True
     within = WITHOUT_HEAT[path[0]]
     return within is not None and path[1] not in within
+
+
+def moves_warmth(target: Target) -> bool:
+    """Whether a varied number changes how warm a bearing at rest becomes."""
+    path = next(one for one in target.paths if one is not None)
+    if target.part == "case":
+        return path[:2] in FACES
+    return target.part == "bearing" and moves_heat(path)

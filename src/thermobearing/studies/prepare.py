@@ -12,7 +12,7 @@ from thermobearing.bearing.model import Bearing
 from thermobearing.core.records import Floats
 from thermobearing.earthquake.case import EarthquakeCase
 from thermobearing.earthquake.run import build_device, build_shaking, lines_of, one_line
-from thermobearing.earthquake.soaking import HourMap, Soaked, hour_map, soaked_hours, soaked_through
+from thermobearing.earthquake.soaking import Soaked, history_weights, soaked_history, soaked_hours
 from thermobearing.earthquake.task import Device, OneLine, Shaking, Task
 from thermobearing.model.constants import with_parameters
 from thermobearing.structure.run import Prepared, prepare_structure
@@ -22,12 +22,11 @@ from thermobearing.studies.columns import (
     SAMPLE,
     THINGS,
     columns_of,
-    levels_by_part,
     targets_of,
 )
 from thermobearing.studies.designs import hours_of
 from thermobearing.studies.levels import Levels
-from thermobearing.studies.names import Path, moves_heat, with_numbers
+from thermobearing.studies.names import Path, moves_heat, moves_warmth, with_numbers
 from thermobearing.studies.record import Study
 
 MOST_KEPT = 2000  # bearings as models, of samples of a posterior
@@ -82,12 +81,12 @@ class Preparer:
             if column.name in THINGS
         }
         self._targets = targets_of(study)
-        self._records = levels_by_part(study)
+        self._heats = any(moves_warmth(target) for target in self._targets)
         self._prepared: dict[int, Prepared] = {}
         self._devices: dict[int, Device] = {}
         self._shakings: dict[int, Shaking] = {}
         self._soaked: dict[Any, Soaked] = {}
-        self._maps: dict[Any, HourMap] = {}
+        self._weights: dict[Any, Floats] = {}
         self._hours: dict[int, int] = {}
         self._others: list[Device | None] | None = None
 
@@ -218,12 +217,16 @@ class Preparer:
         weather, history = self.levels.weather, self.study.factors.ambient.history
         assert weather is not None
         key = (heat_of(device.bearing), case.analysis.upper_face, case.analysis.lower_face)
+        if history is not None and self._heats:  # nothing that another run could use
+            return one_line(case, device, air, weather.before(hour, history))
         if history is not None:
-            if key not in self._maps:
-                self._forget(self._maps)
-                self._maps[key] = hour_map(device.constants)
+            if key not in self._weights:
+                self._forget(self._weights)
+                hours = weather.full_hours(history)
+                self._weights[key] = history_weights(device.constants, hours)
             before = weather.before(hour, history).temperature
-            return OneLine(device, *soaked_through(device.constants, self._maps[key], before), air)
+            found = soaked_history(device.constants, self._weights[key], before)
+            return OneLine(device, *found, air)
         if not self._hours:
             self._hours = {int(one): k for k, one in enumerate(hours_of(self.study))}
         if hour not in self._hours:
