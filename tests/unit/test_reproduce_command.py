@@ -10,12 +10,16 @@ from matplotlib.figure import Figure
 import thermobearing as tb
 from tests.unit.inputs import command
 from thermobearing.border.errors import InputError
+from thermobearing.report.pieces import Heading
+from thermobearing.report.template import arranged, default_template
 from thermobearing.reporting import pieces_of
 from thermobearing.reproduce import work
-from thermobearing.reproduce.claims import Claim, Limit, Within
+from thermobearing.reproduce.claims import PARTS, Claim, Limit, Within
 from thermobearing.reproduce.judge import REPRODUCED, VERDICTS
+from thermobearing.reproduce.report_tables import SETS
 from thermobearing.reproduce.run import reproduce_source
 from thermobearing.reproduce.runs import Runs
+from thermobearing.reproduce.tables import printed_tables
 
 FEW = [
     Claim(
@@ -95,6 +99,29 @@ def test_the_document_has_every_claim(few: None, tmp_path: Path) -> None:
     assert pieces.figures["fig_0_01"].caption == "a caption"
     assert "Of 3 claims 1 hold" in pieces.answer[0]
     assert any("nothing" in warning for warning in pieces.warnings)
+    words = {block.text for block in arranged(pieces) if isinstance(block, Heading)}
+    assert {"How to read it", "Functions"} <= words
+    assert default_template("reproduce").name == "reproduce.md"
+
+
+def test_the_template_has_every_figure_and_table() -> None:
+    text = default_template("reproduce").read_text(encoding="utf-8")
+    for name in [*work.figures_of(None), *work.OWN_FIGURES]:
+        assert f"{{{{ figure {name}? }}}}" in text
+    for name in [*PARTS, *(table.name for table in printed_tables()), *SETS, "slips"]:
+        assert f"{{{{ table {name}? }}}}" in text
+
+
+def test_slips_are_a_table_and_a_figure_of_the_same_numbers() -> None:
+    (part,) = [part for part in work.parts_of(None, figures=True) if part.names == ("slips",)]
+    assert part.kind == work.BOTH
+    done = work.do(part)
+    assert done.tables is not None
+    assert len(done.tables["slips"]) == 18
+    assert done.drawn is not None
+    assert done.drawn.image
+    (alone,) = [part for part in work.parts_of(None, figures=False) if part.names == ("slips",)]
+    assert alone.kind == work.TABLES
 
 
 def test_parts_of_a_chapter_have_its_claims_and_figures() -> None:

@@ -6,6 +6,7 @@ import pytest
 from thermobearing.border.errors import InputError
 from thermobearing.border.schema import validated
 from thermobearing.reproduce import table_values
+from thermobearing.reproduce.report_tables import functions_table, table_of
 from thermobearing.reproduce.runs import Runs
 from thermobearing.reproduce.tables import (
     COLUMNS,
@@ -14,7 +15,6 @@ from thermobearing.reproduce.tables import (
     PrintedRow,
     all_tables,
     printed_tables,
-    report_tables,
     table_beside,
 )
 
@@ -96,13 +96,16 @@ def test_a_broken_row_says_so_and_the_others_stay(monkeypatch: pytest.MonkeyPatc
 
 
 def test_tables_of_a_document(tables) -> None:  # type: ignore[no-untyped-def]
-    found = report_tables(Runs())
-    assert list(found) == list(tables)
-    first = found["table_3_5"]
+    first = table_of("table_3_5", tables["table_3_5"])
     assert first.caption.startswith("Table 3.5: ")
     period = next(row for row in first.rows if row[0].startswith("T,"))
     texts = [column.text(value) for column, value in zip(first.columns, period, strict=True)]
     assert texts[2:6] == ["s", "1.3", "1.49801", "15.23"]
+
+
+def test_functions_of_a_document_say_what_they_compute() -> None:
+    (row,) = functions_table(["table-3-1-s1"]).rows
+    assert row == ["chapter_3.first_shape_factor", "S1 of both specimens."]
 
 
 def test_a_changed_parameter_is_seen() -> None:
