@@ -15,8 +15,10 @@ from thermobearing.report.template import arranged, default_template
 from thermobearing.reporting import pieces_of
 from thermobearing.reproduce import work
 from thermobearing.reproduce.claims import PARTS, Claim, Limit, Within
-from thermobearing.reproduce.judge import REPRODUCED, VERDICTS
+from thermobearing.reproduce.flips import Flip
+from thermobearing.reproduce.judge import REPRODUCED, VERDICTS, Verdict
 from thermobearing.reproduce.report_tables import SETS
+from thermobearing.reproduce.rows import Row
 from thermobearing.reproduce.run import reproduce_source
 from thermobearing.reproduce.runs import Runs
 from thermobearing.reproduce.tables import printed_tables
@@ -83,6 +85,14 @@ def test_a_broken_row_does_not_stop_the_others(few: None, tmp_path: Path) -> Non
         in json.loads((folder / "summary.json").read_text())["broken"]["nothing"]
     )
     assert (folder / "figures" / "fig_0_01.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_row_that_nothing_flips_says_what_was_tried() -> None:
+    holds, none = Verdict("trend holds", "trend holds"), Flip("t_r", None)
+    assert Row(FEW[0], holds, 1.0, (none,), True).flip_words == "none: t_r changed by up to 50 %"
+    assert Row(FEW[0], holds, 1.0, (none, Flip("a", 0.2)), True).flip_words == "a +20.0 %"
+    assert Row(FEW[1], holds, 1.0, (), True).flip_words == "none"
+    assert Row(FEW[0], Verdict("contradicted", "contradicted")).flip_words == ""
 
 
 def test_verdicts_alone_have_no_flips(few: None) -> None:
