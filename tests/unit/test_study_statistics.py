@@ -123,7 +123,8 @@ def test_curves_of_single_motions() -> None:
     )
     out = ida_curves(table, "drift", "scale")
     asked = ida_curves(table, "drift", "scale", failed="collapse")
-    assert out.crossings(2.5)["capacity"].tolist() == [1.75, 1.5]  # the first crossing
+    assert out.crossings(2.5)["capacity"].tolist() == [1.75, 1.5]
+    assert out.crossings(1.75)["capacity"].tolist() == [1.375, 0.875]  # the first crossing
     assert out.crossings(4.0)["capacity"].tolist() == [np.inf, np.inf]
     assert out.crossings(4.0)["largest"].tolist() == [3.0, 2.0]
     assert asked.crossings(4.0)["capacity"].tolist() == [np.inf, 2.0]

@@ -18,7 +18,7 @@ def lognormal(median: float, dispersion: float, others: int = 1) -> Fragility:
     spread = np.linspace(-0.1, 0.1, others)
     estimate = Estimate(Curves(place, slope), Curves(place + spread, np.repeat(slope, others)))
     counts = pd.DataFrame({"im": [1.0], "runs": [1], "beyond": [0]})
-    settings = ("drift", "im", 1.0, estimate, "bootstrap", 0.95, 1, counts, "")
+    settings = ("drift", "im", 1.0, estimate, "bootstrap", 0.95, 1, counts, 0, 0)
     return Fragility("", "stripes", *settings)  # type: ignore[arg-type]
 
 
@@ -76,7 +76,7 @@ def test_band_and_ratio_of_rates() -> None:
     warm, cold = lognormal(2.0, 0.4, 21), lognormal(1.6, 0.4, 21)
     hazard = power_law(2.0)
     a, b = annual_rate(cold, hazard), annual_rate(warm, hazard)
-    found = ratio(a, b, cold.ends)
+    found = ratio(a, b)
     assert found == pytest.approx([0.8**-2.0] * 3, rel=tolerances.HAZARD)
     assert (a.low, a.high) == pytest.approx(
         (a.rate * np.exp(-0.2), a.rate * np.exp(0.2)), rel=tolerances.HAZARD

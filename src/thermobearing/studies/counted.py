@@ -36,16 +36,23 @@ class Counted:
     @property
     def sentence(self) -> str:
         """How many runs there are, and what became of those that failed."""
-        runs = len(self.table) + self.left_out
-        done = [
-            f"{count} of {runs} runs failed and {what}"
-            for count, what in (
-                (self.left_out, "are left out"),
-                (self.collapsed, "count as collapse"),
-            )
-            if count
-        ]
-        return "; ".join(done) or f"all {runs} runs got through"
+        return told_of(len(self.table) + self.left_out, self.left_out, self.collapsed)
+
+
+def told_of(runs: int, left_out: int, collapsed: int) -> str:
+    """How many of so many runs failed, and what became of them.
+
+    Examples
+    --------
+    >>> told_of(40, 2, 0)
+    '2 of 40 runs failed and are left out'
+    """
+    done = [
+        f"{count} of {runs} runs failed and {what}"
+        for count, what in ((left_out, "are left out"), (collapsed, "count as collapse"))
+        if count
+    ]
+    return "; ".join(done) or f"all {runs} runs got through"
 
 
 def counted(table: pd.DataFrame, demand: str, failed: Failed = "left-out") -> Counted:

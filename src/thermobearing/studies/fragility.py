@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from thermobearing.border.errors import InputError
 from thermobearing.studies.binary import FLAT
-from thermobearing.studies.counted import Failed, column, counted, positive
+from thermobearing.studies.counted import Failed, column, counted, positive, told_of
 from thermobearing.studies.estimates import Estimate, cloud, counts, incremental, stripes
 from thermobearing.studies.ida import ida_curves
 from thermobearing.studies.resampling import LEVEL, SAMPLES, Draw, check_level, percentiles
@@ -50,7 +50,7 @@ class Fragility:
     level : confidence of the bands.
     runs : how many the curve is made of.
     counts : for each intensity `runs` and `beyond`; of many intensities in classes.
-    sentence : what became of runs that failed.
+    left_out, collapsed : how many runs failed and are not among them, or count as collapse.
     """
 
     name: str
@@ -63,7 +63,13 @@ class Fragility:
     level: float
     runs: int
     counts: pd.DataFrame
-    sentence: str
+    left_out: int
+    collapsed: int
+
+    @property
+    def sentence(self) -> str:
+        """What became of runs that failed."""
+        return told_of(self.runs + self.left_out, self.left_out, self.collapsed)
 
     @property
     def outcome(self) -> str:
@@ -124,6 +130,8 @@ class Fragility:
             "dispersion_high": float(most[0]) if most[0] < flat else np.inf,
             "runs": self.runs,
             "beyond": int(self.counts["beyond"].sum()),
+            "left_out": self.left_out,
+            "collapsed": self.collapsed,
             "outcome": self.outcome,
             "sentence": self.estimate.sentence or self.sentence,
         }
@@ -294,5 +302,6 @@ def _fragility(table: pd.DataFrame, of: _Settings, draw: Draw, name: str) -> Fra
         of.level,
         len(runs.table),
         counts(at, beyond, of.intensity),
-        runs.sentence,
+        runs.left_out,
+        runs.collapsed,
     )

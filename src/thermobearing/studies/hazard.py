@@ -11,7 +11,7 @@ the closed form of Cornell, C.A. (1996), Calculating building seismic performanc
 basis for multi-level design norms, 11th World Conference on Earthquake Engineering, paper 2122.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from thermobearing.border.errors import InputError
 from thermobearing.border.tables import read_columns
 from thermobearing.border.titles import plain_title
+from thermobearing.studies.resampling import LEVEL, percentiles
 
 Floats = NDArray[np.float64]
 UNITS = {"PGA": "m/s^2", "PGV": "m/s", "Sa": "m/s^2"}
@@ -226,24 +227,27 @@ def annual_rate(curve: Curve, hazard: Hazard) -> Rate:
     return Rate(rate, float(low[0]), float(high[0]), np.asarray(family), tuple(notes))
 
 
-def ratio(rate: Rate, to: Rate, ends: Callable[[Floats], tuple[Floats, Floats]]) -> Sequence[float]:
+def ratio(rate: Rate, to: Rate, level: float = LEVEL) -> tuple[float, float, float]:
     """One rate over another with its band, of curves whose bootstrap drew the same motions.
 
     Parameters
     ----------
     rate, to : of `annual_rate`.
-    ends : of either curve: gives the ends of the band.
+    level : confidence of the band.
 
     Returns
     -------
-    list : ratio, lower and upper end.
+    three numbers : ratio, lower and upper end; NaN where either has no rate.
     """
     if len(rate.family) != len(to.family):
         raise InputError("the bands of two rates must be of the same bootstrap samples")
+    if np.isnan(rate.rate) or np.isnan(to.rate):
+        return np.nan, np.nan, np.nan
     with np.errstate(divide="ignore", invalid="ignore"):
-        each = np.nan_to_num(rate.family / to.family, nan=1.0, posinf=np.inf)
-    low, high = ends(each[:, None])
-    return [rate.rate / to.rate if to.rate > 0 else np.inf, float(low[0]), float(high[0])]
+        each = np.append(rate.family / to.family, rate.rate / to.rate)
+    each = np.where(np.isnan(each), 1.0, each)  # neither ever goes beyond
+    low, high = percentiles(each[:-1, None], level)
+    return float(each[-1]), float(low[0]), float(high[0])
 
 
 def closed_form(median: float, dispersion: float, factor: float, exponent: float) -> float:

@@ -153,8 +153,8 @@ def variance_shares(
 
     Returns
     -------
-    DataFrame : `factor`, `share` with its band, `levels` or classes; the last row, "together and
-        the rest", is what no factor explains by itself.
+    DataFrame : `factor`, `share` with its band, `levels` or classes, `rows` that count and
+        `left_out`; the last row, "together and the rest", is what no factor explains by itself.
 
     Raises
     ------
@@ -191,7 +191,8 @@ def variance_shares(
     low, high = percentiles(again - again.mean(axis=0) + whole, level)
     found: dict[str, Any] = {"factor": [*factors, "together and the rest"], "share": whole}
     found |= {"share_low": low, "share_high": high}
-    return pd.DataFrame(found).assign(levels=[*(int(c.max()) + 1 for c in codes), 0])
+    table = pd.DataFrame(found).assign(levels=[*(int(c.max()) + 1 for c in codes), 0])
+    return table.assign(rows=len(values), left_out=runs.left_out)
 
 
 def _codes(values: list[Any]) -> NDArray[np.int64]:
