@@ -3,7 +3,6 @@
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from thermobearing.report.generic import table_of
@@ -21,6 +20,7 @@ UNKNOWN = (
     "repeated in full does."
 )
 MOST_LEVELS = 12  # that are named
+TOLD_ONCE = ["method", "capacity", "left_out", "collapsed"]  # of a table of curves, elsewhere
 CAPTIONS = {
     "demand": "Demand against temperature: median with its band, fractiles of the runs.",
     "variance": "Share of each factor in the variance of the demand.",
@@ -95,16 +95,22 @@ def answer(result: StudyResult, asked: Question) -> list[str]:
             curves, rates = asked.rates_of(part)
             table = part.rates_table(curves, rates)
             row = table.iloc[-1]
-            if not np.isfinite(row["rate"]):
-                continue
             of = f"{name}: " if name else ""
+            if not row["rate"] > 0.0:
+                found.append(f"{of}no run went beyond, or there is no curve; see the tables.")
+                continue
             found.append(
-                f"{of}{row['name']}: passed once in {row['return_period_years']:.3g} years "
+                f"{of}{_air(row['name'])}: passed once in {row['return_period_years']:.3g} years "
                 f"({row['rate_low']:.2g} to {row['rate_high']:.2g} a year), "
-                f"{row['over_reference']:.2f} times as often as at {row['reference']} °C "
+                f"{row['over_reference']:.2f} times as often as at {_air(list(curves)[-1])} "
                 f"({row['over_low']:.2f} to {row['over_high']:.2f})."
             )
     return found
+
+
+def _air(name: Any) -> str:
+    """A temperature, or a class of them, in words."""
+    return f"{number(float(name))} °C" if isinstance(name, int | float) else str(name)
 
 
 def _cold(part: StudyResult, demand: str, asked: Question, name: str) -> str:
@@ -162,7 +168,7 @@ def tables_of(result: StudyResult, asked: Question) -> dict[str, ReportTable]:
             found |= _curves(part, asked, f"-{name}" if name else "", name)
     if len(result.factors) > 1:
         found["variance"] = _table("variance", result.variance(demand), "Shares of the variance")
-    worst = result.worst(by=demand)
+    worst = result.worst(by=demand).drop(columns="id")
     found["worst"] = _table("worst", worst, "The worst runs, and one of each way to fail")
     return found
 
@@ -171,20 +177,24 @@ def _curves(part: StudyResult, asked: Question, ending: str, name: str) -> dict[
     """Parameters of fragility curves, and rates."""
     of = f", {name}" if name else ""
     curves = asked.curves_of(part)[0]
-    table = pd.DataFrame([curve.row() for curve in curves.values()]).drop(columns="capacity")
-    table.insert(0, AMBIENT, table.pop("name"))
-    found = {f"fragility{ending}": _table("fragility", table, f"Lognormal fragility{of}")}
+    table = pd.DataFrame([curve.row() for curve in curves.values()])
+    notes = [f"{_air(name)}: {curve.row()['sentence']}" for name, curve in curves.items()]
+    table = table.drop(columns=[*TOLD_ONCE, "sentence"]).rename(columns={"name": AMBIENT})
+    caption = f"Lognormal fragility by {asked.method}{of}"
+    found = {f"fragility{ending}": _table("fragility", table, caption, "; ".join(notes))}
     if asked.hazard is not None:
         curves, rates = asked.rates_of(part)
         rows = part.rates_table(curves, rates)
-        rows = rows.rename(columns={"name": AMBIENT}).drop(columns="reference")
-        found[f"rates{ending}"] = _table("rates", rows, f"Annual rates{of}")
+        note = "; ".join(dict.fromkeys(text for text in rows["notes"] if text))
+        rows = rows.rename(columns={"name": AMBIENT}).drop(columns=["reference", "notes"])
+        found[f"rates{ending}"] = _table("rates", rows, f"Annual rates{of}", note)
     return found
 
 
-def _table(name: str, table: pd.DataFrame, caption: str) -> ReportTable:
+def _table(name: str, table: pd.DataFrame, caption: str, note: str = "") -> ReportTable:
     """A table of a document with its caption."""
-    return replace(table_of(name, table.astype(_plain(table))), caption=caption)
+    found = table_of(name, table.astype(_plain(table)))
+    return replace(found, caption=caption, note=note or found.note)
 
 
 def _plain(table: pd.DataFrame) -> dict[Any, Any]:
