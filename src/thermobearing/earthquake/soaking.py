@@ -130,6 +130,46 @@ def soaked_hours(device: Device, weather: Hourly, hours: Ints | None = None) -> 
     return Soaked(np.ascontiguousarray(found[:, :cells]), lead)
 
 
+def history_weights(constants: Constants, hours: int) -> Floats:
+    """What the air of some hours leaves behind: temperatures are these weights times the air.
+
+    Parameters
+    ----------
+    constants : of a bearing with a stack of cells, at first as warm as the air.
+    hours : of the history, at least 1.
+
+    Returns
+    -------
+    [n, hours + 1] : rows are cells, lead and what lead remembers; columns the air at full hours.
+    """
+    hour = hour_map(constants)
+    begin = _uniform(constants, 1.0)
+    weights = np.zeros((len(begin), hours + 1))
+    early, late = hour.early, hour.late
+    for back in range(hours):
+        weights[:, hours - back - 1] += early
+        weights[:, hours - back] += late
+        early, late, begin = hour.kept @ early, hour.kept @ late, hour.kept @ begin
+    weights[:, 0] += begin
+    return weights
+
+
+def soaked_history(
+    constants: Constants, weights: Floats, air: Floats
+) -> tuple[Floats, float | None]:
+    """Temperatures of cells and lead at the end of some hours, as `run.soaked` returns them.
+
+    Parameters
+    ----------
+    constants : of the bearing.
+    weights : from `history_weights`.
+    air : at the full hours [degC], the end included.
+    """
+    found = weights @ air
+    cells = len(constants.cells.capacity)
+    return found[:cells].copy(), float(found[cells]) if _has_lead(constants) else None
+
+
 def _uniform(constants: Constants, air: float) -> Floats:
     return _vector(constants, new_state(constants, np.full(len(constants.cells.capacity), air)))
 
