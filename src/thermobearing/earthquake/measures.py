@@ -72,7 +72,8 @@ def measures_of(
     bearing, books = history.bearing(task.told_line), history.rows.books
     found: dict[str, Any] = {"outcome": history.outcome}
     for name in PEAKS:
-        found[name] = np.abs(trace[name.removesuffix(PEAK)]).max()
+        values = trace[name.removesuffix(PEAK)]
+        found[name] = abs(max(values.max(), -values.min()))  # quicker than np.abs(values).max()
     found["bearing_energy_end"] = trace["bearing_energy"][-1]
     found["pier_displacement_residual"] = trace["pier_displacement"][-1]
     found["steps"] = history.steps
