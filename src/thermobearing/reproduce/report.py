@@ -72,7 +72,7 @@ def _counts(counts: dict[str, int]) -> ReportTable:
 
 def _ledger(ledger: pd.DataFrame) -> dict[str, ReportTable]:
     """A table for each part of the source."""
-    told = ledger.fillna("").set_index("id")
+    told = ledger.astype(object).where(ledger.notna(), "").set_index("id")
     columns = [Column(head) for head in HEADS.values()]
     found = {}
     for part in PARTS:
