@@ -119,6 +119,7 @@ def inputs_of(saved: SavedResult, case: Mapping[str, Any]) -> dict[str, ReportTa
     found = {
         "design": input_table("What was to be designed", rest, otherwise="case, or default"),
         "structure": structure_table(case["structure"]),
+        "motions": given_motions_table(case["motions"]),
     }
     for path in sorted((saved.path / BEARINGS).glob("*.toml")):
         table, sources = split_sources(read_toml(path))

@@ -1,6 +1,6 @@
 """What went into an earthquake study, as tables and sentences of its document."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -115,14 +115,33 @@ def motions_table(result: EarthquakeResult, case: Case) -> ReportTable:
                 float(one.get("factor", 1.0)),
                 float(np.nanmax(data["time"].values[run])),
                 float(np.nanmax(np.abs(ground))),
-                _motion_source(one),
+                motion_source(one),
             )
         )
     note = "Lengths and peaks of what was run, after factor and cut."
     return ReportTable("Ground motions", columns, rows, note=note)
 
 
-def _motion_source(motion: Mapping[str, Any]) -> str:
+def given_motions_table(motions: Sequence[Mapping[str, Any]]) -> ReportTable:
+    """Motions of a case, where what was run of them is not kept.
+
+    Parameters
+    ----------
+    motions : of a resolved case.
+    """
+    columns = (Column("Motion"), Column("Factor", "", "g"), Column("Source"))
+    rows = [
+        (
+            str(one.get("label") or Path(str(one["name"])).stem),
+            float(one.get("factor", 1.0)),
+            motion_source(one),
+        )
+        for one in motions
+    ]
+    return ReportTable("Ground motions", columns, rows)
+
+
+def motion_source(motion: Mapping[str, Any]) -> str:
     """Where a motion is from."""
     from thermobearing.motions.library import list_motions
 

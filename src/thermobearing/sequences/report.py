@@ -70,7 +70,7 @@ def pieces_of(result: SequenceResult) -> Pieces:
     checks = checks_of(result, case) if parts else []
     return Pieces(
         command="sequence",
-        title=f"Tests in a row on {case['bearing']['name']}: {case['name']}",
+        title=f"Sequence of tests on {case['bearing']['name']}: {case['name']}",
         question=question(result, case),
         answer=answer(result, verdict(checks, validity, unknown)),
         inputs=inputs_of(result, case),
