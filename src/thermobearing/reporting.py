@@ -13,12 +13,13 @@ from thermobearing.border.schema import validated
 from thermobearing.cyclic.result import Result
 from thermobearing.histories import histories_of
 from thermobearing.loading import AnyResult, load_result
+from thermobearing.report.comparison import comparison_of
 from thermobearing.report.files import check_place, put_files, report_files, title_files
 from thermobearing.report.generic import pieces_of_saved
 from thermobearing.report.pieces import Pieces
 from thermobearing.report.title import TitleBlock, read_title
 from thermobearing.report.workbook import workbook_bytes
-from thermobearing.results.directory import FIGURES, SUMMARY, TITLE, WORKBOOK
+from thermobearing.results.directory import COMPARISON, FIGURES, SUMMARY, TITLE, WORKBOOK
 from thermobearing.results.saved import SavedResult
 
 # Rooms whose `report.py` says what the document of a command holds.
@@ -29,6 +30,7 @@ ROOMS = {
     "reproduce": "reproduce",
     **dict.fromkeys(("motions show", "motions make", "motions spectrum"), "motions"),
 }
+COMPARED = {"cyclic", "bridge", "hybrid"}  # commands with --compare
 # What files that were edited, or are of another version, lead to where their numbers are looked up.
 UNFIT = (LookupError, TypeError, ValueError, AttributeError, AssertionError)
 
@@ -148,6 +150,8 @@ def pieces_of(result: AnyResult, directory: Path) -> Pieces:
             pieces = cast(Pieces, import_module(room).pieces_of(result))
         else:
             pieces = pieces_of_saved(_as_saved(result, directory))
+        if command in COMPARED:
+            pieces = _with_comparison(pieces, directory)
     except InputError:
         raise
     except UNFIT as error:
@@ -158,6 +162,18 @@ def pieces_of(result: AnyResult, directory: Path) -> Pieces:
             str(directory),
         ) from None
     return replace(pieces, identity={**pieces.identity, **_written_on(directory)})
+
+
+def _with_comparison(pieces: Pieces, directory: Path) -> Pieces:
+    """With the earlier models that `--compare` left beside the result."""
+    if not is_file(directory / COMPARISON):
+        return pieces
+    table, figures = comparison_of(directory)
+    return replace(
+        pieces,
+        tables={**pieces.tables, "comparison": table},
+        figures={**pieces.figures, **figures},
+    )
 
 
 def _summary(result: AnyResult) -> dict[str, Any]:

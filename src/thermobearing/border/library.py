@@ -6,11 +6,15 @@ from dataclasses import dataclass
 from functools import cache
 from importlib import resources
 from pathlib import Path
-from typing import Any
+from typing import Any, Self, TypeVar
+
+from pydantic import PrivateAttr
 
 from thermobearing.border.errors import InputError, nearest
 from thermobearing.border.schema import Strict, validated
 from thermobearing.border.toml import flat, read_toml, split_sources, to_table
+
+S = TypeVar("S", bound="Sourced")
 
 
 @cache
@@ -43,6 +47,28 @@ def _names(folder: str) -> tuple[str, ...]:
 def _shipped(path: Path) -> dict[str, Any]:
     """A file of the package, which stays as it is while a program runs: read once."""
     return read_toml(path)
+
+
+class Sourced(Strict):
+    """A record that remembers where its numbers come from."""
+
+    _sources: dict[str, str] = PrivateAttr(default_factory=dict)
+
+    @property
+    def sources(self) -> dict[str, str]:
+        """Where each number comes from, by dotted key (`geometry.rubber_thickness`)."""
+        return dict(self._sources)
+
+    def with_sources(self, sources: Mapping[str, str]) -> Self:
+        """The same, remembering where its numbers come from.
+
+        Parameters
+        ----------
+        sources : by dotted key.
+        """
+        copy: Any = self.model_copy()
+        copy._sources = dict(sources)
+        return copy  # type: ignore[no-any-return]
 
 
 @dataclass(frozen=True)
@@ -82,6 +108,17 @@ class Library:
         table, where = self.table(name_or_path)
         return split_sources(table)[0], where
 
+    def load(self, model: type[S], name_or_path: str | Path) -> S:
+        """A thing by name or file, with the sources of its numbers.
+
+        Raises
+        ------
+        InputError : nothing has that name, or faults in the file.
+        """
+        table, where = self.table(name_or_path)
+        values, sources = split_sources(table)
+        return validated(model, values, where).with_sources(sources)
+
     def sources(self, model: type[Strict], table: Mapping[str, Any]) -> dict[str, str]:
         """Sources of those values of a thing that are as in the built-in one of its name.
 
@@ -96,3 +133,25 @@ class Library:
         values, sources = split_sources(self.table(name)[0])
         built_in, given = flat(to_table(validated(model, values, name))), flat(table)
         return {key: told for key, told in sources.items() if given.get(key) == built_in.get(key)}
+
+
+def sources_to_keep(
+    things: Iterable[tuple[Library, Sourced]], told: Mapping[str, Mapping[str, str]] | None = None
+) -> dict[str, dict[str, str]] | None:
+    """Sources of the numbers of things that their library cannot tell again; None without any.
+
+    Parameters
+    ----------
+    things : bearings, structures, rigs, each with the library of its kind.
+    told : sources that a case brings along, by name of the thing; of others they are left out.
+    """
+    found: dict[str, dict[str, str]] = {}
+    for library, thing in things:
+        table = to_table(thing)
+        name = str(table["name"])
+        known = library.sources(type(thing), table)
+        own = {key: text for key, text in thing.sources.items() if known.get(key) != text}
+        kept = own or dict((told or {}).get(name, {}))
+        if kept:
+            found[name] = found.get(name, {}) | kept
+    return found or None

@@ -162,7 +162,8 @@ def bounds_study(
     found.attrs["ended"] = [study.outcome for study in studies if study.outcome != "completed"]
     found.attrs["sentences"] = [study.sentence for study in studies if study.outcome != "completed"]
     found.attrs["ranges"] = ranges_of(bearing)
-    found.attrs["inputs"] = _inputs(whole, bearing, strain) | {"bounds": list(map(to_table, bounds))}
+    found.attrs["inputs"] = _inputs(whole, bearing, strain)
+    found.attrs["inputs"]["bounds"] = [to_table(model) for model in bounds]
     return found
 
 

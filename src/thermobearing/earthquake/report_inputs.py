@@ -37,7 +37,7 @@ def inputs_of(result: EarthquakeResult, case: Case) -> dict[str, ReportTable]:
     """Tables of what went in: structure, bearings, motions, air, laboratory, model."""
     sources = case.get("sources", {})
     found = {
-        "structure": structure_table(case["structure"]),
+        "structure": structure_table(case["structure"], sources.get(case["structure"]["name"])),
         "motions": motions_table(result, case),
     }
     for bearing in bearings_of(case):
@@ -50,7 +50,7 @@ def inputs_of(result: EarthquakeResult, case: Case) -> dict[str, ReportTable]:
         lab = {"laboratory": case["laboratory"]}
         found["laboratory"] = input_table("Laboratory", lab, otherwise="as asked for, or default")
     if "rig" in case:
-        found["rig"] = rig_table(case["rig"])
+        found["rig"] = rig_table(case["rig"], sources.get(case["rig"].get("name")))
     defaults = EarthquakeAnalysis()
     if case["command"] == "hybrid":
         defaults = EarthquakeAnalysis(method="predictor-corrector")
@@ -67,9 +67,17 @@ def bearings_of(case: Case) -> list[Mapping[str, Any]]:
     return list(found.values())
 
 
-def structure_table(structure: Mapping[str, Any]) -> ReportTable:
-    """Masses, springs, hinges and bearing lines, each value with unit and source."""
-    sources = STRUCTURES.sources(Structure, structure)
+def structure_table(
+    structure: Mapping[str, Any], own: Mapping[str, str] | None = None
+) -> ReportTable:
+    """Masses, springs, hinges and bearing lines, each value with unit and source.
+
+    Parameters
+    ----------
+    structure : table of a resolved case.
+    own : sources of its file, by dotted key.
+    """
+    sources = STRUCTURES.sources(Structure, structure) | dict(own or {})
     rows: list[tuple[Any, ...]] = []
     for key, kind in LISTS.items():
         for place, item in enumerate(structure.get(key, [])):

@@ -316,8 +316,9 @@ def posterior_table(summary: Mapping[str, Any]) -> ReportTable | None:
         for place, row in enumerate(told.get("peak_force", []))
         if "ambient" in str(row.get("beyond_tested") or "").split()
     )
-    note = f"Of {told.get('samples')} samples of the posterior ({told.get('source')}), which are in "
-    note += "posterior.csv." + (" Marked: beyond what the bearing was tested at." if marked else "")
+    note = f"Of {told.get('samples')} samples of the posterior ({told.get('source')}); they are "
+    note += "in posterior.csv."
+    note += " Marked: beyond what the bearing was tested at." if marked else ""
     return ReportTable("Predicted peak force", columns, rows, 0, marked, note) if rows else None
 
 
