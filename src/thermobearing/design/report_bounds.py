@@ -10,12 +10,13 @@ from thermobearing.cyclic.reported import (
     model_assumptions,
 )
 from thermobearing.earthquake.case import EarthquakeAnalysis
-from thermobearing.earthquake.report_inputs import given_motions_table, structure_table
+from thermobearing.earthquake.report_inputs import given_motions_table
 from thermobearing.report.limits import MARKED, TESTED_RANGE, TESTS, limit_checks, verdict
 from thermobearing.report.pieces import Column, Pieces, ReportTable
 from thermobearing.report.saved import saved_figures, saved_identity, saved_validity
 from thermobearing.report.words import counted, degrees, joined, percent, quantity, tidy
 from thermobearing.results.saved import SavedResult
+from thermobearing.structure.report import structure_table
 
 CAPTIONS = {"bounds": "Demands of the two bounds and of the coupled model, and their envelope."}
 DEMANDS = {

@@ -15,15 +15,12 @@ from thermobearing.cyclic.reported import (
 )
 from thermobearing.earthquake.case import EarthquakeAnalysis
 from thermobearing.earthquake.result import EarthquakeResult
-from thermobearing.report.inputs import COLUMNS, input_table, value_and_unit
-from thermobearing.report.names import name_of
+from thermobearing.report.inputs import input_table
 from thermobearing.report.pieces import Column, ReportTable
 from thermobearing.report.words import counted, degrees, joined, quantity
-from thermobearing.structure.model import STRUCTURES, Structure
+from thermobearing.structure.report import structure_table
 
 Case = Mapping[str, Any]
-LISTS = {"masses": "mass", "springs": "spring", "hinges": "hinge", "bearings": "bearing line"}
-NAMED = ("name", "body", "base")
 MODES = {"rt": "in real time", "pd": "pseudo-dynamic"}
 DAMPING = {
     "modal": "a ratio for each mode of the structure without its bearings",
@@ -65,38 +62,6 @@ def bearings_of(case: Case) -> list[Mapping[str, Any]]:
         if isinstance(line.get("bearing"), Mapping):
             found.setdefault(str(line["bearing"]["name"]), line["bearing"])
     return list(found.values())
-
-
-def structure_table(
-    structure: Mapping[str, Any], own: Mapping[str, str] | None = None
-) -> ReportTable:
-    """Masses, springs, hinges and bearing lines, each value with unit and source.
-
-    Parameters
-    ----------
-    structure : table of a resolved case.
-    own : sources of its file, by dotted key.
-    """
-    sources = STRUCTURES.sources(Structure, structure) | dict(own or {})
-    rows: list[tuple[Any, ...]] = []
-    for key, kind in LISTS.items():
-        for place, item in enumerate(structure.get(key, [])):
-            owner = item.get("name") or item["body"]
-            for name, value in item.items():
-                if name in NAMED or (value in (0.0, "0.0 kN mm s^2") and name != "height"):
-                    continue
-                told = sources.get(f"{key}[{place}].{name}", "")
-                what = f"{kind.capitalize()} {owner}: {name_of(name).lower()}"
-                rows.append((what, *value_and_unit(value), told))
-    for key in ("kind", "ratios", "modes"):
-        if key in structure["damping"]:
-            value = value_and_unit(structure["damping"][key])
-            rows.append((f"Viscous damping: {key}", *value, sources.get(f"damping.{key}", "")))
-    about = [
-        str(structure[key]).rstrip(".") for key in ("description", "citation") if structure.get(key)
-    ]
-    note = ". ".join(about) + "." if about else ""
-    return ReportTable(f"Structure: {structure['name']}", COLUMNS, rows, note=note)
 
 
 def motions_table(result: EarthquakeResult, case: Case) -> ReportTable:

@@ -18,7 +18,6 @@ from thermobearing.cyclic.reported import (
     model_assumptions,
 )
 from thermobearing.cyclic.result import Result
-from thermobearing.earthquake.report_inputs import structure_table
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.report.identity import identity_of
 from thermobearing.report.limits import (
@@ -46,6 +45,7 @@ from thermobearing.results.drawing import INK, ordered_colours
 from thermobearing.results.ranges import TESTED, parted
 from thermobearing.sequences.case import SequenceAnalysis
 from thermobearing.sequences.result import SequenceResult
+from thermobearing.structure.report import structure_table
 
 Case = Mapping[str, Any]
 KJ = 1e-3
