@@ -49,6 +49,14 @@ def _shipped(path: Path) -> dict[str, Any]:
     return read_toml(path)
 
 
+@cache
+def _told(path: Path, model: type[Strict]) -> dict[str, tuple[Any, str]]:
+    """Values and sources of a built-in file by key, as a checked thing of it writes them."""
+    values, sources = split_sources(_shipped(path))
+    built_in = flat(to_table(validated(model, values, path.stem)))
+    return {key: (built_in.get(key), source) for key, source in sources.items()}
+
+
 class Sourced(Strict):
     """A record that remembers where its numbers come from."""
 
@@ -130,9 +138,8 @@ class Library:
         name = str(table.get("name", ""))
         if name not in self.names():
             return {}
-        values, sources = split_sources(self.table(name)[0])
-        built_in, given = flat(to_table(validated(model, values, name))), flat(table)
-        return {key: told for key, told in sources.items() if given.get(key) == built_in.get(key)}
+        told, given = _told(data_path(self.folder, f"{name}.toml"), model), flat(table)
+        return {key: source for key, (value, source) in told.items() if given.get(key) == value}
 
 
 def sources_to_keep(
@@ -147,6 +154,8 @@ def sources_to_keep(
     """
     found: dict[str, dict[str, str]] = {}
     for library, thing in things:
+        if not (thing.sources or told):
+            continue
         table = to_table(thing)
         name = str(table["name"])
         known = library.sources(type(thing), table)
