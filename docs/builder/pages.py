@@ -31,23 +31,23 @@ OF_NO_MATTER = ("log: ", "info: ", "debug: ")  # kinds of messages
 OF_THE_THEME = "body > :not(.bd-container), .bd-header, .bd-sidebar-primary, .bd-sidebar-secondary"
 
 
-def faults(site: Path) -> list[str]:
+def faults(site: Path, running: Any) -> list[str]:
     """A sentence for each fault of the pages of a site.
 
     Parameters
     ----------
     site : folder of a built site.
+    running : browser.
     """
     missing = [name for name in PAGES if not (site / name).is_file()]
     if missing:
         return [f"{name}: is not there" for name in missing]
-    with browser() as running:
-        return [
-            f"{name}: {fault}"
-            for look in LOOKS
-            for name in PAGES
-            for fault in _faults_of(running, site.resolve() / name, look)
-        ]
+    return [
+        f"{name}: {fault}"
+        for look in LOOKS
+        for name in PAGES
+        for fault in _faults_of(running, site.resolve() / name, look)
+    ]
 
 
 def _faults_of(running: Any, file: Path, look: dict[str, Any]) -> list[str]:
@@ -74,7 +74,8 @@ def main(site: Path) -> int:
     if not is_there():
         print(f"pages are not looked at: {MISSING}")
         return int(bool(os.environ.get("CI")))
-    wrong = faults(site)
+    with browser() as running:
+        wrong = faults(site, running)
     print(*wrong, sep="\n", end="\n" if wrong else "")
     return int(bool(wrong))
 

@@ -1,6 +1,7 @@
 """What looks at the pages of the built site, on pages with and without faults."""
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -23,15 +24,14 @@ def site(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @needs_chromium
-def test_faults_are_found(site: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert pages.main(site) == 0
+def test_faults_are_found(site: Path, chromium: Any) -> None:
+    assert pages.faults(site, chromium) == []
     faulty = (
         "<script>console.log('told'); console.error('broken')</script>"
         '<div style="width: 500px">broad</div><img src="data:," hidden><a href="#x"></a>'
     )
     (site / "index.html").write_text(PAGE.format(faulty), encoding="utf-8")
-    assert pages.main(site) == 1
-    told = capsys.readouterr().out.splitlines()
+    told = pages.faults(site, chromium)
     assert [line.split(": ", 1)[1][:12] for line in told] == [
         "console: err",
         "link-name (l",
@@ -43,7 +43,7 @@ def test_faults_are_found(site: Path, capsys: pytest.CaptureFixture[str]) -> Non
 
 def test_a_page_that_is_not_there_is_a_fault(site: Path) -> None:
     (site / "index.html").unlink()
-    assert pages.faults(site) == ["index.html: is not there"]
+    assert pages.faults(site, None) == ["index.html: is not there"]
 
 
 @pytest.mark.parametrize(("ci", "status"), [("", 0), ("true", 1)])
