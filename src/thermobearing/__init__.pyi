@@ -2,6 +2,7 @@
 # Rooms first; each has its own list in its own stub.
 from . import bearing as bearing
 from . import border as border
+from . import climate as climate
 from . import cyclic as cyclic
 from . import design as design
 from . import earthquake as earthquake

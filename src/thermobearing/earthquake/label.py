@@ -18,7 +18,7 @@ from thermobearing.earthquake.measures import LOOP_UNITS, UNITS, loop_measures, 
 from thermobearing.earthquake.parts import label_parts
 from thermobearing.earthquake.reached import warnings_of
 from thermobearing.earthquake.result import EarthquakeResult
-from thermobearing.earthquake.traces import CLOCK, HISTORIES, MM_PER_M, traces_of
+from thermobearing.earthquake.traces import CLOCK, HISTORIES, MM_PER_M, padded, traces_of
 from thermobearing.model.options import BearingModel
 from thermobearing.model.outcomes import INTERRUPTED
 from thermobearing.model.outcomes import SENTENCES as RUN_SENTENCES
@@ -58,7 +58,7 @@ def label_study(
     data: dict[str, Any] = {}
     slow = [CLOCK] if "pd" in case.modes else []
     for name, unit_name, long_name in (("time", "s", "time"), *HISTORIES, *slow):
-        rows = _padded([trace[name][::every] for trace in traces], (length,))
+        rows = padded([trace[name][::every] for trace in traces], (length,))
         data[name] = (("run", "step"), rows, {"units": unit_name, "long_name": long_name})
     across = ACROSS | ({"temperature": CELLS} if "cells" in case.analysis.keep else {})
     for name, (dimension, unit_name, long_name) in across.items():
@@ -67,12 +67,12 @@ def label_study(
             if name == "body_acceleration"
             else [trace[name][::every] for trace in traces]
         )
-        wide = _padded(parts, (length, max((part.shape[1] for part in parts), default=0)))
+        wide = padded(parts, (length, max((part.shape[1] for part in parts), default=0)))
         about = {"units": unit_name, "long_name": long_name}
         data[name] = (("run", "step", dimension), wide, about)
     if "temperature" in across:
         data |= _stacks(tasks, data["temperature"][1].shape[2])
-    parts_data, parts_coords = label_parts(tasks, histories, _padded, length)
+    parts_data, parts_coords = label_parts(tasks, histories, padded, length)
     data |= parts_data
     known = {name: long_name for name, _, long_name in HISTORIES}
     for name, unit_name in (UNITS | LOOP_UNITS).items():
@@ -93,17 +93,6 @@ def label_study(
         attrs=_attributes(case, tasks, histories) | warnings_of(case, tasks, histories, traces),
     )
     return EarthquakeResult(dataset)
-
-
-def _padded(parts: Sequence[Floats], shape: tuple[int, ...]) -> Any:
-    """Tables of several runs in one, of that shape each, with NaN where a table ends."""
-    whole = np.empty((len(parts), *shape), dtype=np.float32)
-    for run, part in enumerate(parts):
-        inside = tuple(slice(0, size) for size in part.shape)
-        if part.shape != shape:
-            whole[run] = np.nan
-        whole[run][inside] = part
-    return whole
 
 
 def _bodies(task: "Task", history: StructureHistory) -> Floats:

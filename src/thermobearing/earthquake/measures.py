@@ -61,7 +61,7 @@ LOOP_UNITS: Final = {name: unit for name, (_, unit) in LOOP.items()} | dict.from
 
 
 def measures_of(
-    task: "Task", history: StructureHistory, trace: dict[str, Floats]
+    task: "Task", history: StructureHistory, trace: Mapping[str, Floats]
 ) -> dict[str, Any]:
     """What `UNITS` names, of one run.
 
@@ -117,7 +117,7 @@ def _yield_rotation(task: "Task") -> float:
     return np.nan if number is None else structure.hinges[number].yield_rotation
 
 
-def loop_measures(task: "Task", trace: dict[str, Floats]) -> dict[str, float]:
+def loop_measures(task: "Task", trace: Mapping[str, Floats]) -> dict[str, float]:
     """What `LOOP_UNITS` names: the largest loop of one bearing; NaN where none is closed."""
     bearing = task.told.device.bearing
     bilinear = isinstance(bearing, BilinearBearing)

@@ -1,6 +1,7 @@
 """Histories of one run of a study, from every step, in the units of the dataset."""
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -91,3 +92,14 @@ def _speed(bearing: Rows[Books]) -> Floats:
     """Loading speed at the end of each step, on the clock of the modelled bearing [mm/s]."""
     steps = np.maximum(np.diff(bearing["clock"]), np.finfo(float).tiny)
     return np.concatenate([[0.0], np.diff(bearing["displacement"]) / steps])
+
+
+def padded(parts: Sequence[Floats], shape: tuple[int, ...]) -> Any:
+    """Tables of several runs in one, of that shape each, with NaN where a table ends."""
+    whole = np.empty((len(parts), *shape), dtype=np.float32)
+    for run, part in enumerate(parts):
+        inside = tuple(slice(0, size) for size in part.shape)
+        if part.shape != shape:
+            whole[run] = np.nan
+        whole[run][inside] = part
+    return whole

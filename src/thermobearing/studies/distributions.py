@@ -7,7 +7,6 @@ from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
-from scipy import stats
 
 from thermobearing.border.errors import InputError
 from thermobearing.border.schema import Strict
@@ -67,6 +66,8 @@ class Distribution:
     @cached_property
     def _whole(self) -> Any:
         """Before it is cut off, by scipy."""
+        from scipy import stats  # takes a second to read; processes that run need it not
+
         if self.kind == "normal":
             return stats.norm(self.centre, self.spread)
         if self.kind == "lognormal":
