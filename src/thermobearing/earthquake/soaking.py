@@ -18,6 +18,7 @@ from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
 from thermobearing.climate.hourly import DAY, HOUR, Hourly, Ints
+from thermobearing.core.hours import hours_at_rest
 from thermobearing.core.march import march
 from thermobearing.core.types import Constants, Floats, Path, State, new_state, new_workspace
 from thermobearing.cyclic.history import room_for
@@ -31,7 +32,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
 AT_REST = 1e9  # clock of a core whose half-space has settled [s]
-AT_ONCE = 10_000  # hours whose air is multiplied together
 SPIN_UP = 60 * DAY  # hours before the first of a typical year
 
 
@@ -177,21 +177,9 @@ def _uniform(constants: Constants, air: float) -> Floats:
 def _through(hour: HourMap, air: Floats, places: Ints, begin: Floats) -> Floats:
     """States at some increasing places of a series of air."""
     found = np.empty((len(places), len(begin)))
+    kept = np.ascontiguousarray(hour.kept.T)
     now, after = begin.copy(), np.empty_like(begin)
-    rows = iter(range(len(places)))
-    here, row = 0, next(rows, None)
-    while row is not None:
-        if here == places[row]:
-            found[row], row = now, next(rows, None)
-            continue
-        end = min(int(places[row]), here + AT_ONCE)
-        gained = np.outer(air[here:end], hour.early)
-        gained += np.outer(air[here + 1 : end + 1], hour.late)
-        for gain in gained:
-            np.dot(hour.kept, now, out=after)
-            after += gain
-            now, after = after, now
-        here = end
+    hours_at_rest(kept, hour.early, hour.late, air, places, now, after, found)
     return found
 
 
