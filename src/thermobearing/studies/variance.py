@@ -83,7 +83,7 @@ def sobol_table(
         combination of levels.
     demand : column whose variance is shared out.
     failed : rows with a failed run are "left-out"; "collapse" has no variance, and is refused.
-    level : confidence of the bands.
+    level : confidence of the bands, a share in (0, 1).
     samples, seed : of the bootstrap.
 
     Returns
@@ -93,6 +93,17 @@ def sobol_table(
     Raises
     ------
     InputError : the table has no such arrangement, too few whole rows, or no variance.
+
+    Examples
+    --------
+    >>> x, y = np.random.default_rng(1).random((2, 256, 2))
+    >>> both = {"A": x, "B": y, "AB a": np.c_[y[:, 0], x[:, 1]], "AB b": np.c_[x[:, 0], y[:, 1]]}
+    >>> made = [
+    ...     pd.DataFrame({"matrix": name, "sample": range(256), "drift": at @ [1.0, 2.0]})
+    ...     for name, at in both.items()
+    ... ]
+    >>> sobol_table(pd.concat(made), "drift")["total"].round(1).tolist()
+    [0.2, 0.9]
     """
     check_level(level)
     if failed == "collapse":
@@ -148,7 +159,7 @@ def variance_shares(
     demand : column whose variance is shared out.
     factors : columns; one that is the same in all runs explains nothing.
     failed : runs that failed are "left-out"; "collapse" is refused.
-    level : confidence of the bands.
+    level : confidence of the bands, a share in (0, 1).
     samples, seed : of the bootstrap, which draws runs.
 
     Returns
