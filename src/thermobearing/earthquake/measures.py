@@ -53,7 +53,7 @@ UNITS: Final = {
     **{f"heat_{name}": "kN mm" for name in BEARING},
     "layer_force_mismatch_max": "kN",
 }
-PEAKS: Final = tuple(n for n in UNITS if n.endswith(PEAK) and n != "layer_force_mismatch_max")
+PEAKS: Final = tuple(n for n in UNITS if n.endswith(PEAK) and n.startswith(("pier_", "deck_")))
 LOOP_UNITS: Final = {name: unit for name, (_, unit) in LOOP.items()} | dict.fromkeys(
     LOOP_TIMES, "s"
 )
@@ -67,14 +67,16 @@ def measures_of(
     Parameters
     ----------
     task, history : what was run, and what came out.
-    trace : its histories, from `traces_of`.
+    trace : its histories, from `structure_traces` or `traces_of`.
     """
     bearing, books = history.bearing(task.told_line), history.rows.books
-    found: dict[str, Any] = {"outcome": history.outcome}
-    for name in PEAKS:
-        values = trace[name.removesuffix(PEAK)]
-        found[name] = abs(max(values.max(), -values.min()))  # quicker than np.abs(values).max()
-    found["bearing_energy_end"] = trace["bearing_energy"][-1]
+    found: dict[str, Any] = {name: largest(trace[name.removesuffix(PEAK)]) for name in PEAKS}
+    farthest = largest(bearing["displacement"])
+    found["outcome"] = history.outcome
+    found["bearing_displacement_max"] = farthest
+    found["bearing_strain_max"] = farthest / task.told.device.bearing.total_rubber_thickness
+    found["bearing_force_max"] = largest(bearing["force"])
+    found["bearing_energy_end"] = bearing["work_in"][-1]
     found["pier_displacement_residual"] = trace["pier_displacement"][-1]
     found["steps"] = history.steps
     found["iterations"] = history.iterations
@@ -87,6 +89,11 @@ def measures_of(
         found[f"heat_{name}"] = column[-1] - column[0]
     found["layer_force_mismatch_max"] = bearing["layer_force_mismatch"].max()
     return found
+
+
+def largest(values: Floats) -> float:
+    """Largest size of a history."""
+    return float(np.abs(values).max())
 
 
 def residuals_of(numbers: Mapping[str, Any]) -> dict[str, Any]:

@@ -39,35 +39,16 @@ CLOCK = (
 )
 
 
-def traces_of(task: "Task", history: StructureHistory, *, speed: bool = True) -> dict[str, Floats]:
-    """Each of `HISTORIES` by name, and temperatures of layers and of cells that are kept.
-
-    Parameters
-    ----------
-    task, history : what was run, and what came out.
-    speed : with the loading speed, which takes a fifth of the time and has no peak in any table.
-    """
-    told, line, where = task.told.device, task.told_line, task.prepared.reported
+def structure_traces(task: "Task", history: StructureHistory) -> dict[str, Floats]:
+    """Those of `HISTORIES` that the structure has: ground, pier, deck."""
+    where = task.prepared.reported
     hinge = None if where.hinge is None else history.hinge(where.hinge)
-    rows, bearing = history.rows, history.bearing(line)
-    q, a = rows.q, rows.a
+    q, a = history.rows.q, history.rows.a
     moved = np.array([where.deck, where.top]) @ a.T / MM_PER_M  # relative to the ground
     ground = task.shaking.ground[: len(q)] / MM_PER_M
-    thickness = told.bearing.total_rubber_thickness
-    heat = told.stack is not None
-    lead = heat and told.constants.lead.cores > 0.0
-    missing = np.full(len(q), np.nan)
-    found = {
-        "time": rows.books["clock"],
+    missing = np.full(len(q) if hinge is None else 0, np.nan)
+    return {
         "ground_acceleration": ground,
-        "bearing_displacement": bearing["displacement"],
-        "bearing_strain": bearing["displacement"] / thickness,
-        "bearing_force": bearing["force"],
-        "rubber_force": bearing["rubber_force"],
-        "lead_force": bearing["lead_force"],
-        "viscous_force": bearing["viscous_force"],
-        "bearing_clock": bearing["clock"],
-        "bearing_energy": bearing["work_in"],
         "pier_displacement": q @ (where.top - where.base),
         "pier_top_displacement": q @ where.top,
         "deck_displacement": q @ where.deck,
@@ -75,11 +56,29 @@ def traces_of(task: "Task", history: StructureHistory, *, speed: bool = True) ->
         "pier_top_acceleration": moved[1] + ground,
         "pier_rotation": missing if hinge is None else hinge["rotation"],
         "pier_moment": missing if hinge is None else hinge["moment"] / KN_MM_PER_KN_M,
-        "lead_temperature": bearing["lead_temperature"] if lead else missing,
-        "rubber_temperature": history.layers(line) if heat else np.empty((len(q), 0)),
-        "temperature": history.cells(line) if heat else np.empty((len(q), 0)),
     }
-    return found | {"bearing_speed": _speed(bearing)} if speed else found
+
+
+def traces_of(task: "Task", history: StructureHistory) -> dict[str, Floats]:
+    """Each of `HISTORIES` by name, and temperatures of layers and of cells that are kept."""
+    told, bearing = task.told.device, history.bearing(task.told_line)
+    heat, count = told.stack is not None, len(history.rows.q)
+    lead = heat and told.constants.lead.cores > 0.0
+    return structure_traces(task, history) | {
+        "time": history.rows.books["clock"],
+        "bearing_displacement": bearing["displacement"],
+        "bearing_strain": bearing["displacement"] / told.bearing.total_rubber_thickness,
+        "bearing_force": bearing["force"],
+        "rubber_force": bearing["rubber_force"],
+        "lead_force": bearing["lead_force"],
+        "viscous_force": bearing["viscous_force"],
+        "bearing_speed": _speed(bearing),
+        "bearing_clock": bearing["clock"],
+        "bearing_energy": bearing["work_in"],
+        "lead_temperature": bearing["lead_temperature"] if lead else np.full(count, np.nan),
+        "rubber_temperature": history.layers(task.told_line) if heat else np.empty((count, 0)),
+        "temperature": history.cells(task.told_line) if heat else np.empty((count, 0)),
+    }
 
 
 def _speed(bearing: Rows[Books]) -> Floats:
