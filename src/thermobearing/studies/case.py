@@ -6,7 +6,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from thermobearing.border.errors import InputError, nearest
-from thermobearing.border.library import is_path
+from thermobearing.border.library import Library, is_path
 from thermobearing.border.schema import Strict, validated
 from thermobearing.border.units import with_unit
 from thermobearing.earthquake.case import EarthquakeCase, make_earthquake_case
@@ -47,13 +47,16 @@ REFUSED = {
     "rig": "a study asks no rig",
 }
 
+STUDIES = Library("study", "studies")
 
-def load_study(path: str | Path) -> Study:
+
+def load_study(name_or_path: str | Path) -> Study:
     r"""A study from its TOML file (docs/files.md).
 
     Parameters
     ----------
-    path : of the file; names of files in it are relative to its folder.
+    name_or_path : "cold-town", "cold-town-levels" (examples, of no real place), or a file; names of
+        files in it are relative to its folder.
 
     Returns
     -------
@@ -73,7 +76,7 @@ def load_study(path: str | Path) -> Study:
     >>> study.case.structure.name, study.factors.ambient.levels
     ('pier-p1', [23.0, -20.0])
     """
-    path = Path(path)
+    path = STUDIES.path(name_or_path)
     return make_study(case_table(path), str(path), path.parent)
 
 
