@@ -330,9 +330,10 @@ def with_progress(
     if quiet or not sys.stderr.isatty():
         return call(None)
     from rich.console import Console
-    from rich.progress import Progress
 
-    with Progress(console=Console(stderr=True), transient=True) as bar:
+    from thermobearing.commands.progress import progress_bar
+
+    with progress_bar(Console(stderr=True)) as bar:
         task = bar.add_task(what, total=None)
         return call(
             lambda done, total: bar.update(task, description=what, completed=done, total=total)
