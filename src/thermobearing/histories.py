@@ -5,7 +5,7 @@ from typing import Any
 
 import pandas as pd
 
-from thermobearing.cyclic.files import written_part
+from thermobearing.cyclic.files import history_columns, written_part
 from thermobearing.cyclic.result import Result
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.loading import AnyResult
@@ -15,11 +15,6 @@ from thermobearing.report.workbook import History
 from thermobearing.results.saved import SavedResult
 
 AMBIENT = "Ambient [°C]"
-# Heads of a history of a test and names in its dataset; those of layers are after them.
-TEST = {
-    **{"displacement_mm": "displacement", "force_kN": "force"},
-    **{"stress_MPa": "stress", "strain": "strain"},
-}
 
 
 def histories_of(result: AnyResult) -> dict[str, History]:
@@ -61,18 +56,10 @@ def _of_study(result: EarthquakeResult) -> list[History]:
 
 def _of_test(result: Result) -> dict[str, History]:
     written = written_part(result)
-    data = written.dataset
     found = {}
-    for run, ambient in enumerate(data["ambient"].values):
-        count = int((data["segment"].values[run] >= 0).sum())
-        columns = {"time_s": written.time(run)[:count]}
-        columns |= {head: data[name].values[run, :count] for head, name in TEST.items()}
-        if "rubber_temperature" in data:
-            layers = data["rubber_temperature"].values[run, :count].T
-            columns |= {f"rubber{j}_degC": layer for j, layer in enumerate(layers, 1)}
-        if written.has_lead:
-            columns["lead_degC"] = data["lead_temperature"].values[run, :count]
-        found[f"{ambient:g}"] = _history({AMBIENT: float(ambient)}, pd.DataFrame(columns))
+    for run, ambient in enumerate(written.dataset["ambient"].values):
+        table = pd.DataFrame(history_columns(written, run))
+        found[f"{ambient:g}"] = _history({AMBIENT: float(ambient)}, table)
     return found
 
 

@@ -4,13 +4,11 @@ from collections.abc import Mapping
 from dataclasses import replace
 from datetime import UTC, datetime
 from importlib import import_module
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, NamedTuple, cast
 
 from thermobearing.border.errors import InputError, is_file
 from thermobearing.border.schema import validated
-from thermobearing.cyclic.result import Result
 from thermobearing.histories import histories_of
 from thermobearing.loading import AnyResult, load_result
 from thermobearing.report.files import check_place, put_files, report_files, title_files
@@ -18,7 +16,7 @@ from thermobearing.report.generic import pieces_of_saved
 from thermobearing.report.pieces import Pieces
 from thermobearing.report.title import TitleBlock, read_title
 from thermobearing.report.workbook import workbook_bytes
-from thermobearing.results.directory import FIGURES, SUMMARY, TITLE, WORKBOOK
+from thermobearing.results.directory import SUMMARY, TITLE, WORKBOOK
 from thermobearing.results.saved import SavedResult
 
 # Rooms whose `report.py` says what the document of a command holds.
@@ -142,12 +140,12 @@ def pieces_of(result: AnyResult, directory: Path) -> Pieces:
     InputError : its files do not fit together.
     """
     command = str(_summary(result)["command"])
-    room = f"thermobearing.{ROOMS.get(command, '')}.report"
     try:
-        if command in ROOMS and find_spec(room) is not None:
-            pieces = cast(Pieces, import_module(room).pieces_of(result))
+        if command in ROOMS:
+            room = import_module(f"thermobearing.{ROOMS[command]}.report")
+            pieces = cast(Pieces, room.pieces_of(result))
         else:
-            pieces = pieces_of_saved(_as_saved(result, directory))
+            pieces = pieces_of_saved(cast(SavedResult, result))
     except InputError:
         raise
     except UNFIT as error:
@@ -162,15 +160,6 @@ def pieces_of(result: AnyResult, directory: Path) -> Pieces:
 
 def _summary(result: AnyResult) -> dict[str, Any]:
     return result.summary if isinstance(result, SavedResult) else result.summary()
-
-
-def _as_saved(result: AnyResult, directory: Path) -> SavedResult:
-    """A result with a dataset, by its summary, its table and its pictures."""
-    if isinstance(result, SavedResult):
-        return result
-    table = result.cycles if isinstance(result, Result) else result.table
-    pictures = sorted((directory / FIGURES).glob("*.png"))
-    return SavedResult(directory, result.summary(), {"table": table}, pictures)
 
 
 def _written_on(directory: Path) -> dict[str, str]:

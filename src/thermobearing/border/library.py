@@ -45,6 +45,14 @@ def _shipped(path: Path) -> dict[str, Any]:
     return read_toml(path)
 
 
+@cache
+def _told(path: Path, model: type[Strict]) -> dict[str, tuple[Any, str]]:
+    """Values and sources of a built-in file by key, as a checked thing of it writes them."""
+    values, sources = split_sources(_shipped(path))
+    built_in = flat(to_table(validated(model, values, path.stem)))
+    return {key: (built_in.get(key), source) for key, source in sources.items()}
+
+
 @dataclass(frozen=True)
 class Library:
     """The built-in things of one kind, a TOML file each, and the user's own files beside them."""
@@ -93,6 +101,5 @@ class Library:
         name = str(table.get("name", ""))
         if name not in self.names():
             return {}
-        values, sources = split_sources(self.table(name)[0])
-        built_in, given = flat(to_table(validated(model, values, name))), flat(table)
-        return {key: told for key, told in sources.items() if given.get(key) == built_in.get(key)}
+        told, given = _told(data_path(self.folder, f"{name}.toml"), model), flat(table)
+        return {key: source for key, (value, source) in told.items() if given.get(key) == value}

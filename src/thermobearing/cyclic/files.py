@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from thermobearing.border.errors import InputError
 from thermobearing.cyclic.result import Result
@@ -20,6 +21,11 @@ from thermobearing.results.reading import read_dataset
 from thermobearing.results.writing import DIGITS, write_dataset, write_limits, write_summary
 
 CSV_BLOCK = 50_000  # rows formatted at a time
+# Heads of a history and names in its dataset; those of layers are after them.
+HEADS = {
+    **{"displacement_mm": "displacement", "force_kN": "force"},
+    **{"stress_MPa": "stress", "strain": "strain"},
+}
 
 
 def save_result(
@@ -87,27 +93,36 @@ def _write_comparison(results: dict[str, Result], folder: Path, *, figures: bool
 
 def history_blocks(result: Result) -> Iterator[str]:
     """Text of history.csv, block by block: one row per kept step and ambient temperature."""
-    data = result.dataset
-    layers = data.sizes["layer"] if "rubber_temperature" in data else 0
-    rubber = [f"rubber{j}_degC" for j in range(1, layers + 1)]
-    names = ["displacement_mm", "force_kN", "stress_MPa", "strain", *rubber, "lead_degC"]
-    yield ",".join(["ambient_degC", "time_s", *names]) + "\n"
-    for run, ambient in enumerate(data["ambient"].values):
-        count = int((data["segment"].values[run] >= 0).sum())
-        columns = [
-            data[name].values[run, :count] for name in ("displacement", "force", "stress", "strain")
-        ]
-        if layers:
-            columns += list(data["rubber_temperature"].values[run, :count].T)
-        last = ",\n"  # lead_degC stays empty where the bearing has no lead
-        if result.has_lead:
-            columns.append(data["lead_temperature"].values[run, :count])
-            last = "\n"
-        line = f"{ambient:.9g},%.9g," + ",".join([DIGITS] * len(columns)) + last
-        columns.insert(0, result.time(run)[:count])  # long after the start, steps are short
-        for first in range(0, count, CSV_BLOCK):
+    last = "" if result.has_lead else ","  # lead_degC stays empty where the bearing has no lead
+    names = [*history_columns(result, 0), *(["lead_degC"] if last else [])]
+    yield ",".join(["ambient_degC", *names]) + "\n"
+    for run, ambient in enumerate(result.dataset["ambient"].values):
+        columns = list(history_columns(result, run).values())
+        # Long after the start, steps are short: nine digits of time.
+        line = f"{ambient:.9g},%.9g," + ",".join([DIGITS] * (len(columns) - 1)) + last + "\n"
+        for first in range(0, len(columns[0]), CSV_BLOCK):
             block = np.column_stack([column[first : first + CSV_BLOCK] for column in columns])
             yield (line * len(block)) % tuple(block.ravel().tolist())
+
+
+def history_columns(result: Result, run: int) -> dict[str, NDArray[np.float64]]:
+    """Columns of the history of one run, by their heads.
+
+    Parameters
+    ----------
+    result : of which the kept steps are taken.
+    run : index of the ambient temperature.
+    """
+    data = result.dataset
+    count = int((data["segment"].values[run] >= 0).sum())
+    columns = {"time_s": result.time(run)[:count]}
+    columns |= {head: data[name].values[run, :count] for head, name in HEADS.items()}
+    if "rubber_temperature" in data:
+        layers = data["rubber_temperature"].values[run, :count].T
+        columns |= {f"rubber{j}_degC": layer for j, layer in enumerate(layers, 1)}
+    if result.has_lead:
+        columns["lead_degC"] = data["lead_temperature"].values[run, :count]
+    return columns
 
 
 def load_cyclic(path: str | Path) -> Result:

@@ -168,7 +168,7 @@ def build_tasks(case: EarthquakeCase) -> list[Task]:
     tasks = []
     for device in devices:
         airs = case.ambient if weather is None else [float(weather.temperature[-1])]
-        climates = [(air, _lines(case, device, own, air, weather)) for air in airs]
+        climates = [(air, lines_of(case, device, own, air, weather)) for air in airs]
         for shaking in shakings:
             tasks += [
                 Task(prepared, device, shaking, air, lines, case, mode)
@@ -186,7 +186,7 @@ def _device_of(
     return same[0] if same else build_device(case, bearing)
 
 
-def _lines(
+def lines_of(
     case: EarthquakeCase,
     device: Device,
     own: Sequence[Device | None],

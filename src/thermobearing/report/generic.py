@@ -1,12 +1,12 @@
 """What a document says of a result whose analysis has no words of its own for it."""
 
 import re
-from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
-from thermobearing.report.pieces import Column, Pieces, ReportFigure, ReportTable
+from thermobearing.report.pieces import Column, Pieces, ReportTable
+from thermobearing.report.saved import saved_figures
 from thermobearing.results.saved import SavedResult
 
 # Ends of names of columns and of keys of a summary, and the unit that they say.
@@ -39,7 +39,7 @@ def pieces_of_saved(saved: SavedResult) -> Pieces:
         answer=[sentence],
         inputs=inputs,
         tables=tables,
-        figures={file.stem: _picture(file) for file in saved.figures},
+        figures=saved_figures(saved, {}),
         warnings=saved.warnings,
         identity={"Program": f"thermobearing {summary.get('version', '')}".strip()},
     )
@@ -88,9 +88,3 @@ def _plain(summary: dict[str, Any]) -> list[tuple[str, Any]]:
         if isinstance(value, str | int | float) and key not in TOLD_APART:
             found.append((key, value))
     return found
-
-
-def _picture(file: Path) -> ReportFigure:
-    """A picture of the directory, read when the document is written."""
-    caption = file.stem.replace("_", " ").replace("-", " ").capitalize()
-    return ReportFigure(caption, image=file.read_bytes())

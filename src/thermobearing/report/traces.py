@@ -44,11 +44,6 @@ def path(x: Floats, y: Floats, points: int = POINTS) -> tuple[Floats, Floats]:
     x, y = x[told], y[told]
     if len(x) < 3:
         return rounded(x), rounded(y)
-    kept = thin_loops(x, y, max(float(np.ptp(x)), 1e-12), max(float(np.ptp(y)), 1e-12))
-    if len(kept) > points:
-        turns = 1 + np.flatnonzero(np.diff(x[kept])[:-1] * np.diff(x[kept])[1:] < 0.0)
-        turns = turns if len(turns) < points // 2 else turns[:0]  # else it is noise that turns
-        even = np.linspace(0, len(kept) - 1, points - len(turns)).round().astype(int)
-        ends = [v[kept].argmax() for v in (x, y)] + [v[kept].argmin() for v in (x, y)]
-        kept = kept[np.unique(np.concatenate([even, turns, ends]))]
+    width, height = (max(float(np.ptp(v)), 1e-12) for v in (x, y))
+    kept = thin_loops(x, y, width, height, points // 2)
     return rounded(x[kept]), rounded(y[kept])
