@@ -1,11 +1,12 @@
 """A study as data: from the table of its file to checked parts, every fault found."""
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar
 
-from thermobearing.bearing.bilinear import load_device
+import numpy as np
+
 from thermobearing.border.errors import InputError, nearest
+from thermobearing.border.library import is_path
 from thermobearing.border.schema import Strict, validated
 from thermobearing.border.units import with_unit
 from thermobearing.earthquake.case import EarthquakeCase, make_earthquake_case
@@ -13,15 +14,20 @@ from thermobearing.earthquake.motion import settle_motions
 from thermobearing.motions.record import GroundMotion
 from thermobearing.report.title import case_table
 from thermobearing.structure.model import load_structure
+from thermobearing.studies.bearings import settle_bearings
+from thermobearing.studies.columns import targets_of
 from thermobearing.studies.factors import (
     AmbientFactor,
     BearingFactor,
     MotionFactor,
     NumberFactor,
+    Posterior,
     ScaleFactor,
     StructureFactor,
-    numbers_of,
 )
+from thermobearing.studies.levels import weather_of
+from thermobearing.studies.names import moves_warmth, spelled
+from thermobearing.studies.ranges import reach_faults
 from thermobearing.studies.record import Design, Factors, Keep, Study
 
 M = TypeVar("M", bound=Strict)
@@ -117,9 +123,11 @@ def _settled(table: dict[str, Any], folder: Path) -> tuple[Study | None, list[st
     motions: list[GroundMotion] = []
     if "motion" in given:
         motions = _settle_motions(given["motion"], folder, faults)
-    for name, load in (("bearing", load_device), ("structure", load_structure)):
-        if name in given:
-            _settle_names(given[name], load, folder, f"factors.{name}", faults)
+    if "bearing" in given:
+        settle_bearings(given["bearing"], folder, faults)
+    _settle_structures(given["structure"], folder, faults)
+    if "ambient" in given:
+        _settle_weather(given["ambient"], folder)
     made: dict[str, Any] = {
         name: _checked(FACTORS.get(name, NumberFactor), item, f"factors.{name}", faults)
         for name, item in given.items()
@@ -185,26 +193,32 @@ def _checked(model: type[M], table: Any, key: str, faults: list[str]) -> M | Non
         return None
 
 
-def _settle_names(
-    table: dict[str, Any], load: Callable[[Any], Any], folder: Path, key: str, faults: list[str]
-) -> None:
-    """Names and files among levels replaced by what they stand for."""
+def _settle_structures(table: dict[str, Any], folder: Path, faults: list[str]) -> None:
+    """Names and files of structures replaced by what they stand for."""
     levels = table.get("levels")
     if not isinstance(levels, list):
         return
     settled = []
     for number, item in enumerate(levels):
         try:
-            own = isinstance(item, str | Path) and str(item).endswith(".toml")
-            settled.append(
-                load(folder / item if own else item) if isinstance(item, str | Path) else item
-            )
+            own = isinstance(item, str) and item.endswith(".toml")
+            named = isinstance(item, str | Path)
+            settled.append(load_structure(folder / item if own else item) if named else item)
         except InputError as error:
-            faults += error.lines(f"{key}.levels[{number}]")
+            faults += error.lines(f"factors.structure.levels[{number}]")
     table["levels"] = settled
     names = [getattr(item, "name", "") for item in settled]
     twice = dict.fromkeys(name for name in names if name and names.count(name) > 1)
-    faults += [f'{key}.levels: two are called "{name}"; give each a name' for name in twice]
+    faults += [f'factors.structure.levels: two are called "{name}"' for name in twice]
+
+
+def _settle_weather(table: dict[str, Any], folder: Path) -> None:
+    """Files of weather and of a climate of one's own, from wherever the study is started."""
+    weather, climate = table.get("weather"), table.get("climate")
+    if isinstance(weather, str) and weather:
+        table["weather"] = str((folder / weather).absolute())
+    if isinstance(climate, str) and is_path(climate):
+        table["climate"] = str((folder / climate).absolute())
 
 
 def _settle_motions(table: dict[str, Any], folder: Path, faults: list[str]) -> list[GroundMotion]:
@@ -231,8 +245,11 @@ def _with_case(
     InputError : what is wrong with it, with any of the structures or bearings.
     """
     air = factors.ambient.levels[0] if factors.ambient.levels else 0.0
+    bearings = [
+        one.bearing if isinstance(one, Posterior) else one for one in factors.bearing.levels
+    ]
     first = {
-        "bearings": factors.bearing.levels[:1],
+        "bearings": bearings[:1],
         "motions": [factors.motion.levels[0]],
         "ambient": [with_unit(air, "degC")],
     }
@@ -242,7 +259,7 @@ def _with_case(
     ]
     found: list[str] = []
     for one in made:
-        found += one.model_copy(update={"bearings": factors.bearing.levels}).faults()
+        found += one.model_copy(update={"bearings": bearings}).faults()
     found += made[0].length_faults(motions)
     if found:
         raise InputError([f"case: {text}" for text in dict.fromkeys(found)])
@@ -256,12 +273,35 @@ def faults_of(study: Study) -> list[str]:
     laboratory = study.case.laboratory
     if laboratory is not None and len(laboratory.mode) > 1:
         faults.append("case.laboratory.mode: a study takes one")
-    for key, factor, unit in (
-        ("factors.scale", factors.scale, factors.scale.unit),
-        ("factors.ambient", factors.ambient, "degC"),
-    ):
-        try:
-            numbers_of(factor, unit, key)
-        except InputError as error:
-            faults += error.problems
+    keys: dict[tuple[str, str], list[str]] = {}
+    for name in factors.numbers:
+        keys.setdefault(spelled(name), []).append(name)
+    faults += [
+        f"factors: {' and '.join(names)} are one number"
+        for names in keys.values()
+        if len(names) > 1
+    ]
+    try:
+        weather = weather_of(factors.ambient)
+        if weather is not None:
+            weather.hours_at(np.zeros(1), factors.ambient.history or 0.0)
+    except InputError as error:
+        faults += error.lines("factors.ambient")
+    try:
+        faults += [*reach_faults(study), *_heat_faults(study)]
+    except InputError as error:
+        faults += error.problems
     return faults
+
+
+def _heat_faults(study: Study) -> list[str]:
+    """Numbers that move heat, in weather without end: each run would live through all of it."""
+    ambient = study.factors.ambient
+    if not ambient.hourly or ambient.history is not None:
+        return []
+    return [
+        f"factors.{target.name}: changes how the bearing takes on the warmth of the air, for every "
+        'run anew; give factors.ambient a history, such as "10 d"'
+        for target in targets_of(study)
+        if moves_warmth(target)
+    ]

@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from thermobearing.border.schema import Strict
 from thermobearing.core.records import Floats
@@ -14,9 +13,8 @@ from thermobearing.earthquake.case import EarthquakeCase
 from thermobearing.motions.record import GroundMotion
 from thermobearing.studies.columns import THINGS
 from thermobearing.studies.intensity import intensity
+from thermobearing.studies.levels import Ints, Levels
 from thermobearing.studies.record import Study
-
-Ints = NDArray[np.int64]
 
 RUN_BYTES = 8  # of the digest that names a run: among ten million, two alike once in 400 000
 
@@ -75,40 +73,62 @@ class Contents:
 
     Attributes
     ----------
-    motions : loaded, not yet scaled.
-    intensities : of each, with the factor of its level, see `intensity`.
+    levels : the levels themselves.
+    intensities : of each motion, with the factor of its level, see `intensity`.
     """
 
     def __init__(self, study: Study) -> None:
         factors = study.factors
-        self.motions = [motion.load() for motion in factors.motion.levels]
-        given = [motion.factor for motion in factors.motion.levels]
+        self.levels = Levels(study)
+        motions, given = self.levels.motions, [motion.factor for motion in factors.motion.levels]
         self.intensities = np.array(
             [
                 factor * intensity(motion, factors.scale)
-                for motion, factor in zip(self.motions, given, strict=True)
+                for motion, factor in zip(motions, given, strict=True)
             ]
         )
-        self._shared = shared_digest(study.case)
+        weather = self.levels.weather
+        air = [] if weather is None else [weather.temperature, weather.recurs]
+        self._shared = digest(shared_digest(study.case), *air, factors.ambient.history)
         self._parts = {
             "structure": [digest(one) for one in factors.structure.levels],
-            "bearing": [digest(one) for one in factors.bearing.levels],
-            "motion": [motion_digest(*one) for one in zip(self.motions, given, strict=True)],
+            "bearing": [digest(one) for one in self.levels.bearings],
+            "motion": [motion_digest(*one) for one in zip(motions, given, strict=True)],
         }
 
-    def heads(self, picked: Mapping[str, Ints], names: Sequence[str]) -> tuple[list[bytes], Ints]:
+    def heads(self, places: Mapping[str, Ints], names: Sequence[str]) -> tuple[list[bytes], Ints]:
         """Digests of what rows have besides their numbers, and which of them each row has.
 
         Parameters
         ----------
-        picked : places of the things of each row, by column.
+        places : of the things of each row, by column; of bearings those in `Levels.bearings`.
         names : of the numbers, which mean something by them only.
         """
         counts = [len(self._parts[name]) for name in THINGS]
-        whole = np.ravel_multi_index(tuple(picked[name] for name in THINGS), counts)
+        whole = np.ravel_multi_index(tuple(places[name] for name in THINGS), counts)
         different, of_row = np.unique(whole, return_inverse=True)
         heads = []
-        for places in zip(*np.unravel_index(different, counts), strict=True):
-            things = [self._parts[name][place] for name, place in zip(THINGS, places, strict=True)]
+        for here in zip(*np.unravel_index(different, counts), strict=True):
+            things = [self._parts[name][place] for name, place in zip(THINGS, here, strict=True)]
             heads.append(digest(self._shared, *things, list(names)))
         return heads, of_row
+
+    def ids(self, places: Mapping[str, Ints], numbers: Mapping[str, Floats]) -> list[str]:
+        """Names of runs, 16 hexadecimal digits each.
+
+        Parameters
+        ----------
+        places : see `heads`.
+        numbers : of each row by name; NaN where a run has no such number.
+        """
+        names = sorted(numbers)
+        values = np.column_stack([numbers[name] for name in names])
+        without = np.isnan(values)
+        ids = np.empty(len(values), dtype=object)
+        for gaps in np.unique(without, axis=0):
+            rows = np.flatnonzero((without == gaps).all(axis=1))
+            own = {name: place[rows] for name, place in places.items()}
+            told = [name for name, gap in zip(names, gaps, strict=True) if not gap]
+            heads, of_row = self.heads(own, told)
+            ids[rows] = run_ids(heads, of_row, values[rows][:, ~gaps])
+        return [str(text) for text in ids]

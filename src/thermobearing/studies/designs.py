@@ -16,9 +16,20 @@ from scipy.stats import qmc
 
 from thermobearing.border.errors import InputError
 from thermobearing.core.records import Floats
-from thermobearing.studies.columns import THINGS, Column, columns_of
-from thermobearing.studies.content import Contents, run_ids
+from thermobearing.studies.columns import (
+    AMBIENT,
+    HOUR,
+    SAMPLE,
+    THINGS,
+    Column,
+    columns_of,
+    targets_of,
+)
+from thermobearing.studies.content import Contents
 from thermobearing.studies.intensity import COLUMNS
+from thermobearing.studies.levels import Levels
+from thermobearing.studies.names import spelled
+from thermobearing.studies.ranges import check_numbers
 from thermobearing.studies.record import MOST_RUNS, Design, Study
 
 A, B, SWAPPED = "A", "B", "AB"
@@ -69,6 +80,17 @@ def plan(study: Study) -> pd.DataFrame:
     [[0, 'shen-hdr-bridge', 0.5], [1, 'shen-hdr-bridge', 1.0]]
     """
     columns = columns_of(study)
+    picked, each, cells = _picked(study, columns)
+    rows = len(each[0].sample)
+    frame = pd.DataFrame({"run": np.arange(cells * rows)})
+    frame["sample"] = np.tile(each[0].sample, cells)
+    if each[0].matrix is not None:
+        frame["matrix"] = pd.Categorical(each[0].matrix * cells)
+    return _with_ids(study, columns, picked, frame)
+
+
+def _picked(study: Study, columns: Sequence[Column]) -> tuple[dict[str, Any], list[Draws], int]:
+    """Places, numbers and shares of every row by column; the draws; combinations of levels."""
     crossed = [column for column in columns if not column.drawn]
     drawn = [column for column in columns if column.drawn]
     cells = math.prod(column.count for column in crossed)
@@ -83,11 +105,7 @@ def plan(study: Study) -> pd.DataFrame:
     for number, column in enumerate(drawn):
         found = [column.at(draws.values[:, number]) for draws in each]
         picked[column.name] = np.tile(np.concatenate(found), cells // own)
-    frame = pd.DataFrame({"run": np.arange(cells * rows)})
-    frame["sample"] = np.tile(each[0].sample, cells)
-    if each[0].matrix is not None:
-        frame["matrix"] = pd.Categorical(each[0].matrix * cells)
-    return _with_ids(study, columns, picked, frame)
+    return picked, each, cells
 
 
 def _refuse(design: Design, cells: int, drawn: Sequence[Column]) -> None:
@@ -140,25 +158,56 @@ def _points(kind: str, width: int, samples: int, rng: np.random.Generator) -> Fl
     return rng.random((samples, width))
 
 
+def hours_of(study: Study) -> Any:
+    """Hours of the weather that the runs of a study meet, each once, in order."""
+    picked, _, _ = _picked(study, columns_of(study))
+    return np.unique(settled(study, Levels(study), picked)[HOUR])
+
+
+def settled(study: Study, levels: Levels, picked: dict[str, Any]) -> dict[str, Any]:
+    """What was picked with shares made samples and hours, and no number where there is none."""
+    found = dict(picked)
+    if SAMPLE in found:
+        counts = levels.counts[found["bearing"]]
+        found[SAMPLE] = np.where(counts > 0, (found[SAMPLE] * counts).astype(np.int64), -1)
+    if levels.weather is not None:
+        history = study.factors.ambient.history or 0.0
+        found[HOUR] = levels.weather.hours_at(found[HOUR], history)
+        found[AMBIENT] = levels.weather.temperature[found[HOUR]]
+    for target in targets_of(study):
+        if target.part in found:
+            known = np.array([path is not None for path in target.paths])
+            found[target.name] = np.where(known[found[target.part]], found[target.name], np.nan)
+    return found
+
+
 def _with_ids(
     study: Study, columns: Sequence[Column], picked: dict[str, Any], frame: pd.DataFrame
 ) -> pd.DataFrame:
     """The plan with names and seeds of runs, and its columns as a reader wants them."""
     contents, scale = Contents(study), study.factors.scale
-    strength = contents.intensities[picked["motion"]]
+    found = settled(study, contents.levels, picked)
+    strength = contents.intensities[found["motion"]]
     if scale.of == "intensity":
-        picked["scale"] = picked["scale"] / strength
-    names = sorted(column.name for column in columns if column.name not in THINGS)
-    heads, of_row = contents.heads(picked, names)
-    numbers = np.column_stack([picked[name] for name in names])
-    ids = run_ids(heads, of_row, numbers)
+        found["scale"] = found["scale"] / strength
+    check_numbers(study, {name: found[name] for name in found if name not in THINGS})
+    none = np.full(len(frame), -1, dtype=np.int64)
+    places = {name: found[name] for name in THINGS}
+    places["bearing"] = contents.levels.place(places["bearing"], found.get(SAMPLE, none))
+    of = {name: one.of for name, one in study.factors.numbers.items()}
+    air = AMBIENT if HOUR not in found else HOUR
+    numbers = {name: found[name] for name in ("scale", air)}
+    numbers |= {f"{'.'.join(spelled(name))} {of[name]}": found[name] for name in of}
+    ids = contents.ids(places, numbers)
     frame.insert(1, "id", ids)
     frame.insert(2, "seed", [int(text, 16) >> 1 for text in ids])
     for column in columns:
-        values = picked[column.name]
+        values = found[column.name]
         if column.name in THINGS:
             values = pd.Categorical.from_codes(values, categories=pd.Index(column.levels))
         frame[column.name] = values
         if column.name == "scale":
             frame[COLUMNS[scale.measure]] = values * strength
+        if column.name == HOUR:
+            frame[AMBIENT] = found[AMBIENT]
     return frame

@@ -42,11 +42,29 @@ class Picked(Strict):
         return faults
 
 
+class Posterior(Strict):
+    """Bearings that an identification leaves possible; each run draws one.
+
+    Attributes
+    ----------
+    name : in tables.
+    posterior : file of the samples, posterior.csv of `identify`.
+    bearing : the fitted one, or one of another size made of its compound.
+    count : of samples, evenly through the file.
+    """
+
+    kind: Literal["posterior"] = "posterior"
+    name: Annotated[str, Field(min_length=1)]
+    posterior: Annotated[str, Field(min_length=1)]
+    bearing: Bearing
+    count: Annotated[int, Field(ge=1, le=MOST_LEVELS)] = 1000
+
+
 class BearingFactor(Picked):
     """Bearings on the lines that have none of their own."""
 
     levels: Annotated[
-        list[Annotated[Bearing | BilinearBearing, Field(discriminator="kind")]],
+        list[Annotated[Bearing | BilinearBearing | Posterior, Field(discriminator="kind")]],
         Field(min_length=1, max_length=MOST_LEVELS),
     ]
 
@@ -100,9 +118,45 @@ class ScaleFactor(Drawn, Picked):
 
 
 class AmbientFactor(Drawn, Picked):
-    """The air, and the bearing at the start: temperatures, or a distribution of them [degC]."""
+    """The air, and the bearing at the start.
+
+    Attributes
+    ----------
+    levels : temperatures [degC]; or a distribution; or hourly weather, of which each run draws an
+        hour for the earthquake to come at.
+    weather : file of hourly temperatures, EPW or a table.
+    climate : name or file of a climate that weather is made up from, `years` (50) of it with `seed`
+        (0).
+    history : how long before the earthquake the bearing was as warm as the air [h]; from the
+        beginning of the weather if not given.
+    """
 
     levels: Annotated[list[Temperature], Field(min_length=1, max_length=MOST_LEVELS)] | None = None
+    weather: Annotated[str, Field(min_length=1)] | None = None
+    climate: Annotated[str, Field(min_length=1)] | None = None
+    years: Annotated[int, Field(ge=1, le=1000)] | None = None
+    seed: Annotated[int, Field(ge=0)] | None = None
+    history: Annotated[float, in_unit("h"), Field(ge=1, le=1e5)] | None = None
+
+    @classmethod
+    def conflicts(cls, given: dict[str, Any]) -> list[str]:
+        """One way to say the air, and nothing of another."""
+        ways = [key for key in ("levels", "distribution", "weather", "climate") if key in given]
+        faults = Picked.conflicts.__func__(cls, given)  # type: ignore[attr-defined]
+        if len(ways) != 1:
+            told = f"; got {', '.join(ways)}" if ways else ""
+            faults.append(f"give one of levels, distribution, weather and climate{told}")
+        made_up = [key for key in ("years", "seed") if key in given]
+        if made_up and "climate" not in given:
+            faults.append(f"{made_up[0]}: of a climate that weather is made up from")
+        if "history" in given and not {"weather", "climate"} & set(given):
+            faults.append("history: of weather or a climate; levels and distributions have none")
+        return list(faults)
+
+    @property
+    def hourly(self) -> bool:
+        """Whether the air is that of an hour of weather."""
+        return self.weather is not None or self.climate is not None
 
 
 class NumberFactor(Drawn, Picked):
