@@ -92,7 +92,10 @@ def test_the_mass_of_the_python_page_is_that_of_its_integrator(tmp_path: Path) -
 
 
 def test_readme_commands_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The first as a program of its own, the others in this process, which is quicker."""
+    """The first as a program of its own, the others in this process, which is quicker.
+
+    Their figures are drawn by other tests, and would take half of the time.
+    """
     first, *others = (shlex.split(text) for text in commands("thermobearing"))
     assert len(others) >= 2
     program = Path(sys.executable).parent / first[0]
@@ -100,7 +103,8 @@ def test_readme_commands_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     assert done.returncode == 0, f"{first}: {done.stderr.decode()}"
     monkeypatch.chdir(tmp_path)
     for words in others:
-        result = command(*words[1:])
+        quicker = ["--no-figures"] if "-o" in words else []
+        result = command(*words[1:], *quicker)
         assert result.exit_code == 0, f"{words}: {result.stderr}"
 
 
