@@ -17,12 +17,12 @@ from tests.unit.studies import kept, small_study
 from thermobearing.border.errors import InputError, OutputError
 from thermobearing.earthquake.columns import COLUMNS
 from thermobearing.studies import Preparer, plan, run_shard, run_study, study_status
-from thermobearing.studies.engine import worst_runs
 from thermobearing.studies.lock import only_writer
 from thermobearing.studies.log import Pace, duration
 from thermobearing.studies.parquet import About, about_columns, notes_of, write_parquet
 from thermobearing.studies.peaks import RESULT_COLUMNS
 from thermobearing.studies.store import Store, shard_size
+from thermobearing.studies.worst import worst_runs
 
 pq = pytest.importorskip("pyarrow.parquet")
 PIER_HEIGHT = 10e3  # of pier P1 above its footing [mm]

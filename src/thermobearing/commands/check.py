@@ -28,6 +28,11 @@ from thermobearing.sequences.case import SequenceCase, load_sequence_case
 from thermobearing.structure.model import DampingKind, Structure, load_structure
 from thermobearing.structure.plausible import implausible_structure
 from thermobearing.structure.run import prepare_structure
+from thermobearing.studies.case import load_study
+from thermobearing.studies.columns import columns_of
+from thermobearing.studies.designs import plan
+from thermobearing.studies.factors import Posterior
+from thermobearing.studies.record import Study
 
 # Keys that files of one kind alone have, to tell files that do not say what they are.
 DESIGNS = set(DesignCase.model_fields) - set(EarthquakeCase.model_fields)
@@ -48,8 +53,8 @@ def check_file(path: Path) -> Checked:
     """Kind of a TOML file, its main facts, and numbers that usual ones do not have.
 
     Kinds: "bearing", "bilinear bearing", "compound", "structure", "rig", "test record" (the file
-    beside a CSV), "earthquake case", "sequence case", "design case", "case" of a cyclic test, and
-    those of the package's own data.
+    beside a CSV), "earthquake case", "study", "sequence case", "design case", "case" of a cyclic
+    test, and those of the package's own data.
 
     Raises
     ------
@@ -76,8 +81,8 @@ def kind_of(table: dict[str, Any], path: Path) -> str:
     keys = set(table)
     if table.get("kind") == "bilinear":
         return "bilinear bearing"
-    if table.get("kind") == "compound":
-        return "compound"
+    if table.get("kind") in ("compound", "study"):
+        return str(table["kind"])
     for kind, its in (
         ("structure", {"bodies"}),
         ("sequence case", {"parts"}),
@@ -132,6 +137,12 @@ def _study(path: Path) -> tuple[dict[str, str], list[Bearing | BilinearBearing |
     return earthquake_facts(case), [*case.bearings, case.structure]
 
 
+def _many(path: Path) -> tuple[dict[str, str], list[Bearing | BilinearBearing | Structure]]:
+    study = load_study(path)
+    things = [one for one in study.factors.bearing.levels if not isinstance(one, Posterior)]
+    return study_facts(study), [*things, *study.factors.structure.levels]
+
+
 def _sequence(path: Path) -> tuple[dict[str, str], list[Bearing]]:
     case = load_sequence_case(path)
     return sequence_facts(case), [case.bearing]
@@ -155,6 +166,7 @@ KINDS: dict[str, Callable[[Path], tuple[dict[str, str], Any]]] = {
     "rig": _rig,
     "test record": _record,
     "earthquake case": _study,
+    "study": _many,
     "sequence case": _sequence,
     "design case": _design,
     "case": _case,
@@ -235,6 +247,22 @@ def earthquake_facts(case: EarthquakeCase) -> dict[str, str]:
         "runs": f"{count}, {case.analysis.method}, dt {case.analysis.dt:g} s",
         **structure_facts(case.structure, case.analysis.damping),
     }
+
+
+def study_facts(study: Study) -> dict[str, str]:
+    """What a study would run."""
+    facts = {"design": study.design.kind, "runs": str(len(plan(study)))}
+    for column in columns_of(study):
+        told = f"{column.count} levels"
+        if column.count == 1:
+            told = str(column.levels[0])
+        elif column.distribution is not None:
+            low, high = column.distribution.reach
+            told = f"{column.distribution.kind}, one in a million beyond {low:.4g} to {high:.4g}"
+        elif column.share:
+            told = "one for each sample"
+        facts[column.name] = told + (", by lot" if column.chances is not None else "")
+    return facts
 
 
 def sequence_facts(case: SequenceCase) -> dict[str, str]:

@@ -31,7 +31,6 @@ DATA: dict[str, tuple[set[str], type[Strict] | None]] = {
     "claims of the source": ({"claim"}, None),
     "parameters of claims": ({"parameter"}, None),
     "printed numbers": ({"u_B", "K_B"}, None),
-    "printed numbers of chapter 4": ({"table_4_2_R2"}, None),
     "printed tables": ({"table"}, None),
     "choices and statements": ({"choice"}, None),
     "code of others": ({"plotly"}, None),

@@ -6,21 +6,20 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from thermobearing.border.errors import printable
+from thermobearing.commands import study_drawn
 from thermobearing.commands.common import (
     ENDED_EARLY,
     INTERRUPTED,
     STRUCTURES,
     AsJson,
     Force,
-    NoFigures,
-    Output,
     Quiet,
     announce_compiling,
     echo_json,
     megabytes,
     reported,
     with_progress,
-    written,
 )
 from thermobearing.commands.help import Command, Group
 
@@ -51,8 +50,8 @@ Directory = Annotated[Path, typer.Argument(help="Directory of the study.", metav
 @app.command(
     RUN,
     cls=Command,
-    epilog="Example: thermobearing study p1.toml -o p1 --jobs 8\n\n"
-    "Example: thermobearing study p1.toml --dry-run",
+    epilog="Example: thermobearing study run p1.toml -o p1 --jobs 8\n\n"
+    "Example: thermobearing study run p1.toml --dry-run",
 )
 @reported
 def run(
@@ -120,13 +119,14 @@ def _told(study: Any, jobs: int | None, as_json: bool, quiet: bool) -> int:
     announce_compiling(quiet, STRUCTURES)
     found: Forecast = forecast(study, jobs)
     if not quiet:
-        size = megabytes(found.table_bytes + found.history_bytes)
+        size = found.table_bytes + found.history_bytes
+        told = f"{size / 1e3:.0f} kB" if size < 1e6 else megabytes(size)
         failed = f", {found.failed} of which failed" if found.failed else ""
         facts = {
             "runs": str(found.runs),
             "one run": f"{1e3 * found.seconds:.3g} ms, of {found.tried} that were tried{failed}",
-            "all": f"{duration(found.whole_seconds)} with --jobs {found.jobs}",
-            "size": f"at most {size}",
+            "all": f"{duration(max(found.whole_seconds, 1.0))} with --jobs {found.jobs}",
+            "size": f"at most {told}",
         }
         print_facts(f"{study.name}: nothing is written", facts)
     if as_json:
@@ -182,115 +182,31 @@ def table(
     directory: Directory,
     output: Annotated[
         Path | None,
-        typer.Option("-o", "--output", help="All runs, as .csv or .xlsx.", metavar="FILE"),
-    ] = None,
-    worst: Annotated[int, typer.Option(help="How many of the worst to show.", min=1)] = 10,
-    by: Annotated[str | None, typer.Option(help="Column that ranks them.")] = None,
-    force: Force = False,
-    as_json: AsJson = False,
-) -> int:
-    """The worst runs, each with the command to repeat it; with -o all runs as one file."""
-    from thermobearing.studies.saved import study_result, write_table
-    from thermobearing.studies.screen import print_worst
-
-    result = study_result(directory)
-    if output is not None:
-        write_table(result.table, output, force=force)
-        typer.echo(f"written: {output} ({result.runs} runs)")
-    elif result.runs:
-        print_worst(result, worst, by)
-    else:
-        typer.echo("no run is done yet")
-    if as_json:
-        told = {"outcome": result.outcome, "exit_status": 0, "runs": result.runs}
-        echo_json(told | ({"output": str(output)} if output is not None else {}))
-    return 0
-
-
-@app.command(
-    cls=Command, epilog="Example: thermobearing study figures p1 --hazard site.csv --capacity 4"
-)
-@reported
-def figures(
-    directory: Directory,
-    output: Annotated[
-        Path | None,
-        typer.Option("-o", "--output", help="Folder; `figures` in DIR by default."),
-    ] = None,
-    demand: Annotated[
-        str | None, typer.Option(help="Column; pier_ductility by default.", metavar="COLUMN")
-    ] = None,
-    capacity: Annotated[
-        float | None, typer.Option(help="Of the demand, in its unit; 1 of a ductility.")
-    ] = None,
-    method: Annotated[str, typer.Option(help="stripes, ida or cloud.")] = "stripes",
-    failed: Annotated[str, typer.Option(help="Failed runs: left-out or collapse.")] = "left-out",
-    hazard: Annotated[
-        Path | None, typer.Option(help="Hazard curve of the site, for annual rates.")
-    ] = None,
-    climate: Annotated[
-        str | None,
         typer.Option(
-            help="Of the site, where the study has levels of temperature: name, TOML or weather.",
-            metavar="NAME/FILE",
+            "-o", "--output", help="File, .csv or .xlsx; DIR.csv by default.", metavar="FILE"
         ),
     ] = None,
+    force: Force = False,
     as_json: AsJson = False,
-    quiet: Quiet = False,
 ) -> int:
-    """Demand, IDA, fragility, annual rates and shares of variance."""
-    from thermobearing.studies.question import Question
-    from thermobearing.studies.saved import study_result
-    from thermobearing.studies.site import choice, site_hazard, site_temperatures
+    """All runs that are done as one file, a row each."""
+    from thermobearing.studies.export import write_table
+    from thermobearing.studies.store import Store
 
-    choice("--method", method, ("stripes", "ida", "cloud"))
-    choice("--failed", failed, ("left-out", "collapse"))
-    result = study_result(directory)
-    asked = Question(
-        demand=demand,
-        capacity=capacity,
-        method=method,  # type: ignore[arg-type]
-        failed=failed,  # type: ignore[arg-type]
-        hazard=None if hazard is None else site_hazard(result, hazard),
-        temperatures=None if climate is None else site_temperatures(climate),
-    )
-    folder = output or Path(directory, "figures")
-    made = result.plot.save_all(folder, asked)
-    if not quiet:
-        for path in made:
-            typer.echo(f"written: {path}")
+    found = Store(directory).table()
+    file = output or Path(f"{directory}.csv")
+    write_table(found, file, force=force)
+    typer.echo(f"written: {printable(str(file))} ({len(found)} runs)")
     if as_json:
-        told = {"outcome": result.outcome, "exit_status": 0, "output": str(folder)}
-        echo_json(told | {"files": sorted(path.name for path in made)})
+        echo_json({"exit_status": 0, "output": str(file), "runs": len(found)})
     return 0
 
 
-@app.command(cls=Command, epilog="Example: thermobearing study repeat p1 12 -o p1-run-12")
-@reported
-def repeat(
-    directory: Directory,
-    number: Annotated[int, typer.Argument(help="Number of the run.", metavar="RUN")],
-    output: Output = None,
-    force: Force = False,
-    no_figures: NoFigures = False,
-    as_json: AsJson = False,
-    quiet: Quiet = False,
-) -> int:
-    """One run in full: histories, loops, books, as `bridge` has them."""
-    from thermobearing.earthquake.files import save_earthquake
-    from thermobearing.earthquake.screen import print_study
-    from thermobearing.results.directory import check_target
-    from thermobearing.studies.case import load_study
-    from thermobearing.studies.repeat import repeat_run
-    from thermobearing.studies.store import STUDY, Store
-
-    target = output or Path(f"{directory}-run-{number}")
-    check_target(target, force=force)
-    store = Store(directory)
-    announce_compiling(quiet, STRUCTURES)
-    result = repeat_run(load_study(store.directory / STUDY), number)
-    save_earthquake(result, target, force=force, figures=not no_figures)
-    if not quiet:
-        with contextlib.suppress(KeyboardInterrupt):
-            print_study(result)
-    return written(result.outcome, result.sentence, target, as_json=as_json, quiet=quiet)
+app.command(
+    cls=Command,
+    epilog="Example: thermobearing study figures p1 --hazard site.csv --capacity 4",
+)(study_drawn.figures)
+app.command(cls=Command, epilog="Example: thermobearing study worst p1")(study_drawn.worst)
+app.command(cls=Command, epilog="Example: thermobearing study repeat p1 12 -o p1-run-12")(
+    study_drawn.repeat
+)

@@ -56,6 +56,7 @@ DEFAULTS: dict[str, dict[str, Any]] = {
         "duration": "20 s",
     },
 }
+MOST = {"bearings": 100, "motions": 1000, "ambient": 1000}
 WAYS = ("initial_result", "initial_state")  # to start
 PSEUDO_DYNAMIC_SPEED = 10.0  # of the source's test [mm/s]
 Mode = Literal["rt", "pd"]
@@ -140,9 +141,9 @@ class EarthquakeCase(Strict):
 
     command: Command
     structure: Structure
-    bearings: Annotated[list[Device], Field(min_length=1, max_length=100)]
-    motions: Annotated[list[Motion], Field(min_length=1, max_length=1000)]
-    ambient: Annotated[list[Temperature], Field(min_length=1, max_length=1000)]
+    bearings: Annotated[list[Device], Field(min_length=1, max_length=MOST["bearings"])]
+    motions: Annotated[list[Motion], Field(min_length=1, max_length=MOST["motions"])]
+    ambient: Annotated[list[Temperature], Field(min_length=1, max_length=MOST["ambient"])]
     weather: Annotated[str, Field(min_length=1)] | None = None
     duration: Annotated[float, in_unit("s"), Field(ge=1e-3, le=1e6)] | None = None
     analysis: EarthquakeAnalysis = EarthquakeAnalysis()
@@ -271,6 +272,7 @@ def make_earthquake_case(
         overrides["laboratory"] = overridden(table.get("laboratory", {}), lab, Laboratory)
     table = overridden(table, overrides, EarthquakeCase, {"analysis": EarthquakeAnalysis})
     fixed = table.pop("fixed_base", False)
+    _refuse_too_many(table, where)
     problems, motions = _settle(table, command, folder)
     if not isinstance(fixed, bool):
         problems.append(f"fixed_base = {fixed!r}: must be true or false")
@@ -293,6 +295,15 @@ def make_earthquake_case(
     devices = [*case.bearings, *(line.bearing for line in case.lines)]
     layered = [one for one in devices if isinstance(one, Bearing)]
     return case.model_copy(update={"sources": sources_to_keep(layered, case.sources)})
+
+
+def _refuse_too_many(table: dict[str, Any], where: str) -> None:
+    """InputError for more of a kind than a result with histories can be of."""
+    for key, most in MOST.items():
+        count = len(table[key]) if isinstance(table.get(key), list | tuple) else 0
+        if count > most:
+            told = f"{key}: {count} of them; at most {most}, since histories are kept: very many "
+            raise InputError(f"{told}runs are for `thermobearing study`, which forgets them", where)
 
 
 def _with_structure(case: EarthquakeCase, *, fixed: bool) -> EarthquakeCase:

@@ -52,7 +52,10 @@ def study_too_much(runs: Sequence[tuple[float, float, float]]) -> list[str]:
     >>> study_too_much([(8000.0, 60.0, 50.0)] * 36)
     []
     """
-    change = "take a larger dt, cut the motions (duration), or make several studies"
+    change = (
+        "take a larger dt or cut the motions (duration); very many runs are for `thermobearing "
+        "study`, which forgets their histories"
+    )
     longest = max(steps for steps, _, _ in runs)
     work = sum(steps * cells for steps, cells, _ in runs)
     kept = sum(steps * numbers for steps, _, numbers in runs)

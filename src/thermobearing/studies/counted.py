@@ -8,11 +8,12 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from thermobearing.border.errors import InputError, nearest
+from thermobearing.studies.peaks import BAD_INPUT, BROKEN, COMPLETED
 
 Floats = NDArray[np.float64]
 Failed: TypeAlias = Literal["left-out", "collapse"]
-OUTCOME, COMPLETED = "outcome", "completed"
-NEVER_RUN = ("bad_input", "broken")  # outcomes that say nothing of the structure
+OUTCOME = "outcome"
+NEVER_RUN = (BAD_INPUT, BROKEN)  # they say nothing of the structure
 
 
 @dataclass(frozen=True)

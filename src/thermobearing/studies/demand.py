@@ -13,7 +13,8 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.stats import binom
 
-from thermobearing.studies.counted import COMPLETED, OUTCOME, Failed, column, counted, numbers
+from thermobearing.studies.counted import OUTCOME, Failed, column, counted, numbers
+from thermobearing.studies.peaks import COMPLETED
 from thermobearing.studies.resampling import LEVEL, check_level, quantile
 
 Floats = NDArray[np.float64]

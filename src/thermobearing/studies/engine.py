@@ -25,12 +25,12 @@ from thermobearing.studies.record import Study
 from thermobearing.studies.shard import BrokenError, carry_out, packed
 from thermobearing.studies.status import Status, study_status
 from thermobearing.studies.store import Store, open_or_make
+from thermobearing.studies.worst import RANKED, worst_runs
 
 Progress = Callable[[int, int], None]
 ExecutorName = Literal["process", "dask"]
 EXECUTORS = ("process", "dask")
 MOST_JOBS = 1024
-RANKED = ("pier_ductility", "pier_displacement_max_mm", "bearing_displacement_max_mm")
 
 
 def run_study(
@@ -192,21 +192,3 @@ def _keep_worst(store: Store, study: Study, runs: pd.DataFrame) -> None:
     assert again is not None
     store.write_worst(again.histories)
     store.log.say(f"histories of the worst {len(worst)} runs kept")
-
-
-def worst_runs(table: pd.DataFrame, count: int) -> list[int]:
-    """Numbers of the runs with the largest ductility of the pier, the worst first.
-
-    Without a hinge its displacement counts, without a pier that of the bearing; failed runs have
-    not come to their end and are left out.
-
-    Examples
-    --------
-    >>> runs = {"run": [0, 1, 2], "outcome": ["completed", "diverged", "completed"]}
-    >>> worst_runs(pd.DataFrame(runs | {"pier_ductility": [0.5, 9.0, 1.5]}), 1)
-    [2]
-    """
-    whole = table[table["outcome"] == COMPLETED]
-    by = next((name for name in RANKED if name in whole and whole[name].notna().any()), "run")
-    ranked = whole.sort_values(by, ascending=False, kind="stable")
-    return [int(run) for run in ranked["run"].head(count)]

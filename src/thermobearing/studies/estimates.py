@@ -14,12 +14,12 @@ from thermobearing.border.errors import InputError
 from thermobearing.studies.binary import FLAT, Curves, fit_curves, likelihood_edge
 from thermobearing.studies.crossed import fit_capacities
 from thermobearing.studies.ida import Ida
+from thermobearing.studies.peaks import COMPLETED
 from thermobearing.studies.resampling import Draw
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 MOST_STRIPES = 200  # more intensities are put into so many classes, equally filled
-COMPLETED = "completed"
 MORE_BETWEEN = (
     "all runs up to {0:.4g} stay below, all from {1:.4g} go beyond: add intensities between"
 )

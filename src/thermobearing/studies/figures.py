@@ -28,7 +28,7 @@ class StudyFigures:
 
     def demand(self, asked: Question | None = None, across: str = AMBIENT) -> Figure:
         """Fractiles of a demand along the temperature; a panel a bearing."""
-        result, asked = self._result, asked or Question()
+        result, asked = self._result, asked or self._result.asked
         demand = asked.demand_of(result)
         found = result.demand(demand, across, failed=asked.failed)
         note = counted(result.table, demand, asked.failed).sentence
@@ -38,20 +38,20 @@ class StudyFigures:
 
     def ida(self, asked: Question | None = None) -> Figure:
         """Curves of single motions scaled up, with their fractiles."""
-        result, asked = self._result, asked or Question()
+        result, asked = self._result, asked or self._result.asked
         capacity = asked.capacity_of(result)
         found = result.ida(asked.demand_of(result), failed=asked.failed)
         return draw_ida(found, np.nan if capacity is None else capacity)
 
     def fragility(self, asked: Question | None = None) -> Figure:
         """Fragility curves of each temperature, and over the climate."""
-        asked = asked or Question()
+        asked = asked or self._result.asked
         curves, climate = asked.curves_of(self._result)
         return draw_fragility(curves, climate, self._title("fragility", asked))
 
-    def rates(self, asked: Question) -> Figure:
+    def rates(self, asked: Question | None = None) -> Figure:
         """Hazard curve and annual rates."""
-        result = self._result
+        result, asked = self._result, asked or self._result.asked
         _, rates = asked.rates_of(result)
         assert asked.hazard is not None  # else the line above has said so
         title = self._title("annual rate", asked)
@@ -60,7 +60,7 @@ class StudyFigures:
 
     def variance(self, asked: Question | None = None) -> Figure:
         """Share of each factor in the variance of a demand."""
-        demand = (asked or Question()).demand_of(self._result)
+        demand = (asked or self._result.asked).demand_of(self._result)
         return draw_variance(self._result.variance(demand), demand)
 
     def _title(self, what: str, asked: Question) -> str:
@@ -79,7 +79,7 @@ class StudyFigures:
         ----------
         asked : demand, capacity, hazard.
         """
-        result, asked = self._result, asked or Question()
+        result, asked = self._result, asked or self._result.asked
         found: dict[str, Callable[[], Figure]] = {}
         if AMBIENT in result.factors:
             found["demand"] = partial(self.demand, asked)

@@ -243,10 +243,13 @@ def ratio(rate: Rate, to: Rate, level: float = LEVEL) -> tuple[float, float, flo
         raise InputError("the bands of two rates must be of the same bootstrap samples")
     if np.isnan(rate.rate) or np.isnan(to.rate):
         return np.nan, np.nan, np.nan
+    whole = np.append(rate.family, rate.rate), np.append(to.family, to.rate)
     with np.errstate(divide="ignore", invalid="ignore"):
-        each = np.append(rate.family / to.family, rate.rate / to.rate)
-    each = np.where(np.isnan(each), 1.0, each)  # neither ever goes beyond
-    low, high = percentiles(each[:-1, None], level)
+        each = whole[0] / whole[1]
+    told = each[:-1][~np.isnan(each[:-1])]  # samples in which neither goes beyond tell nothing
+    if len(told) == 0:
+        return float(each[-1]), np.nan, np.nan
+    low, high = percentiles(told[:, None], level)
     return float(each[-1]), float(low[0]), float(high[0])
 
 

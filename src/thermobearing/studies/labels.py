@@ -1,16 +1,6 @@
 """Columns of a study in words, for axes and tables."""
 
-UNITS = {
-    "_kN_mm": "kN mm",
-    "_kN_m": "kN m",
-    "_m_s2": "m/s²",
-    "_m_s": "m/s",
-    "_mm": "mm",
-    "_kN": "kN",
-    "_degC": "°C",
-    "_rad": "rad",
-}
-ABBREVIATED = {"max": "largest", "degC": "°C"}
+from thermobearing.report.generic import words
 
 
 def words_of(column: str) -> str:
@@ -23,15 +13,8 @@ def words_of(column: str) -> str:
     """
     if "." in column:
         return column
-    name = column
-    for ending in UNITS:
-        if name.endswith(ending):
-            name = name.removesuffix(ending)
-            break
-    words = name.split("_")
-    if words[-1] == "max" and len(words) > 1:
-        words = ["largest", *words[:-1]]
-    return " ".join(words)
+    name = words(column)[0]
+    return f"largest {name.removesuffix(' max')}" if name.endswith(" max") else name
 
 
 def unit_of(column: str) -> str:
@@ -39,10 +22,10 @@ def unit_of(column: str) -> str:
 
     Examples
     --------
-    >>> unit_of("pier_displacement_max_mm"), unit_of("scale")
-    ('mm', '')
+    >>> unit_of("PGV_m_s"), unit_of("pier_rotation_max_rad"), unit_of("scale")
+    ('m/s', 'rad', '')
     """
-    return next((unit for ending, unit in UNITS.items() if column.endswith(ending)), "")
+    return "" if "." in column else words(column)[1]
 
 
 def title_of(column: str) -> str:

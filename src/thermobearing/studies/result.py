@@ -10,19 +10,21 @@ import pandas as pd
 from thermobearing.border.errors import InputError
 from thermobearing.border.showing import Shown
 from thermobearing.studies.columns import AMBIENT, THINGS
-from thermobearing.studies.counted import COMPLETED, OUTCOME, Failed
+from thermobearing.studies.counted import OUTCOME, Failed
 from thermobearing.studies.demand import demand_against
 from thermobearing.studies.fragility import Fragility, Method, fragilities, fragility
 from thermobearing.studies.hazard import Hazard, Rate, annual_rate, ratio
 from thermobearing.studies.ida import Ida, ida_curves
 from thermobearing.studies.intensity import COLUMNS
 from thermobearing.studies.mixture import ClimateFragility, shares_of_time
+from thermobearing.studies.peaks import COMPLETED
 from thermobearing.studies.resampling import LEVEL, SAMPLES
 from thermobearing.studies.variance import MATRIX, sobol_table, variance_shares
 from thermobearing.studies.worst import WORST, ranked_by, worst_table
 
 if TYPE_CHECKING:
     from thermobearing.studies.figures import StudyFigures
+    from thermobearing.studies.question import Question
     from thermobearing.studies.record import Study
 
 NUMBERS = ("scale", AMBIENT, "hour")
@@ -52,9 +54,17 @@ class StudyResult(Shown):
         study: "Study",
         manifest: Mapping[str, Any],
         directory: str | Path = "DIR",
+        question: "Question | None" = None,
     ) -> None:
         self.table, self.study, self.manifest = table, study, dict(manifest)
-        self.directory = Path(directory)
+        self.directory, self._question = Path(directory), question
+
+    @property
+    def asked(self) -> "Question":
+        """What is asked of it: by its directory, or the usual."""
+        from thermobearing.studies.question import Question
+
+        return self._question or Question()
 
     @property
     def runs(self) -> int:
@@ -180,7 +190,7 @@ class StudyResult(Shown):
             raise InputError(f"no run has {chosen}")
         whole = {**self.manifest, "runs": int(kept.sum())}
         table = self.table[kept].reset_index(drop=True)
-        return StudyResult(table, self.study, whole, self.directory)
+        return StudyResult(table, self.study, whole, self.directory, self._question)
 
     def parts(self) -> dict[str, "StudyResult"]:
         """A result for each structure and bearing, by name; "" where there is one of each."""

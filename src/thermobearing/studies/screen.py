@@ -1,12 +1,62 @@
-"""How far a study is, and its worst runs, on a terminal."""
-
-from typing import Any
+"""What is drawn from a study, on a terminal."""
 
 import pandas as pd
 
-from thermobearing.results.screen import print_facts, print_table, say
+from thermobearing.report.pieces import ReportTable
+from thermobearing.results.screen import print_facts, print_table, print_warnings, say
+from thermobearing.studies.question import Question
+from thermobearing.studies.report import answer, tables_of
 from thermobearing.studies.result import StudyResult
 from thermobearing.studies.status import Status
+
+LATER = ("worst",)  # tables with a command of their own
+
+
+def print_answers(result: StudyResult, asked: Question) -> None:
+    """Tables of the document, and its answer.
+
+    Parameters
+    ----------
+    result : of `study_result`.
+    asked : demand, capacity, hazard.
+    """
+    for name, table in tables_of(result, asked).items():
+        if name not in LATER:
+            _print(table)
+    for sentence in answer(result, asked):
+        say(sentence)
+    print_warnings(result.warnings)
+
+
+def _print(table: ReportTable) -> None:
+    """A table of the document."""
+    heads = [column.title for column in table.columns]
+    rows = [
+        [column.text(value) for column, value in zip(table.columns, row, strict=True)]
+        for row in table.rows
+    ]
+    print_table(heads, rows, title=table.caption, keys=table.keys)
+    if table.note:
+        say(table.note)
+
+
+def print_worst(table: pd.DataFrame) -> None:
+    """Runs with their demand, and below them the commands that repeat them.
+
+    Parameters
+    ----------
+    table : of `StudyResult.worst`.
+    """
+    shown = table.drop(columns=["id", "command"])
+    rows = [
+        [f"{value:.4g}" if isinstance(value, float) else str(value) for value in row]
+        for row in shown.itertuples(index=False, name=None)
+    ]
+    print_table(
+        [str(name) for name in shown], rows, title="worst runs, and one of each way to fail"
+    )
+    for command in table["command"]:
+        say(command)
 
 
 def print_status(status: Status, *, part: bool = False) -> None:
@@ -24,26 +74,12 @@ def print_status(status: Status, *, part: bool = False) -> None:
     }
     print_facts(f"{status.directory}: {status.name}, {status.outcome}", facts)
     if status.failed:
-        _print("why runs failed", status.failures)
+        rows = [
+            (one["outcome"], str(one["runs"]), f"{one['share']:.3g}", str(one["first"]))
+            for one in status.failures.to_dict("records")
+        ]
+        print_table(("outcome", "runs", "share", "first run"), rows, title="why runs failed")
+        for one in status.failures.to_dict("records"):
+            say(f"{one['outcome']}: {one['sentence']}")
     if status.done < status.runs and not part:
         say("the same command again does the rest")
-
-
-def print_worst(result: StudyResult, count: int, by: str | None) -> None:
-    """The worst runs and how to repeat each."""
-    say(result.headline)
-    found = result.worst(count, by)
-    _print("worst runs", found.drop(columns="command"))
-    for command in found["command"]:
-        say(f"  {command}")
-
-
-def _print(title: str, frame: pd.DataFrame) -> None:
-    """A table of a study."""
-    rows = [[_cell(value) for value in row] for row in frame.itertuples(index=False)]
-    print_table([str(name) for name in frame.columns], rows, title=title)
-
-
-def _cell(value: Any) -> str:
-    """A number with the digits that count; other things as they are."""
-    return f"{value:.4g}" if isinstance(value, float) else str(value)

@@ -7,9 +7,9 @@ from thermobearing.border.errors import InputError
 from thermobearing.studies.case import load_study, make_study
 from thermobearing.studies.designs import plan
 from thermobearing.studies.engine import ExecutorName, Progress, run_study
+from thermobearing.studies.files import study_result
 from thermobearing.studies.record import Study
 from thermobearing.studies.result import StudyResult
-from thermobearing.studies.saved import study_result
 from thermobearing.studies.shard import run_shard
 
 

@@ -7,7 +7,8 @@ from pathlib import Path
 import pandas as pd
 
 from thermobearing.border.errors import InputError
-from thermobearing.studies.counted import COMPLETED, OUTCOME, numbers
+from thermobearing.studies.counted import OUTCOME, numbers
+from thermobearing.studies.peaks import COMPLETED
 
 RANKED = ("pier_ductility", "pier_displacement_max_mm", "bearing_displacement_max_mm")
 WORST = 10

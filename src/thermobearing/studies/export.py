@@ -1,4 +1,4 @@
-"""A study in its directory as a result again, and its table as one file for anybody."""
+"""All runs of a study as one file for anybody: text or a workbook."""
 
 from pathlib import Path
 
@@ -6,42 +6,8 @@ import pandas as pd
 
 from thermobearing.border.errors import InputError, OutputError
 from thermobearing.border.text_file import write_text_file
-from thermobearing.studies.case import load_study
-from thermobearing.studies.result import StudyResult
-from thermobearing.studies.store import STUDY, Store
 
 MOST_ROWS = 1_048_575  # of a sheet of a workbook, beside its head
-
-
-def study_result(directory: str | Path) -> StudyResult:
-    """What a study has come to so far.
-
-    Parameters
-    ----------
-    directory : of `run_study`, finished or not.
-
-    Returns
-    -------
-    StudyResult
-
-    Raises
-    ------
-    InputError : no study is there.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> from thermobearing.studies import make_study, run_study
-    >>> factors = {"bearing": "shen-hdr-bridge", "motion": "jra-ii-i-1", "ambient": ["0 degC"]}
-    >>> table = {"kind": "study", "name": "p1", "case": {"duration": "1 s"}, "factors": factors}
-    >>> directory = Path(tempfile.mkdtemp()) / "p1"
-    >>> _ = run_study(make_study(table, "example"), directory, jobs=1)
-    >>> study_result(directory).runs
-    1
-    """
-    store = Store(Path(directory))
-    study = load_study(store.directory / STUDY)
-    return StudyResult(store.table(), study, store.manifest, store.directory)
 
 
 def write_table(table: pd.DataFrame, path: Path, *, force: bool = False) -> None:
