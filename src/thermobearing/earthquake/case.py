@@ -26,6 +26,7 @@ from thermobearing.earthquake.devices import (
     weather_faults,
 )
 from thermobearing.earthquake.motion import Motion, settle_motions
+from thermobearing.model.effort import MOST_OF, too_many
 from thermobearing.model.handover import SpecimenState, misfit
 from thermobearing.model.options import ModelOptions, build_model
 from thermobearing.motions.record import GroundMotion
@@ -58,7 +59,6 @@ DEFAULTS: dict[str, dict[str, Any]] = {
         "duration": "20 s",
     },
 }
-MOST = {"bearings": 100, "motions": 1000, "ambient": 1000}
 WAYS = ("initial_result", "initial_state")  # to start
 PSEUDO_DYNAMIC_SPEED = 10.0  # of the source's test [mm/s]
 Mode = Literal["rt", "pd"]
@@ -144,9 +144,9 @@ class EarthquakeCase(Strict):
 
     command: Command
     structure: Structure
-    bearings: Annotated[list[Device], Field(min_length=1, max_length=MOST["bearings"])]
-    motions: Annotated[list[Motion], Field(min_length=1, max_length=MOST["motions"])]
-    ambient: Annotated[list[Temperature], Field(min_length=1, max_length=MOST["ambient"])]
+    bearings: Annotated[list[Device], Field(min_length=1, max_length=MOST_OF["bearings"])]
+    motions: Annotated[list[Motion], Field(min_length=1, max_length=MOST_OF["motions"])]
+    ambient: Annotated[list[Temperature], Field(min_length=1, max_length=MOST_OF["ambient"])]
     weather: Annotated[str, Field(min_length=1)] | None = None
     duration: Annotated[float, in_unit("s"), Field(ge=1e-3, le=1e6)] | None = None
     analysis: EarthquakeAnalysis = EarthquakeAnalysis()
@@ -275,7 +275,8 @@ def make_earthquake_case(
         overrides["laboratory"] = overridden(table.get("laboratory", {}), lab, Laboratory)
     table = overridden(table, overrides, EarthquakeCase, {"analysis": EarthquakeAnalysis})
     fixed = table.pop("fixed_base", False)
-    _refuse_too_many(table, where)
+    if found := too_many(table):
+        raise InputError(found, where)
     problems, motions = _settle(table, command, folder)
     if not isinstance(fixed, bool):
         problems.append(f"fixed_base = {fixed!r}: must be true or false")
@@ -300,15 +301,6 @@ def make_earthquake_case(
     things += [(BEARINGS if isinstance(x, Bearing) else BILINEAR, x) for x in devices if x]
     things += [(RIGS, case.rig)] if case.rig else []
     return case.model_copy(update={"sources": sources_to_keep(things, case.sources)})
-
-
-def _refuse_too_many(table: dict[str, Any], where: str) -> None:
-    """InputError for more of a kind than a result with histories can be of."""
-    for key, most in MOST.items():
-        count = len(table[key]) if isinstance(table.get(key), list | tuple) else 0
-        if count > most:
-            told = f"{key}: {count} of them; at most {most}, since histories are kept: very many "
-            raise InputError(f"{told}runs are for `thermobearing study`, which forgets them", where)
 
 
 def _with_structure(case: EarthquakeCase, *, fixed: bool) -> EarthquakeCase:
