@@ -330,19 +330,11 @@ def with_progress(
     if quiet or not sys.stderr.isatty():
         return call(None)
     from rich.console import Console
-    from rich.progress import MofNCompleteColumn, Progress, TextColumn
 
-    columns = (
-        *Progress.get_default_columns(),  # the last one is the time left
-        MofNCompleteColumn(),
-        TextColumn("{task.fields[rate]}"),
-    )
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(what, total=None, rate="")
+    from thermobearing.commands.progress import progress_bar
 
-        def show(done: int, total: int) -> None:
-            speed = bar.tasks[0].speed
-            rate = f"{speed:.3g}/s" if speed else ""
-            bar.update(task, description=what, completed=done, total=total, rate=rate)
-
-        return call(show)
+    with progress_bar(Console(stderr=True)) as bar:
+        task = bar.add_task(what, total=None)
+        return call(
+            lambda done, total: bar.update(task, description=what, completed=done, total=total)
+        )
