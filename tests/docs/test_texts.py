@@ -151,7 +151,7 @@ def test_case_in_the_docs_is_valid(tmp_path: Path) -> None:
         )
         (tmp_path / "record.csv").write_text("t_s,acc_gal\n0,0\n0.01,300\n0.02,-200\n0.03,0\n")
         found[check_file(path).kind] = path
-    assert set(found) == {"case", "earthquake case", "sequence case", "structure"}
+    assert set(found) == {"case", "earthquake case", "sequence case", "structure", "study"}
 
 
 def test_library_files_are_described(tmp_path: Path) -> None:
