@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from typer import testing
 
-from thermobearing.commands.threads import one_blas_thread
+from thermobearing.border.threads import one_blas_thread
 
 one_blas_thread()  # before numpy is imported; the workers of pytest-xdist inherit it
 

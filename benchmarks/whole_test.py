@@ -5,6 +5,7 @@ from benchmarks.rows import Row, at_most
 from benchmarks.specimen import NAME, run_at, seconds, specimen_constants, table_34
 
 LIMIT = 50.0  # [ms]
+SHORT_LIMIT = 1.5  # of one cycle [ms]
 COLD = -20.0  # [degC], the slowest of the three
 
 
@@ -14,14 +15,18 @@ def rows() -> list[Row]:
     steps = run_at(constants, segments, COLD).steps
     alone = seconds(lambda: run_at(constants, segments, COLD), 20)
     bearing, test = tb.load_bearing(NAME), tb.cyclic_test()
-    labelled = seconds(lambda: tb.run(bearing, test, ambient=COLD), 10)
+    labelled = seconds(lambda: tb.run(bearing, test, ambient=COLD).dataset, 10)
     measured = seconds(lambda: tb.run(bearing, test, ambient=COLD).cycles, 10)
     cases = {
         f"Table 3.4 with rests at -20 degC, {steps:,} steps": alone,
         "the same by tb.run(), sampled, checked and labelled": labelled,
         "the same with the table of cycles": measured,
     }
+    found = [(what, times, LIMIT) for what, times in cases.items()]
+    short = tb.cyclic_test(strain=[0.5], cycles=1)
+    taken = seconds(lambda: tb.run(bearing, short, ambient=COLD), 50)
+    found.append(("one cycle by tb.run(), labels not asked for", taken, SHORT_LIMIT))
     return [
-        at_most(what, 1e3 * times[0], LIMIT, "ms", f"median {1e3 * times[len(times) // 2]:.1f} ms")
-        for what, times in cases.items()
+        at_most(what, 1e3 * times[0], limit, "ms", f"median {1e3 * times[len(times) // 2]:.1f} ms")
+        for what, times, limit in found
     ]

@@ -9,7 +9,7 @@ sys.path.insert(0, str(DOCS.parent))  # for docs.builder
 
 import thermobearing  # noqa: E402
 from docs.builder import api, figures  # noqa: E402
-from thermobearing.commands.threads import one_blas_thread  # noqa: E402
+from thermobearing.border.threads import one_blas_thread  # noqa: E402
 
 one_blas_thread()
 api.write_pages(DOCS / "api")

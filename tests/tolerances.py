@@ -276,3 +276,27 @@ LANE_FORCE = 1e-12  # of the peak force: other roundings of exp and tanh; 8e-14 
 LANE_TEMPERATURE = 1e-11  # K; 1.3e-13 measured
 LANE_PEAK = 1e-10  # of a peak, forty seconds of a bridge; 1e-12 measured
 LANE_END = 1e-8  # of a peak, where a bridge ends: what is left of vibrations; 1e-10 measured
+
+# --- Weather ---------------------------------------------------------------------------------
+MILLION_HOURS = 0.03  # of a variance; 10^4 memories of 48 h tell it to 0.01
+SUM_OF_HOURS = 1e-3  # a sum over full hours for an integral; 400 of all lengths
+SPELLS = 0.04  # 4000 spells with deviations of half their mean: 0.015
+MONTHLY_MEAN = 0.4  # [K] of 100 months whose means deviate by some 2 K: 0.2
+HOURS_OF_REST = 1e-8  # [K] 10^5 steps, and as many products in another order
+HALF_SPACE_SETTLES = 0.02  # [K] the clock of a core runs from the start: 3e-3 left after a month
+TEN_MINUTES = 0.1  # [K] steps of 600 s for those of 36 s: 0.065 in the outer cell, less inside
+TEN_MINUTES_OF_LEAD = 0.8  # [K] likewise of lead, which follows a step later: 0.52
+
+# --- Studies -------------------------------------------------------------------------------
+LIKELIEST = 1e-6  # another search stops at 1e-10 of its own; its likelihood is flat to 1e-8
+PROFILE = 1e-3  # of the drop: 240 rays, and a search inside a search
+LEAST_COVERAGE = 0.83  # of bands of 95 %: bootstrap 0.92, less three deviations of 80 repetitions
+LEAST_COVERAGE_OF_RATIOS = 0.85  # classes take some of the share
+SHARE_OF_4000 = 0.03  # three deviations of a share of 4000 runs, and of those that did not collapse
+HAZARD = 1e-8  # four points of Gauss in steps of 0.02, deviations of 0.05 and more
+HAZARD_JUMP = 0.01  # a jump between two such points, 0.007 apart, times the exponent of the rate
+SOBOL_INDEX = 0.01  # 16384 points of a Sobol sequence; 0.003 measured
+SAME_ESTIMATOR = 1e-12  # the same sums in another order
+CHANCE_OF_2000 = 2e-3  # what epsilon squared takes off for chance, at most classes/runs
+RATIO_IN_CLASSES = 0.03  # twelve classes of a normal number lose some of its tails
+QUADRATURE_OF_TAILS = 2e-3  # 10^5 classes of equal probability lose some of the tails

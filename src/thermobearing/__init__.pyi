@@ -2,6 +2,7 @@
 # Rooms first; each has its own list in its own stub.
 from . import bearing as bearing
 from . import border as border
+from . import climate as climate
 from . import cyclic as cyclic
 from . import design as design
 from . import earthquake as earthquake
@@ -13,6 +14,7 @@ from . import reproduce as reproduce
 from . import results as results
 from . import sequences as sequences
 from . import structure as structure
+from . import studies as studies
 from . import validate as validate
 from .bearing.ambient import Ambient as Ambient
 from .bearing.library import load_bearing as load_bearing

@@ -13,6 +13,7 @@ from typing import Annotated, Any
 import typer
 
 import thermobearing
+from thermobearing.border.threads import one_blas_thread
 from thermobearing.commands import cyclic, design, earthquake, factors, sequence
 from thermobearing.commands.common import (
     ANALYSES,
@@ -34,7 +35,6 @@ from thermobearing.commands.report import report
 from thermobearing.commands.reproduce import reproduce
 from thermobearing.commands.streams import patient_streams
 from thermobearing.commands.structures import app as structures
-from thermobearing.commands.threads import one_blas_thread
 from thermobearing.commands.validate import validate
 
 

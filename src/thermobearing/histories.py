@@ -13,6 +13,7 @@ from thermobearing.report.generic import MOST_ROWS, words
 from thermobearing.report.pieces import Column
 from thermobearing.report.workbook import History
 from thermobearing.results.saved import SavedResult
+from thermobearing.studies.result import StudyResult
 
 AMBIENT = "Ambient [°C]"
 
@@ -26,6 +27,8 @@ def histories_of(result: AnyResult) -> dict[str, History]:
     """
     if isinstance(result, SavedResult):
         return _of_tables(result)
+    if isinstance(result, StudyResult):
+        return {}  # its table may have a million rows: `study table` writes it
     if isinstance(result, EarthquakeResult):
         return dict(zip(result.run_names, _of_study(result), strict=True))
     if isinstance(result, Result):

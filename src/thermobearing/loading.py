@@ -17,10 +17,12 @@ from thermobearing.results.reading import read_dataset
 from thermobearing.results.saved import SavedResult, is_saved, read_saved
 from thermobearing.sequences.files import load_sequence
 from thermobearing.sequences.result import SequenceResult
+from thermobearing.studies.files import is_study, study_result
+from thermobearing.studies.result import StudyResult
 
 POOR_FIT = "poor_fit"
 WITH_DATASET = {"cyclic", "bridge", "hybrid", "sequence"}  # commands
-AnyResult = Result | EarthquakeResult | SequenceResult | SavedResult
+AnyResult = Result | EarthquakeResult | SequenceResult | StudyResult | SavedResult
 
 
 def load_result(path: str | Path) -> AnyResult:
@@ -32,7 +34,8 @@ def load_result(path: str | Path) -> AnyResult:
 
     Returns
     -------
-    Result, or EarthquakeResult of `bridge` and `hybrid`, or SequenceResult of `sequence`;
+    Result, or EarthquakeResult of `bridge` and `hybrid`, or SequenceResult of `sequence`, or
+    StudyResult of `study`;
     of all others (identify, validate, design, lambda, bounds, motions) a SavedResult: summary,
     tables, figures and bearings.
 
@@ -50,6 +53,8 @@ def load_result(path: str | Path) -> AnyResult:
     ...     load_result(saved).outcome
     'completed'
     """
+    if is_study(path):
+        return study_result(path)
     if is_folder(Path(path) / PARTS):
         return load_sequence(path)
     if is_saved(path) and not is_file(Path(path) / DATASET):

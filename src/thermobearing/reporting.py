@@ -25,6 +25,7 @@ ROOMS = {
     **{"sequence": "sequences", "identify": "identify", "validate": "validate"},
     **dict.fromkeys(("design", "bounds", "lambda"), "design"),
     "reproduce": "reproduce",
+    "study": "studies",
     **dict.fromkeys(("motions show", "motions make", "motions spectrum"), "motions"),
 }
 # What files that were edited, or are of another version, lead to where their numbers are looked up.

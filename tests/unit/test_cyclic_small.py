@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import thermobearing as tb
+from thermobearing.cyclic import label
 from thermobearing.cyclic.equivalent import solve_backbone
 from thermobearing.cyclic.files import history_blocks
 from thermobearing.cyclic.protocol import Rest
@@ -61,3 +62,15 @@ def test_backbone_is_the_slim_one_of_two() -> None:
     area = 4.0 * found.strength * (100.0 - yielding)
     assert area == pytest.approx(2.0 * math.pi * 0.15 * 2.0 * 100.0**2)
     assert found.strength < 100.0
+
+
+def test_labels_are_made_when_they_are_first_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    """They take longer than a short run."""
+    made = []
+    whole = label.labelled
+    monkeypatch.setattr(label, "labelled", lambda *told: made.append(1) or whole(*told))
+    result = tb.run("shen-hdr-specimen", tb.cyclic_test(strain=[0.5], cycles=1))
+    assert made == []
+    assert result.outcome == "completed"
+    assert result["force"] is not None
+    assert made == [1]

@@ -71,6 +71,13 @@ def test_shares_in_the_history_add_up(study: Any) -> None:
     assert "deck_acceleration_m_s2" in frame
 
 
+def test_an_elastic_hinge_has_its_stiffness_in_the_history(study: Any) -> None:
+    frame, hinge = study.history(0), load_structure("pier-p1").hinges[0]
+    rotation, moment = frame["pier_rotation_rad"], frame["pier_moment_kN_m"]
+    assert 0.1 * hinge.yield_rotation < rotation.abs().max() < hinge.yield_rotation
+    assert_allclose(1e3 * moment, hinge.stiffness * rotation, rtol=tol.HISTORY_DIGITS)
+
+
 def test_largest_loop_of_a_run_is_that_of_its_history(study: Any) -> None:
     loops = study.largest_loops
     assert list(loops["bearing"]) == ["shen-lhdr-bridge", "shen-bilinear-bridge"]

@@ -34,10 +34,12 @@ from thermobearing.report.pieces import (
     Document,
     FigureBlock,
     Heading,
+    Link,
     Paragraph,
     Plot,
     ReportFigure,
     ReportTable,
+    TableBlock,
     Trace,
 )
 
@@ -189,6 +191,19 @@ def test_cells_of_a_table():
     assert '<p class="note">† beyond what was tested. N.</p>' in text
     assert 'Force <span class="unit">[kN]</span></button>' in text
     assert "<button" not in table_html(ReportTable("Two", columns, rows[:2]), 1)
+
+
+def test_a_cell_leads_to_a_figure_of_the_document():
+    rows = [(Link("Fig. 3.8", "fig_3_08"),), (Link("Fig. 9.9", "not there"),)]
+    blocks = [
+        TableBlock("claims", ReportTable("Claims", [Column("Figure")], rows)),
+        FigureBlock("other", ReportFigure("first", image=b"<svg/>")),
+        FigureBlock("fig_3_08", ReportFigure("second", image=b"<svg/>")),
+    ]
+    page = html_page(Document("A test", {}, None, blocks, {}))
+    assert '<a href="#figure-2">Fig. 3.8</a>' in page
+    assert 'id="figure-2"' in page
+    assert ">Fig. 9.9</th>" in page
 
 
 def test_broad_tables_are_turned_on_paper():

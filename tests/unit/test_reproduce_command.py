@@ -10,12 +10,18 @@ from matplotlib.figure import Figure
 import thermobearing as tb
 from tests.unit.inputs import command
 from thermobearing.border.errors import InputError
+from thermobearing.report.pieces import Heading
+from thermobearing.report.template import arranged, default_template
 from thermobearing.reporting import pieces_of
 from thermobearing.reproduce import work
-from thermobearing.reproduce.claims import Claim, Limit, Within
-from thermobearing.reproduce.judge import REPRODUCED, VERDICTS
+from thermobearing.reproduce.claims import PARTS, Claim, Limit, Within
+from thermobearing.reproduce.flips import Flip
+from thermobearing.reproduce.judge import REPRODUCED, VERDICTS, Verdict
+from thermobearing.reproduce.report_tables import SETS
+from thermobearing.reproduce.rows import Row
 from thermobearing.reproduce.run import reproduce_source
 from thermobearing.reproduce.runs import Runs
+from thermobearing.reproduce.tables import printed_tables
 
 FEW = [
     Claim(
@@ -81,6 +87,14 @@ def test_a_broken_row_does_not_stop_the_others(few: None, tmp_path: Path) -> Non
     assert (folder / "figures" / "fig_0_01.png").read_bytes().startswith(b"\x89PNG")
 
 
+def test_a_row_that_nothing_flips_says_what_was_tried() -> None:
+    holds, none = Verdict("trend holds", "trend holds"), Flip("t_r", None)
+    assert Row(FEW[0], holds, 1.0, (none,), True).flip_words == "none: t_r changed by up to 50 %"
+    assert Row(FEW[0], holds, 1.0, (none, Flip("a", 0.2)), True).flip_words == "a +20.0 %"
+    assert Row(FEW[1], holds, 1.0, (), True).flip_words == "none"
+    assert Row(FEW[0], Verdict("contradicted", "contradicted")).flip_words == ""
+
+
 def test_verdicts_alone_have_no_flips(few: None) -> None:
     row = reproduce_source(jobs=1, flips=False).rows[0]
     assert row.verdict.kind == REPRODUCED
@@ -95,6 +109,29 @@ def test_the_document_has_every_claim(few: None, tmp_path: Path) -> None:
     assert pieces.figures["fig_0_01"].caption == "a caption"
     assert "Of 3 claims 1 hold" in pieces.answer[0]
     assert any("nothing" in warning for warning in pieces.warnings)
+    words = {block.text for block in arranged(pieces) if isinstance(block, Heading)}
+    assert {"How to read it", "Functions"} <= words
+    assert default_template("reproduce").name == "reproduce.md"
+
+
+def test_the_template_has_every_figure_and_table() -> None:
+    text = default_template("reproduce").read_text(encoding="utf-8")
+    for name in [*work.figures_of(None), *work.OWN_FIGURES]:
+        assert f"{{{{ figure {name}? }}}}" in text
+    for name in [*PARTS, *(table.name for table in printed_tables()), *SETS, "slips"]:
+        assert f"{{{{ table {name}? }}}}" in text
+
+
+def test_slips_are_a_table_and_a_figure_of_the_same_numbers() -> None:
+    (part,) = [part for part in work.parts_of(None, figures=True) if part.names == ("slips",)]
+    assert part.kind == work.BOTH
+    done = work.do(part)
+    assert done.tables is not None
+    assert len(done.tables["slips"]) == 18
+    assert done.drawn is not None
+    assert done.drawn.image
+    (alone,) = [part for part in work.parts_of(None, figures=False) if part.names == ("slips",)]
+    assert alone.kind == work.TABLES
 
 
 def test_parts_of_a_chapter_have_its_claims_and_figures() -> None:

@@ -16,6 +16,7 @@ from thermobearing.reproduce.joint import (
     rocking_pier,
     search,
     span,
+    weights,
     whole,
 )
 from thermobearing.reproduce.joint_measures import Computed, by_temperature, colder, modes
@@ -122,6 +123,16 @@ def test_pairs_that_no_set_meets() -> None:
     found = conflicts(joint, "bridge", table)
     assert found["met_by"].tolist() == [1, 1, 0, 0]
     assert found.iloc[-1][["statement", "and"]].tolist() == ["a", "b"]
+
+
+def test_what_one_choice_changes() -> None:
+    """Between sets that are equal otherwise; those that could not be run are left out."""
+    choices = tuple(Choice(study="bridge", name=n, values=(1, 2), means="x") for n in "jk")
+    table = pd.DataFrame(
+        {"j": [1, 1, 2, 2], "k": [1, 2, 1, 2], "met": [5, 8, 4, 0], "why": ["", "", "", "no"]}
+    )
+    found = weights(Joint(choice=choices, statement=()), "bridge", table)
+    assert found.to_numpy().tolist() == [["j", 1, 1.0, 1], ["k", 1, 3.0, 3]]
 
 
 def test_structures_of_a_set() -> None:

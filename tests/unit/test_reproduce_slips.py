@@ -28,7 +28,7 @@ from thermobearing.reproduce.slips import (
     values_of,
     with_slips,
 )
-from thermobearing.reproduce.slips_figure import ALL, SHORT, draw
+from thermobearing.reproduce.slips_figure import ALL, SHORT, draw_slips
 
 SPECIMENS = ("shen-hdr-specimen", "shen-lhdr-specimen")
 OF_LEAD = {PLATES, CLOCK, REFERENCE}
@@ -157,7 +157,7 @@ def test_table(rows: list[SlipRow]) -> None:
 
 def test_figure(rows: list[SlipRow]) -> None:
     """Bars of what each bearing has, with their numbers; the sum of all at the bottom."""
-    axes: Any = draw(rows).axes
+    axes: Any = draw_slips(rows).axes
     names = [label.get_text() for label in axes[0].get_yticklabels()]
     assert names == [*SHORT.values(), ALL]
     told = [text.get_text() for text in axes[2].texts]

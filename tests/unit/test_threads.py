@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from thermobearing.commands.threads import VARIABLES
+from thermobearing.border.threads import VARIABLES
 
 ROOT = Path(__file__).parents[2]
 COMMAND = """

@@ -39,16 +39,30 @@ def seconds_of(stamps: list[str]) -> Floats:
     >>> seconds_of(["31.01.2024 23:59", "01.02.2024 00:01"]).tolist()
     [0.0, 120.0]
     """
+    return seconds_and_start(stamps)[0]
+
+
+def seconds_and_start(stamps: list[str]) -> tuple[Floats, np.datetime64 | None]:
+    """The same, and the date of the first stamp; None for a clock without dates.
+
+    Parameters
+    ----------
+    stamps : as in `seconds_of`. A time zone is dropped.
+
+    Raises
+    ------
+    InputError : as in `seconds_of`.
+    """
     cells = [_COMMA.sub(r"\1.\2", cell.strip().replace("/", "-")) for cell in stamps]
     if all(re.match(r"^\d+:", cell) for cell in cells):
-        return _clock(cells)
+        return _clock(cells), None
     orders = (True, False) if _YEAR_LAST.match(cells[0]) else (False,)
     found = [_parsed(cells, day_first) for day_first in orders]
-    some = [values for values in found if values is not None]
+    some = [one for one in found if one is not None]
     if not some:
         raise InputError(f'"{shortened(cells[0])}" or a stamp below it is not a date and time')
-    forward = [values for values in some if (np.diff(values) >= 0.0).all()] or some
-    return min(forward, key=lambda values: float(np.ptp(values)))
+    forward = [one for one in some if (np.diff(one[0]) >= 0.0).all()] or some
+    return min(forward, key=lambda one: float(np.ptp(one[0])))
 
 
 def _clock(cells: list[str]) -> Floats:
@@ -68,8 +82,8 @@ def _clock(cells: list[str]) -> Floats:
     return np.asarray(shifted - shifted[0], dtype=np.float64)
 
 
-def _parsed(cells: list[str], day_first: bool) -> Floats | None:
-    """Seconds since the first; None if they are not all dates of this order."""
+def _parsed(cells: list[str], day_first: bool) -> tuple[Floats, np.datetime64] | None:
+    """Seconds since the first, and its date; None if they are not all dates of this order."""
     import pandas as pd
 
     with warnings.catch_warnings():
@@ -81,5 +95,6 @@ def _parsed(cells: list[str], day_first: bool) -> Floats | None:
             except (ValueError, TypeError, OverflowError, AttributeError):
                 continue
             if np.isfinite(values).all():
-                return np.asarray(values, dtype=np.float64)
+                start = when.iloc[0].tz_localize(None).to_datetime64()
+                return np.asarray(values, dtype=np.float64), start
     return None

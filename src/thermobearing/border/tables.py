@@ -5,7 +5,7 @@ also stand in a row of its own below. Separators, decimal marks and encodings: s
 """
 
 from collections.abc import Collection
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from thermobearing.border.errors import InputError, nearest
 from thermobearing.border.layout import Layout, Table, table_of
 from thermobearing.border.sheets import Sheet, is_stamp, read_sheets
-from thermobearing.border.stamps import seconds_of
+from thermobearing.border.stamps import seconds_and_start
 from thermobearing.border.titles import is_called, name_and_unit, plain_title, plain_unit
 from thermobearing.border.units import conversion
 
@@ -32,6 +32,7 @@ class Columns:
     unused : titles of columns that hold anything and were not wanted.
     stamped : whether time came from stamps (dates, times of day).
     others : names of the sheets that were not read.
+    begins : date of the first stamp, if stamps have dates.
     """
 
     values: dict[str, Floats]
@@ -39,6 +40,7 @@ class Columns:
     unused: list[str]
     stamped: bool = False
     others: list[str] = field(default_factory=list)
+    begins: np.datetime64 | None = None
 
 
 def read_columns(
@@ -100,7 +102,7 @@ def columns_of(
             first = first or error
             continue
         others = [one.name for one in sheets if one is not sheet and one.rows]
-        return Columns(found.values, found.parts, found.unused, found.stamped, others)
+        return replace(found, others=others)
     told = first or InputError("is empty")
     raise told if told.where else InputError(told.problems, str(path)) from None
 
@@ -127,10 +129,10 @@ def _of_sheet(
         raise InputError(problems)
     used = {column for column, *_ in picked.values()}
     values: dict[str, Floats] = {}
-    stamped = False
+    stamped, begins = False, None
     for name, (column, scale, offset) in picked.items():
         if name == "time" and is_stamp(table.cells(column)[0]):
-            values[name], dates = _stamps(table, column)
+            values[name], begins, dates = _stamps(table, column)
             used |= dates
             stamped = True
         else:
@@ -138,7 +140,7 @@ def _of_sheet(
     unused = [
         title for n, title in enumerate(table.titles) if n not in used and any(table.cells(n)[:50])
     ]
-    return Columns(values, table.parts, unused, stamped)
+    return Columns(values, table.parts, unused, stamped, begins=begins)
 
 
 def _doubled(table: Table) -> list[str]:
@@ -200,8 +202,8 @@ def _converted(title: str, said: str, unit: str) -> tuple[float, float]:
         raise InputError(error.lines(f'column "{title}"')) from None
 
 
-def _stamps(table: Table, column: int) -> tuple[Floats, set[int]]:
-    """Seconds of a column of stamps, and the column of dates that goes with times of day."""
+def _stamps(table: Table, column: int) -> tuple[Floats, np.datetime64 | None, set[int]]:
+    """Seconds of a column of stamps, their start, and the column of dates beside times of day."""
     cells, used = table.cells(column), set()
     if ":" not in cells[0]:  # a date: the time of day stands in the column beside it
         clock = next(
@@ -223,6 +225,6 @@ def _stamps(table: Table, column: int) -> tuple[Floats, set[int]]:
             cells = [f"{day} {time}" for day, time in zip(table.cells(days[0]), cells, strict=True)]
             used.add(days[0])
     try:
-        return seconds_of(cells), used
+        return *seconds_and_start(cells), used
     except InputError as error:
         raise InputError(error.lines(f'column "{table.titles[column]}"')) from None

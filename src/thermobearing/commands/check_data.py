@@ -5,6 +5,7 @@ from pathlib import Path
 from thermobearing.bearing.plausible import Usuals
 from thermobearing.border.schema import Strict, validated
 from thermobearing.border.toml import read_toml, split_sources
+from thermobearing.climate.generator import Climate
 from thermobearing.design.peaks import Rules
 from thermobearing.design.published import Published
 from thermobearing.design.rubber import Curves
@@ -19,6 +20,7 @@ DATA: dict[str, tuple[set[str], type[Strict] | None]] = {
     "assumed uncertainties": ({"groups"}, Groups),
     "ambient temperature of tests": ({"ambient_drift"}, ChamberNumbers),
     "usual values": ({"usual"}, Usuals),
+    "climate": ({"monthly_mean", "daily_range"}, Climate),
     "temperature limits": ({"absolute_zero"}, TemperatureLimits),
     "standard spectra": ({"I", "II"}, None),
     "design of the source": ({"more"}, None),
@@ -29,7 +31,6 @@ DATA: dict[str, tuple[set[str], type[Strict] | None]] = {
     "claims of the source": ({"claim"}, None),
     "parameters of claims": ({"parameter"}, None),
     "printed numbers": ({"u_B", "K_B"}, None),
-    "printed numbers of chapter 4": ({"table_4_2_R2"}, None),
     "printed tables": ({"table"}, None),
     "choices and statements": ({"choice"}, None),
     "code of others": ({"plotly"}, None),

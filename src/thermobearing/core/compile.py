@@ -57,13 +57,19 @@ def kernel_files() -> list[Path]:
 
 
 @cache
-def cache_directory() -> Path | None:
-    """Folder for the compiled code of exactly these sources, or None if none can be written."""
+def kernels_digest() -> str:
+    """What tells one set of kernels, and the version that compiles them, from another."""
     digest = hashlib.sha256(f"{numba.__version__}".encode())
     for source in kernel_files():
         digest.update(source.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+@cache
+def cache_directory() -> Path | None:
+    """Folder for the compiled code of exactly these sources, or None if none can be written."""
     base = _base()
-    folder = base / digest.hexdigest()[:16] if base else None
+    folder = base / kernels_digest() if base else None
     return folder if folder and _has_room(folder) else None
 
 

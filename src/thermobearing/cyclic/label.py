@@ -1,6 +1,9 @@
 """Names, units and provenance for what the runs of a case left behind."""
 
+from functools import partial
+
 import numpy as np
+import xarray as xr
 
 import thermobearing
 from thermobearing.bearing.ambient import Ambient
@@ -125,6 +128,17 @@ def label(
     climates: list[Ambient],
     histories: list[History],
 ) -> Result:
+    """What the runs left behind; names, units and provenance when they are first asked for."""
+    return Result(partial(labelled, case, model, segments, climates, histories))
+
+
+def labelled(
+    case: Case,
+    model: BearingModel,
+    segments: list[Segment],
+    climates: list[Ambient],
+    histories: list[History],
+) -> xr.Dataset:
     """Names, units and provenance for what the runs left behind."""
     what = stack_labels(model)
     records = [
@@ -165,13 +179,11 @@ def label(
         **exposure_attribute(factors),
         "sentences": SENTENCES | SHARING_SENTENCES,
     }
-    return Result(
-        build_dataset(
-            records,
-            stack_labels(model),
-            case.analysis.keep,
-            area=case.bearing.area,
-            total_rubber_thickness=case.bearing.total_rubber_thickness,
-            attributes=attributes,
-        )
+    return build_dataset(
+        records,
+        what,
+        case.analysis.keep,
+        area=case.bearing.area,
+        total_rubber_thickness=case.bearing.total_rubber_thickness,
+        attributes=attributes,
     )

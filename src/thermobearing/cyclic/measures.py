@@ -1,4 +1,6 @@
-"""The measures of cycles as a labelled dataset."""
+"""The measures of cycles, as a labelled dataset and as summary.json holds them."""
+
+from typing import Any
 
 import pandas as pd
 import xarray as xr
@@ -38,3 +40,14 @@ def measures_dataset(cycles: pd.DataFrame, *, recorded: bool) -> xr.Dataset:
         found[name].attrs["units"] = unit_of(str(name))
     found["ambient"].attrs["units"] = "degC"
     return found
+
+
+def cycle_summary(row: dict[Any, Any]) -> dict[str, Any]:
+    """One cycle of summary.json from a row of `Result.cycles`."""
+    rubber = [float(value) for key, value in row.items() if str(key).startswith("rubber")]
+    plain = {
+        str(key): value
+        for key, value in row.items()
+        if key != "ambient_degC" and not str(key).startswith("rubber")
+    }
+    return {"lead_degC": None} | plain | {"rubber_degC": rubber}

@@ -1,5 +1,6 @@
 """What `run` returns: the labelled dataset, with the numbers and pictures engineers ask for."""
 
+from collections.abc import Callable
 from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
@@ -11,7 +12,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from thermobearing.border.showing import Shown, table_html
-from thermobearing.cyclic.measures import measures_dataset
+from thermobearing.cyclic.measures import cycle_summary, measures_dataset
 from thermobearing.results.metrics import (
     LEAST_WARMING,
     CycleMeasures,
@@ -39,10 +40,12 @@ CYCLES = "closed_cycle"  # dimension of the measures in a file, and the beginnin
 class Result(Shown):
     """Outcome of an analysis at one or several ambient temperatures.
 
-    Attributes
+    Its `dataset` has named dimensions and a unit on every variable; `result["force"]` is
+    `result.dataset["force"]`.
+
+    Parameters
     ----------
-    dataset : xarray.Dataset with named dimensions and a unit on every variable;
-        `result["force"]` is `result.dataset["force"]`.
+    dataset : the dataset, or what makes it when it is first asked for.
 
     Examples
     --------
@@ -53,8 +56,15 @@ class Result(Shown):
     'kN'
     """
 
-    def __init__(self, dataset: xr.Dataset) -> None:
-        self.dataset = dataset
+    def __init__(self, dataset: xr.Dataset | Callable[[], xr.Dataset]) -> None:
+        self._given = dataset
+
+    @cached_property
+    def dataset(self) -> xr.Dataset:
+        """Histories and provenance; labelled when first asked for, which takes as long as a run."""
+        made = self._given() if callable(self._given) else self._given
+        self._given = made  # what it was made of is not kept beside it
+        return made
 
     def __getitem__(self, name: str) -> xr.DataArray:
         return self.dataset[name]
@@ -356,7 +366,7 @@ class Result(Shown):
                 "softened_steps": softened,
                 "steps": int(data["steps"].values[run]),
             },
-            "cycles": [_cycle_summary(dict(row)) for row in mine.to_dict("records")],
+            "cycles": [cycle_summary(dict(row)) for row in mine.to_dict("records")],
             "energy": {
                 key: float(value)
                 for key, value in self.energy.iloc[run].items()
@@ -386,14 +396,3 @@ class Result(Shown):
 def run_name(ambient: float) -> str:
     """What a run is called in sentences."""
     return f"the run at {ambient:g} degC"
-
-
-def _cycle_summary(row: dict[Any, Any]) -> dict[str, Any]:
-    """One cycle of summary.json from a row of `Result.cycles`."""
-    rubber = [float(value) for key, value in row.items() if str(key).startswith("rubber")]
-    plain = {
-        str(key): value
-        for key, value in row.items()
-        if key != "ambient_degC" and not str(key).startswith("rubber")
-    }
-    return {"lead_degC": None} | plain | {"rubber_degC": rubber}

@@ -5,5 +5,6 @@ from .case import make_earthquake_case as make_earthquake_case
 from .compare import compare_models as compare_models
 from .result import EarthquakeResult as EarthquakeResult
 from .run import run_earthquake as run_earthquake
+from .soaking import bearing_weather as bearing_weather
 from .study import bridge as bridge
 from .study import hybrid as hybrid

@@ -275,7 +275,8 @@ class EarthquakeFigures:
     def hinge(self, ax: Axes | None = None) -> Figure:
         """Moment against rotation of the pier base, as Fig. 6.21 and 6.22; its yield point."""
         draw = self._plane("pier_rotation", "pier_moment", 1e3, MN_M)
-        x, y, what = "rotation [mrad]", "moment [MN m]", "pier base (dashed: where it yields)"
+        x, y = "rotation [mrad]", "moment [MN m]"
+        what = "pier base (dashed: where it yields; numbers: ductility)"
         if ax is not None:
             return self._grid(what, x, y, draw, ax)
         figure = self._grid(what, x, y, draw, sizes="pier_rotation_max")
@@ -288,7 +289,7 @@ class EarthquakeFigures:
                     panel.axhline(sign * moment, zorder=1.2, **look)
                     panel.plot([sign * rotation], [sign * moment], "D", color=drawing.INK, ms=3.5)
             ductility = [float(self._data["pier_ductility"][run]) for run in runs]
-            self._note(panel, "ductility", runs, ductility)
+            self._note(panel, "", runs, ductility)
             if max(ductility) < 1.0:
                 drawing.say_why(panel, "stays elastic", (0.98, 0.12))
         for panel in figure.axes:  # with room above the line where it yields

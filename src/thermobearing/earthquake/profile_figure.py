@@ -32,10 +32,12 @@ def draw_profiles(result: EarthquakeResult, times: Sequence[float] | None) -> Fi
     for bearing in bearings:
         for ambient in sorted(ambients):
             mine = chosen[(chosen["bearing"] == bearing) & (chosen["ambient_degC"] == ambient)]
-            panels += [_panel(data, int(run), bearing, moments) for run in mine.index.to_numpy()]
+            whose = f"{bearing}, " if len(bearings) > 1 else ""
+            panels += [_panel(data, int(run), whose, moments) for run in mine.index.to_numpy()]
     columns = len(ambients)
     size = (max(5.5, 1.9 + 2.6 * columns), 0.9 + 4.0 * len(bearings))
-    title = f"{data.attrs['structure']}: temperature through the height, {', '.join(told)}"
+    whole = str(data.attrs["structure"]) + (f", {bearings[0]}" if len(bearings) == 1 else "")
+    title = f"{whole}: temperature through the height, {', '.join(told)}"
     names = [f"{moment:g} s" for moment in moments]
     return draw_profile_panels(title, size, columns, panels, names)
 
@@ -53,8 +55,8 @@ def _moments(time: np.ndarray, times: Sequence[float] | None) -> list[float]:
     return [float(t) for t in times]
 
 
-def _panel(data: xr.Dataset, run: int, bearing: str, moments: list[float]) -> ProfilePanel:
-    """Profiles of one run at the kept steps nearest to the times."""
+def _panel(data: xr.Dataset, run: int, whose: str, moments: list[float]) -> ProfilePanel:
+    """Profiles of one run at the kept steps nearest to the times; `whose` begins its title."""
     mine = data.isel(run=run)
     time = mine["time"].values
     stack = mine.isel(cell=np.isfinite(mine["depth"].values))
@@ -68,4 +70,4 @@ def _panel(data: xr.Dataset, run: int, bearing: str, moments: list[float]) -> Pr
         core = float(lead[row]) if np.isfinite(lead[row]) else None
         lines.append((number, stack["temperature"].values[row].astype(float), core))
     ambient = float(mine["ambient"])
-    return ProfilePanel(f"{bearing}, {drawing.degrees(ambient)}", ambient, stack, lines)
+    return ProfilePanel(f"{whose}{drawing.degrees(ambient)}", ambient, stack, lines)

@@ -12,8 +12,10 @@ from thermobearing.border.showing import Shown
 from thermobearing.core.records import Floats
 from thermobearing.earthquake.columns import BEARING, COLUMNS, HISTORY, LABELS, LOOP, STRUCTURE
 from thermobearing.earthquake.governing import governing_runs
+from thermobearing.earthquake.meanings import ENERGY, HEAT
+from thermobearing.earthquake.measures import residuals_of
 from thermobearing.earthquake.parts import LINES, PIERS, parts_columns, parts_table
-from thermobearing.results.metrics import LEAST_ENERGY, LEAST_HEAT
+from thermobearing.results.metrics import LEAST_ENERGY
 from thermobearing.results.ranges import largest_tested, limits_passed
 from thermobearing.results.selection import chosen_runs, gridded, selected
 from thermobearing.results.writing import (
@@ -248,22 +250,12 @@ class EarthquakeResult(Shown):
         """
         data = self.dataset
         frame = pd.DataFrame({f"{n}_kN_mm": data[f"energy_{n}"].values for n in STRUCTURE})
-        spent = frame.iloc[:, 1:].sum(axis=1)
-        given = frame["input_kN_mm"]
-        frame["structure_residual"] = (given - spent) / given.abs().clip(lower=LEAST_ENERGY)
+        books = [str(name) for name in data if str(name).startswith((ENERGY, HEAT))]
+        residuals = residuals_of({name: data[name].values for name in books})
+        frame["structure_residual"] = residuals.pop("structure_residual")
         for name in BEARING:
             frame[f"bearing_{name}_kN_mm"] = data[f"heat_{name}"].values
-        work = frame["bearing_work_in_kN_mm"]
-        released = frame["bearing_heat_released_kN_mm"]
-        lost = frame["bearing_heat_lost_ends_kN_mm"] + frame["bearing_heat_lost_sides_kN_mm"]
-        stored = frame["bearing_heat_stored_kN_mm"]
-        recoverable = frame["bearing_recoverable_kN_mm"]
-        unbalanced, unheated = work - released - recoverable, released - stored - lost
-        moved = work.abs().clip(lower=LEAST_ENERGY)
-        frame["mechanical_residual"] = unbalanced / moved
-        heat = np.maximum(np.maximum(stored.abs(), lost.abs()), LEAST_HEAT)
-        frame["thermal_residual"] = unheated / np.maximum(moved, heat)
-        return frame
+        return frame.assign(**residuals)
 
     def history(self, run: int) -> pd.DataFrame:
         """Main histories of one run, one row a kept step.

@@ -12,6 +12,7 @@ import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -168,7 +169,10 @@ def build_tasks(case: EarthquakeCase) -> list[Task]:
     tasks = []
     for device in devices:
         airs = case.ambient if weather is None else [float(weather.temperature[-1])]
-        climates = [(air, _lines(case, device, own, air, weather)) for air in airs]
+        climates = [
+            (air, lines_of(case, device, own, partial(one_line, case, air=air, weather=weather)))
+            for air in airs
+        ]
         for shaking in shakings:
             tasks += [
                 Task(prepared, device, shaking, air, lines, case, mode)
@@ -186,15 +190,22 @@ def _device_of(
     return same[0] if same else build_device(case, bearing)
 
 
-def _lines(
+def lines_of(
     case: EarthquakeCase,
     device: Device,
     own: Sequence[Device | None],
-    air: float,
-    weather: Ambient | None,
+    start: Callable[[Device], OneLine],
 ) -> tuple[OneLine, ...]:
-    """All bearing lines of a run: those of the study's device, and those of their own kind."""
-    usual = _one_line(case, device, air, weather)
+    """All bearing lines of a run: those of the study's device, and those of their own kind.
+
+    Parameters
+    ----------
+    case : whose lines they are.
+    device : of the study.
+    own : of each of the case's own lines; None for that of the study.
+    start : a device as it is in the air of the run.
+    """
+    usual = start(device)
     special = {item.line: (item, mine) for item, mine in zip(case.lines, own, strict=True)}
     found = []
     for line in case.structure.bearings:
@@ -202,16 +213,17 @@ def _lines(
             found.append(usual)
             continue
         item, mine = special[line.name]
-        before = None if item.ambient is not None else weather
-        here = air if item.ambient is None else item.ambient
-        if item.weather is not None:
-            before = Ambient.from_csv(item.weather)
-            here = float(before.temperature[-1])
-        found.append(_one_line(case, mine or device, here, before))
+        before = None if item.weather is None else Ambient.from_csv(item.weather)
+        if item.ambient is None and before is None:
+            found.append(usual if mine is None else start(mine))
+            continue
+        here = float(before.temperature[-1]) if before is not None else item.ambient
+        assert here is not None
+        found.append(one_line(case, mine or device, here, before))
     return tuple(found)
 
 
-def _one_line(case: EarthquakeCase, device: Device, air: float, weather: Ambient | None) -> OneLine:
+def one_line(case: EarthquakeCase, device: Device, air: float, weather: Ambient | None) -> OneLine:
     """A line where an earlier test left it, after its weather, or as warm as the air."""
     left = case.initial_state
     if left is not None:

@@ -14,6 +14,7 @@ UNITS = {
     **{unit: unit for unit in ("mm", "kN", "MPa", "s", "K", "t", "Hz", "gal", "kJ", "m")},
     **{"degC": "°C", "kN_mm": "kN mm", "kN_per_mm": "kN/mm", "mm_s": "mm/s", "m_s2": "m/s²"},
     **{"cm_s": "cm/s", "cm": "cm", "kN_m": "kN m", "kNmm": "kN mm", "percent": "%"},
+    **{"m_s": "m/s", "rad": "rad"},
 }
 MOST_ROWS = 400  # of a table in a document; longer ones stay in their files
 TOLD_APART = {"command", "warnings", "outcome", "sentence", "version", "tested_range", "rig"}

@@ -153,6 +153,7 @@ def _body(blocks: Sequence[Block]) -> Body:
 
 def _pieces(blocks: Sequence[Block], most: int) -> Iterator[str]:
     """Each block as HTML, of a heading its words; tables and figures are numbered on the way."""
+    places = _places(blocks)
     tables = figures = 0
     for block in blocks:
         match block:
@@ -164,7 +165,7 @@ def _pieces(blocks: Sequence[Block], most: int) -> Iterator[str]:
                 yield _boxed(_listed(block), block.kind)
             case TableBlock():
                 tables += 1
-                yield table_html(block.table, tables)
+                yield table_html(block.table, tables, places)
             case ChecksBlock():
                 tables += 1
                 yield checks_html(block.checks, tables)
@@ -172,6 +173,14 @@ def _pieces(blocks: Sequence[Block], most: int) -> Iterator[str]:
                 figures += 1
                 drawn = block.figure
                 yield plot_html(drawn, figures, most) if drawn.plot else figure_html(drawn, figures)
+
+
+def _places(blocks: Sequence[Block]) -> dict[str, str]:
+    """Anchors of figures and tables by their names, as they are numbered."""
+    shown = [block for block in blocks if isinstance(block, TableBlock | ChecksBlock)]
+    found = {b.name: f"table-{k}" for k, b in enumerate(shown, 1) if isinstance(b, TableBlock)}
+    drawn = [block for block in blocks if isinstance(block, FigureBlock)]
+    return found | {block.name: f"figure-{k}" for k, block in enumerate(drawn, 1)}
 
 
 def _listed(block: Bullets) -> str:

@@ -1,6 +1,6 @@
 """Tables of an HTML page: heads with units, numbers under each other, marks, verdicts."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -12,6 +12,7 @@ from thermobearing.report.pieces import (
     PASSED,
     Check,
     Column,
+    Link,
     ReportTable,
 )
 
@@ -29,13 +30,14 @@ CHECK_CAPTION = "Numbers beside their limits"
 LIMIT_FORM = Column("", "", ".4g")
 
 
-def table_html(table: ReportTable, number: int) -> str:
+def table_html(table: ReportTable, number: int, places: Mapping[str, str] | None = None) -> str:
     """A table with its caption, number and note.
 
     Parameters
     ----------
     table : to write.
     number : of it in the document, 1 or more.
+    places : anchors of figures and tables by their names, which cells lead to.
 
     Examples
     --------
@@ -45,7 +47,7 @@ def table_html(table: ReportTable, number: int) -> str:
     """
     kinds = [_kind(table, place) for place in range(len(table.columns))]
     heads = [_head(c, kind, len(table.rows)) for c, kind in zip(table.columns, kinds, strict=True)]
-    rows = [_row(table, at, kinds) for at in range(len(table.rows))]
+    rows = [_row(table, at, kinds, places or {}) for at in range(len(table.rows))]
     return _framed(table.caption, number, heads, rows, _note(table), _letters(table))
 
 
@@ -132,11 +134,13 @@ def _amount(value: Any) -> str:
     return f'class="amount" data-value="{told}"'
 
 
-def _row(table: ReportTable, at: int, kinds: Sequence[str]) -> str:
+def _row(table: ReportTable, at: int, kinds: Sequence[str], places: Mapping[str, str]) -> str:
     cells = []
     for place, (column, kind) in enumerate(zip(table.columns, kinds, strict=True)):
         value = table.rows[at][place]
         text = breakable(column.text(value))
+        if isinstance(value, Link) and value.to in places:
+            text = f'<a href="#{escaped(places[value.to])}">{text}</a>'
         look = _amount(value) if _is_number(value) else f'class="{kind}"'
         if (at, place) in table.marked:
             look = look.replace('class="', 'class="marked ')

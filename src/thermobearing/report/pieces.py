@@ -57,6 +57,24 @@ class Column:
         return f"{self.head} [{self.unit}]" if self.unit else self.head
 
 
+class Link(str):
+    """Words of a cell that lead to a figure or table of the same document, where a format can.
+
+    Examples
+    --------
+    >>> Link("Fig. 3.8", "fig_3_08").to
+    'fig_3_08'
+    """
+
+    to: str
+
+    def __new__(cls, words: str, to: str) -> "Link":
+        """`to` is the name of the figure or table in the document."""
+        made = super().__new__(cls, words)
+        made.to = to
+        return made
+
+
 @dataclass(frozen=True)
 class ReportTable:
     """A table that an engineer can quote.

@@ -8,9 +8,10 @@ import numpy as np
 
 from thermobearing.core.types import Floats
 from thermobearing.earthquake.result import EarthquakeResult
-from thermobearing.reproduce.chapter_6 import HDR, LHDR, PIER, Numbers, told
+from thermobearing.reproduce.chapter_6 import HDR, LHDR, PIER
 from thermobearing.reproduce.printed import printed
 from thermobearing.reproduce.runs import AMBIENT, Runs
+from thermobearing.reproduce.values import Numbers, rows, told
 
 MOTIONS = ("jra-i-i-1", "jra-i-i-2", "jra-ii-i-1", "jra-ii-i-2")
 II_I_1 = 2  # of the motions
@@ -29,11 +30,6 @@ def by_motion(runs: Runs, bearing: str, column: str) -> Floats:
     table = study(runs, bearing).table  # motion by motion, in each of them as AMBIENT
     values = table[column].to_numpy(dtype=float).reshape(len(MOTIONS), len(AMBIENT))
     return values if set(table["outcome"]) == {"completed"} else np.full_like(values, np.nan)
-
-
-def rows(values: Floats) -> Numbers:
-    """As plain numbers."""
-    return [told(row) for row in values]
 
 
 # 6.2.3, Fig. 6.6: the layered models beside the bilinear one at 23 degC, II-I-1

@@ -1,12 +1,9 @@
 """What chapter 4 says of the model of HDR bearings: a function for each claim."""
 
-from functools import cache
 from typing import Any
 
 import numpy as np
 
-from thermobearing.border.library import data_path
-from thermobearing.border.toml import read_toml
 from thermobearing.core.types import Floats
 from thermobearing.cyclic.result import Result
 from thermobearing.model.element import BearingElement
@@ -30,13 +27,6 @@ MOMENTS = (5.0, 10.0, 15.0, 20.0)  # of Fig. 4.14 [s]
 STRONG = (5.0, 10.0)  # when the specimen moves most, 4.4.2.2 [s]
 SINGLE = "single-temperature"
 ETAS = (1.0, 2.0, 3.0)  # of Eq. 4.15: adiabatic, middle, ambient temperature
-
-
-@cache
-def _printed() -> dict[str, list[float]]:
-    """Numbers of the print that a claim holds beside its own words."""
-    found: dict[str, list[float]] = read_toml(data_path("claims", "printed-chapter-4.toml"))
-    return found
 
 
 def cells(runs: Runs) -> float:
@@ -89,11 +79,6 @@ def layers_shear_unequally(runs: Runs) -> Floats:
     moved = result["displacement"].values[0]
     peak = np.flatnonzero(moved >= 0.999 * moved.max())[-1]
     return np.asarray(result["layer_displacement"].values[0][peak][::-1], dtype=float)
-
-
-def printed_contribution_rates(runs: Runs) -> Floats:
-    """R2 as Table 4.2 prints it, -20, 0, 23 degC."""
-    return np.array(_printed()["table_4_2_R2"])
 
 
 def stiffness_with_cycles(runs: Runs) -> Floats:

@@ -15,6 +15,7 @@ from thermobearing.cyclic.result import Result
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.model.stack import build_stack
 from thermobearing.reproduce.runs import AMBIENT, Runs, cycles_of
+from thermobearing.reproduce.values import Numbers, told
 
 LHDR = "shen-lhdr-specimen"
 MODES = ("rt", "pd")
@@ -24,14 +25,6 @@ LARGEST, SPEED = 2.5, 30.0  # largest strain and rate of Table 3.4 [mm/s]
 FIRST_SECONDS = 2.0  # "the beginning" of Fig. 5.15
 PROFILE_AT = 20.0  # last of the profiles of Fig. 5.17 [s]
 INNERMOST = -1
-Numbers = float | tuple[float, ...] | list[tuple[float, ...]]
-
-
-def told(values: Floats) -> tuple[float, ...]:
-    """As plain numbers."""
-    return tuple(float(value) for value in values)
-
-
 # Tables 5.1 and 5.2, Fig. 5.2
 
 

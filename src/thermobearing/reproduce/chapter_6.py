@@ -6,11 +6,11 @@ What the bridge does in earthquakes is in `bridge_claims`.
 import numpy as np
 
 from thermobearing.bearing.model import Bearing
-from thermobearing.core.types import Floats
 from thermobearing.cyclic.equivalent import isothermal_cycle, solve_backbone
 from thermobearing.design.rubber import damping_ratio, load_rubber, shear_modulus
 from thermobearing.reproduce.printed import printed
 from thermobearing.reproduce.runs import AMBIENT, Runs
+from thermobearing.reproduce.values import Numbers, told
 from thermobearing.structure.model import MassModel
 from thermobearing.structure.run import prepare_structure
 
@@ -19,14 +19,6 @@ NAMES = ("G8", "G10", "G12")
 GRAVITY = 9.80665  # [m/s2]
 NOMINAL = 1.75  # strain at which a rubber's name is its modulus
 STRAINS = (0.5, 1.0, 1.5, 2.0, 2.5)  # of the design curves
-Numbers = float | tuple[float, ...] | list[tuple[float, ...]]
-
-
-def told(values: Floats) -> tuple[float, ...]:
-    """As plain numbers."""
-    return tuple(float(value) for value in values)
-
-
 # Design, Tables 6.1 and 6.3, Fig. 6.3
 
 

@@ -10,11 +10,11 @@ from thermobearing.core.types import Floats
 from thermobearing.cyclic.protocol import CyclicTest
 from thermobearing.cyclic.result import Result
 from thermobearing.design.scale import scaled_bearing
-from thermobearing.reproduce.bridge_claims import MOTIONS, by_motion, rows
-from thermobearing.reproduce.chapter_5 import Numbers, told
+from thermobearing.reproduce.bridge_claims import MOTIONS, by_motion
 from thermobearing.reproduce.chapter_6 import HDR as BRIDGE_HDR
 from thermobearing.reproduce.chapter_6 import LHDR as BRIDGE_LHDR
 from thermobearing.reproduce.runs import AMBIENT, Runs, cycles_of
+from thermobearing.reproduce.values import Numbers, rows, told
 
 HDR, LHDR = "shen-hdr-specimen", "shen-lhdr-specimen"
 STRAINS = (0.5, 1.0, 1.5, 2.0, 2.5)

@@ -94,11 +94,12 @@ def load_joint() -> Joint:
 
 
 def all_tables(_runs: Runs) -> dict[str, pd.DataFrame]:
-    """Sets of both studies, best first, and statements that no set meets together."""
+    """Sets of both studies, best first, what each choice does, and statements that no set meets."""
     found = {}
     for study in get_args(Study):
         table = search(load_joint(), study)
         found[f"joint_{study}"] = table
+        found[f"joint_{study}_choices"] = weights(load_joint(), study, table)
         found[f"joint_{study}_conflicts"] = conflicts(load_joint(), study, table)
     return found
 
@@ -171,6 +172,27 @@ def conflicts(joint: Joint, study: Study, table: pd.DataFrame) -> pd.DataFrame:
         together = int((table[first] & table[second]).sum())
         if not together and table[first].any() and table[second].any():
             rows.append({"statement": first, "and": second, "met_by": 0, "of": len(table)})
+    return pd.DataFrame(rows)
+
+
+def weights(joint: Joint, study: Study, table: pd.DataFrame) -> pd.DataFrame:
+    """How much one choice alone changes the count of statements met, between sets equal otherwise.
+
+    What other stand-ins change is no knowledge of the source: a set has to be ahead by more.
+
+    Returns
+    -------
+    DataFrame : `choice`, `pairs` of sets, `mean` and `most` of the differences between them.
+    """
+    names = [choice.name for choice in joint.choice if choice.study == study]
+    ran = table[table["why"] == ""]
+    rows = []
+    for name in names:
+        others = [other for other in names if other != name]
+        met = [group["met"].to_numpy() for _, group in ran.groupby(others)]
+        gaps = [abs(int(a) - int(b)) for found in met for a, b in combinations(found, 2)]
+        mean, most = (float(np.mean(gaps)), max(gaps)) if gaps else (np.nan, 0)
+        rows.append({"choice": name, "pairs": len(gaps), "mean": mean, "most": most})
     return pd.DataFrame(rows)
 
 

@@ -103,7 +103,15 @@ def _told(good: int, total: int, what: str) -> Verdict:
 
 
 def _size(value: float) -> str:
-    """Two digits, without an exponent where one can do without."""
+    """Two digits, without an exponent down to rounding.
+
+    Examples
+    --------
+    >>> _size(41.7), _size(0.0312), _size(4.96e-5), _size(0.0)
+    ('42', '0.031', '0.00005', '0.0')
+    """
     if value >= 10.0:
         return f"{value:.0f}"
-    return f"{value:#.2g}" if value >= 1e-4 else f"{value:.0e}"
+    if value >= 1e-4 or value == 0.0:
+        return f"{value:#.2g}"
+    return f"{value:.6f}".rstrip("0") if value >= ROUNDING else f"{value:.0e}"

@@ -11,12 +11,13 @@ from thermobearing.core.step import step
 from thermobearing.core.types import Floats, new_state, new_workspace
 from thermobearing.model.options import ModelOptions, build_model
 from thermobearing.model.stack import build_stack
-from thermobearing.reproduce.chapter_5 import LHDR, Numbers, told
+from thermobearing.reproduce.chapter_5 import LHDR
 from thermobearing.reproduce.runs import Runs, cycles_of
+from thermobearing.reproduce.values import Numbers, told
 from thermobearing.structure.matrices import build_matrices
 from thermobearing.structure.run import prepare_structure
 
-HDR, PIER, HYBRID_PIER = "shen-hdr-specimen", "pier-p1", "hybrid-pier"
+HDR, PIER = "shen-hdr-specimen", "pier-p1"
 DT = 0.005  # of the equations typed here [s]
 ETA = 2.0
 BETA_NEWMARK = 1.0 / 6.0
@@ -268,8 +269,3 @@ def masses_6_6(runs: Runs) -> Numbers:
 def rayleigh_6_2_3(runs: Runs) -> Numbers:
     """Damping ratios of modes 3 and 4 where 1 and 2 have those of 6.2.3."""
     return told(prepare_structure(runs.structure(PIER), "consistent", "source").ratios[2:])
-
-
-def period_of_table_3_5(runs: Runs) -> Numbers:
-    """First period of masses and stiffnesses of Table 3.5 [s]."""
-    return float(prepare_structure(runs.structure(HYBRID_PIER)).modes.periods[0])

@@ -8,9 +8,10 @@ from thermobearing.bearing.new import new_bearing
 from thermobearing.bearing.scaling import compound_of
 from thermobearing.cyclic.equivalent import isothermal_cycle
 from thermobearing.design.rubber import load_rubber
-from thermobearing.reproduce.chapter_6 import GRAVITY, HDR, LHDR, NOMINAL, Numbers
+from thermobearing.reproduce.chapter_6 import GRAVITY, HDR, LHDR, NOMINAL
 from thermobearing.reproduce.printed import printed
 from thermobearing.reproduce.runs import AMBIENT, Runs
+from thermobearing.reproduce.values import Numbers
 
 SPECIMENS = ("shen-hdr-specimen", "shen-lhdr-specimen")
 HYBRID_PIER = "hybrid-pier"

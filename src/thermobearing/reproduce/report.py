@@ -1,14 +1,17 @@
 """What the document of a reproduction says, from its directory."""
 
-from typing import Any
-
 import pandas as pd
 
 from thermobearing.report.identity import identity_of
 from thermobearing.report.pieces import Column, Pieces, ReportFigure, ReportTable
-from thermobearing.reproduce.claims import PARTS, load_claims
-from thermobearing.reproduce.files import CHAPTERS
+from thermobearing.reproduce.claims import PARTS
 from thermobearing.reproduce.judge import CONTRADICTED, HOLDS, NEEDS, REPRODUCED
+from thermobearing.reproduce.report_tables import (
+    FUNCTIONS,
+    claims_tables,
+    functions_table,
+    table_of,
+)
 from thermobearing.results.directory import FIGURES, TABLES
 from thermobearing.results.saved import SavedResult
 
@@ -16,20 +19,16 @@ QUESTION = (
     "Which of the tables, figures and statements of the source come out again from its data and "
     "equations alone, which do not, and what would have to change for the verdict to be another?"
 )
-NOTE = (
-    "Flip: the smallest change of a parameter that turns the verdict; none where no change within "
-    "reach does. Function: in thermobearing.reproduce."
+READING = (
+    "Every verdict is computed from a rule and the numbers beside it; none is typed.",
+    "What flips it: the smallest relative change of a parameter (symbols of "
+    "`data/claims/parameters.toml`) that turns a verdict that holds; then why 5 % more K_r does "
+    "not, where it does not.",
+    "Figures that the source shows of tests are predictions here: its measurements are not public, "
+    "and nothing takes their place. Its accelerograms are replaced by motions made to their "
+    "spectra.",
 )
-HEADS = {  # of the ledger: column, head
-    "place": "Place",
-    "statement": "Statement",
-    "computed": "Computed",
-    "words": "Verdict",
-    "smallest_flip": "Flip",
-    "why": "Why 5 % more K_r does not flip it",
-    "figure": "Figure",
-    "function": "Function",
-}
+UNJUDGED = "Many of the source's runs leave the range that it identified its bearings in."
 
 
 def pieces_of(saved: SavedResult) -> Pieces:
@@ -39,15 +38,26 @@ def pieces_of(saved: SavedResult) -> Pieces:
     ----------
     saved : the directory, read back.
     """
-    counts: dict[str, int] = saved.summary["counts"]
     told = saved.summary
+    counts: dict[str, int] = told["counts"]
+    ledger = saved["ledger"].fillna("").set_index("id")
+    claims = {part: claims_tables(ledger, part) for part in PARTS}
+    tables = {"counts": _counts(counts)}
+    tables |= {part: table for part, table in claims.items() if table is not None}
+    tables |= {
+        str(name): table_of(str(name), pd.read_csv(saved.path / TABLES / f"{name}.csv"))
+        for name in told["tables"]
+    }
+    tables[FUNCTIONS] = functions_table(list(ledger.index))
     return Pieces(
         command="reproduce",
         title="The source again: tables, figures and claims",
         question=QUESTION,
         answer=_answer(counts, int(told["claims"])),
-        tables={"counts": _counts(counts), **_ledger(saved["ledger"]), **_tables(saved)},
+        tables=tables,
         figures=_figures(saved),
+        validity_unknown=UNJUDGED,
+        assumptions=READING,
         warnings=[str(text) for text in told["warnings"]],
         identity=identity_of(
             str(told["version"]), saved["ledger"].to_csv(), "thermobearing reproduce", "ledger.csv"
@@ -68,29 +78,6 @@ def _answer(counts: dict[str, int], total: int) -> list[str]:
 def _counts(counts: dict[str, int]) -> ReportTable:
     columns = [Column("Verdict"), Column("Claims", form="d")]
     return ReportTable("Claims by verdict", columns, [list(item) for item in counts.items()])
-
-
-def _ledger(ledger: pd.DataFrame) -> dict[str, ReportTable]:
-    """A table for each part of the source."""
-    told = ledger.fillna("").set_index("id")
-    columns = [Column(head) for head in HEADS.values()]
-    found = {}
-    for part in PARTS:
-        ids = [claim.id for claim in load_claims(part) if claim.id in told.index]
-        rows: list[list[Any]] = [[str(told.at[name, key]) for key in HEADS] for name in ids]
-        if rows:
-            found[part] = ReportTable(f"{CHAPTERS[part]}: claims", columns, rows, note=NOTE)
-    return found
-
-
-def _tables(saved: SavedResult) -> dict[str, ReportTable]:
-    found = {}
-    for name in saved.summary["tables"]:
-        table = pd.read_csv(saved.path / TABLES / f"{name}.csv")
-        columns = [Column(str(head)) for head in table.columns]
-        rows = table.astype(object).where(table.notna(), None).to_numpy().tolist()
-        found[str(name)] = ReportTable(str(name).replace("_", " ").replace("-", " "), columns, rows)
-    return found
 
 
 def _figures(saved: SavedResult) -> dict[str, ReportFigure]:

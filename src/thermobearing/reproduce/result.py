@@ -85,7 +85,7 @@ class Reproduction(Shown):
             "words": row.verdict.words,
             "computed": computed_words(claim, row.computed),
             "rule": rule_words(claim.rule),
-            "smallest_flip": row.smallest.words if row.smallest else "",
+            "smallest_flip": row.flip_words,
             "flips": "; ".join(flip.words for flip in row.flips),
             "stands_5_per_cent_more_K_r": "" if row.stiffer is None else bool(row.stiffer),
             "why": claim.depends if row.stiffer else "",

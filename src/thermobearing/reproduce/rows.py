@@ -44,6 +44,16 @@ class Row:
         known = [flip for flip in self.flips if flip.change is not None]
         return min(known, key=lambda flip: abs(flip.change or 0.0), default=None)
 
+    @property
+    def flip_words(self) -> str:
+        """What flips a verdict that holds, or that nothing within reach does; "" for others."""
+        if self.smallest:
+            return self.smallest.words
+        if self.stiffer is None:
+            return ""
+        tried = " and ".join(self.claim.flips)
+        return f"none: {tried} changed by up to {self.claim.reach:g} %" if tried else "none"
+
 
 def function_of(claim: Claim) -> Callable[[Runs], Any]:
     """The function that computes a claim.

@@ -285,6 +285,12 @@ def total_change(rows: list[SlipRow], bearing: str, quantity: str) -> float:
     return 100.0 * (chain[-1].values[quantity] / chain[0].values[quantity] - 1.0)
 
 
-def all_tables(_runs: Runs) -> dict[str, pd.DataFrame]:
-    """The table of slips, by name; its models are none of those that claims share."""
-    return {"slips": slips_table(slip_rows())}
+def rows_of(runs: Runs) -> list[SlipRow]:
+    """`slip_rows`, made once; its models are none of those that claims share."""
+    found: list[SlipRow] = runs.once(slip_rows, "slips")
+    return found
+
+
+def all_tables(runs: Runs) -> dict[str, pd.DataFrame]:
+    """The table of slips, by name."""
+    return {"slips": slips_table(rows_of(runs))}

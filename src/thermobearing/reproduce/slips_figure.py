@@ -4,7 +4,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from thermobearing.reproduce.slips import BEARINGS, SLIPS, SlipRow, total_change
+from thermobearing.reproduce.runs import Runs
+from thermobearing.reproduce.slips import BEARINGS, SLIPS, SlipRow, rows_of, total_change
 from thermobearing.results.drawing import (
     GREY,
     INK,
@@ -44,7 +45,12 @@ NEGLIGIBLE = 0.05  # [%]: told as 0.0
 ROOM = 2.4  # of the largest bar, for the numbers beside the bars
 
 
-def draw(rows: list[SlipRow]) -> Figure:
+def draw(runs: Runs) -> Figure:
+    """Of the rows of the table of slips."""
+    return draw_slips(rows_of(runs))
+
+
+def draw_slips(rows: list[SlipRow]) -> Figure:
     """Bars of both bearings for each slip, a panel a quantity.
 
     Parameters

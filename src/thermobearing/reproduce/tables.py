@@ -18,7 +18,6 @@ from thermobearing.border.schema import Strict, validated
 from thermobearing.border.toml import read_toml
 from thermobearing.cyclic.rig import load_rig
 from thermobearing.design.rubber import load_rubber
-from thermobearing.report.pieces import Column, ReportTable
 from thermobearing.reproduce import table_values
 from thermobearing.reproduce.runs import Runs
 
@@ -96,26 +95,6 @@ def printed_tables() -> tuple[PrintedTable, ...]:
 def all_tables(runs: Runs) -> dict[str, pd.DataFrame]:
     """Every table by name, with the columns `COLUMNS`, one row a printed number."""
     return {table.name: table_beside(table, runs) for table in printed_tables()}
-
-
-def report_tables(runs: Runs) -> dict[str, ReportTable]:
-    """The same as tables of a document."""
-    heads = (
-        Column("Quantity"),
-        Column("Of"),
-        Column("Unit"),
-        Column("Printed", form=".6g"),
-        Column("Here", form=".6g"),
-        Column("Difference", "%", ".2f"),
-        Column("By"),
-        Column("Note"),
-    )
-    found = {}
-    for table in printed_tables():
-        rows = table_beside(table, runs).to_numpy(dtype=object).tolist()
-        caption = f"Table {table.number}: {table.title}"
-        found[table.name] = ReportTable(caption, heads, rows, keys=2, note=table.note)
-    return found
 
 
 def table_beside(table: PrintedTable, runs: Runs) -> pd.DataFrame:

@@ -1,4 +1,4 @@
-"""Numbers taken out of results in the shape that claims want: warm to cold, strain by strain."""
+"""Numbers out of results in the shape that claims want: warm to cold, strain by strain."""
 
 from collections.abc import Sequence
 
@@ -15,6 +15,17 @@ MODES = ("rt", "pd")
 FORCE, STRAIN = "bearing_force_max_kN", "bearing_strain_max"
 ENERGY, PIER = "bearing_energy_kN_mm", "pier_displacement_max_mm"
 ACCELERATION = "pier_top_acceleration_max_m_s2"
+Numbers = float | tuple[float, ...] | list[tuple[float, ...]]  # what a claim gives
+
+
+def told(values: Floats) -> tuple[float, ...]:
+    """As plain numbers."""
+    return tuple(float(value) for value in values)
+
+
+def rows(values: Floats) -> list[tuple[float, ...]]:
+    """As plain numbers, row by row."""
+    return [told(row) for row in values]
 
 
 def of_cycle(runs: Runs, bearing: str, column: str, cycle: int) -> Floats:

@@ -4,23 +4,24 @@ A process keeps its simulations between parts. Whatever breaks comes back as a r
 """
 
 import io
-import pkgutil
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
-from importlib import import_module
+from types import ModuleType
 
 import pandas as pd
 
-from thermobearing.reproduce import figures as room
+from thermobearing.reproduce import joint, slips, slips_figure, tables
 from thermobearing.reproduce.claims import PARTS, Claim, load_claims
+from thermobearing.reproduce.figures import FIGURES
 from thermobearing.reproduce.flips import Variants
-from thermobearing.reproduce.rows import ROOM, Row, make_row
+from thermobearing.reproduce.rows import Row, make_row
 from thermobearing.reproduce.runs import Runs
 
-FIGURE = "fig_"  # how the modules of figures begin
-TABLES = ("tables", "slips", "joint")  # modules with tables, where they are there
-CLAIMS, VERDICTS = "claims", "verdicts"
+CLAIMS, VERDICTS = "claims", "verdicts"  # kinds of parts, as the next three
+FIGURE, TABLES, BOTH = "figure", "tables", "tables and figure"
+WITH_TABLES: dict[str, ModuleType] = {"tables": tables, "slips": slips, "joint": joint}
+OWN_FIGURES: dict[str, ModuleType] = {"slips": slips_figure}  # drawn beside the tables of that name
 CHUNK = 5  # claims of one part of the work: neighbours ask for the same simulations
 
 
@@ -46,8 +47,9 @@ class Part:
 
     Attributes
     ----------
-    kind : "claims" (with their flips), "verdicts" (claims without), "figure" or "tables".
-    names : ids of claims; of a figure or of tables the module.
+    kind : "claims" (with their flips), "verdicts" (claims without), "figure", "tables", or
+        "tables and figure" of the same numbers.
+    names : ids of claims; or of the module alone.
     """
 
     kind: str
@@ -76,12 +78,12 @@ def parts_of(chapter: int | None, *, figures: bool, flips: bool = True) -> list[
     found = []
     kind = CLAIMS if flips else VERDICTS
     if chapter is None:
-        found += [Part("tables", (name,)) for name in TABLES if _is_there(name)]
+        both = OWN_FIGURES if figures else {}
+        found += [Part(BOTH if name in both else TABLES, (name,)) for name in WITH_TABLES]
     ids = [claim.id for claim in claims_of(chapter)]
     found += [Part(kind, tuple(ids[start : start + CHUNK])) for start in range(0, len(ids), CHUNK)]
     if figures:
-        drawn = [name for name in figure_names() if chapter in (None, chapter_of(name))]
-        found += [Part("figure", (name,)) for name in drawn]
+        found += [Part(FIGURE, (name,)) for name in figures_of(chapter)]
     return found
 
 
@@ -93,26 +95,19 @@ def claims_of(chapter: int | None) -> list[Claim]:
     return load_claims(part) if part in PARTS else []
 
 
-def figure_names() -> list[str]:
-    """Modules of figures, in the order of the source."""
-    found = [item.name for item in pkgutil.iter_modules(room.__path__)]
-    return sorted(name for name in found if name.startswith(FIGURE))
-
-
-def chapter_of(figure: str) -> int:
-    """Of a module's name.
+def figures_of(chapter: int | None) -> dict[str, ModuleType]:
+    """Modules of the source's figures of one chapter, or all, by name.
 
     Examples
     --------
-    >>> chapter_of("fig_4_07")
-    4
+    >>> next(iter(figures_of(4)))
+    'fig_4_01'
     """
-    return int(figure.split("_")[1])
-
-
-def _is_there(module: str) -> bool:
-    package = import_module(ROOM)
-    return any(item.name == module for item in pkgutil.iter_modules(package.__path__))
+    return {
+        module.__name__.rpartition(".")[2]: module
+        for number, module in FIGURES.items()
+        if chapter in (None, int(number.partition(".")[0]))
+    }
 
 
 @cache
@@ -136,9 +131,12 @@ def do(part: Part) -> Done:
         variants = _variants() if part.kind == CLAIMS else None
         claims = [_known()[name] for name in part.names]
         return Done(part, rows=tuple(make_row(claim, _runs(), variants) for claim in claims))
-    if part.kind == "figure":
-        return Done(part, drawn=draw(part.names[0]))
-    return Done(part, tables=tables_of(part.names[0]))
+    (name,) = part.names
+    return Done(
+        part,
+        drawn=draw(name) if part.kind in (FIGURE, BOTH) else None,
+        tables=tables_of(name) if part.kind in (TABLES, BOTH) else None,
+    )
 
 
 def draw(name: str) -> Drawn:
@@ -146,7 +144,7 @@ def draw(name: str) -> Drawn:
     from thermobearing.results.drawing import save_figure
 
     try:
-        module = import_module(f"{room.__name__}.{name}")
+        module = (figures_of(None) | OWN_FIGURES)[name]
         picture = io.BytesIO()
         save_figure(module.draw(_runs()), picture)
         return Drawn(name, str(module.CAPTION), picture.getvalue())
@@ -154,13 +152,13 @@ def draw(name: str) -> Drawn:
         return Drawn(name, reason(error))
 
 
-def tables_of(module: str) -> Mapping[str, pd.DataFrame | str]:
+def tables_of(name: str) -> Mapping[str, pd.DataFrame | str]:
     """The tables of a module by name; the reason instead where it breaks."""
     try:
-        found: Mapping[str, pd.DataFrame] = import_module(f"{ROOM}.{module}").all_tables(_runs())
+        found: Mapping[str, pd.DataFrame] = WITH_TABLES[name].all_tables(_runs())
         return dict(found)
     except Exception as error:
-        return {module: reason(error)}
+        return {name: reason(error)}
 
 
 def reason(error: Exception) -> str:

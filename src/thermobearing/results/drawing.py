@@ -39,6 +39,7 @@ FLATTER = 0.6  # power of the factor by which a figure becomes narrower, for its
 LETTER, BOLD_LETTER = 0.56, 0.66  # mean width of a letter, of the font size
 MARGIN = 0.6  # between panels, for their labels [inch]
 SHORTEST_LINE = 24  # letters of a title before it is broken
+UNBROKEN = "\N{NO-BREAK SPACE}"
 HANDLE = 4.5  # width of a legend's line and gaps, of the font size
 INK, GREY, PALE, STEEL, RUBBER = "#1a1a1a", "#6b6b6b", "#eef0f3", "#d3d8de", "#fdf6ec"
 # Paul Tol's "vibrant" colours in the order of temperature: safe for colour-blind readers.
@@ -168,7 +169,9 @@ def name_axes(ax: Axes, x: str = "", y: str = "", title: str = "", pad: float = 
         grid = ax.get_gridspec()
         wide = figure_of(ax).get_figwidth() / (grid.ncols if grid else 1) - MARGIN
         room = max(int(wide * 72.0 / (LETTER * NORMAL)), SHORTEST_LINE)
-        ax.set_title(textwrap.fill(title, room), fontsize=NORMAL, loc="left", pad=pad)
+        whole = title.replace(" °C", f"{UNBROKEN}°C")
+        told = textwrap.fill(whole, room).replace(UNBROKEN, " ")
+        ax.set_title(told, fontsize=NORMAL, loc="left", pad=pad)
 
 
 def head_grid(axes: list[Axes], heads: list[str], sides: list[str]) -> None:
@@ -336,12 +339,12 @@ def shade_untested(
 
 
 def note_values(ax: Axes, name: str, values: list[str], colours: list[str]) -> None:
-    """A name and values at the upper right of a panel, each value in its own colour."""
+    """A name, if any, and values at the upper right of a panel, each value in its own colour."""
     look: Look = {"fontsize": SMALL - 0.5, "va": "top", "ha": "right", "zorder": 5}
     anchor: Any = ax.transAxes
     at, gap = (1.0, 1.0), (-3.0, -3.0)
     pairs = list(zip(values, colours, strict=True))
-    for text, colour in [*reversed(pairs), (name, GREY)]:
+    for text, colour in [*reversed(pairs), *([(name, GREY)] if name else [])]:
         told = ax.annotate(
             text.replace("-", "\N{MINUS SIGN}"),
             at,

@@ -15,8 +15,8 @@ from thermobearing.core.types import Floats
 from thermobearing.structure.matrices import (
     Matrices,
     Modes,
-    build_matrices,
     hinge_stiffness,
+    spring_matrix,
 )
 from thermobearing.structure.model import Damping, Structure
 
@@ -29,10 +29,7 @@ Part = tuple[float, Floats]  # damping ratio, stiffness [n, n]
 
 def own_parts(structure: Structure, matrices: Matrices) -> list[Part]:
     """Springs and hinges."""
-    parts = []
-    for spring in structure.springs:
-        only = structure.model_copy(update={"springs": (spring,)})
-        parts.append((spring.damping_ratio, build_matrices(only).springs))
+    parts = [(one.damping_ratio, spring_matrix(structure, one)) for one in structure.springs]
     for hinge, row in zip(structure.hinges, matrices.hinge_rows, strict=True):
         parts.append((hinge.damping_ratio, hinge.stiffness * np.outer(row, row)))
     return parts

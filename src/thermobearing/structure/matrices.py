@@ -11,6 +11,7 @@ from thermobearing.structure.model import (
     GROUND,
     Body,
     MassModel,
+    Spring,
     Structure,
 )
 
@@ -123,12 +124,7 @@ def build_matrices(structure: Structure, mass_model: MassModel = "consistent") -
         mass += item.rotary_inertia * np.outer(turning, turning)
     _check_mass(mass, names, structure.name)
     for spring in structure.springs:
-        if spring.stiffness is not None:
-            row = difference(structure, spring.body, spring.base, spring.height)
-            springs += spring.stiffness * np.outer(row, row)
-        else:
-            row = rotation_row(structure, spring.body) - rotation_row(structure, spring.base)
-            springs += (spring.rotational_stiffness or 0.0) * np.outer(row, row)
+        springs += spring_matrix(structure, spring)
     hinges = [
         rotation_row(structure, h.body) - rotation_row(structure, h.base) for h in structure.hinges
     ]
@@ -136,6 +132,15 @@ def build_matrices(structure: Structure, mass_model: MassModel = "consistent") -
     return Matrices(
         names, mass, load, springs, np.reshape(hinges, (len(hinges), n)), np.array(lines)
     )
+
+
+def spring_matrix(structure: Structure, spring: Spring) -> Floats:
+    """[n, n] stiffness of one spring."""
+    if spring.stiffness is not None:
+        row = difference(structure, spring.body, spring.base, spring.height)
+        return np.asarray(spring.stiffness * np.outer(row, row))
+    row = rotation_row(structure, spring.body) - rotation_row(structure, spring.base)
+    return np.asarray((spring.rotational_stiffness or 0.0) * np.outer(row, row))
 
 
 def difference(structure: Structure, body: str, base: str, height: float) -> Floats:

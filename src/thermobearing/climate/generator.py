@@ -1,0 +1,270 @@
+"""A climate as data, and hourly weather made up from it: seasons, days, weather, cold spells.
+
+    T(t) = M(t) + R(t)/2 c(h) + S(t) w(t) + S_s w_s(t) - spells(t) + their mean
+
+M is linear between the middles of months and has the monthly means; c(h) is two half cosines
+between the coldest and the warmest hour of the day; w and w_s are autoregressive of the first order
+(an hour of white noise keeps exp(-1 h/memory)), of variance one: the weather of days, and whether a
+season is a mild one. Spells come as a Poisson process in their months; each deepens and fades as
+sin^2 over its length; depth and length have gamma distributions. What all spells take from the
+mean on average is given back, so that the monthly means stay as told.
+"""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, field_validator
+
+from thermobearing.bearing.ambient import COLDEST, HOTTEST
+from thermobearing.border.errors import InputError
+from thermobearing.border.library import Library
+from thermobearing.border.schema import Strict, in_unit, validated
+from thermobearing.climate.hourly import DAY, Floats, Hourly, Ints
+
+DAYS = np.array([31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31])
+FIRST_DAY = np.concatenate([[0], np.cumsum(DAYS)[:-1]])
+MONTH_OF = np.repeat(np.arange(12), DAY * DAYS)  # of each hour of the year, from 0
+YEAR = 365 * DAY  # of the tables below: 29 February is as the day before [h]
+BEGINS = np.datetime64("2001-07-01T00", "h")  # so that winters are whole
+LEAD_IN = 90 * DAY  # before the first hour, for spells that began earlier
+SHAPE = 4.0  # of the gamma distributions of depth and length: half the mean as deviation
+LENGTHS = 400  # of spells, that their mean is taken over
+
+Temperature = Annotated[float, in_unit("degC"), Field(ge=COLDEST, le=HOTTEST)]
+Difference = Annotated[float, in_unit("K"), Field(ge=0, le=60)]
+Memory = Annotated[float, in_unit("h"), Field(ge=1, le=10_000)]
+OfDay = Annotated[float, in_unit("h"), Field(ge=0, lt=24)]
+Month = Annotated[int, Field(ge=1, le=12)]
+
+
+class ColdSpells(Strict):
+    """Days of cold that come on top of the usual weather.
+
+    Attributes
+    ----------
+    months : they begin in, 1 to 12.
+    per_year : mean number, in [0, 50].
+    depth : mean of the largest depression [K], in [0, 60].
+    length : mean [h], in [6, 1000].
+    """
+
+    months: Annotated[tuple[Month, ...], Field(min_length=1, max_length=12)]
+    per_year: Annotated[float, Field(ge=0, le=50)]
+    depth: Difference
+    length: Annotated[float, in_unit("h"), Field(ge=6, le=1000)]
+
+    @field_validator("months")
+    @classmethod
+    def _each_once(cls, months: tuple[int, ...]) -> tuple[int, ...]:
+        if len(set(months)) < len(months):
+            raise ValueError("one is given more than once")
+        return months
+
+
+class Climate(Strict):
+    """What hourly weather is made up from; lists run from January to December.
+
+    Attributes
+    ----------
+    name, description, note : what it is, and where its numbers come from.
+    monthly_mean : [degC], in [-100, 100].
+    daily_range : mean difference of the warmest and the coldest hour of a day [K], in [0, 60].
+    coldest_hour, warmest_hour : of the day [h], in [0, 24).
+    weather_deviation : standard deviation of the weather of days [K], in [0, 60].
+    weather_memory : time in which its correlation falls to 1/e [h], in [1, 10000].
+    season_deviation : of whole seasons that are mild or severe, likewise [K], in [0, 60].
+    season_memory : of seasons [h], in [1, 10000].
+    cold_spells : on top of that; none by default.
+
+    Examples
+    --------
+    >>> load_climate("cold-town").monthly_mean[0]
+    -10.0
+    """
+
+    name: Annotated[str, Field(min_length=1, max_length=60)] = "climate"
+    description: str = ""
+    note: str = ""
+    monthly_mean: Annotated[tuple[Temperature, ...], Field(min_length=12, max_length=12)]
+    daily_range: Annotated[tuple[Difference, ...], Field(min_length=12, max_length=12)]
+    coldest_hour: OfDay = 6.0
+    warmest_hour: OfDay = 14.0
+    weather_deviation: Annotated[tuple[Difference, ...], Field(min_length=12, max_length=12)]
+    weather_memory: Memory = 48.0
+    season_deviation: Difference = 0.0
+    season_memory: Memory = 1440.0
+    cold_spells: ColdSpells | None = None
+
+    @classmethod
+    def conflicts(cls, given: dict[str, Any]) -> list[str]:
+        """A day needs a coldest and a warmest hour."""
+        hours = [given.get("coldest_hour", "6 h"), given.get("warmest_hour", "14 h")]
+        return ["coldest_hour and warmest_hour are the same"] if hours[0] == hours[1] else []
+
+
+CLIMATES = Library("climate", "climates")
+
+
+def list_climates() -> list[str]:
+    """Names of the built-in climates.
+
+    Examples
+    --------
+    >>> list_climates()
+    ['cold-town']
+    """
+    return CLIMATES.names()
+
+
+def load_climate(name_or_path: str | Path) -> Climate:
+    """A climate of the library by name, or one of your own from a TOML file.
+
+    Parameters
+    ----------
+    name_or_path : "cold-town" (an example, of no real place), or a path.
+
+    Raises
+    ------
+    InputError : no such climate, or faults in the file.
+
+    Examples
+    --------
+    >>> load_climate("cold-town").cold_spells.months
+    (12, 1, 2)
+    """
+    table, where = CLIMATES.read(name_or_path)
+    return validated(Climate, table, where)
+
+
+def generate_weather(climate: str | Path | Climate, years: int = 50, seed: int = 0) -> Hourly:
+    """Hourly weather of a climate; the same numbers give the same weather.
+
+    Parameters
+    ----------
+    climate : a name, a path, or what `load_climate` returns.
+    years : from 1 July to 30 June, 1 to 1000.
+    seed : of the random numbers, 0 or more.
+
+    Raises
+    ------
+    InputError : no such climate, a number of years or a seed outside its range.
+
+    Examples
+    --------
+    >>> weather = generate_weather("cold-town", years=2, seed=3)
+    >>> len(weather), bool(weather.temperature.min() < -15.0)
+    (17520, True)
+    """
+    known = climate if isinstance(climate, Climate) else load_climate(climate)
+    hours = _hours(years)
+    if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
+        raise InputError(f"seed = {seed!r}: must be a whole number of 0 or more", known.name)
+    random = np.random.default_rng(seed)
+    dates = BEGINS - np.timedelta64(LEAD_IN, "h") + np.arange(LEAD_IN + hours)
+    place = hour_of_year(dates)
+    air = seasonal(known)[place]
+    for deviation, memory in (
+        (_through_year(known.weather_deviation), known.weather_memory),
+        (np.full(YEAR, known.season_deviation), known.season_memory),
+    ):
+        air += deviation[place] * autoregressive(len(dates), memory, random)
+    if known.cold_spells is not None:
+        air += mean_of_spells(known.cold_spells)[place]
+        air -= spells(known.cold_spells, place, random)
+    return Hourly(air[LEAD_IN:], BEGINS, name=known.name)
+
+
+def _hours(years: int) -> int:
+    """Hours from the beginning to the same date so many years later."""
+    if isinstance(years, bool) or not isinstance(years, int) or not 1 <= years <= 1000:
+        raise InputError(f"years = {years!r}: must be a whole number of 1 to 1000")
+    later = BEGINS.astype("datetime64[M]") + 12 * years
+    return int((later.astype("datetime64[h]") - BEGINS) // np.timedelta64(1, "h"))
+
+
+def hour_of_year(dates: NDArray[np.datetime64]) -> Ints:
+    """Place of each date in a table of a common year, 0 to 8759; 29 February is as the 28th."""
+    months = dates.astype("datetime64[M]")
+    month = months.astype(np.int64) % 12
+    into = ((dates - months.astype("datetime64[h]")) // np.timedelta64(1, "h")).astype(np.int64)
+    into = np.where((month == 1) & (into >= 28 * DAY), into - DAY, into)
+    return np.asarray(DAY * FIRST_DAY[month] + into)
+
+
+def _through_year(monthly: Any) -> Floats:
+    """Values of months, linear between their middles, at each hour of the year."""
+    middles = DAY * (FIRST_DAY + 0.5 * DAYS)
+    hours = np.arange(YEAR) + 0.5
+    return np.asarray(np.interp(hours, middles, np.asarray(monthly), period=YEAR))
+
+
+def seasonal(climate: Climate) -> Floats:
+    """What is expected at each hour of a common year [degC]; its monthly means are as told."""
+    units = np.array([_through_year(row) for row in np.eye(12)])
+    means = np.array([[row[m == MONTH_OF].mean() for row in units] for m in range(12)])
+    curve = np.linalg.solve(means, np.asarray(climate.monthly_mean)) @ units
+    cycle = daily_cycle(climate.coldest_hour, climate.warmest_hour)
+    ranges = np.asarray(climate.daily_range)[MONTH_OF]
+    return np.asarray(curve + 0.5 * ranges * np.tile(cycle, YEAR // DAY))
+
+
+def daily_cycle(coldest: float, warmest: float) -> Floats:
+    """From -1 at the coldest hour to 1 at the warmest and back, at 24 hours; their mean is zero."""
+    rise = (warmest - coldest) % DAY
+    since = (np.arange(DAY) - coldest) % DAY
+    going = np.where(since < rise, since / rise, 1.0 + (since - rise) / (DAY - rise))
+    wave = -np.cos(np.pi * going)
+    return np.asarray(wave - wave.mean())
+
+
+def autoregressive(count: int, memory: float, random: np.random.Generator) -> Floats:
+    """A stationary series of variance one whose correlation falls to 1/e in `memory` [h]."""
+    from scipy.signal import lfilter
+
+    kept = float(np.exp(-1.0 / memory))
+    noise = random.standard_normal(count + 1)
+    begin = np.array([kept * noise[0]])
+    series, _ = lfilter([np.sqrt(1.0 - kept * kept)], [1.0, -kept], noise[1:], zi=begin)
+    return np.asarray(series)
+
+
+def spell_rate(known: ColdSpells) -> Floats:
+    """Spells that begin in each hour of the year, on average."""
+    may = np.isin(MONTH_OF + 1, known.months)
+    return np.asarray(known.per_year * may / may.sum())
+
+
+def _shape(since: Floats, length: float | Floats) -> Floats:
+    """How far a spell has come to its depth, some hours after it began."""
+    return np.where(since < length, np.sin(np.pi * since / length) ** 2, 0.0)
+
+
+def mean_of_spells(known: ColdSpells) -> Floats:
+    """What all spells take from each hour of the year on average [K]."""
+    from scipy.stats import gamma
+
+    shares = (np.arange(LENGTHS) + 0.5) / LENGTHS
+    lengths = gamma.ppf(shares, SHAPE, scale=known.length / SHAPE)
+    since = np.arange(np.ceil(lengths.max()))
+    one = known.depth * _shape(since[:, None], lengths[None, :]).mean(axis=1)
+    rate = np.concatenate([spell_rate(known), spell_rate(known)])
+    return np.asarray(np.convolve(rate, one)[YEAR : 2 * YEAR])
+
+
+def spells(known: ColdSpells, place: Ints, random: np.random.Generator) -> Floats:
+    """What spells take from each hour of a series, whose hours have these places in the year."""
+    rate = spell_rate(known)[place]
+    may = np.flatnonzero(rate > 0.0)
+    taken = np.zeros(len(place))
+    if not len(may):
+        return taken
+    count = random.poisson(rate.sum())
+    starts = may[random.integers(0, len(may), count)]
+    depths = random.gamma(SHAPE, known.depth / SHAPE, count)
+    lengths = random.gamma(SHAPE, known.length / SHAPE, count)
+    for start, depth, length in zip(starts, depths, lengths, strict=True):
+        part = taken[start : start + int(np.ceil(length))]
+        part += depth * _shape(np.arange(len(part), dtype=np.float64), length)
+    return taken

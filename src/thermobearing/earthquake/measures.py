@@ -1,0 +1,138 @@
+"""The numbers of one run: outcome, peaks of every step, energy books at the end, largest loop."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from thermobearing.bearing.bilinear import BilinearBearing
+from thermobearing.core.records import Floats, labels
+from thermobearing.earthquake.columns import BEARING, STRUCTURE
+from thermobearing.earthquake.meanings import PEAK
+from thermobearing.results.largest_loop import largest_loop
+from thermobearing.results.metrics import LEAST_ENERGY, LEAST_HEAT
+from thermobearing.structure.parts import hinge_of
+from thermobearing.structure.run import StructureHistory
+from thermobearing.structure.types import MotionBooks
+
+if TYPE_CHECKING:
+    from thermobearing.earthquake.task import Task
+
+LOOP = {  # of the largest loop: name in CycleMeasures, unit
+    "loop_force_max": ("force_max_kN", "kN"),
+    "loop_force_min": ("force_min_kN", "kN"),
+    "loop_displacement_max": ("displacement_max_mm", "mm"),
+    "loop_displacement_min": ("displacement_min_mm", "mm"),
+    "loop_stiffness": ("stiffness_kN_mm", "kN/mm"),
+    "loop_damping_ratio": ("h_eq", "1"),
+    "loop_modulus": ("G_eq_MPa", "MPa"),
+    "loop_energy": ("energy_kN_mm", "kN mm"),
+}
+LOOP_TIMES = ("loop_start", "loop_end")  # [s]
+STRUCTURE_ENERGIES: Final = tuple(
+    label.name for label in labels(MotionBooks) if label.unit == "kN mm"
+)
+UNITS: Final = {
+    "outcome": "",
+    "bearing_strain_max": "1",
+    "bearing_displacement_max": "mm",
+    "bearing_force_max": "kN",
+    "bearing_energy_end": "kN mm",
+    "pier_displacement_max": "mm",
+    "pier_top_displacement_max": "mm",
+    "pier_displacement_residual": "mm",
+    "pier_rotation_max": "rad",
+    "pier_moment_max": "kN m",
+    "deck_displacement_max": "mm",
+    "deck_acceleration_max": "m/s2",
+    "pier_top_acceleration_max": "m/s2",
+    "steps": "1",
+    "iterations": "1",
+    "substeps": "1",
+    "pier_ductility": "1",
+    **{f"energy_{name}": "kN mm" for name in STRUCTURE_ENERGIES},
+    **{f"heat_{name}": "kN mm" for name in BEARING},
+    "layer_force_mismatch_max": "kN",
+}
+PEAKS: Final = tuple(n for n in UNITS if n.endswith(PEAK) and n != "layer_force_mismatch_max")
+LOOP_UNITS: Final = {name: unit for name, (_, unit) in LOOP.items()} | dict.fromkeys(
+    LOOP_TIMES, "s"
+)
+
+
+def measures_of(
+    task: "Task", history: StructureHistory, trace: Mapping[str, Floats]
+) -> dict[str, Any]:
+    """What `UNITS` names, of one run.
+
+    Parameters
+    ----------
+    task, history : what was run, and what came out.
+    trace : its histories, from `traces_of`.
+    """
+    bearing, books = history.bearing(task.case.told_line), history.rows.books
+    found: dict[str, Any] = {"outcome": history.outcome}
+    for name in PEAKS:
+        found[name] = np.abs(trace[name.removesuffix(PEAK)]).max()
+    found["bearing_energy_end"] = trace["bearing_energy"][-1]
+    found["pier_displacement_residual"] = trace["pier_displacement"][-1]
+    found["steps"] = history.steps
+    found["iterations"] = history.iterations
+    found["substeps"] = history.substeps
+    found["pier_ductility"] = found["pier_rotation_max"] / _yield_rotation(task)
+    for name in STRUCTURE_ENERGIES:
+        found[f"energy_{name}"] = books[name][-1]
+    for name in BEARING:
+        column = bearing[name]
+        found[f"heat_{name}"] = column[-1] - column[0]
+    found["layer_force_mismatch_max"] = bearing["layer_force_mismatch"].max()
+    return found
+
+
+def residuals_of(numbers: Mapping[str, Any]) -> dict[str, Any]:
+    """What is missing from the books of `measures_of`, see `EarthquakeResult.energy`.
+
+    Parameters
+    ----------
+    numbers : energies of the structure and of one bearing at the end, of one run or as columns.
+    """
+    given = numbers["energy_input"]
+    spent = sum(numbers[f"energy_{name}"] for name in STRUCTURE[1:])
+    work, released = numbers["heat_work_in"], numbers["heat_heat_released"]
+    stored = numbers["heat_heat_stored"]
+    lost = numbers["heat_heat_lost_ends"] + numbers["heat_heat_lost_sides"]
+    moved = np.maximum(np.abs(work), LEAST_ENERGY)
+    heat = np.maximum(np.maximum(np.abs(stored), np.abs(lost)), LEAST_HEAT)
+    return {
+        "structure_residual": (given - spent) / np.maximum(np.abs(given), LEAST_ENERGY),
+        "mechanical_residual": (work - released - numbers["heat_recoverable"]) / moved,
+        "thermal_residual": (released - stored - lost) / np.maximum(moved, heat),
+    }
+
+
+def _yield_rotation(task: "Task") -> float:
+    """Of the hinge of the pier of the report [rad]; NaN without one."""
+    structure = task.case.structure
+    number = hinge_of(structure, structure.report.pier)
+    return np.nan if number is None else structure.hinges[number].yield_rotation
+
+
+def loop_measures(task: "Task", trace: Mapping[str, Floats]) -> dict[str, float]:
+    """What `LOOP_UNITS` names: the largest loop of one bearing; NaN where none is closed."""
+    bearing = task.told.device.bearing
+    bilinear = isinstance(bearing, BilinearBearing)
+    loop = largest_loop(
+        trace["bearing_displacement"],
+        trace["bearing_force"],
+        trace["bearing_energy"],
+        area=1.0 if isinstance(bearing, BilinearBearing) else bearing.area,
+        total_rubber_thickness=bearing.total_rubber_thickness,
+    )
+    if loop is None:
+        return dict.fromkeys(LOOP_UNITS, np.nan)
+    values = vars(loop.measures)
+    if bilinear:  # it says no area
+        values = values | {"G_eq_MPa": np.nan}
+    found = {name: values[key] for name, (key, _) in LOOP.items()}
+    ends = trace["time"][[loop.first, loop.last]]
+    return found | dict(zip(LOOP_TIMES, ends, strict=True))

@@ -1,0 +1,158 @@
+"""Tables of the document of a reproduction: claims by chapter, the source's tables, slips, sets."""
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import pandas as pd
+
+from thermobearing.report.pieces import Column, Link, ReportTable
+from thermobearing.reproduce.claims import Claim, load_claims
+from thermobearing.reproduce.files import CHAPTERS
+from thermobearing.reproduce.rows import function_of
+from thermobearing.reproduce.slips import QUANTITIES
+from thermobearing.reproduce.tables import printed_tables
+
+FUNCTIONS = "functions"
+BEST = 12  # sets of choices that are shown
+CHANGE = "_change_percent"
+HEADS = ("Place", "Statement", "Computed", "Verdict", "What flips it", "Figure", "Function")
+OF_SOURCE = (
+    *(Column("Quantity"), Column("Of"), Column("Unit"), Column("Printed", form=".6g")),
+    *(Column("Here", form=".6g"), Column("Difference", "%", ".2f"), Column("By"), Column("Note")),
+)
+SHORT = {  # of QUANTITIES
+    "inner_layer_K": "Inner layer",
+    "lead_K": "Lead",
+    "steel_at_lead_K": "Steel at lead",
+    "force_kN": "Force",
+    "energy_kN_mm": "Energy",
+    "bridge_inner_layer_K": "Inner layer, bridge",
+    "bridge_force_kN": "Force, bridge",
+    "bridge_energy_kN_mm": "Energy, bridge",
+    "pier_ductility": "Ductility, bridge",
+}
+SETS = {
+    "joint_bridge": "Bridge (chapter 6): sets of choices that meet most statements, best first",
+    "joint_bridge_choices": "Bridge: how much one choice changes the count of statements met, all "
+    "else equal",
+    "joint_bridge_conflicts": "Bridge: sets that meet a statement; pairs that no set meets",
+    "joint_hybrid": "Hybrid test (chapter 3): sets of choices that meet most statements, best "
+    "first",
+    "joint_hybrid_choices": "Hybrid test: how much one choice changes the count of statements met, "
+    "all else equal",
+    "joint_hybrid_conflicts": "Hybrid test: sets that meet a statement; pairs that no set meets",
+}
+
+
+def claims_tables(ledger: pd.DataFrame, part: str) -> ReportTable | None:
+    """The claims of a part of the source that are in a ledger; None without any.
+
+    Parameters
+    ----------
+    ledger : of a reproduction, by the ids of claims, without missing cells.
+    part : "chapter-3".
+    """
+    known = [claim for claim in load_claims(part) if claim.id in ledger.index]
+    rows = [_claim_row(claim, ledger) for claim in known]
+    columns = [Column(head) for head in HEADS]
+    return ReportTable(f"{CHAPTERS[part]}: claims", columns, rows) if rows else None
+
+
+def _claim_row(claim: Claim, ledger: pd.DataFrame) -> list[Any]:
+    told = {key: str(ledger.at[claim.id, key]) for key in ledger.columns}
+    flip = "; ".join(filter(None, (told["smallest_flip"], told["why"])))
+    figure = claim.figure or ""
+    return [
+        *(told["place"], told["statement"], told["computed"], told["words"], flip),
+        Link(figure_words(figure), figure) if figure else "",
+        Link(told["function"], FUNCTIONS) if told["function"] else "",
+    ]
+
+
+def figure_words(name: str) -> str:
+    """Of a module's name.
+
+    Examples
+    --------
+    >>> figure_words("fig_3_08"), figure_words("slips")
+    ('Fig. 3.8', 'slips')
+    """
+    kind, _, rest = name.partition("_")
+    chapter, _, number = rest.partition("_")
+    return f"Fig. {chapter}.{int(number)}" if kind == "fig" else name
+
+
+def functions_table(ids: Sequence[str]) -> ReportTable:
+    """What each function that some claims name computes, in its own words."""
+    claims = [claim for claim in load_claims() if claim.id in ids and claim.computed]
+    told: dict[str, str] = {}
+    for claim in claims:
+        words = (function_of(claim).__doc__ or "").strip().splitlines()
+        told.setdefault(str(claim.computed), words[0] if words else "")
+    columns = [Column("Function"), Column("What it computes")]
+    rows = [list(item) for item in sorted(told.items())]
+    note = "In thermobearing.reproduce; each takes `Runs()`."
+    return ReportTable("Functions of the claims", columns, rows, note=note)
+
+
+def table_of(name: str, table: pd.DataFrame) -> ReportTable:
+    """A table of the directory as a reader wants it."""
+    for start, make in MAKERS.items():
+        if name.startswith(start):
+            return make(name, table)
+    columns = [Column(str(head)) for head in table.columns]
+    return ReportTable(name.replace("_", " "), columns, _rows(table))
+
+
+def _rows(table: pd.DataFrame) -> list[list[Any]]:
+    found: list[list[Any]] = table.astype(object).where(table.notna(), None).to_numpy().tolist()
+    return found
+
+
+def _of_source(name: str, table: pd.DataFrame) -> ReportTable:
+    (printed,) = [item for item in printed_tables() if item.name == name]
+    caption = f"Table {printed.number}: {printed.title}"
+    rows = [[_number(value) for value in row] for row in _rows(table)]
+    return ReportTable(caption, OF_SOURCE, rows, keys=2, note=printed.note)
+
+
+def _number(value: Any) -> Any:
+    """A column with words among its numbers is read as words."""
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        return value
+
+
+def _slips(_name: str, table: pd.DataFrame) -> ReportTable:
+    """Changes in per cent: of a chain against the row above, of a slip alone against the first."""
+    columns = [Column("Bearing"), Column("Slips"), Column("What the print does")]
+    columns += [Column(SHORT[key], "%", ".1f") for key in QUANTITIES]
+    chosen = ["bearing", "kind", "means", *(f"{key}{CHANGE}" for key in QUANTITIES)]
+    words = {"chain": "on top of those above", "alone": "alone"}
+    shown = table[chosen].assign(kind=table["kind"].map(words))
+    note = "; ".join(f"{SHORT[key]}: {means}" for key, means in QUANTITIES.items())
+    caption = (
+        "Change of the result by each slip of the printed heat scheme: on top of those above, "
+        "against the row above; alone, against the scheme without any"
+    )
+    return ReportTable(caption, columns, _rows(shown), keys=3, note=f"{note}. All at −20 °C.")
+
+
+def _sets(name: str, table: pd.DataFrame) -> ReportTable:
+    """Without the numbers behind each statement, which are in the CSV file."""
+    shown = table[[head for head in table.columns if ": numbers" not in head and head != "why"]]
+    note = f"{len(table)} sets; the numbers behind each statement are in tables/{name}.csv."
+    if "met" in shown:
+        shown = shown.head(BEST)
+    else:
+        note = ""
+    columns = [Column(str(head).replace("_", " ")) for head in shown.columns]
+    return ReportTable(SETS.get(name, name), columns, _rows(shown), note=note)
+
+
+MAKERS: dict[str, Callable[[str, pd.DataFrame], ReportTable]] = {
+    "table_": _of_source,
+    "slips": _slips,
+    "joint_": _sets,
+}

@@ -1,0 +1,213 @@
+"""From a study to its runs: levels in every combination, draws of what has a distribution.
+
+A column of the plan is a factor. Factors with levels are crossed; for every combination, what is
+drawn (distributions, levels by lot) has a row for each sample. `plan` is the story.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from scipy.stats import qmc
+
+from thermobearing.border.errors import InputError
+from thermobearing.core.records import Floats
+from thermobearing.studies.columns import (
+    AMBIENT,
+    HOUR,
+    SAMPLE,
+    THINGS,
+    Column,
+    columns_of,
+    targets_of,
+)
+from thermobearing.studies.content import Contents
+from thermobearing.studies.intensity import COLUMNS
+from thermobearing.studies.levels import Levels
+from thermobearing.studies.names import spelled
+from thermobearing.studies.ranges import check_numbers
+from thermobearing.studies.record import MOST_RUNS, Design, Study
+
+A, B, SWAPPED = "A", "B", "AB"
+
+
+@dataclass(frozen=True)
+class Draws:
+    """Probabilities for each drawn factor, and where in the arrangement a row of them belongs.
+
+    Attributes
+    ----------
+    values : [rows, drawn factors] in [0, 1).
+    sample : [rows] number of the sample.
+    matrix : [rows] "A", "B" or "AB <factor>"; none in a plain arrangement.
+    """
+
+    values: Floats
+    sample: np.ndarray[Any, np.dtype[np.int64]]
+    matrix: list[str] | None = None
+
+
+def plan(study: Study) -> pd.DataFrame:
+    """All runs of a study, one row each; the same study gives the same rows to the last bit.
+
+    Parameters
+    ----------
+    study : from `load_study` or `make_study`.
+
+    Returns
+    -------
+    DataFrame : `run` (from 0), `id` (16 hexadecimal digits: a digest of all that goes into the run,
+        whatever its place in the plan; equal input has an equal one), `seed` (from it), `sample`,
+        with Saltelli's arrangement `matrix`, then a column for each factor: structure, bearing,
+        motion, scale, ambient_degC, and numbers by their dotted names.
+
+    Raises
+    ------
+    InputError : too many runs, draws without `samples` or the other way round, drawn numbers that
+        a bearing or a structure may not have.
+
+    Examples
+    --------
+    >>> factors = {"bearing": "shen-hdr-bridge", "motion": "jra-ii-i-1", "ambient": ["0 degC"]}
+    >>> factors["scale"] = [0.5, 1.0]
+    >>> from thermobearing.studies.case import make_study
+    >>> runs = plan(make_study({"kind": "study", "name": "p1", "factors": factors}, "example"))
+    >>> runs[["run", "bearing", "scale"]].values.tolist()
+    [[0, 'shen-hdr-bridge', 0.5], [1, 'shen-hdr-bridge', 1.0]]
+    """
+    columns = columns_of(study)
+    picked, each, cells = _picked(study, columns)
+    rows = len(each[0].sample)
+    frame = pd.DataFrame({"run": np.arange(cells * rows)})
+    frame["sample"] = np.tile(each[0].sample, cells)
+    if each[0].matrix is not None:
+        frame["matrix"] = pd.Categorical(each[0].matrix * cells)
+    return _with_ids(study, columns, picked, frame)
+
+
+def _picked(study: Study, columns: Sequence[Column]) -> tuple[dict[str, Any], list[Draws], int]:
+    """Places, numbers and shares of every row by column; the draws; combinations of levels."""
+    crossed = [column for column in columns if not column.drawn]
+    drawn = [column for column in columns if column.drawn]
+    cells = math.prod(column.count for column in crossed)
+    _refuse(study.design, cells, drawn)
+    own = 1 if study.design.paired else cells
+    each = [_draws(study.design, drawn, cell) for cell in range(own)]
+    rows = len(each[0].sample)
+    places = np.array(list(product(*(range(column.count) for column in crossed))), dtype=np.int64)
+    picked: dict[str, Any] = {}
+    for number, column in enumerate(crossed):
+        picked[column.name] = column.of(np.repeat(places[:, number], rows))
+    for number, column in enumerate(drawn):
+        found = [column.at(draws.values[:, number]) for draws in each]
+        picked[column.name] = np.tile(np.concatenate(found), cells // own)
+    return picked, each, cells
+
+
+def _refuse(design: Design, cells: int, drawn: Sequence[Column]) -> None:
+    """InputError for a design that does not go with the factors, or makes too many runs."""
+    names = ", ".join(column.name for column in drawn)
+    if drawn and design.samples is None:
+        raise InputError(f"design: how many draws of {names}? Give samples")
+    if not drawn and design.samples is not None:
+        raise InputError(
+            "design.samples: every factor has levels, and nothing is drawn; leave it out, or give "
+            "a factor a distribution or random = true"
+        )
+    rows = (design.samples or 1) * (len(drawn) + 2 if design.arrangement == "saltelli" else 1)
+    if cells * rows > MOST_RUNS:
+        raise InputError(
+            f"makes {cells * rows} runs, {cells} combinations of levels and {rows} draws of each; "
+            f"at most {MOST_RUNS} are done: draw levels by lot (random = true) or fewer samples"
+        )
+
+
+def _draws(design: Design, drawn: Sequence[Column], cell: int) -> Draws:
+    """Probabilities of one combination of levels, or of all that share them."""
+    samples, width = design.samples or 1, len(drawn)
+    seed = [design.seed] if design.paired else [design.seed, cell]
+    rng = np.random.default_rng(seed)
+    number = np.arange(samples, dtype=np.int64)
+    if design.arrangement == "plain":
+        return Draws(_points(design.kind, width, samples, rng), number)
+    # A and B are halves of points in twice the dimensions: independent, and each well spread.
+    both = _points(design.kind, 2 * width, samples, rng)
+    first, second = both[:, :width], both[:, width:]
+    blocks, names = [first, second], [A] * samples + [B] * samples
+    for k, column in enumerate(drawn):
+        swapped = first.copy()
+        swapped[:, k] = second[:, k]
+        blocks.append(swapped)
+        names += [f"{SWAPPED} {column.name}"] * samples
+    return Draws(np.concatenate(blocks), np.tile(number, len(blocks)), names)
+
+
+def _points(kind: str, width: int, samples: int, rng: np.random.Generator) -> Floats:
+    """Points of a design in the unit cube, [samples, width]."""
+    if width == 0:
+        return np.zeros((samples, 0))
+    if kind == "latin-hypercube":
+        return np.asarray(qmc.LatinHypercube(width, rng=rng).random(samples), dtype=np.float64)
+    if kind == "sobol":
+        made = qmc.Sobol(width, scramble=True, rng=rng)
+        return np.asarray(made.random_base2(samples.bit_length() - 1), dtype=np.float64)
+    return rng.random((samples, width))
+
+
+def hours_of(study: Study) -> Any:
+    """Hours of the weather that the runs of a study meet, each once, in order."""
+    picked, _, _ = _picked(study, columns_of(study))
+    return np.unique(settled(study, Levels(study), picked)[HOUR])
+
+
+def settled(study: Study, levels: Levels, picked: dict[str, Any]) -> dict[str, Any]:
+    """What was picked with shares made samples and hours, and no number where there is none."""
+    found = dict(picked)
+    if SAMPLE in found:
+        counts = levels.counts[found["bearing"]]
+        found[SAMPLE] = np.where(counts > 0, (found[SAMPLE] * counts).astype(np.int64), -1)
+    if levels.weather is not None:
+        history = study.factors.ambient.history or 0.0
+        found[HOUR] = levels.weather.hours_at(found[HOUR], history)
+        found[AMBIENT] = levels.weather.temperature[found[HOUR]]
+    for target in targets_of(study):
+        if target.part in found:
+            known = np.array([path is not None for path in target.paths])
+            found[target.name] = np.where(known[found[target.part]], found[target.name], np.nan)
+    return found
+
+
+def _with_ids(
+    study: Study, columns: Sequence[Column], picked: dict[str, Any], frame: pd.DataFrame
+) -> pd.DataFrame:
+    """The plan with names and seeds of runs, and its columns as a reader wants them."""
+    contents, scale = Contents(study), study.factors.scale
+    found = settled(study, contents.levels, picked)
+    strength = contents.intensities[found["motion"]]
+    if scale.of == "intensity":
+        found["scale"] = found["scale"] / strength
+    check_numbers(study, {name: found[name] for name in found if name not in THINGS})
+    none = np.full(len(frame), -1, dtype=np.int64)
+    places = {name: found[name] for name in THINGS}
+    places["bearing"] = contents.levels.place(places["bearing"], found.get(SAMPLE, none))
+    of = {name: one.of for name, one in study.factors.numbers.items()}
+    air = AMBIENT if HOUR not in found else HOUR
+    numbers = {name: found[name] for name in ("scale", air)}
+    numbers |= {f"{'.'.join(spelled(name))} {of[name]}": found[name] for name in of}
+    ids = contents.ids(places, numbers)
+    frame.insert(1, "id", ids)
+    frame.insert(2, "seed", [int(text, 16) >> 1 for text in ids])
+    for column in columns:
+        values = found[column.name]
+        if column.name in THINGS:
+            values = pd.Categorical.from_codes(values, categories=pd.Index(column.levels))
+        frame[column.name] = values
+        if column.name == "scale":
+            frame[COLUMNS[scale.measure]] = values * strength
+        if column.name == HOUR:
+            frame[AMBIENT] = found[AMBIENT]
+    return frame

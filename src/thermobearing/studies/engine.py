@@ -1,0 +1,194 @@
+"""The story of a study that is carried out: what is missing, and nothing else.
+
+    study -> plan -> directory; shards that have no file -> executor -> one file each, whole
+
+The files are the only memory: whatever stops this (Ctrl-C, a full disk, a killed process), the
+next start finds the shards that are done and does the others. A shard's numbers depend on its
+rows of the plan only, so that executor, number of workers and order leave no trace.
+"""
+
+import os
+from collections.abc import Callable, Generator, Iterator
+from contextlib import closing
+from pathlib import Path
+from typing import Any, Literal
+
+import pandas as pd
+
+from thermobearing.border.errors import InputError, OutputError
+from thermobearing.studies.designs import plan
+from thermobearing.studies.executors import Finished, Work, in_turn, on_processes
+from thermobearing.studies.lock import only_writer
+from thermobearing.studies.log import Pace
+from thermobearing.studies.peaks import COMPLETED
+from thermobearing.studies.record import Study
+from thermobearing.studies.shard import BrokenError, carry_out, packed
+from thermobearing.studies.status import Status, study_status
+from thermobearing.studies.store import Store, open_or_make
+from thermobearing.studies.worst import RANKED, worst_runs
+
+Progress = Callable[[int, int], None]
+ExecutorName = Literal["process", "dask"]
+EXECUTORS = ("process", "dask")
+MOST_JOBS = 1024
+
+
+def run_study(
+    study: Study,
+    directory: str | Path,
+    *,
+    executor: ExecutorName = "process",
+    jobs: int | None = None,
+    address: Any = None,
+    shard: str | None = None,
+    size: int | None = None,
+    progress: Progress | None = None,
+) -> Status:
+    """Carry out a study, or what is missing of it; never raises for a failed run.
+
+    Parameters
+    ----------
+    study : from `load_study` or `make_study`.
+    directory : new, or where this study was begun.
+    executor : "process": processes on this machine; "dask": workers of a Dask cluster.
+    jobs : processes, 1 to 1024; as many as there are cores by default. One is this process itself.
+    address : of Dask's scheduler, "tcp://host:8786", or a `distributed.Client`.
+    shard : "i/n": every n-th shard only, from the i-th, for batch systems; processes with other
+        parts may write the same directory.
+    size : runs of a shard, in a new directory; by default a hundredth of the study, 16 to 1000.
+    progress : called with (runs done, all runs).
+
+    Returns
+    -------
+    Status : with a table of why runs failed; interrupted by Ctrl-C it says so.
+
+    Raises
+    ------
+    InputError : words that cannot be used; another study was begun there; pyarrow or distributed
+        are not installed; no scheduler answers.
+    OutputError : the directory holds something else, another process writes the study, the disk is
+        full, or workers die again and again. What is done is kept.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from thermobearing.studies import make_study
+    >>> factors = {"bearing": "shen-hdr-bridge", "motion": "jra-ii-i-1", "ambient": ["0 degC"]}
+    >>> table = {"kind": "study", "name": "p1", "case": {"duration": "1 s"}, "factors": factors}
+    >>> directory = Path(tempfile.mkdtemp()) / "p1"
+    >>> run_study(make_study(table, "example"), directory, jobs=1).sentence
+    '1 of 1 runs of p1 are done.'
+    """
+    part = checked_part(shard)
+    _check(executor, jobs, address, size)
+    directory = Path(directory)
+    runs = plan(study)
+    store = open_or_make(directory, study, runs, size)
+    with only_writer(directory, "" if part is None else f"{part[0]}-of-{part[1]}"):
+        try:
+            _do_missing(store, study, runs, part, (executor, jobs, address), progress)
+        except KeyboardInterrupt:
+            store.log.say("interrupted")
+            return study_status(directory, interrupted=True)
+        except BrokenError as error:
+            store.log.say(f"broken: {error}")
+            raise OutputError(f"{directory}: every run of a shard broke: {error}") from error
+    return study_status(directory)
+
+
+def checked_part(text: str | None) -> tuple[int, int] | None:
+    """The numbers of "i/n"; None for the whole.
+
+    Raises
+    ------
+    InputError : it is not so.
+
+    Examples
+    --------
+    >>> checked_part("3/8")
+    (3, 8)
+    """
+    if text is None:
+        return None
+    first, slash, last = text.partition("/")
+    if not (slash and first.strip().isdecimal() and last.strip().isdecimal()):
+        raise InputError(f'shard "{text}": give i/n, such as 3/8 for the third of eight parts')
+    part, parts = int(first), int(last)
+    if not 1 <= part <= parts:
+        raise InputError(f'shard "{text}": parts of {parts} have the numbers 1 to {parts}')
+    return part, parts
+
+
+def _check(executor: str, jobs: int | None, address: Any, size: int | None) -> None:
+    """InputError for words that cannot be used."""
+    if executor not in EXECUTORS:
+        raise InputError(f'executor "{executor}": must be "process" or "dask"')
+    if jobs is not None and not 1 <= jobs <= MOST_JOBS:
+        raise InputError(f"jobs: {jobs} is not in [1, {MOST_JOBS}]")
+    if size is not None and size < 1:
+        raise InputError(f"size: {size} runs are no shard; at least 1")
+    if executor == "process" and address is not None:
+        raise InputError('address: only of executor "dask"')
+
+
+def _do_missing(
+    store: Store,
+    study: Study,
+    runs: pd.DataFrame,
+    part: tuple[int, int] | None,
+    how: tuple[str, int | None, Any],
+    progress: Progress | None,
+) -> None:
+    """Shards without a file, and the histories of the worst runs."""
+    done = set(store.done())
+    mine = [k for k in range(store.shards) if part is None or k % part[1] == part[0] - 1]
+    missing = [k for k in mine if k not in done]
+    store.clean(mine)
+    pace = Pace(_runs_of(store, [k for k in mine if k in done]), _runs_of(store, mine))
+    store.log.say(f"started: {pace.told()}" + (f"; part {part[0]} of {part[1]}" if part else ""))
+    if progress:
+        progress(pace.done, pace.total)
+    works = ((k, runs.iloc[store.place(k)]) for k in missing)
+    with closing(_carried_out(study, works, len(missing), how)) as finished:
+        for number, shard in finished:
+            store.write(number, shard)
+            pace.done += len(shard.table)
+            failed = int((shard.table["outcome"] != COMPLETED).sum())
+            store.log.say(f"shard {number}: {failed} failed; {pace.told()}")
+            if progress:
+                progress(pace.done, pace.total)
+    _keep_worst(store, study, runs)
+
+
+def _runs_of(store: Store, shards: list[int]) -> int:
+    return sum(store.place(k).stop - store.place(k).start for k in shards)
+
+
+def _carried_out(
+    study: Study, works: Iterator[Work], count: int, how: tuple[str, int | None, Any]
+) -> Generator[Finished]:
+    """What came of shards, as they are ready."""
+    executor, jobs, address = how
+    histories, sent = study.keep.histories == "all", packed(study)
+    jobs = min(jobs or os.cpu_count() or 1, max(count, 1))
+    if executor == "dask":
+        from thermobearing.studies.cluster import on_dask
+
+        yield from on_dask(sent, works, address, histories=histories)
+    elif jobs == 1:
+        yield from in_turn(sent, works, histories=histories)
+    else:
+        yield from on_processes(sent, works, jobs, histories=histories)
+
+
+def _keep_worst(store: Store, study: Study, runs: pd.DataFrame) -> None:
+    """Histories of the worst runs, once all are done: these are carried out again."""
+    kind, _, count = study.keep.histories.partition(" ")
+    if kind != "worst" or store.has_worst or len(store.done()) < store.shards:
+        return
+    table = store.table(["run", "outcome", *RANKED])
+    worst = worst_runs(table, int(count))
+    again = carry_out(packed(study), runs.iloc[sorted(worst)], histories=True)
+    assert again is not None
+    store.write_worst(again.histories)
+    store.log.say(f"histories of the worst {len(worst)} runs kept")

@@ -1,0 +1,214 @@
+"""The factors of a study: what differs between its runs, and all the ways to say how."""
+
+from collections.abc import Sequence
+from typing import Annotated, Any, Literal
+
+from pydantic import Field
+
+from thermobearing.bearing.bilinear import BilinearBearing
+from thermobearing.bearing.model import Bearing
+from thermobearing.border.errors import InputError
+from thermobearing.border.schema import Strict, in_unit
+from thermobearing.cyclic.case import Temperature
+from thermobearing.earthquake.motion import Motion
+from thermobearing.structure.model import Structure
+from thermobearing.studies.distributions import Distribution, Drawn, distribution_of, settled_number
+
+MOST_LEVELS = 10_000
+Weights = Annotated[tuple[Annotated[float, Field(gt=0, le=1e9)], ...], Field(min_length=1)]
+Measure = Literal["PGA", "PGV", "Sa"]
+INTENSITY_UNITS = {"PGA": "m/s^2", "PGV": "m/s", "Sa": "m/s^2"}
+
+
+class Picked(Strict):
+    """How levels are met: each with every one of the other factors, or drawn by lot.
+
+    `random` draws one level for each sample, with the probabilities of `weights` (all alike
+    without); otherwise every combination of levels has samples of its own.
+    """
+
+    random: bool = False
+    weights: Weights | None = None
+
+    @classmethod
+    def conflicts(cls, given: dict[str, Any]) -> list[str]:
+        """Weights mean something only where it is drawn."""
+        faults = []
+        if "weights" in given and given.get("random") is not True:
+            faults.append("weights: only with random = true")
+        levels, weights = given.get("levels"), given.get("weights")
+        if isinstance(levels, list) and isinstance(weights, list) and len(levels) != len(weights):
+            faults.append(f"weights: {len(weights)} of them for {len(levels)} levels")
+        return faults
+
+
+class Posterior(Strict):
+    """Bearings that an identification leaves possible; each run draws one.
+
+    Attributes
+    ----------
+    name : in tables.
+    posterior : file of the samples, posterior.csv of `identify`.
+    bearing : the fitted one, or one of another size made of its compound.
+    count : of samples, evenly through the file.
+    """
+
+    kind: Literal["posterior"] = "posterior"
+    name: Annotated[str, Field(min_length=1)]
+    posterior: Annotated[str, Field(min_length=1)]
+    bearing: Bearing
+    count: Annotated[int, Field(ge=1, le=MOST_LEVELS)] = 1000
+
+
+class BearingFactor(Picked):
+    """Bearings on the lines that have none of their own."""
+
+    levels: Annotated[
+        list[Annotated[Bearing | BilinearBearing | Posterior, Field(discriminator="kind")]],
+        Field(min_length=1, max_length=MOST_LEVELS),
+    ]
+
+
+class StructureFactor(Picked):
+    """Structures."""
+
+    levels: Annotated[list[Structure], Field(min_length=1, max_length=MOST_LEVELS)]
+
+
+class MotionFactor(Picked):
+    """Ground motions, each with a name of its own."""
+
+    levels: Annotated[list[Motion], Field(min_length=1, max_length=MOST_LEVELS)]
+
+
+Levels = Annotated[list[float | str], Field(min_length=1, max_length=MOST_LEVELS)]
+
+
+class ScaleFactor(Drawn, Picked):
+    """What multiplies a motion, or (`of` "intensity") the measure that it is brought to.
+
+    Attributes
+    ----------
+    levels : factors, or intensities with their unit; or a distribution instead.
+    of : "factor" (default) or "intensity".
+    measure : "PGA" (default), "PGV", or "Sa", the spectral acceleration at `period` and
+        `damping`, 0.05 if that is not given.
+    """
+
+    levels: Levels | None = None
+    of: Literal["factor", "intensity"] = "factor"
+    measure: Measure = "PGA"
+    period: Annotated[float, in_unit("s"), Field(ge=0.01, le=100)] | None = None
+    damping: Annotated[float, Field(gt=0, lt=1)] | None = None
+
+    @classmethod
+    def conflicts(cls, given: dict[str, Any]) -> list[str]:
+        """A period belongs to a spectral acceleration, and to that alone."""
+        faults = Picked.conflicts.__func__(cls, given)  # type: ignore[attr-defined]
+        if (given.get("measure") == "Sa") != ("period" in given):
+            faults.append('period: measure = "Sa" needs one, the others have none')
+        if "damping" in given and given.get("measure") != "Sa":
+            faults.append('damping: only of measure = "Sa"')
+        return list(faults)
+
+    @property
+    def unit(self) -> str | None:
+        """Unit of its numbers; None for a factor."""
+        return INTENSITY_UNITS[self.measure] if self.of == "intensity" else None
+
+
+class AmbientFactor(Drawn, Picked):
+    """The air, and the bearing at the start.
+
+    Attributes
+    ----------
+    levels : temperatures [degC]; or a distribution; or hourly weather, of which each run draws an
+        hour for the earthquake to come at.
+    weather : file of hourly temperatures, EPW or a table.
+    climate : name or file of a climate that weather is made up from, `years` (50) of it with `seed`
+        (0).
+    history : how long before the earthquake the bearing was as warm as the air [h]; from the
+        beginning of the weather if not given.
+    """
+
+    levels: Annotated[list[Temperature], Field(min_length=1, max_length=MOST_LEVELS)] | None = None
+    weather: Annotated[str, Field(min_length=1)] | None = None
+    climate: Annotated[str, Field(min_length=1)] | None = None
+    years: Annotated[int, Field(ge=1, le=1000)] | None = None
+    seed: Annotated[int, Field(ge=0)] | None = None
+    history: Annotated[float, in_unit("h"), Field(ge=1, le=1e5)] | None = None
+
+    @classmethod
+    def conflicts(cls, given: dict[str, Any]) -> list[str]:
+        """One way to say the air, and nothing of another."""
+        ways = [key for key in ("levels", "distribution", "weather", "climate") if key in given]
+        faults = Picked.conflicts.__func__(cls, given)  # type: ignore[attr-defined]
+        if len(ways) != 1:
+            told = f"; got {', '.join(ways)}" if ways else ""
+            faults.append(f"give one of levels, distribution, weather and climate{told}")
+        made_up = [key for key in ("years", "seed") if key in given]
+        if made_up and "climate" not in given:
+            faults.append(f"{made_up[0]}: of a climate that weather is made up from")
+        if "history" in given and not {"weather", "climate"} & set(given):
+            faults.append("history: of weather or a climate; levels and distributions have none")
+        return list(faults)
+
+    @property
+    def hourly(self) -> bool:
+        """Whether the air is that of an hour of weather."""
+        return self.weather is not None or self.climate is not None
+
+
+class NumberFactor(Drawn, Picked):
+    """Any number of the bearing, the structure or the case, by its dotted name.
+
+    Attributes
+    ----------
+    levels : numbers; or a distribution instead.
+    of : "factor" (default) multiplies the number that is there, "value" replaces it, with a unit.
+    """
+
+    levels: Levels | None = None
+    of: Literal["factor", "value"] = "factor"
+
+
+def numbers_of(
+    factor: ScaleFactor | AmbientFactor | NumberFactor, unit: str | None, key: str
+) -> list[float] | Distribution:
+    """Levels or distribution of a factor that is a number.
+
+    Parameters
+    ----------
+    factor : checked.
+    unit : of its numbers; None for pure ones.
+    key : of the factor in messages.
+
+    Raises
+    ------
+    InputError : neither or both, units missing, a distribution that is none.
+    """
+    if (factor.levels is None) == (factor.distribution is None):
+        raise InputError(f"{key}: give either levels or a distribution")
+    if factor.levels is None:
+        if factor.random:
+            raise InputError(f"{key}.random: only of levels; a distribution is always drawn")
+        return distribution_of(factor, unit, key)
+    if isinstance(factor, AmbientFactor):
+        return list(factor.levels)
+    numbers, faults = [], []
+    for number, level in enumerate(factor.levels):
+        try:
+            numbers.append(settled_number(level, unit))
+        except InputError as error:
+            faults += error.lines(f"{key}.levels[{number}]")
+    if not faults and len(set(numbers)) < len(numbers):
+        faults = [f"{key}.levels: one is given more than once"]
+    if faults:
+        raise InputError(faults)
+    return numbers
+
+
+def probabilities(weights: Sequence[float] | None, count: int) -> list[float]:
+    """Of each of so many levels, one in all."""
+    given = list(weights) if weights is not None else [1.0] * count
+    return [weight / sum(given) for weight in given]

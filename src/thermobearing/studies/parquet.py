@@ -1,0 +1,114 @@
+"""Tables as Parquet: unit and meaning of each column beside it, the whole file or none.
+
+pyarrow is an extra: without it one sentence says what to install.
+"""
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import pandas as pd
+
+from thermobearing.border.errors import InputError
+from thermobearing.border.text_file import write_whole
+
+EXTRA = 'needs pyarrow: pip install "thermobearing[study]"'
+UNIT, MEANING, NOTES = b"unit", b"meaning", b"thermobearing"
+LEVEL = 3  # of compression
+KINDS = {"i": "int64", "u": "int64", "f": "float64", "b": "bool_"}  # the rest is text
+
+
+class About(NamedTuple):
+    """What a column is: its unit ("1" of a ratio or a count, none of text), and what it says."""
+
+    unit: str = ""
+    meaning: str = ""
+
+
+def the_parquet() -> Any:
+    """The modules pyarrow and pyarrow.parquet.
+
+    Raises
+    ------
+    InputError : pyarrow is not there.
+    """
+    try:
+        import pyarrow
+        import pyarrow.parquet
+    except ImportError:
+        raise InputError(f"the table of a study {EXTRA}") from None
+    return pyarrow, pyarrow.parquet
+
+
+def parquet_bytes(
+    table: pd.DataFrame, about: Mapping[str, About], notes: Mapping[str, Any]
+) -> bytes:
+    """A table as the content of a file; equal tables make equal bytes.
+
+    Parameters
+    ----------
+    table : numbers and text.
+    about : what its columns are.
+    notes : of the whole, for `notes_of`.
+    """
+    arrow, parquet = the_parquet()
+    fields, arrays = [], []
+    for name, column in table.items():
+        kind = getattr(arrow, KINDS.get(column.dtype.kind, "string"))()
+        told = about.get(str(name), About())
+        marks = {UNIT: told.unit.encode(), MEANING: told.meaning.encode()}
+        fields.append(arrow.field(str(name), kind, metadata=marks))
+        values = column if kind != arrow.string() else [str(value) for value in column]
+        arrays.append(arrow.array(values, type=kind, from_pandas=False))
+    schema = arrow.schema(fields, metadata={NOTES: json.dumps(dict(notes)).encode()})
+    stream = arrow.BufferOutputStream()
+    whole = arrow.Table.from_arrays(arrays, schema=schema)
+    parquet.write_table(whole, stream, compression="zstd", compression_level=LEVEL)
+    return bytes(stream.getvalue())
+
+
+def write_parquet(
+    path: Path, table: pd.DataFrame, about: Mapping[str, About], notes: Mapping[str, Any]
+) -> None:
+    """Write a table; OSError where the disk is full, and nothing of it is there."""
+    write_whole(path, parquet_bytes(table, about, notes))
+
+
+def read_parquet(paths: Sequence[Path], columns: Sequence[str] | None = None) -> pd.DataFrame:
+    """Tables of some files below each other.
+
+    Raises
+    ------
+    InputError : a file cannot be read.
+    """
+    arrow, parquet = the_parquet()
+    names = None if columns is None else list(columns)
+    found = []
+    for path in paths:
+        try:
+            found.append(parquet.ParquetFile(path).read(columns=names))
+        except (OSError, arrow.ArrowException) as error:
+            raise InputError(f"cannot be read: {error}", str(path)) from None
+    whole = arrow.concat_tables([one.replace_schema_metadata(None) for one in found])
+    return pd.DataFrame(whole.to_pandas())
+
+
+def about_columns(path: Path) -> dict[str, About]:
+    """What the columns of a file are."""
+    schema = the_parquet()[1].read_schema(path)
+    return {
+        field.name: About(*[(field.metadata or {}).get(k, b"").decode() for k in (UNIT, MEANING)])
+        for field in schema
+    }
+
+
+def notes_of(path: Path) -> tuple[dict[str, Any], int] | None:
+    """Notes and number of rows of a file; None if there is none, or it is damaged."""
+    arrow, parquet = the_parquet()
+    try:
+        with parquet.ParquetFile(path) as file:
+            notes = json.loads((file.schema_arrow.metadata or {})[NOTES])
+            return notes, int(file.metadata.num_rows)
+    except (OSError, arrow.ArrowException, KeyError, ValueError):
+        return None

@@ -1,0 +1,78 @@
+"""What is asked of a study that was carried out: which demand, which capacity, which hazard."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from thermobearing.border.errors import InputError
+from thermobearing.studies.counted import Failed
+from thermobearing.studies.fragility import Fragility, Method
+from thermobearing.studies.hazard import Hazard, Rate, annual_rate
+from thermobearing.studies.mixture import ClimateFragility
+from thermobearing.studies.result import CLIMATE, StudyResult
+
+CAPACITIES = {"pier_ductility": 1.0}  # of demands that say themselves what they may be: yield
+
+
+@dataclass(frozen=True)
+class Question:
+    """What is asked of a study.
+
+    Attributes
+    ----------
+    demand : column; ductility of the pier by default, or what there is instead.
+    capacity : of the demand, in its unit; of the ductility of a pier 1 by default (it yields).
+    method : of fragility.
+    failed : runs that failed are "left-out", or count as "collapse".
+    hazard : of the site; None: no rates.
+    temperatures : of the site [degC]; None: no climate but that of the study.
+    """
+
+    demand: str | None = None
+    capacity: float | None = None
+    method: Method = "stripes"
+    failed: Failed = "left-out"
+    hazard: Hazard | None = None
+    temperatures: Any = None
+
+    def demand_of(self, result: StudyResult) -> str:
+        """The demand that is asked for."""
+        return self.demand or result.demand_name
+
+    def capacity_of(self, result: StudyResult) -> float | None:
+        """The capacity of it, if there is any."""
+        return self.capacity or CAPACITIES.get(self.demand_of(result))
+
+    def curves_of(self, result: StudyResult) -> tuple[dict[Any, Fragility], Any]:
+        """Curves of each temperature, and that over the climate; of one bearing.
+
+        Raises
+        ------
+        InputError : no capacity is known.
+        """
+        capacity = self.capacity_of(result)
+        if capacity is None:
+            raise InputError(f"what is the capacity of {self.demand_of(result)}?")
+        how: dict[str, Any] = {"method": self.method, "failed": self.failed}
+        curves = result.fragilities(capacity, self.demand_of(result), **how)
+        levels = all(isinstance(name, int | float) for name in curves)
+        climate: ClimateFragility | Fragility | None = None
+        if not levels:  # the study has drawn its temperatures from a climate
+            climate = result.fragility(capacity, self.demand_of(result), name=CLIMATE, **how)
+        elif self.temperatures is not None:
+            climate = result.over_climate(curves, self.temperatures)
+        return curves, climate
+
+    def rates_of(self, result: StudyResult) -> tuple[dict[Any, Fragility], dict[Any, Rate]]:
+        """Curves, and the annual rate of each with that over the climate last.
+
+        Raises
+        ------
+        InputError : no hazard curve, or no capacity.
+        """
+        if self.hazard is None:
+            raise InputError("annual rates need a hazard curve")
+        curves, climate = self.curves_of(result)
+        rates = result.rates(curves, self.hazard)
+        if climate is not None:
+            rates[CLIMATE] = annual_rate(climate, self.hazard)
+        return curves, rates

@@ -1,0 +1,212 @@
+"""What the document of a study says."""
+
+from dataclasses import replace
+from typing import Any
+
+import pandas as pd
+
+from thermobearing.report.generic import table_of
+from thermobearing.report.pieces import Column, Pieces, ReportFigure, ReportTable
+from thermobearing.report.words import counted, joined, number, tidy
+from thermobearing.studies.columns import AMBIENT
+from thermobearing.studies.figures import StudyFigures
+from thermobearing.studies.labels import unit_of, words_of
+from thermobearing.studies.question import Question
+from thermobearing.studies.result import StudyResult
+from thermobearing.studies.status import failures_of
+
+UNKNOWN = (
+    "The table of runs says nothing of the ranges that the bearings were tested in; a run that is "
+    "repeated in full does."
+)
+MOST_LEVELS = 12  # that are named
+TOLD_ONCE = ["method", "capacity", "left_out", "collapsed"]  # of a table of curves, elsewhere
+CAPTIONS = {
+    "demand": "Demand against temperature: median with its band, fractiles of the runs.",
+    "variance": "Share of each factor in the variance of the demand.",
+    "ida": "Incremental dynamic analysis: a line a motion, fractiles of the demand.",
+    "fragility": "Probability of going beyond the capacity, with bands.",
+    "rates": "Hazard curve, and how often a year the capacity is passed.",
+}
+
+
+def pieces_of(result: StudyResult, asked: Question | None = None) -> Pieces:
+    """Everything that the document of a study says.
+
+    Parameters
+    ----------
+    result : of `study_result`.
+    asked : demand, capacity, hazard; those that the study itself asks for by default.
+    """
+    asked = asked or result.asked
+    demand = asked.demand_of(result)
+    tables = tables_of(result, asked)
+    return Pieces(
+        command="study",
+        title=f"Study {result.study.name}",
+        question=question(result, asked),
+        answer=answer(result, asked),
+        inputs=inputs_of(result),
+        tables=tables,
+        figures=figures_of(result, asked),
+        validity_unknown=UNKNOWN,
+        assumptions=[
+            f"Failed runs are {'left out' if asked.failed == 'left-out' else 'taken as collapse'} "
+            f"wherever {words_of(demand)} is counted.",
+            "Bands are of 95 %, from a bootstrap that draws whole motions again, if nothing else "
+            "is said.",
+            "Every run begins with a bearing that was not moved before.",
+        ],
+        warnings=[tidy(text) for text in result.warnings],
+        identity={
+            "Version": f"thermobearing {result.manifest.get('versions', {}).get('thermobearing')}",
+            "Input (digest of all runs)": str(result.manifest.get("input", "")),
+            "Command": f"thermobearing study study.toml -o {result.directory.name}",
+        },
+    )
+
+
+def question(result: StudyResult, asked: Question) -> str:
+    """What was asked."""
+    demand, capacity = asked.demand_of(result), asked.capacity_of(result)
+    told = [words_of(name) for name in result.factors]
+    runs = counted(result.runs, "run")
+    if capacity is None:
+        return f"How does {words_of(demand)} spread over {runs} that differ in {joined(told)}?"
+    limit = f"{capacity:g} {unit_of(demand)}".strip()
+    often = " how often a year," if asked.hazard is not None else ""
+    return (
+        f"How likely,{often} and in which air does {words_of(demand)} go beyond {limit}, by {runs} "
+        f"that differ in {joined(told)}?"
+    )
+
+
+def answer(result: StudyResult, asked: Question) -> list[str]:
+    """Runs and failures; demand in the cold beside the warm; rates over the climate."""
+    demand = asked.demand_of(result)
+    lost = f"; {counted(result.failed, 'run')} failed" if result.failed else ""
+    planned = int(result.manifest.get("runs", result.runs))
+    done = f"All {planned} runs are done" if result.runs == planned else result.warnings[0]
+    found = [f"{done}{lost}."]
+    if AMBIENT in result.factors:
+        found += [_cold(part, demand, asked, name) for name, part in result.parts().items()]
+    if asked.hazard is not None:
+        for name, part in result.parts().items():
+            curves, rates = asked.rates_of(part)
+            table = part.rates_table(curves, rates)
+            row = table.iloc[-1]
+            of = f"{name}: " if name else ""
+            if not row["rate"] > 0.0:
+                found.append(f"{of}no run went beyond, or there is no curve; see the tables.")
+                continue
+            found.append(
+                f"{of}{_air(row['name'])}: passed once in {row['return_period_years']:.3g} years "
+                f"({row['rate_low']:.2g} to {row['rate_high']:.2g} a year), "
+                f"{row['over_reference']:.2f} times as often as at {_air(list(curves)[-1])} "
+                f"({row['over_low']:.2f} to {row['over_high']:.2f})."
+            )
+    return found
+
+
+def _air(name: Any) -> str:
+    """A temperature, or a class of them, in words."""
+    return f"{number(float(name))} °C" if isinstance(name, int | float) else str(name)
+
+
+def _cold(part: StudyResult, demand: str, asked: Question, name: str) -> str:
+    """Median of the coldest and of the warmest runs."""
+    rows = part.demand(demand, by=(), failed=asked.failed)
+    cold, warm = rows.iloc[0], rows.iloc[-1]
+    of = f"{name}: " if name else ""
+    unit = f" {unit_of(demand)}".rstrip()
+    return (
+        f"{of}the median of {words_of(demand)} is {number(float(cold['0.5']))}{unit} at "
+        f"{number(float(cold[AMBIENT]))} °C and {number(float(warm['0.5']))}{unit} at "
+        f"{number(float(warm[AMBIENT]))} °C."
+    )
+
+
+def inputs_of(result: StudyResult) -> dict[str, ReportTable]:
+    """What differs between runs, and how it was chosen."""
+    rows = []
+    for name in result.factors:
+        values = result.table[name]
+        levels = list(values.unique())
+        if len(levels) <= MOST_LEVELS:
+            told = ", ".join(f"{v:g}" if isinstance(v, float) else str(v) for v in levels)
+        else:
+            told = f"{float(values.min()):.4g} to {float(values.max()):.4g}, {len(levels)} values"
+        rows.append((words_of(name), unit_of(name), told))
+    columns = [Column("Factor"), Column("Unit"), Column("Values in the runs")]
+    design = result.study.design
+    chosen = [
+        ("kind", design.kind),
+        ("draws of each combination of levels", design.samples or "none"),
+        ("seed", design.seed),
+        ("arrangement", design.arrangement),
+    ]
+    return {
+        "factors": ReportTable("What differs between the runs", columns, rows),
+        "design": ReportTable("How they were chosen", [Column("What"), Column("Value")], chosen),
+    }
+
+
+def tables_of(result: StudyResult, asked: Question) -> dict[str, ReportTable]:
+    """Failures, demand, fragility, rates, variance, worst runs."""
+    demand = asked.demand_of(result)
+    found: dict[str, ReportTable] = {}
+    failures = failures_of(result.table)
+    if len(failures):
+        found["outcomes"] = _table("outcomes", failures, "Why runs failed")
+    if AMBIENT in result.factors:
+        table = result.demand(demand, failed=asked.failed)
+        shares = {c: f"{100 * float(str(c)):g} %" for c in table if str(c).startswith("0.")}
+        table = table.rename(columns=shares)
+        found["demand"] = _table("demand", table, f"{words_of(demand)} by temperature")
+    if result.table[result.intensity].nunique() > 1 and asked.capacity_of(result) is not None:
+        for name, part in result.parts().items():
+            found |= _curves(part, asked, f"-{name}" if name else "", name)
+    if len(result.factors) > 1:
+        found["variance"] = _table("variance", result.variance(demand), "Shares of the variance")
+    worst = result.worst(by=demand).drop(columns="id")
+    found["worst"] = _table("worst", worst, "The worst runs, and one of each way to fail")
+    return found
+
+
+def _curves(part: StudyResult, asked: Question, ending: str, name: str) -> dict[str, ReportTable]:
+    """Parameters of fragility curves, and rates."""
+    of = f", {name}" if name else ""
+    curves = asked.curves_of(part)[0]
+    table = pd.DataFrame([curve.row() for curve in curves.values()])
+    notes = [f"{_air(name)}: {curve.row()['sentence']}" for name, curve in curves.items()]
+    table = table.drop(columns=[*TOLD_ONCE, "sentence"]).rename(columns={"name": AMBIENT})
+    caption = f"Lognormal fragility by {asked.method}{of}"
+    found = {f"fragility{ending}": _table("fragility", table, caption, "; ".join(notes))}
+    if asked.hazard is not None:
+        curves, rates = asked.rates_of(part)
+        rows = part.rates_table(curves, rates)
+        note = "; ".join(dict.fromkeys(text for text in rows["notes"] if text))
+        rows = rows.rename(columns={"name": AMBIENT}).drop(columns=["reference", "notes"])
+        found[f"rates{ending}"] = _table("rates", rows, f"Annual rates{of}", note)
+    return found
+
+
+def _table(name: str, table: pd.DataFrame, caption: str, note: str = "") -> ReportTable:
+    """A table of a document with its caption."""
+    found = table_of(name, table.astype(_plain(table)))
+    return replace(found, caption=caption, note=note or found.note)
+
+
+def _plain(table: pd.DataFrame) -> dict[Any, Any]:
+    """Names of things are categories in a plan; as words they can be written."""
+    return {c: object for c in table if isinstance(table[c].dtype, pd.CategoricalDtype)}
+
+
+def figures_of(result: StudyResult, asked: Question) -> dict[str, ReportFigure]:
+    """Every figure of the study."""
+    found = {}
+    for name, draw in StudyFigures(result).all_of(asked).items():
+        kind, _, of = name.partition("-")
+        caption = CAPTIONS[kind] + (f" {of}." if of else "")
+        found[name] = ReportFigure(caption, draw=draw, alt=caption)
+    return found

@@ -1,0 +1,137 @@
+"""Bootstrap: runs drawn again with replacement, whole motions at a time; bands of what they give.
+
+Runs of one motion at several intensities and temperatures are not independent of each other, so
+that what is drawn again are motions with all their runs (the cluster bootstrap: Davison & Hinkley
+1997, Bootstrap Methods and their Application, 3.8). Bands are percentiles (Efron & Tibshirani
+1993, An Introduction to the Bootstrap, 13).
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from thermobearing.border.errors import InputError
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+SAMPLES = 500  # of a bootstrap, if nothing else is said
+LEVEL = 0.95  # confidence of bands, likewise
+MOST_AT_ONCE = 2_000_000  # numbers of one piece of work
+
+
+def check_level(level: float) -> float:
+    """A confidence level, between 0 and 1."""
+    if not 0.0 < level < 1.0:
+        raise InputError(f"level = {level:g} is not between 0 and 1")
+    return level
+
+
+@dataclass(frozen=True)
+class Draw:
+    """How runs are drawn again.
+
+    Attributes
+    ----------
+    groups : number of the group of each run.
+    count : of groups.
+    samples : of the bootstrap.
+    seed : of its generator.
+    alone : every run is a group by itself.
+    """
+
+    groups: Ints
+    count: int
+    samples: int
+    seed: tuple[int, ...]
+    alone: bool
+
+    @classmethod
+    def of_labels(
+        cls, labels: Sequence[Any] | None, runs: int, samples: int = SAMPLES, seed: int = 0
+    ) -> "Draw":
+        """Groups by their labels; without labels, or with one group only, every run by itself."""
+        if samples < 1 or seed < 0:
+            raise InputError(f"samples = {samples} and seed = {seed}: at least 1, and 0")
+        codes = np.arange(runs)
+        if labels is not None:
+            codes = np.asarray(pd.factorize(np.asarray(labels, dtype=object))[0], dtype=np.int64)
+        if labels is None or codes.max(initial=0) == 0:
+            return cls(np.arange(runs), runs, samples, (seed,), True)
+        return cls(codes, int(codes.max()) + 1, samples, (seed,), False)
+
+    def of(self, kept: NDArray[np.bool_]) -> "Draw":
+        """The same of some of the runs; groups stay the same, and are drawn the same."""
+        if not self.alone:
+            return replace(self, groups=self.groups[kept])
+        count = int(kept.sum())
+        seed = (*self.seed, int(kept.argmax()))  # runs by themselves owe others nothing
+        return replace(self, groups=np.arange(count), count=count, seed=seed)
+
+    def generator(self) -> np.random.Generator:
+        """A generator that begins anew."""
+        return np.random.default_rng(self.seed)
+
+    def weights(self) -> Iterator[Floats]:
+        """How often each group is in each sample, shape (some samples, groups) at a time."""
+        rng = self.generator()
+        chunk = max(1, MOST_AT_ONCE // max(self.count, 1))
+        shares = np.full(self.count, 1.0 / self.count)
+        for first in range(0, self.samples, chunk):
+            rows = min(chunk, self.samples - first)
+            yield rng.multinomial(self.count, shares, size=rows).astype(float)
+
+    def sums(self, values: Floats) -> Floats:
+        """Sums of values over the runs of each sample.
+
+        Parameters
+        ----------
+        values : a row for each run.
+
+        Returns
+        -------
+        array : a row for each sample.
+        """
+        of_groups = np.zeros((self.count, values.shape[1]))
+        np.add.at(of_groups, self.groups, values)
+        return np.concatenate([weights @ of_groups for weights in self.weights()])
+
+
+def quantile(values: Floats, share: float) -> float:
+    """Sample quantile with straight lines between values; some of them may be infinite.
+
+    Examples
+    --------
+    >>> quantile(np.array([1.0, 3.0, np.inf]), 0.5)
+    3.0
+    >>> quantile(np.array([1.0, 3.0, np.inf]), 0.75)
+    inf
+    """
+    ordered = np.sort(np.asarray(values, dtype=float))
+    place = share * (len(ordered) - 1)
+    low = int(np.floor(place))
+    part = place - low
+    if part < 1e-12 or low + 1 >= len(ordered):
+        return float(ordered[low])
+    if np.isinf(ordered[low : low + 2]).any():
+        return float(ordered[low + 1] if np.isinf(ordered[low + 1]) else ordered[low])
+    return float(ordered[low] + part * (ordered[low + 1] - ordered[low]))
+
+
+def percentiles(samples: Floats, level: float) -> tuple[Floats, Floats]:
+    """Lower and upper end of what lies in the middle of samples, along their first axis.
+
+    Ordered samples, equally many outside on either side, at level (count + 1): some may be
+    infinite, between which nothing lies.
+
+    Examples
+    --------
+    >>> percentiles(np.arange(1.0, 40.0), 0.9)  # the second of 39, and the last but one
+    (array(2.), array(38.))
+    """
+    ordered = np.sort(samples, axis=0)
+    outside = max(int(0.5 * (1.0 - level) * (len(ordered) + 1)), 1)
+    return np.asarray(ordered[outside - 1]), np.asarray(ordered[-outside])

@@ -1,0 +1,58 @@
+"""What is drawn from a study, on a terminal."""
+
+import pandas as pd
+
+from thermobearing.report.pieces import ReportTable
+from thermobearing.results.screen import print_table, print_warnings, say
+from thermobearing.studies.question import Question
+from thermobearing.studies.report import answer, tables_of
+from thermobearing.studies.result import StudyResult
+
+LATER = ("worst",)  # tables with a command of their own
+
+
+def print_answers(result: StudyResult, asked: Question) -> None:
+    """Tables of the document, and its answer.
+
+    Parameters
+    ----------
+    result : of `study_result`.
+    asked : demand, capacity, hazard.
+    """
+    for name, table in tables_of(result, asked).items():
+        if name not in LATER:
+            _print(table)
+    for sentence in answer(result, asked):
+        say(sentence)
+    print_warnings(result.warnings)
+
+
+def _print(table: ReportTable) -> None:
+    """A table of the document."""
+    heads = [column.title for column in table.columns]
+    rows = [
+        [column.text(value) for column, value in zip(table.columns, row, strict=True)]
+        for row in table.rows
+    ]
+    print_table(heads, rows, title=table.caption, keys=table.keys)
+    if table.note:
+        say(table.note)
+
+
+def print_worst(table: pd.DataFrame) -> None:
+    """Runs with their demand, and below them the commands that repeat them.
+
+    Parameters
+    ----------
+    table : of `StudyResult.worst`.
+    """
+    shown = table.drop(columns=["id", "command"])
+    rows = [
+        [f"{value:.4g}" if isinstance(value, float) else str(value) for value in row]
+        for row in shown.itertuples(index=False, name=None)
+    ]
+    print_table(
+        [str(name) for name in shown], rows, title="worst runs, and one of each way to fail"
+    )
+    for command in table["command"]:
+        say(command)

@@ -1,0 +1,318 @@
+"""The directory of a study: what is to be done, what is done, each file whole or not there.
+
+    study.toml         the study, names resolved and defaults filled in
+    manifest.json      number of runs, size of a shard, digest of the input, versions
+    plan.parquet       all runs with what goes into each
+    shards/00000.parquet  some of them with what came out; done is what has its file
+    histories/         those that were asked for, netCDF
+    study.log          what happened when
+
+Nothing in it but the log says when, so that a study that is done again has the same bytes.
+"""
+
+import hashlib
+import json
+import platform
+import tomllib
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+import thermobearing
+from thermobearing.border.errors import InputError, OutputError, read_bytes, shortened
+from thermobearing.border.toml import flat
+from thermobearing.core.compile import kernels_digest
+from thermobearing.results.directory import write_directory
+from thermobearing.studies.histories import write_histories
+from thermobearing.studies.log import Log
+from thermobearing.studies.parquet import (
+    About,
+    about_columns,
+    notes_of,
+    parquet_bytes,
+    read_parquet,
+    the_parquet,
+    write_parquet,
+)
+from thermobearing.studies.peaks import RESULT_COLUMNS
+from thermobearing.studies.plan_columns import about_plan
+from thermobearing.studies.record import Study
+from thermobearing.studies.shard import Done, Kept
+
+STUDY, MANIFEST, PLAN, LOG = "study.toml", "manifest.json", "plan.parquet", "study.log"
+SHARDS, HISTORIES, WORST = "shards", "histories", "worst.nc"
+FORMAT = 1  # of the directory
+LARGEST_FILE = 100_000_000  # bytes of a manifest or a study
+FEWEST, MOST = 16, 1000  # runs of a shard
+SHARES = 100  # shards of a study, unless that makes them too small or too large
+CHANGES_TOLD = 3
+SAME = ("thermobearing", "kernels")  # versions that must not change half-way
+LIBRARIES = ("numpy", "scipy", "numba", "pandas", "pyarrow")
+
+
+def shard_size(runs: int) -> int:
+    """Runs of a shard: so many that a process is not begun for nothing, and little is lost.
+
+    Examples
+    --------
+    >>> shard_size(200), shard_size(100_000)
+    (16, 1000)
+    """
+    return min(max(FEWEST, -(-runs // SHARES)), MOST)
+
+
+class Store:
+    """A study on the disk.
+
+    Attributes
+    ----------
+    directory : where it is.
+    manifest : what manifest.json says.
+    log : its log.
+    """
+
+    def __init__(self, directory: Path) -> None:
+        self.directory = directory
+        self.manifest = _read_manifest(directory)
+        self.log = Log(directory / LOG)
+
+    @property
+    def runs(self) -> int:
+        """Number of runs of the whole study."""
+        return int(self.manifest["runs"])
+
+    @property
+    def shards(self) -> int:
+        """Number of shards of the whole study."""
+        return -(-self.runs // int(self.manifest["shard_size"]))
+
+    def place(self, shard: int) -> slice:
+        """Which rows of the plan a shard has."""
+        size = int(self.manifest["shard_size"])
+        return slice(shard * size, min((shard + 1) * size, self.runs))
+
+    def file(self, shard: int) -> Path:
+        """Where the table of a shard is, or will be."""
+        return self.directory / SHARDS / f"{shard:05d}.parquet"
+
+    def is_done(self, shard: int) -> bool:
+        """Whether its file is there, whole, and of this study."""
+        place, found = self.place(shard), notes_of(self.file(shard))
+        expected = self._notes(shard), place.stop - place.start
+        return found == expected
+
+    def done(self) -> list[int]:
+        """All shards that are done."""
+        return [shard for shard in range(self.shards) if self.is_done(shard)]
+
+    def write(self, shard: int, done: Done) -> None:
+        """Keep what came of a shard; its table comes last, and says that all is there.
+
+        Raises
+        ------
+        OutputError : the disk is full or not writable; nothing of it is kept.
+        """
+        about = about_columns(self.directory / PLAN) | _ABOUT
+        with self.writing():
+            if done.histories:
+                write_histories(self.directory / HISTORIES / f"{shard:05d}.nc", done.histories)
+            write_parquet(self.file(shard), done.table, about, self._notes(shard))
+
+    def write_worst(self, kept: Sequence[Kept]) -> None:
+        """Keep histories of the worst runs; likewise."""
+        with self.writing():
+            write_histories(self.directory / HISTORIES / WORST, kept)
+
+    @property
+    def has_worst(self) -> bool:
+        """Whether histories of the worst runs are there."""
+        return (self.directory / HISTORIES / WORST).exists()
+
+    def table(self, columns: Sequence[str] | None = None) -> pd.DataFrame:
+        """All runs that are done, in the order of the plan.
+
+        Parameters
+        ----------
+        columns : some of them; all by default.
+        """
+        files = [self.file(shard) for shard in self.done()]
+        if not files:
+            empty = read_parquet([self.directory / PLAN]).head(0)
+            empty = empty.assign(**{column.name: [] for column in RESULT_COLUMNS})
+            return empty if columns is None else empty[list(columns)]
+        return read_parquet(files, columns)
+
+    def plan(self) -> pd.DataFrame:
+        """All runs with what goes into each."""
+        return read_parquet([self.directory / PLAN])
+
+    @contextmanager
+    def writing(self) -> Iterator[None]:
+        """A disk that is full becomes one message.
+
+        Raises
+        ------
+        OutputError : the system refused to write.
+        """
+        try:
+            yield
+        except (OSError, RuntimeError) as error:  # netCDF tells a failing disk as either
+            told = getattr(error, "strerror", None) or error
+            self.log.say(f"cannot be written: {told}")
+            raise OutputError(
+                f"{self.directory}: cannot be written: {told}; what is done is kept: start again "
+                "when that is mended"
+            ) from error
+
+    def clean(self, shards: Sequence[int]) -> None:
+        """Take away what killed writers of some shards left half written."""
+        mine = {f".{shard:05d}." for shard in shards}
+        for folder in (self.directory / SHARDS, self.directory / HISTORIES):
+            for path in folder.glob(".*") if folder.exists() else []:
+                if path.name[:7] in mine or path.name.startswith(f".{WORST}"):
+                    path.unlink(missing_ok=True)
+
+    def _notes(self, shard: int) -> dict[str, Any]:
+        """What a file of a shard says of itself."""
+        return {
+            "shard": shard,
+            "input": self.manifest["input"],
+            "thermobearing": self.manifest["versions"]["thermobearing"],
+        }
+
+
+_ABOUT = {column.name: About(column.unit, column.meaning) for column in RESULT_COLUMNS}
+
+
+def open_or_make(directory: Path, study: Study, runs: pd.DataFrame, size: int | None) -> Store:
+    """The directory of a study: a new one, or the one that was begun.
+
+    Parameters
+    ----------
+    directory : new, empty, or of the same study.
+    study, runs : and its plan.
+    size : of a shard, for a new one; None for what `shard_size` says.
+
+    Raises
+    ------
+    OutputError : it holds something else, or cannot be written.
+    InputError : it was begun with another study, or with another version.
+    """
+    the_parquet()
+    digest = input_digest(study, runs)
+    if not (directory / MANIFEST).exists():
+        whole = {
+            STUDY: study.to_toml().encode(),
+            PLAN: parquet_bytes(runs, about_plan(study, runs), {"input": digest}),
+            MANIFEST: _manifest(study, runs, digest, size or shard_size(len(runs))),
+        }
+
+        def fill(folder: Path) -> None:
+            (folder / SHARDS).mkdir()
+            for name, content in whole.items():
+                (folder / name).write_bytes(content)
+
+        try:
+            write_directory(directory, fill)
+        except OutputError:
+            if not (directory / MANIFEST).exists():  # else another part of it was quicker
+                raise
+    store = Store(directory)
+    _refuse_others(store, study, digest)
+    return store
+
+
+def input_digest(study: Study, runs: pd.DataFrame) -> str:
+    """Of all that goes into a study: every run's input, and what is kept of them."""
+    found = hashlib.sha256("\n".join(runs["id"]).encode())
+    analysis = study.case.analysis
+    found.update(repr((study.keep.histories, analysis.keep, analysis.keep_every)).encode())
+    return found.hexdigest()
+
+
+def versions() -> dict[str, str]:
+    """Of this program, its kernels, Python and the libraries that numbers depend on."""
+    found = {
+        "thermobearing": thermobearing.__version__,
+        "kernels": kernels_digest(),
+        "python": platform.python_version(),
+    }
+    for name in LIBRARIES:
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:
+            found[name] = "unknown"
+    return found
+
+
+def _manifest(study: Study, runs: pd.DataFrame, digest: str, size: int) -> bytes:
+    content = {
+        "kind": "study",
+        "format": FORMAT,
+        "name": study.name,
+        "runs": len(runs),
+        "shard_size": size,
+        "histories": study.keep.histories,
+        "input": digest,
+        "versions": versions(),
+    }
+    return (json.dumps(content, indent=2) + "\n").encode()
+
+
+def _read_manifest(directory: Path) -> dict[str, Any]:
+    path = directory / MANIFEST
+    if not path.exists():
+        raise InputError(f"is not the directory of a study: no {MANIFEST} there", str(directory))
+    try:
+        found = json.loads(read_bytes(path, LARGEST_FILE))
+        whole = found["kind"] == "study" and found["format"] == FORMAT
+        numbers = [int(found[name]) for name in ("runs", "shard_size")]
+        whole = whole and min(numbers) > 0 and isinstance(found["versions"], dict)
+        whole = whole and isinstance(found["input"], str)
+    except (ValueError, TypeError, KeyError):
+        whole = False
+    if not whole:
+        raise InputError("is damaged, or of another version; do the study again", str(path))
+    return dict(found)
+
+
+def _refuse_others(store: Store, study: Study, digest: str) -> None:
+    """InputError for a directory that was begun with another study, or another version."""
+    name = str(store.directory)
+    if digest != store.manifest["input"]:
+        raise InputError(
+            f"was begun with another study: {_changes(store, study)}. Choose another directory, or "
+            f"undo the change; {STUDY} there is what was begun, and nothing is lost",
+            name,
+        )
+    now, then = versions(), store.manifest["versions"]
+    other = [key for key in SAME if now[key] != then.get(key)]
+    if other:
+        told = ", ".join(f"{key} {then.get(key)}, now {now[key]}" for key in other)
+        raise InputError(
+            f"was begun with another version ({told}): its runs would not go together. Choose "
+            "another directory, or go on with that version",
+            name,
+        )
+
+
+def _changes(store: Store, study: Study) -> str:
+    """What differs, in words."""
+    try:
+        was = flat(tomllib.loads(read_bytes(store.directory / STUDY, LARGEST_FILE).decode()))
+    except (InputError, ValueError):
+        return f"{STUDY} cannot be read"
+    now = flat(tomllib.loads(study.to_toml()))
+    keys = [key for key in now | was if now.get(key) != was.get(key)]
+    if not keys:
+        return "a file that it names (motion, bearing, weather) has changed"
+    told = [
+        f"{key} = {shortened(repr(now.get(key)))}, was {shortened(repr(was.get(key)))}"
+        for key in keys[:CHANGES_TOLD]
+    ]
+    more = f" and {len(keys) - CHANGES_TOLD} more" if len(keys) > CHANGES_TOLD else ""
+    return "; ".join(told) + more

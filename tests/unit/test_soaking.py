@@ -1,0 +1,107 @@
+"""A bearing through hourly weather in one pass: the same as soaking it from far enough back."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+
+import thermobearing as tb
+from tests import tolerances as tol
+from thermobearing.climate.hourly import HOUR
+from thermobearing.cyclic.history import run_segments
+from thermobearing.cyclic.protocol import CyclicTest
+from thermobearing.cyclic.segments import build_segments
+from thermobearing.earthquake.case import make_earthquake_case
+from thermobearing.earthquake.run import build_device, soaked
+from thermobearing.earthquake.soaking import SPIN_UP, hour_map, soaked_hours
+from thermobearing.earthquake.task import Device
+
+WEATHER = tb.climate.generate_weather("cold-town", years=1, seed=2)
+LOOKED_AT = 800
+UNSETTLED = ("LHDR, half-space", "LHDR, published")
+OPTIONS = {
+    "HDR": ("shen-hdr-bridge", {}),
+    "LHDR": ("shen-lhdr-bridge", {}),
+    "LHDR, half-space": ("shen-lhdr-bridge", {"lead_ends": "half-space"}),
+    "LHDR, published": ("shen-lhdr-bridge", {"scheme": "published"}),
+    "two faces": ("shen-lhdr-bridge", {"lower_face": {"eta": 2.0}}),
+}
+
+
+def device_of(name: str, **analysis: object) -> Device:
+    case = make_earthquake_case(
+        {"command": "bridge", "bearings": [name], "analysis": analysis}, "test"
+    )
+    return build_device(case, case.bearings[0])
+
+
+@pytest.mark.parametrize("kind", list(OPTIONS))
+def test_pass_is_the_rests_of_all_hours_in_a_row(kind: str) -> None:
+    name, analysis = OPTIONS[kind]
+    device = device_of(name, **analysis)
+    rests = CyclicTest(dt=10.0, steps=[{"step": "rest", "duration": HOUR}] * LOOKED_AT)
+    air = WEATHER.before(LOOKED_AT, LOOKED_AT)
+    uniform = np.full(len(device.constants.cells.capacity), air.temperature[0])
+    history = run_segments(device.constants, build_segments(rests, 1.0), air, uniform, groups=())
+    temperature, lead = soaked_hours(device, WEATHER, np.array([LOOKED_AT])).at(0)
+    within = tol.HALF_SPACE_SETTLES if kind in UNSETTLED else tol.HOURS_OF_REST
+    assert_allclose(temperature, history.state.temperature, atol=within)
+    if lead is not None:
+        assert_allclose(lead, history.state.branches[0].lead_temperature, atol=within)
+
+
+@pytest.mark.parametrize("name", ["shen-hdr-bridge", "shen-lhdr-bridge"])
+def test_same_as_soaking_from_far_enough_back(name: str) -> None:
+    """That takes steps of 600 s, in which lead lags behind."""
+    device = device_of(name)
+    hours = np.array([5000, 1500, 4000])
+    found = soaked_hours(device, WEATHER, hours)
+    for place, hour in enumerate(hours):
+        temperature, lead = soaked(device, WEATHER.before(int(hour), 720))
+        assert_allclose(found.temperature[place], temperature, atol=tol.TEN_MINUTES)
+        if lead is not None:
+            assert_allclose(found.at(place)[1], lead, atol=tol.TEN_MINUTES_OF_LEAD)
+
+
+def test_some_hours_are_those_of_all() -> None:
+    device = device_of("shen-lhdr-bridge")
+    every = soaked_hours(device, WEATHER)
+    some = soaked_hours(device, WEATHER, np.array([300, 0, 300, 7]))
+    assert_array_equal(some.temperature, every.temperature[[300, 0, 300, 7]])
+    assert_array_equal(some.lead, every.lead[[300, 0, 300, 7]])
+    assert_array_equal(every.temperature[0], WEATHER.temperature[0])
+
+
+def test_even_air_stays() -> None:
+    for name in ("shen-hdr-bridge", "shen-lhdr-bridge"):
+        found = soaked_hours(device_of(name), tb.climate.Hourly(np.full(500, -7.0)))
+        assert_allclose(found.temperature, -7.0, atol=tol.HOURS_OF_REST)
+
+
+def test_typical_year_has_had_the_days_before() -> None:
+    device = device_of("shen-hdr-bridge")
+    year = tb.climate.Hourly(WEATHER.temperature[:2000], recurs=True)
+    twice = tb.climate.Hourly(np.tile(WEATHER.temperature[:2000], 2))
+    assert SPIN_UP < 2000
+    first = soaked_hours(device, year, np.array([0, 10])).temperature
+    second = soaked_hours(device, twice, np.array([2000, 2010])).temperature
+    assert_allclose(first, second, atol=tol.HOURS_OF_REST)
+
+
+def test_an_hour_forgets() -> None:
+    """Every temperature ends at that of the air: what is kept and what comes make one."""
+    one = hour_map(device_of("shen-hdr-bridge").constants)
+    assert_allclose(one.kept.sum(axis=1) + one.early + one.late, 1.0, atol=tol.HOURS_OF_REST)
+    assert np.abs(np.linalg.eigvals(one.kept)).max() < 1.0
+
+
+def test_bilinear_has_no_temperature() -> None:
+    found = soaked_hours(device_of("shen-bilinear-bridge"), WEATHER, np.array([1, 2]))
+    assert found.temperature.shape == (2, 1)
+    assert found.at(1)[1] is None
+    with pytest.raises(tb.InputError, match="has no temperature"):
+        tb.earthquake.bearing_weather("shen-bilinear-bridge", WEATHER)
+
+
+def test_hours_that_are_not_there() -> None:
+    with pytest.raises(tb.InputError, match="hours must be 0 to 8759"):
+        soaked_hours(device_of("shen-hdr-bridge"), WEATHER, np.array([8760]))

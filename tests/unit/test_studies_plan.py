@@ -1,0 +1,111 @@
+"""Plans of studies: which runs, in which order, known by what goes into them."""
+
+import tomllib
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import thermobearing as tb
+from thermobearing.border.errors import InputError
+from thermobearing.earthquake.run import build_tasks, run_task
+from thermobearing.studies import Study, make_study, plan
+from thermobearing.studies.prepare import Preparer
+
+BEARINGS = ["shen-hdr-bridge", "shen-bilinear-bridge"]
+MOTIONS = ["jra-ii-i-1", "jra-ii-i-2"]
+
+
+def study(design: dict[str, Any] | None = None, **factors: Any) -> Study:
+    """A small study; factors replace or join those of one run."""
+    whole = {"bearing": BEARINGS[0], "motion": MOTIONS[0], "ambient": ["0 degC"]} | factors
+    table = {"kind": "study", "name": "small", "case": {"duration": "2 s"}, "factors": whole}
+    return make_study(table | ({"design": design} if design else {}), "study.toml")
+
+
+def test_levels_meet_in_every_combination() -> None:
+    made = study(bearing=BEARINGS, motion=MOTIONS, ambient=["23 degC", "-20 degC"])
+    runs = plan(made)
+    names = ["bearing", "motion", "ambient_degC"]
+    assert runs[names].values.tolist() == [
+        [bearing, motion, air] for bearing in BEARINGS for motion in MOTIONS for air in (23, -20)
+    ]
+    assert runs["run"].tolist() == list(range(8))
+    assert runs["id"].nunique() == 8
+
+
+def test_a_run_of_a_study_is_that_of_bridge() -> None:
+    made = study(bearing=BEARINGS, ambient=["23 degC", "-20 degC"])
+    case = tb.earthquake.make_earthquake_case(
+        {"command": "bridge"},
+        "bridge",
+        bearings=BEARINGS,
+        motions=MOTIONS[:1],
+        ambient=[23, -20],
+        duration=2,
+    )
+    preparer = Preparer(made)
+    for row, task in zip(plan(made).to_dict("records"), build_tasks(case), strict=True):
+        mine, theirs = run_task(preparer.run_input(row).task), run_task(task)
+        np.testing.assert_array_equal(mine.rows.q, theirs.rows.q)
+
+
+def test_an_id_is_of_the_input_and_of_nothing_else() -> None:
+    alone = plan(study(ambient=["-20 degC"])).iloc[0]
+    among = plan(study(bearing=BEARINGS[::-1], ambient=["23 degC", "-20 degC"]))
+    same = among[(among["bearing"] == BEARINGS[0]) & (among["ambient_degC"] == -20.0)].iloc[0]
+    assert (alone["id"], alone["seed"]) == (same["id"], same["seed"])
+    assert alone["run"] != same["run"]
+    others = [
+        study(ambient=["-20.1 degC"]),
+        study(ambient=["-20 degC"], scale=[1.1]),
+        study(ambient=["-20 degC"], motion=MOTIONS[1]),
+        study(ambient=["-20 degC"], bearing=BEARINGS[1]),
+        study(ambient=["-20 degC"], structure="hybrid-pier"),
+    ]
+    assert alone["id"] not in {plan(other)["id"][0] for other in others}
+
+
+@pytest.mark.parametrize("kind", ["factorial", "latin-hypercube", "sobol", "monte-carlo"])
+def test_a_plan_repeats_itself(kind: str) -> None:
+    air = {"distribution": "normal", "mean": "0 degC", "sd": "10 K"}
+    made = study({"kind": kind, "samples": 16, "seed": 3}, bearing=BEARINGS, ambient=air)
+    runs = plan(made)
+    again = make_study(tomllib.loads(made.to_toml()), "again")
+    pd.testing.assert_frame_equal(plan(again), runs, check_exact=True)
+    first, second = (runs.loc[runs["bearing"] == name, "ambient_degC"] for name in BEARINGS)
+    assert first.tolist() == second.tolist()  # paired: both bearings meet the same air
+    assert first.nunique() == 16
+    other = plan(study({"kind": kind, "samples": 16, "seed": 4}, ambient=air))
+    assert set(other["ambient_degC"]).isdisjoint(first)
+
+
+def test_saltelli_swaps_one_factor_at_a_time() -> None:
+    air = {"distribution": "uniform", "low": "-20 degC", "high": "30 degC"}
+    scale = {"distribution": "lognormal", "median": 1.0, "cov": 0.3}
+    design = {"kind": "sobol", "samples": 8, "arrangement": "saltelli"}
+    runs = plan(study(design, ambient=air, scale=scale)).set_index(["matrix", "sample"])
+    assert len(runs) == 8 * 4
+    a, b = runs.loc["A"], runs.loc["B"]
+    for name, other in (("ambient_degC", "scale"), ("scale", "ambient_degC")):
+        swapped = runs.loc[f"AB {name}"]
+        assert swapped[name].tolist() == b[name].tolist()
+        assert swapped[other].tolist() == a[other].tolist()
+
+
+def test_a_motion_is_brought_to_an_intensity() -> None:
+    scale = {"of": "intensity", "measure": "PGA", "levels": ["2 m/s2", "400 gal"]}
+    made = study(scale=scale, motion=MOTIONS)
+    runs = plan(made)
+    assert runs["PGA_m_s2"].tolist() == pytest.approx([2.0, 4.0, 2.0, 4.0])
+    for row in runs.to_dict("records"):
+        pga = tb.load_motion(row["motion"]).pga
+        assert row["scale"] * pga == pytest.approx(1000.0 * row["PGA_m_s2"])
+
+
+def test_too_many_runs_are_refused() -> None:
+    air = {"distribution": "normal", "mean": "0 degC", "sd": "10 K"}
+    levels = [0.01 * k for k in range(1, 2000)]
+    with pytest.raises(InputError, match="at most 10000000 are done"):
+        plan(study({"kind": "monte-carlo", "samples": 10_000}, ambient=air, scale=levels))

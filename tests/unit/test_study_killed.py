@@ -1,0 +1,256 @@
+"""A study that is stopped in any way loses nothing and does nothing twice: real processes."""
+
+import multiprocessing
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from textwrap import dedent
+from typing import Any
+
+import pytest
+
+import thermobearing.studies.peaks as peaks
+from tests.unit.studies import kept, small_study
+from thermobearing.border.errors import InputError, OutputError
+from thermobearing.studies import run_study, study_status
+
+pytest.importorskip("pyarrow")
+needs_fork = pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork, as POSIX has it")
+PATIENCE = 120  # for what must come, however slow the machine [s]
+WRITES = ("open", "os.rename", "os.mkdir", "os.remove", "os.rmdir")
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
+    """What the study comes to when nothing stops it, one run a shard."""
+    out = tmp_path_factory.mktemp("whole") / "out"
+    run_study(small_study(), out, jobs=1, size=1)
+    return kept(out)
+
+
+def in_child(action: Callable[[], Any]) -> tuple[bool, str]:
+    """Act in a forked process: whether it was killed, and what it raised."""
+    reader, writer = os.pipe()
+    child = os.fork()
+    if child == 0:
+        try:
+            action()
+        except BaseException as error:
+            os.write(writer, f"{type(error).__name__}: {error}".encode())
+        finally:
+            os._exit(0)
+    os.close(writer)
+    with os.fdopen(reader) as pipe:
+        told = pipe.read()
+    return os.WIFSIGNALED(os.waitpid(child, 0)[1]), told
+
+
+@needs_fork
+def test_killed_at_any_event(
+    tmp_path: Path, whole: dict[str, bytes], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """SIGKILL when a file is opened, renamed or removed below the directory, one after the other.
+
+    Each start goes on where the last was killed, and computes no run again that has its file.
+    """
+    out, study, last = tmp_path / "out", small_study(), ("", -1)
+    run = peaks.run_task
+
+    def counted(task: Any) -> Any:
+        (tmp_path / "runs").open("a").write("x")
+        return run(task)
+
+    monkeypatch.setattr(peaks, "run_task", counted)
+
+    def until(moment: int) -> None:
+        count = 0
+
+        def hook(name: str, details: tuple[Any, ...]) -> None:
+            nonlocal count
+            if name in WRITES and str(tmp_path) in str(details[0]) and "runs" not in str(details):
+                count += 1
+                if count == moment:
+                    os.kill(os.getpid(), signal.SIGKILL)
+
+        sys.addaudithook(hook)
+        run_study(study, out, jobs=1, size=1)
+
+    kills = 0
+    for moment in (1, 2, 3, 5, 8, 11, 13, 15, 18, 21, 23, 26, 29, 1000):
+        done = study_status(out).done if (out / "manifest.json").exists() else 0
+        before = len((tmp_path / "runs").read_text()) if (tmp_path / "runs").exists() else 0
+        killed, told = in_child(lambda moment=moment: until(moment))  # type: ignore[misc]
+        assert not told
+        kills += killed
+        after = study_status(out).done if (out / "manifest.json").exists() else 0
+        computed = len((tmp_path / "runs").read_text()) - before if after else 0
+        assert after >= done  # nothing is lost
+        assert computed <= after - done + 1  # nothing is done twice but what had no file
+        last = (told, after)
+    assert kills >= 8
+    assert last == ("", 8)
+    assert kept(out) == whole
+    assert [path.name for path in tmp_path.iterdir() if path.name.startswith(".")] == []
+
+
+@needs_fork
+def test_full_disk(tmp_path: Path, whole: dict[str, bytes]) -> None:
+    """The system refuses files of more than a few kB: those of shards are larger."""
+    resource = pytest.importorskip("resource")
+    out = tmp_path / "out"
+    run_study(small_study(), out, jobs=1, size=1, shard="1/4")
+    before = kept(out)
+
+    def full() -> None:
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (5_000, 5_000))
+        run_study(small_study(), out, jobs=1, size=1)
+
+    killed, told = in_child(full)
+    assert not killed
+    assert "OutputError" in told
+    assert os.strerror(27) in told
+    assert "what is done is kept: start again" in told
+    assert kept(out) == before
+    assert run_study(small_study(), out, jobs=1).outcome == "completed"
+    assert kept(out) == whole
+
+
+def test_ctrl_c(tmp_path: Path, whole: dict[str, bytes], monkeypatch: pytest.MonkeyPatch) -> None:
+    """In the middle of a run, in this process; then while processes of their own are at work."""
+    run, calls = peaks.run_task, []
+
+    def interrupted(task: Any) -> Any:
+        calls.append(task)
+        if len(calls) == 3:
+            raise KeyboardInterrupt
+        return run(task)
+
+    monkeypatch.setattr(peaks, "run_task", interrupted)
+    done = run_study(small_study(), tmp_path / "out", jobs=1, size=1)
+    assert (done.outcome, done.done) == ("interrupted", 2)
+    assert "start again to do the rest" in done.sentence
+    monkeypatch.setattr(peaks, "run_task", run)
+
+    def third(done: int, _: int) -> None:
+        if done == 3:
+            raise KeyboardInterrupt
+
+    done = run_study(small_study(), tmp_path / "out", jobs=2, progress=third)
+    assert (done.outcome, done.done) == ("interrupted", 3)
+    assert not multiprocessing.active_children()
+    assert run_study(small_study(), tmp_path / "out", jobs=1).outcome == "completed"
+    assert kept(tmp_path / "out") == whole
+
+
+def test_a_process_that_is_killed_is_replaced(tmp_path: Path, whole: dict[str, bytes]) -> None:
+    killed = []
+
+    def first(done: int, _: int) -> None:
+        if done == 1:
+            for one in multiprocessing.active_children():
+                killed.append(one.pid)
+                assert one.pid
+                os.kill(one.pid, signal.SIGKILL)
+
+    assert run_study(small_study(), tmp_path / "out", jobs=2, size=1, progress=first).done == 8
+    assert len(killed) == 2
+    assert kept(tmp_path / "out") == whole
+
+
+def test_processes_that_always_die_are_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # What a process does first breaks there, and the process with it.
+    monkeypatch.setattr("thermobearing.studies.executors._begin", divmod)
+    with pytest.raises(OutputError, match="died 3 times in a row"):
+        run_study(small_study(), tmp_path / "out", jobs=2, size=1)
+    assert study_status(tmp_path / "out").done == 0
+
+
+@pytest.mark.skipif(not Path("/proc").is_dir(), reason="looks at processes as Linux shows them")
+def test_processes_end_with_the_one_that_made_them(tmp_path: Path, whole: dict[str, bytes]) -> None:
+    """kill -9 of a real program in the middle of a study."""
+    program = f"""
+        import multiprocessing, time
+        from tests.unit.studies import small_study
+        from thermobearing.studies import run_study
+
+        def first(done, total):
+            if done == 1:
+                print(*[one.pid for one in multiprocessing.active_children()], flush=True)
+                time.sleep({PATIENCE})
+
+        if __name__ == "__main__":
+            run_study(small_study(), {str(tmp_path / "out")!r}, jobs=2, size=1, progress=first)
+    """
+    (tmp_path / "program.py").write_text(dedent(program))
+    here = Path(__file__).parents[2]
+    command = [sys.executable, str(tmp_path / "program.py")]
+    environment = os.environ | {"PYTHONPATH": str(here)}
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment) as running:
+        assert running.stdout
+        workers = [int(word) for word in running.stdout.readline().split()]
+        running.kill()
+    assert workers
+    end = time.monotonic() + PATIENCE
+    while any(_alive(worker) for worker in workers) and time.monotonic() < end:
+        time.sleep(0.05)
+    assert not any(_alive(worker) for worker in workers)
+    assert study_status(tmp_path / "out").done >= 1
+    assert run_study(small_study(), tmp_path / "out", jobs=1).outcome == "completed"
+    assert kept(tmp_path / "out") == whole
+
+
+def _alive(process: int) -> bool:
+    try:
+        state = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0]
+    except OSError:
+        return False
+    return state != "Z"
+
+
+def test_nobody_answers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("distributed")
+    monkeypatch.setattr("thermobearing.studies.cluster.PATIENCE", 0.2)
+    for address in ("tcp://127.0.0.1:9", "nonsense://x"):
+        with pytest.raises(InputError, match=f'address "{address}": no Dask scheduler answers'):
+            run_study(small_study(), tmp_path / "out", executor="dask", address=address)
+    assert study_status(tmp_path / "out").done == 0
+
+
+def test_dask(tmp_path: Path, whole: dict[str, bytes]) -> None:
+    """A real cluster: a worker is killed, the work goes on; the scheduler stops, all is kept."""
+    distributed = pytest.importorskip("distributed")
+    dask = pytest.importorskip("dask")
+    out = tmp_path / "out"
+    with (
+        dask.config.set({"distributed.worker.multiprocessing-method": "forkserver"}),
+        distributed.LocalCluster(
+            n_workers=1, threads_per_worker=1, dashboard_address=None, host="127.0.0.1"
+        ) as cluster,
+    ):
+
+        def stop(done: int, _: int) -> None:
+            if done == 3:
+                (worker,) = cluster.workers.values()
+                os.kill(worker.pid, signal.SIGKILL)
+            if done == 6:
+                cluster.close()
+
+        with pytest.raises(OutputError, match=r"scheduler is gone .*; what is done is kept"):
+            run_study(
+                small_study(),
+                out,
+                executor="dask",
+                address=cluster.scheduler_address,
+                size=1,
+                progress=stop,
+            )
+    assert 6 <= study_status(out).done < 8
+    assert run_study(small_study(), out, jobs=1).outcome == "completed"
+    assert kept(out) == whole

@@ -1,0 +1,186 @@
+"""What a study tells: tables, worst runs, figures, of runs whose answers are made up."""
+
+import shlex
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from thermobearing.border.errors import InputError
+from thermobearing.studies.case import make_study
+from thermobearing.studies.designs import plan
+from thermobearing.studies.hazard import Hazard
+from thermobearing.studies.question import Question
+from thermobearing.studies.result import StudyResult
+from thermobearing.studies.worst import worst_runs
+
+MOTIONS = [f"jra-ii-{ground}-{number}" for ground in ("i", "ii") for number in (1, 2, 3)]
+HAZARD = Hazard(np.geomspace(0.5, 60.0, 8), 0.05 * np.geomspace(0.5, 60.0, 8) ** -2.2, "PGA")
+FACTORS = {
+    "bearing": ["shen-hdr-bridge", "shen-lhdr-bridge"],
+    "motion": MOTIONS,
+    "scale": [0.25, 0.5, 0.75, 1.0, 1.5, 2.0],
+    "ambient": ["-20 degC", "0 degC", "23 degC"],
+}
+
+
+@cache
+def made_up() -> StudyResult:
+    """Ductility by a formula: more in the cold, twice as much more with the first bearing."""
+    study = make_study({"kind": "study", "name": "p1", "factors": FACTORS}, "test")
+    runs = plan(study)
+    rng = np.random.default_rng(1)
+    of_motion = dict(zip(MOTIONS, np.exp(rng.normal(0.0, 0.35, len(MOTIONS))), strict=True))
+    cold = np.where(runs["bearing"] == "shen-hdr-bridge", 0.012, 0.006)
+    demand = runs["PGA_m_s2"] / 8.0 * np.exp(cold * (23.0 - runs["ambient_degC"]))
+    demand = demand * runs["motion"].astype(str).map(of_motion)
+    outcome = np.where(demand > 3.2, "not_converged", "completed")
+    runs = runs.assign(
+        outcome=outcome,
+        sentence=np.where(demand > 3.2, "try a smaller step", ""),
+        pier_ductility=demand.where(demand <= 3.2),
+    )
+    return StudyResult(runs, study, {"runs": len(runs)}, "out/p1")
+
+
+def test_headline_outcome_and_summary() -> None:
+    result = made_up()
+    assert result.runs == 2 * 6 * 6 * 3
+    assert result.outcome == "some_failed"
+    assert f"{result.failed} of 216 runs failed" in result.warnings[0]
+    assert result.factors == ["bearing", "motion", "scale", "ambient_degC"]
+    told = result.summary()
+    assert told["outcomes"]["not_converged"] == result.failed
+    assert (told["demand"], told["intensity"]) == ("pier_ductility", "PGA_m_s2")
+    assert "216 runs" in repr(result)
+
+
+def test_fewer_runs_than_planned_are_told() -> None:
+    whole = made_up()
+    some = StudyResult(whole.table.head(30), whole.study, whole.manifest)
+    assert some.outcome == "incomplete"
+    assert some.warnings[0] == "30 of 216 runs are done"
+
+
+def test_curves_of_one_bearing_only() -> None:
+    result = made_up()
+    with pytest.raises(InputError, match="would mix bearings"):
+        result.fragilities(1.0)
+    parts = result.parts()
+    assert list(parts) == ["shen-hdr-bridge", "shen-lhdr-bridge"]
+    curves = parts["shen-hdr-bridge"].fragilities(1.0, samples=40)
+    medians = [curve.median for curve in curves.values()]
+    assert list(curves) == [-20.0, 0.0, 23.0]
+    assert medians == sorted(medians)
+    both = result.select(ambient_degC=-20.0).fragilities(1.0, by="bearing", samples=40)
+    assert both["shen-hdr-bridge"].median < both["shen-lhdr-bridge"].median
+    with pytest.raises(InputError, match="no run has"):
+        result.select(bearing="none")
+    with pytest.raises(InputError, match="no column"):
+        result.select(bearng="none")
+
+
+def test_rates_over_the_climate_and_over_the_warm() -> None:
+    part = made_up().parts()["shen-hdr-bridge"]
+    hours = np.random.default_rng(2).normal(8.0, 9.0, 2000)
+    asked = Question(hazard=HAZARD, temperatures=hours, failed="collapse")
+    curves, rates = asked.rates_of(part)
+    table = part.rates_table(curves, rates).set_index("name")
+    assert list(rates) == [-20.0, 0.0, 23.0, "climate"]
+    assert table.loc[23.0, "over_reference"] == 1.0
+    assert table.loc[-20.0, "over_reference"] > table.loc["climate", "over_reference"] > 1.0
+    assert table.loc[-20.0, "over_low"] > 1.0  # same motions: far narrower than bands of rates
+    years = table.loc["climate", "rate"] * table.loc["climate", "return_period_years"]
+    assert years == pytest.approx(1.0)
+    with pytest.raises(InputError, match="hazard curve of PGV, and a study of PGA"):
+        part.rates(curves, Hazard(HAZARD.intensity, HAZARD.rate, "PGV"))
+
+
+def test_drawn_temperatures_are_put_into_classes_and_are_a_climate_themselves() -> None:
+    whole = made_up().parts()["shen-hdr-bridge"]
+    rng = np.random.default_rng(3)
+    table = whole.table.assign(ambient_degC=rng.normal(0.0, 10.0, whole.runs))
+    result = StudyResult(table, whole.study, whole.manifest)
+    curves, climate = Question(failed="collapse").curves_of(result)
+    assert len(curves) == 4
+    assert all(name.endswith("°C") for name in curves)
+    assert sum(curve.runs for curve in curves.values()) == climate.runs == result.runs
+    with pytest.raises(InputError, match="classes of a drawn temperature"):
+        result.over_climate(curves, [0.0])
+
+
+def test_worst_runs_with_their_commands() -> None:
+    result = made_up()
+    worst = result.worst(3)
+    through = result.table[result.table["outcome"] == "completed"]
+    assert worst["run"].tolist()[:3] == through.nlargest(3, "pier_ductility")["run"].tolist()
+    failed = result.table[result.table["outcome"] != "completed"]
+    assert worst["run"].tolist()[3:] == [failed["run"].min()]
+    words = shlex.split(worst["command"][0])
+    assert words == [
+        *["thermobearing", "study", "repeat", "out/p1"],
+        str(worst["run"][0]),
+        "-o",
+        f"out/p1-run-{worst['run'][0]}",
+    ]
+    assert worst_runs(failed, 3) == []
+    with pytest.raises(InputError, match="ranked by"):
+        worst_runs(through.drop(columns="pier_ductility"), 3)
+
+
+def test_variance_by_correlation_ratio() -> None:
+    found = made_up().variance().set_index("factor")
+    assert found["share"]["scale"] > found["share"]["ambient_degC"]
+    assert found["share"].sum() == pytest.approx(1.0)
+    assert found["left_out"].iloc[0] == made_up().failed
+
+
+def test_every_figure_tells_of_failed_runs() -> None:
+    hours = np.linspace(-20.0, 23.0, 50)
+    asked = Question(hazard=HAZARD, temperatures=hours)
+    figures = made_up().plot.all_of(asked)
+    names = ["demand", "variance"]
+    for bearing in ("shen-hdr-bridge", "shen-lhdr-bridge"):
+        names += [f"ida-{bearing}", f"fragility-{bearing}", f"rates-{bearing}"]
+    assert list(figures) == names
+    for name in ("demand", "variance", *names[2:5]):
+        figure = figures[name]()
+        said = [text.get_text() for text in figure.findobj(match=_is_text)]
+        assert any("left out" in text for text in said), name
+    assert [name for name in made_up().plot.all_of(Question("PGA_m_s2"))] == names[:2]
+
+
+def _is_text(artist: Any) -> bool:
+    return hasattr(artist, "get_text")
+
+
+def test_all_figures_into_a_folder(tmp_path: Path) -> None:
+    part = made_up().select(bearing="shen-hdr-bridge", ambient_degC=[-20.0, 23.0])
+    files = part.plot.save_all(tmp_path / "figures")
+    assert [file.name for file in files] == [
+        "demand.png",
+        "variance.png",
+        "ida.png",
+        "fragility.png",
+    ]
+    assert all(file.stat().st_size > 2000 for file in files)
+
+
+def test_a_question_without_an_answer() -> None:
+    part = made_up().parts()["shen-hdr-bridge"]
+    with pytest.raises(InputError, match="need a hazard curve"):
+        Question().rates_of(part)
+    with pytest.raises(InputError, match="what is the capacity of PGA_m_s2"):
+        Question("PGA_m_s2").curves_of(part)
+
+
+def test_tables_keep_their_numbers_whatever_the_order_of_rows() -> None:
+    part = made_up().parts()["shen-hdr-bridge"]
+    mixed = part.table.sample(frac=1.0, random_state=1)
+    again = StudyResult(mixed, part.study, part.manifest)
+    pd.testing.assert_frame_equal(part.demand(), again.demand())
+    one, two = part.fragilities(1.0, samples=5), again.fragilities(1.0, samples=5)
+    assert [c.median for c in one.values()] == pytest.approx([c.median for c in two.values()])

@@ -1,0 +1,293 @@
+"""Runs of a study: their numbers, their directory, and what was begun is gone on with."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+from numpy.testing import assert_array_equal
+
+import thermobearing as tb
+import thermobearing.studies.peaks as peaks
+import thermobearing.studies.store as stores
+from tests import tolerances as tol
+from tests.unit.studies import kept, small_study
+from thermobearing.border.errors import InputError, OutputError
+from thermobearing.earthquake.columns import COLUMNS
+from thermobearing.studies import Preparer, plan, run_shard, run_study, study_status
+from thermobearing.studies.lock import only_writer
+from thermobearing.studies.log import Pace, duration
+from thermobearing.studies.parquet import About, about_columns, notes_of, write_parquet
+from thermobearing.studies.peaks import RESULT_COLUMNS
+from thermobearing.studies.store import Store, shard_size
+from thermobearing.studies.worst import worst_runs
+
+pq = pytest.importorskip("pyarrow.parquet")
+PIER_HEIGHT = 10e3  # of pier P1 above its footing [mm]
+
+
+def test_numbers_are_those_of_an_earthquake_analysis() -> None:
+    """Every column that `bridge` has too, to the last bit, and its energy books."""
+    study = small_study({"duration": "3 s"}, bearing=["shen-lhdr-bridge", "shen-bilinear-bridge"])
+    found = run_shard(study, plan(study))
+    found = found[found["scale"] == 1.0].reset_index(drop=True)
+    names = ["shen-lhdr-bridge", "shen-bilinear-bridge"]
+    whole = tb.bridge(names, "jra-ii-i-1", [23.0, -20.0], duration=3.0, keep_every=1)
+    assert found["bearing"].tolist() == whole.table["bearing"].tolist()
+    for name in COLUMNS:
+        assert_array_equal(found[name], whole.table[name], err_msg=name)
+    for name in ("structure_residual", "mechanical_residual", "thermal_residual"):
+        assert_array_equal(found[name], whole.energy[name], err_msg=name)
+    hottest = [whole.hottest(run) for run in range(whole.runs)]
+    for place in ("rubber", "lead"):
+        expected = np.array([one[place] for one in hottest], dtype=np.float32)
+        assert_array_equal(found[f"{place}_max_degC"].astype(np.float32), expected)
+    moved = whole["bearing_displacement"].values[:, -1]
+    assert_array_equal(found["bearing_displacement_residual_mm"].astype(np.float32), moved)
+    height = found["pier_displacement_max_mm"] / found["pier_drift_max"]
+    np.testing.assert_allclose(height, PIER_HEIGHT, rtol=tol.BOUND_ROUNDING)
+
+
+def test_every_column_says_what_it_is(tmp_path: Path) -> None:
+    study = small_study(**{"bearing.K_r": {"distribution": "uniform", "low": 0.9, "high": 1.1}})
+    study = study.model_copy(update={"design": study.design.model_copy(update={"samples": 1})})
+    run_study(study, tmp_path / "out", jobs=1)
+    told = about_columns(tmp_path / "out" / "shards" / "00000.parquet")
+    for name, about in told.items():
+        assert about.meaning, name
+    assert told["bearing_force_max_kN"] == About("kN", "largest force of one bearing")
+    assert told["bearing.K_r"] == About("1", "what multiplies bearing.K_r")
+    assert told["ambient_degC"].unit == "degC"
+    assert [name for name in told][-len(RESULT_COLUMNS) :] == [c.name for c in RESULT_COLUMNS]
+
+
+def test_a_second_start_does_what_is_missing_and_nothing_else(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    study, out = small_study(keep="all"), tmp_path / "out"
+    said: list[tuple[int, int]] = []
+    done = run_study(study, out, jobs=1, size=3, progress=lambda *two: said.append(two))
+    assert said == [(0, 8), (3, 8), (6, 8), (8, 8)]
+    assert (done.outcome, done.done, done.shards_done) == ("completed", 8, 3)
+    before = kept(out)
+    run, calls = peaks.run_task, []
+    monkeypatch.setattr(peaks, "run_task", lambda task: calls.append(task) or run(task))
+    run_study(study, out, jobs=1)
+    assert not calls
+    (out / "shards" / "00001.parquet").write_bytes(before["shards/00000.parquet"])
+    (out / "shards" / "00002.parquet").write_bytes(before["shards/00002.parquet"][:-100])
+    assert study_status(out).outcome == "incomplete"
+    assert run_study(study, out, jobs=1).outcome == "completed"
+    assert len(calls) == 5
+    assert kept(out) == before
+
+
+def test_table_is_the_plan_with_results_whatever_the_shards(tmp_path: Path) -> None:
+    study = small_study()
+    run_study(study, tmp_path / "small", jobs=1, size=1)
+    run_study(study, tmp_path / "large", jobs=1)
+    one, other = (Store(tmp_path / name).table() for name in ("small", "large"))
+    pd.testing.assert_frame_equal(one, other)
+    runs = plan(study)
+    for name in runs:
+        assert one[name].tolist() == runs[name].tolist()
+    assert Store(tmp_path / "small").table(["run", "outcome"]).shape == (8, 2)
+    # As others read it, without this package.
+    assert_array_equal(pd.read_parquet(tmp_path / "large" / "shards")["run"], np.arange(8))
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"scale": [0.5, 1.5]}, r"factors\.scale\.levels = \[0\.5, 1\.5\], was \[0\.5, 1\.0\]"),
+        ({"case": {"dt": "2 ms"}}, r"case\.analysis\.dt = '0\.002 s', was '0\.005 s'"),
+        ({"keep": "all"}, r"keep\.histories = 'all', was 'none'"),
+    ],
+)
+def test_a_changed_study_is_refused(tmp_path: Path, changes: dict[str, Any], words: str) -> None:
+    out = tmp_path / "out"
+    run_study(small_study(), out, jobs=1)
+    before = kept(out)
+    case = changes.pop("case", None)
+    case = None if case is None else {"analysis": case}
+    with pytest.raises(InputError, match=f"begun with another study: .*{words}"):
+        run_study(small_study(case, **changes), out, jobs=1)
+    assert kept(out) == before
+
+
+def test_a_changed_file_is_refused(tmp_path: Path) -> None:
+    """The study says the same, but a record that it names does not."""
+    record = tmp_path / "record.csv"
+    table = {"motion": [{"name": str(record), "unit": "gal", "dt": "0.01 s"}]}
+    for factor in (300.0, 301.0):
+        values = factor * np.sin(np.arange(100))
+        record.write_text("\n".join(f"{value:.6f}" for value in values))
+        if factor == 300.0:
+            run_study(small_study(**table), tmp_path / "out", jobs=1)
+    with pytest.raises(InputError, match=r"a file that it names \(motion, bearing, weather\)"):
+        run_study(small_study(**table), tmp_path / "out", jobs=1)
+
+
+def test_another_version_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    run_study(small_study(), tmp_path / "out", jobs=1)
+    monkeypatch.setattr(stores, "kernels_digest", lambda: "other")
+    with pytest.raises(InputError, match=r"another version \(kernels \w+, now other\)"):
+        run_study(small_study(), tmp_path / "out", jobs=1)
+
+
+def test_directories_of_others_are_left_alone(tmp_path: Path) -> None:
+    (tmp_path / "thesis.tex").write_text("years of work")
+    with pytest.raises(OutputError, match=r"holds thesis\.tex"):
+        run_study(small_study(), tmp_path, jobs=1)
+    with pytest.raises(InputError, match=r"not the directory of a study: no manifest\.json"):
+        study_status(tmp_path)
+    (tmp_path / "manifest.json").write_text('{"kind": "study"}')
+    with pytest.raises(InputError, match="damaged"):
+        study_status(tmp_path)
+    assert sorted(kept(tmp_path)) == ["manifest.json", "thesis.tex"]
+
+
+def test_failed_runs_are_told_with_their_reason(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One that tears its bearing, one that cannot be prepared, one that breaks this program."""
+    study = small_study({"duration": "8 s"}, bearing=["shen-hdr-bridge"], scale=[1.0, 50.0])
+    prepared, run = Preparer.run_input, peaks.run_task
+
+    def prepare(self: Preparer, row: Any) -> Any:
+        if row["run"] == 0:
+            raise InputError("K_r must be positive", "bearing")
+        return prepared(self, row)
+
+    def broken(task: Any) -> Any:
+        if task.ambient == 23.0 and np.abs(task.shaking.ground).max() > 1e5:
+            raise ZeroDivisionError("float division")
+        return run(task)
+
+    monkeypatch.setattr(Preparer, "run_input", prepare)
+    monkeypatch.setattr(peaks, "run_task", broken)
+    done = run_study(study, tmp_path / "out", jobs=1)
+    assert (done.outcome, done.done, done.failed) == ("some_failed", 4, 3)
+    told = done.failures.set_index("outcome")
+    assert told.loc["bad_input", "sentence"] == "bearing: K_r must be positive"
+    assert told.loc["broken", "sentence"].endswith("ZeroDivisionError: float division")
+    (third,) = set(told.index) - {"bad_input", "broken"}
+    assert "Try" in told.loc[third, "sentence"] or "try" in told.loc[third, "sentence"]
+    assert told[["runs", "share"]].values.tolist() == [[1, 0.25]] * 3
+    table = Store(tmp_path / "out").table()
+    assert np.isnan(table["bearing_force_max_kN"][0])
+    assert table["outcome"].tolist().count("completed") == 1
+
+
+def test_a_program_that_always_breaks_is_no_result(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def broken(_: Any) -> None:
+        raise TypeError("no such thing")
+
+    monkeypatch.setattr(peaks, "run_task", broken)
+    with pytest.raises(
+        OutputError, match=r"every run of a shard broke: .*TypeError: no such thing"
+    ):
+        run_study(small_study(), tmp_path / "out", jobs=1)
+    assert study_status(tmp_path / "out").done == 0
+
+
+def test_histories_are_kept_where_they_are_asked_for(tmp_path: Path) -> None:
+    study = small_study(keep="all")
+    run_study(study, tmp_path / "all", jobs=1, size=4)
+    files = sorted((tmp_path / "all" / "histories").iterdir())
+    assert [file.name for file in files] == ["00000.nc", "00001.nc"]
+    table = Store(tmp_path / "all").table()
+    peaks_kept = []
+    for file in files:
+        with xr.open_dataset(file, engine="netcdf4") as data:
+            assert data["bearing_force"].attrs["units"] == "kN"
+            peaks_kept += np.abs(data["pier_displacement"]).max("step").values.tolist()
+            assert data["id"].values.tolist() == table["id"][data["run"].values].tolist()
+    assert np.all(np.array(peaks_kept) <= table["pier_displacement_max_mm"] * (1 + 1e-6))
+    assert np.all(np.array(peaks_kept) > 0.9 * table["pier_displacement_max_mm"])
+    run_study(small_study(keep="worst 2"), tmp_path / "worst", jobs=1)
+    with xr.open_dataset(tmp_path / "worst" / "histories" / "worst.nc", engine="netcdf4") as data:
+        ranked = table.sort_values("pier_ductility", ascending=False)["run"].tolist()
+        assert data["run"].values.tolist() == sorted(ranked[:2])
+    assert worst_runs(table, 2) == ranked[:2]
+    failed = table.assign(
+        outcome=["diverged" if run == ranked[0] else "completed" for run in table["run"]]
+    )
+    assert worst_runs(failed, 2) == ranked[1:3]
+
+
+def test_two_writers(tmp_path: Path) -> None:
+    """One of the whole, or one for each part."""
+    run_study(small_study(), tmp_path / "out", jobs=1, shard="1/3", size=1)
+    found = Store(tmp_path / "out").table()
+    assert found["run"].tolist() == [0, 3, 6]
+    with only_writer(tmp_path / "out"), pytest.raises(OutputError, match="another process"):
+        run_study(small_study(), tmp_path / "out", jobs=1)
+    with only_writer(tmp_path / "out", "2-of-3"):
+        for part in (None, "2/3"):
+            with pytest.raises(OutputError, match="another process is writing this study"):
+                run_study(small_study(), tmp_path / "out", jobs=1, shard=part)
+        run_study(small_study(), tmp_path / "out", jobs=1, shard="3/3")
+    assert run_study(small_study(), tmp_path / "out", jobs=1, shard="2/3").outcome == "completed"
+    whole = run_study(small_study(), tmp_path / "one", jobs=1, size=1)
+    assert whole.outcome == "completed"
+    assert kept(tmp_path / "out") == kept(tmp_path / "one")
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ({"executor": "mpi"}, 'executor "mpi": must be "process" or "dask"'),
+        ({"jobs": 0}, r"jobs: 0 is not in \[1, 1024\]"),
+        ({"size": 0}, "size: 0 runs are no shard"),
+        ({"address": "tcp://x:1"}, 'only of executor "dask"'),
+        ({"executor": "dask"}, 'say where its scheduler is, as address "tcp://host:8786"'),
+        ({"shard": "3"}, 'shard "3": give i/n'),
+        ({"shard": "4/3"}, r'shard "4/3": parts of 3 have the numbers 1 to 3'),
+    ],
+)
+def test_words_that_cannot_be_used(tmp_path: Path, words: dict[str, Any], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        run_study(small_study(), tmp_path / "out", **words)
+
+
+def test_without_pyarrow_one_sentence(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(__import__("sys").modules, "pyarrow", None)
+    with pytest.raises(InputError, match=r'needs pyarrow: pip install "thermobearing\[study\]"'):
+        run_study(small_study(), tmp_path / "out", jobs=1)
+    assert not (tmp_path / "out").exists()
+
+
+def test_equal_tables_make_equal_files(tmp_path: Path) -> None:
+    table = pd.DataFrame({"x": [1.0, np.nan], "n": [1, 2], "name": pd.Categorical(["a", "b"])})
+    for name in ("one", "two"):
+        write_parquet(tmp_path / name, table, {"x": About("mm", "way")}, {"k": 1})
+    assert (tmp_path / "one").read_bytes() == (tmp_path / "two").read_bytes()
+    assert notes_of(tmp_path / "one") == ({"k": 1}, 2)
+    assert notes_of(tmp_path / "none") is None
+    assert pq.read_table(tmp_path / "one").column("x").null_count == 0  # NaN, and not missing
+
+
+def test_pace_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    now = [100.0]
+    monkeypatch.setattr("thermobearing.studies.log.time.monotonic", lambda: now[0])
+    pace = Pace(20, 100)
+    assert pace.told() == "20 of 100 runs"
+    pace.done, now[0] = 60, 110.0
+    assert pace.told() == "60 of 100 runs, 4 a second, 10 s left"
+    assert [duration(s) for s in (59.4, 61, 3660)] == ["59 s", "1 min 1 s", "1 h 1 min"]
+
+
+def test_sizes_of_shards() -> None:
+    assert [shard_size(runs) for runs in (1, 1600, 1601, 50_000, 10**6)] == [16, 16, 17, 500, 1000]
+
+
+def test_a_log_that_cannot_be_written_stops_nothing(tmp_path: Path) -> None:
+    run_study(small_study(), tmp_path / "out", jobs=1, shard="1/2", size=4)
+    (tmp_path / "out" / "study.log").unlink()
+    (tmp_path / "out" / "study.log").mkdir()
+    assert run_study(small_study(), tmp_path / "out", jobs=1).outcome == "completed"

@@ -1,0 +1,191 @@
+"""Edges of what is drawn from a study: failed runs, counts without a curve, bad input."""
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from thermobearing.border.errors import InputError
+from thermobearing.studies.counted import counted
+from thermobearing.studies.demand import demand_against, median_places
+from thermobearing.studies.fragility import fragilities, fragility
+from thermobearing.studies.hazard import Hazard, annual_rate, load_hazard
+from thermobearing.studies.ida import ida_curves
+from thermobearing.studies.mixture import ClimateFragility, shares_of_time
+from thermobearing.studies.resampling import percentiles
+from thermobearing.studies.variance import sobol_table, variance_shares
+
+HAZARD = Hazard(np.array([0.1, 1.0, 10.0]), np.array([1.0, 1e-2, 1e-4]))
+
+
+def runs_of(**columns: Any) -> pd.DataFrame:
+    return pd.DataFrame(columns)
+
+
+def two_levels(first: list[float], second: list[float]) -> pd.DataFrame:
+    return runs_of(
+        im=[1.0] * len(first) + [2.0] * len(second),
+        drift=[*first, *second],
+        motion=[*range(len(first)), *range(len(second))],
+    )
+
+
+def test_failed_runs_are_told_and_count_only_when_asked() -> None:
+    table = two_levels([0.1, 0.1, 0.1, 3.0], [0.1, np.nan, 3.0, np.nan])
+    table["outcome"] = ["completed"] * 5 + ["not_converged", "completed", "broken"]
+    out = fragility(table, "drift", 1.0, "im", samples=5)
+    collapse = fragility(table, "drift", 1.0, "im", failed="collapse", samples=5)
+    assert out.counts["beyond"].tolist() == [1, 1]
+    assert out.counts["runs"].tolist() == [4, 2]
+    assert collapse.counts["beyond"].tolist() == [1, 2]
+    assert collapse.counts["runs"].tolist() == [4, 3]  # a fault of the program says nothing
+    assert out.sentence == "2 of 8 runs failed and are left out"
+    assert "1 of 8 runs failed and are left out" in collapse.sentence
+    assert "1 of 8 runs failed and count as collapse" in collapse.sentence
+    assert out.row()["sentence"] == out.sentence
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "outcome", "said"),
+    [
+        ([0.1] * 4, [0.1] * 4, "none_beyond", "larger intensities"),
+        ([3.0] * 4, [3.0] * 4, "all_beyond", "smaller intensities"),
+        ([0.1] * 4, [3.0] * 4, "apart", "up to 1 stay below, all from 2 go beyond"),
+        ([0.1, 0.1, 0.1, 3.0], [3.0] * 4, "completed", ""),
+        ([0.1, 0.1, 3.0, 3.0], [0.1, 3.0, 0.1, 3.0], "not_rising", "does not rise"),
+        ([3.0] * 4, [0.1] * 4, "not_rising", "does not rise"),
+    ],
+)
+def test_counts_without_a_curve(
+    first: list[float], second: list[float], outcome: str, said: str
+) -> None:
+    table = pd.concat([two_levels(first, second), two_levels([0.1], [3.0])]).iloc[: -2 or None]
+    if outcome == "completed":  # overlap: one that stays below at the larger intensity too
+        table = pd.concat([table, two_levels([], [0.1])])
+    found = fragility(table.reset_index(drop=True), "drift", 1.0, "im", samples=20)
+    assert found.outcome == outcome
+    assert said in found.estimate.sentence
+    row = found.row()
+    numbers = [row["median"], row["dispersion"], found.probability(1.5)[0]]
+    assert np.isfinite(numbers).all() == (outcome == "completed")
+    rate = annual_rate(found, HAZARD)
+    assert np.isfinite(rate.rate) == (outcome == "completed")
+
+
+def test_a_temperature_at_which_nothing_went_beyond_counts_with_zero_in_a_climate() -> None:
+    cold = two_levels([0.1, 0.1, 0.1, 3.0], [0.1, 3.0, 3.0, 3.0]).assign(ambient_degC=-20.0)
+    warm = two_levels([0.1] * 4, [0.1] * 4).assign(ambient_degC=23.0)
+    table = pd.concat([cold, warm], ignore_index=True)
+    found = fragilities(table, "drift", 1.0, "im", "ambient_degC", samples=40)
+    climate = ClimateFragility(found, np.array([0.25, 0.75]))
+    assert climate.probability([1.5]) == pytest.approx(0.25 * found[-20.0].probability([1.5]))
+    assert "23: no run went beyond" in climate.sentence
+    low, high = climate.band_at([1.5])
+    assert low[0] <= climate.probability([1.5])[0] <= high[0]
+    assert climate.rates(HAZARD)["rate"].tolist()[1] == 0.0
+
+
+def test_demand_classes_and_failures() -> None:
+    rng = np.random.default_rng(1)
+    air = rng.uniform(-20.0, 30.0, 240)
+    table = runs_of(ambient_degC=air, drift=50.0 - air, bearing=["a", "b"] * 120)
+    table["outcome"] = "completed"
+    table.loc[air < -18.0, ["drift", "outcome"]] = [np.nan, "not_converged"]
+    found = demand_against(table, "drift", by=("bearing",))
+    assert found["bearing"].tolist() == ["a"] * 12 + ["b"] * 12
+    assert found["runs"].sum() + found["failed"].sum() == 240
+    assert (found["0.16"] <= found["0.5"]).all()
+    assert (np.diff(found["mean"][:12]) < 0.0).all()
+    asked = demand_against(table, "drift", by=("bearing",), failed="collapse")
+    assert np.isinf(asked["mean"][0])
+    assert asked["runs"].sum() == 240
+
+
+@pytest.mark.parametrize(("count", "level"), [(5, 0.95), (6, 0.95), (40, 0.9), (1, 0.95)])
+def test_band_of_a_median_holds_it_as_often_as_it_says(count: int, level: float) -> None:
+    """Of n values k are below the median with the chance of n throws of a coin."""
+    low, high = median_places(count, level)
+    throws = np.array([1.0])
+    for _ in range(count):
+        throws = np.convolve(throws, [0.5, 0.5])
+    held = throws[max(low + 1, 0) : high + 1].sum()
+    narrower = throws[max(low + 2, 0) : high].sum()
+    assert held >= level > narrower
+
+
+def test_curves_of_single_motions() -> None:
+    table = runs_of(
+        motion=["a"] * 3 + ["b"] * 3,
+        scale=[1.0, 2.0, 3.0] * 2,
+        drift=[1.0, 3.0, 2.0, 2.0, 3.0, np.nan],
+        outcome=["completed"] * 5 + ["not_converged"],
+    )
+    out = ida_curves(table, "drift", "scale")
+    asked = ida_curves(table, "drift", "scale", failed="collapse")
+    assert out.crossings(2.5)["capacity"].tolist() == [1.75, 1.5]
+    assert out.crossings(1.75)["capacity"].tolist() == [1.375, 0.875]  # the first crossing
+    assert out.crossings(4.0)["capacity"].tolist() == [np.inf, np.inf]
+    assert out.crossings(4.0)["largest"].tolist() == [3.0, 2.0]
+    assert asked.crossings(4.0)["capacity"].tolist() == [np.inf, 2.0]
+    spread = asked.fractiles(np.array([0.5, 2.0, 2.5]), [0.0, 0.5, 1.0])
+    assert spread["0"].tolist() == [0.5, 3.0, 2.5]
+    assert spread["1"].tolist() == [1.0, 3.0, np.inf]
+    assert out.fractiles()["curves"].tolist() == [2, 2, 1]
+
+
+def test_percentiles_count_from_both_ends() -> None:
+    samples = np.concatenate([np.arange(1.0, 99.0), [np.inf]])[:, None]
+    low, high = percentiles(samples, 0.95)
+    assert (low[0], high[0]) == (2.0, 98.0)
+    assert percentiles(samples, 0.99)[1][0] == np.inf
+
+
+FAULTS: list[tuple[Any, str]] = [
+    (lambda t: fragility(t, "drfit", 1.0, "im"), 'did you mean "drift"'),
+    (lambda t: fragility(t, "drift", 0.0, "im"), "capacity = 0 is not above 0"),
+    (lambda t: fragility(t, "drift", 1.0, "im", method="clod"), "stripes"),
+    (lambda t: fragility(t, "drift", 1.0, "im", method="ida", band="profile"), "of stripes"),
+    (lambda t: fragility(t, "drift", 1.0, "im", band="narrow"), "bootstrap"),
+    (lambda t: fragility(t, "drift", 1.0, "im", level=95), "level = 95"),
+    (lambda t: fragility(t, "drift", 1.0, "im", samples=0), "samples = 0"),
+    (lambda t: fragility(t.assign(im=-1.0), "drift", 1.0, "im"), "-1; its logarithm"),
+    (lambda t: fragility(t.assign(im=1.0), "drift", 1.0, "im"), "two intensities"),
+    (lambda t: fragility(t.assign(drift=-1.0), "drift", 1.0, "im", method="cloud"), "no logarithm"),
+    (lambda t: fragility(t.assign(drift="x"), "drift", 1.0, "im"), "does not hold numbers"),
+    (lambda t: fragility(t.assign(drift=np.nan), "drift", 1.0, "im"), "have no number"),
+    (lambda t: counted(t.assign(outcome="broken"), "drift"), "none of 8 runs"),
+    (lambda t: counted(t, "drift", "ignored"), '"left-out" or "collapse"'),
+    (lambda t: ida_curves(t.assign(motion="a"), "drift", "im"), "two runs of motion a"),
+    (lambda t: fragilities(t.assign(im=1.0), "drift", 1.0, "im", "motion"), "motion = 0"),
+    (lambda t: sobol_table(t, "drift"), 'no column "matrix"'),
+    (lambda t: variance_shares(t.assign(drift=1.0), "drift", ["im"]), "at least 8"),
+    (lambda t: variance_shares(t, "drift", ["im"], failed="collapse"), "no variance"),
+    (lambda t: Hazard([1.0, 2.0], [1.0, 2.0]), "rate of a hazard curve does not decrease"),
+    (lambda t: Hazard([1.0, 1.0], [2.0, 1.0]), "does not increase from 1 to 1"),
+    (lambda t: Hazard([1.0], [2.0]), "2 numbers or more"),
+    (lambda t: Hazard(["a", "b"], [2.0, 1.0]), "list of numbers"),
+    (lambda t: Hazard([0.0, 1.0], [2.0, 1.0]), "above 0 only"),
+    (lambda t: load_hazard("x.csv", "CAV"), 'unit of "CAV"'),
+    (lambda t: shares_of_time([0.0], [np.nan]), "without gaps"),
+    (lambda t: shares_of_time([0.0, 0.0], [1.0]), "twice"),
+    (lambda t: ClimateFragility({}, np.ones(1)), "1 together"),
+]
+
+
+@pytest.mark.parametrize(("ask", "said"), FAULTS)
+def test_bad_input_has_one_message(ask: Any, said: str) -> None:
+    table = two_levels([0.1, 0.2, 0.3, 3.0], [0.4, 3.0, 4.0, 5.0])
+    with pytest.raises(InputError, match=r".") as caught:
+        ask(table)
+    assert said in str(caught.value)
+
+
+def test_hazard_file_needs_rates_or_periods(tmp_path: Any) -> None:
+    file = tmp_path / "site.csv"
+    file.write_text("PGA [m/s^2]\n1\n4\n")
+    with pytest.raises(InputError, match=r"site\.csv: needs a column rate"):
+        load_hazard(file)
+    file.write_text("PGA [m/s^2],rate [1/year]\n1,0.001\n4,0.02\n")
+    with pytest.raises(InputError, match=r"site\.csv: rate of a hazard curve does not decrease"):
+        load_hazard(file)

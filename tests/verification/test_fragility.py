@@ -1,0 +1,209 @@
+"""Fragility curves: known parameters found again, bands that hold what they say."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from scipy.optimize import minimize
+from scipy.stats import binom, chi2, linregress, norm
+
+from tests import tolerances
+from thermobearing.studies.binary import fit_curves
+from thermobearing.studies.fragility import fragilities, fragility
+
+MEDIAN, DISPERSION = 1.0, 0.4
+LEVELS = np.array([0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0])
+TIMES = 80  # repetitions of an experiment
+
+
+def of_counts(beyond: np.ndarray, runs: int) -> pd.DataFrame:
+    """Runs at each level, so many of them beyond 1."""
+    drift = [np.r_[np.full(k, 2.0), np.full(runs - k, 0.5)] for k in beyond]
+    return pd.DataFrame({"im": np.repeat(LEVELS, runs), "drift": np.concatenate(drift)})
+
+
+def test_stripes_are_the_likeliest_by_another_search() -> None:
+    rng = np.random.default_rng(3)
+    beyond = rng.binomial(40, norm.cdf(np.log(LEVELS / MEDIAN) / DISPERSION))
+
+    def unlikely(p: np.ndarray) -> float:
+        share = norm.cdf((np.log(LEVELS) - p[0]) / np.exp(p[1]))
+        return -float(binom.logpmf(beyond, 40, share).sum())
+
+    options = {"xatol": 1e-10, "fatol": 1e-12, "maxiter": 5000}
+    searched = minimize(unlikely, [0.2, -1.0], method="Nelder-Mead", options=options)
+    found = fragility(of_counts(beyond, 40), "drift", 1.0, "im", samples=1)
+    assert np.log(found.median) == pytest.approx(searched.x[0], abs=tolerances.LIKELIEST)
+    assert np.log(found.dispersion) == pytest.approx(searched.x[1], abs=tolerances.LIKELIEST)
+
+
+def test_stripes_of_exact_shares_give_the_curve_itself() -> None:
+    share = norm.cdf(np.log(LEVELS / 0.8) / 0.3)
+    found = fit_curves(LEVELS, 1e6 * share[None, :], 1e6 * (1.0 - share[None, :]))
+    assert np.exp(found.place[0]) == pytest.approx(0.8, rel=tolerances.LIKELIEST)
+    assert 1.0 / found.slope[0] == pytest.approx(0.3, rel=tolerances.LIKELIEST)
+
+
+def test_ends_by_profile_likelihood_are_where_it_has_dropped() -> None:
+    beyond = np.array([0, 2, 8, 21, 26, 33, 38])
+    found = fragility(of_counts(beyond, 40), "drift", 1.0, "im", band="profile", level=0.9)
+
+    def best_with(median: float) -> float:
+        def unlikely(p: np.ndarray) -> float:
+            share = norm.cdf(np.log(LEVELS / median) / np.exp(p[0]))
+            return -float(binom.logpmf(beyond, 40, share).sum())
+
+        return -float(minimize(unlikely, [-1.0], method="Nelder-Mead", options={"xatol": 1e-8}).fun)
+
+    top = best_with(found.median)
+    row = found.row()
+    for end in (row["median_low"], row["median_high"]):
+        drop = 2.0 * (top - best_with(end))
+        assert drop == pytest.approx(chi2.ppf(0.9, 1), rel=tolerances.PROFILE)
+
+
+@pytest.mark.parametrize("band", ["bootstrap", "profile"])
+def test_bands_of_stripes_hold_the_truth_as_often_as_they_say(band: str) -> None:
+    rng = np.random.default_rng(11)
+    at = np.array([0.5, 1.0, 1.5])
+    held = np.zeros(5)
+    for seed in range(TIMES):
+        beyond = rng.binomial(40, norm.cdf(np.log(LEVELS / MEDIAN) / DISPERSION))
+        table = of_counts(beyond, 40)
+        found = fragility(table, "drift", 1.0, "im", band=band, samples=119, seed=seed)  # type: ignore[arg-type]
+        row, (low, high) = found.row(), found.band_at(at)
+        truth = norm.cdf(np.log(at / MEDIAN) / DISPERSION)
+        held[:3] += (low <= truth) & (truth <= high)
+        held[3] += row["median_low"] <= MEDIAN <= row["median_high"]
+        held[4] += row["dispersion_low"] <= DISPERSION <= row["dispersion_high"]
+    assert held.min() / TIMES > tolerances.LEAST_COVERAGE
+    assert held.max() < TIMES
+
+
+def test_motions_drawn_as_a_whole_widen_the_band() -> None:
+    """Ten motions that each do the same ten times over: ten runs, not a hundred."""
+    rng = np.random.default_rng(5)
+    held = {"motion": 0, None: 0}
+    for seed in range(TIMES // 2):
+        capacity = np.exp(rng.normal(0.0, DISPERSION, 10))
+        rows = [
+            (motion, im, 1.0 if im > reached else 0.1)
+            for motion, reached in enumerate(capacity)
+            for im in LEVELS
+            for _ in range(10)
+        ]
+        table = pd.DataFrame(rows, columns=["motion", "im", "drift"])
+        for groups in held:
+            found = fragility(table, "drift", 1.0, "im", groups=groups, samples=119, seed=seed)
+            row = found.row()
+            held[groups] += row["median_low"] <= MEDIAN <= row["median_high"]
+    assert held["motion"] > 0.8 * (TIMES // 2)
+    assert held[None] < 0.6 * (TIMES // 2)
+
+
+def test_capacities_of_motions_that_all_reach_it() -> None:
+    capacity = np.array([0.6, 0.8, 1.0, 1.3, 1.9])
+    rows = [(m, im, im / c) for m, c in enumerate(capacity) for im in np.arange(0.25, 2.6, 0.25)]
+    table = pd.DataFrame(rows, columns=["motion", "im", "drift"])
+    found = fragility(table, "drift", 1.0, "im", method="ida", samples=20)
+    logs = np.log(capacity)  # straight through zero, so that interpolation is exact
+    assert np.log(found.median) == pytest.approx(logs.mean(), abs=tolerances.LIKELIEST)
+    assert found.dispersion == pytest.approx(logs.std(ddof=1), rel=tolerances.LIKELIEST)
+
+
+def test_capacities_that_were_not_reached_by_another_search() -> None:
+    rng = np.random.default_rng(8)
+    capacity, top = np.exp(rng.normal(0.0, 0.4, 30)), 1.2
+    rows = [(m, im, im / c) for m, c in enumerate(capacity) for im in (0.3, 0.6, 0.9, top)]
+    table = pd.DataFrame(rows, columns=["motion", "im", "drift"])
+    found = fragility(table, "drift", 1.0, "im", method="ida", samples=20)
+
+    def unlikely(p: np.ndarray) -> float:
+        score = (np.log(np.minimum(capacity, top)) - p[0]) / np.exp(p[1])
+        return -float(np.where(capacity <= top, norm.logpdf(score) - p[1], norm.logsf(score)).sum())
+
+    searched = minimize(
+        unlikely, [0.0, -1.0], method="Nelder-Mead", options={"xatol": 1e-10, "fatol": 1e-12}
+    )
+    assert (capacity > top).sum() > 3
+    assert np.log(found.median) == pytest.approx(searched.x[0], abs=tolerances.LIKELIEST)
+    assert np.log(found.dispersion) == pytest.approx(searched.x[1], abs=tolerances.LIKELIEST)
+
+
+def test_capacities_hold_the_truth_as_often_as_they_say() -> None:
+    rng = np.random.default_rng(21)
+    held = 0
+    for seed in range(TIMES):
+        capacity = np.exp(rng.normal(0.0, DISPERSION, 30))
+        rows = [(m, im, im / c) for m, c in enumerate(capacity) for im in (0.3, 0.7, 1.1, 1.5)]
+        table = pd.DataFrame(rows, columns=["motion", "im", "drift"])
+        row = fragility(table, "drift", 1.0, "im", method="ida", samples=119, seed=seed).row()
+        held += row["median_low"] <= MEDIAN <= row["median_high"]
+    assert tolerances.LEAST_COVERAGE < held / TIMES < 1.0
+
+
+def test_cloud_is_the_regression_of_scipy() -> None:
+    rng = np.random.default_rng(4)
+    im = np.exp(rng.normal(-0.2, 0.6, 80))
+    drift = 1.5 * im**1.2 * np.exp(0.35 * rng.normal(size=80))
+    found = fragility(pd.DataFrame({"im": im, "drift": drift}), "drift", 2.0, "im", method="cloud")
+    line = linregress(np.log(im), np.log(drift))
+    left = np.log(drift) - line.intercept - line.slope * np.log(im)
+    sigma = np.sqrt((left**2).sum() / 78)
+    median = np.exp((np.log(2.0) - line.intercept) / line.slope)
+    assert found.median == pytest.approx(median, rel=tolerances.LIKELIEST)
+    assert found.dispersion == pytest.approx(sigma / line.slope, rel=tolerances.LIKELIEST)
+    assert found.probability(median)[0] == pytest.approx(0.5, rel=tolerances.LIKELIEST)
+
+
+def test_cloud_holds_the_truth_as_often_as_it_says() -> None:
+    rng = np.random.default_rng(14)
+    held = 0
+    truth = (1.0 / 1.5) ** (1.0 / 1.2)
+    for seed in range(TIMES):
+        im = np.exp(rng.normal(-0.2, 0.6, 60))
+        drift = 1.5 * im**1.2 * np.exp(0.35 * rng.normal(size=60))
+        table = pd.DataFrame({"im": im, "drift": drift})
+        row = fragility(table, "drift", 1.0, "im", method="cloud", samples=119, seed=seed).row()
+        held += row["median_low"] <= truth <= row["median_high"]
+    assert tolerances.LEAST_COVERAGE < held / TIMES < 1.0
+
+
+def test_cloud_with_collapse_has_five_parameters() -> None:
+    """Share of collapse by a logistic curve, the rest as without: both known."""
+    rng = np.random.default_rng(9)
+    im = np.exp(rng.normal(0.0, 0.7, 4000))
+    drift = im * np.exp(0.3 * rng.normal(size=4000))
+    collapse = rng.random(4000) < 1.0 / (1.0 + np.exp(2.0 - 3.0 * np.log(im)))
+    outcome = np.where(collapse, "not_converged", "completed")
+    table = pd.DataFrame({"im": im, "drift": np.where(collapse, np.nan, drift), "outcome": outcome})
+    at = np.array([0.5, 1.0, 2.0])
+    share = 1.0 / (1.0 + np.exp(2.0 - 3.0 * np.log(at)))
+    beyond = norm.cdf(np.log(at / 1.5) / 0.3)
+    found = fragility(table, "drift", 1.5, "im", method="cloud", failed="collapse", samples=100)
+    low, high = found.band_at(at)
+    truth = beyond * (1.0 - share) + share
+    assert found.probability(at) == pytest.approx(truth, abs=tolerances.SHARE_OF_4000)
+    assert (low < truth).all()
+    assert (truth < high).all()
+    without = fragility(table, "drift", 1.5, "im", method="cloud", samples=1)
+    assert without.probability(at) == pytest.approx(beyond, abs=tolerances.SHARE_OF_4000)
+    assert "left out" in without.sentence
+    assert "count as collapse" in found.sentence
+
+
+def test_curves_of_temperatures_share_their_motions() -> None:
+    """The median of the cold is 0.8 of the warm one, motion by motion: so in every sample."""
+    rng = np.random.default_rng(2)
+    capacity = np.exp(rng.normal(0.0, 0.4, 25))
+    rows = [
+        (m, t, f * im, im / c)
+        for m, c in enumerate(capacity)
+        for t, f in ((-20.0, 0.8), (23.0, 1.0))
+        for im in np.arange(0.1, 4.0, 0.1)
+    ]
+    table = pd.DataFrame(rows, columns=["motion", "ambient_degC", "im", "drift"])
+    found = fragilities(table, "drift", 1.0, "im", "ambient_degC", method="ida", samples=50)
+    cold, warm = found[-20.0].estimate, found[23.0].estimate
+    moved = np.exp(cold.others.place - warm.others.place)
+    assert list(found) == [-20.0, 23.0]
+    assert moved == pytest.approx(0.8, rel=tolerances.LIKELIEST)
