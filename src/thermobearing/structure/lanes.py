@@ -228,30 +228,35 @@ def choices(constants: Constants) -> tuple[bool, ...]:
     )
 
 
-def shape_of(part: Any) -> Any:
-    """What runs in lockstep have in common: shapes, whole numbers and choices of a record."""
-    if isinstance(part, tuple):
-        own = choices(part) if isinstance(part, Constants) else ()
-        return own, *(shape_of(one) for one in part)
-    if not isinstance(part, np.ndarray):
-        return float if isinstance(part, float) else part
-    if part.dtype.names or part.dtype == np.float64:
-        return part.shape
-    return part.shape, part.tobytes()
+def shape_of(constants: Constants) -> Any:
+    """What bearings in lockstep have in common: shapes, whole numbers and choices."""
+    rubber, cells, ends = constants.rubber, constants.layer_cells, constants.lead_cells
+    modes = constants.lead_modes
+    places = [(cells, name) for name in ("first", "last", "upper_middle", "lower_middle")]
+    places += [(ends, "cell"), (ends, "port"), (modes, "port"), (modes, "other")]
+    return (
+        *(rows_[name].tobytes() for rows_, name in places),
+        len(constants.law),
+        len(constants.cells.capacity),
+        constants.lead_ports,
+        constants.side_implicit,
+        constants.heat_source,
+        rubber.monotone,
+        rubber.integrator,
+        rubber.virgin,
+        constants.lead.published,
+        constants.viscous.heats,
+        *choices(constants),
+    )
 
 
 def likeness(one: Ready) -> Any:
     """Runs in one lockstep have the same."""
-    moving = tuple(bool(line.speed != 0.0) for line in one.run.lines)
-    whole = [rows[name].tobytes() for kind in one.bearings for rows, name in _whole(kind.constants)]
-    return shape_of(one.kernel), one.run.method, moving, *whole
-
-
-def _whole(constants: Constants) -> Sequence[tuple[Any, str]]:
-    """Columns of whole numbers in the records of a bearing."""
-    cells, ends, modes = constants.layer_cells, constants.lead_cells, constants.lead_modes
-    places = [(cells, name) for name in ("first", "last", "upper_middle", "lower_middle")]
-    return [*places, (ends, "cell"), (ends, "port"), (modes, "port"), (modes, "other")]
+    run, motion = one.run, one.motion
+    sizes = len(run.ground), len(run.ambient), len(motion.points), len(one.system.hinges)
+    moving = tuple(bool(line.speed != 0.0) for line in run.lines)
+    kinds = [(tuple(map(int, kind.lines)), shape_of(kind.constants)) for kind in one.bearings]
+    return sizes, one.peaks.places.shape, run.dt, run.method, moving, *kinds
 
 
 def run_lanes(runs: Sequence[Run]) -> list[RunPeaks]:

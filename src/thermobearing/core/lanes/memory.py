@@ -5,7 +5,9 @@ runs along its last axis, whole numbers and choices must be alike. In a kernel `
 same memory the types that the kernels want: the last axis becomes a lane.
 """
 
+import math
 from collections.abc import Sequence
+from functools import cache
 from typing import Any, TypeVar
 
 import numpy as np
@@ -25,12 +27,13 @@ ALIGNED = 64  # bytes: the widest vectors are loaded at once from such places
 
 def aligned(shape: tuple[int, ...], dtype: Any) -> Any:
     """An array of zeros that starts where vectors load fast."""
-    size = int(np.prod(shape, dtype=np.int64)) * np.dtype(dtype).itemsize
+    size = math.prod(shape) * np.dtype(dtype).itemsize
     memory = np.zeros(size + ALIGNED, dtype=np.uint8)
     first = -memory.ctypes.data % ALIGNED
     return memory[first : first + size].view(dtype).reshape(shape)
 
 
+@cache
 def lane_row(row: np.dtype[Any]) -> np.dtype[Any]:
     """The numpy type of a record with lanes in place of floats."""
     fields = []
@@ -38,6 +41,24 @@ def lane_row(row: np.dtype[Any]) -> np.dtype[Any]:
         wide = row[name] == np.float64
         fields.append((name, row[name], (WIDTH,)) if wide else (name, row[name]))
     return np.dtype(fields)
+
+
+@cache
+def has_numbers(row: np.dtype[Any]) -> bool:
+    """Whether a record has whole numbers too."""
+    return any(row[name] != np.float64 for name in row.names or ())
+
+
+def row_shape(row: np.dtype[Any]) -> tuple[int, ...]:
+    """Of the floats of one entry: one for each field of a record."""
+    return (len(row.names),) if row.names else ()
+
+
+def plain(own: Any) -> Any:
+    """The floats of an array, those of a record along its last axis; not a copy."""
+    if not own.dtype.names:
+        return own
+    return own.reshape(-1).view(np.float64).reshape(*own.shape, len(own.dtype.names))
 
 
 def side_by_side(parts: Sequence[T]) -> T:
@@ -60,16 +81,18 @@ def side_by_side(parts: Sequence[T]) -> T:
         if any(one != first for one in every):
             raise ValueError("runs of unequal shape")
         made = first
-    elif first.dtype.names:
+    elif has_numbers(first.dtype):
         made = aligned(first.shape, lane_row(first.dtype))
         for name in first.dtype.names:
             made[name] = side_by_side([np.asarray(one[name]) for one in every])
-    elif first.dtype == np.float64:
-        made = aligned((*first.shape, WIDTH), np.float64)
+    elif first.dtype.names or first.dtype == np.float64:
+        made = aligned((*first.shape, *row_shape(first.dtype), WIDTH), np.float64)
         for lane, one in enumerate(every):
             if one.shape != first.shape:
                 raise ValueError("runs of unequal shape")
-            made[..., lane] = one
+            made[..., lane] = plain(one)
+        if first.dtype.names:
+            made = made.reshape(-1).view(lane_row(first.dtype)).reshape(first.shape)
     else:
         if not all(np.array_equal(one, first) for one in every):
             raise ValueError("runs of unequal shape")
@@ -78,14 +101,14 @@ def side_by_side(parts: Sequence[T]) -> T:
 
 
 def lane_back(made: Any, lane: int, own: Any) -> None:
-    """Copy what one run has in `made` into its own arrays."""
+    """Copy what one run has in `made` into its own arrays, which are contiguous."""
     if isinstance(own, tuple):
         for there, here in zip(made, own, strict=True):
             lane_back(there, lane, here)
-    elif own.dtype.names:
-        for name in own.dtype.names:
-            own[name] = made[name][..., lane]
-    else:
+    elif own.size and own.dtype.names:
+        floats = made.reshape(-1).view(np.float64)
+        plain(own)[...] = floats.reshape(*own.shape, len(own.dtype.names), WIDTH)[..., lane]
+    elif own.size:
         own[...] = made[..., lane]
 
 
