@@ -14,7 +14,7 @@ from thermobearing.core.lanes import functions
 from thermobearing.core.lanes.choose import all_lanes, any_lane, no, select
 from thermobearing.core.lanes.memory import WIDTH, aligned, as_lanes, lane_back, side_by_side
 from thermobearing.core.records import Floats, rows
-from thermobearing.core.types import LeadCell
+from thermobearing.core.types import Layer, LeadCell
 
 COUNT = 500 * WIDTH
 RANDOM = np.random.default_rng(3)
@@ -102,18 +102,23 @@ def test_a_loop_ends_when_all_have_what_they_want() -> None:
 def test_records_side_by_side_and_back() -> None:
     parts = []
     for k in range(WIDTH):
-        cells = rows(LeadCell, 2)
+        cells, layers = rows(LeadCell, 2), rows(Layer, 3, 1)
         cells["cell"], cells["end"] = [4, 5], [k, 10.0 * k]
-        parts.append((cells, np.full((3, 2), float(k)), 0.5 * k, 7, True))
-    cells, array, number, whole, choice = side_by_side(parts)
+        layers["z"], layers["virgin"] = k, -k
+        parts.append((cells, layers, np.full((3, 2), float(k)), 0.5 * k, 7, True))
+    cells, layers, array, number, whole, choice = side_by_side(parts)
     assert (whole, choice) == (7, True)
     assert array.shape == (3, 2, WIDTH)
     assert array.ctypes.data % 64 == 0
     assert_array_equal(number, 0.5 * np.arange(WIDTH))
     assert_array_equal(cells["cell"], [4, 5])
-    own = rows(LeadCell, 2), np.zeros((3, 2))
-    lane_back((cells, array), WIDTH - 2, own)
-    assert_array_equal(own[0]["end"], parts[WIDTH - 2][0]["end"])
+    assert_array_equal(cells["end"][1], 10.0 * np.arange(WIDTH))
+    assert_array_equal(layers["virgin"][2, 0], -1.0 * np.arange(WIDTH))
+    own = rows(Layer, 3, 1), np.zeros((3, 2))
+    lane_back((layers, array), WIDTH - 2, own)
+    assert_array_equal(own[0]["z"], parts[WIDTH - 2][1]["z"])
+    assert_array_equal(own[0]["virgin"], parts[WIDTH - 2][1]["virgin"])
+    assert_array_equal(own[0]["d"], 0.0)
     assert_array_equal(own[1], WIDTH - 2.0)
 
 
