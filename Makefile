@@ -94,6 +94,7 @@ site: $(SPHINX)
 	rm -rf build/site
 	$(BIN)/python -m sphinx -W --keep-going --quiet --builder html docs build/site
 	$(BIN)/python docs/builder/links.py build/site
+	$(BIN)/python docs/builder/pages.py build/site
 
 clean:
 	rm -rf docs/api docs/gallery

@@ -78,6 +78,8 @@ html_static_path = [
     str(files("sphinx-mathjax-offline") / "static" / "mathjax" / MATHJAX),
 ]
 html_css_files = ["site.css"]
+html_js_files = [("site.js", {"defer": "defer"})]
+html_context = {"default_mode": "auto"}
 html_last_updated_fmt = "%d %B %Y"
 html_show_sourcelink = False
 html_copy_source = False
@@ -92,7 +94,7 @@ html_theme_options = {
     "footer_center": [],
     "footer_end": [],
     "secondary_sidebar_items": ["page-toc"],
-    "pygments_light_style": "tango",
-    "pygments_dark_style": "monokai",
+    "pygments_light_style": "a11y-high-contrast-light",
+    "pygments_dark_style": "a11y-high-contrast-dark",
 }
 html_sidebars = {"index": [], "guide/tutorial": [], "changelog": []}

@@ -299,3 +299,6 @@ SAME_ESTIMATOR = 1e-12  # the same sums in another order
 CHANCE_OF_2000 = 2e-3  # what epsilon squared takes off for chance, at most classes/runs
 RATIO_IN_CLASSES = 0.03  # twelve classes of a normal number lose some of its tails
 QUADRATURE_OF_TAILS = 2e-3  # 10^5 classes of equal probability lose some of the tails
+
+# --- Cold town ---------------------------------------------------------------------------------
+LEVEL_FOR_AN_HOUR = 5e-3  # of a peak: 2e-3 measured; layers differ by 2 K, levels by 5 K

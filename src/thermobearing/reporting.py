@@ -11,12 +11,13 @@ from thermobearing.border.errors import InputError, is_file
 from thermobearing.border.schema import validated
 from thermobearing.histories import histories_of
 from thermobearing.loading import AnyResult, load_result
+from thermobearing.report.comparison import comparison_of
 from thermobearing.report.files import check_place, put_files, report_files, title_files
 from thermobearing.report.generic import pieces_of_saved
 from thermobearing.report.pieces import Pieces
 from thermobearing.report.title import TitleBlock, read_title
 from thermobearing.report.workbook import workbook_bytes
-from thermobearing.results.directory import SUMMARY, TITLE, WORKBOOK
+from thermobearing.results.directory import COMPARISON, SUMMARY, TITLE, WORKBOOK
 from thermobearing.results.saved import SavedResult
 
 # Rooms whose `report.py` says what the document of a command holds.
@@ -24,10 +25,10 @@ ROOMS = {
     **{"cyclic": "cyclic", "bridge": "earthquake", "hybrid": "earthquake"},
     **{"sequence": "sequences", "identify": "identify", "validate": "validate"},
     **dict.fromkeys(("design", "bounds", "lambda"), "design"),
-    "reproduce": "reproduce",
-    "study": "studies",
+    **{"reproduce": "reproduce", "study": "studies", "structures show": "structure"},
     **dict.fromkeys(("motions show", "motions make", "motions spectrum"), "motions"),
 }
+COMPARED = {"cyclic", "bridge", "hybrid"}  # commands with --compare
 # What files that were edited, or are of another version, lead to where their numbers are looked up.
 UNFIT = (LookupError, TypeError, ValueError, AttributeError, AssertionError)
 
@@ -147,6 +148,8 @@ def pieces_of(result: AnyResult, directory: Path) -> Pieces:
             pieces = cast(Pieces, room.pieces_of(result))
         else:
             pieces = pieces_of_saved(cast(SavedResult, result))
+        if command in COMPARED:
+            pieces = _with_comparison(pieces, directory)
     except InputError:
         raise
     except UNFIT as error:
@@ -157,6 +160,18 @@ def pieces_of(result: AnyResult, directory: Path) -> Pieces:
             str(directory),
         ) from None
     return replace(pieces, identity={**pieces.identity, **_written_on(directory)})
+
+
+def _with_comparison(pieces: Pieces, directory: Path) -> Pieces:
+    """With the earlier models that `--compare` left beside the result."""
+    if not is_file(directory / COMPARISON):
+        return pieces
+    table, figures = comparison_of(directory)
+    return replace(
+        pieces,
+        tables={**pieces.tables, "comparison": table},
+        figures={**pieces.figures, **figures},
+    )
 
 
 def _summary(result: AnyResult) -> dict[str, Any]:

@@ -1,42 +1,31 @@
-"""Headless Chromium: the browser of the system, driven by playwright, which brings none here.
+"""What tests of pages share: the mark of those that need a browser, and what paper shows.
 
 Tests that need it carry the mark `needs_chromium`, which skips them with what to install.
 """
 
-import shutil
-from collections.abc import Iterator
-from contextlib import contextmanager
-from importlib.util import find_spec
 from typing import Any
 
 import pytest
 
-PROGRAMS = ("chromium", "chromium-browser", "google-chrome")
-PACKAGES = ("playwright", "axe_playwright_python", "pypdfium2")
-MISSING = (
-    "no Chromium to look with: install the system's (Debian: apt-get install chromium) and "
-    'pip install "thermobearing[browser]" (make browser)'
-)
+from docs.builder.chromium import MISSING, is_there
+
+needs_chromium = pytest.mark.skipif(not is_there(), reason=MISSING)
 
 
-def program() -> str | None:
-    """Path of the browser; None without one."""
-    return next(filter(None, map(shutil.which, PROGRAMS)), None)
+def printed(page: Any) -> list[str]:
+    """Text of the pages of paper; above each figure stands a word that tells its place."""
+    import pypdfium2
+
+    over = "@media print { figure.figure::before { content: 'over-' attr(id) '.' } }"
+    page.add_style_tag(content=over)
+    document = pypdfium2.PdfDocument(page.pdf(prefer_css_page_size=True))
+    return [" ".join(sheet.get_textpage().get_text_bounded().split()) for sheet in document]
 
 
-needs_chromium = pytest.mark.skipif(
-    program() is None or not all(map(find_spec, PACKAGES)), reason=MISSING
-)
-
-
-@contextmanager
-def browser() -> Iterator[Any]:
-    """A browser without a window, until it is no longer needed."""
-    from playwright.sync_api import sync_playwright
-
-    with sync_playwright() as driver:
-        running = driver.chromium.launch(executable_path=program())
-        try:
-            yield running
-        finally:
-            running.close()
+def assert_whole_figures(count: int, pages: list[str]) -> None:
+    """Where the word above a figure and its caption are not on one page, the figure is cut."""
+    for number in range(1, count + 1):
+        words = (f"over-figure-{number}.", f"Figure {number}.")
+        where = [{k for k, page in enumerate(pages) if word in page} for word in words]
+        assert len(where[0]) == 1
+        assert where[0] == where[1]

@@ -3,14 +3,14 @@
 import re
 import time
 from collections.abc import Callable, Iterator
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from docs.builder.chromium import grave_faults, told_by
 from tests import tolerances as tol
-from tests.browser.chromium import browser, needs_chromium
+from tests.browser.chromium import assert_whole_figures, needs_chromium, printed
 from tests.browser.document import FORCES, PLACES, document
 from thermobearing.report.html import html_page
 
@@ -26,12 +26,6 @@ PATIENCE = 10.0  # [s]
 
 
 @pytest.fixture(scope="module")
-def chromium() -> Iterator[Any]:
-    with browser() as running:
-        yield running
-
-
-@pytest.fixture(scope="module")
 def address(tmp_path_factory: pytest.TempPathFactory) -> str:
     file = tmp_path_factory.mktemp("page") / "report.html"
     file.write_text(html_page(document()), encoding="utf-8")
@@ -43,18 +37,11 @@ def opened(chromium: Any, address: str, request: pytest.FixtureRequest) -> Itera
     """The page; whatever goes wrong in it, or is asked of a network, is a fault of the test."""
     look = {"viewport": BROAD, "color_scheme": "light"} | getattr(request, "param", {})
     page = chromium.new_page(**look)
-    told: list[str] = []
-    page.on("console", lambda message: told.append(f"{message.type}: {message.text}"))
-    page.on("pageerror", lambda error: told.append(str(error)))
-    page.on("request", lambda asked: told.append(asked.url) if _is_outside(asked.url) else None)
+    told = told_by(page)
     page.goto(address)
     yield page
     page.close()
     assert not told
-
-
-def _is_outside(url: str) -> bool:
-    return not url.startswith(("file:", "data:", "blob:"))
 
 
 def until(holds: Callable[[], bool]) -> None:
@@ -192,16 +179,13 @@ def test_a_narrow_screen_is_not_scrolled_sideways(opened: Any) -> None:
 def test_no_serious_fault_for_those_who_use_it_otherwise(
     chromium: Any, address: str, theme: str, viewport: dict[str, int]
 ) -> None:
-    from axe_playwright_python.sync_playwright import Axe
-
     page = chromium.new_page(viewport=viewport, color_scheme=theme)
     page.goto(address)
     for figure in (1, 3, 4, 5):
         line(page, figure)
-    faults = Axe().run(page).response["violations"]
+    grave = grave_faults(page, without="")
     page.close()
-    grave = [fault for fault in faults if fault["impact"] in ("serious", "critical")]
-    assert not [(fault["id"], fault["nodes"][0]["html"]) for fault in grave]
+    assert not grave
 
 
 def test_a_keyboard_reaches_everything(opened: Any) -> None:
@@ -217,31 +201,15 @@ def test_a_keyboard_reaches_everything(opened: Any) -> None:
 
 
 @pytest.mark.parametrize("opened", [{"color_scheme": "dark"}], indirect=True)
-def test_paper_has_whole_figures_and_heads_on_every_page(opened: Any, tmp_path: Path) -> None:
-    # A word above each figure: where it and the caption are not on one page, the figure is cut.
-    opened.add_style_tag(content="figure.figure::before { content: 'over-' attr(id) '.' }")
+def test_paper_has_whole_figures_and_heads_on_every_page(opened: Any) -> None:
     opened.locator("#figure-1").get_by_label("Show").select_option("second motion")
-    pages = printed(opened, tmp_path)
-    numbers = range(1, opened.locator("figure.figure").count() + 1)
-    for number in numbers:
-        words = (f"over-figure-{number}.", f"Figure {number}.")
-        where = [{k for k, page in enumerate(pages) if word in page} for word in words]
-        assert len(where[0]) == 1
-        assert where[0] == where[1]
+    pages = printed(opened)
+    assert_whole_figures(opened.locator("figure.figure").count(), pages)
     assert "second motion" in "".join(pages)  # what the menu shows
     assert "time 0 s" in "".join(pages)
     assert sum("Quantity 17 [kN/mm]" in page for page in pages) > 1
     assert any("again Run it again" in page for page in pages)  # a heading and what it is of
     assert "How to make it again" in pages[0]  # the contents
-
-
-def printed(page: Any, folder: Path) -> list[str]:
-    """Text of the pages of paper."""
-    import pypdfium2
-
-    raw = page.pdf(prefer_css_page_size=True)
-    document = pypdfium2.PdfDocument(raw)
-    return [" ".join(sheet.get_textpage().get_text_bounded().split()) for sheet in document]
 
 
 def test_nothing_is_cut_at_the_side_of_paper(opened: Any) -> None:

@@ -5,10 +5,14 @@ import pytest
 
 import thermobearing as tb
 from tests.unit.report_words import as_data, assert_well_formed, numbers_in
+from thermobearing.border.library import data_path
+from thermobearing.earthquake.case import load_earthquake_case
 from thermobearing.earthquake.report import pieces_of
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.report import arranged
 from thermobearing.report.pieces import EXCEEDED, NOT_JUDGED, PASSED, Pieces
+from thermobearing.structure.model import load_structure
+from thermobearing.structure.parts import fixed_base
 
 BEARINGS = ["shen-bilinear-bridge", "shen-lhdr-bridge"]
 
@@ -139,3 +143,47 @@ def test_ended_early() -> None:
     assert_well_formed(early)
     assert early.answer[0].startswith("The analysis ended early in 1 run")
     assert "Ended" in [column.head for column in early.tables["peaks"].columns]
+
+
+def test_sources_of_a_users_own_files(tmp_path) -> None:
+    """Of structure, bilinear bearing and rig: in the directory's document, and from its case."""
+    for folder, name in (("structures", "pier-p1"), ("bilinear", "shen-bilinear-bridge")):
+        text = data_path(folder, f"{name}.toml").read_text(encoding="utf-8")
+        (tmp_path / f"{folder}.toml").write_text(text.replace(name, f"my-{folder}"))
+    (tmp_path / "rig.toml").write_text(
+        'name = "my-rig"\nforce = { value = "400 kN", source = "data sheet" }\n'
+    )
+    files = {key: str(tmp_path / f"{key}.toml") for key in ("structures", "bilinear", "rig")}
+    made = tb.bridge(
+        files["bilinear"], "jra-ii-i-1", 23.0, duration=1.0, structure=files["structures"],
+        rig=files["rig"],
+    )  # fmt: skip
+    saved = made.save(tmp_path / "out", figures=False)
+    again = tmp_path / "again.toml"
+    again.write_text((saved / "case.resolved.toml").read_text())
+    for case in (
+        tb.load_result(saved).dataset.attrs["case"],
+        load_earthquake_case(again).to_toml(),
+    ):
+        assert case == made.dataset.attrs["case"]
+    inputs = pieces_of(tb.load_result(saved)).inputs
+    masses = {row[0]: row[3] for row in inputs["structure"].rows}
+    assert masses["Mass deck: mass"] == "Table 6.2; node 1"
+    assert ("Initial stiffness K_1", 9.51, "kN/mm", "Table 6.3") in [
+        tuple(row) for row in inputs["my-bilinear.parameters"].rows
+    ]
+    assert [tuple(row) for row in inputs["rig"].rows] == [
+        ("Rig: largest force", 400.0, "kN", "data sheet")
+    ]
+
+
+def test_sources_of_what_a_case_changes_are_not_told() -> None:
+    """Springs that are left out, counts of lines that are other ones."""
+    found = fixed_base(load_structure("pier-p1"))
+    assert found.sources
+    assert not any(key.startswith("springs") for key in found.sources)
+    lines = [{"line": "G1-G5", "count": 4}]
+    made = tb.bridge("shen-hdr-bridge", "jra-ii-i-1", 23.0, duration=0.5, lines=lines)
+    rows = {row[0]: row[2:] for row in pieces_of(made).inputs["structure"].rows}
+    assert rows["Bearing line G1-G5: count"] == ("", "")
+    assert rows["Bearing line G1-G5: height"][1].startswith("Table 6.2")

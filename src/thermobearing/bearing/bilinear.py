@@ -10,14 +10,14 @@ from thermobearing.bearing.library import list_bearings, load_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.bearing.validity import Validity
 from thermobearing.border.errors import InputError, is_file, nearest
-from thermobearing.border.library import Library
-from thermobearing.border.schema import Strict, in_unit, validated
+from thermobearing.border.library import Library, Sourced
+from thermobearing.border.schema import in_unit
 from thermobearing.border.toml import read_toml, split_sources
 
 Stiffness = Annotated[float, in_unit("kN/mm"), Field(ge=1e-6, le=1e7)]  # 0.1 to 1000 kN/mm
 
 
-class BilinearBearing(Strict):
+class BilinearBearing(Sourced):
     """Backbone of one bearing (Fig. 6.3), blind to temperature and rate.
 
     Attributes
@@ -80,8 +80,7 @@ def load_bilinear(name_or_path: str | Path) -> BilinearBearing:
     >>> load_bilinear("shen-bilinear-bridge").strength
     125.4
     """
-    table, where = BILINEAR.read(name_or_path)
-    return validated(BilinearBearing, table, where)
+    return BILINEAR.load(BilinearBearing, name_or_path)
 
 
 def load_device(name_or_path: str | Path) -> Bearing | BilinearBearing:

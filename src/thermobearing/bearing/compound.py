@@ -7,7 +7,7 @@ in scaling.py.
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, PrivateAttr, model_validator
+from pydantic import Field, model_validator
 
 from thermobearing.bearing.model import (
     EARLIEST,
@@ -23,7 +23,7 @@ from thermobearing.bearing.model import (
 from thermobearing.bearing.temperature import TemperatureLaw
 from thermobearing.bearing.validity import Validity
 from thermobearing.border.errors import InputError, shortened
-from thermobearing.border.library import Library
+from thermobearing.border.library import Library, Sourced
 from thermobearing.border.schema import Strict, in_unit, validated
 from thermobearing.border.toml import read_toml, split_sources
 
@@ -78,7 +78,7 @@ class CompoundRate(Strict):
     viscosity: Annotated[float, in_unit("MPa s"), Field(ge=1e-6, le=1e5)]
 
 
-class Compound(Strict):
+class Compound(Sourced):
     """One rubber compound, with the lead that was tested in it if there is any.
 
     Attributes
@@ -112,7 +112,6 @@ class Compound(Strict):
     scragging: Scragging | None = None
     lead: CompoundLead | None = None
     rate: CompoundRate | None = None
-    _sources: dict[str, str] = PrivateAttr(default_factory=dict)
 
     @model_validator(mode="after")
     def _lead_is_known(self) -> "Compound":
@@ -125,17 +124,6 @@ class Compound(Strict):
                 "rubber has a stiffness before yield of its own; give lead.shear_modulus"
             )
         return self
-
-    @property
-    def sources(self) -> dict[str, str]:
-        """Where each number comes from, by dotted key (`rubber.shear_modulus`)."""
-        return dict(self._sources)
-
-    def with_sources(self, sources: dict[str, str]) -> "Compound":
-        """The same compound, remembering where its numbers come from."""
-        copy: Any = self.model_copy()
-        copy._sources = dict(sources)
-        return copy  # type: ignore[no-any-return]
 
 
 COMPOUNDS = Library("compound", "compounds")

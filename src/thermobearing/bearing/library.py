@@ -7,7 +7,7 @@ from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError, shortened
 from thermobearing.border.library import Library
 from thermobearing.border.schema import validated
-from thermobearing.border.toml import split_sources, to_table
+from thermobearing.border.toml import split_sources
 
 BEARINGS = Library("bearing", "bearings")
 
@@ -21,31 +21,6 @@ def list_bearings() -> list[str]:
     True
     """
     return BEARINGS.names()
-
-
-def sources_to_keep(
-    bearings: list[Bearing], told: dict[str, dict[str, str]] | None = None
-) -> dict[str, dict[str, str]] | None:
-    """Sources of the numbers of bearings that the library cannot tell again; None without any.
-
-    Parameters
-    ----------
-    bearings : whose sources are known.
-    told : sources that a case brings along, by name of the bearing; of others they are left out.
-
-    Examples
-    --------
-    >>> print(sources_to_keep([load_bearing("shen-hdr-specimen")]))
-    None
-    """
-    names = {bearing.name for bearing in bearings}
-    found = {name: own for name, own in (told or {}).items() if name in names}
-    for bearing in bearings:
-        known = BEARINGS.sources(Bearing, to_table(bearing))
-        own = {key: text for key, text in bearing.sources.items() if known.get(key) != text}
-        if own:
-            found[bearing.name] = own
-    return found or None
 
 
 def bearing_from_table(table: Any, where: str) -> Bearing:

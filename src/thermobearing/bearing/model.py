@@ -5,13 +5,14 @@ annotations (kN, mm, s, degC; thermal properties as tables print them).
 """
 
 import math
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
-from pydantic import Field, PrivateAttr, field_validator, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from thermobearing.bearing.exposure import Exposure
 from thermobearing.bearing.temperature import TemperatureLaw
 from thermobearing.bearing.validity import Validity
+from thermobearing.border.library import Sourced
 from thermobearing.border.schema import Strict, in_unit
 from thermobearing.border.showing import facts_html
 from thermobearing.border.units import CUBIC_MM_PER_CUBIC_M, NEWTON_PER_KILONEWTON
@@ -259,7 +260,7 @@ class Cells(Strict):
         return Cells(**{name: max(getattr(self, name), getattr(least, name)) for name in names})
 
 
-class Bearing(Strict):
+class Bearing(Sourced):
     """One bearing, complete.
 
     Attributes
@@ -289,7 +290,6 @@ class Bearing(Strict):
     rate: RateDependence | None = None
     exposure: Exposure | None = None
     cells: Cells = Cells()
-    _sources: dict[str, str] = PrivateAttr(default_factory=dict)
 
     @model_validator(mode="after")
     def _lead_fits_kind(self) -> "Bearing":
@@ -350,11 +350,6 @@ class Bearing(Strict):
         return facts_html(self.name, facts)
 
     @property
-    def sources(self) -> dict[str, str]:
-        """Where each number comes from, by dotted key (`geometry.rubber_thickness`)."""
-        return dict(self._sources)
-
-    @property
     def area(self) -> float:
         """Gross plan area [mm2]."""
         return self.geometry.plan.area
@@ -368,9 +363,3 @@ class Bearing(Strict):
     def total_rubber_thickness(self) -> float:
         """[mm]"""
         return self.geometry.total_rubber_thickness
-
-    def with_sources(self, sources: dict[str, str]) -> "Bearing":
-        """The same bearing, remembering where its numbers come from."""
-        copy: Any = self.model_copy()
-        copy._sources = dict(sources)
-        return copy  # type: ignore[no-any-return]

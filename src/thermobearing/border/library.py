@@ -6,11 +6,15 @@ from dataclasses import dataclass
 from functools import cache
 from importlib import resources
 from pathlib import Path
-from typing import Any
+from typing import Any, Self, TypeVar
+
+from pydantic import PrivateAttr
 
 from thermobearing.border.errors import InputError, nearest
 from thermobearing.border.schema import Strict, validated
 from thermobearing.border.toml import flat, read_toml, split_sources, to_table
+
+S = TypeVar("S", bound="Sourced")
 
 
 @cache
@@ -53,6 +57,28 @@ def _told(path: Path, model: type[Strict]) -> dict[str, tuple[Any, str]]:
     return {key: (built_in.get(key), source) for key, source in sources.items()}
 
 
+class Sourced(Strict):
+    """A record that remembers where its numbers come from."""
+
+    _sources: dict[str, str] = PrivateAttr(default_factory=dict)
+
+    @property
+    def sources(self) -> dict[str, str]:
+        """Where each number comes from, by dotted key (`geometry.rubber_thickness`)."""
+        return dict(self._sources)
+
+    def with_sources(self, sources: Mapping[str, str]) -> Self:
+        """The same, remembering where its numbers come from.
+
+        Parameters
+        ----------
+        sources : by dotted key.
+        """
+        copy: Any = self.model_copy()
+        copy._sources = dict(sources)
+        return copy  # type: ignore[no-any-return]
+
+
 @dataclass(frozen=True)
 class Library:
     """The built-in things of one kind, a TOML file each, and the user's own files beside them."""
@@ -90,6 +116,17 @@ class Library:
         table, where = self.table(name_or_path)
         return split_sources(table)[0], where
 
+    def load(self, model: type[S], name_or_path: str | Path) -> S:
+        """A thing by name or file, with the sources of its numbers.
+
+        Raises
+        ------
+        InputError : nothing has that name, or faults in the file.
+        """
+        table, where = self.table(name_or_path)
+        values, sources = split_sources(table)
+        return validated(model, values, where).with_sources(sources)
+
     def sources(self, model: type[Strict], table: Mapping[str, Any]) -> dict[str, str]:
         """Sources of those values of a thing that are as in the built-in one of its name.
 
@@ -103,3 +140,27 @@ class Library:
             return {}
         told, given = _told(data_path(self.folder, f"{name}.toml"), model), flat(table)
         return {key: source for key, (value, source) in told.items() if given.get(key) == value}
+
+
+def sources_to_keep(
+    things: Iterable[tuple[Library, Sourced]], told: Mapping[str, Mapping[str, str]] | None = None
+) -> dict[str, dict[str, str]] | None:
+    """Sources of the numbers of things that their library cannot tell again; None without any.
+
+    Parameters
+    ----------
+    things : bearings, structures, rigs, each with the library of its kind.
+    told : sources that a case brings along, by name of the thing; of others they are left out.
+    """
+    found: dict[str, dict[str, str]] = {}
+    for library, thing in things:
+        if not (thing.sources or told):
+            continue
+        table = to_table(thing)
+        name = str(table["name"])
+        known = library.sources(type(thing), table)
+        own = {key: text for key, text in thing.sources.items() if known.get(key) != text}
+        kept = own or dict((told or {}).get(name, {}))
+        if kept:
+            found[name] = found.get(name, {}) | kept
+    return found or None

@@ -123,10 +123,19 @@ def with_sources(table: dict[str, Any], sources: Mapping[str, str]) -> dict[str,
         *tables, name = key.split(".")
         inner: Any = table
         for part in tables:
-            inner = inner.get(part, {})
+            inner = _entry_below(inner, part)
         if tables and name in inner and not isinstance(inner[name], dict):
             inner[name] = {"value": inner[name], "source": source}
     return table
+
+
+def _entry_below(table: Mapping[str, Any], part: str) -> Any:
+    """The table of a name, or one of a list of them (`masses[2]`); an empty one where none is."""
+    name, _, place = part.rstrip("]").partition("[")
+    if not place:
+        return table.get(name, {})
+    items = table.get(name, [])
+    return items[int(place)] if int(place) < len(items) else {}
 
 
 def sourced_toml(model: Strict, sources: Mapping[str, str]) -> str:

@@ -28,6 +28,10 @@ from thermobearing.sequences.case import SequenceCase, load_sequence_case
 from thermobearing.structure.model import DampingKind, Structure, load_structure
 from thermobearing.structure.plausible import implausible_structure
 from thermobearing.structure.run import prepare_structure
+from thermobearing.studies.case import load_study
+from thermobearing.studies.columns import columns_of
+from thermobearing.studies.designs import plan
+from thermobearing.studies.record import Study
 
 # Keys that files of one kind alone have, to tell files that do not say what they are.
 DESIGNS = set(DesignCase.model_fields) - set(EarthquakeCase.model_fields)
@@ -48,8 +52,8 @@ def check_file(path: Path) -> Checked:
     """Kind of a TOML file, its main facts, and numbers that usual ones do not have.
 
     Kinds: "bearing", "bilinear bearing", "compound", "structure", "rig", "test record" (the file
-    beside a CSV), "earthquake case", "sequence case", "design case", "case" of a cyclic test, and
-    those of the package's own data.
+    beside a CSV), "earthquake case", "sequence case", "design case", "study" of very many
+    runs, "case" of a cyclic test, and those of the package's own data.
 
     Raises
     ------
@@ -76,8 +80,8 @@ def kind_of(table: dict[str, Any], path: Path) -> str:
     keys = set(table)
     if table.get("kind") == "bilinear":
         return "bilinear bearing"
-    if table.get("kind") == "compound":
-        return "compound"
+    if table.get("kind") in ("compound", "study"):
+        return str(table["kind"])
     for kind, its in (
         ("structure", {"bodies"}),
         ("sequence case", {"parts"}),
@@ -132,6 +136,10 @@ def _study(path: Path) -> tuple[dict[str, str], list[Bearing | BilinearBearing |
     return earthquake_facts(case), [*case.bearings, case.structure]
 
 
+def _very_many(path: Path) -> tuple[dict[str, str], list[Bearing]]:
+    return study_facts(load_study(path)), []
+
+
 def _sequence(path: Path) -> tuple[dict[str, str], list[Bearing]]:
     case = load_sequence_case(path)
     return sequence_facts(case), [case.bearing]
@@ -156,6 +164,7 @@ KINDS: dict[str, Callable[[Path], tuple[dict[str, str], Any]]] = {
     "test record": _record,
     "earthquake case": _study,
     "sequence case": _sequence,
+    "study": _very_many,
     "design case": _design,
     "case": _case,
 }
@@ -234,6 +243,21 @@ def earthquake_facts(case: EarthquakeCase) -> dict[str, str]:
         "ambient": climates,
         "runs": f"{count}, {case.analysis.method}, dt {case.analysis.dt:g} s",
         **structure_facts(case.structure, case.analysis.damping),
+    }
+
+
+def study_facts(study: Study) -> dict[str, str]:
+    """What a study of very many runs would do; its numbers of the levels of each factor."""
+    factors, runs = study.factors, plan(study)
+    names = [one.name for one in factors.bearing.levels]
+    levels = {column.name: column.count for column in columns_of(study) if not column.drawn}
+    drawn = [column.name for column in columns_of(study) if column.drawn]
+    return {
+        "name": study.name,
+        "bearings": ", ".join(names),
+        "levels": ", ".join(f"{count} of {name}" for name, count in levels.items()),
+        "drawn": ", ".join(drawn) or "nothing",
+        "runs": f"{len(runs)}, {study.case.analysis.method}, dt {study.case.analysis.dt:g} s",
     }
 
 

@@ -10,16 +10,17 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, field_validator
 
 from thermobearing.bearing.ambient import Ambient
-from thermobearing.bearing.library import load_bearing, sources_to_keep
+from thermobearing.bearing.library import BEARINGS, load_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
+from thermobearing.border.library import sources_to_keep
 from thermobearing.border.overrides import overridden, said_with_unit, updated
 from thermobearing.border.schema import Strict, in_unit, validated
 from thermobearing.border.toml import split_sources, to_table, to_toml
 from thermobearing.core.records import labels
 from thermobearing.core.types import Books
 from thermobearing.cyclic.protocol import CyclicTest, cyclic_test, survey
-from thermobearing.cyclic.rig import Rig, settle_rig
+from thermobearing.cyclic.rig import RIGS, Rig, settle_rig
 from thermobearing.cyclic.start import left_by, settle_start
 from thermobearing.model.earlier import needs_full_stack
 from thermobearing.model.effort import too_much
@@ -69,7 +70,7 @@ class Case(Strict):
     initial_state : where an earlier test left the bearing; `initial_result` of a file becomes it.
     rig : limits of the rig that is to do it; a run that passes one says so.
     analysis : how to compute, and what to keep.
-    sources : of the bearing's numbers, by its name and their dotted keys, where its own file has
+    sources : of the numbers of bearing and rig, by name and dotted key, where their own files have
         some; for documents only.
     """
 
@@ -240,7 +241,8 @@ def make_case(table: dict[str, Any], where: str, **overrides: Any) -> Case:
     if problems:
         raise InputError(problems, where)
     bearing = case.bearing.with_sources(told | case.bearing.sources)
-    sources = sources_to_keep([bearing], case.sources)
+    rig = [(RIGS, case.rig)] if case.rig else []
+    sources = sources_to_keep([(BEARINGS, bearing), *rig], case.sources)
     return case.model_copy(
         update={"analysis": case.analysis.settled(case.bearing), "sources": sources}
     )

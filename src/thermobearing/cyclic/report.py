@@ -212,18 +212,25 @@ def inputs_of(result: Result, case: Case) -> dict[str, ReportTable]:
     air = {key: case[key] for key in ("ambient", "ambient_series", *STARTS) if key in case}
     found["air"] = input_table("Temperatures", air, otherwise="as asked for")
     if "rig" in case:
-        found["rig"] = rig_table(case["rig"])
+        found["rig"] = rig_table(case["rig"], case.get("sources", {}).get(case["rig"].get("name")))
     found["analysis"] = analysis_table(case["analysis"], Analysis())
     return found
 
 
-def rig_table(rig: Mapping[str, Any]) -> ReportTable:
-    """Limits of a rig of a resolved case."""
+def rig_table(rig: Mapping[str, Any], own: Mapping[str, str] | None = None) -> ReportTable:
+    """Limits of a rig of a resolved case.
+
+    Parameters
+    ----------
+    rig : its table.
+    own : sources of its file, by key.
+    """
     limits = {key: rig[key] for key in RIG if key in rig}
     about = [str(rig[key]).rstrip(".") for key in ("description", "citation") if rig.get(key)]
     note = ". ".join(about) + "." if about else ""
-    told = {f"rig.{key}": text for key, text in RIGS.sources(Rig, rig).items()}
-    return input_table(f"Rig: {rig.get('name', 'rig')}", {"rig": limits}, told, note=note)
+    told = {f"rig.{key}": text for key, text in (RIGS.sources(Rig, rig) | dict(own or {})).items()}
+    title = f"Rig: {rig.get('name', 'rig')}"
+    return input_table(title, {"rig": limits}, told, otherwise="not stated", note=note)
 
 
 STARTS = ("initial", "initial_lead")

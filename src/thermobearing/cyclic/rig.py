@@ -7,8 +7,8 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from thermobearing.border.errors import InputError
-from thermobearing.border.library import Library
-from thermobearing.border.schema import Strict, in_unit, validated
+from thermobearing.border.library import Library, Sourced
+from thermobearing.border.schema import in_unit
 from thermobearing.results.ranges import Row, compared
 
 LIMITS = {  # of a rig: unit, and how a run that passes it is told
@@ -18,7 +18,7 @@ LIMITS = {  # of a rig: unit, and how a run that passes it is told
 }
 
 
-class Rig(Strict):
+class Rig(Sourced):
     """Largest force, stroke and speed of an actuator, either way; what is left out has no limit.
 
     Attributes
@@ -68,8 +68,7 @@ def load_rig(name_or_path: str | Path) -> Rig:
     >>> load_rig("shen-rig").stroke
     200.0
     """
-    table, where = RIGS.read(name_or_path)
-    return validated(Rig, table, where)
+    return RIGS.load(Rig, name_or_path)
 
 
 def settle_rig(table: dict[str, Any], folder: Path) -> list[str]:

@@ -163,6 +163,7 @@ def bounds_study(
     found.attrs["sentences"] = [study.sentence for study in studies if study.outcome != "completed"]
     found.attrs["ranges"] = ranges_of(bearing)
     found.attrs["inputs"] = _inputs(whole, bearing, strain)
+    found.attrs["inputs"]["bounds"] = [to_table(model) for model in bounds]
     return found
 
 

@@ -9,7 +9,7 @@ from thermobearing.cyclic.reported import analysis_table, bearing_tables
 from thermobearing.design.report_bounds import bounds_pieces
 from thermobearing.design.report_factors import factors_pieces
 from thermobearing.earthquake.case import EarthquakeAnalysis
-from thermobearing.earthquake.report_inputs import structure_table
+from thermobearing.earthquake.report_inputs import given_motions_table
 from thermobearing.report.identity import identity_of
 from thermobearing.report.inputs import input_table
 from thermobearing.report.limits import TESTED_RANGE, TESTS, limit_checks, verdict
@@ -18,6 +18,7 @@ from thermobearing.report.saved import saved_figures, saved_validity
 from thermobearing.report.words import joined, number, printed_unit, tidy
 from thermobearing.results.directory import BEARINGS, RESOLVED
 from thermobearing.results.saved import SavedResult
+from thermobearing.structure.report import structure_table
 
 Summary = Mapping[str, Any]
 KINDS = {"lambda": factors_pieces, "bounds": bounds_pieces}
@@ -119,6 +120,7 @@ def inputs_of(saved: SavedResult, case: Mapping[str, Any]) -> dict[str, ReportTa
     found = {
         "design": input_table("What was to be designed", rest, otherwise="case, or default"),
         "structure": structure_table(case["structure"]),
+        "motions": given_motions_table(case["motions"]),
     }
     for path in sorted((saved.path / BEARINGS).glob("*.toml")):
         table, sources = split_sources(read_toml(path))

@@ -1,7 +1,6 @@
 """What the document of bounding analyses beside the coupled model says."""
 
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 from thermobearing.cyclic.reported import (
@@ -11,12 +10,13 @@ from thermobearing.cyclic.reported import (
     model_assumptions,
 )
 from thermobearing.earthquake.case import EarthquakeAnalysis
-from thermobearing.earthquake.report_inputs import structure_table
+from thermobearing.earthquake.report_inputs import given_motions_table
 from thermobearing.report.limits import MARKED, TESTED_RANGE, TESTS, limit_checks, verdict
 from thermobearing.report.pieces import Column, Pieces, ReportTable
 from thermobearing.report.saved import saved_figures, saved_identity, saved_validity
 from thermobearing.report.words import counted, degrees, joined, percent, quantity, tidy
 from thermobearing.results.saved import SavedResult
+from thermobearing.structure.report import structure_table
 
 CAPTIONS = {"bounds": "Demands of the two bounds and of the coupled model, and their envelope."}
 DEMANDS = {
@@ -126,13 +126,10 @@ def _inputs(told: Mapping[str, Any]) -> dict[str, ReportTable]:
     found: dict[str, ReportTable] = {}
     for one in told.values():
         found.setdefault("structure", structure_table(one["structure"]))
-        rows = [
-            (Path(str(motion["name"])).name, float(motion.get("factor", 1.0)))
-            for motion in one["motions"]
-        ]
-        columns = (Column("Motion"), Column("Factor", "", "g"))
-        found.setdefault("motions", ReportTable("Ground motions", columns, rows))
+        found.setdefault("motions", given_motions_table(one["motions"]))
         found |= bearing_tables(one["bearing"], one["sources"])
+        for bound in one.get("bounds", []):
+            found |= bearing_tables(bound, otherwise="equal peak force and loop area")
         found["analysis"] = analysis_table(one["analysis"], EarthquakeAnalysis())
     return found
 

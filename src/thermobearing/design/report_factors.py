@@ -9,12 +9,12 @@ from thermobearing.cyclic.reported import bearing_tables, bearing_words, model_a
 from thermobearing.report.limits import MARKED, TESTED_RANGE, TESTS, limit_checks, verdict
 from thermobearing.report.pieces import Column, Pieces, ReportTable
 from thermobearing.report.saved import saved_figures, saved_identity, saved_validity
-from thermobearing.report.words import degrees, joined, percent, tidy
+from thermobearing.report.words import degrees, joined, percent, printed_unit, tidy
 from thermobearing.results.saved import SavedResult
 
 CAPTIONS = {
     "factors": "Temperature factors of stiffness, strength and energy, beside published ones.",
-    "scale": "Factors of the bearing and of one of a sixth of its size.",
+    "scale": "Rise of temperature, and loops, of the bearing at its own and at another size.",
 }
 QUANTITIES = ("K_eq", "Q_d", "K_d", "energy", "h_eq")
 
@@ -93,10 +93,11 @@ def _tables(summary: Mapping[str, Any]) -> dict[str, ReportTable]:
     keys: dict[tuple[Any, ...], dict[float, Any]] = {}
     values: dict[tuple[Any, ...], float] = {}
     for row in rows:
-        key = (100.0 * row["strain"], row["basis"], row["quantity"], row["unit"])
+        unit, factor = printed_unit(str(row["unit"]))
+        key = (100.0 * row["strain"], row["basis"], row["quantity"], unit)
         keys.setdefault(key, {})[float(row["ambient_degC"])] = row
         if row["ambient_degC"] == summary["reference_degC"]:
-            values[key] = row["value"]
+            values[key] = factor * row["value"]
     columns = [Column("Strain", "%", "g"), Column("Cycle"), Column("Quantity"), Column("Unit")]
     reference = degrees([summary["reference_degC"]])
     columns.append(Column(f"Value at {reference}", "", ".4g"))

@@ -6,15 +6,16 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, field_validator
 
-from thermobearing.bearing.bilinear import load_bilinear, load_device
-from thermobearing.bearing.library import sources_to_keep
+from thermobearing.bearing.bilinear import BILINEAR, load_bilinear, load_device
+from thermobearing.bearing.library import BEARINGS
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
+from thermobearing.border.library import Library, Sourced, sources_to_keep
 from thermobearing.border.overrides import overridden
 from thermobearing.border.schema import Strict, in_unit, validated
 from thermobearing.border.toml import to_toml
 from thermobearing.cyclic.case import Temperature, each_once
-from thermobearing.cyclic.rig import Rig, settle_rig
+from thermobearing.cyclic.rig import RIGS, Rig, settle_rig
 from thermobearing.cyclic.start import left_by, settle_start
 from thermobearing.earthquake.devices import (
     Device,
@@ -30,6 +31,7 @@ from thermobearing.model.options import ModelOptions, build_model
 from thermobearing.motions.record import GroundMotion
 from thermobearing.report.title import case_table
 from thermobearing.structure.model import (
+    STRUCTURES,
     DampingKind,
     MassModel,
     Structure,
@@ -133,7 +135,8 @@ class EarthquakeCase(Strict):
     initial_state : where an earlier test left the bearing; of one bearing that is not bilinear.
         `initial_result` of a file becomes it.
     lines : bearing lines with a bearing, an air or a count of their own.
-    sources : of the bearings' numbers, by name and dotted key, where their own files have some;
+    sources : of the numbers of bearings, structure and rig, by name and dotted key, where their
+        own files have some;
         for documents only.
     rig : limits of the rig that moves the specimen; a run that passes one says so.
     """
@@ -291,8 +294,10 @@ def make_earthquake_case(
     if problems:
         raise InputError(problems, where)
     devices = [*case.bearings, *(line.bearing for line in case.lines)]
-    layered = [one for one in devices if isinstance(one, Bearing)]
-    return case.model_copy(update={"sources": sources_to_keep(layered, case.sources)})
+    things: list[tuple[Library, Sourced]] = [(STRUCTURES, case.structure)]
+    things += [(BEARINGS if isinstance(x, Bearing) else BILINEAR, x) for x in devices if x]
+    things += [(RIGS, case.rig)] if case.rig else []
+    return case.model_copy(update={"sources": sources_to_keep(things, case.sources)})
 
 
 def _with_structure(case: EarthquakeCase, *, fixed: bool) -> EarthquakeCase:

@@ -126,4 +126,13 @@ def into_structure(
     rest = tuple(
         item for item in left if (item.bearing, item.ambient, item.weather) != (None, None, None)
     )
-    return rest, structure.model_copy(update={"bearings": bearings})
+    told = {
+        key: text
+        for key, text in structure.sources.items()
+        if not any(
+            key == f"bearings[{place}].{name}"
+            for place, line in enumerate(structure.bearings)
+            for name in changes.get(line.name, {})
+        )
+    }
+    return rest, structure.model_copy(update={"bearings": bearings}).with_sources(told)

@@ -1,6 +1,6 @@
 """What went into an earthquake study, as tables and sentences of its document."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,15 +15,12 @@ from thermobearing.cyclic.reported import (
 )
 from thermobearing.earthquake.case import EarthquakeAnalysis
 from thermobearing.earthquake.result import EarthquakeResult
-from thermobearing.report.inputs import COLUMNS, input_table, value_and_unit
-from thermobearing.report.names import name_of
+from thermobearing.report.inputs import input_table
 from thermobearing.report.pieces import Column, ReportTable
 from thermobearing.report.words import counted, degrees, joined, quantity
-from thermobearing.structure.model import STRUCTURES, Structure
+from thermobearing.structure.report import structure_table
 
 Case = Mapping[str, Any]
-LISTS = {"masses": "mass", "springs": "spring", "hinges": "hinge", "bearings": "bearing line"}
-NAMED = ("name", "body", "base")
 MODES = {"rt": "in real time", "pd": "pseudo-dynamic"}
 DAMPING = {
     "modal": "a ratio for each mode of the structure without its bearings",
@@ -37,7 +34,7 @@ def inputs_of(result: EarthquakeResult, case: Case) -> dict[str, ReportTable]:
     """Tables of what went in: structure, bearings, motions, air, laboratory, model."""
     sources = case.get("sources", {})
     found = {
-        "structure": structure_table(case["structure"]),
+        "structure": structure_table(case["structure"], sources.get(case["structure"]["name"])),
         "motions": motions_table(result, case),
     }
     for bearing in bearings_of(case):
@@ -50,7 +47,7 @@ def inputs_of(result: EarthquakeResult, case: Case) -> dict[str, ReportTable]:
         lab = {"laboratory": case["laboratory"]}
         found["laboratory"] = input_table("Laboratory", lab, otherwise="as asked for, or default")
     if "rig" in case:
-        found["rig"] = rig_table(case["rig"])
+        found["rig"] = rig_table(case["rig"], sources.get(case["rig"].get("name")))
     defaults = EarthquakeAnalysis()
     if case["command"] == "hybrid":
         defaults = EarthquakeAnalysis(method="predictor-corrector")
@@ -65,30 +62,6 @@ def bearings_of(case: Case) -> list[Mapping[str, Any]]:
         if isinstance(line.get("bearing"), Mapping):
             found.setdefault(str(line["bearing"]["name"]), line["bearing"])
     return list(found.values())
-
-
-def structure_table(structure: Mapping[str, Any]) -> ReportTable:
-    """Masses, springs, hinges and bearing lines, each value with unit and source."""
-    sources = STRUCTURES.sources(Structure, structure)
-    rows: list[tuple[Any, ...]] = []
-    for key, kind in LISTS.items():
-        for place, item in enumerate(structure.get(key, [])):
-            owner = item.get("name") or item["body"]
-            for name, value in item.items():
-                if name in NAMED or (value in (0.0, "0.0 kN mm s^2") and name != "height"):
-                    continue
-                told = sources.get(f"{key}[{place}].{name}", "")
-                what = f"{kind.capitalize()} {owner}: {name_of(name).lower()}"
-                rows.append((what, *value_and_unit(value), told))
-    for key in ("kind", "ratios", "modes"):
-        if key in structure["damping"]:
-            value = value_and_unit(structure["damping"][key])
-            rows.append((f"Viscous damping: {key}", *value, sources.get(f"damping.{key}", "")))
-    about = [
-        str(structure[key]).rstrip(".") for key in ("description", "citation") if structure.get(key)
-    ]
-    note = ". ".join(about) + "." if about else ""
-    return ReportTable(f"Structure: {structure['name']}", COLUMNS, rows, note=note)
 
 
 def motions_table(result: EarthquakeResult, case: Case) -> ReportTable:
@@ -115,14 +88,33 @@ def motions_table(result: EarthquakeResult, case: Case) -> ReportTable:
                 float(one.get("factor", 1.0)),
                 float(np.nanmax(data["time"].values[run])),
                 float(np.nanmax(np.abs(ground))),
-                _motion_source(one),
+                motion_source(one),
             )
         )
     note = "Lengths and peaks of what was run, after factor and cut."
     return ReportTable("Ground motions", columns, rows, note=note)
 
 
-def _motion_source(motion: Mapping[str, Any]) -> str:
+def given_motions_table(motions: Sequence[Mapping[str, Any]]) -> ReportTable:
+    """Motions of a case, where what was run of them is not kept.
+
+    Parameters
+    ----------
+    motions : of a resolved case.
+    """
+    columns = (Column("Motion"), Column("Factor", "", "g"), Column("Source"))
+    rows = [
+        (
+            str(one.get("label") or Path(str(one["name"])).stem),
+            float(one.get("factor", 1.0)),
+            motion_source(one),
+        )
+        for one in motions
+    ]
+    return ReportTable("Ground motions", columns, rows)
+
+
+def motion_source(motion: Mapping[str, Any]) -> str:
     """Where a motion is from."""
     from thermobearing.motions.library import list_motions
 

@@ -18,6 +18,7 @@ from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
 from thermobearing.climate.hourly import DAY, HOUR, Hourly, Ints
+from thermobearing.core.hours import hours_at_rest
 from thermobearing.core.march import march
 from thermobearing.core.types import Constants, Floats, Path, State, new_state, new_workspace
 from thermobearing.cyclic.history import room_for
@@ -31,7 +32,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
 AT_REST = 1e9  # clock of a core whose half-space has settled [s]
-AT_ONCE = 10_000  # hours whose air is multiplied together
 SPIN_UP = 60 * DAY  # hours before the first of a typical year
 
 
@@ -177,21 +177,9 @@ def _uniform(constants: Constants, air: float) -> Floats:
 def _through(hour: HourMap, air: Floats, places: Ints, begin: Floats) -> Floats:
     """States at some increasing places of a series of air."""
     found = np.empty((len(places), len(begin)))
+    kept = np.ascontiguousarray(hour.kept.T)
     now, after = begin.copy(), np.empty_like(begin)
-    rows = iter(range(len(places)))
-    here, row = 0, next(rows, None)
-    while row is not None:
-        if here == places[row]:
-            found[row], row = now, next(rows, None)
-            continue
-        end = min(int(places[row]), here + AT_ONCE)
-        gained = np.outer(air[here:end], hour.early)
-        gained += np.outer(air[here + 1 : end + 1], hour.late)
-        for gain in gained:
-            np.dot(hour.kept, now, out=after)
-            after += gain
-            now, after = after, now
-        here = end
+    hours_at_rest(kept, hour.early, hour.late, air, places, now, after, found)
     return found
 
 
@@ -208,8 +196,8 @@ def bearing_weather(
 
     Returns
     -------
-    DataFrame : hour, date where it is known, air, the outermost and the innermost rubber layer
-        modelled, and lead where there is some [degC].
+    DataFrame : hour, date where it is known, air, the mean of the rubber layers, the outermost and
+        the innermost one modelled, and lead where there is some [degC].
 
     Raises
     ------
@@ -219,8 +207,8 @@ def bearing_weather(
     --------
     >>> from thermobearing.climate import generate_weather
     >>> frame = bearing_weather("shen-lhdr-bridge", generate_weather("cold-town", 1, 4))
-    >>> frame.columns.tolist()
-    ['hour', 'date', 'ambient_degC', 'outer_rubber_degC', 'inner_rubber_degC', 'lead_degC']
+    >>> frame.columns[2:].tolist()
+    ['ambient_degC', 'rubber_degC', 'outer_rubber_degC', 'inner_rubber_degC', 'lead_degC']
     """
     table = {"command": "bridge", "bearings": [bearing], "analysis": options}
     case = make_earthquake_case(table, "bearing_weather")
@@ -229,9 +217,10 @@ def bearing_weather(
         raise InputError("a bilinear bearing has no temperature", case.bearings[0].name)
     frame, soaked = weather.to_frame(), soaked_hours(device, weather)
     upper, lower = device.stack.middles()
-    for place, layer in (("outer", 0), ("inner", -1)):
-        beside = soaked.temperature[:, upper[layer]] + soaked.temperature[:, lower[layer]]
-        frame[f"{place}_rubber_degC"] = 0.5 * beside
+    layers = 0.5 * (soaked.temperature[:, upper] + soaked.temperature[:, lower])
+    count = device.constants.multiplicity
+    frame["rubber_degC"] = layers @ count / count.sum()
+    frame["outer_rubber_degC"], frame["inner_rubber_degC"] = layers[:, 0], layers[:, -1]
     if soaked.lead is not None:
         frame["lead_degC"] = soaked.lead
     return frame

@@ -15,6 +15,7 @@ from thermobearing.identify.report_tables import (
     grade,
     held_out_table,
     parameters_table,
+    posterior_table,
     records_table,
     relative_error,
     tests_table,
@@ -48,12 +49,14 @@ UNUSABLE = 0.9
 CAPTIONS = {
     "loops": "Measured loops (band) and the fitted model (line) of every test.",
     "cycles": "Measures of each cycle in test and model, with the error of each test.",
-    "residuals": "Force of the model less that of the test, in time.",
+    "residuals": "Force of the model less that of the test, sample by sample.",
     "temperatures": "Thermocouples of the tests and the model at their places.",
     "correlation": "Correlation of the estimates.",
-    "band": "Prediction at a temperature that was not tested: best fit and 95 % band.",
+    "band": "Prediction: best fit and 95 % band, of loops and of the force at each turn.",
     "held_out_loops": "Loops of the tests that judge the fit, and the model.",
-    "held_out": "The fit beside the tests that judge it.",
+    "held_out_cycles": "Each cycle of the tests that judge the fit: the model off the test.",
+    "held_out_ratios": "Largest loop of the tests that judge the fit: the model off the test.",
+    "held_out_residuals": "Force of the model less that of the tests that judge the fit.",
     "folds": "Parameters without each group of tests, beside those of all.",
     "convergence": "Best misfit of the search against its evaluations.",
 }
@@ -179,6 +182,7 @@ def tables_of(saved: SavedResult) -> dict[str, ReportTable]:
         "cycles": cycles_table(saved),
         "thermocouples": thermocouples_table(summary["thermocouples"]),
         "held_out": held_out_table(summary),
+        "posterior": posterior_table(summary),
         "undetermined": undetermined_table(summary),
     }
     return {name: table for name, table in found.items() if table is not None and table.rows}

@@ -58,7 +58,15 @@ def tests_table(records: Sequence[Record]) -> ReportTable:
             )
         )
     note = "Of the hash the first 16 signs; all are in summary.json."
-    return ReportTable("Tests", columns, rows, note=note)
+    usual = {"Weight": (None, 1), "Thermocouples": ("",)}  # what goes without saying
+    said = [
+        place
+        for place, column in enumerate(columns)
+        if any(row[place] not in usual.get(column.head, ()) for row in rows)
+        or column.head not in usual
+    ]
+    cells = [[row[place] for place in said] for row in rows]
+    return ReportTable("Tests", [columns[place] for place in said], cells, note=note)
 
 
 def treatment_table(records: Sequence[Record]) -> ReportTable:
@@ -290,6 +298,28 @@ def errors_table(
 
 def _is_known(value: Any) -> bool:
     return value is not None and value == value
+
+
+def posterior_table(summary: Mapping[str, Any]) -> ReportTable | None:
+    """What the samples of the posterior say of the peak force; None without any."""
+    told = summary.get("posterior") or {}
+    columns = (
+        AMBIENT,
+        Column("Peak force, best fit", "kN", ".1f"),
+        Column("95 % from", "kN", ".1f"),
+        Column("to", "kN", ".1f"),
+    )
+    keys = ("ambient_degC", "best_kN", "lower_kN", "upper_kN")
+    rows = [[row[key] for key in keys] for row in told.get("peak_force", [])]
+    marked = frozenset(
+        (place, 0)
+        for place, row in enumerate(told.get("peak_force", []))
+        if "ambient" in str(row.get("beyond_tested") or "").split()
+    )
+    note = f"Of {told.get('samples')} samples of the posterior ({told.get('source')}); they are "
+    note += "in posterior.csv."
+    note += " Marked: beyond what the bearing was tested at." if marked else ""
+    return ReportTable("Predicted peak force", columns, rows, 0, marked, note) if rows else None
 
 
 def undetermined_table(summary: Mapping[str, Any]) -> ReportTable | None:

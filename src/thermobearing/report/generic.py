@@ -68,8 +68,16 @@ def table_of(name: str, table: pd.DataFrame) -> ReportTable:
     rows = [tuple(row) for row in shown.itertuples(index=False, name=None)]
     left = len(table) - len(shown)
     note = f"The first {MOST_ROWS} of {len(table)} rows; all are in {name}.csv." if left else ""
-    columns = [Column(*words(str(title)), form_of(shown[title])) for title in shown.columns]
+    columns = [column_of(str(title), shown[title]) for title in shown.columns]
     return ReportTable(words(name)[0].capitalize(), columns, rows, note=note)
+
+
+def column_of(title: str, values: "pd.Series[Any]") -> Column:
+    """A column of a table of a result directory; symbols keep their small letters."""
+    head, unit = words(title)
+    begins = head.split(" ")[0]
+    head = f"{head[:1].upper()}{head[1:]}" if len(begins) > 1 else head
+    return Column(head, unit, form_of(values))
 
 
 def form_of(values: "pd.Series[Any]") -> str:

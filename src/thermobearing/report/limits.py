@@ -5,7 +5,7 @@ from typing import Any
 
 from thermobearing.report.pieces import EXCEEDED, NOT_JUDGED, PASSED, Check
 from thermobearing.report.words import plain, printed_unit
-from thermobearing.results.ranges import TESTED
+from thermobearing.results.ranges import SLACK, TESTED
 
 # Largest residual of energy books, of the largest energy in them: rounding comes to 1e-10, what is
 # more is a fault of the computation.
@@ -66,6 +66,8 @@ def _check(name: str, row: Row, bearing: str, source: str, *, lower: bool) -> Ch
         unit, factor = "%", 100.0
     outside = value < limit if lower else value > limit
     passed = bool(row["passed"]) and outside
+    if outside and not passed:
+        source = f"{source}, and {SLACK:.0%} more".replace("%", " %")
     run = plain(str(row["run"]).removeprefix(f"{bearing}, "))
     verdict = EXCEEDED if passed else PASSED
     told = f"{name} ({run})"
@@ -94,7 +96,7 @@ def verdict_of(checks: Iterable[Check]) -> str:
     ]
     beyond = [check.what for check in judged if check.verdict == EXCEEDED]
     if not judged:
-        return "Nothing beside the tested range was held against a limit."
+        return "No limit was given besides the tested range."
     many = f"{len(judged)} check" + ("s" if len(judged) != 1 else "")
     if not beyond and len(judged) > 1:
         return f"All {many} beside the tested range are within their limits."

@@ -1,6 +1,7 @@
 """Figures as pictures that a document holds: drawn once, the same bytes for the same result."""
 
 import io
+import logging
 import re
 import warnings
 from collections.abc import Callable, Sequence
@@ -87,8 +88,14 @@ def in_fonts(draw: Callable[[], Figure]) -> Callable[[], Figure]:
     """What draws a figure with letters of Japanese fonts too, where the machine has one."""
 
     def drawn_in_fonts() -> Figure:
-        with mpl.rc_context({"font.family": ["DejaVu Sans", *japanese_fonts()]}):
-            return draw()
+        teller = logging.getLogger("matplotlib.font_manager")
+        before = teller.level
+        teller.setLevel(logging.ERROR)  # that a font has no bold is of no matter to a reader
+        try:
+            with mpl.rc_context({"font.family": ["DejaVu Sans", *japanese_fonts()]}):
+                return draw()
+        finally:
+            teller.setLevel(before)
 
     return drawn_in_fonts
 

@@ -40,7 +40,8 @@ def pieces_of(saved: SavedResult) -> Pieces:
     """
     told = saved.summary
     counts: dict[str, int] = told["counts"]
-    ledger = saved["ledger"].fillna("").set_index("id")
+    rows = saved["ledger"]
+    ledger = rows.astype(object).where(rows.notna(), "").set_index("id")
     claims = {part: claims_tables(ledger, part) for part in PARTS}
     tables = {"counts": _counts(counts)}
     tables |= {part: table for part, table in claims.items() if table is not None}

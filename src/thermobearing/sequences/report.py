@@ -18,7 +18,7 @@ from thermobearing.cyclic.reported import (
     model_assumptions,
 )
 from thermobearing.cyclic.result import Result
-from thermobearing.earthquake.report_inputs import structure_table
+from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.report.identity import identity_of
 from thermobearing.report.limits import (
     BOOKS_CLOSE,
@@ -43,9 +43,9 @@ from thermobearing.report.traces import history, path
 from thermobearing.report.words import change, counted, joined, number, quantity, tidy
 from thermobearing.results.drawing import INK, ordered_colours
 from thermobearing.results.ranges import TESTED, parted
-from thermobearing.results.writing import from_attribute
 from thermobearing.sequences.case import SequenceAnalysis
 from thermobearing.sequences.result import SequenceResult
+from thermobearing.structure.report import structure_table
 
 Case = Mapping[str, Any]
 KJ = 1e-3
@@ -70,7 +70,7 @@ def pieces_of(result: SequenceResult) -> Pieces:
     checks = checks_of(result, case) if parts else []
     return Pieces(
         command="sequence",
-        title=f"Tests in a row on {case['bearing']['name']}: {case['name']}",
+        title=f"Sequence of tests on {case['bearing']['name']}: {case['name']}",
         question=question(result, case),
         answer=answer(result, verdict(checks, validity, unknown)),
         inputs=inputs_of(result, case),
@@ -272,8 +272,7 @@ def checks_of(result: SequenceResult, case: Case) -> list[Check]:
 
 def inputs_of(result: SequenceResult, case: Case) -> dict[str, ReportTable]:
     """Tables of what went in: parts, specimen, structures, rig, model."""
-    attrs = result.parts[0].dataset.attrs if result.parts else {}
-    own = from_attribute(result.parts[0].dataset, "sources") if "sources" in attrs else {}
+    own = {name: told for part in result.parts for name, told in _sources_of(part).items()}
     columns = (Column("Part", form="d"), Column("What"), Column("Air"), Column("Step of time"))
     rows = [
         (
@@ -289,11 +288,16 @@ def inputs_of(result: SequenceResult, case: Case) -> dict[str, ReportTable]:
     for part in case["parts"]:
         if "structure" in part:
             name = str(part["structure"]["name"])
-            found.setdefault(f"structure.{name}", structure_table(part["structure"]))
+            found.setdefault(f"structure.{name}", structure_table(part["structure"], own.get(name)))
     if "rig" in case:
-        found["rig"] = rig_table(case["rig"])
+        found["rig"] = rig_table(case["rig"], own.get(case["rig"].get("name")))
     found["analysis"] = analysis_table(case["analysis"], SequenceAnalysis())
     return found
+
+
+def _sources_of(part: Result | EarthquakeResult) -> dict[str, dict[str, str]]:
+    """Of the numbers of what a part was made of, where its own files had some."""
+    return dict(tomllib.loads(part.dataset.attrs["case"]).get("sources", {}))
 
 
 def figures_of(result: SequenceResult) -> dict[str, ReportFigure]:

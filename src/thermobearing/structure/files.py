@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from thermobearing.border.toml import to_toml
+from thermobearing.border.toml import sourced_toml
 from thermobearing.results.directory import (
     FIGURES,
     PERIODS,
@@ -28,7 +28,9 @@ def save_structure(
         write_summary(folder, result.summary())
         write_csv(folder / STRUCTURE_PARTS, result.parts)
         write_csv(folder / PERIODS, result.table)
-        (folder / RESOLVED).write_text(to_toml(result.structure), encoding="utf-8")
+        (folder / RESOLVED).write_text(
+            sourced_toml(result.structure, result.structure.sources), encoding="utf-8"
+        )
         if figures:
             result.plot.save_all(folder / FIGURES)
 

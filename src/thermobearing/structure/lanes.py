@@ -230,8 +230,10 @@ def choices(constants: Constants) -> tuple[bool, ...]:
 
 def shape_of(constants: Constants) -> Any:
     """What bearings in lockstep have in common: shapes, whole numbers and choices."""
-    rubber, cells, ends = constants.rubber, constants.layer_cells, constants.lead_cells
-    modes = constants.lead_modes
+    rubber = constants.rubber
+    cells: Any = constants.layer_cells
+    ends: Any = constants.lead_cells
+    modes: Any = constants.lead_modes
     places = [(cells, name) for name in ("first", "last", "upper_middle", "lower_middle")]
     places += [(ends, "cell"), (ends, "port"), (modes, "port"), (modes, "other")]
     return (

@@ -12,8 +12,8 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from thermobearing.border.errors import nearest
-from thermobearing.border.library import Library
-from thermobearing.border.schema import Strict, in_unit, validated
+from thermobearing.border.library import Library, Sourced
+from thermobearing.border.schema import Strict, in_unit
 
 GROUND = "ground"
 MassModel = Literal["consistent", "published"]
@@ -163,7 +163,7 @@ class Reported(Strict):
     line: Name | None = None
 
 
-class Structure(Strict):
+class Structure(Sourced):
     """A whole structure; see docs/files.md.
 
     Attributes
@@ -263,5 +263,4 @@ def load_structure(name_or_path: str | Path) -> Structure:
     >>> load_structure("pier-p1").bearings[0].count
     5
     """
-    table, where = STRUCTURES.read(name_or_path)
-    return validated(Structure, table, where)
+    return STRUCTURES.load(Structure, name_or_path)

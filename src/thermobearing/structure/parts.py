@@ -140,4 +140,6 @@ def fixed_base(structure: Structure) -> Structure:
         if not (spring.base == GROUND and spring.body in held)
     )
     name = f"{structure.name} (fixed base)"[:60]
-    return structure.model_copy(update={"name": name, "bodies": bodies, "springs": left})
+    told = {key: text for key, text in structure.sources.items() if not key.startswith("springs[")}
+    changes = {"name": name, "bodies": bodies, "springs": left}
+    return structure.model_copy(update=changes).with_sources(told)

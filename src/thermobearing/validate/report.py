@@ -36,7 +36,7 @@ CAPTIONS = {
     "loops": "Measured loops (band) and the model (line) of every test.",
     "ratios": "Model over test of the largest loop of each test.",
     "cycles": "Measures of each cycle in test and model.",
-    "residuals": "Force of the model less that of the test, in time.",
+    "residuals": "Force of the model less that of the test, sample by sample.",
     "temperatures": "Thermocouples of the tests and the model at their places.",
 }
 
@@ -99,7 +99,7 @@ def answer(summary: Summary, told: str) -> list[str]:
         if errors:
             error, item = max(errors, key=lambda pair: abs(pair[0]))
             worst.append(f"{name} {percent(error, 1)} ({_whose(item, items)})")
-    verdict_ = {"within": "meets the limits", "beyond": "passes a limit"}.get(
+    verdict_ = {"within": "meets the limits", "beyond": "is beyond a limit"}.get(
         str(summary["verdict"]), str(summary["verdict"])
     )
     errors_ = f"; largest errors {joined(worst)}" if worst else ""

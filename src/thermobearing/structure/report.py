@@ -1,0 +1,97 @@
+"""What documents say of a structure: its table of inputs, and itself before it is shaken."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from thermobearing.border.toml import read_toml, split_sources
+from thermobearing.report.generic import table_of
+from thermobearing.report.identity import identity_of
+from thermobearing.report.inputs import COLUMNS, value_and_unit
+from thermobearing.report.names import name_of
+from thermobearing.report.pieces import Pieces, ReportTable
+from thermobearing.report.saved import saved_figures
+from thermobearing.report.words import counted, percent, tidy
+from thermobearing.results.directory import RESOLVED
+from thermobearing.results.saved import SavedResult
+from thermobearing.structure.model import STRUCTURES, Structure
+
+LISTS = {"masses": "mass", "springs": "spring", "hinges": "hinge", "bearings": "bearing line"}
+NAMED = ("name", "body", "base")
+CAPTIONS = {
+    "model": "The model: masses, springs, hinges and bearing lines at their heights.",
+    "modes": "Mode shapes, with period, damping ratio and share of the mass.",
+}
+ASSUMPTIONS = [
+    "Bodies are rigid; they move in one horizontal direction and rock; foundations rest on linear "
+    "springs.",
+    "Modes are those with hinges that do not yield and bearings of their equivalent stiffness.",
+]
+
+
+def pieces_of(saved: SavedResult) -> Pieces:
+    """Everything that the document of `structures show` says.
+
+    Parameters
+    ----------
+    saved : as `load_result` gives it.
+    """
+    summary = saved.summary
+    name, modes = str(summary["structure"]), summary["modes"]
+    text = (saved.path / RESOLVED).read_text(encoding="utf-8")
+    case, sources = split_sources(read_toml(saved.path / RESOLVED))
+    about = str(summary["description"] or name).rstrip(".")
+    first = modes[0]
+    answer = [
+        f"The first of {counted(len(modes), 'period')} is {first['period_s']:.3g} s, with a "
+        f"damping of {percent(first['damping_ratio'], 1)} and {percent(first['effective_mass'])} "
+        "of the mass.",
+        f"All masses together are {summary['mass_t']:.4g} t ({summary['mass_model']} mass); "
+        f"viscous damping: {summary['damping']}.",
+    ]
+    tables = {n: table_of(n, saved[n]) for n in ("parts", "periods")}
+    return Pieces(
+        command="structures show",
+        title=f"Structure {name}",
+        question=f"What is {name} made of, and how does it swing before it is shaken? {about}.",
+        answer=answer,
+        inputs={"structure": structure_table(case, sources)},
+        tables=tables,
+        figures=saved_figures(saved, CAPTIONS),
+        assumptions=ASSUMPTIONS,
+        warnings=[tidy(words) for words in saved.warnings],
+        identity=identity_of(
+            str(summary["version"]), text, "thermobearing structures show case.resolved.toml"
+        ),
+    )
+
+
+def structure_table(
+    structure: Mapping[str, Any], own: Mapping[str, str] | None = None
+) -> ReportTable:
+    """Masses, springs, hinges and bearing lines, each value with unit and source.
+
+    Parameters
+    ----------
+    structure : table of a resolved case.
+    own : sources of its file, by dotted key.
+    """
+    sources = STRUCTURES.sources(Structure, structure) | dict(own or {})
+    rows: list[tuple[Any, ...]] = []
+    for key, kind in LISTS.items():
+        for place, item in enumerate(structure.get(key, [])):
+            owner = item.get("name") or item["body"]
+            for name, value in item.items():
+                if name in NAMED or (value in (0.0, "0.0 kN mm s^2") and name != "height"):
+                    continue
+                told = sources.get(f"{key}[{place}].{name}", "")
+                what = f"{kind.capitalize()} {owner}: {name_of(name).lower()}"
+                rows.append((what, *value_and_unit(value), told))
+    for key in ("kind", "ratios", "modes"):
+        if key in structure["damping"]:
+            value = value_and_unit(structure["damping"][key])
+            rows.append((f"Viscous damping: {key}", *value, sources.get(f"damping.{key}", "")))
+    about = [
+        str(structure[key]).rstrip(".") for key in ("description", "citation") if structure.get(key)
+    ]
+    note = ". ".join(about) + "." if about else ""
+    return ReportTable(f"Structure: {structure['name']}", COLUMNS, rows, note=note)

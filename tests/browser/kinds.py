@@ -1,0 +1,141 @@
+"""A small result directory of every kind that a document is made of."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import thermobearing as tb
+from tests.unit.inputs import command
+from thermobearing.cyclic.case import make_case
+from thermobearing.cyclic.compare import compare_models
+from thermobearing.cyclic.files import save_result
+from thermobearing.cyclic.run import run_case
+from thermobearing.design.case import make_design_case
+from thermobearing.design.run import run_bounds, run_design, run_factors
+from thermobearing.identify.files import save_checks
+from thermobearing.motions.library import load_motion
+from thermobearing.motions.run import examine_motion
+from thermobearing.reproduce.run import reproduce_source
+from thermobearing.results.drawing import save_figures
+from thermobearing.sequences.case import make_sequence_case
+from thermobearing.sequences.run import run_sequence
+
+SPECIMEN = "shen-hdr-specimen"
+BACK = {"step": "ramp", "to": "0 mm", "speed": "10 mm/s"}
+CYCLE = {"step": "cycles", "strain": 3.0, "speed": "60 mm/s", "count": 1}
+PARTS = [
+    {"part": "hybrid", "name": "first", "duration": "2 s", "motion": "jra-ii-ii-1"},
+    {"part": "cyclic", "name": "loading", "dt": "20 ms", "steps": [BACK, CYCLE]},
+    {"part": "rest", "name": "pause", "duration": "10 min"},
+]
+
+
+@cache
+def record() -> tb.identify.TestRecord:
+    """A test that the model made itself."""
+    test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None, closing_strain=None, dt=0.02)
+    return replace(tb.identify.synthetic_record(SPECIMEN, -20.0, test), name="cold")
+
+
+def cyclic(folder: Path) -> Path:
+    """With the earlier models beside it."""
+    test = tb.cyclic_test(strain=[0.5, 1.0], cycles=2, dt=0.02)
+    case = make_case({"bearing": "shen-lhdr-specimen"}, "case", test=test, ambient=[-20.0, 23.0])
+    return save_result(run_case(case), folder, figures=False, compared=compare_models(case))
+
+
+def bridge(folder: Path) -> Path:
+    """Two temperatures, into the strong part; those through the height are kept."""
+    air, keep = [23.0, -20.0], ["rubber", "cells"]
+    found = tb.bridge("shen-lhdr-bridge", "jra-ii-i-1", air, duration=9.0, keep=keep)
+    return found.save(folder, figures=False)
+
+
+def hybrid(folder: Path) -> Path:
+    """A specimen in the loop."""
+    found = tb.hybrid("shen-lhdr-specimen", ambient=-20.0, duration=2.0)
+    return found.save(folder, figures=False)
+
+
+def sequence(folder: Path) -> Path:
+    """Tests and a rest, beyond what was tested."""
+    table = {"name": "short", "bearing": "shen-lhdr-specimen", "ambient": "-20 degC"}
+    case = make_sequence_case(table | {"parts": PARTS}, "case.toml", rig="shen-rig")
+    return run_sequence(case).save(folder, figures=False)
+
+
+def identify(folder: Path) -> Path:
+    """The cheapest fit there is."""
+    found = tb.identify_bearing(record(), SPECIMEN, free=["K_r", "d_y"], starts=1)
+    saved = found.save(folder, figures=False)
+    save_figures({"loops": found.plot.loops}, saved / "figures", vector=True)
+    return saved
+
+
+def checked(folder: Path) -> Path:
+    """Tests looked at, and not fitted."""
+    return save_checks([tb.identify.check_test(record())], folder, figures=False)
+
+
+def validate(folder: Path) -> Path:
+    """Of a bearing that is too soft, and was not tested at that temperature."""
+    bearing = tb.load_bearing(SPECIMEN)
+    soft = bearing.hysteresis.model_copy(update={"layer_stiffness": 20.0})
+    tested = tb.bearing.Validity(ambient=[0.0, 30.0])
+    changed = bearing.model_copy(update={"hysteresis": soft, "tested_range": tested})
+    found = tb.validate.validate(changed, record())
+    saved = found.save(folder, figures=False)
+    save_figures({"loops": found.plot.loops}, saved / "figures", vector=True)
+    return saved
+
+
+def design(folder: Path) -> Path:
+    """A bearing for one motion."""
+    case = make_design_case({"tolerance": 0.1}, "example", motions=["jra-ii-i-1"])
+    return run_design(case).save(folder, figures=False)
+
+
+def factors(folder: Path) -> Path:
+    """Temperature factors; the warm one beyond what was tested."""
+    found = run_factors(["shen-hdr-bridge"], temperatures=[-20.0, 40.0], strains=[1.0])
+    return found.save(folder, figures=False)
+
+
+def bounds(folder: Path) -> Path:
+    """A bounding analysis of one motion."""
+    found = run_bounds(["shen-hdr-bridge"], ["jra-ii-i-1"], [23.0, -20.0], duration=8)
+    return found.save(folder, figures=False)
+
+
+def motion(folder: Path) -> Path:
+    """A built-in motion."""
+    return examine_motion(load_motion("jra-ii-i-1")).save(folder, figures=False)
+
+
+def structure(folder: Path) -> Path:
+    """A structure before it is shaken: with no words of its own for a document."""
+    assert command("structures", "show", "pier-p1", "-o", folder, "-q").exit_code == 0
+    return folder
+
+
+def reproduction(folder: Path) -> Path:
+    """A chapter of the source: claims alone."""
+    return reproduce_source(chapter=4, figures=False, flips=False, jobs=1).save(folder)
+
+
+KINDS: Mapping[str, Callable[[Path], Path]] = {
+    "cyclic": cyclic,
+    "bridge": bridge,
+    "hybrid": hybrid,
+    "sequence": sequence,
+    "identify": identify,
+    "identify --check": checked,
+    "validate": validate,
+    "design": design,
+    "lambda": factors,
+    "bounds": bounds,
+    "motions show": motion,
+    "structures show": structure,
+    "reproduce": reproduction,
+}

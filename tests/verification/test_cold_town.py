@@ -1,0 +1,78 @@
+"""The built-in studies of a cold town: hours of its weather against levels of the temperature."""
+
+from typing import Any
+
+import numpy as np
+
+from tests import tolerances as tol
+from tests.conftest import Recorder
+from thermobearing.border.library import data_path
+from thermobearing.border.toml import read_toml
+from thermobearing.climate import generate_weather
+from thermobearing.studies import Preparer, load_study, make_study, measure, plan
+
+DEMANDS = ("pier_rotation_max_rad", "bearing_displacement_max_mm", "bearing_force_max_kN")
+
+
+def cold_town(name: str, **factors: Any) -> Any:
+    """One of the studies with one motion at one intensity, cut to ten seconds."""
+    table = read_toml(data_path("studies", f"{name}.toml"))
+    table["case"]["duration"] = "10 s"
+    table["factors"] |= {"bearing": "shen-lhdr-bridge", "motion": "jra-ii-i-1"}
+    table["factors"]["scale"]["levels"] = ["6 m/s2"]
+    table["factors"] |= factors
+    if "design" in table:
+        table["design"]["samples"] = 12
+    study = make_study(table, name)
+    prepared = Preparer(study)
+    rows = plan(study).to_dict("records")
+    found = {demand: [] for demand in DEMANDS}
+    for row in rows:
+        given = prepared.run_input(row)
+        numbers = measure(given)
+        middles = np.concatenate(given.task.device.stack.middles())
+        row["rubber_degC"] = given.task.told.temperature[middles].mean()
+        assert numbers["outcome"] == "completed"
+        for demand in DEMANDS:
+            found[demand].append(numbers[demand])
+    return rows, found
+
+
+def test_hours_with_their_weather_are_as_the_levels_of_the_temperature(measured: Recorder) -> None:
+    """A bearing whose rubber has a mean temperature behaves as one that has it all through.
+
+    By the temperature of the air of single hours it would be wrong by 10 %.
+    """
+    ambient = [f"{degrees} degC" for degrees in range(-30, 31, 5)]
+    rows, levels = cold_town("cold-town-levels", ambient=ambient)
+    air = [row["rubber_degC"] for row in rows]
+    np.testing.assert_allclose(air, [row["ambient_degC"] for row in rows], atol=tol.MEAN)
+    hours, found = cold_town("cold-town")
+    at = [row["rubber_degC"] for row in hours]
+    assert np.ptp(at) > 20.0
+    worst = 0.0
+    for demand in DEMANDS:
+        told = np.interp(at, air, levels[demand])
+        assert np.ptp(told) > 0.05 * np.mean(told)  # the temperature matters
+        worst = max(worst, float(np.abs(np.array(found[demand]) / told - 1.0).max()))
+    measured(
+        "Cold town: peaks at 12 hours of weather against bearings that are as warm all through",
+        worst,
+        f"{tol.LEVEL_FOR_AN_HOUR:g}",
+    )
+    assert worst < tol.LEVEL_FOR_AN_HOUR
+
+
+def test_studies_are_what_they_say() -> None:
+    hours, levels = (
+        load_study(data_path("studies", f"{n}.toml")) for n in ("cold-town", "cold-town-levels")
+    )
+    assert [len(plan(study)) for study in (hours, levels)] == [4032, 1764]
+    table = plan(hours)
+    weather = generate_weather("cold-town", years=50, seed=1)
+    air = table["ambient_degC"].to_numpy()
+    np.testing.assert_allclose(air, weather.temperature[table["hour"].to_numpy()], atol=tol.MEAN)
+    assert abs(air.mean() - weather.temperature.mean()) < tol.MONTHLY_MEAN
+    assert table["hour"].nunique() > 3900  # an hour of its own for each run
+    assert hours.factors.motion == levels.factors.motion
+    assert hours.factors.scale == levels.factors.scale
