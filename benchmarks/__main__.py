@@ -20,6 +20,7 @@ ITEMS = {
     "opensees": "Speed",
     "structure": "Speed",
     "study": "Studies",
+    "lockstep": "Speed",
     "bearing_lines": "Waiting",
     "startup": "Waiting",
     "first_run": "Waiting",

@@ -33,13 +33,17 @@ from thermobearing.structure.types import (
     Bend,
     Coordinate,
     Hinge,
+    HingePeak,
     LineFactors,
+    LinePeak,
     Motion,
     MotionBooks,
     MotionRows,
+    Peaks,
     Scheme,
     Shaking,
     System,
+    Watch,
 )
 
 Method = Literal["average-acceleration", "linear-acceleration", "predictor-corrector"]
@@ -216,6 +220,17 @@ def new_motion(system: System) -> Motion:
     )
 
 
+def no_peaks(system: System) -> Peaks:
+    """For a run whose rows are kept."""
+    return Peaks(
+        places=np.zeros((0, len(system.load))),
+        carried=np.zeros(0),
+        watches=rows(Watch, 0),
+        lines=rows(LinePeak, 0),
+        hinges=rows(HingePeak, 0),
+    )
+
+
 def room_for(
     system: System, bearings: Bearings, count: int, *, keep_cells: bool = False
 ) -> MotionRows:
@@ -241,13 +256,16 @@ def room_for(
     )
 
 
-def all_physical(bearings: Bearings, first: Rows[Books]) -> bool:
-    """Whether every bearing ended in a possible state; `first` has their books at the start."""
+def all_physical(bearings: Bearings, recoverable: Floats) -> bool:
+    """Whether every bearing ended in a possible state.
+
+    `recoverable` [b] is what each line had stored at the start [kN mm].
+    """
     return all(
         is_physical(
             kind.constants,
             State(*[array[m] for array in kind.states]),
-            first[0, line].recoverable,
+            float(recoverable[line]),
         )
         for kind in bearings
         for m, line in enumerate(kind.lines)
@@ -313,9 +331,11 @@ def run_structure(
             system, bearings, motion, scheme, shaking, actuators, after
         )
     else:
-        done, kept, outcome = newmark_march(system, bearings, motion, scheme, shaking, after)
+        done, kept, outcome = newmark_march(
+            system, bearings, motion, scheme, shaking, after, no_peaks(system)
+        )
     books, named = motion.books[0], OUTCOMES[int(outcome)]
-    if named == "completed" and not all_physical(bearings, kept_rows.bearings[0:1]):
+    if named == "completed" and not all_physical(bearings, kept_rows.bearings["recoverable"][0]):
         named = NOT_PHYSICAL
     return StructureHistory(
         rows=kept_rows.part(0, 1 + kept),
