@@ -19,6 +19,8 @@ ITEMS = {
     "numpy_stepper": "Speed",
     "opensees": "Speed",
     "structure": "Speed",
+    "study": "Studies",
+    "lockstep": "Speed",
     "bearing_lines": "Waiting",
     "startup": "Waiting",
     "first_run": "Waiting",

@@ -270,6 +270,12 @@ SIMPLEST_INTEGRATOR = 0.03
 THETA_OF_A_STEP = 1e-8  # 5e-7 found as the difference of numbers near one
 FACES_OF_A_STEP = 1e-4  # heat that leaves through end faces in one step, of what lead gives
 
+# --- Lanes: several runs in lockstep ------------------------------------------------------
+LANE_FUNCTION = 6.0  # units in the last place, of exp, tan and their like; 5 measured (atanh)
+LANE_FORCE = 1e-12  # of the peak force: other roundings of exp and tanh; 8e-14 measured
+LANE_TEMPERATURE = 1e-11  # K; 1.3e-13 measured
+LANE_PEAK = 1e-10  # of a peak, of a bridge in an earthquake; 1e-12 measured
+
 # --- Weather ---------------------------------------------------------------------------------
 MILLION_HOURS = 0.03  # of a variance; 10^4 memories of 48 h tell it to 0.01
 SUM_OF_HOURS = 1e-3  # a sum over full hours for an integral; 400 of all lengths
@@ -295,4 +301,4 @@ RATIO_IN_CLASSES = 0.03  # twelve classes of a normal number lose some of its ta
 QUADRATURE_OF_TAILS = 2e-3  # 10^5 classes of equal probability lose some of the tails
 
 # --- Cold town ---------------------------------------------------------------------------------
-LEVEL_FOR_AN_HOUR = 5e-3  # of a peak: 2e-3 measured; layers differ by 2 K, levels by 5 K
+LEVEL_FOR_AN_HOUR = 5e-3  # of a peak: 2.6e-3 measured; layers differ by 2 K, levels by 5 K

@@ -24,7 +24,9 @@ KERNELS = (
     "structure/dense.py",
     "structure/forces.py",
     "structure/lines.py",
+    "structure/lockstep.py",
     "structure/newmark.py",
+    "structure/peaks.py",
     "structure/predictor.py",
     "structure/takeda.py",
     "structure/types.py",
@@ -32,6 +34,14 @@ KERNELS = (
 )
 
 ROOM = 20_000_000  # for the machine code of all kernels, and some more [bytes]
+
+OPTIONS: Any = {
+    "error_model": "numpy",
+    "fastmath": {"contract"},
+    "forceinline": True,
+    "_nrt": False,
+    "nogil": True,
+}
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -113,14 +123,7 @@ def compiled(function: F) -> F:
     previous = config.CACHE_DIR
     config.CACHE_DIR = str(folder or "")
     try:
-        decorate = njit(
-            cache=folder is not None,
-            error_model="numpy",
-            fastmath={"contract"},
-            forceinline=True,
-            _nrt=False,
-            nogil=True,
-        )
+        decorate = njit(cache=folder is not None, **OPTIONS)
         return cast(F, decorate(function))
     finally:
         config.CACHE_DIR = previous

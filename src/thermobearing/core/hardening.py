@@ -13,6 +13,7 @@ import math
 
 from thermobearing.core.compile import compiled
 from thermobearing.core.hysteresis import euler_increment, exact_increment
+from thermobearing.core.lanes.choose import all_lanes, any_lane, no, select
 from thermobearing.core.records import Rows
 from thermobearing.core.types import EULER, Layer, LayerWork, Rubber
 
@@ -21,10 +22,15 @@ from thermobearing.core.types import EULER, Layer, LayerWork, Rubber
 def strain_factor(rubber: Rubber, ke: float, kh: float, s: float, z: float) -> tuple[float, float]:
     """B s^2 and its derivative by s, or what stands for them where s and Z differ in sign."""
     b = rubber.hardening
-    if rubber.monotone and s * z < 0.0:
+    if rubber.monotone and any_lane(s * z < 0.0):
         steepest = (1.0 - rubber.sharing_start) * ke / (kh * rubber.yield_displacement)
-        if 2.0 * b * abs(s) > steepest:
-            return steepest * (abs(s) - 0.25 * steepest / b), math.copysign(steepest, s)
+        straight = (s * z < 0.0) & (2.0 * b * abs(s) > steepest)
+        if any_lane(straight):
+            line = steepest * (abs(s) - 0.25 * steepest / b)
+            return (
+                select(straight, line, b * s * s),
+                select(straight, math.copysign(steepest, s), 2.0 * b * s),
+            )
     return b * s * s, 2.0 * b * s
 
 
@@ -47,17 +53,20 @@ def clear(rubber: Rubber, ke: float, kh: float, layer: Layer, step: float) -> bo
     |Z| unloads fastest at the start and loads by at most 1; the margin falls with Z against d.
     """
     d, d_y = layer.d + step, rubber.yield_displacement
-    if rubber.integrator == EULER or d * layer.d <= 0.0:
+    crosses = d * layer.d <= 0.0
+    if rubber.integrator == EULER or all_lanes(crosses):
         return False
     steepest = max(1.0, 1.0 + rubber.unloading_curvature * layer.z * layer.z)
     against = steepest * abs(step) - math.copysign(layer.z, layer.z * d)
-    if against <= 0.0:
-        return True
-    if against >= d_y:
+    away, too_far = against <= 0.0, against >= d_y
+    if all_lanes(away):
+        return no(crosses)
+    if all_lanes(too_far):
         return False
     u, b = against / d_y, rubber.hardening
     lowest = (1.0 + b * d * d) * (1.0 - u * u) - 2.0 * b * abs(d) * against
-    return ke + kh * lowest >= rubber.sharing_start * ke
+    enough = ke + kh * lowest >= rubber.sharing_start * ke
+    return no(crosses | too_far) & (away | enough)
 
 
 @compiled
@@ -69,24 +78,29 @@ def margin(rubber: Rubber, ke: float, kh: float, layer: Layer, step: float) -> t
     one sign: hardening only stiffens there.
     """
     b, d_y = rubber.hardening, rubber.yield_displacement
-    sigma = 1.0 if step >= 0.0 else -1.0
-    loading = sigma * layer.d >= 0.0 and sigma * layer.z >= 0.0
+    sigma = select(step >= 0.0, 1.0, -1.0)
+    loading = (sigma * layer.d >= 0.0) & (sigma * layer.z >= 0.0)
     d = layer.d + step
-    harmless = 2.0 * b * abs(d) * kh * d_y <= (1.0 - rubber.sharing_start) * ke
-    if loading or harmless or clear(rubber, ke, kh, layer, step):
+    harmful = 2.0 * b * abs(d) * kh * d_y > (1.0 - rubber.sharing_start) * ke
+    stiffens = loading | no(harmful)
+    if all_lanes(stiffens):
+        return 1.0, 0.0
+    stiffens = stiffens | clear(rubber, ke, kh, layer, step)
+    if all_lanes(stiffens):
         return 1.0, 0.0
     if rubber.integrator == EULER:
         z, by = euler_increment(layer.z, step, d_y, rubber.unloading_curvature)
     else:
         z, by = exact_increment(layer.z, step, d_y, rubber.unloading_curvature)
-    if d * z >= 0.0:
+    stiffens = stiffens | (d * z >= 0.0)
+    if all_lanes(stiffens):
         return 1.0, 0.0
     slope = 1.0 - (z / d_y) * (z / d_y)
     by_slope = -2.0 * z * by / (d_y * d_y)
     hardening = 1.0 + b * d * d
     value = 1.0 + kh / ke * (hardening * slope + 2.0 * b * d * z)
     rate = kh / ke * (2.0 * b * (d * slope + z + d * by) + hardening * by_slope)
-    return value, rate
+    return select(stiffens, 1.0, value), select(stiffens, 0.0, rate)
 
 
 @compiled
@@ -97,12 +111,18 @@ def weight(rubber: Rubber, old: Rows[Layer], work: LayerWork, step: float) -> tu
         return 0.0, 0.0
     for j in range(len(old)):
         value, by = margin(rubber, work.elastic[j], work.hysteretic[j], old[j], step)
-        if value < smallest:
-            smallest, rate = value, by
+        less = value < smallest
+        smallest, rate = select(less, value, smallest), select(less, by, rate)
     width = rubber.sharing_start - rubber.sharing_full
     t = (rubber.sharing_start - smallest) / width
-    if t <= 0.0:
+    none, all_of_it = t <= 0.0, t >= 1.0
+    if all_lanes(none):
         return 0.0, 0.0
-    if t >= 1.0:
+    if all_lanes(all_of_it):
         return 1.0, 0.0
-    return t * t * (3.0 - 2.0 * t), -6.0 * t * (1.0 - t) / width * rate
+    w = t * t * (3.0 - 2.0 * t)
+    by_step = -6.0 * t * (1.0 - t) / width * rate
+    return (
+        select(none, 0.0, select(all_of_it, 1.0, w)),
+        select(none | all_of_it, 0.0, by_step),
+    )

@@ -14,36 +14,47 @@ solved in closed form, so an increment of any size is exact while the motion kee
 import math
 
 from thermobearing.core.compile import compiled
+from thermobearing.core.lanes.choose import any_lane, select
 
 
 @compiled
 def unload(u: float, e: float, curvature: float) -> tuple[float, float]:
-    """Move u < 0 towards zero over a path e; returns (u, path left over once u is zero)."""
-    if curvature > 0.0:
+    """Move u < 0 towards zero over a path e; returns (u, path left over once u is zero).
+
+    The curvature of runs in lockstep has one sign.
+    """
+    if any_lane(curvature > 0.0):
         k = math.sqrt(curvature)
-        reach = math.atan(-k * u) / k
-        if e >= reach:
-            return 0.0, e - reach
         t = math.tan(k * e)
-        return (u + t / k) / (1.0 - k * u * t), 0.0
-    if curvature < 0.0:
+        arrives = (t >= -k * u) | (k * e >= 0.5 * math.pi)
+        nearer = (u + t / k) / (1.0 - k * u * t)
+        left = e
+        if any_lane(arrives):
+            reach = math.atan(-k * u) / k
+            left = e - reach
+        return select(arrives, 0.0, nearer), select(arrives, left, 0.0)
+    if any_lane(curvature < 0.0):
         k = math.sqrt(-curvature)
-        reach = math.atanh(-k * u) / k
-        if e >= reach:
-            return 0.0, e - reach
         t = math.tanh(k * e)
-        return (u + t / k) / (1.0 + k * u * t), 0.0
-    if e >= -u:
-        return 0.0, e + u
-    return u + e, 0.0
+        arrives = t >= -k * u
+        nearer = (u + t / k) / (1.0 + k * u * t)
+        left = e
+        if any_lane(arrives):
+            reach = math.atanh(-k * u) / k
+            left = e - reach
+        return select(arrives, 0.0, nearer), select(arrives, left, 0.0)
+    arrives = e >= -u
+    return select(arrives, 0.0, u + e), select(arrives, e + u, 0.0)
 
 
 @compiled
 def hysteretic_slope(u: float, d_y: float, curvature: float) -> float:
     """dZ/dd at u = sigma Z: the right side of the equations in the module's head."""
-    if u >= 0.0:
-        return 1.0 - (u / d_y) * (u / d_y)
-    return 1.0 + curvature * u * u
+    loads = u >= 0.0
+    unloading = 1.0 + curvature * u * u
+    if not any_lane(loads):
+        return unloading
+    return select(loads, 1.0 - (u / d_y) * (u / d_y), unloading)
 
 
 @compiled
@@ -55,14 +66,17 @@ def exact_increment(
     `z`, `increment` and `d_y` are in mm, `curvature` in 1/mm2. With a zero increment the
     tangent is that of motion in the positive direction.
     """
-    sigma = 1.0 if increment >= 0.0 else -1.0
+    sigma = select(increment >= 0.0, 1.0, -1.0)
     u = sigma * z
     e = abs(increment)
-    if u < 0.0:
-        u, e = unload(u, e, curvature)
-    if u >= 0.0:
+    unloads = u < 0.0
+    if any_lane(unloads):
+        nearer, left = unload(u, e, curvature)
+        u, e = select(unloads, nearer, u), select(unloads, left, e)
+    loads = u >= 0.0
+    if any_lane(loads):
         t = math.tanh(e / d_y)
-        u = (u + d_y * t) / (1.0 + u * t / d_y)
+        u = select(loads, (u + d_y * t) / (1.0 + u * t / d_y), u)
     return sigma * u, hysteretic_slope(u, d_y, curvature)
 
 
@@ -71,6 +85,6 @@ def euler_increment(
     z: float, increment: float, d_y: float, curvature: float
 ) -> tuple[float, float]:
     """The published explicit Euler step: the slope at the start, over the whole increment."""
-    u = z if increment >= 0.0 else -z
+    u = select(increment >= 0.0, z, -z)
     slope = hysteretic_slope(u, d_y, curvature)
     return z + slope * increment, slope

@@ -8,6 +8,7 @@ hole heating a plate (t+^{1/3}); t+ = diffusivity x time / r_l^2 since the motio
 import math
 
 from thermobearing.core.compile import compiled
+from thermobearing.core.lanes.choose import all_lanes, any_lane, no, select
 from thermobearing.core.lead_ends import exchange_at_ends
 from thermobearing.core.types import (
     HEAT_FROM_DISSIPATION,
@@ -25,15 +26,31 @@ SUBSTEP = 0.25  # largest explicit loss 2 theta of the published scheme in one g
 
 
 @compiled
-def half_space_factor(t_plus: float) -> float:
-    """F(t+) of Eq. 5.5: mean surface rise of a disc of constant flux, dimensionless."""
-    if t_plus < 0.6:
-        q = 0.25 * t_plus
-        series = 2.0 - q - q * q - 3.75 * q * q * q
-        return 2.0 * math.sqrt(t_plus / math.pi) - t_plus / math.pi * series
+def early_factor(t_plus: float) -> float:
+    """F(t+) of Eq. 5.5 below 0.6."""
+    q = 0.25 * t_plus
+    series = 2.0 - q - q * q - 3.75 * q * q * q
+    return 2.0 * math.sqrt(t_plus / math.pi) - t_plus / math.pi * series
+
+
+@compiled
+def late_factor(t_plus: float) -> float:
+    """F(t+) of Eq. 5.5 from 0.6 on."""
     q = 0.25 / t_plus
     series = 1.0 - q / 3.0 + q * q / 6.0 - q * q * q / 12.0
     return 8.0 / (3.0 * math.pi) - 0.5 / math.sqrt(math.pi * t_plus) * series
+
+
+@compiled
+def half_space_factor(t_plus: float) -> float:
+    """F(t+) of Eq. 5.5: mean surface rise of a disc of constant flux, dimensionless."""
+    early = t_plus < 0.6
+    if all_lanes(early):
+        return early_factor(t_plus)
+    late = late_factor(t_plus)
+    if not any_lane(early):
+        return late
+    return select(early, early_factor(t_plus), late)
 
 
 @compiled
@@ -73,26 +90,30 @@ def core_force(
     increment (implicit, so that strength and heat agree at the end of the step).
     """
     trial = before + lead.stiffness * dx
-    sign = 1.0 if trial >= 0.0 else -1.0
+    sign = select(trial >= 0.0, 1.0, -1.0)
     fall = lead.softening
     q = lead.strength * math.exp(-fall * (temperature - lead.reference_temperature))
-    if fall == 0.0:
-        return (sign * q, 0.0) if abs(trial) > q else (trial, lead.stiffness)
+    if all_lanes(fall == 0.0):
+        yields = abs(trial) > q
+        return select(yields, sign * q, trial), select(yields, 0.0, lead.stiffness)
     cold = q
     per = fall / lead.capacity
-    if abs(trial) <= cold * math.exp(-per * core_heat(lead, source, before, trial, dx)):
+    elastic = no(abs(trial) > cold * math.exp(-per * core_heat(lead, source, before, trial, dx)))
+    if all_lanes(elastic):
         return trial, lead.stiffness
     plastic = 1.0 if source == HEAT_FROM_DISSIPATION else 0.0
+    done = elastic
     for _ in range(STRENGTH_ITERATIONS):
         heated = cold * math.exp(-per * core_heat(lead, source, before, sign * q, dx))
         heat_by_q = 0.5 * sign * dx - plastic * q / lead.stiffness
         correction = (q - heated) / (1.0 + per * heated * heat_by_q)
-        q -= correction
-        if abs(correction) <= STRENGTH_TOLERANCE * cold:
+        q = select(done, q, q - correction)
+        done = done | no(abs(correction) > STRENGTH_TOLERANCE * cold)
+        if all_lanes(done):
             break
     heat_by_q = 0.5 * sign * dx - plastic * q / lead.stiffness
     by_x = -per * q * 0.5 * (before + sign * q) / (1.0 + per * q * heat_by_q)
-    return sign * q, sign * by_x
+    return select(elastic, trial, sign * q), select(elastic, lead.stiffness, sign * by_x)
 
 
 @compiled
@@ -102,26 +123,23 @@ def run_clock(lead: Lead, old: Branches, dx: float, dt: float, new: Branches) ->
     A pause as long as the half-space takes to recover (t+ of the pause = 1) stops it: the
     next motion starts it again from zero.
     """
-    start = old.clock
-    idle = old.idle
-    if dx != 0.0:
-        if idle * lead.clock_rate >= 1.0:
-            start = 0.0
-        idle = 0.0
-    else:
-        idle += dt
+    moves = dx != 0.0
+    recovered = old.idle * lead.clock_rate >= 1.0
+    start = select(moves & recovered, 0.0, old.clock)
     new.clock = start + dt
-    new.idle = idle
+    new.idle = select(moves, 0.0, old.idle + dt)
     return start * lead.clock_rate
 
 
 @compiled
 def phi(z: float) -> tuple[float, float]:
     """(1 - e^-z)/z and (1 - that)/z, also for small z."""
-    if z < SMALL_EXPONENT:
-        return 1.0 - 0.5 * z + z * z / 6.0, 0.5 - z / 6.0
+    small = z < SMALL_EXPONENT
+    series, more = 1.0 - 0.5 * z + z * z / 6.0, 0.5 - z / 6.0
+    if all_lanes(small):
+        return series, more
     first = -math.expm1(-z) / z
-    return first, (1.0 - first) / z
+    return select(small, series, first), select(small, more, (1.0 - first) / z)
 
 
 @compiled
@@ -154,7 +172,7 @@ def exchange(
         towards += g * temperature[i]
         touched += capacities[i]
     capacity = lead.cores * lead.capacity
-    if conductance == 0.0:
+    if all_lanes(conductance == 0.0):
         return lead_temperature + heat / capacity
     mean = towards / conductance
     decay, heating = phi(dt * conductance * (1.0 / capacity + 1.0 / touched))
@@ -191,7 +209,7 @@ def published_exchange(
     substeps = max(1.0, math.ceil(loss / SUBSTEP))
     keep: float = (1.0 - loss / substeps) ** substeps
     above = state.branches[0].lead_temperature - ambient
-    mean = above if loss == 0.0 else above * (1.0 - keep) / loss
+    mean = select(loss == 0.0, above, above * (1.0 - keep) / loss)
     for k in range(len(touching)):
         i = touching[k].cell
         g = touching[k].end * ends + touching[k].side * sides
@@ -224,7 +242,9 @@ def lead_step(
     start = run_clock(lead, old, dx, dt, after)
     end = start + dt * lead.clock_rate
     ends = end_factor(start, end)
-    sides = 0.0 if lead.side_conductance == 0.0 else side_factor(start, end)
+    sides = 0.0
+    if any_lane(lead.side_conductance != 0.0):
+        sides = side_factor(start, end)
     if lead.published:
         t = published_exchange(constants, work, state, heat, ends, sides, dt, ambient)
     else:

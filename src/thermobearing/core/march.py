@@ -1,8 +1,9 @@
 """Many coupled steps in a row, with the rows that the user asked to keep."""
 
 from thermobearing.core.compile import compiled
+from thermobearing.core.lanes.choose import all_lanes, select
 from thermobearing.core.records import Floats
-from thermobearing.core.step import layer_temperature, step
+from thermobearing.core.step import has_failed, layer_temperature, step
 from thermobearing.core.types import COMPLETED, SOFTENED, Constants, Kept, Path, State, Workspace
 
 
@@ -68,19 +69,21 @@ def march(
     softened = 0
     mismatch = 0.0
     start = state
-    outcome = COMPLETED
+    outcome, broken = COMPLETED, COMPLETED
     done = 0
     for i in range(len(path.x)):
         ambient = path.ambient[i]
         _, _, outcome = step(constants, work, start, path.x[i], path.dt[i], ambient, spare)
-        if outcome != COMPLETED and outcome != SOFTENED:
+        broken = select((broken == COMPLETED) & has_failed(outcome), outcome, broken)
+        if all_lanes(broken != COMPLETED):
             break
         start, spare = spare, start
         done += 1
-        if outcome == SOFTENED:
-            softened += 1
+        softened += select(outcome == SOFTENED, 1, 0)
         mismatch = max(mismatch, start.books[0].layer_force_mismatch)
-        settle = path.settled > 0.0 and farthest_from(start.temperature, ambient) <= path.settled
+        settle = all_lanes(path.settled > 0.0) and all_lanes(
+            farthest_from(start.temperature, ambient) <= path.settled
+        )
         if path.keep[i] or settle:
             keep_row(constants, start, rows, kept)
             kept += 1
@@ -88,4 +91,4 @@ def march(
             break
     if done % 2 == 1:
         copy_state(start, spare)
-    return done, kept, outcome, softened, mismatch
+    return done, kept, select(broken != COMPLETED, broken, outcome), softened, mismatch

@@ -19,6 +19,7 @@ step: force and tangent of the step are what they are for constant stiffness.
 import math
 
 from thermobearing.core.compile import compiled
+from thermobearing.core.lanes.choose import any_lane, select
 from thermobearing.core.records import Rows
 from thermobearing.core.types import Layer, LayerWork, Rubber
 
@@ -40,10 +41,12 @@ def wear(rubber: Rubber, old: Rows[Layer], new: Rows[Layer]) -> None:
         before = old[j].farthest
         largest = max(before, abs(new[j].d))
         v = old[j].virgin
-        if largest > 0.0:
+        strained = largest > 0.0
+        if any_lane(strained):
             travel = abs(new[j].d - old[j].d) / largest
-            v *= math.exp(-travel / rubber.mullins_decay)
+            worn = v * math.exp(-travel / rubber.mullins_decay)
             growth = (largest - before) / largest
-            v = 1.0 - (1.0 - v) * math.exp(-growth / rubber.mullins_renewal)
+            worn = 1.0 - (1.0 - worn) * math.exp(-growth / rubber.mullins_renewal)
+            v = select(strained, worn, v)
         new[j].farthest = largest
         new[j].virgin = v

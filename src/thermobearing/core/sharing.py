@@ -27,6 +27,7 @@ import math
 from thermobearing.core.compile import compiled
 from thermobearing.core.hardening import force_and_tangent, weight
 from thermobearing.core.hysteresis import euler_increment, exact_increment, hysteretic_slope
+from thermobearing.core.lanes.choose import all_lanes, any_lane, no, select
 from thermobearing.core.records import Floats, Rows
 from thermobearing.core.types import (
     COMPLETED,
@@ -123,13 +124,12 @@ def search(
     low, high, a = 0.0, 1.0, 1.0
     for _ in range(LINE_SEARCH):
         slope = line_slope(rubber, multiplicity, old, work, mean, w, a)
-        if abs(slope) <= 0.5 * start or (slope <= 0.0 and a == 1.0):
+        enough = no(abs(slope) > 0.5 * start) | ((slope <= 0.0) & (a == 1.0))
+        if all_lanes(enough):
             break
-        if slope > 0.0:
-            high = a
-        else:
-            low = a
-        a = 0.5 * (low + high)
+        too_far = slope > 0.0
+        high, low = select(too_far, a, high), select(too_far, low, a)
+        a = select(enough, a, 0.5 * (low + high))
     return a
 
 
@@ -181,12 +181,20 @@ def force_by_weight(
 @compiled
 def reverses(old: Rows[Layer], work: LayerWork, d_y: float) -> bool:
     """Whether the Newton correction turns a layer's increment round, where dZ/dd jumps."""
+    found = False
     for j in range(len(old)):
         moved, by = work.trial[j] - old[j].d, work.direction[j]
-        ahead = by if moved >= 0.0 else -by
-        if abs(moved) + ahead < 0.0 and abs(by) > NO_MOTION * d_y:
-            return True
-    return False
+        ahead = select(moved >= 0.0, by, -by)
+        found = found | ((abs(moved) + ahead < 0.0) & (abs(by) > NO_MOTION * d_y))
+    return found
+
+
+@compiled
+def correct(work: LayerWork, new: Rows[Layer]) -> None:
+    """The last correction: the next iterate differs by its square, so the law is not asked."""
+    for j in range(len(new)):
+        work.trial[j] += work.direction[j]
+        new[j].z += work.slope[j] * work.direction[j]
 
 
 @compiled
@@ -208,60 +216,36 @@ def newton(
     mean = x / rubber.layer_count
     stiffness = rubber.elastic_stiffness + rubber.hysteretic_stiffness
     floor = stiffness * rubber.yield_displacement
-    force, tangent = 0.0, 0.0
+    force, tangent, done = 0.0, 0.0, False
     for iteration in range(ALL_NEWTON):
         force, tangent, apart = common_force(rubber, multiplicity, work, new, x, w)
-        if not math.isfinite(force + apart):
-            return force, tangent, smallest, NOT_FINITE
-        close = apart <= LAST_CORRECTION * (abs(force) + floor)
-        if close and not reverses(old, work, rubber.yield_displacement):
-            # The next iterate differs by this correction squared: take it without the law.
-            for j in range(len(old)):
-                work.trial[j] += work.direction[j]
-                new[j].z += work.slope[j] * work.direction[j]
-            return force, tangent, smallest, COMPLETED
+        lost = no(math.isfinite(force + apart))
+        done = apart <= LAST_CORRECTION * (abs(force) + floor)
+        if any_lane(done):
+            done = done & no(reverses(old, work, rubber.yield_displacement))
+        if all_lanes(done | lost):
+            correct(work, new)
+            return force, tangent, smallest, select(lost, NOT_FINITE, COMPLETED)
         a = 1.0
         if iteration >= PLAIN_NEWTON:
             a = search(rubber, multiplicity, old, work, mean, w)
         for j in range(len(old)):
-            work.trial[j] += a * work.direction[j]
+            ahead = work.trial[j] + a * work.direction[j]
+            work.trial[j] = select(done, work.trial[j], ahead)
         smallest = evaluate(rubber, old, work, mean, w, new)
-    return force, tangent, smallest, NOT_CONVERGED
+    correct(work, new)
+    return force, tangent, smallest, select(done, COMPLETED, NOT_CONVERGED)
 
 
 @compiled
-def uniform_trial(
-    rubber: Rubber,
-    old: Rows[Layer],
-    work: LayerWork,
-    step: float,
-    mean: float,
-    w: float,
-    new: Rows[Layer],
-) -> float:
-    """Trial with the same increment in every layer; returns min tangent / ke."""
-    for j in range(len(old)):
-        work.trial[j] = old[j].d + step
-    return evaluate(rubber, old, work, mean, w, new)
+def start_tangents(
+    rubber: Rubber, old: Rows[Layer], work: LayerWork, mean: float, step: float
+) -> bool:
+    """Forces and tangents of all layers at the start, in the direction of motion.
 
-
-@compiled
-def tangent_trial(
-    rubber: Rubber,
-    multiplicity: Floats,
-    old: Rows[Layer],
-    work: LayerWork,
-    x: float,
-    step: float,
-    new: Rows[Layer],
-) -> float:
-    """Trial from the layer tangents at the start, in the direction of motion.
-
-    One Newton step whose forces and tangents need no closed-form solution. Falls back on the
-    uniform trial where a tangent is below the margin or the step is long.
+    Returns whether they may be trusted: no tangent is below the margin and the step is short.
     """
-    mean = x / rubber.layer_count
-    sigma = 1.0 if step >= 0.0 else -1.0
+    sigma = select(step >= 0.0, 1.0, -1.0)
     d_y = rubber.yield_displacement
     healthy = abs(step) < d_y
     for j in range(len(old)):
@@ -273,13 +257,38 @@ def tangent_trial(
         work.trial[j] = d
         work.force[j] = force
         work.tangent[j] = tangent
-        healthy = healthy and tangent >= rubber.sharing_start * work.elastic[j]
-    if not healthy:
-        return uniform_trial(rubber, old, work, step, mean, 0.0, new)
-    common_force(rubber, multiplicity, work, new, x, 0.0)
+        healthy = healthy & (tangent >= rubber.sharing_start * work.elastic[j])
+    return healthy
+
+
+@compiled
+def first_trial(
+    rubber: Rubber,
+    multiplicity: Floats,
+    old: Rows[Layer],
+    work: LayerWork,
+    x: float,
+    step: float,
+    w: float,
+    new: Rows[Layer],
+) -> None:
+    """Layer displacements to begin with: one Newton step from the tangents at the start.
+
+    It needs no closed-form solution. The same increment in every layer where tangents cannot be
+    trusted, or are not those of the plain law (w > 0).
+    """
+    uniform = w > 0.0
+    if not all_lanes(uniform):
+        healthy = start_tangents(rubber, old, work, x / rubber.layer_count, step)
+        uniform = uniform | no(healthy)
+        if not all_lanes(uniform):
+            common_force(rubber, multiplicity, work, new, x, 0.0)
+            for j in range(len(old)):
+                ahead = work.trial[j] + work.direction[j]
+                work.trial[j] = select(uniform, old[j].d + step, ahead)
+            return
     for j in range(len(old)):
-        work.trial[j] += work.direction[j]
-    return evaluate(rubber, old, work, mean, 0.0, new)
+        work.trial[j] = old[j].d + step
 
 
 @compiled
@@ -294,11 +303,8 @@ def solved(
     new: Rows[Layer],
 ) -> tuple[float, float, float, int]:
     """Equal layer forces at fixed w from the start of a step; returns what `newton` does."""
-    if w > 0.0:
-        mean = x / rubber.layer_count
-        smallest = uniform_trial(rubber, old, work, step, mean, w, new)
-    else:
-        smallest = tangent_trial(rubber, multiplicity, old, work, x, step, new)
+    first_trial(rubber, multiplicity, old, work, x, step, w, new)
+    smallest = evaluate(rubber, old, work, x / rubber.layer_count, w, new)
     return newton(rubber, multiplicity, old, work, x, w, new, smallest)
 
 
@@ -333,18 +339,20 @@ def share(
     force, tangent, outcome = 0.0, 0.0, NOT_CONVERGED
     for _ in range(2):
         force, tangent, smallest, outcome = solved(rubber, multiplicity, old, work, x, step, w, new)
-        if w == 1.0 or (outcome == COMPLETED and smallest > 0.0):
+        good = (w == 1.0) | ((outcome == COMPLETED) & (smallest > 0.0))
+        if all_lanes(good):
             break
-        w, rate = 1.0, 0.0  # layers so unlike that equal increments say nothing: always unique
-    if rate != 0.0:
+        # Layers so unlike that equal increments say nothing: always unique.
+        w, rate = select(good, w, 1.0), select(good, rate, 0.0)
+    if any_lane(rate != 0.0):
         by_w = force_by_weight(rubber, multiplicity, work, new, x, w)
         tangent += by_w * rate / rubber.layer_count
-    if outcome != COMPLETED:
+    if all_lanes(outcome != COMPLETED):
         return force, tangent, 0.0, w, outcome
+    lost = False
     for j in range(len(old)):
         new[j].d = work.trial[j]
-        if abs(new[j].z) > EULER_LIMIT * rubber.yield_displacement:
-            outcome = EULER_UNSTABLE
-    if outcome == COMPLETED and w > 0.0:
-        outcome = SOFTENED
+        lost = lost | (abs(new[j].z) > EULER_LIMIT * rubber.yield_displacement)
+    outcome = select((outcome == COMPLETED) & lost, EULER_UNSTABLE, outcome)
+    outcome = select((outcome == COMPLETED) & (w > 0.0), SOFTENED, outcome)
     return force, tangent, largest_mismatch(rubber, work, new, force), w, outcome

@@ -15,6 +15,7 @@ import math
 from thermobearing.core.compile import compiled
 from thermobearing.core.hardening import strain_factor
 from thermobearing.core.heat import balance, factor, right_side, solve
+from thermobearing.core.lanes.choose import all_lanes, any_lane, no, select
 from thermobearing.core.lead import core_force, lead_step
 from thermobearing.core.lead_ends import factor_ports
 from thermobearing.core.records import Floats, Rows
@@ -50,25 +51,34 @@ def layer_temperature(layer_cells: Rows[LayerCells], temperature: Floats, j: int
 def runs_away(constants: Constants, state: State) -> bool:
     """Whether a rubber layer is colder than possible or decomposes, or the lead melts."""
     limits = constants.limits
-    if state.branches[0].lead_temperature > limits.lead:
-        return True
+    away = state.branches[0].lead_temperature > limits.lead
     for j in range(len(constants.layer_cells)):
         t = layer_temperature(constants.layer_cells, state.temperature, j)
-        if t < limits.coldest or t > limits.rubber:
-            return True
-    return False
+        away = away | (t < limits.coldest) | (t > limits.rubber)
+    return away
+
+
+@compiled
+def of_piece(p: LawPiece, temperature: float) -> tuple[float, float]:
+    """`tabled` by one piece of the table."""
+    t = temperature - p.origin
+    elastic = p.elastic_0 + t * (p.elastic_1 + t * (p.elastic_2 + t * p.elastic_3))
+    hysteretic = p.hysteretic_0 + t * (p.hysteretic_1 + t * (p.hysteretic_2 + t * p.hysteretic_3))
+    return elastic, hysteretic
 
 
 @compiled
 def tabled(law: Rows[LawPiece], temperature: float) -> tuple[float, float]:
     """Logarithms of the factors of the temperature table on the two stiffness terms."""
     k = 0
-    while k + 1 < len(law) and temperature >= law[k + 1].lowest:
+    while k + 1 < len(law) and all_lanes(temperature >= law[k + 1].lowest):
         k += 1
-    p = law[k]
-    t = temperature - p.origin
-    elastic = p.elastic_0 + t * (p.elastic_1 + t * (p.elastic_2 + t * p.elastic_3))
-    hysteretic = p.hysteretic_0 + t * (p.hysteretic_1 + t * (p.hysteretic_2 + t * p.hysteretic_3))
+    elastic, hysteretic = of_piece(law[k], temperature)
+    while k + 1 < len(law) and any_lane(temperature >= law[k + 1].lowest):
+        k += 1
+        warmer = temperature >= law[k].lowest
+        more = of_piece(law[k], temperature)
+        elastic, hysteretic = select(warmer, more[0], elastic), select(warmer, more[1], hysteretic)
     return elastic, hysteretic
 
 
@@ -153,14 +163,14 @@ def beside_rubber(
     after.lead_temperature = old.lead_temperature
     after.core_force = 0.0
     after.maxwell_force = 0.0
-    if lead.cores > 0.0:
+    if any_lane(lead.cores > 0.0):
         after.core_force, slope = core_force(
             lead, constants.heat_source, old.lead_temperature, old.core_force, dx
         )
         lead_force = lead.cores * after.core_force
         tangent += lead.cores * slope
         stored += 0.5 * lead.cores * after.core_force * after.core_force / lead.stiffness
-    if viscous.stiffness > 0.0:
+    if any_lane(viscous.stiffness > 0.0):
         f, slope = maxwell(viscous.stiffness, viscous.relaxation, old.maxwell_force, dx, dt)
         after.maxwell_force = f
         tangent += slope
@@ -174,7 +184,7 @@ def beside_rubber(
 def viscous_layer_heat(constants: Constants, state: State, new: State, dx: float) -> float:
     """Heat of the viscous branch that goes into each rubber layer over the step [kN mm]."""
     viscous = constants.viscous
-    if viscous.stiffness == 0.0 or not viscous.heats:
+    if all_lanes(viscous.stiffness == 0.0) or not viscous.heats:
         return 0.0
     before = state.branches[0].maxwell_force
     after = new.branches[0].maxwell_force
@@ -197,7 +207,7 @@ def heat_step(
     """Heat of the step into rubber and lead, conduction, and the heat books."""
     cells, old, books = constants.cells, state.books[0], new.books[0]
     dx = x - old.displacement
-    if work.factored_dt[0] != dt:
+    if any_lane(work.factored_dt[0] != dt):
         factor(cells, constants.side_implicit, dt, work.cells)
         factor_ports(constants, work, dt)
         work.factored_dt[0] = dt
@@ -213,7 +223,7 @@ def heat_step(
         books.sharing_weight,
     )
     lead_stored = 0.0
-    if constants.lead.cores > 0.0:
+    if any_lane(constants.lead.cores > 0.0):
         released += lead_step(constants, work, state, new, dx, dt, ambient)
         warmer = new.branches[0].lead_temperature - state.branches[0].lead_temperature
         lead_stored = constants.lead.cores * constants.lead.capacity * warmer
@@ -241,6 +251,12 @@ def begin(constants: Constants, work: Workspace, state: State) -> None:
 
 
 @compiled
+def has_failed(outcome: int) -> bool:
+    """Whether a step came to nothing."""
+    return (outcome != COMPLETED) & (outcome != SOFTENED)
+
+
+@compiled
 def move(
     constants: Constants, work: Workspace, state: State, x: float, dt: float, new: State
 ) -> tuple[float, float, int]:
@@ -253,12 +269,14 @@ def move(
     rubber_force, tangent, mismatch, w, outcome = share(
         rubber, constants.multiplicity, state.layers, work.layers, old.displacement, x, new.layers
     )
-    if outcome != COMPLETED and outcome != SOFTENED:
+    failed = has_failed(outcome)
+    if all_lanes(failed):
         return rubber_force, tangent, outcome
     lead_force, viscous_force, slope, stored = beside_rubber(constants, state, new, x, dt)
     force = rubber_force + lead_force + viscous_force
-    if not math.isfinite(force):
-        return force, tangent + slope, NOT_FINITE
+    outcome = select(no(failed | math.isfinite(force)), NOT_FINITE, outcome)
+    if all_lanes(has_failed(outcome)):
+        return force, tangent + slope, outcome
     books.displacement = x
     books.force = force
     books.rubber_force = rubber_force
@@ -285,11 +303,9 @@ def settle(
     books.clock = old.clock + dt
     books.work_in = old.work_in + 0.5 * (old.force + force) * (x - old.displacement)
     heat_step(constants, work, state, x, dt, ambient, new)
-    if not math.isfinite(books.heat_lost_sides + books.heat_released):
-        return NOT_FINITE
-    if runs_away(constants, new):
-        return TEMPERATURE_RUNAWAY
-    return COMPLETED
+    lost = no(math.isfinite(books.heat_lost_sides + books.heat_released))
+    away = runs_away(constants, new)
+    return select(lost, NOT_FINITE, select(away, TEMPERATURE_RUNAWAY, COMPLETED))
 
 
 @compiled
@@ -323,7 +339,8 @@ def step(
     """
     begin(constants, work, state)
     force, tangent, outcome = move(constants, work, state, x, dt, new)
-    if outcome != COMPLETED and outcome != SOFTENED:
+    failed = has_failed(outcome)
+    if all_lanes(failed):
         return force, tangent, outcome
     ended = settle(constants, work, state, dt, ambient, new)
-    return force, tangent, outcome if ended == COMPLETED else ended
+    return force, tangent, select(failed | (ended == COMPLETED), outcome, ended)

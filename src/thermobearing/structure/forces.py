@@ -1,9 +1,10 @@
 """Restoring forces of a structure at trial coordinates: springs, hinges, bearings."""
 
 from thermobearing.core.compile import compiled
+from thermobearing.core.lanes.choose import all_lanes, any_lane, select
 from thermobearing.core.records import Floats, Rows
-from thermobearing.core.step import begin, move, settle
-from thermobearing.core.types import COMPLETED, SOFTENED
+from thermobearing.core.step import begin, has_failed, move, settle
+from thermobearing.core.types import COMPLETED
 from thermobearing.structure.lines import Bearings, state_of, work_of
 from thermobearing.structure.takeda import takeda
 from thermobearing.structure.types import Coordinate, LineFactors, Motion, System
@@ -24,7 +25,7 @@ def along(rows: Floats, row: int, points: Rows[Coordinate]) -> float:
 def spread(rows: Floats, row: int, force: float, stiffness: float, motion: Motion) -> None:
     """Add the force and stiffness of one connection to those of the coordinates."""
     for i in range(rows.shape[1]):
-        if rows[row, i] != 0.0:
+        if any_lane(rows[row, i] != 0.0):
             motion.points[i].trial_restoring += rows[row, i] * force
             for j in range(rows.shape[1]):
                 motion.tangent[i, j] += rows[row, i] * rows[row, j] * stiffness
@@ -33,9 +34,10 @@ def spread(rows: Floats, row: int, force: float, stiffness: float, motion: Motio
 @compiled
 def bearing_dt(line: LineFactors, dt: float, dx: float) -> float:
     """How long the modelled bearing takes for dx [mm]: earthquake time, or that of its actuator."""
-    if line.speed == 0.0:
+    quake = line.speed == 0.0
+    if all_lanes(quake):
         return dt
-    return max(abs(dx) / line.speed, SHORTEST)
+    return select(quake, dt, max(abs(dx) / line.speed, SHORTEST))
 
 
 @compiled
@@ -61,16 +63,18 @@ def settle_bearings(system: System, bearings: Bearings, ambient: float) -> int:
     A line may be in warmer air than `ambient` [degC].
     Returns an outcome of the coupled step.
     """
+    outcome = COMPLETED
     for k in range(len(bearings)):
         kind = bearings[k]
         for m in range(len(kind.lines)):
             state, work = state_of(kind.states, m), work_of(kind, m)
             trial, dt = state_of(kind.trials, m), kind.durations[m]
             air = ambient + system.lines[kind.lines[m]].warmer
-            outcome = settle(kind.constants, work, state, dt, air, trial)
-            if outcome != COMPLETED:
+            ended = settle(kind.constants, work, state, dt, air, trial)
+            outcome = select(outcome == COMPLETED, ended, outcome)
+            if all_lanes(outcome != COMPLETED):
                 return outcome
-    return COMPLETED
+    return outcome
 
 
 @compiled
@@ -78,6 +82,7 @@ def move_bearings(
     system: System, bearings: Bearings, motion: Motion, dt: float, noise: float
 ) -> int:
     """Forces of the bearing lines at `motion.stretches`, and their tangent, added."""
+    outcome = COMPLETED
     for k in range(len(bearings)):
         kind = bearings[k]
         for m in range(len(kind.lines)):
@@ -87,13 +92,14 @@ def move_bearings(
             x = line.start + line.length_factor * motion.stretches[b]
             own_dt = bearing_dt(line, dt, x - state.books[0].displacement)
             kind.durations[m] = own_dt
-            force, slope, outcome = move(kind.constants, work, state, x, own_dt, trial)
-            if outcome != COMPLETED and outcome != SOFTENED:
+            force, slope, moved = move(kind.constants, work, state, x, own_dt, trial)
+            outcome = select((outcome == COMPLETED) & has_failed(moved), moved, outcome)
+            if all_lanes(outcome != COMPLETED):
                 return outcome
             slope *= line.force_factor * line.length_factor
             felt = line.force_factor * (force - line.at_rest + noise)
             spread(system.line_rows, b, felt, slope, motion)
-    return COMPLETED
+    return outcome
 
 
 @compiled

@@ -3,9 +3,16 @@
 beta = 1/4, gamma = 1/2 (constant mean acceleration) keeps the books to the tolerance of the
 iterations: every work is the trapezoidal sum of forces at the ends of steps, and for those
 the scheme is exact. beta = 1/6 (linear acceleration, the source's) does not.
+
+Runs in lockstep (core/lanes) take no halves: one that has no equilibrium in a whole step leaves. It
+is filled with NaN, which ends every iteration at once, and its outcome says that it is to be run
+alone.
 """
 
+import math
+
 from thermobearing.core.compile import compiled
+from thermobearing.core.lanes.choose import all_lanes, any_lane, select
 from thermobearing.core.types import COMPLETED, TEMPERATURE_RUNAWAY
 from thermobearing.structure.books import add_books, commit, keep_motion
 from thermobearing.structure.dense import solve_dense
@@ -16,12 +23,14 @@ from thermobearing.structure.forces import (
     settle_bearings,
 )
 from thermobearing.structure.lines import Bearings
+from thermobearing.structure.peaks import note_peaks
 from thermobearing.structure.types import (
     DIVERGED,
     FARTHEST,
     NO_EQUILIBRIUM,
     Motion,
     MotionRows,
+    Peaks,
     Scheme,
     Shaking,
     System,
@@ -75,6 +84,23 @@ def residual(system: System, motion: Motion, scheme: Scheme, dt: float, ground: 
 
 
 @compiled
+def force_limit(system: System, motion: Motion, scheme: Scheme, scale: float) -> float:
+    """The norm of `residual` at which a step is in equilibrium."""
+    limit = 0.0
+    for i in range(motion.tangent.shape[0]):
+        force = scheme.tolerance * system.load[i] * scale
+        limit += force * force / abs(motion.matrix[i, i])
+    return limit
+
+
+@compiled
+def leave(motion: Motion, failed: bool) -> None:
+    """What failed in lockstep goes on as NaN."""
+    for i in range(motion.tangent.shape[0]):
+        motion.points[i].q = select(failed, math.nan, motion.points[i].q)
+
+
+@compiled
 def newmark_step(
     system: System,
     bearings: Bearings,
@@ -93,26 +119,34 @@ def newmark_step(
     for i in range(n):
         points[i].trial = points[i].q + dt * points[i].v + 0.5 * dt * dt * points[i].a
     begin_bearings(bearings)
+    outcome, rests = COMPLETED, False
     for _ in range(scheme.iterations):
         set_stretches(system, motion)
-        outcome = restoring(system, bearings, motion, dt, 0.0)
-        if outcome != COMPLETED:
+        moved = restoring(system, bearings, motion, dt, 0.0)
+        outcome = select(outcome == COMPLETED, moved, outcome)
+        failed = outcome != COMPLETED
+        if all_lanes(failed):
             return outcome
+        motion.books[0].iterations += select(rests | failed, 0.0, 1.0)
         norm = residual(system, motion, scheme, dt, ground)
-        limit = 0.0
+        rests = failed | (norm <= force_limit(system, motion, scheme, scale))
+        if all_lanes(rests):
+            ended = settle_bearings(system, bearings, ambient)
+            return select(failed, outcome, ended)
+        solved = solve_dense(motion.matrix, unknowns)
+        inside = True
         for i in range(n):
-            force = scheme.tolerance * system.load[i] * scale
-            limit += force * force / abs(motion.matrix[i, i])
-        motion.books[0].iterations += 1.0
-        if norm <= limit:
-            return settle_bearings(system, bearings, ambient)
-        if not solve_dense(motion.matrix, unknowns):
-            return NO_EQUILIBRIUM
-        for i in range(n):
-            points[i].trial += unknowns[i]
-            if not abs(points[i].trial) < FARTHEST:
-                return DIVERGED
-    return NO_EQUILIBRIUM
+            points[i].trial = select(rests, points[i].trial, points[i].trial + unknowns[i])
+            inside = inside & (abs(points[i].trial) < FARTHEST)
+        outcome = select(rests | inside, outcome, DIVERGED)
+        outcome = select(rests | solved, outcome, NO_EQUILIBRIUM)
+        if all_lanes(outcome != COMPLETED):
+            return outcome
+    if not any_lane(rests):
+        return select(outcome == COMPLETED, NO_EQUILIBRIUM, outcome)
+    ended = settle_bearings(system, bearings, ambient)
+    ended = select(rests, ended, NO_EQUILIBRIUM)
+    return select(outcome == COMPLETED, ended, outcome)
 
 
 @compiled
@@ -123,6 +157,7 @@ def newmark_march(
     scheme: Scheme,
     shaking: Shaking,
     rows: MotionRows,
+    peaks: Peaks,
 ) -> tuple[int, int, int]:
     """March through the ground acceleration.
 
@@ -138,7 +173,7 @@ def newmark_march(
     scale = 0.0
     for k in range(len(ground)):
         scale = max(scale, abs(ground[k]))
-    outcome = COMPLETED
+    outcome, broken = COMPLETED, COMPLETED
     kept = 0
     for k in range(len(ground) - 1):
         done = 0  # of the step, in units of its smallest part
@@ -151,20 +186,26 @@ def newmark_march(
             sub = shaking.dt * part / whole
             air = shaking.ambient[k]
             outcome = newmark_step(system, bearings, motion, scheme, sub, target, air, scale)
-            if outcome == COMPLETED:
+            failed = outcome != COMPLETED
+            if not all_lanes(failed | (broken != COMPLETED)):
                 before = ground[k] + done / whole * (ground[k + 1] - ground[k])
                 add_books(system, motion, before, target)
                 commit(system, bearings, motion, sub)
+                broken = select(broken == COMPLETED, outcome, broken)
+                if any_lane(failed):
+                    leave(motion, failed)
                 done += part
                 continue
-            too_hot = too_hot or outcome == TEMPERATURE_RUNAWAY
+            too_hot = too_hot | (outcome == TEMPERATURE_RUNAWAY)
+            broken = select(broken == COMPLETED, outcome, broken)
             if part == 1:
-                return k, kept, TEMPERATURE_RUNAWAY if too_hot else outcome
-            if motion.books[0].iterations > MOST_ITERATIONS * (k + GRACE):
-                return k, kept, TEMPERATURE_RUNAWAY if too_hot else NO_EQUILIBRIUM
+                return k, kept, select(too_hot, TEMPERATURE_RUNAWAY, broken)
+            if all_lanes(motion.books[0].iterations > MOST_ITERATIONS * (k + GRACE)):
+                return k, kept, select(too_hot, TEMPERATURE_RUNAWAY, NO_EQUILIBRIUM)
             part //= 2
             motion.books[0].substeps += 1.0
+        note_peaks(system, bearings, motion, ground[k + 1], peaks)
         if shaking.keep[k]:
             keep_motion(bearings, motion, rows, kept)
             kept += 1
-    return len(ground) - 1, kept, outcome
+    return len(ground) - 1, kept, broken

@@ -6,7 +6,7 @@ from typing import Literal
 
 import numpy as np
 
-from thermobearing.core.records import Floats, Rows, rows
+from thermobearing.core.records import Floats, Rows, rows, unset
 from thermobearing.core.types import Books, Constants, State
 from thermobearing.model.outcomes import NAMES, NOT_PHYSICAL
 from thermobearing.model.physical import is_physical
@@ -24,6 +24,7 @@ from thermobearing.structure.matrices import (
 from thermobearing.structure.model import Damping, DampingKind, MassModel, Structure
 from thermobearing.structure.newmark import newmark_march, start_motion
 from thermobearing.structure.predictor import predictor_march
+from thermobearing.structure.reported import Reported, reported_of
 from thermobearing.structure.takeda import straight_hinges
 from thermobearing.structure.types import (
     DIVERGED,
@@ -32,13 +33,17 @@ from thermobearing.structure.types import (
     Bend,
     Coordinate,
     Hinge,
+    HingePeak,
     LineFactors,
+    LinePeak,
     Motion,
     MotionBooks,
     MotionRows,
+    Peaks,
     Scheme,
     Shaking,
     System,
+    Watch,
 )
 
 Method = Literal["average-acceleration", "linear-acceleration", "predictor-corrector"]
@@ -143,6 +148,7 @@ class Prepared:
     damping: Floats  # [n, n]
     ratios: Floats  # damping ratio of each mode
     predictor: Floats = field(repr=False)  # [n, n] stiffness of the predictor
+    reported: Reported = field(repr=False)  # where its peaks are looked at
 
 
 def prepare_structure(
@@ -165,7 +171,8 @@ def prepare_structure(
     stiffness = stiffness + line_stiffness(structure, matrices)
     modes = find_modes(matrices.mass, stiffness, structure.name)
     matrix = build_damping(structure, matrices, modes)
-    return Prepared(structure, matrices, modes, matrix, ratios_of(matrix, modes), stiffness)
+    ratios, where = ratios_of(matrix, modes), reported_of(structure)
+    return Prepared(structure, matrices, modes, matrix, ratios, stiffness, where)
 
 
 def build_system(prepared: Prepared, lines: Sequence[Line]) -> System:
@@ -213,38 +220,52 @@ def new_motion(system: System) -> Motion:
     )
 
 
+def no_peaks(system: System) -> Peaks:
+    """For a run whose rows are kept."""
+    return Peaks(
+        places=np.zeros((0, len(system.load))),
+        carried=np.zeros(0),
+        watches=rows(Watch, 0),
+        lines=rows(LinePeak, 0),
+        hinges=rows(HingePeak, 0),
+    )
+
+
 def room_for(
     system: System, bearings: Bearings, count: int, *, keep_cells: bool = False
 ) -> MotionRows:
-    """Rows to keep the states of a structure and its bearings in."""
+    """Rows to keep states of a structure and its bearings in; `keep_motion` writes all of a row."""
     n = len(system.load)
     return MotionRows(
-        books=rows(MotionBooks, count),
-        q=np.zeros((count, n)),
-        v=np.zeros((count, n)),
-        a=np.zeros((count, n)),
-        hinges=rows(Bend, count, len(system.hinges)),
-        bearings=rows(Books, count, len(system.lines)),
+        books=unset(MotionBooks, count),
+        q=np.empty((count, n)),
+        v=np.empty((count, n)),
+        a=np.empty((count, n)),
+        hinges=unset(Bend, count, len(system.hinges)),
+        bearings=unset(Books, count, len(system.lines)),
         layers=tuple(
-            np.zeros((count, len(kind.lines), len(kind.constants.multiplicity)))
+            np.empty((count, len(kind.lines), len(kind.constants.multiplicity)))
             for kind in bearings
         ),
         cells=tuple(
-            np.zeros((count, *kind.states.temperature.shape), dtype=np.float32)
+            np.empty((count, *kind.states.temperature.shape), dtype=np.float32)
             if keep_cells
-            else np.zeros((count, len(kind.lines), 0), dtype=np.float32)
+            else np.empty((count, len(kind.lines), 0), dtype=np.float32)
             for kind in bearings
         ),
     )
 
 
-def all_physical(bearings: Bearings, first: Rows[Books]) -> bool:
-    """Whether every bearing ended in a possible state; `first` has their books at the start."""
+def all_physical(bearings: Bearings, recoverable: Floats) -> bool:
+    """Whether every bearing ended in a possible state.
+
+    `recoverable` [b] is what each line had stored at the start [kN mm].
+    """
     return all(
         is_physical(
             kind.constants,
             State(*[array[m] for array in kind.states]),
-            first[0, line].recoverable,
+            float(recoverable[line]),
         )
         for kind in bearings
         for m, line in enumerate(kind.lines)
@@ -310,9 +331,11 @@ def run_structure(
             system, bearings, motion, scheme, shaking, actuators, after
         )
     else:
-        done, kept, outcome = newmark_march(system, bearings, motion, scheme, shaking, after)
+        done, kept, outcome = newmark_march(
+            system, bearings, motion, scheme, shaking, after, no_peaks(system)
+        )
     books, named = motion.books[0], OUTCOMES[int(outcome)]
-    if named == "completed" and not all_physical(bearings, kept_rows.bearings[0:1]):
+    if named == "completed" and not all_physical(bearings, kept_rows.bearings["recoverable"][0]):
         named = NOT_PHYSICAL
     return StructureHistory(
         rows=kept_rows.part(0, 1 + kept),

@@ -8,6 +8,7 @@ along them exactly.
 """
 
 from thermobearing.core.compile import compiled
+from thermobearing.core.lanes.choose import any_lane, no, select
 from thermobearing.core.records import Rows, rows
 from thermobearing.structure.types import ABOVE, BELOW, Bend, Hinge, HingeState, Side
 
@@ -43,55 +44,78 @@ def unloading_stiffness(hinge: Hinge, farthest: float) -> float:
 
 
 @compiled
+def along_line(
+    where: bool, t: float, m: float, slope: float, end: float, to: float, to_moment: float
+) -> tuple[float, float, float]:
+    """Rotation, moment and slope on the straight way to a point, as far as `end`."""
+    way = (to_moment - m) / (to - t)
+    stop = min(end, to)
+    return select(where, stop, t), select(where, m + way * (stop - t), m), select(where, way, slope)
+
+
+@compiled
+def write_side(
+    side: Side,
+    is_ahead: bool,
+    ahead: tuple[float, float, float],
+    back: tuple[float, float, float],
+) -> None:
+    """One direction's memory: that of the side ahead, or of the one left behind."""
+    side.farthest = select(is_ahead, ahead[0], back[0])
+    side.turned = select(is_ahead, ahead[1], back[1])
+    side.turned_moment = select(is_ahead, ahead[2], back[2])
+
+
+@compiled
 def takeda(hinges: Rows[Hinge], old: HingeState, h: int, rotation: float, new: HingeState) -> float:
     """Moment of hinge h at a rotation [rad], written with the rest into `new`; its tangent.
 
     Negative motion is the mirror image of positive motion: `sign` turns the state over.
     """
     hinge = hinges[h]
-    new.sides[h, ABOVE] = old.sides[h, ABOVE]
-    new.sides[h, BELOW] = old.sides[h, BELOW]
-    new.bends[h] = old.bends[h]
-    here = old.bends[h].rotation
-    moment = old.bends[h].moment
-    if rotation == here:
-        return unloading_stiffness(hinge, hinge.yield_rotation)
-    sign, ahead, back = (1.0, ABOVE, BELOW) if rotation > here else (-1.0, BELOW, ABOVE)
+    above, below = old.sides[h, ABOVE], old.sides[h, BELOW]
+    here, moment = old.bends[h].rotation, old.bends[h].moment
+    upward, still = rotation > here, rotation == here
+    sign = select(upward, 1.0, -1.0)
     t, m, end = sign * here, sign * moment, sign * rotation
-    farthest = sign * old.sides[h, ahead].farthest
-    slope = 0.0
-    if m < 0.0:  # unloading from the other side
-        if abs(old.sides[h, back].turned) == NEVER_TURNED:
-            new.sides[h, back].turned = here
-            new.sides[h, back].turned_moment = moment
-        slope = unloading_stiffness(hinge, -sign * old.sides[h, back].farthest)
+    farthest = sign * select(upward, above.farthest, below.farthest)
+    turned = sign * select(upward, above.turned, below.turned)
+    turned_moment = sign * select(upward, above.turned_moment, below.turned_moment)
+    back_farthest = select(upward, below.farthest, above.farthest)
+    back_turned = select(upward, below.turned, above.turned)
+    back_moment = select(upward, below.turned_moment, above.turned_moment)
+    slope = unloading_stiffness(hinge, hinge.yield_rotation)
+    unloads = (m < 0.0) & no(still)  # from the other side
+    if any_lane(unloads):
+        leaves = unloads & (abs(back_turned) == NEVER_TURNED)
+        back_turned = select(leaves, here, back_turned)
+        back_moment = select(leaves, moment, back_moment)
+        slope = select(unloads, unloading_stiffness(hinge, -sign * back_farthest), slope)
         zero = t - m / slope
-        if end <= zero:
-            m += slope * (end - t)
-            t = end
-        else:
-            t, m = zero, 0.0
-    if t < end:
-        new.sides[h, back].turned = -sign * NEVER_TURNED
-        turned = sign * old.sides[h, ahead].turned
-        if abs(turned) < NEVER_TURNED and turned > t:  # back to where it turned
-            slope = (sign * old.sides[h, ahead].turned_moment - m) / (turned - t)
-            stop = min(end, turned)
-            m += slope * (stop - t)
-            t = stop
-        if t < end and t < farthest:  # towards the farthest point
-            slope = (backbone(hinge, farthest) - m) / (farthest - t)
-            stop = min(end, farthest)
-            m += slope * (stop - t)
-            t = stop
-        if t < end:
-            slope = hinge.hardening * hinge.initial
-            m = backbone(hinge, end)
-            t = end
-        if sign * new.sides[h, ahead].farthest < t:
-            new.sides[h, ahead].farthest = sign * t
-        if not abs(turned) < NEVER_TURNED or t >= turned:
-            new.sides[h, ahead].turned = sign * NEVER_TURNED
+        stays = end <= zero
+        m = select(unloads, select(stays, m + slope * (end - t), 0.0), m)
+        t = select(unloads, select(stays, end, zero), t)
+    goes = (t < end) & no(still)
+    if any_lane(goes):
+        back_turned = select(goes, -sign * NEVER_TURNED, back_turned)
+        returns = goes & (abs(turned) < NEVER_TURNED) & (turned > t)  # to where it turned
+        if any_lane(returns):
+            t, m, slope = along_line(returns, t, m, slope, end, turned, turned_moment)
+        heads = goes & (t < end) & (t < farthest)  # towards the farthest point
+        if any_lane(heads):
+            peak = backbone(hinge, farthest)
+            t, m, slope = along_line(heads, t, m, slope, end, farthest, peak)
+        yields = goes & (t < end)
+        if any_lane(yields):
+            slope = select(yields, hinge.hardening * hinge.initial, slope)
+            m = select(yields, backbone(hinge, end), m)
+            t = select(yields, end, t)
+        forgets = goes & no((abs(turned) < NEVER_TURNED) & (t < turned))
+        farthest = select(goes & (farthest < t), t, farthest)
+        turned = select(forgets, NEVER_TURNED, turned)
+    ahead = (sign * farthest, sign * turned, sign * turned_moment)
+    write_side(new.sides[h, ABOVE], upward, ahead, (back_farthest, back_turned, back_moment))
+    write_side(new.sides[h, BELOW], no(upward), ahead, (back_farthest, back_turned, back_moment))
     new.bends[h].rotation = rotation
-    new.bends[h].moment = sign * m
+    new.bends[h].moment = select(still, moment, sign * m)
     return slope

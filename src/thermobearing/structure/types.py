@@ -147,6 +147,41 @@ class Actuators(NamedTuple):
     lag: float  # delay, in steps, >= 0: the force is read where they were told to be then
 
 
+class Watch:
+    """Displacement somewhere, as a sum of coordinates: the largest of a run, and its last."""
+
+    displacement: float  # largest, either way [mm], or [rad] of a rotation
+    residual: float  # at the end
+    acceleration: float  # largest, either way, with that of the ground [mm/s2]
+
+
+class LinePeak:
+    """Largest numbers of a modelled bearing, either way, and warmest ones."""
+
+    displacement: float  # [mm]
+    force: float  # [kN]
+    mismatch: float  # of layer forces [kN]
+    rubber_temperature: float  # of any layer, at mid-thickness [degC]
+    lead_temperature: float  # [degC]; 0 without lead
+
+
+class HingePeak:
+    """Largest numbers of a hinge, either way."""
+
+    rotation: float  # [rad]
+    moment: float  # [kN mm]
+
+
+class Peaks(NamedTuple):
+    """What is noted at the end of every step, in place of rows; all may be empty."""
+
+    places: Floats  # [p, n] displacement that is watched, per coordinate
+    carried: Floats  # [p] 1 where the ground moves what is watched, 0 for a difference
+    watches: Rows[Watch]  # [p]
+    lines: Rows[LinePeak]  # [b]
+    hinges: Rows[HingePeak]  # [h]
+
+
 class MotionRows(NamedTuple):
     """Room for the steps that are kept."""
 

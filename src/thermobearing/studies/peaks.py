@@ -124,7 +124,7 @@ def measure(run_input: "RunInput") -> dict[str, Any]:
 def measure_all(inputs: Sequence["RunInput"], *, traces: bool = False) -> Iterator[Measured]:
     """Carry out some runs, each as `measure` does; with `traces` their histories too."""
     for one, history in zip(inputs, shaken(inputs), strict=True):
-        found = traces_of(one.task, history)
+        found = traces_of(one.task, history, speed=traces)
         yield Measured(numbers_of(one.task, history, found), found if traces else None)
 
 
@@ -143,8 +143,8 @@ def numbers_of(
     sentence = "" if ended == COMPLETED else ALL_SENTENCES.get(ended, "")
     numbers = {name: found[key] for name, key in OF_RUN.items()}
     heat = task.told.device.stack is not None
-    layers = history.layers(task.case.told_line) if heat else np.empty(0)
-    height = pier_height(task)
+    layers = history.layers(task.told_line) if heat else np.empty(0)
+    height = task.prepared.reported.height
     return {
         "outcome": ended,
         "sentence": sentence,
@@ -156,13 +156,6 @@ def numbers_of(
         "lead_max_degC": warmest(traces["lead_temperature"]),
         **residuals_of(found),
     }
-
-
-def pier_height(task: Task) -> float:
-    """From the base of the pier of the report to its top [mm]."""
-    structure = task.case.structure
-    report = structure.report
-    return report.pier_top - structure.body(report.pier).base_height
 
 
 def not_run(outcome: str, sentence: str) -> dict[str, Any]:

@@ -1,0 +1,129 @@
+"""Runs in lockstep against the same runs one by one: how many more a core does in a second."""
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+import thermobearing as tb
+from benchmarks.rows import Row, at_least, at_most
+from benchmarks.structure import AMBIENT, BEARING, DT, STRUCTURE, ground
+from thermobearing.core.lanes.memory import WIDTH, aligned, side_by_side
+from thermobearing.core.lockstep import march_lanes
+from thermobearing.core.march import march
+from thermobearing.core.records import rows as records
+from thermobearing.core.types import Books, Constants, Kept, Path, new_state, new_workspace
+from thermobearing.model.constants import build_constants
+from thermobearing.model.stack import Face, build_stack
+from thermobearing.structure.lanes import Run, RunPeaks, run_lanes, run_peaks
+from thermobearing.structure.model import load_structure
+from thermobearing.structure.run import Line, prepare_structure
+
+REPEATS, STEPS, STEP = 12, 4000, 0.005
+RATIO, MINUTES = 4.0, 6.0
+HISTORIES = 8 * WIDTH
+BEARINGS = {
+    "HDR specimen, 19 cells": "shen-hdr-specimen",
+    "LHDR bridge bearing, 63 cells": BEARING,
+}
+
+
+def constants_of(name: str, stiffer: float) -> Constants:
+    """A library bearing with another stiffness of its rubber, half stack."""
+    bearing = tb.load_bearing(name)
+    hysteresis = bearing.hysteresis
+    more = {"layer_stiffness": stiffer * hysteresis.layer_stiffness}
+    bearing = bearing.model_copy(update={"hysteresis": hysteresis.model_copy(update=more)})
+    stack = build_stack(bearing, half=True)
+    return build_constants(bearing, stack, upper=Face(eta=2.0), lower=None)
+
+
+def cycles(name: str, lane: int) -> tuple[Any, ...]:
+    """Arguments of a march without rows: growing sines, another temperature for every lane."""
+    constants = constants_of(name, 0.8 + 0.05 * lane)
+    air, cells = -20.0 + 5.0 * lane, len(constants.cells.capacity)
+    time_ = STEP * np.arange(1, STEPS + 1)
+    largest = tb.load_bearing(name).total_rubber_thickness * (1.0 + 0.1 * lane)
+    x = largest * time_ / time_[-1] * np.sin(np.pi * time_ + 0.7 * lane)
+    state, spare = (new_state(constants, np.full(cells, air)) for _ in range(2))
+    path = Path(x, np.full(STEPS, STEP), np.full(STEPS, air), np.zeros(STEPS, np.bool_), 0.0)
+    room = Kept(records(Books, 0), *[np.zeros((0, 0))] * 3, np.zeros((0, 0)))
+    return constants, new_workspace(constants), state, spare, path, room
+
+
+def paired(one: Callable[[], object], other: Callable[[], object]) -> tuple[float, float]:
+    """Smallest processor times of two things, by turns [s]."""
+    times: tuple[list[float], list[float]] = ([], [])
+    for _ in range(REPEATS):
+        for kept, function in zip(times, (one, other), strict=True):
+            begin = time.process_time()
+            function()
+            kept.append(time.process_time() - begin)
+    return min(times[0]), min(times[1])
+
+
+def bearing_row(what: str, name: str) -> Row:
+    """Many steps of one bearing."""
+    alone = [cycles(name, lane) for lane in range(WIDTH)]
+    together = side_by_side([cycles(name, lane) for lane in range(WIDTH)])
+    ends = aligned((3, WIDTH), np.float64)
+
+    def by_one() -> None:
+        for one in alone:
+            march(*one)
+
+    def by_lanes() -> None:
+        march_lanes(*together, ends)
+
+    by_one()
+    by_lanes()
+    slow, fast = paired(by_one, by_lanes)
+    count = WIDTH * STEPS
+    note = f"{1e9 * fast / count:.0f} ns a bearing-step, {1e9 * slow / count:.0f} alone"
+    return at_least(f"lockstep over one by one, {what}", slow / fast, RATIO, note=note)
+
+
+def shakes() -> list[Run]:
+    """Pier P1 under one motion at other scales, with other bearings and temperatures."""
+    prepared, acceleration = prepare_structure(load_structure(STRUCTURE)), ground()
+    random = np.random.default_rng(1)
+    found = []
+    for _ in range(HISTORIES):
+        constants = constants_of(BEARING, random.uniform(0.8, 1.2))
+        air = AMBIENT + random.uniform(0.0, 40.0)
+        line = Line(constants, np.full(len(constants.cells.capacity), air))
+        shaken = random.uniform(0.5, 1.2) * acceleration
+        found.append(Run(prepared, [line], shaken, DT, np.full(len(shaken) - 1, air)))
+    return found
+
+
+def one_by_one(runs: list[Run]) -> list[RunPeaks]:
+    """Each alone."""
+    return [run_peaks(run) for run in runs]
+
+
+def structure_rows() -> list[Row]:
+    """Forty seconds of pier P1, everything around the kernel included."""
+    runs = shakes()
+    left = sum(one.alone for one in run_lanes(runs))
+    run_peaks(runs[0])
+    best = [np.inf, np.inf]
+    for _ in range(2):
+        for way, function in enumerate((one_by_one, run_lanes)):
+            begin = time.process_time()
+            function(runs)
+            best[way] = min(best[way], time.process_time() - begin)
+    slow, fast = (1e3 * seconds / len(runs) for seconds in best)
+    note = f"{fast:.2f} ms a history, {slow:.2f} alone; {left} of {len(runs)} left the lockstep"
+    minutes = fast * 1e5 / 1e3 / 60.0 / 2.0
+    return [
+        at_least("lockstep over one by one, pier P1, 8000 steps", slow / fast, RATIO, note=note),
+        at_most("100 000 histories of pier P1, two cores", minutes, MINUTES, "min", "peaks only"),
+    ]
+
+
+def rows() -> list[Row]:
+    """Bearings, then a bridge."""
+    found = [bearing_row(what, name) for what, name in BEARINGS.items()]
+    return [*found, *structure_rows()]

@@ -1,0 +1,245 @@
+"""exp, tanh, tan and their like of lanes: no library has them for vectors that numba can call.
+
+Each brings its argument near zero and sums a series, or a continued fraction as a quotient of
+polynomials, that is exact there to rounding; errors are a few units in the last place (measured in
+tests/unit/test_lanes.py). Where the argument is NaN so is the result. Range reduction by ln 2 in
+two parts follows Cody & Waite (1980), Software Manual for the Elementary Functions; the fractions
+are those of Lambert (tan) and Gauss (arctan), Abramowitz & Stegun 4.3.94 and 4.4.43.
+"""
+
+import math
+import operator
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from llvmlite import ir
+from numba import types
+from numba.core.typing.templates import signature
+from numba.extending import intrinsic, overload
+
+from thermobearing.core.compile import OPTIONS, compiled
+from thermobearing.core.lanes.arithmetic import CONTRACT
+from thermobearing.core.lanes.choose import select
+from thermobearing.core.lanes.kinds import DOUBLE, LaneType
+
+LONG = ir.IntType(64)
+FRACTION = 52  # bits of a double below its exponent
+ROUNDER = 1.5 * 2.0**FRACTION  # added to a number, leaves its nearest integer in the last bits
+LOG2_E = 1.0 / math.log(2.0)
+LN_2_HIGH = 0.693147180369123816490  # 32 bits of ln 2: exact times an exponent
+LN_2_LOW = 1.90821492927058770002e-10  # what is left of it
+LEAST, MOST = -708.0, 709.0  # beyond them exp is taken for 0 or infinite
+HALF_ROOT = 0x3FE6A09E667F3BCD  # sqrt(1/2) as bits
+TAN_PI_8, HALF_PI_LOW = math.sqrt(2.0) - 1.0, 6.123233995736766e-17
+
+
+def fraction(level: int, square: bool, sign: float) -> tuple[list[float], list[float]]:
+    """P and Q by powers of z of 1/(1 + sz/(3 + n sz/(5 + ...))), n = 1, or 1, 4, 9 if `square`."""
+    above: list[list[float]] = [[0.0], [1.0]]
+    below: list[list[float]] = [[1.0], [1.0]]
+    for k in range(1, level):
+        by = sign * (k * k if square else 1.0)
+        for rows in (above, below):
+            older, last = rows[-2], rows[-1]
+            if rows is above and k == 1:
+                rows.append([3.0])
+                continue
+            new = [(2 * k + 1) * c for c in last] + [0.0] * 2
+            for power, c in enumerate(older):
+                new[power + 1] += by * c
+            while new[-1] == 0.0:
+                new.pop()
+            rows.append(new)
+    scale = below[-1][0]
+    return [c / scale for c in above[-1]], [c / scale for c in below[-1]]
+
+
+def polynomial(coefficients: Sequence[float]) -> Any:
+    """A function of a lane: the sum of coefficients times powers, lowest first."""
+
+    @intrinsic
+    def value(_: Any, x: Any) -> Any:
+        def code(__: Any, builder: Any, ___: Any, values: Any) -> Any:
+            vector = values[0].type
+            all_of = [ir.Constant(vector, [ir.Constant(DOUBLE, c)] * vector.count) for c in turned]
+            total = all_of[0]
+            for one in all_of[1:]:
+                product = builder.fmul(total, values[0], flags=CONTRACT)
+                total = builder.fadd(product, one, flags=CONTRACT)
+            return total
+
+        return signature(x, x), code
+
+    turned = list(reversed(coefficients))
+    return value
+
+
+def _longs(builder: Any, value: Any) -> Any:
+    return builder.bitcast(value, ir.VectorType(LONG, value.type.count))
+
+
+def _all(value: Any, number: int) -> Any:
+    return ir.Constant(value.type, [ir.Constant(LONG, number)] * value.type.count)
+
+
+def _piece(count: int, code: Callable[..., Any]) -> Any:
+    """An intrinsic of one or two lanes."""
+
+    def lower(_: Any, builder: Any, __: Any, values: Any) -> Any:
+        return code(builder, *values)
+
+    def one(_: Any, x: Any) -> Any:
+        return signature(x, x), lower
+
+    def two(_: Any, x: Any, y: Any) -> Any:
+        return signature(x, x, y), lower
+
+    return intrinsic(one if count == 1 else two)
+
+
+def _times_power(builder: Any, p: Any, shifted: Any) -> Any:
+    exponent = _longs(builder, shifted)
+    exponent = builder.shl(exponent, _all(exponent, FRACTION))
+    return builder.bitcast(builder.add(_longs(builder, p), exponent), p.type)
+
+
+def _exponent_bits(builder: Any, x: Any) -> Any:
+    bits = _longs(builder, x)
+    return builder.ashr(builder.sub(bits, _all(bits, HALF_ROOT)), _all(bits, FRACTION))
+
+
+def _exponent(builder: Any, x: Any) -> Any:
+    return builder.sitofp(_exponent_bits(builder, x), x.type)
+
+
+def _mantissa(builder: Any, x: Any) -> Any:
+    bits, exponent = _longs(builder, x), _exponent_bits(builder, x)
+    return builder.bitcast(builder.sub(bits, builder.shl(exponent, _all(bits, FRACTION))), x.type)
+
+
+times_power = _piece(2, _times_power)  # p 2^k, k in the last bits of k + ROUNDER
+exponent = _piece(1, _exponent)  # k of x = m 2^k with m in [sqrt(1/2), sqrt(2))
+mantissa = _piece(1, _mantissa)  # m of it
+exp_rest = polynomial([1.0 / math.factorial(k) for k in range(2, 14)])  # (e^r - 1 - r)/r^2
+atanh_over = polynomial([1.0 / (2 * k + 1) for k in range(11)])  # atanh(s)/s by s^2, s < 0.172
+_TAN, _ATAN = fraction(9, square=False, sign=-1.0), fraction(12, square=True, sign=1.0)
+tan_above, tan_below = polynomial(_TAN[0]), polynomial(_TAN[1])
+atan_above, atan_below = polynomial(_ATAN[0]), polynomial(_ATAN[1])
+
+
+@compiled
+def powers(x: float) -> tuple[float, float]:
+    """2^k and e^r - 1 of x = k ln 2 + r, for x between LEAST and MOST."""
+    shifted = x * LOG2_E + ROUNDER
+    k = shifted - ROUNDER
+    r = (x - k * LN_2_HIGH) - k * LN_2_LOW
+    one = select(x == x, 1.0, x)
+    return times_power(one, shifted), r + r * r * exp_rest(r)
+
+
+@compiled
+def lane_exp(x: float) -> float:
+    """e^x."""
+    inside = select(x < LEAST, LEAST, select(x > MOST, MOST, x))
+    power, rest = powers(inside)
+    value = power + power * rest
+    return select(x < LEAST, 0.0, select(x > MOST, math.inf, value))
+
+
+@compiled
+def lane_expm1(x: float) -> float:
+    """e^x - 1."""
+    inside = select(x < LEAST, LEAST, select(x > MOST, MOST, x))
+    power, rest = powers(inside)
+    value = power * rest + (power - 1.0)
+    return select(x > MOST, math.inf, value)
+
+
+@compiled
+def lane_tanh(x: float) -> float:
+    """(1 - e^-2x)/(1 + e^-2x)."""
+    part = lane_expm1(-2.0 * abs(x))
+    return math.copysign(-part / (2.0 + part), x)
+
+
+@compiled
+def lane_tan(x: float) -> float:
+    """For x from 0 to pi/2."""
+    far = x > 0.25 * math.pi
+    y = select(far, (0.5 * math.pi - x) + HALF_PI_LOW, x)
+    z = y * y
+    above, below = y * tan_above(z), tan_below(z)
+    quotient: float = select(far, below, above) / select(far, above, below)
+    return quotient
+
+
+@compiled
+def lane_atan(x: float) -> float:
+    """Brought within tan(pi/8) by the angle pi/4 or pi/2."""
+    size = abs(x)
+    large, small = size > 1.0 / TAN_PI_8, size <= TAN_PI_8
+    above = select(small, size, select(large, -1.0, size - 1.0))
+    below = select(small, 1.0, select(large, size, size + 1.0))
+    turned = select(small, 0.0, select(large, 0.5 * math.pi, 0.25 * math.pi))
+    y = above / below
+    z = y * y
+    return math.copysign(turned + y * (atan_above(z) / atan_below(z)), x)
+
+
+@compiled
+def lane_log(x: float) -> float:
+    """Ln x = k ln 2 + 2 atanh((m - 1)/(m + 1)), for finite x."""
+    m, k = mantissa(x), exponent(x)
+    s = (m - 1.0) / (m + 1.0)
+    value = k * LN_2_HIGH + (2.0 * s * atanh_over(s * s) + k * LN_2_LOW)
+    found: float = select(x > 0.0, value, select(x == 0.0, -math.inf, math.nan))
+    return found
+
+
+@compiled
+def lane_atanh(x: float) -> float:
+    """For |x| < 1."""
+    small = abs(x) < 0.17
+    near = select(small, x, 0.0)
+    far = 0.5 * lane_log((1.0 + x) / (1.0 - x))
+    found: float = select(small, near * atanh_over(near * near), far)
+    return found
+
+
+@compiled
+def lane_power(x: float, y: float) -> float:
+    """x^y for x >= 0 and y > 0, or any y where x > 0."""
+    return select(y == 0.0, 1.0, lane_exp(y * lane_log(x)))
+
+
+def _of_lanes(function: Callable[..., Any], ours: Any) -> None:
+    """Calls of a function with a lane are calls of ours."""
+
+    def call(x: Any) -> Any:
+        return ours(x)
+
+    @overload(function, jit_options=OPTIONS)
+    def _(x: Any) -> Any:
+        return call if isinstance(x, LaneType) else None
+
+
+for known, ours in (
+    (math.exp, lane_exp),
+    (math.expm1, lane_expm1),
+    (math.tanh, lane_tanh),
+    (math.tan, lane_tan),
+    (math.atan, lane_atan),
+    (math.log, lane_log),
+    (math.atanh, lane_atanh),
+):
+    _of_lanes(known, ours)
+
+
+def _call_power(x: Any, y: Any) -> Any:
+    return lane_power(x, y)
+
+
+@overload(operator.pow, jit_options=OPTIONS)
+def _power(x: Any, y: Any) -> Any:
+    of_lanes = isinstance(x, LaneType) and isinstance(y, LaneType | types.Float)
+    return _call_power if of_lanes else None

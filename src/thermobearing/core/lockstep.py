@@ -1,0 +1,44 @@
+"""Many coupled steps of several runs in lockstep (core/lanes), with the kernels of one run."""
+
+from thermobearing.core.compile import compiled
+from thermobearing.core.lanes import arithmetic, functions
+from thermobearing.core.lanes.memory import WIDTH, as_lanes
+from thermobearing.core.march import march
+from thermobearing.core.records import Floats
+from thermobearing.core.types import Constants, Kept, Path, State, Workspace
+
+TAUGHT = (arithmetic, functions)  # what lanes can do, known to numba once these are imported
+
+
+@compiled
+def march_lanes(
+    constants: Constants,
+    work: Workspace,
+    state: State,
+    spare: State,
+    path: Path,
+    rows: Kept,
+    ends: Floats,
+) -> tuple[int, int]:
+    """`march` of WIDTH runs, all arguments from `side_by_side`.
+
+    Writes into `ends` [3, WIDTH] what ended each run, its softened steps and its largest mismatch
+    of layer forces [kN]. A run that failed on the way goes on, to no use.
+
+    Returns
+    -------
+    steps done, rows written.
+    """
+    told = as_lanes(ends, WIDTH)
+    done, kept, outcome, softened, mismatch = march(
+        as_lanes(constants, WIDTH),
+        as_lanes(work, WIDTH),
+        as_lanes(state, WIDTH),
+        as_lanes(spare, WIDTH),
+        as_lanes(path, WIDTH),
+        as_lanes(rows, WIDTH),
+    )
+    told[0] = outcome
+    told[1] = softened
+    told[2] = mismatch
+    return done, kept

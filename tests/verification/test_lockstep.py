@@ -1,0 +1,287 @@
+"""Runs in lockstep against the same runs alone: one physics, two ways through it."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_array_equal
+
+from tests import tolerances as tol
+from tests.verification.models import assembled, changed
+from tests.verification.structures import ground_of, real_bearing
+from thermobearing.bearing.library import list_bearings, load_bearing
+from thermobearing.bearing.model import Bearing, Scragging
+from thermobearing.core.lanes.memory import WIDTH, aligned, side_by_side
+from thermobearing.core.lockstep import march_lanes
+from thermobearing.core.march import march
+from thermobearing.core.records import rows
+from thermobearing.core.types import (
+    COMPLETED,
+    EULER_UNSTABLE,
+    SOFTENED,
+    Books,
+    Constants,
+    Kept,
+    Path,
+    new_state,
+    new_workspace,
+)
+from thermobearing.model.earlier import BilinearParameters, bilinear_constants
+from thermobearing.structure.lanes import Run, RunPeaks, run_lanes, run_peaks
+from thermobearing.structure.model import load_structure
+from thermobearing.structure.run import Line, prepare_structure, run_structure
+
+DT, STEPS = 0.02, 400
+HDR, LHDR, LRB = "shen-hdr-specimen", "shen-lhdr-specimen", "lrb-example"
+MODELS: dict[str, dict[str, Any]] = {
+    "conservative": {},
+    "published": {"scheme": "published"},
+    "euler": {"scheme": "published", "integrator": "euler"},
+    "dissipation": {"heat_source": "dissipation"},
+    "finite-plate": {"lead_ends": "finite-plate"},
+    "monotone": {"hardening": "monotone"},
+    "full": {"half": False},
+}
+
+
+def variants(bearing: Bearing, **options: Any) -> list[Constants]:
+    """A bearing of another stiffness for every lane."""
+    k = bearing.hysteresis.layer_stiffness
+    stiffer = [k * (0.8 + 0.4 * lane / WIDTH) for lane in range(WIDTH)]
+    return [
+        assembled(changed(bearing, hysteresis={"layer_stiffness": one}), **options)
+        for one in stiffer
+    ]
+
+
+def begun(bearing: Bearing, constants: Constants, lane: int) -> tuple[Any, ...]:
+    """Arguments of a march: growing cycles, another amplitude and temperature for every lane."""
+    n, layers = len(constants.cells.capacity), len(constants.multiplicity)
+    time = DT * np.arange(1, STEPS + 1)
+    largest = bearing.total_rubber_thickness * (1.2 + 0.2 * lane)
+    x = largest * time / time[-1] * np.sin(np.pi * time)
+    x[STEPS // 2 : STEPS // 2 + 20] = x[STEPS // 2]
+    air = -30.0 + 6.0 * lane
+    state, spare = (new_state(constants, np.full(n, air)) for _ in range(2))
+    path = Path(x, np.full(STEPS, DT), np.full(STEPS, air), np.ones(STEPS, np.bool_), 0.0)
+    room = Kept(
+        rows(Books, STEPS), *(np.zeros((STEPS, layers)) for _ in range(3)), np.zeros((STEPS, n))
+    )
+    return constants, new_workspace(constants), state, spare, path, room
+
+
+def assert_alike(bearing: Bearing, constants: list[Constants]) -> list[int]:
+    """Lockstep and alone agree in force and temperatures; what ended the runs."""
+    alone = [begun(bearing, one, lane) for lane, one in enumerate(constants)]
+    together = side_by_side([begun(bearing, one, lane) for lane, one in enumerate(constants)])
+    ends = aligned((3, WIDTH), np.float64)
+    march_lanes(*together, ends)
+    outcomes = []
+    for lane, one in enumerate(alone):
+        done, kept, outcome, softened, _ = march(*one)
+        outcomes.append(outcome)
+        assert ends[0, lane] == outcome
+        if outcome in (COMPLETED, SOFTENED):  # one that failed goes on, to no use
+            assert ends[1, lane] == softened
+        room, room_together = one[-1], together[-1]
+        force = room.books["force"][:kept]
+        apart = np.abs(force - room_together.books["force"][:kept, lane]).max()
+        assert apart <= tol.LANE_FORCE * np.abs(force).max()
+        cells = room.cells[:kept] - room_together.cells[:kept, :, lane]
+        assert np.abs(cells).max() <= tol.LANE_TEMPERATURE
+        assert done == kept
+    return outcomes
+
+
+@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("name", [HDR, LHDR, "shen-lhdr-bridge", LRB])
+def test_every_model_in_lockstep_is_the_model_alone(name: str, model: str) -> None:
+    bearing = load_bearing(name)
+    if bearing.lead is None and model == "finite-plate":
+        assert HDR in list_bearings()
+        return
+    outcomes = assert_alike(bearing, variants(bearing, **MODELS[model]))
+    assert set(outcomes) <= {COMPLETED, SOFTENED}
+
+
+def test_a_run_that_fails_spoils_no_other() -> None:
+    """Explicit Euler over a jump: some lanes end there, the others go on as alone."""
+    bearing = load_bearing(HDR)
+    constants = variants(bearing, **MODELS["euler"])
+    alone = [begun(bearing, one, lane) for lane, one in enumerate(constants)]
+    for lane, one in enumerate(alone):
+        one[4].x[300] += 60.0 * (lane % 2)
+    together = side_by_side(alone)
+    ends = aligned((3, WIDTH), np.float64)
+    march_lanes(*together, ends)
+    for lane, one in enumerate(alone):
+        done, _, outcome, _, _ = march(*one)
+        assert ends[0, lane] == outcome
+        assert outcome == (EULER_UNSTABLE if lane % 2 else COMPLETED)
+        force = one[-1].books["force"][:done]
+        apart = np.abs(force - together[-1].books["force"][:done, lane]).max()
+        assert apart <= tol.LANE_FORCE * np.abs(force).max()
+
+
+def test_virgin_rubber_in_lockstep() -> None:
+    virgin = Scragging(
+        amplitude=0.5, strain=1.0, mullins_amplitude=0.3, mullins_decay=4.0, mullins_renewal=0.5
+    )
+    bearing = load_bearing(HDR).model_copy(update={"scragging": virgin})
+    assert_alike(bearing, variants(bearing))
+
+
+@pytest.mark.parametrize("shape", [1.0, 2.5])
+def test_other_curvatures_in_lockstep(shape: float) -> None:
+    """Unloading along a straight line, and along a tanh (s > 1)."""
+    bearing = changed(load_bearing(HDR), hysteresis={"shape": shape})
+    assert_alike(bearing, variants(bearing))
+
+
+def test_company_does_not_matter() -> None:
+    """A run has the same bits whoever is beside it, and wherever it is."""
+    bearing = load_bearing(LHDR)
+    constants = variants(bearing)
+    first = side_by_side([begun(bearing, one, lane) for lane, one in enumerate(constants)])
+    order = [*range(2, WIDTH), 0, 0]
+    second = side_by_side([begun(bearing, constants[lane], lane) for lane in order])
+    for together in (first, second):
+        march_lanes(*together, aligned((3, WIDTH), np.float64))
+    for place, lane in enumerate(order):
+        for name in ("force", "work_in", "heat_stored", "lead_temperature"):
+            assert_array_equal(second[-1].books[name][..., place], first[-1].books[name][..., lane])
+        assert_array_equal(second[-1].cells[..., place], first[-1].cells[..., lane])
+
+
+STRUCTURE = "pier-p1"
+
+
+def shakes(dt: float = 0.01, duration: float = 12.0) -> list[Run]:
+    """Runs of two shapes: three bearings, temperatures, scales; some hinges yield."""
+    prepared = prepare_structure(load_structure(STRUCTURE))
+    ground = ground_of("jra-ii-i-1", dt, duration)
+    bearings = [
+        real_bearing("shen-lhdr-bridge"),
+        bilinear_constants(BilinearParameters(154.8, 2.0, 15.0)),
+    ]
+    found = []
+    for number in range(WIDTH + 4):
+        constants = bearings[number % 2]
+        air = -25.0 + 4.0 * number
+        line = Line(constants, np.full(len(constants.cells.capacity), air))
+        shaken = (0.4 + 0.1 * number) * ground
+        found.append(Run(prepared, [line], shaken, dt, np.full(len(ground) - 1, air)))
+    return found
+
+
+def numbers_of(found: RunPeaks) -> dict[str, Any]:
+    """Every number of a run, by name."""
+    groups = ("watches", "lines", "hinges", "books", "bearings")
+    columns = {group: getattr(found, group) for group in groups}
+    return {f"{g}.{name}": c[name] for g, c in columns.items() for name in c.dtype.names}
+
+
+NOISE = ("mismatch", "iterations")
+SCALES = {  # what the end of a run is a part of
+    "watches.residual": "watches.displacement",
+    "bearings.displacement": "lines.displacement",
+    "bearings.force": "lines.force",
+    "bearings.rubber_force": "lines.force",
+    "bearings.lead_force": "lines.force",
+    "bearings.viscous_force": "lines.force",
+    "books.kinetic": "books.input",
+    "books.springs": "books.input",
+    "books.hinges": "books.input",
+}
+
+
+def test_bridges_in_lockstep_are_bridges_alone() -> None:
+    runs = shakes()
+    together = run_lanes(runs)
+    assert not any(one.alone for one in together)
+    bent = [float(one.hinges["rotation"][0]) for one in together]
+    yields = runs[0].prepared.structure.hinges[0].yield_rotation
+    assert min(bent) < yields < max(bent)
+    for run, found in zip(runs, together, strict=True):
+        wanted = run_peaks(run)
+        assert (found.outcome, found.steps) == (wanted.outcome, wanted.steps)
+        known = numbers_of(wanted)
+        for name, values in numbers_of(found).items():
+            if not name.endswith(NOISE):
+                scale = np.abs(known[SCALES.get(name, name)])
+                apart = np.abs(values - known[name])
+                assert np.all(apart <= tol.LANE_PEAK * scale), name
+
+
+def test_peaks_are_those_of_the_rows() -> None:
+    """Without rows, bit for bit."""
+    run = shakes()[7]
+    found = run_peaks(run)
+    history = run_structure(run.prepared, run.lines, run.ground, run.dt, run.ambient)
+    bearing, hinge = history.bearing(), history.hinge()
+    assert (found.steps, found.iterations) == (history.steps, history.iterations)
+    assert found.lines["displacement"][0] == np.abs(bearing["displacement"]).max()
+    assert found.lines["force"][0] == np.abs(bearing["force"]).max()
+    assert found.hinges["rotation"][0] == np.abs(hinge["rotation"]).max()
+    assert found.hinges["moment"][0] == np.abs(hinge["moment"]).max()
+    assert_array_equal(found.watches["displacement"], np.abs(history.rows.q).max(axis=0))
+    assert_array_equal(found.watches["residual"], history.rows.q[-1])
+    assert_array_equal(found.watches["acceleration"], np.abs(history.rows.a).max(axis=0))
+    assert found.books[0].input == history.rows.books[-1].input
+    warm = run_peaks(shakes()[8])
+    air = shakes()[8]
+    rows_ = run_structure(air.prepared, air.lines, air.ground, air.dt, air.ambient)
+    assert warm.lines["rubber_temperature"][0] == rows_.layers().max()
+    assert warm.lines["lead_temperature"][0] == rows_.bearing()["lead_temperature"].max()
+
+
+def test_absolute_acceleration_of_a_place() -> None:
+    run = shakes()[0]
+    places, carried = np.array([[1.0, 0.0, 0.0, 0.0]]), np.array([1.0])
+    watched = Run(
+        run.prepared, run.lines, run.ground, run.dt, run.ambient, places=places, carried=carried
+    )
+    history = run_structure(run.prepared, run.lines, run.ground, run.dt, run.ambient)
+    wanted = np.abs(history.rows.a[:, 0] + run.ground).max()
+    for found in (run_peaks(watched), run_lanes([watched])[0]):
+        assert found.watches["acceleration"][0] == pytest.approx(wanted, rel=tol.LANE_PEAK)
+
+
+def test_order_of_bridges_does_not_matter() -> None:
+    runs = shakes(duration=3.0)
+    first = run_lanes(runs)
+    second = run_lanes(runs[::-1])[::-1]
+    single = run_lanes(runs[3:4])[0]
+    for one, other in [*zip(first, second, strict=True), (first[3], single)]:
+        mine, theirs = numbers_of(one), numbers_of(other)
+        assert all(np.array_equal(mine[name], theirs[name]) for name in mine)
+
+
+def test_what_leaves_the_lockstep_is_run_alone() -> None:
+    """Steps that are cut, and numbers that end a run, beside one that goes through."""
+    prepared = prepare_structure(load_structure(STRUCTURE))
+    ground = ground_of("jra-ii-i-1", 0.05, 10.0)
+    constants = real_bearing("shen-lhdr-bridge")
+    spoilt = ground.copy()
+    spoilt[100] = np.nan
+    runs = []
+    for shaken in (0.3 * ground, 9.0 * ground, spoilt, 0.2 * ground):
+        line = Line(constants, np.full(len(constants.cells.capacity), -30.0))
+        air = np.full(len(ground) - 1, -30.0)
+        runs.append(Run(prepared, [line], shaken, 0.05, air))
+    found = run_lanes(runs)
+    assert [one.alone for one in found] == [False, True, True, False]
+    assert found[2].outcome != "completed"
+    assert found[2].steps < len(ground) - 1
+    for place in (1, 2):
+        mine, theirs = numbers_of(found[place]), numbers_of(run_peaks(runs[place]))
+        assert all(np.array_equal(mine[name], theirs[name]) for name in mine)
+    quiet = run_lanes([runs[0]])[0]
+    assert numbers_of(quiet)["lines.force"] == numbers_of(found[0])["lines.force"]
+
+
+def test_the_predictor_has_no_lockstep() -> None:
+    run = shakes(duration=1.0)[0]
+    given = {name: getattr(run, name) for name in ("prepared", "lines", "ground", "dt", "ambient")}
+    with pytest.raises(ValueError, match="predictor-corrector"):
+        run_lanes([Run(**given, method="predictor-corrector")])
