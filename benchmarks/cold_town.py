@@ -143,7 +143,7 @@ def shares_beyond(table: pd.DataFrame, bearing: str, limit: Limit) -> pd.Series:
     """Share of the runs that go beyond, at each intensity."""
     mine = counted(table[table["bearing"] == bearing], limit.demand, limit.failed)
     beyond = pd.Series(mine.demand > limit.capacity)
-    return beyond.groupby(mine.table[INTENSITY].round(6).to_numpy()).mean()
+    return beyond.groupby(mine.table[INTENSITY].to_numpy()).mean()
 
 
 def hours_table(runs: dict[str, pd.DataFrame], warmth: dict[str, Any]) -> list[str]:

@@ -189,8 +189,10 @@ def _with_ids(
     contents, scale = Contents(study), study.factors.scale
     found = settled(study, contents.levels, picked)
     strength = contents.intensities[found["motion"]]
-    if scale.of == "intensity":
-        found["scale"] = found["scale"] / strength
+    given = scale.of == "intensity"  # to the last bit as given, so that stripes are whole
+    intensities = found["scale"] if given else found["scale"] * strength
+    if given:
+        found["scale"] = intensities / strength
     check_numbers(study, {name: found[name] for name in found if name not in THINGS})
     none = np.full(len(frame), -1, dtype=np.int64)
     places = {name: found[name] for name in THINGS}
@@ -208,7 +210,7 @@ def _with_ids(
             values = pd.Categorical.from_codes(values, categories=pd.Index(column.levels))
         frame[column.name] = values
         if column.name == "scale":
-            frame[COLUMNS[scale.measure]] = values * strength
+            frame[COLUMNS[scale.measure]] = intensities
         if column.name == HOUR:
             frame[AMBIENT] = found[AMBIENT]
     return frame
