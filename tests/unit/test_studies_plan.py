@@ -102,6 +102,9 @@ def test_a_motion_is_brought_to_an_intensity() -> None:
     for row in runs.to_dict("records"):
         pga = tb.load_motion(row["motion"]).pga
         assert row["scale"] * pga == pytest.approx(1000.0 * row["PGA_m_s2"])
+    task = Preparer(study(scale=[1.5])).run_input(plan(study(scale=[1.5])).to_dict("records")[0])
+    plain = Preparer(study()).run_input(plan(study()).to_dict("records")[0])
+    np.testing.assert_array_equal(task.task.shaking.ground, 1.5 * plain.task.shaking.ground)
 
 
 def test_too_many_runs_are_refused() -> None:
