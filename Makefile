@@ -12,11 +12,12 @@ WORKERS ?= auto
 
 LOWEST := .venv-minimum
 
-.PHONY: help demo test browser test-minimum fuzz mutants bench lint docs reproduce site clean
+.PHONY: help demo test test-all browser test-minimum fuzz mutants bench lint docs reproduce site clean
 
 help:
 	@echo "make demo   install, and run the default cyclic test into ./demo"
-	@echo "make test   all tests, on all cores (WORKERS=0: in one process)"
+	@echo "make test   the tests, on all cores (WORKERS=0: in one process); all but the thorough ones"
+	@echo "make test-all   these too: the same claims on more and larger cases, as in CI"
 	@echo "make browser   what tests need that look at pages with the system's Chromium"
 	@echo "make test-minimum   unit tests with the lowest versions of all that is needed"
 	@echo "make fuzz   hostile input, 100 000 examples (FUZZ=motions: a part)"
@@ -56,6 +57,9 @@ demo: $(PROGRAM)
 	$(BIN)/thermobearing cyclic -o demo --force
 
 test: $(TESTS)
+	$(BIN)/python -m pytest --numprocesses $(WORKERS) --dist worksteal -m "not thorough"
+
+test-all: $(TESTS)
 	$(BIN)/python -m pytest --numprocesses $(WORKERS) --dist worksteal
 
 # Another Python: make test-minimum PYTHON=python3.13 CONSTRAINTS= (with the newest versions).

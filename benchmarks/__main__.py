@@ -19,6 +19,7 @@ ITEMS = {
     "numpy_stepper": "Speed",
     "opensees": "Speed",
     "structure": "Speed",
+    "study": "Studies",
     "lockstep": "Speed",
     "bearing_lines": "Waiting",
     "startup": "Waiting",

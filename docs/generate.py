@@ -9,6 +9,7 @@ import json
 import os
 import subprocess
 import sys
+import tempfile
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -246,6 +247,16 @@ def fill_tables() -> None:
             path.write_text(between(text, program, done.stdout.decode().strip()))
 
 
+def cold_town() -> None:
+    """The studies of the cold town (minutes), their tables and figures."""
+    page = DOCS / "cold_town.md"
+    with tempfile.TemporaryDirectory() as folder:
+        command = [sys.executable, "-m", "benchmarks.cold_town", folder, str(DOCS / "figures")]
+        done = subprocess.run(command, check=True, cwd=DOCS.parent, capture_output=True)
+    text = between(page.read_text(encoding="utf-8"), "cold_town", done.stdout.decode().strip())
+    page.write_text(text, encoding="utf-8")
+
+
 def draw() -> None:
     """The loops of the README."""
     import thermobearing as tb
@@ -278,6 +289,7 @@ def main() -> None:
         bench = [sys.executable, "-m", "benchmarks", "--json", str(BENCH)]
         subprocess.run(bench, check=True, cwd=DOCS.parent)
         fill_tables()
+        cold_town()
         draw()
         subprocess.run([sys.executable, str(DOCS / "contact.py")], check=True)
         for name in ("opensees_lead", "opensees_pier", "takeda"):

@@ -10,6 +10,7 @@ the one that was called, which writes it down.
 
 import json
 import os
+import re
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -21,6 +22,8 @@ from tests.told_numbers import disagreements, told_rows
 
 EXPECTED = Path(__file__).with_name("expected_skips.txt")
 COARSE = 50  # points an inch
+# Files of tests that see how a figure is laid out.
+LOOKS_AT_FIGURES = re.compile("figure|file_sizes|thinning|peaks|browser/|reproduce/")
 Value = str | float
 Recorder = Callable[[str, Value, str], None]
 KEY = "measured"  # of the properties of a test's report that hold its numbers
@@ -30,9 +33,18 @@ PROPERTIES: list[tuple[str, Any]] = []  # of all tests, in the order in which th
 
 @pytest.fixture(autouse=True)
 def coarse_figures(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Figures of few points where a test does not look at the points: a quarter of their time."""
-    if "thermobearing" in sys.modules and request.path.name != "test_file_sizes.py":
+    """Figures of few points where a test does not look at the points: a quarter of their time.
+
+    Where it does not look at figures at all, they are not laid out either: half of the rest.
+    """
+    if "thermobearing" not in sys.modules:
+        return
+    if request.path.name != "test_file_sizes.py":
         monkeypatch.setattr("thermobearing.results.drawing.DPI", COARSE)
+    if not LOOKS_AT_FIGURES.search(request.path.as_posix()):
+        from matplotlib.layout_engine import ConstrainedLayoutEngine
+
+        monkeypatch.setattr(ConstrainedLayoutEngine, "execute", lambda *_: None)
 
 
 @pytest.fixture

@@ -35,5 +35,6 @@ from .model.element import element as element
 from .motions.library import load_motion as load_motion
 from .reporting import make_report as make_report
 from .sequences.run import sequence as sequence
+from .studies.whole import study as study
 
 __version__: str

@@ -35,6 +35,7 @@ from thermobearing.commands.report import report
 from thermobearing.commands.reproduce import reproduce
 from thermobearing.commands.streams import patient_streams
 from thermobearing.commands.structures import app as structures
+from thermobearing.commands.study import app as study
 from thermobearing.commands.validate import validate
 
 
@@ -178,6 +179,7 @@ _add("design", design.design, OFFICE, "design --motion jra-ii-i-1 --compound G10
 _add("bounds", design.bounds, OFFICE, "bounds --bearing shen-hdr-bridge --ambient -20")
 _add("lambda", factors.lambda_, OFFICE, "lambda shen-hdr-bridge --strain 1.75 -o factors")
 _add("report", report, FILES, "report pier --title number=B12-7 --title revision=B")
+app.add_typer(study, name="study", rich_help_panel=ANALYSES)
 app.add_typer(motions, name="motions", rich_help_panel=FILES)
 app.add_typer(structures, name="structures", rich_help_panel=FILES)
 

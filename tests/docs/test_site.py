@@ -24,7 +24,7 @@ EXAMPLES = sorted((DOCS / "examples").glob("plot_*.py"))
 BLOCK = re.compile(r"```(?P<language>[\w{}]+)\n(?P<text>.*?)```", re.DOTALL)
 FILE = re.compile(r"# (\S+\.(?:toml|csv))\n")  # the first line of a block that is a file
 SCREEN = 64  # lines of a page: what a screen shows
-WITHOUT_FIGURES = {"new", "check", "list", "measure", "--version"}
+WITHOUT_FIGURES = {"study", "new", "check", "list", "measure", "--version"}
 PAGES = [
     pytest.param(path, id=path.stem, marks=needs_opensees if path.stem == "opensees" else ())
     for path in GUIDE

@@ -1,6 +1,7 @@
 """Hostile input at every border: a clean error, a completed run or a typed outcome, never else.
 
-Two thousand examples by default, always the same. `make fuzz` tries a hundred thousand others;
+Two thousand examples by default, always the same; the first third of them where the thorough
+tests are left out (`make test`). `make fuzz` tries a hundred thousand others;
 THERMOBEARING_FUZZ is their number and THERMOBEARING_FUZZ_SEED their seed. What fails is told
 with an example, and kept whole in the folder THERMOBEARING_FUZZ_KEEP if that is set.
 """
@@ -23,6 +24,7 @@ from tests.fuzz.commands import command_borders
 from tests.fuzz.judge import Example, Tally
 
 USUAL = 2300  # some of which come out alike, and are tried once
+QUICK = 3  # divides their number where thorough tests are left out
 COUNT = int(os.environ.get(conftest.COUNT, USUAL))
 BORDERS = [*library_borders(), *command_borders()]
 # The limits of the package, lowered: what they let through is then tried in milliseconds.
@@ -49,6 +51,8 @@ def _limits(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_every_example_ends(border: Border, tmp_path: Path, request: pytest.FixtureRequest) -> None:
     tally = Tally(border.name)
     count = max(2, round(COUNT * border.weight / sum(item.weight for item in BORDERS)))
+    if COUNT == USUAL and "not thorough" in request.config.option.markexpr:
+        count = max(2, count // QUICK)
 
     def each(example: Example) -> None:
         tally.try_example(example, tmp_path / "here")

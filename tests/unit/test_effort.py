@@ -87,7 +87,11 @@ def test_steps_are_known_before_they_are_made(test: tb.cyclic.CyclicTest) -> Non
         ),
         (
             lambda: tb.bridge("shen-hdr-bridge", "jra-ii-i-1", np.linspace(-50, 50, 1000)),
-            ["keeps", "several studies"],
+            ["keeps", "`thermobearing study`"],
+        ),
+        (
+            lambda: tb.bridge("shen-hdr-bridge", "jra-ii-i-1", np.linspace(-50, 50, 1500)),
+            ["ambient: 1500 of them", "at most 1000", "`thermobearing study`"],
         ),
         (
             lambda: tb.identify_bearing([RECORD], SPECIMEN, starts=10**9),
@@ -107,7 +111,7 @@ def test_steps_are_known_before_they_are_made(test: tb.cyclic.CyclicTest) -> Non
         ),
         (lambda: synthetic_record(SPECIMEN, 23.0, sampling=0.0), ["sampling = 0.0"]),
     ],
-    ids=range(15),
+    ids=range(16),
 )
 def test_too_much_is_told(
     make: Callable[[], Any], pieces: list[str], monkeypatch: pytest.MonkeyPatch

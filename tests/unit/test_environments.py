@@ -51,7 +51,14 @@ def test_help_where_a_character_is_missing() -> None:
 
 
 @pytest.mark.skipif(os.name != "posix", reason="needs a POSIX shell")
-@pytest.mark.parametrize("how", ["| head -1", ">&-", "<&- >&- 2>&-"])
+@pytest.mark.parametrize(
+    "how",
+    [
+        "| head -1",
+        pytest.param(">&-", marks=pytest.mark.thorough),
+        pytest.param("<&- >&- 2>&-", marks=pytest.mark.thorough),
+    ],
+)
 def test_output_that_nobody_reads(case: Path, how: str) -> None:
     """The result is written and the exit status is that of the analysis."""
     out = case.parent / "out"

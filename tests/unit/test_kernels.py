@@ -168,6 +168,7 @@ print(room.change.tolist())
 """
 
 
+@pytest.mark.thorough
 def test_two_processes_compile_the_same_kernel_at_once(tmp_path: Path) -> None:
     """Both end well and alike, and the machine code that is left can be loaded."""
     environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}

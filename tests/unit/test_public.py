@@ -34,7 +34,7 @@ def ident(item: Any) -> str:
 
 
 def test_a_dozen_names_at_the_top() -> None:
-    assert len(TOP) <= 19
+    assert len(TOP) <= 20
     assert {"run", "bridge", "hybrid", "cyclic_test", "load_bearing", "InputError"} <= set(TOP)
     assert {"motions", "design", "identify", "earthquake", "cyclic"} <= set(ROOMS)
 

@@ -2,6 +2,7 @@
 
 import json
 import shutil
+import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -15,7 +16,7 @@ from tests.unit.studies import small_study
 from thermobearing.border.errors import InputError
 from thermobearing.commands import study_drawn
 from thermobearing.studies import run_study
-from thermobearing.studies.asked import asked_over, keep_asked, kept_asked, make_asked
+from thermobearing.studies.asked import Asked, asked_over, keep_asked, kept_asked, make_asked
 from thermobearing.studies.files import study_result
 from thermobearing.studies.report import pieces_of
 from thermobearing.studies.result import StudyResult
@@ -145,3 +146,12 @@ def test_a_study_without_a_run_has_no_result(directory: Path) -> None:
         file.unlink()
     with pytest.raises(InputError, match="no run is done yet"):
         study_result(directory)
+
+
+def test_the_question_of_the_docs_can_be_asked(tmp_path: Path) -> None:
+    text = (Path(__file__).parents[2] / "docs" / "files.md").read_text(encoding="utf-8")
+    block = text.split("## What is asked of a study")[1].split("```")[1].removeprefix("text\n")
+    (tmp_path / "site.csv").write_text(SITE)
+    asked = make_asked(tomllib.loads(block), "question.toml", tmp_path)
+    assert set(tomllib.loads(block)) == set(Asked.model_fields)
+    assert asked.question().capacity == 1.0

@@ -254,3 +254,14 @@ def test_dask(tmp_path: Path, whole: dict[str, bytes]) -> None:
     assert 6 <= study_status(out).done < 8
     assert run_study(small_study(), out, jobs=1).outcome == "completed"
     assert kept(out) == whole
+
+
+def test_dask_by_a_client_of_the_user(tmp_path: Path, whole: dict[str, bytes]) -> None:
+    """Two threads of one process, which share nothing; the client goes on to be the user's."""
+    distributed = pytest.importorskip("distributed")
+    with distributed.Client(
+        processes=False, n_workers=1, threads_per_worker=2, dashboard_address=None
+    ) as client:
+        run_study(small_study(), tmp_path / "out", executor="dask", address=client, size=1)
+        assert client.status == "running"
+    assert kept(tmp_path / "out") == whole

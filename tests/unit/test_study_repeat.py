@@ -34,6 +34,7 @@ def test_a_run_again_has_the_same_bits_and_is_what_bridge_does() -> None:
     motion = {"name": "jra-ii-i-1", "factor": 1.5}
     bridge = tb.bridge("shen-hdr-bridge", motion, -20, duration=6)
     assert np.array_equal(moved, bridge.dataset["bearing_displacement"].values[0])
+    assert "factor = 1.5" in again.dataset.attrs["case"]
     assert again.table["bearing"].tolist() == ["shen-hdr-bridge"]
 
 

@@ -88,6 +88,7 @@ def test_rates_over_the_climate_and_over_the_warm() -> None:
     hours = np.random.default_rng(2).normal(8.0, 9.0, 2000)
     asked = Question(hazard=HAZARD, temperatures=hours, failed="collapse")
     curves, rates = asked.rates_of(part)
+    assert all(curve.left_out == 0 for curve in curves.values())
     table = part.rates_table(curves, rates).set_index("name")
     assert list(rates) == [-20.0, 0.0, 23.0, "climate"]
     assert table.loc[23.0, "over_reference"] == 1.0

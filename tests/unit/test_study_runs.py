@@ -103,6 +103,10 @@ def test_table_is_the_plan_with_results_whatever_the_shards(tmp_path: Path) -> N
     [
         ({"scale": [0.5, 1.5]}, r"factors\.scale\.levels = \[0\.5, 1\.5\], was \[0\.5, 1\.0\]"),
         ({"case": {"dt": "2 ms"}}, r"case\.analysis\.dt = '0\.002 s', was '0\.005 s'"),
+        (
+            {"motion": [{"name": "jra-ii-i-1", "label": "Kobe"}]},
+            r"factors\.motion\.levels\[0\]\.label = 'Kobe', was 'jra-ii-i-1'",
+        ),
         ({"keep": "all"}, r"keep\.histories = 'all', was 'none'"),
     ],
 )

@@ -9,7 +9,7 @@ import pytest
 from thermobearing.border.errors import InputError
 from thermobearing.studies.counted import counted
 from thermobearing.studies.demand import demand_against, median_places
-from thermobearing.studies.fragility import fragilities, fragility
+from thermobearing.studies.fragility import fragility_curve, fragility_curves
 from thermobearing.studies.hazard import Hazard, annual_rate, load_hazard
 from thermobearing.studies.ida import ida_curves
 from thermobearing.studies.mixture import ClimateFragility, shares_of_time
@@ -34,8 +34,8 @@ def two_levels(first: list[float], second: list[float]) -> pd.DataFrame:
 def test_failed_runs_are_told_and_count_only_when_asked() -> None:
     table = two_levels([0.1, 0.1, 0.1, 3.0], [0.1, np.nan, 3.0, np.nan])
     table["outcome"] = ["completed"] * 5 + ["not_converged", "completed", "broken"]
-    out = fragility(table, "drift", 1.0, "im", samples=5)
-    collapse = fragility(table, "drift", 1.0, "im", failed="collapse", samples=5)
+    out = fragility_curve(table, "drift", 1.0, "im", samples=5)
+    collapse = fragility_curve(table, "drift", 1.0, "im", failed="collapse", samples=5)
     assert out.counts["beyond"].tolist() == [1, 1]
     assert out.counts["runs"].tolist() == [4, 2]
     assert collapse.counts["beyond"].tolist() == [1, 2]
@@ -63,7 +63,7 @@ def test_counts_without_a_curve(
     table = pd.concat([two_levels(first, second), two_levels([0.1], [3.0])]).iloc[: -2 or None]
     if outcome == "completed":  # overlap: one that stays below at the larger intensity too
         table = pd.concat([table, two_levels([], [0.1])])
-    found = fragility(table.reset_index(drop=True), "drift", 1.0, "im", samples=20)
+    found = fragility_curve(table.reset_index(drop=True), "drift", 1.0, "im", samples=20)
     assert found.outcome == outcome
     assert said in found.estimate.sentence
     row = found.row()
@@ -77,7 +77,7 @@ def test_a_temperature_at_which_nothing_went_beyond_counts_with_zero_in_a_climat
     cold = two_levels([0.1, 0.1, 0.1, 3.0], [0.1, 3.0, 3.0, 3.0]).assign(ambient_degC=-20.0)
     warm = two_levels([0.1] * 4, [0.1] * 4).assign(ambient_degC=23.0)
     table = pd.concat([cold, warm], ignore_index=True)
-    found = fragilities(table, "drift", 1.0, "im", "ambient_degC", samples=40)
+    found = fragility_curves(table, "drift", 1.0, "im", "ambient_degC", samples=40)
     climate = ClimateFragility(found, np.array([0.25, 0.75]))
     assert climate.probability([1.5]) == pytest.approx(0.25 * found[-20.0].probability([1.5]))
     assert "23: no run went beyond" in climate.sentence
@@ -142,22 +142,25 @@ def test_percentiles_count_from_both_ends() -> None:
 
 
 FAULTS: list[tuple[Any, str]] = [
-    (lambda t: fragility(t, "drfit", 1.0, "im"), 'did you mean "drift"'),
-    (lambda t: fragility(t, "drift", 0.0, "im"), "capacity = 0 is not above 0"),
-    (lambda t: fragility(t, "drift", 1.0, "im", method="clod"), "stripes"),
-    (lambda t: fragility(t, "drift", 1.0, "im", method="ida", band="profile"), "of stripes"),
-    (lambda t: fragility(t, "drift", 1.0, "im", band="narrow"), "bootstrap"),
-    (lambda t: fragility(t, "drift", 1.0, "im", level=95), "level = 95"),
-    (lambda t: fragility(t, "drift", 1.0, "im", samples=0), "samples = 0"),
-    (lambda t: fragility(t.assign(im=-1.0), "drift", 1.0, "im"), "-1; its logarithm"),
-    (lambda t: fragility(t.assign(im=1.0), "drift", 1.0, "im"), "two intensities"),
-    (lambda t: fragility(t.assign(drift=-1.0), "drift", 1.0, "im", method="cloud"), "no logarithm"),
-    (lambda t: fragility(t.assign(drift="x"), "drift", 1.0, "im"), "does not hold numbers"),
-    (lambda t: fragility(t.assign(drift=np.nan), "drift", 1.0, "im"), "have no number"),
+    (lambda t: fragility_curve(t, "drfit", 1.0, "im"), 'did you mean "drift"'),
+    (lambda t: fragility_curve(t, "drift", 0.0, "im"), "capacity = 0 is not above 0"),
+    (lambda t: fragility_curve(t, "drift", 1.0, "im", method="clod"), "stripes"),
+    (lambda t: fragility_curve(t, "drift", 1.0, "im", method="ida", band="profile"), "of stripes"),
+    (lambda t: fragility_curve(t, "drift", 1.0, "im", band="narrow"), "bootstrap"),
+    (lambda t: fragility_curve(t, "drift", 1.0, "im", level=95), "level = 95"),
+    (lambda t: fragility_curve(t, "drift", 1.0, "im", samples=0), "samples = 0"),
+    (lambda t: fragility_curve(t.assign(im=-1.0), "drift", 1.0, "im"), "-1; its logarithm"),
+    (lambda t: fragility_curve(t.assign(im=1.0), "drift", 1.0, "im"), "two intensities"),
+    (
+        lambda t: fragility_curve(t.assign(drift=-1.0), "drift", 1.0, "im", method="cloud"),
+        "no logarithm",
+    ),
+    (lambda t: fragility_curve(t.assign(drift="x"), "drift", 1.0, "im"), "does not hold numbers"),
+    (lambda t: fragility_curve(t.assign(drift=np.nan), "drift", 1.0, "im"), "have no number"),
     (lambda t: counted(t.assign(outcome="broken"), "drift"), "none of 8 runs"),
     (lambda t: counted(t, "drift", "ignored"), '"left-out" or "collapse"'),
     (lambda t: ida_curves(t.assign(motion="a"), "drift", "im"), "two runs of motion a"),
-    (lambda t: fragilities(t.assign(im=1.0), "drift", 1.0, "im", "motion"), "motion = 0"),
+    (lambda t: fragility_curves(t.assign(im=1.0), "drift", 1.0, "im", "motion"), "motion = 0"),
     (lambda t: sobol_table(t, "drift"), 'no column "matrix"'),
     (lambda t: variance_shares(t.assign(drift=1.0), "drift", ["im"]), "at least 8"),
     (lambda t: variance_shares(t, "drift", ["im"], failed="collapse"), "no variance"),

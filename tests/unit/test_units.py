@@ -1,6 +1,8 @@
 """Units, parsed once at the border: known conversions, exact round trips, refusals."""
 
 import math
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -8,7 +10,7 @@ from numpy.testing import assert_allclose
 
 from tests import tolerances as tol
 from thermobearing.border.errors import InputError
-from thermobearing.border.units import conversion, parse_quantity, with_unit
+from thermobearing.border.units import _usual, conversion, converted, parse_quantity, with_unit
 
 
 @pytest.mark.parametrize(
@@ -95,7 +97,7 @@ def test_refusals(text: str, unit: str, words: list[str]) -> None:
 
 def test_scale_and_offset() -> None:
     assert conversion("mm", "mm") == (1.0, 0.0)
-    assert conversion("cm", "mm") == (10.0, 0.0)
+    assert conversion("inch", "mm") == (25.4, 0.0)
     scale, offset = conversion("degF", "degC")
     assert math.isclose(scale, 5.0 / 9.0, rel_tol=tol.CONVERSION)
     assert math.isclose(offset, -160.0 / 9.0, rel_tol=tol.CONVERSION)
@@ -115,5 +117,23 @@ def test_a_unit_that_is_wanted_needs_no_pint(monkeypatch: pytest.MonkeyPatch) ->
     monkeypatch.setattr("thermobearing.border.units._registry", imported)
     assert parse_quantity("30.738 kN/mm", "kN/mm") == 30.738
     assert parse_quantity("-20 degC", "degC") == -20.0
+    assert parse_quantity("1.5 m", "mm") == 1500.0
     with pytest.raises(AssertionError, match="pint is used"):
-        parse_quantity("1 m", "mm")
+        parse_quantity("1 km", "mm")
+
+
+def test_usual_units_are_as_pint_finds_them() -> None:
+    for target, units in _usual().items():
+        for unit, factor in units.items():
+            assert (factor, 0.0) == converted(unit, target), (unit, target)
+
+
+def test_files_of_the_library_need_no_pint() -> None:
+    """Nor do the programs that read them; that xarray imports pint takes less than its units."""
+    program = (
+        "import sys, thermobearing as tb; from thermobearing.border import units; "
+        "tb.load_bearing('lrb-example'); "
+        "tb.bridge('shen-lhdr-bridge', 'jra-ii-i-1', -20.0, duration=0.1); "
+        "sys.exit(units._registry.cache_info().currsize)"
+    )
+    assert subprocess.run([sys.executable, "-c", program], check=False).returncode == 0

@@ -47,11 +47,20 @@ def python(environment: dict[str, str], *arguments: str) -> subprocess.Completed
     )
 
 
-def test_all_is_collected_and_what_needs_it_says_what_to_install(broken: dict[str, str]) -> None:
+@pytest.mark.parametrize(
+    "collected",
+    [
+        pytest.param((*NEED_IT, "tests/reference"), id="what needs it"),
+        pytest.param(("tests", "benchmarks"), id="all", marks=pytest.mark.thorough),
+    ],
+)
+def test_it_is_collected_and_what_needs_it_says_what_to_install(
+    broken: dict[str, str], collected: tuple[str, ...]
+) -> None:
     # No test runs to its end, so that no `assert` need be made to tell its values.
     words = ("--assert=plain", "-p", "no:cacheprovider", "-rs")
-    words += ("-k", "opensees and not without", "tests")
-    done = python(broken, "-m", "pytest", *words, "benchmarks")
+    words += ("-k", "opensees and not without")
+    done = python(broken, "-m", "pytest", *words, *collected)
     assert done.returncode == 0, done.stdout[-2000:]
     assert re.search(rf"=+ {SKIPPED} skipped, \d+ deselected in ", done.stdout.splitlines()[-1])
     told = " ".join(done.stdout.split())  # lines are broken where the terminal ends

@@ -45,6 +45,7 @@ def test_real_hdr_test(tmp_path: Path, measured: Recorder) -> None:
         assert words in said
 
 
+@pytest.mark.thorough
 def test_real_hdr_test_as_virgin_rubber(tmp_path: Path, measured: Recorder) -> None:
     """What scragging buys: the first cycles, the fall over the later ones, and the energies."""
     found = identified(tmp_path, GALLARDO + VIRGIN, BALANCED)

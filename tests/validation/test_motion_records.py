@@ -67,8 +67,15 @@ def test_corrected_record_ends_at_rest(name: str, component: str | None) -> None
         assert np.abs(motion.displacement).max() < tol.PGD_BOUND
 
 
-@pytest.mark.parametrize("ground", ["I", "II", "III"])
-@pytest.mark.parametrize(("name", "component"), [(KOBE, "NS"), (KOBE, "EW"), (TAKATORI, None)])
+# Each record and each ground once, and all with all of them where everything is run.
+FITTED = [
+    pytest.param(name, component, ground, marks=[] if first == second else [pytest.mark.thorough])
+    for first, (name, component) in enumerate([(KOBE, "NS"), (KOBE, "EW"), (TAKATORI, None)])
+    for second, ground in enumerate(["I", "II", "III"])
+]
+
+
+@pytest.mark.parametrize(("name", "component", "ground"), FITTED)
 def test_kobe_records_fit_type_ii(
     name: str, component: str | None, ground: str, measured: Recorder
 ) -> None:
@@ -81,7 +88,13 @@ def test_kobe_records_fit_type_ii(
     assert np.abs(fitted.displacement).max() < tol.PGD_BOUND
 
 
-@pytest.mark.parametrize("name", ["KNG007_NS_t_g.txt", "TKYH121103111446.NS2"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "KNG007_NS_t_g.txt",
+        pytest.param("TKYH121103111446.NS2", marks=pytest.mark.thorough),
+    ],
+)
 def test_long_records_fit_type_i(name: str) -> None:
     fitted = match_spectrum(record(name), "I", "I")
     assert misfit(fitted, lambda t: standard_spectrum("I", "I", t)) <= tol.MISFIT

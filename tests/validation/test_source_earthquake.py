@@ -102,7 +102,13 @@ def test_trends_on_the_four_motions(motion: str, damping: Any, measured: Recorde
         assert np.all(np.diff(share) > 0.0)
 
 
-@pytest.mark.parametrize(("record", "damping"), STUDIED)
+@pytest.mark.parametrize(
+    ("record", "damping"),
+    [
+        pytest.param(*pair, marks=[pytest.mark.thorough] if i % 3 else [])
+        for i, pair in enumerate(STUDIED)
+    ],
+)
 def test_trends_on_real_records(record: str, damping: Any, measured: Recorder) -> None:
     table = tb.bridge(BEARINGS, shared_motion(REAL[record]), AMBIENT, damping=damping).table
     for bearing in BEARINGS:

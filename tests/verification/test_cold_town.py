@@ -64,10 +64,10 @@ def test_hours_with_their_weather_are_as_the_levels_of_the_temperature(measured:
 
 
 def test_studies_are_what_they_say() -> None:
-    hours, levels = (
-        load_study(data_path("studies", f"{n}.toml")) for n in ("cold-town", "cold-town-levels")
-    )
+    hours, levels = (load_study(name) for name in ("cold-town", "cold-town-levels"))
     assert [len(plan(study)) for study in (hours, levels)] == [4032, 1764]
+    stripes = [float(level.split()[0]) for level in hours.factors.scale.levels]
+    assert sorted(plan(levels)["Sa_m_s2"].unique()) == stripes  # to the last bit
     table = plan(hours)
     weather = generate_weather("cold-town", years=50, seed=1)
     air = table["ambient_degC"].to_numpy()

@@ -119,6 +119,7 @@ def test_the_error_of_the_layers_is_that_of_two_cells(measured: Recorder) -> Non
     )
 
 
+@pytest.mark.thorough
 def test_finite_elements_are_fine_enough() -> None:
     bearing = variant("LHDR")
     coarse, fine = finite_elements(bearing), finite_elements(bearing, 1.7, 0.05)

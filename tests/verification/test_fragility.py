@@ -8,7 +8,7 @@ from scipy.stats import binom, chi2, linregress, norm
 
 from tests import tolerances
 from thermobearing.studies.binary import fit_curves
-from thermobearing.studies.fragility import fragilities, fragility
+from thermobearing.studies.fragility import fragility_curve, fragility_curves
 
 MEDIAN, DISPERSION = 1.0, 0.4
 LEVELS = np.array([0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0])
@@ -31,7 +31,7 @@ def test_stripes_are_the_likeliest_by_another_search() -> None:
 
     options = {"xatol": 1e-10, "fatol": 1e-12, "maxiter": 5000}
     searched = minimize(unlikely, [0.2, -1.0], method="Nelder-Mead", options=options)
-    found = fragility(of_counts(beyond, 40), "drift", 1.0, "im", samples=1)
+    found = fragility_curve(of_counts(beyond, 40), "drift", 1.0, "im", samples=1)
     assert np.log(found.median) == pytest.approx(searched.x[0], abs=tolerances.LIKELIEST)
     assert np.log(found.dispersion) == pytest.approx(searched.x[1], abs=tolerances.LIKELIEST)
 
@@ -45,7 +45,7 @@ def test_stripes_of_exact_shares_give_the_curve_itself() -> None:
 
 def test_ends_by_profile_likelihood_are_where_it_has_dropped() -> None:
     beyond = np.array([0, 2, 8, 21, 26, 33, 38])
-    found = fragility(of_counts(beyond, 40), "drift", 1.0, "im", band="profile", level=0.9)
+    found = fragility_curve(of_counts(beyond, 40), "drift", 1.0, "im", band="profile", level=0.9)
 
     def best_with(median: float) -> float:
         def unlikely(p: np.ndarray) -> float:
@@ -69,7 +69,7 @@ def test_bands_of_stripes_hold_the_truth_as_often_as_they_say(band: str) -> None
     for seed in range(TIMES):
         beyond = rng.binomial(40, norm.cdf(np.log(LEVELS / MEDIAN) / DISPERSION))
         table = of_counts(beyond, 40)
-        found = fragility(table, "drift", 1.0, "im", band=band, samples=119, seed=seed)  # type: ignore[arg-type]
+        found = fragility_curve(table, "drift", 1.0, "im", band=band, samples=119, seed=seed)  # type: ignore[arg-type]
         row, (low, high) = found.row(), found.band_at(at)
         truth = norm.cdf(np.log(at / MEDIAN) / DISPERSION)
         held[:3] += (low <= truth) & (truth <= high)
@@ -93,7 +93,9 @@ def test_motions_drawn_as_a_whole_widen_the_band() -> None:
         ]
         table = pd.DataFrame(rows, columns=["motion", "im", "drift"])
         for groups in held:
-            found = fragility(table, "drift", 1.0, "im", groups=groups, samples=119, seed=seed)
+            found = fragility_curve(
+                table, "drift", 1.0, "im", groups=groups, samples=119, seed=seed
+            )
             row = found.row()
             held[groups] += row["median_low"] <= MEDIAN <= row["median_high"]
     assert held["motion"] > 0.8 * (TIMES // 2)
@@ -104,7 +106,7 @@ def test_capacities_of_motions_that_all_reach_it() -> None:
     capacity = np.array([0.6, 0.8, 1.0, 1.3, 1.9])
     rows = [(m, im, im / c) for m, c in enumerate(capacity) for im in np.arange(0.25, 2.6, 0.25)]
     table = pd.DataFrame(rows, columns=["motion", "im", "drift"])
-    found = fragility(table, "drift", 1.0, "im", method="ida", samples=20)
+    found = fragility_curve(table, "drift", 1.0, "im", method="ida", samples=20)
     logs = np.log(capacity)  # straight through zero, so that interpolation is exact
     assert np.log(found.median) == pytest.approx(logs.mean(), abs=tolerances.LIKELIEST)
     assert found.dispersion == pytest.approx(logs.std(ddof=1), rel=tolerances.LIKELIEST)
@@ -115,7 +117,7 @@ def test_capacities_that_were_not_reached_by_another_search() -> None:
     capacity, top = np.exp(rng.normal(0.0, 0.4, 30)), 1.2
     rows = [(m, im, im / c) for m, c in enumerate(capacity) for im in (0.3, 0.6, 0.9, top)]
     table = pd.DataFrame(rows, columns=["motion", "im", "drift"])
-    found = fragility(table, "drift", 1.0, "im", method="ida", samples=20)
+    found = fragility_curve(table, "drift", 1.0, "im", method="ida", samples=20)
 
     def unlikely(p: np.ndarray) -> float:
         score = (np.log(np.minimum(capacity, top)) - p[0]) / np.exp(p[1])
@@ -136,7 +138,7 @@ def test_capacities_hold_the_truth_as_often_as_they_say() -> None:
         capacity = np.exp(rng.normal(0.0, DISPERSION, 30))
         rows = [(m, im, im / c) for m, c in enumerate(capacity) for im in (0.3, 0.7, 1.1, 1.5)]
         table = pd.DataFrame(rows, columns=["motion", "im", "drift"])
-        row = fragility(table, "drift", 1.0, "im", method="ida", samples=119, seed=seed).row()
+        row = fragility_curve(table, "drift", 1.0, "im", method="ida", samples=119, seed=seed).row()
         held += row["median_low"] <= MEDIAN <= row["median_high"]
     assert tolerances.LEAST_COVERAGE < held / TIMES < 1.0
 
@@ -145,7 +147,9 @@ def test_cloud_is_the_regression_of_scipy() -> None:
     rng = np.random.default_rng(4)
     im = np.exp(rng.normal(-0.2, 0.6, 80))
     drift = 1.5 * im**1.2 * np.exp(0.35 * rng.normal(size=80))
-    found = fragility(pd.DataFrame({"im": im, "drift": drift}), "drift", 2.0, "im", method="cloud")
+    found = fragility_curve(
+        pd.DataFrame({"im": im, "drift": drift}), "drift", 2.0, "im", method="cloud"
+    )
     line = linregress(np.log(im), np.log(drift))
     left = np.log(drift) - line.intercept - line.slope * np.log(im)
     sigma = np.sqrt((left**2).sum() / 78)
@@ -163,7 +167,9 @@ def test_cloud_holds_the_truth_as_often_as_it_says() -> None:
         im = np.exp(rng.normal(-0.2, 0.6, 60))
         drift = 1.5 * im**1.2 * np.exp(0.35 * rng.normal(size=60))
         table = pd.DataFrame({"im": im, "drift": drift})
-        row = fragility(table, "drift", 1.0, "im", method="cloud", samples=119, seed=seed).row()
+        row = fragility_curve(
+            table, "drift", 1.0, "im", method="cloud", samples=119, seed=seed
+        ).row()
         held += row["median_low"] <= truth <= row["median_high"]
     assert tolerances.LEAST_COVERAGE < held / TIMES < 1.0
 
@@ -179,13 +185,15 @@ def test_cloud_with_collapse_has_five_parameters() -> None:
     at = np.array([0.5, 1.0, 2.0])
     share = 1.0 / (1.0 + np.exp(2.0 - 3.0 * np.log(at)))
     beyond = norm.cdf(np.log(at / 1.5) / 0.3)
-    found = fragility(table, "drift", 1.5, "im", method="cloud", failed="collapse", samples=100)
+    found = fragility_curve(
+        table, "drift", 1.5, "im", method="cloud", failed="collapse", samples=100
+    )
     low, high = found.band_at(at)
     truth = beyond * (1.0 - share) + share
     assert found.probability(at) == pytest.approx(truth, abs=tolerances.SHARE_OF_4000)
     assert (low < truth).all()
     assert (truth < high).all()
-    without = fragility(table, "drift", 1.5, "im", method="cloud", samples=1)
+    without = fragility_curve(table, "drift", 1.5, "im", method="cloud", samples=1)
     assert without.probability(at) == pytest.approx(beyond, abs=tolerances.SHARE_OF_4000)
     assert "left out" in without.sentence
     assert "count as collapse" in found.sentence
@@ -202,7 +210,7 @@ def test_curves_of_temperatures_share_their_motions() -> None:
         for im in np.arange(0.1, 4.0, 0.1)
     ]
     table = pd.DataFrame(rows, columns=["motion", "ambient_degC", "im", "drift"])
-    found = fragilities(table, "drift", 1.0, "im", "ambient_degC", method="ida", samples=50)
+    found = fragility_curves(table, "drift", 1.0, "im", "ambient_degC", method="ida", samples=50)
     cold, warm = found[-20.0].estimate, found[23.0].estimate
     moved = np.exp(cold.others.place - warm.others.place)
     assert list(found) == [-20.0, 23.0]

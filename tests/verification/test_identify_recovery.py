@@ -43,7 +43,12 @@ def assert_recovered(found: Identification, truth: tb.bearing.Bearing) -> float:
 
 
 @pytest.mark.parametrize(
-    ("truth", "seed", "well"), [(HDR, 0, 7), (HDR, 1, 7), (LHDR, 0, 8)], ids=["HDR", "HDR", "LHDR"]
+    ("truth", "seed", "well"),
+    [
+        pytest.param(HDR, 0, 7, id="HDR"),
+        pytest.param(HDR, 1, 7, id="HDR, other noise", marks=pytest.mark.thorough),
+        pytest.param(LHDR, 0, 8, id="LHDR", marks=pytest.mark.thorough),
+    ],
 )
 def test_recovery_from_a_blind_start(
     truth: tb.bearing.Bearing, seed: int, well: int, measured: Recorder
@@ -68,7 +73,13 @@ def small_problem(seed: int, memory: float) -> Identification:
     return identify_bearing(records, HDR, starts=1, blind=False)
 
 
-@pytest.mark.parametrize("memory", [0.0, 0.8], ids=["white", "correlated"])
+@pytest.mark.parametrize(
+    "memory",
+    [
+        pytest.param(0.0, id="white", marks=pytest.mark.thorough),
+        pytest.param(0.8, id="correlated"),
+    ],
+)
 def test_coverage_of_the_intervals(memory: float, measured: Recorder) -> None:
     """95 % intervals hold the truth that often, for white noise and for filtered noise."""
     inside = [
@@ -193,6 +204,7 @@ def test_lead_rubber_bearing_with_linear_rubber() -> None:
     assert_recovered(found, truth)
 
 
+@pytest.mark.thorough
 def test_standard_errors_are_the_exact_ones_of_correlated_noise(measured: Recorder) -> None:
     """Covariance B J^T C J B of least squares, B = (J^T J)^-1, with the C that made the noise."""
     rho, noise = 0.8, 0.02
@@ -227,7 +239,7 @@ def ar1_times(columns: np.ndarray, rho: float) -> np.ndarray:
 SHORT = {"strain": [0.5, 1.5, 2.5], "cycles": 3, "rest": 600.0}
 
 
-@pytest.mark.parametrize("yield_stress", [10.0, 14.0])
+@pytest.mark.parametrize("yield_stress", [10.0, pytest.param(14.0, marks=pytest.mark.thorough)])
 def test_yield_stress_of_lead_is_identified(yield_stress: float) -> None:
     """The file says 12 MPa; a fit that believed it would be off by a sixth elsewhere."""
     truth = with_values(LHDR, {"lead.yield_stress": yield_stress})
@@ -240,7 +252,13 @@ def test_yield_stress_of_lead_is_identified(yield_stress: float) -> None:
         assert abs(item.value - true_value(truth, key)) <= tol.RECOVERED_ERRORS * item.stderr, key
 
 
-@pytest.mark.parametrize(("bearing", "seeds"), [(HDR, 6), (LHDR, 3)], ids=["HDR", "LHDR"])
+@pytest.mark.parametrize(
+    ("bearing", "seeds"),
+    [
+        pytest.param(HDR, 6, id="HDR"),
+        pytest.param(LHDR, 3, id="LHDR", marks=pytest.mark.thorough),
+    ],
+)
 def test_coverage_with_a_file_that_is_off(bearing: tb.bearing.Bearing, seeds: int) -> None:
     """What is not identified is off by its stated uncertainty; more seeds in the bench."""
     inside = [

@@ -101,7 +101,13 @@ def _share_of_largest_swing(motion: object) -> float:
 
 
 @pytest.mark.parametrize(
-    ("kind", "ground", "seed"), [("I", "I", 1), ("II", "I", 3), ("II", "II", 1), ("II", "III", 1)]
+    ("kind", "ground", "seed"),
+    [
+        pytest.param("I", "I", 1, marks=pytest.mark.thorough),
+        ("II", "I", 3),
+        ("II", "II", 1),
+        pytest.param("II", "III", 1, marks=pytest.mark.thorough),
+    ],
 )
 def test_seed_makes_the_stored_motion(
     kind: str, ground: str, seed: int, measured: Recorder
@@ -163,6 +169,7 @@ def poor() -> tuple[GroundMotion, Matched]:
     return record, matched(record.acceleration, record.dt, softest)
 
 
+@pytest.mark.thorough
 def test_finer_bands_fit_where_coarse_ones_cannot(poor: tuple[GroundMotion, Matched]) -> None:
     record, coarse = poor
     fine = matched(record.acceleration, record.dt, softest, finer=True)

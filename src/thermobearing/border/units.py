@@ -7,7 +7,9 @@ conversions; it is imported only when a quantity is actually parsed.
 import math
 import re
 import tokenize
+import tomllib
 from functools import cache
+from importlib import resources
 from typing import Any
 
 from thermobearing.border.errors import InputError, shortened
@@ -43,8 +45,23 @@ def _registry() -> Any:
 @cache
 def conversion(unit: str, target: str) -> tuple[float, float]:
     """Scale and offset from `unit` to `target`; InputError if that makes no sense."""
-    if unit == target:  # in most files all: pint takes longer to be imported than a small run
+    if unit == target:
         return 1.0, 0.0
+    usual = _usual().get(target, {}).get(unit)
+    # pint takes longer to be imported than a small run, and most files have no other units.
+    return (usual, 0.0) if usual is not None else converted(unit, target)
+
+
+@cache
+def _usual() -> dict[str, dict[str, float]]:
+    """What to multiply the usual units by, by wanted unit and unit."""
+    table = resources.files("thermobearing") / "data" / "units" / "usual.toml"
+    found: dict[str, dict[str, float]] = tomllib.loads(table.read_text(encoding="utf-8"))["factors"]
+    return found
+
+
+def converted(unit: str, target: str) -> tuple[float, float]:
+    """Scale and offset as pint finds them."""
     import pint
 
     registry = _registry()

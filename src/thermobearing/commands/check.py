@@ -31,6 +31,7 @@ from thermobearing.structure.run import prepare_structure
 from thermobearing.studies.case import load_study
 from thermobearing.studies.columns import columns_of
 from thermobearing.studies.designs import plan
+from thermobearing.studies.factors import Posterior
 from thermobearing.studies.record import Study
 
 # Keys that files of one kind alone have, to tell files that do not say what they are.
@@ -52,8 +53,8 @@ def check_file(path: Path) -> Checked:
     """Kind of a TOML file, its main facts, and numbers that usual ones do not have.
 
     Kinds: "bearing", "bilinear bearing", "compound", "structure", "rig", "test record" (the file
-    beside a CSV), "earthquake case", "sequence case", "design case", "study" of very many
-    runs, "case" of a cyclic test, and those of the package's own data.
+    beside a CSV), "earthquake case", "study", "sequence case", "design case", "case" of a cyclic
+    test, and those of the package's own data.
 
     Raises
     ------
@@ -136,8 +137,10 @@ def _study(path: Path) -> tuple[dict[str, str], list[Bearing | BilinearBearing |
     return earthquake_facts(case), [*case.bearings, case.structure]
 
 
-def _very_many(path: Path) -> tuple[dict[str, str], list[Bearing]]:
-    return study_facts(load_study(path)), []
+def _many(path: Path) -> tuple[dict[str, str], list[Bearing | BilinearBearing | Structure]]:
+    study = load_study(path)
+    things = [one for one in study.factors.bearing.levels if not isinstance(one, Posterior)]
+    return study_facts(study), [*things, *study.factors.structure.levels]
 
 
 def _sequence(path: Path) -> tuple[dict[str, str], list[Bearing]]:
@@ -163,8 +166,8 @@ KINDS: dict[str, Callable[[Path], tuple[dict[str, str], Any]]] = {
     "rig": _rig,
     "test record": _record,
     "earthquake case": _study,
+    "study": _many,
     "sequence case": _sequence,
-    "study": _very_many,
     "design case": _design,
     "case": _case,
 }
@@ -247,18 +250,19 @@ def earthquake_facts(case: EarthquakeCase) -> dict[str, str]:
 
 
 def study_facts(study: Study) -> dict[str, str]:
-    """What a study of very many runs would do; its numbers of the levels of each factor."""
-    factors, runs = study.factors, plan(study)
-    names = [one.name for one in factors.bearing.levels]
-    levels = {column.name: column.count for column in columns_of(study) if not column.drawn}
-    drawn = [column.name for column in columns_of(study) if column.drawn]
-    return {
-        "name": study.name,
-        "bearings": ", ".join(names),
-        "levels": ", ".join(f"{count} of {name}" for name, count in levels.items()),
-        "drawn": ", ".join(drawn) or "nothing",
-        "runs": f"{len(runs)}, {study.case.analysis.method}, dt {study.case.analysis.dt:g} s",
-    }
+    """What a study would run."""
+    facts = {"design": study.design.kind, "runs": str(len(plan(study)))}
+    for column in columns_of(study):
+        told = f"{column.count} levels"
+        if column.count == 1:
+            told = str(column.levels[0])
+        elif column.distribution is not None:
+            low, high = column.distribution.reach
+            told = f"{column.distribution.kind}, one in a million beyond {low:.4g} to {high:.4g}"
+        elif column.share:
+            told = "one for each sample"
+        facts[column.name] = told + (", by lot" if column.chances is not None else "")
+    return facts
 
 
 def sequence_facts(case: SequenceCase) -> dict[str, str]:

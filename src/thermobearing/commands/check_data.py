@@ -34,6 +34,7 @@ DATA: dict[str, tuple[set[str], type[Strict] | None]] = {
     "printed tables": ({"table"}, None),
     "choices and statements": ({"choice"}, None),
     "code of others": ({"plotly"}, None),
+    "usual units": ({"factors"}, None),
 }
 
 

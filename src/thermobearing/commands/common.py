@@ -125,18 +125,21 @@ class Documents:
 
     def check(self) -> None:
         """Refuse before a run what could not be written after it."""
-        from thermobearing.border.encodings import read_text
-        from thermobearing.report.pdf import the_compiler
-        from thermobearing.report.workbook import the_writer
-
         if (self.title or self.template) and not (self.report or self.workbook):
             raise InputError("--title and --template belong to a report: give --report too")
         self.block().logo_bytes()
+        # Imported where they are needed: drawing alone takes as long to import as a small run.
         if self.template is not None:
+            from thermobearing.border.encodings import read_text
+
             read_text(self.template)
         if self.report:
+            from thermobearing.report.pdf import the_compiler
+
             the_compiler()
         if self.workbook:
+            from thermobearing.report.workbook import the_writer
+
             the_writer()
 
     def block(self) -> "TitleBlock":
@@ -147,12 +150,17 @@ class Documents:
 
     def write(self, target: Path) -> list[Path]:
         """Write them into the directory of a result; of a case file its title block at least."""
+        from thermobearing.report.title import TitleBlock
+
+        title = self.block()
+        wanted = self.report or self.workbook
+        if not wanted and title == TitleBlock():
+            return []
         from thermobearing.report.files import keep_title
         from thermobearing.reporting import Kinds, make_documents
 
-        title = self.block()
         try:
-            if not (self.report or self.workbook):
+            if not wanted:
                 keep_title(target, title)
                 return []
             kinds = Kinds(html=self.report, pdf=self.report, workbook=self.workbook)
@@ -330,9 +338,10 @@ def with_progress(
     if quiet or not sys.stderr.isatty():
         return call(None)
     from rich.console import Console
-    from rich.progress import Progress
 
-    with Progress(console=Console(stderr=True), transient=True) as bar:
+    from thermobearing.commands.progress import progress_bar
+
+    with progress_bar(Console(stderr=True)) as bar:
         task = bar.add_task(what, total=None)
         return call(
             lambda done, total: bar.update(task, description=what, completed=done, total=total)

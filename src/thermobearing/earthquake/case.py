@@ -26,6 +26,7 @@ from thermobearing.earthquake.devices import (
     weather_faults,
 )
 from thermobearing.earthquake.motion import Motion, settle_motions
+from thermobearing.model.effort import MOST_OF, too_many
 from thermobearing.model.handover import SpecimenState, misfit
 from thermobearing.model.options import ModelOptions, build_model
 from thermobearing.motions.record import GroundMotion
@@ -143,9 +144,9 @@ class EarthquakeCase(Strict):
 
     command: Command
     structure: Structure
-    bearings: Annotated[list[Device], Field(min_length=1, max_length=100)]
-    motions: Annotated[list[Motion], Field(min_length=1, max_length=1000)]
-    ambient: Annotated[list[Temperature], Field(min_length=1, max_length=1000)]
+    bearings: Annotated[list[Device], Field(min_length=1, max_length=MOST_OF["bearings"])]
+    motions: Annotated[list[Motion], Field(min_length=1, max_length=MOST_OF["motions"])]
+    ambient: Annotated[list[Temperature], Field(min_length=1, max_length=MOST_OF["ambient"])]
     weather: Annotated[str, Field(min_length=1)] | None = None
     duration: Annotated[float, in_unit("s"), Field(ge=1e-3, le=1e6)] | None = None
     analysis: EarthquakeAnalysis = EarthquakeAnalysis()
@@ -274,6 +275,8 @@ def make_earthquake_case(
         overrides["laboratory"] = overridden(table.get("laboratory", {}), lab, Laboratory)
     table = overridden(table, overrides, EarthquakeCase, {"analysis": EarthquakeAnalysis})
     fixed = table.pop("fixed_base", False)
+    if found := too_many(table):
+        raise InputError(found, where)
     problems, motions = _settle(table, command, folder)
     if not isinstance(fixed, bool):
         problems.append(f"fixed_base = {fixed!r}: must be true or false")

@@ -123,8 +123,12 @@ def into_structure(
     bearings = [line.model_copy(update=changes.get(line.name, {})) for line in structure.bearings]
     none = {"count": None, "equivalent_stiffness": None}
     left = [item.model_copy(update=none) for item in lines]
+    known = {line.name for line in bearings}  # a count of no line is for the checks to find
     rest = tuple(
-        item for item in left if (item.bearing, item.ambient, item.weather) != (None, None, None)
+        item
+        for item in left
+        if (item.bearing, item.ambient, item.weather) != (None, None, None)
+        or item.line not in known
     )
     told = {
         key: text

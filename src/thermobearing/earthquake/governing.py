@@ -45,11 +45,13 @@ def governing_runs(result: "EarthquakeResult") -> pd.DataFrame:
     np.float64(-20.0)
     """
     rows = []
-    for bearing in dict.fromkeys(result.table["bearing"]):
+    whole = result.table  # each is made anew whenever it is asked for
+    parts = {"": pd.DataFrame(), "lines": result.lines, "piers": result.piers}
+    for bearing in dict.fromkeys(whole["bearing"]):
         for what, (name, who, column, plain) in GOVERNED.items():
-            table = getattr(result, name) if name else pd.DataFrame()
+            table = parts[name]
             column, part = (column, who) if len(table) else (plain, "")
-            table = table if len(table) else result.table
+            table = table if len(table) else whole
             mine = table[table["bearing"] == bearing]
             if column not in mine or not mine[column].notna().any():
                 continue

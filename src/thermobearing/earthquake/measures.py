@@ -11,7 +11,6 @@ from thermobearing.earthquake.columns import BEARING, STRUCTURE
 from thermobearing.earthquake.meanings import PEAK
 from thermobearing.results.largest_loop import largest_loop
 from thermobearing.results.metrics import LEAST_ENERGY, LEAST_HEAT
-from thermobearing.structure.parts import hinge_of
 from thermobearing.structure.run import StructureHistory
 from thermobearing.structure.types import MotionBooks
 
@@ -54,7 +53,7 @@ UNITS: Final = {
     **{f"heat_{name}": "kN mm" for name in BEARING},
     "layer_force_mismatch_max": "kN",
 }
-PEAKS: Final = tuple(n for n in UNITS if n.endswith(PEAK) and n != "layer_force_mismatch_max")
+PEAKS: Final = tuple(n for n in UNITS if n.endswith(PEAK) and n.startswith(("pier_", "deck_")))
 LOOP_UNITS: Final = {name: unit for name, (_, unit) in LOOP.items()} | dict.fromkeys(
     LOOP_TIMES, "s"
 )
@@ -68,18 +67,21 @@ def measures_of(
     Parameters
     ----------
     task, history : what was run, and what came out.
-    trace : its histories, from `traces_of`.
+    trace : its histories, from `structure_traces` or `traces_of`.
     """
-    bearing, books = history.bearing(task.case.told_line), history.rows.books
-    found: dict[str, Any] = {"outcome": history.outcome}
-    for name in PEAKS:
-        found[name] = np.abs(trace[name.removesuffix(PEAK)]).max()
-    found["bearing_energy_end"] = trace["bearing_energy"][-1]
+    bearing, books = history.bearing(task.told_line), history.rows.books
+    found: dict[str, Any] = {name: largest(trace[name.removesuffix(PEAK)]) for name in PEAKS}
+    farthest = largest(bearing["displacement"])
+    found["outcome"] = history.outcome
+    found["bearing_displacement_max"] = farthest
+    found["bearing_strain_max"] = farthest / task.told.device.bearing.total_rubber_thickness
+    found["bearing_force_max"] = largest(bearing["force"])
+    found["bearing_energy_end"] = bearing["work_in"][-1]
     found["pier_displacement_residual"] = trace["pier_displacement"][-1]
     found["steps"] = history.steps
     found["iterations"] = history.iterations
     found["substeps"] = history.substeps
-    found["pier_ductility"] = found["pier_rotation_max"] / _yield_rotation(task)
+    found["pier_ductility"] = found["pier_rotation_max"] / task.prepared.reported.yield_rotation
     for name in STRUCTURE_ENERGIES:
         found[f"energy_{name}"] = books[name][-1]
     for name in BEARING:
@@ -87,6 +89,11 @@ def measures_of(
         found[f"heat_{name}"] = column[-1] - column[0]
     found["layer_force_mismatch_max"] = bearing["layer_force_mismatch"].max()
     return found
+
+
+def largest(values: Floats) -> float:
+    """Largest size of a history."""
+    return float(np.abs(values).max())
 
 
 def residuals_of(numbers: Mapping[str, Any]) -> dict[str, Any]:
@@ -108,13 +115,6 @@ def residuals_of(numbers: Mapping[str, Any]) -> dict[str, Any]:
         "mechanical_residual": (work - released - numbers["heat_recoverable"]) / moved,
         "thermal_residual": (released - stored - lost) / np.maximum(moved, heat),
     }
-
-
-def _yield_rotation(task: "Task") -> float:
-    """Of the hinge of the pier of the report [rad]; NaN without one."""
-    structure = task.case.structure
-    number = hinge_of(structure, structure.report.pier)
-    return np.nan if number is None else structure.hinges[number].yield_rotation
 
 
 def loop_measures(task: "Task", trace: Mapping[str, Floats]) -> dict[str, float]:

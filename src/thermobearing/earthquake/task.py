@@ -1,6 +1,7 @@
 """One run of a study as data: a device, a shaking, and where they start."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.model import Bearing
@@ -60,7 +61,12 @@ class Task:
     case: EarthquakeCase
     mode: str = ""  # of the laboratory; none without one
 
+    @cached_property
+    def told_line(self) -> int:
+        """Number of the line that histories and the table of peaks are about."""
+        return self.case.told_line
+
     @property
     def told(self) -> OneLine:
-        """The line that histories and the table of peaks are about."""
-        return self.lines[self.case.told_line]
+        """That line."""
+        return self.lines[self.told_line]

@@ -7,10 +7,7 @@ import numpy as np
 
 from thermobearing.core.records import Floats, Rows
 from thermobearing.core.types import Books
-from thermobearing.structure.matrices import displacement_row, unit
-from thermobearing.structure.parts import hinge_of
 from thermobearing.structure.run import StructureHistory
-from thermobearing.structure.types import Bend
 
 if TYPE_CHECKING:
     from thermobearing.earthquake.task import Task
@@ -42,26 +39,35 @@ CLOCK = (
 )
 
 
+def structure_traces(task: "Task", history: StructureHistory) -> dict[str, Floats]:
+    """Those of `HISTORIES` that the structure has: ground, pier, deck."""
+    where = task.prepared.reported
+    hinge = None if where.hinge is None else history.hinge(where.hinge)
+    q, a = history.rows.q, history.rows.a
+    moved = np.array([where.deck, where.top]) @ a.T / MM_PER_M  # relative to the ground
+    ground = task.shaking.ground[: len(q)] / MM_PER_M
+    missing = np.full(len(q) if hinge is None else 0, np.nan)
+    return {
+        "ground_acceleration": ground,
+        "pier_displacement": q @ (where.top - where.base),
+        "pier_top_displacement": q @ where.top,
+        "deck_displacement": q @ where.deck,
+        "deck_acceleration": moved[0] + ground,
+        "pier_top_acceleration": moved[1] + ground,
+        "pier_rotation": missing if hinge is None else hinge["rotation"],
+        "pier_moment": missing if hinge is None else hinge["moment"] / KN_MM_PER_KN_M,
+    }
+
+
 def traces_of(task: "Task", history: StructureHistory) -> dict[str, Floats]:
     """Each of `HISTORIES` by name, and temperatures of layers and of cells that are kept."""
-    structure, report = task.case.structure, task.case.structure.report
-    told, line, hinge = task.told.device, task.case.told_line, _hinge(task, history)
-    rows, bearing = history.rows, history.bearing(line)
-    q, a = rows.q, rows.a
-    top = displacement_row(structure, report.pier, report.pier_top)
-    base = displacement_row(structure, report.pier_base, report.pier_top)
-    deck = unit(structure, f"{report.deck} x")
-    moved = np.array([deck, top]) @ a.T / MM_PER_M  # relative to the ground
-    ground = task.shaking.ground[: len(q)] / MM_PER_M
-    thickness = told.bearing.total_rubber_thickness
-    heat = told.stack is not None
+    told, bearing = task.told.device, history.bearing(task.told_line)
+    heat, count = told.stack is not None, len(history.rows.q)
     lead = heat and told.constants.lead.cores > 0.0
-    missing = np.full(len(q), np.nan)
-    return {
-        "time": rows.books["clock"],
-        "ground_acceleration": ground,
+    return structure_traces(task, history) | {
+        "time": history.rows.books["clock"],
         "bearing_displacement": bearing["displacement"],
-        "bearing_strain": bearing["displacement"] / thickness,
+        "bearing_strain": bearing["displacement"] / told.bearing.total_rubber_thickness,
         "bearing_force": bearing["force"],
         "rubber_force": bearing["rubber_force"],
         "lead_force": bearing["lead_force"],
@@ -69,23 +75,10 @@ def traces_of(task: "Task", history: StructureHistory) -> dict[str, Floats]:
         "bearing_speed": _speed(bearing),
         "bearing_clock": bearing["clock"],
         "bearing_energy": bearing["work_in"],
-        "pier_displacement": q @ (top - base),
-        "pier_top_displacement": q @ top,
-        "deck_displacement": q @ deck,
-        "deck_acceleration": moved[0] + ground,
-        "pier_top_acceleration": moved[1] + ground,
-        "pier_rotation": missing if hinge is None else hinge["rotation"],
-        "pier_moment": missing if hinge is None else hinge["moment"] / KN_MM_PER_KN_M,
-        "lead_temperature": bearing["lead_temperature"] if lead else missing,
-        "rubber_temperature": history.layers(line) if heat else np.empty((len(q), 0)),
-        "temperature": history.cells(line) if heat else np.empty((len(q), 0)),
+        "lead_temperature": bearing["lead_temperature"] if lead else np.full(count, np.nan),
+        "rubber_temperature": history.layers(task.told_line) if heat else np.empty((count, 0)),
+        "temperature": history.cells(task.told_line) if heat else np.empty((count, 0)),
     }
-
-
-def _hinge(task: "Task", history: StructureHistory) -> Rows[Bend] | None:
-    """The hinge of the pier of the report, which may have none."""
-    number = hinge_of(task.case.structure, task.case.structure.report.pier)
-    return None if number is None else history.hinge(number)
 
 
 def _speed(bearing: Rows[Books]) -> Floats:

@@ -1,12 +1,15 @@
 """How much an analysis is, known before it starts: what is too much is told, not waited for."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 MAX_STEPS = 20_000_000  # of all runs of an analysis
 # A step takes time in proportion to the cells of the stack, some 0.02 us each: half a minute.
 MAX_CELL_STEPS = 1.5e9
 MAX_STUDY = 2e10  # the same of all runs of a study, which share the processors: some minutes
+# Of a study whose histories are all kept.
+MOST_OF = {"bearings": 100, "motions": 1000, "ambient": 1000}
 MAX_KEPT = 5e8  # numbers in the histories of a result: 4 GB
 
 
@@ -52,7 +55,10 @@ def study_too_much(runs: Sequence[tuple[float, float, float]]) -> list[str]:
     >>> study_too_much([(8000.0, 60.0, 50.0)] * 36)
     []
     """
-    change = "take a larger dt, cut the motions (duration), or make several studies"
+    change = (
+        "take a larger dt or cut the motions (duration); very many runs are for `thermobearing "
+        "study`, which forgets their histories"
+    )
     longest = max(steps for steps, _, _ in runs)
     work = sum(steps * cells for steps, cells, _ in runs)
     kept = sum(steps * numbers for steps, _, numbers in runs)
@@ -63,3 +69,19 @@ def study_too_much(runs: Sequence[tuple[float, float, float]]) -> list[str]:
     if kept > MAX_KEPT:
         return [f"keeps {kept:.3g} numbers; at most {MAX_KEPT:.3g} can be kept: {change}"]
     return []
+
+
+def too_many(table: Mapping[str, Any]) -> list[str]:
+    """Lists of a case that are longer than a result with all histories can be of.
+
+    Examples
+    --------
+    >>> too_many({"ambient": [0.0] * 36})
+    []
+    """
+    return [
+        f"{key}: {len(table[key])} of them; at most {most}, since the histories of all runs are "
+        "kept; very many runs are for `thermobearing study`, which forgets them"
+        for key, most in MOST_OF.items()
+        if isinstance(table.get(key), list | tuple) and len(table[key]) > most
+    ]

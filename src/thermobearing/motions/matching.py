@@ -308,6 +308,7 @@ def _compare(amplitudes: _Amplitudes, wanted: Floats) -> _Round:
 def _improved(amplitudes: _Amplitudes, wanted: Floats, start: _Round) -> _Round:
     """Newton's rounds from a start, with damping that follows their success."""
     best, damping, errors = start, DAMPING_START, [start.error]
+    linear: _Linear | None = None  # at the best round: most of the work, so kept while that stays
     for _ in range(NEWTON_ROUNDS):
         stuck = len(errors) > PATIENCE and best.error > (1.0 - GAIN) * errors[-1 - PATIENCE]
         if best.error <= GOAL or damping > DAMPING_END or amplitudes.effort.spent:
@@ -315,19 +316,27 @@ def _improved(amplitudes: _Amplitudes, wanted: Floats, start: _Round) -> _Round:
         if stuck and best.error > HOPELESS:
             break
         amplitudes.logarithm = best.logarithm
-        change = _newton(amplitudes, best, damping)
+        linear = linear or _linear(amplitudes, best)
+        change = _newton(amplitudes.fineness, linear, best, damping)
         amplitudes.logarithm = best.logarithm + np.clip(change, -LARGEST_STEP, LARGEST_STEP)
         trial = _compare(amplitudes, wanted)
         if trial.error < best.error:
-            best, damping = trial, damping / 2.0
+            best, damping, linear = trial, damping / 2.0, None
         else:
             damping *= 4.0
         errors.append(best.error)
     return best
 
 
-def _newton(amplitudes: _Amplitudes, at: _Round, damping: float) -> Floats:
-    """Changes of the multipliers' logarithms that close the gaps, by damped least squares."""
+@dataclass(frozen=True)
+class _Linear:
+    """How the peaks of a round follow the multipliers, and how far they should go."""
+
+    slopes: Floats  # [peak, band] change of the logarithm of a peak by that of a multiplier
+    gaps: Floats  # [peak] logarithm of target / peak
+
+
+def _linear(amplitudes: _Amplitudes, at: _Round) -> _Linear:
     # The peak of the other sign must not grow where it is nearly as large.
     rivals = np.flatnonzero(at.gaps[1] < NEARLY)
     gaps = np.concatenate([at.gaps[0], np.minimum(at.gaps[1, rivals], 0.0)])
@@ -335,14 +344,18 @@ def _newton(amplitudes: _Amplitudes, at: _Round, damping: float) -> Floats:
         np.concatenate([np.arange(len(amplitudes.periods)), rivals]),
         np.concatenate([at.peak_times[0], at.peak_times[1, rivals]]),
     )
-    slopes = parts / parts.sum(axis=1, keepdims=True)
-    bands, roughness = amplitudes.fineness.bands, amplitudes.fineness.roughness
+    return _Linear(parts / parts.sum(axis=1, keepdims=True), gaps)
+
+
+def _newton(fineness: _Fineness, linear: _Linear, at: _Round, damping: float) -> Floats:
+    """Changes of the multipliers' logarithms that close the gaps, by damped least squares."""
+    bands, roughness = fineness.bands, fineness.roughness
     bending = np.diff(np.eye(bands), 2, axis=0)
     weight = np.sqrt(damping)
     size = weight * np.eye(bands)
-    system = np.vstack([slopes, size, weight * bending, roughness * bending])
+    system = np.vstack([linear.slopes, size, weight * bending, roughness * bending])
     straight = -roughness * (bending @ at.logarithm)
-    right = np.concatenate([gaps, np.zeros(2 * bands - 2), straight])
+    right = np.concatenate([linear.gaps, np.zeros(2 * bands - 2), straight])
     # The damping keeps the system of full rank, so that singular values, ten times as slow, are
     # not needed.
     columns, triangle = np.linalg.qr(system)

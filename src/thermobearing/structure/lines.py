@@ -106,7 +106,8 @@ def build_bearings(
     found = []
     for numbers in kinds.values():
         one = constants[numbers[0]]
-        states, trials = (side_by_side([starts[b] for b in numbers]) for _ in range(2))
+        states = side_by_side([starts[b] for b in numbers])
+        trials = State(*[array.copy() for array in states])
         elastic, hysteretic = np.zeros((2, len(numbers), len(one.multiplicity)))
         work = new_workspace(one)
         lines, durations = np.array(numbers), np.zeros(len(numbers))

@@ -6,7 +6,7 @@ from typing import Literal
 
 import numpy as np
 
-from thermobearing.core.records import Floats, Rows, rows
+from thermobearing.core.records import Floats, Rows, rows, unset
 from thermobearing.core.types import Books, Constants, State
 from thermobearing.model.outcomes import NAMES, NOT_PHYSICAL
 from thermobearing.model.physical import is_physical
@@ -24,6 +24,7 @@ from thermobearing.structure.matrices import (
 from thermobearing.structure.model import Damping, DampingKind, MassModel, Structure
 from thermobearing.structure.newmark import newmark_march, start_motion
 from thermobearing.structure.predictor import predictor_march
+from thermobearing.structure.reported import Reported, reported_of
 from thermobearing.structure.takeda import straight_hinges
 from thermobearing.structure.types import (
     DIVERGED,
@@ -147,6 +148,7 @@ class Prepared:
     damping: Floats  # [n, n]
     ratios: Floats  # damping ratio of each mode
     predictor: Floats = field(repr=False)  # [n, n] stiffness of the predictor
+    reported: Reported = field(repr=False)  # where its peaks are looked at
 
 
 def prepare_structure(
@@ -169,7 +171,8 @@ def prepare_structure(
     stiffness = stiffness + line_stiffness(structure, matrices)
     modes = find_modes(matrices.mass, stiffness, structure.name)
     matrix = build_damping(structure, matrices, modes)
-    return Prepared(structure, matrices, modes, matrix, ratios_of(matrix, modes), stiffness)
+    ratios, where = ratios_of(matrix, modes), reported_of(structure)
+    return Prepared(structure, matrices, modes, matrix, ratios, stiffness, where)
 
 
 def build_system(prepared: Prepared, lines: Sequence[Line]) -> System:
@@ -231,23 +234,23 @@ def no_peaks(system: System) -> Peaks:
 def room_for(
     system: System, bearings: Bearings, count: int, *, keep_cells: bool = False
 ) -> MotionRows:
-    """Rows to keep the states of a structure and its bearings in."""
+    """Rows to keep states of a structure and its bearings in; `keep_motion` writes all of a row."""
     n = len(system.load)
     return MotionRows(
-        books=rows(MotionBooks, count),
-        q=np.zeros((count, n)),
-        v=np.zeros((count, n)),
-        a=np.zeros((count, n)),
-        hinges=rows(Bend, count, len(system.hinges)),
-        bearings=rows(Books, count, len(system.lines)),
+        books=unset(MotionBooks, count),
+        q=np.empty((count, n)),
+        v=np.empty((count, n)),
+        a=np.empty((count, n)),
+        hinges=unset(Bend, count, len(system.hinges)),
+        bearings=unset(Books, count, len(system.lines)),
         layers=tuple(
-            np.zeros((count, len(kind.lines), len(kind.constants.multiplicity)))
+            np.empty((count, len(kind.lines), len(kind.constants.multiplicity)))
             for kind in bearings
         ),
         cells=tuple(
-            np.zeros((count, *kind.states.temperature.shape), dtype=np.float32)
+            np.empty((count, *kind.states.temperature.shape), dtype=np.float32)
             if keep_cells
-            else np.zeros((count, len(kind.lines), 0), dtype=np.float32)
+            else np.empty((count, len(kind.lines), 0), dtype=np.float32)
             for kind in bearings
         ),
     )

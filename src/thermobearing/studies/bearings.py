@@ -12,9 +12,10 @@ from thermobearing.border.errors import InputError, is_file, nearest
 from thermobearing.border.library import is_path
 from thermobearing.identify.samples import posterior_bearings
 from thermobearing.results.directory import IDENTIFIED, SAMPLES
-from thermobearing.studies.factors import Posterior
+from thermobearing.studies.factors import BearingFactor, Posterior
 
 AnyLevel = Bearing | BilinearBearing | Posterior | Any  # what is none of them, checks will find
+ANY = "shen-bilinear-bridge"
 OF_POSTERIOR = ("posterior", "bearing", "count", "name")
 OF_DRAWING = ("compound", "size", "name")
 SIZES = ("plan", "diameter", "layers", "shim", "end_plate", "sealing_plate", "lead")  # text
@@ -26,7 +27,9 @@ def settle_bearings(table: dict[str, Any], folder: Path, faults: list[str]) -> N
 
     A fit or a drawing may stand in the table itself instead of `levels`, or be one of them.
     """
-    own = {key: table.pop(key) for key in {*OF_POSTERIOR, *OF_DRAWING} if key in table}
+    own: dict[str, Any] = {}
+    if {"posterior", "compound"} & set(table):
+        own = {key: table.pop(key) for key in list(table) if key not in BearingFactor.model_fields}
     if own and "levels" in table:
         faults.append(
             f"factors.bearing: {', '.join(sorted(own))} beside levels; put it among them, as "
@@ -36,13 +39,15 @@ def settle_bearings(table: dict[str, Any], folder: Path, faults: list[str]) -> N
     if not isinstance(levels, list):
         return
     settled: list[AnyLevel] = []
+    before = len(faults)
     for number, item in enumerate(levels):
         key = "factors.bearing" if own else f"factors.bearing.levels[{number}]"
         try:
             settled += _level(item, folder)
         except InputError as error:
             faults += error.lines(key)
-    table["levels"] = settled
+    # Something in the place of what is told already, so that the checks go on to the rest.
+    table["levels"] = settled or [load_device(ANY)] if len(faults) > before else settled
     names = [getattr(item, "name", "") for item in settled]
     twice = dict.fromkeys(name for name in names if name and names.count(name) > 1)
     faults += [

@@ -1,12 +1,13 @@
 """A study as data: from the table of its file to checked parts, every fault found."""
 
+import re
 from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
 
 from thermobearing.border.errors import InputError, nearest
-from thermobearing.border.library import is_path
+from thermobearing.border.library import Library, is_path
 from thermobearing.border.schema import Strict, validated
 from thermobearing.border.units import with_unit
 from thermobearing.earthquake.case import EarthquakeCase, make_earthquake_case
@@ -39,6 +40,8 @@ FACTORS = {
     "scale": ScaleFactor,
     "ambient": AmbientFactor,
 }
+DEFAULT = "pier-p1"  # structure, as of `bridge`
+KEY = re.compile(r"[a-z_][\w.\[\]]*(?: = |: )")  # a problem that begins with its key
 # What belongs to one run, or to one specimen, and has no place in what very many share.
 REFUSED = {
     "weather": "give it as factors.ambient",
@@ -47,13 +50,16 @@ REFUSED = {
     "rig": "a study asks no rig",
 }
 
+STUDIES = Library("study", "studies")
 
-def load_study(path: str | Path) -> Study:
+
+def load_study(name_or_path: str | Path) -> Study:
     r"""A study from its TOML file (docs/files.md).
 
     Parameters
     ----------
-    path : of the file; names of files in it are relative to its folder.
+    name_or_path : "cold-town", "cold-town-levels" (examples, of no real place), or a file; names of
+        files in it are relative to its folder.
 
     Returns
     -------
@@ -73,7 +79,7 @@ def load_study(path: str | Path) -> Study:
     >>> study.case.structure.name, study.factors.ambient.levels
     ('pier-p1', [23.0, -20.0])
     """
-    path = Path(path)
+    path = STUDIES.path(name_or_path)
     return make_study(case_table(path), str(path), path.parent)
 
 
@@ -160,7 +166,7 @@ def _parted(table: dict[str, Any], faults: list[str]) -> tuple[dict[str, Any], d
         if not isinstance(item, dict):
             faults.append(f"{key}: must be a table")
     case = dict(case) if isinstance(case, dict) else {}
-    given = {"structure": ["pier-p1"]} | (dict(factors) if isinstance(factors, dict) else {})
+    given = {"structure": [DEFAULT]} | (dict(factors) if isinstance(factors, dict) else {})
     known = [*FACTORS, "bearing.K_r", "structure.<...>", "case.<...>"]
     for name in given:
         if name not in FACTORS and "." not in name:
@@ -189,7 +195,9 @@ def _checked(model: type[M], table: Any, key: str, faults: list[str]) -> M | Non
     try:
         return validated(model, table, "")
     except InputError as error:
-        faults += error.lines(key)
+        faults += [
+            f"{key}.{text}" if KEY.match(text) else f"{key}: {text}" for text in error.problems
+        ]
         return None
 
 
@@ -206,7 +214,8 @@ def _settle_structures(table: dict[str, Any], folder: Path, faults: list[str]) -
             settled.append(load_structure(folder / item if own else item) if named else item)
         except InputError as error:
             faults += error.lines(f"factors.structure.levels[{number}]")
-    table["levels"] = settled
+    # Something in the place of what is told already, so that the checks go on to the rest.
+    table["levels"] = settled or [load_structure(DEFAULT)] if levels else settled
     names = [getattr(item, "name", "") for item in settled]
     twice = dict.fromkeys(name for name in names if name and names.count(name) > 1)
     faults += [f'factors.structure.levels: two are called "{name}"' for name in twice]

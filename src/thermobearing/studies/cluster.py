@@ -35,7 +35,10 @@ def on_dask(
     """
     with ExitStack() as stack:
         client = _client(address, stack)
-        yield from _Shards(client, study, works, histories).finished()
+        try:
+            yield from _Shards(client, study, works, histories).finished()
+        except (OSError, TimeoutError) as error:  # a connection that broke while it was used
+            raise OutputError(f"the Dask cluster is gone ({error}); {KEPT}") from None
 
 
 def _client(address: Any, stack: ExitStack) -> Any:
@@ -82,7 +85,8 @@ class _Shards:
                     continue
                 yield work[0], self._result(future)
         finally:
-            self.client.cancel([*self.running, self.study])
+            if self._is_there():
+                self.client.cancel([*self.running, self.study])
 
     def _send_more(self) -> bool:
         """Keep every worker busy; whether anything is on its way."""

@@ -45,7 +45,7 @@ def demand_against(
     by : columns whose values are told apart, such as ("bearing",).
     failed : runs that failed are "left-out", or count as "collapse" (an infinite demand).
     shares : of the runs below each fractile.
-    level : confidence of the band of the median.
+    level : confidence of the band of the median, a share in (0, 1).
 
     Returns
     -------

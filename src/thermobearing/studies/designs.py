@@ -33,6 +33,7 @@ from thermobearing.studies.ranges import check_numbers
 from thermobearing.studies.record import MOST_RUNS, Design, Study
 
 A, B, SWAPPED = "A", "B", "AB"
+SPARE = 16  # bits of an id that its seed does without: 48 are exact in any table
 
 
 @dataclass(frozen=True)
@@ -188,8 +189,10 @@ def _with_ids(
     contents, scale = Contents(study), study.factors.scale
     found = settled(study, contents.levels, picked)
     strength = contents.intensities[found["motion"]]
-    if scale.of == "intensity":
-        found["scale"] = found["scale"] / strength
+    given = scale.of == "intensity"  # to the last bit as given, so that stripes are whole
+    intensities = found["scale"] if given else found["scale"] * strength
+    if given:
+        found["scale"] = intensities / strength
     check_numbers(study, {name: found[name] for name in found if name not in THINGS})
     none = np.full(len(frame), -1, dtype=np.int64)
     places = {name: found[name] for name in THINGS}
@@ -200,14 +203,14 @@ def _with_ids(
     numbers |= {f"{'.'.join(spelled(name))} {of[name]}": found[name] for name in of}
     ids = contents.ids(places, numbers)
     frame.insert(1, "id", ids)
-    frame.insert(2, "seed", [int(text, 16) >> 1 for text in ids])
+    frame.insert(2, "seed", [int(text, 16) >> SPARE for text in ids])
     for column in columns:
         values = found[column.name]
         if column.name in THINGS:
             values = pd.Categorical.from_codes(values, categories=pd.Index(column.levels))
         frame[column.name] = values
         if column.name == "scale":
-            frame[COLUMNS[scale.measure]] = values * strength
+            frame[COLUMNS[scale.measure]] = intensities
         if column.name == HOUR:
             frame[AMBIENT] = found[AMBIENT]
     return frame

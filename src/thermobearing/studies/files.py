@@ -30,6 +30,17 @@ def study_result(directory: str | Path) -> StudyResult:
     Raises
     ------
     InputError : no study is there, or no run is done.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from thermobearing.studies import make_study, run_study
+    >>> factors = {"bearing": "shen-bilinear-bridge", "motion": "jra-ii-i-1", "ambient": "0 degC"}
+    >>> table = {"kind": "study", "name": "p1", "case": {"duration": "2 s"}, "factors": factors}
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     _ = run_study(make_study(table, "example"), f"{folder}/p1", jobs=1)
+    ...     study_result(f"{folder}/p1")
+    <StudyResult of p1: 1 runs, 0 failed>
     """
     store = Store(Path(directory))
     table = store.table()

@@ -44,10 +44,10 @@ class Fragility:
     name : what tells it from others, such as "-20 degC"; may be empty.
     method : "stripes", "ida" or "cloud".
     demand, intensity : names of the columns.
-    capacity : of the demand.
+    capacity : of the demand, in the unit of its column.
     estimate : the curve, and those of the bootstrap or on the edge of the likelihood region.
     band : "bootstrap" or "profile".
-    level : confidence of the bands.
+    level : confidence of the bands, a share in (0, 1).
     runs : how many the curve is made of.
     counts : for each intensity `runs` and `beyond`; of many intensities in classes.
     left_out, collapsed : how many runs failed and are not among them, or count as collapse.
@@ -137,7 +137,7 @@ class Fragility:
         }
 
 
-def fragility(
+def fragility_curve(
     table: pd.DataFrame,
     demand: str,
     capacity: float,
@@ -167,7 +167,7 @@ def fragility(
         itself. A column that is not there is as None.
     curves : of "ida": columns that tell its curves apart.
     band : "bootstrap", or "profile" (stripes only; the runs must be independent).
-    level : confidence of the bands.
+    level : confidence of the bands, a share in (0, 1).
     samples : of the bootstrap.
     seed : of the bootstrap.
     name : to tell the curve from others.
@@ -179,7 +179,7 @@ def fragility(
     Examples
     --------
     >>> runs = pd.DataFrame({"scale": [1.0] * 4 + [2.0] * 4, "drift": [1, 1, 1, 3, 1, 3, 3, 3]})
-    >>> found = fragility(runs, "drift", 2.0, "scale", band="profile")
+    >>> found = fragility_curve(runs, "drift", 2.0, "scale", band="profile")
     >>> round(found.median, 3), round(found.dispersion, 3)
     (1.414, 0.514)
     """
@@ -188,7 +188,7 @@ def fragility(
     return _fragility(table, settings, draw, name)
 
 
-def fragilities(
+def fragility_curves(
     table: pd.DataFrame,
     demand: str,
     capacity: float,
@@ -210,9 +210,9 @@ def fragilities(
 
     Parameters
     ----------
-    table, demand, capacity, intensity, method, failed, groups, curves, level, samples, seed : as of
-        `fragility`.
+    table, demand, capacity, intensity : as of `fragility_curve`.
     by : column whose values have a curve each.
+    method, failed, groups, curves, level, samples, seed : as of `fragility_curve`.
 
     Returns
     -------
@@ -220,7 +220,16 @@ def fragilities(
 
     Raises
     ------
-    InputError : as of `fragility`, with the value that it is about.
+    InputError : as of `fragility_curve`, with the value that it is about.
+
+    Examples
+    --------
+    >>> cold = pd.DataFrame({"scale": [1.0] * 4 + [2.0] * 4, "drift": [1, 1, 1, 3, 1, 3, 3, 3]})
+    >>> warm = cold.assign(scale=2.0 * cold["scale"])
+    >>> runs = pd.concat([cold.assign(air=-20.0), warm.assign(air=23.0)])
+    >>> found = fragility_curves(runs, "drift", 2.0, "scale", "air")
+    >>> {air: round(curve.median, 3) for air, curve in found.items()}
+    {-20.0: 1.414, 23.0: 2.828}
     """
     draw = _draw_of(table, groups, samples, seed)
     settings = _Settings(

@@ -52,7 +52,7 @@ class Hazard:
 
     Attributes
     ----------
-    intensity : increasing, > 0.
+    intensity : increasing, > 0, in the unit of the measure.
     rate : of exceedance [1/year], decreasing, > 0.
     measure : of the intensity: "PGA" [m/s2], "PGV" [m/s], "Sa" [m/s2], or your own word.
 
@@ -201,6 +201,16 @@ def annual_rate(curve: Curve, hazard: Hazard) -> Rate:
     Returns
     -------
     Rate
+
+    Examples
+    --------
+    >>> import pandas as pd
+    >>> from thermobearing.studies.fragility import fragility_curve
+    >>> runs = pd.DataFrame({"PGA": [1.0] * 4 + [2.0] * 4, "drift": [1, 1, 1, 3, 1, 3, 3, 3]})
+    >>> curve = fragility_curve(runs, "drift", 2.0, "PGA")
+    >>> site = Hazard([0.01, 100.0], [100.0, 1e-6], "PGA")
+    >>> round(annual_rate(curve, site).rate, 5)
+    0.00848
     """
     at, weights = hazard.points()
     start, stop, last = hazard.intensity[:1], hazard.intensity[-1:], float(hazard.rate[-1])

@@ -18,7 +18,7 @@ from thermobearing.earthquake.measures import UNITS, measures_of, residuals_of
 from thermobearing.earthquake.parts import warmest
 from thermobearing.earthquake.run import run_task
 from thermobearing.earthquake.task import Task
-from thermobearing.earthquake.traces import HISTORIES, traces_of
+from thermobearing.earthquake.traces import HISTORIES, structure_traces, traces_of
 from thermobearing.model.outcomes import SENTENCES as RUN_SENTENCES
 from thermobearing.structure.run import SENTENCES, StructureHistory
 
@@ -124,7 +124,7 @@ def measure(run_input: "RunInput") -> dict[str, Any]:
 def measure_all(inputs: Sequence["RunInput"], *, traces: bool = False) -> Iterator[Measured]:
     """Carry out some runs, each as `measure` does; with `traces` their histories too."""
     for one, history in zip(inputs, shaken(inputs), strict=True):
-        found = traces_of(one.task, history)
+        found = traces_of(one.task, history) if traces else structure_traces(one.task, history)
         yield Measured(numbers_of(one.task, history, found), found if traces else None)
 
 
@@ -142,27 +142,22 @@ def numbers_of(
     ended = history.outcome
     sentence = "" if ended == COMPLETED else ALL_SENTENCES.get(ended, "")
     numbers = {name: found[key] for name, key in OF_RUN.items()}
-    heat = task.told.device.stack is not None
-    layers = history.layers(task.case.told_line) if heat else np.empty(0)
-    height = pier_height(task)
+    device, line = task.told.device, task.told_line
+    bearing, none = history.bearing(line), np.empty(0)
+    heat = device.stack is not None
+    lead = heat and device.constants.lead.cores > 0.0
+    height = task.prepared.reported.height
     return {
         "outcome": ended,
         "sentence": sentence,
         **numbers,
-        "bearing_displacement_residual_mm": traces["bearing_displacement"][-1],
+        "bearing_displacement_residual_mm": bearing["displacement"][-1],
         "pier_drift_max": found["pier_displacement_max"] / height if height > 0.0 else np.nan,
         "deck_displacement_residual_mm": traces["deck_displacement"][-1],
-        "rubber_max_degC": warmest(layers),
-        "lead_max_degC": warmest(traces["lead_temperature"]),
+        "rubber_max_degC": warmest(history.layers(line) if heat else none),
+        "lead_max_degC": warmest(bearing["lead_temperature"] if lead else none),
         **residuals_of(found),
     }
-
-
-def pier_height(task: Task) -> float:
-    """From the base of the pier of the report to its top [mm]."""
-    structure = task.case.structure
-    report = structure.report
-    return report.pier_top - structure.body(report.pier).base_height
 
 
 def not_run(outcome: str, sentence: str) -> dict[str, Any]:

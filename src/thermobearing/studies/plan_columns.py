@@ -2,10 +2,7 @@
 
 import pandas as pd
 
-from thermobearing.border.errors import InputError
-from thermobearing.border.schema import Strict
-from thermobearing.studies.columns import AMBIENT
-from thermobearing.studies.names import number_paths, spelled
+from thermobearing.studies.columns import AMBIENT, HOUR, SAMPLE, targets_of
 from thermobearing.studies.parquet import About
 from thermobearing.studies.record import Study
 
@@ -17,13 +14,14 @@ KNOWN = {
     "matrix": About("", "where it belongs in Saltelli's arrangement"),
     "structure": About("", "name of the structure"),
     "bearing": About("", "name of the bearing"),
+    SAMPLE: About("1", "number of the sample of a posterior, -1 of a bearing without"),
     "motion": About("", "name of the ground motion"),
     "scale": About("1", "what multiplies the ground motion"),
     "PGA_m_s2": About("m/s2", "peak acceleration of the scaled motion"),
     "PGV_m_s": About("m/s", "peak velocity of the scaled motion"),
     "Sa_m_s2": About("m/s2", "spectral acceleration of the scaled motion"),
     AMBIENT: About("degC", "temperature of the air"),
-    "hour": About("1", "hour of the weather when the earthquake comes"),
+    HOUR: About("1", "hour of the weather when the earthquake comes"),
 }
 
 
@@ -35,6 +33,7 @@ def about_plan(study: Study, runs: pd.DataFrame) -> dict[str, About]:
     study, runs : and its plan.
     """
     found = {}
+    units = {target.name: target.unit for target in targets_of(study)}
     for name in map(str, runs.columns):
         factor = study.factors.numbers.get(name)
         if factor is None:
@@ -42,20 +41,5 @@ def about_plan(study: Study, runs: pd.DataFrame) -> dict[str, About]:
         elif factor.of == "factor":
             found[name] = About("1", f"what multiplies {name}")
         else:
-            found[name] = About(_unit(study, name), name)
+            found[name] = About(units[name] or "1", name)
     return found
-
-
-def _unit(study: Study, name: str) -> str:
-    """Of a number by its dotted name."""
-    part, key = spelled(name)
-    of: dict[str, Strict] = {
-        "bearing": study.factors.bearing.levels[0],
-        "structure": study.factors.structure.levels[0],
-        "case": study.case,
-    }
-    try:
-        unit = number_paths(of[part])[key][1]
-    except (KeyError, InputError):
-        return ""
-    return unit or "1"

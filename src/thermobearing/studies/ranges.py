@@ -60,10 +60,10 @@ def _faults(
         wrong = smallest if smallest < low or (smallest == low == 0.0) else largest
         if smallest < low or largest > high or (name == "scale" and smallest <= 0.0):
             key = "scale" if name == "scale" else "ambient"
-            least = "greater than 0" if name == "scale" else f"{low:g}"
+            least = "greater than 0 and at most" if name == "scale" else f"{low:g} to"
             faults.append(
                 f"factors.{key}: {_reaches(drawn, name)}{wrong:g} {unit}".rstrip()
-                + f": must be {least} to {high:g} {unit}".rstrip()
+                + f": must be {least} {high:g} {unit}".rstrip()
                 + (CUT if name in drawn else "")
             )
     records = levels_by_part(study)

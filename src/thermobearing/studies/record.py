@@ -1,9 +1,10 @@
 """The records of a study: what all runs share, what differs, how combinations are chosen."""
 
+import re
 from typing import Annotated, Any, Literal
 
 import tomli_w
-from pydantic import Field
+from pydantic import Field, field_validator
 
 from thermobearing.border.schema import Strict
 from thermobearing.border.toml import to_table
@@ -65,7 +66,14 @@ class Design(Strict):
 class Keep(Strict):
     """What is kept besides the table of runs; `histories` of "none", "all" or "worst 10"."""
 
-    histories: Annotated[str, Field(pattern=r"^(none|all|worst [1-9][0-9]{0,5})$")] = "none"
+    histories: str = "none"
+
+    @field_validator("histories")
+    @classmethod
+    def _which(cls, histories: str) -> str:
+        if not re.fullmatch(r"none|all|worst [1-9][0-9]{0,5}", histories):
+            raise ValueError(f'"{histories}": must be "none", "all", or "worst 10" (any number)')
+        return histories
 
 
 class Factors(Strict):

@@ -14,6 +14,9 @@ from thermobearing.studies.record import Study
 def repeat_run(study: Study, run: int) -> EarthquakeResult:
     """Carry out one run of a study again; the same numbers to the last bit.
 
+    Where the study has weather, the bearing begins as warm as in it; the case that the result tells
+    of says the air of that hour only.
+
     Parameters
     ----------
     study : from `load_study`.

@@ -20,6 +20,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 SAMPLES = 500  # of a bootstrap, if nothing else is said
 LEVEL = 0.95  # confidence of bands, likewise
+ROUNDING = 1e-9  # of a number of samples
 MOST_AT_ONCE = 2_000_000  # numbers of one piece of work
 
 
@@ -133,5 +134,5 @@ def percentiles(samples: Floats, level: float) -> tuple[Floats, Floats]:
     (array(2.), array(38.))
     """
     ordered = np.sort(samples, axis=0)
-    outside = max(int(0.5 * (1.0 - level) * (len(ordered) + 1)), 1)
+    outside = max(int(0.5 * (1.0 - level) * (len(ordered) + 1) + ROUNDING), 1)
     return np.asarray(ordered[outside - 1]), np.asarray(ordered[-outside])

@@ -9,10 +9,11 @@ import pandas as pd
 
 from thermobearing.border.errors import InputError
 from thermobearing.border.showing import Shown
+from thermobearing.studies.classes import in_classes
 from thermobearing.studies.columns import AMBIENT, THINGS
 from thermobearing.studies.counted import OUTCOME, Failed
 from thermobearing.studies.demand import demand_against
-from thermobearing.studies.fragility import Fragility, Method, fragilities, fragility
+from thermobearing.studies.fragility import Fragility, Method, fragility_curve, fragility_curves
 from thermobearing.studies.hazard import Hazard, Rate, annual_rate, ratio
 from thermobearing.studies.ida import Ida, ida_curves
 from thermobearing.studies.intensity import COLUMNS
@@ -28,9 +29,6 @@ if TYPE_CHECKING:
     from thermobearing.studies.record import Study
 
 NUMBERS = ("scale", AMBIENT, "hour")
-MOST_TEMPERATURES = 8  # with a curve each; more are put into classes of equally many runs
-CLASSES = 4
-CLASS = "temperature"  # column of such a class
 CLIMATE = "climate"
 
 
@@ -46,6 +44,7 @@ class StudyResult(Shown):
     study : that was carried out.
     manifest : what its directory says of it: versions, input hash.
     directory : where it is.
+    question : what is asked of it, see `asked`.
     """
 
     def __init__(
@@ -213,7 +212,7 @@ class StudyResult(Shown):
         samples: int = SAMPLES,
         name: str = "",
     ) -> Fragility:
-        """A fragility curve of all runs, see `fragility`.
+        """A fragility curve of all runs, see `fragility_curve`.
 
         Of a study that draws its temperatures from a climate it is the fragility over the climate.
 
@@ -228,7 +227,7 @@ class StudyResult(Shown):
         name : of the curve.
         """
         self.one_thing()
-        return fragility(
+        return fragility_curve(
             self.table,
             demand or self.demand_name,
             capacity,
@@ -260,8 +259,8 @@ class StudyResult(Shown):
         by : column whose values have a curve each, such as "bearing".
         """
         self.one_thing(by)
-        table, by = self._in_classes(by)
-        return fragilities(
+        table, by = in_classes(self.table, by)
+        return fragility_curves(
             table,
             demand or self.demand_name,
             capacity,
@@ -273,19 +272,6 @@ class StudyResult(Shown):
             level=level,
             samples=samples,
         )
-
-    def _in_classes(self, by: str) -> tuple[pd.DataFrame, str]:
-        """The table with a column for classes of temperatures, where there are many of them."""
-        if by != AMBIENT or self.table[AMBIENT].nunique() <= MOST_TEMPERATURES:
-            return self.table, by
-        ordered = self.table.sort_values(AMBIENT, kind="stable")
-        air = ordered[AMBIENT].to_numpy(dtype=float)
-        place = np.arange(len(air)) * CLASSES // len(air)
-        names = np.empty(CLASSES, dtype=object)
-        for k in range(CLASSES):
-            mine = air[place == k]
-            names[k] = f"{mine[0]:.0f} to {mine[-1]:.0f} °C".replace("-", "\N{MINUS SIGN}")
-        return ordered.assign(**{CLASS: names[place]}), CLASS
 
     def over_climate(self, curves: Mapping[Any, Fragility], temperatures: Any) -> ClimateFragility:
         """Curves of levels of the temperature, by the share of the time that each has.

@@ -3,10 +3,11 @@
 import pandas as pd
 
 from thermobearing.report.pieces import ReportTable
-from thermobearing.results.screen import print_table, print_warnings, say
+from thermobearing.results.screen import print_facts, print_table, print_warnings, say
 from thermobearing.studies.question import Question
 from thermobearing.studies.report import answer, tables_of
 from thermobearing.studies.result import StudyResult
+from thermobearing.studies.status import Status
 
 LATER = ("worst",)  # tables with a command of their own
 
@@ -56,3 +57,29 @@ def print_worst(table: pd.DataFrame) -> None:
     )
     for command in table["command"]:
         say(command)
+
+
+def print_status(status: Status, *, part: bool = False) -> None:
+    """How many runs are done, and a table of why some failed.
+
+    Parameters
+    ----------
+    status : from `study_status`.
+    part : only a part of the study was asked for.
+    """
+    facts = {
+        "runs": f"{status.done} of {status.runs}",
+        "shards": f"{status.shards_done} of {status.shards}",
+        "failed": str(status.failed),
+    }
+    print_facts(f"{status.directory}: {status.name}, {status.outcome}", facts)
+    if status.failed:
+        rows = [
+            (one["outcome"], str(one["runs"]), f"{one['share']:.3g}", str(one["first"]))
+            for one in status.failures.to_dict("records")
+        ]
+        print_table(("outcome", "runs", "share", "first run"), rows, title="why runs failed")
+        for one in status.failures.to_dict("records"):
+            say(f"{one['outcome']}: {one['sentence']}")
+    if status.done < status.runs and not part:
+        say("the same command again does the rest")

@@ -27,6 +27,7 @@ from thermobearing.border.errors import InputError, OutputError, read_bytes, sho
 from thermobearing.border.toml import flat
 from thermobearing.core.compile import kernels_digest
 from thermobearing.results.directory import write_directory
+from thermobearing.studies.columns import THINGS
 from thermobearing.studies.histories import write_histories
 from thermobearing.studies.log import Log
 from thermobearing.studies.parquet import (
@@ -227,8 +228,10 @@ def open_or_make(directory: Path, study: Study, runs: pd.DataFrame, size: int | 
 
 
 def input_digest(study: Study, runs: pd.DataFrame) -> str:
-    """Of all that goes into a study: every run's input, and what is kept of them."""
+    """Of all that goes into a study: every run's input, what it is called, and what is kept."""
     found = hashlib.sha256("\n".join(runs["id"]).encode())
+    for name in THINGS:
+        found.update("\n".join(map(str, runs[name].unique())).encode())
     analysis = study.case.analysis
     found.update(repr((study.keep.histories, analysis.keep, analysis.keep_every)).encode())
     return found.hexdigest()

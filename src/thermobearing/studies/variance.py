@@ -29,6 +29,7 @@ SWAPPED = "AB "
 LEAST_ROWS = 8
 MOST_LEVELS = 20  # more numbers are put into classes
 MOST_CLASSES = 60
+MOST_LOTS = 2000  # of runs that the bootstrap draws as one
 
 
 def sobol_indices(
@@ -83,7 +84,7 @@ def sobol_table(
         combination of levels.
     demand : column whose variance is shared out.
     failed : rows with a failed run are "left-out"; "collapse" has no variance, and is refused.
-    level : confidence of the bands.
+    level : confidence of the bands, a share in (0, 1).
     samples, seed : of the bootstrap.
 
     Returns
@@ -93,6 +94,17 @@ def sobol_table(
     Raises
     ------
     InputError : the table has no such arrangement, too few whole rows, or no variance.
+
+    Examples
+    --------
+    >>> x, y = np.random.default_rng(1).random((2, 256, 2))
+    >>> both = {"A": x, "B": y, "AB a": np.c_[y[:, 0], x[:, 1]], "AB b": np.c_[x[:, 0], y[:, 1]]}
+    >>> made = [
+    ...     pd.DataFrame({"matrix": name, "sample": range(256), "drift": at @ [1.0, 2.0]})
+    ...     for name, at in both.items()
+    ... ]
+    >>> sobol_table(pd.concat(made), "drift")["total"].round(1).tolist()
+    [0.2, 0.9]
     """
     check_level(level)
     if failed == "collapse":
@@ -148,7 +160,7 @@ def variance_shares(
     demand : column whose variance is shared out.
     factors : columns; one that is the same in all runs explains nothing.
     failed : runs that failed are "left-out"; "collapse" is refused.
-    level : confidence of the bands.
+    level : confidence of the bands, a share in (0, 1).
     samples, seed : of the bootstrap, which draws runs.
 
     Returns
@@ -177,13 +189,15 @@ def variance_shares(
             f'"{demand}" of {len(values)} runs: at least {LEAST_ROWS} are needed that differ'
         )
     codes = [_codes(column(runs.table, factor)) for factor in factors]
-    estimates = np.array([_ratios(values, code, np.ones((1, len(values))))[0] for code in codes])
-    draw = Draw.of_labels(None, len(values), samples, seed)
+    lot = np.arange(len(values))
+    if len(values) > MOST_LOTS:  # so many lots of runs tell the spread as well as single ones
+        lot = np.random.default_rng(seed).permutation(len(values)) % MOST_LOTS
+    cells = [_cells(values, code, lot) for code in codes]
+    ones = np.ones((1, int(lot.max()) + 1))
+    estimates = np.array([_ratios(cell, ones)[0] for cell in cells])
+    draw = Draw.of_labels(None, ones.shape[1], samples, seed)
     again = np.concatenate(
-        [
-            np.column_stack([_ratios(values, code, weights) for code in codes])
-            for weights in draw.weights()
-        ]
+        [np.column_stack([_ratios(cell, weights) for cell in cells]) for weights in draw.weights()]
     )
     whole = np.append(estimates, 1.0 - estimates.sum())
     again = np.column_stack([again, 1.0 - again.sum(axis=1)])
@@ -208,16 +222,24 @@ def _codes(values: list[Any]) -> NDArray[np.int64]:
     return np.asarray(rank * classes // len(values), dtype=np.int64)
 
 
-def _ratios(values: Floats, codes: NDArray[np.int64], weights: Floats) -> Floats:
-    """Epsilon squared of each row of weights."""
-    inside = np.zeros((len(values), int(codes.max()) + 1))
-    inside[np.arange(len(values)), codes] = 1.0
-    count = weights @ inside
-    sums = (weights * values) @ inside
-    total = weights.sum(axis=1)
-    squares = (weights * values**2).sum(axis=1) - (weights * values).sum(axis=1) ** 2 / total
-    some = np.maximum(count, 1.0)
-    between = (sums**2 / some).sum(axis=1) - (weights * values).sum(axis=1) ** 2 / total
+def _cells(
+    values: Floats, codes: NDArray[np.int64], lot: NDArray[np.int64]
+) -> tuple[Floats, Floats, Floats]:
+    """Count and sum of each class in each lot of runs, and sum of squares of the lot."""
+    lots, classes = int(lot.max()) + 1, int(codes.max()) + 1
+    place = lot * classes + codes
+    count = np.bincount(place, minlength=lots * classes).astype(float)
+    sums = np.bincount(place, values, minlength=lots * classes).astype(float)
+    squares = np.bincount(lot, values**2, minlength=lots).astype(float)
+    return count.reshape(lots, classes), sums.reshape(lots, classes), squares[:, None]
+
+
+def _ratios(cells: tuple[Floats, Floats, Floats], weights: Floats) -> Floats:
+    """Epsilon squared of each row of weights of the lots."""
+    count, sums, second = (weights @ part for part in cells)
+    total, first = count.sum(axis=1), sums.sum(axis=1)
+    squares = second[:, 0] - first**2 / total
+    between = (sums**2 / np.maximum(count, 1.0)).sum(axis=1) - first**2 / total
     classes = (count > 0.0).sum(axis=1)
     left = np.maximum(squares - between, 0.0) / np.maximum(total - classes, 1.0)
     return np.asarray(1.0 - left * (total - 1.0) / np.where(squares > 0.0, squares, np.nan))

@@ -1,0 +1,281 @@
+"""The cold town of docs/cold_town.md: its two studies, tables and figures.
+
+`python -m benchmarks.cold_town DIR [FIGURES]` carries out what is missing of the studies in DIR
+(5800 runs; minutes), prints the tables of the page, and draws into the folder FIGURES.
+"""
+
+import sys
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from thermobearing.climate import Hourly, generate_weather
+from thermobearing.earthquake.soaking import bearing_weather
+from thermobearing.results import drawing
+from thermobearing.studies import load_study, run_study
+from thermobearing.studies.counted import counted
+from thermobearing.studies.fragility import Fragility, fragilities
+from thermobearing.studies.hazard import Hazard, Rate, annual_rate, ratio
+from thermobearing.studies.mixture import ClimateFragility, shares_of_time
+from thermobearing.studies.store import Store
+
+STUDIES = {"hours": "cold-town", "levels": "cold-town-levels"}
+INTENSITY, WARM, COLD = "Sa_m_s2", 23.0, -20.0
+BEARINGS = {
+    "shen-bilinear-bridge": "bilinear design",
+    "shen-hdr-bridge": "HDR",
+    "shen-lhdr-bridge": "LHDR",
+}
+LAYERED = list(BEARINGS)[1:]
+# An example as the climate is: 8 m/s2 at 1.2 s once in a thousand years.
+SITE = Hazard([1.0, 25.0], [0.18, 0.18 * 25.0**-2.5], "Sa")
+
+
+class Limit(NamedTuple):
+    """What is asked: the demand, what it may be, what failed runs count as."""
+
+    told: str
+    demand: str
+    capacity: float
+    failed: Any
+
+
+# A bearing that tears has gone beyond 250 %; of the pier below it nothing is known.
+LIMITS = (
+    Limit("pier yields", "pier_ductility", 1.0, "left-out"),
+    Limit("bearing beyond 250 %", "bearing_strain_max", 2.5, "collapse"),
+)
+
+
+class Answer(NamedTuple):
+    """Of one bearing and limit: curves by temperature, and over the climate."""
+
+    curves: dict[float, Fragility]
+    climate: ClimateFragility
+
+    def rates(self) -> dict[str, Rate]:
+        """How often a year, by what the temperature is taken to be."""
+        parts = {
+            "23 degC": ClimateFragility({WARM: self.curves[WARM]}, np.ones(1)),
+            "climate": self.climate,
+            "-20 degC": ClimateFragility({COLD: self.curves[COLD]}, np.ones(1)),
+        }
+        return {name: annual_rate(part, SITE) for name, part in parts.items()}
+
+
+def tables(folder: Path) -> dict[str, pd.DataFrame]:
+    """Runs of both studies; those that are missing are done."""
+    found = {}
+    for name, study in STUDIES.items():
+        run_study(load_study(study), folder / name)
+        found[name] = Store(folder / name).table()
+    return found
+
+
+def answers(runs: dict[str, pd.DataFrame], warmth: dict[str, Any]) -> dict[tuple[str, str], Answer]:
+    """By bearing and limit."""
+    found = {}
+    for bearing in BEARINGS:
+        levels = runs["levels"][runs["levels"]["bearing"] == bearing]
+        for limit in LIMITS:
+            asked = (limit.demand, limit.capacity, INTENSITY)
+            curves = fragilities(
+                levels.reset_index(drop=True),
+                *asked,
+                "ambient_degC",
+                method="ida",
+                failed=limit.failed,
+            )
+            climate = ClimateFragility(curves, shares_of_time(list(curves), warmth[bearing]))
+            found[bearing, limit.told] = Answer(curves, climate)
+    return found
+
+
+def rates_table(found: dict[tuple[str, str], Answer]) -> list[str]:
+    """How often a year, and how much ignoring the temperature misses."""
+    rows = [
+        "| once in ... years | 23 degC throughout | over the climate | -20 degC throughout | "
+        "climate over 23 degC |",
+        "|---|---|---|---|---|",
+    ]
+    for limit in LIMITS:
+        for bearing, told in BEARINGS.items():
+            answer = found[bearing, limit.told]
+            rates = answer.rates()
+            cells = [_years(rates[name]) for name in ("23 degC", "climate", "-20 degC")]
+            times = ratio(rates["climate"], rates["23 degC"])
+            said = f"{times[0]:.2f} ({times[1]:.2f} to {times[2]:.2f})"
+            rows.append(f"| {limit.told}, {told} | {' | '.join(cells)} | {said} |")
+    return rows
+
+
+def _years(rate: Rate) -> str:
+    """Return period with its band."""
+    if not rate.rate > 0.0:
+        return "never"
+    ends = [f"{1.0 / end:.0f}" if end > 0.0 else "never" for end in (rate.high, rate.low)]
+    return f"{rate.return_period:.0f} ({ends[0]} to {ends[1]})"
+
+
+def parts_table(found: dict[tuple[str, str], Answer]) -> list[str]:
+    """What each temperature adds to the rate at which the pier yields."""
+    parts = {name: found[name, LIMITS[0].told].climate.rates(SITE) for name in LAYERED}
+    rows = [
+        "| temperature of the rubber | share of the time | "
+        + " | ".join(
+            f"share of the times that the pier yields, {BEARINGS[name]}" for name in LAYERED
+        )
+        + " |",
+        "|---|---|---|---|",
+    ]
+    first = parts[LAYERED[0]]
+    for k in range(len(first)):
+        shares = " | ".join(f"{100 * parts[name]['part'][k]:.1f} %" for name in LAYERED)
+        row = first.iloc[k]
+        rows.append(f"| {row['temperature_degC']:g} degC | {100 * row['share']:.1f} % | {shares} |")
+    return rows
+
+
+def shares_beyond(table: pd.DataFrame, bearing: str, limit: Limit) -> pd.Series:
+    """Share of the runs that go beyond, at each intensity."""
+    mine = counted(table[table["bearing"] == bearing], limit.demand, limit.failed)
+    beyond = pd.Series(mine.demand > limit.capacity)
+    return beyond.groupby(mine.table[INTENSITY].to_numpy()).mean()
+
+
+def hours_table(runs: dict[str, pd.DataFrame], warmth: dict[str, Any]) -> list[str]:
+    """Runs at hours of the weather beside the levels, each by its share of the time."""
+    rows = [
+        "| share of the runs, all intensities | hours of the weather | levels by their share of "
+        "the time | deviation by chance |",
+        "|---|---|---|---|",
+    ]
+    for limit in LIMITS:
+        for bearing, told in BEARINGS.items():
+            drawn = shares_beyond(runs["hours"], bearing, limit)
+            levels = runs["levels"].groupby("ambient_degC")
+            each = [shares_beyond(part, bearing, limit).mean() for _, part in levels]
+            shares = shares_of_time(list(levels.groups), warmth[bearing])
+            count = (runs["hours"]["bearing"] == bearing).sum() / len(drawn)
+            chance = np.sqrt((drawn * (1.0 - drawn)).sum() / count) / len(drawn)
+            rows.append(
+                f"| {limit.told}, {told} | {100 * drawn.mean():.1f} % | "
+                f"{100 * float(np.dot(shares, each)):.1f} % | {100 * chance:.1f} % |"
+            )
+    return rows
+
+
+def failed_line(runs: dict[str, pd.DataFrame]) -> str:
+    """What became of the runs that failed."""
+    told = []
+    for name, table in runs.items():
+        counts = table["outcome"].value_counts().drop("completed", errors="ignore")
+        said = ", ".join(f"{count} {outcome}" for outcome, count in counts.items()) or "none"
+        told.append(f"{STUDIES[name]}: {counts.sum()} of {len(table)} runs failed ({said})")
+    return "; ".join(told)
+
+
+def draw_weather(weather: Hourly, warmth: pd.DataFrame) -> Figure:
+    """A cold fortnight, and fifty years of air and rubber."""
+    figure, (left, right) = drawing.panels(1, 2, (7.1, 3.0), "weather of a cold town")
+    middle = int(np.argmin(weather.temperature))
+    part = warmth.iloc[middle - 168 : middle + 168]
+    days = np.arange(len(part)) / 24.0
+    lines = (
+        ("air", "ambient_degC", drawing.GREY, 0.9),
+        ("outer rubber layer", "outer_rubber_degC", "#0077BB", 1.1),
+        ("inner rubber layer", "inner_rubber_degC", "#CC3311", 1.3),
+    )
+    for told, column, colour, width in lines:
+        left.plot(days, part[column], color=colour, linewidth=width, label=told)
+    drawing.name_axes(left, "days", "temperature [degC]")
+    left.legend(frameon=False, fontsize=drawing.SMALL)
+    edges = np.arange(-40.0, 41.0, 2.0)
+    for column, told, colour in (
+        ("ambient_degC", "air", drawing.GREY),
+        ("rubber_degC", "rubber", "#CC3311"),
+    ):
+        share, _ = np.histogram(warmth[column], edges)
+        right.step(edges[:-1], 100.0 * share / len(warmth), where="post", color=colour, label=told)
+    drawing.name_axes(right, "temperature [degC]", "share of the time in 2 K [%]")
+    right.legend(frameon=False, fontsize=drawing.SMALL)
+    return figure
+
+
+def draw_fragility(found: dict[tuple[str, str], Answer], runs: dict[str, pd.DataFrame]) -> Figure:
+    """Fragility of both layered bearings: pier above, bearing below."""
+    figure, axes = drawing.panels(2, 2, (7.1, 5.6), "fragility at each temperature")
+    at = np.linspace(2.0, 22.0, 200)
+    for ax, (limit, bearing) in zip(
+        axes, [(limit, name) for limit in LIMITS for name in LAYERED], strict=True
+    ):
+        answer = found[bearing, limit.told]
+        temperatures = list(answer.curves)
+        for temperature in temperatures:
+            colour = drawing.COLD_TO_WARM((temperature + 30.0) / 60.0)
+            curve = answer.curves[temperature]
+            if curve.estimate.known:
+                told = f"{temperature:g} degC"
+                ax.plot(at, curve.probability(at), color=colour, linewidth=1.2, label=told)
+        ax.plot(at, answer.climate.probability(at), "k-", linewidth=2.0, label="over the climate")
+        shares = shares_beyond(runs["hours"], bearing, limit)
+        ax.plot(shares.index, shares, "ko", ms=3.5, label="runs at hours of the weather")
+        ax.set_title(f"{limit.told}, {BEARINGS[bearing]}", fontsize=drawing.NORMAL, loc="left")
+        drawing.name_axes(ax, "Sa(1.2 s) [m/s2]", "probability")
+    drawing.legend_below(figure, axes[0].get_lines())
+    return figure
+
+
+def draw_rates(found: dict[tuple[str, str], Answer]) -> Figure:
+    """Annual rates by what the temperature is taken to be."""
+    figure, axes = drawing.panels(1, 2, (7.1, 3.1), "how often a year")
+    looks = (
+        ("23 degC", "#EE7733", "23 degC throughout"),
+        ("climate", "#1a1a1a", "over the climate"),
+        ("-20 degC", "#0077BB", "-20 degC throughout"),
+    )
+    for ax, limit in zip(axes, LIMITS, strict=True):
+        for k, (name, colour, told) in enumerate(looks):
+            rates = [found[bearing, limit.told].rates()[name] for bearing in BEARINGS]
+            x = np.arange(len(rates)) + 0.26 * (k - 1)
+            values = 1e3 * np.array([rate.rate for rate in rates])
+            low, high = (
+                1e3 * np.array([getattr(r, end) for r in rates]) for end in ("low", "high")
+            )
+            ax.bar(x, values, 0.24, color=colour, label=told)
+            ends = np.maximum([values - low, high - values], 0.0)
+            ax.errorbar(x, values, ends, fmt="none", ecolor=drawing.GREY, elinewidth=0.8)
+        ax.set_xticks(range(len(BEARINGS)), list(BEARINGS.values()), fontsize=drawing.SMALL)
+        ax.set_title(limit.told, fontsize=drawing.NORMAL, loc="left")
+        drawing.name_axes(ax, "", "times in a thousand years")
+    axes[0].legend(frameon=False, fontsize=drawing.SMALL)
+    return figure
+
+
+def main() -> None:
+    """Carry out, print, draw."""
+    if len(sys.argv) not in (2, 3):
+        sys.exit("usage: python -m benchmarks.cold_town DIR [FIGURES]")
+    runs = tables(Path(sys.argv[1]))
+    weather = generate_weather("cold-town", years=50, seed=1)
+    frames = {name: bearing_weather(name, weather) for name in LAYERED}
+    warmth = {name: frame["rubber_degC"] for name, frame in frames.items()}
+    warmth[next(iter(BEARINGS))] = weather.temperature
+    found = answers(runs, warmth)
+    parts = (rates_table(found), parts_table(found), hours_table(runs, warmth))
+    print("\n\n".join("\n".join(part) for part in parts), "", failed_line(runs), sep="\n")
+    if len(sys.argv) == 3:
+        folder = Path(sys.argv[2])
+        for name, figure in (
+            ("weather", draw_weather(weather, frames[LAYERED[1]])),
+            ("fragility", draw_fragility(found, runs)),
+            ("rates", draw_rates(found)),
+        ):
+            drawing.save_figure(figure, folder / f"cold_town_{name}.png", dpi=110)
+
+
+if __name__ == "__main__":
+    main()

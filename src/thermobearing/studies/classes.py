@@ -1,0 +1,41 @@
+"""Temperatures that were drawn, put into classes of equally many runs."""
+
+import numpy as np
+import pandas as pd
+
+from thermobearing.studies.columns import AMBIENT
+
+MOST_TEMPERATURES = 8  # with a curve each; more are put into classes
+CLASSES = 4
+CLASS = "temperature"  # column of such a class
+
+
+def in_classes(table: pd.DataFrame, by: str) -> tuple[pd.DataFrame, str]:
+    """A table whose runs have curves by a column: by classes of it, where it is a temperature with
+    many values.
+
+    Parameters
+    ----------
+    table : of runs.
+    by : column.
+
+    Returns
+    -------
+    the table and the column to take, in order of the classes.
+
+    Examples
+    --------
+    >>> table, by = in_classes(pd.DataFrame({"ambient_degC": range(-20, 20)}), "ambient_degC")
+    >>> by, table[by].unique().tolist()[1:]
+    ('temperature', ['−10 to −1 °C', '0 to 9 °C', '10 to 19 °C'])
+    """
+    if by != AMBIENT or table[AMBIENT].nunique() <= MOST_TEMPERATURES:
+        return table, by
+    ordered = table.sort_values(AMBIENT, kind="stable")
+    air = ordered[AMBIENT].to_numpy(dtype=float)
+    place = np.arange(len(air)) * CLASSES // len(air)
+    names = np.empty(CLASSES, dtype=object)
+    for k in range(CLASSES):
+        mine = air[place == k]
+        names[k] = f"{mine[0]:.0f} to {mine[-1]:.0f} °C".replace("-", "\N{MINUS SIGN}")
+    return ordered.assign(**{CLASS: names[place]}), CLASS

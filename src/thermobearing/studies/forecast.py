@@ -1,0 +1,96 @@
+"""How long a study will take and how large it becomes, from a few of its runs."""
+
+import os
+import time
+from dataclasses import dataclass
+
+import numpy as np
+
+from thermobearing.studies.columns import columns_of
+from thermobearing.studies.designs import plan
+from thermobearing.studies.peaks import RESULT_COLUMNS
+from thermobearing.studies.prepare import Preparer
+from thermobearing.studies.record import Study
+from thermobearing.studies.shard import carried_out
+
+TRIED = 16  # runs that are measured
+NUMBER, HISTORY = 8, 4  # bytes of a number in a table and in a history; neither is compressed well
+
+
+@dataclass(frozen=True)
+class Forecast:
+    """What a study will cost.
+
+    Attributes
+    ----------
+    runs : number of them.
+    seconds : of one run in one process.
+    jobs : processes that were counted with.
+    table_bytes, history_bytes : on the disk, at most.
+    failed : of the runs that were tried, those that did not get through.
+    tried : how many were.
+    """
+
+    runs: int
+    seconds: float
+    jobs: int
+    table_bytes: float
+    history_bytes: float
+    failed: int
+    tried: int
+
+    @property
+    def whole_seconds(self) -> float:
+        """For all runs, on as many processes."""
+        return self.runs * self.seconds / min(self.jobs, self.runs)
+
+
+def forecast(study: Study, jobs: int | None = None) -> Forecast:
+    """Carry out a few runs of a study and count the rest.
+
+    Parameters
+    ----------
+    study : from `load_study`.
+    jobs : processes; as many as there are cores by default.
+
+    Returns
+    -------
+    Forecast
+
+    Raises
+    ------
+    InputError : what `plan` refuses.
+
+    Examples
+    --------
+    >>> from thermobearing.studies.case import make_study
+    >>> factors = {"bearing": "shen-hdr-bridge", "motion": "jra-ii-i-1", "ambient": ["0 degC"]}
+    >>> table = {"kind": "study", "name": "p1", "case": {"duration": "1 s"}, "factors": factors}
+    >>> forecast(make_study(table, "example")).runs
+    1
+    """
+    runs = plan(study)
+    some = runs.iloc[np.unique(np.linspace(0, len(runs) - 1, TRIED).astype(int))]
+    preparer = Preparer(study)
+    kept = study.keep.histories
+    carried_out(preparer, some.head(1))  # compiled, and shared things made
+    begin = time.perf_counter()
+    done = carried_out(preparer, some, histories=kept != "none")
+    took = (time.perf_counter() - begin) / len(some)
+    assert done is not None
+    each = [
+        sum(values.size for values in history.traces.values()) * HISTORY
+        for history in done.histories
+    ]
+    worst = kept.removeprefix("worst ")
+    count = len(runs) if kept == "all" else int(worst) if worst.isdecimal() else 0
+    columns = len(columns_of(study)) + len(RESULT_COLUMNS) + 4
+    return Forecast(
+        runs=len(runs),
+        seconds=took,
+        jobs=jobs or os.cpu_count() or 1,
+        table_bytes=float(len(runs) * columns * NUMBER),
+        history_bytes=float(min(count, len(runs)) * (np.mean(each) if each else 0.0)),
+        failed=int((done.table["outcome"] != "completed").sum()),
+        tried=len(some),
+    )

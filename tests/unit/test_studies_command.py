@@ -1,0 +1,101 @@
+"""`thermobearing study`: planned, carried out, looked at, from the command line."""
+
+import json
+from pathlib import Path
+
+import pandas as pd
+import pytest
+from typer.testing import CliRunner
+
+import thermobearing as tb
+from thermobearing.cli import app
+
+pytest.importorskip("pyarrow")
+
+FILE = """
+kind = "study"
+name = "small"
+[case]
+duration = "2 s"
+[factors]
+bearing = ["shen-hdr-bridge", "shen-bilinear-bridge"]
+motion = "jra-ii-i-1"
+scale = [0.5, 1.0]
+ambient = ["-20 degC", "23 degC"]
+"""
+
+
+@pytest.fixture(scope="module")
+def done(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("study")
+    (folder / "small.toml").write_text(FILE)
+    words = ["study", str(folder / "small.toml"), "-o", str(folder / "out"), "--jobs", "1"]
+    found = CliRunner().invoke(app, [*words, "-q"])
+    assert found.exit_code == 0, found.output
+    return folder
+
+
+def last(words: list[str]) -> dict[str, object]:
+    """The line of JSON that a command ends with."""
+    found = CliRunner().invoke(app, [*words, "--json"])
+    line = dict(json.loads(found.stdout.strip().splitlines()[-1]))
+    assert line["exit_status"] == found.exit_code
+    return line
+
+
+def test_a_study_again_does_nothing(done: Path) -> None:
+    files = {path: path.read_bytes() for path in (done / "out" / "shards").iterdir()}
+    told = last(["study", str(done / "small.toml"), "-o", str(done / "out"), "--jobs", "1"])
+    assert (told["outcome"], told["runs"], told["done"]) == ("completed", 8, 8)
+    assert {path: path.read_bytes() for path in files} == files
+
+
+def test_a_dry_run_writes_nothing(done: Path) -> None:
+    before = sorted(done.iterdir())
+    told = last(["study", str(done / "small.toml"), "--dry-run", "--jobs", "3"])
+    assert (told["outcome"], told["runs"], told["jobs"]) == ("dry_run", 8, 3)
+    assert told["seconds"] == pytest.approx(8 / 3 * float(str(told["seconds_a_run"])))
+    assert 8 * 30 * 8 < int(float(str(told["bytes"]))) < 8 * 100 * 8
+    assert sorted(done.iterdir()) == before
+
+
+def test_status_and_table(done: Path) -> None:
+    assert last(["study", "status", str(done / "out")])["outcome"] == "completed"
+    for name in ("runs.csv", "runs.xlsx"):
+        assert last(["study", "table", str(done / "out"), "-o", str(done / name)])["runs"] == 8
+    text = pd.read_csv(done / "runs.csv")
+    book = pd.read_excel(done / "runs.xlsx")
+    pd.testing.assert_frame_equal(text, book, check_dtype=False)
+    assert text["ambient_degC"].tolist() == [-20.0, 23.0] * 4
+    words = ["study", "table", str(done / "out"), "-o"]
+    for name, told in (("runs.csv", "--force"), ("runs.ods", ".csv or .xlsx")):
+        found = CliRunner().invoke(app, [*words, str(done / name)])
+        assert found.exit_code == 2
+        assert told in found.stderr
+
+
+def test_one_run_repeated_has_the_numbers_of_the_study(done: Path) -> None:
+    words = ["study", "repeat", str(done / "out"), "2", "-o", str(done / "again")]
+    found = CliRunner().invoke(app, [*words, "--no-figures", "-q"])
+    assert found.exit_code == 0, found.output
+    again = tb.load_result(done / "again")
+    whole = tb.study(done / "small.toml").table
+    assert again.table["pier_displacement_max_mm"][0] == whole["pier_displacement_max_mm"][2]
+
+
+def test_what_is_no_study_is_told(done: Path) -> None:
+    found = CliRunner().invoke(app, ["study", str(done / "none.toml")])
+    assert (found.exit_code, "no such file" in found.stderr) == (2, True)
+    found = CliRunner().invoke(app, ["study", "status", str(done)])
+    assert found.exit_code == 2
+    with pytest.raises(tb.InputError, match="need a directory"):
+        tb.study(done / "small.toml", jobs=2)
+    with pytest.raises(tb.InputError, match="must be a file"):
+        tb.study(3)  # type: ignore[arg-type]
+
+
+def test_the_group_says_its_words() -> None:
+    found = CliRunner().invoke(app, ["study", "--help"])
+    assert found.exit_code == 0
+    for word in ("run", "status", "table", "figures", "worst", "repeat"):
+        assert word in found.stdout
