@@ -44,7 +44,7 @@ def cycles(name: str, lane: int) -> tuple[Any, ...]:
     constants = constants_of(name, 0.8 + 0.05 * lane)
     air, cells = -20.0 + 5.0 * lane, len(constants.cells.capacity)
     time_ = STEP * np.arange(1, STEPS + 1)
-    largest = tb.load_bearing(name).total_rubber_thickness * (1.0 + 0.1 * lane)
+    largest = tb.load_bearing(name).total_rubber_thickness * (0.4 + 0.05 * lane)
     x = largest * time_ / time_[-1] * np.sin(np.pi * time_ + 0.7 * lane)
     state, spare = (new_state(constants, np.full(cells, air)) for _ in range(2))
     path = Path(x, np.full(STEPS, STEP), np.full(STEPS, air), np.zeros(STEPS, np.bool_), 0.0)
@@ -78,6 +78,8 @@ def bearing_row(what: str, name: str) -> Row:
 
     by_one()
     by_lanes()
+    if ends[0].any():
+        raise RuntimeError(f"{what}: outcomes {ends[0]}")
     slow, fast = paired(by_one, by_lanes)
     count = WIDTH * STEPS
     note = f"{1e9 * fast / count:.0f} ns a bearing-step, {1e9 * slow / count:.0f} alone"

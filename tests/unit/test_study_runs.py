@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
-from numpy.testing import assert_array_equal
+from numpy.testing import assert_allclose, assert_array_equal
 
 import thermobearing as tb
 import thermobearing.studies.peaks as peaks
@@ -17,6 +17,7 @@ from tests.unit.studies import kept, small_study
 from thermobearing.border.errors import InputError, OutputError
 from thermobearing.earthquake.columns import COLUMNS
 from thermobearing.studies import Preparer, plan, run_shard, run_study, study_status
+from thermobearing.studies.designs import MANY, in_lockstep
 from thermobearing.studies.lock import only_writer
 from thermobearing.studies.log import Pace, duration
 from thermobearing.studies.parquet import About, about_columns, notes_of, write_parquet
@@ -25,6 +26,7 @@ from thermobearing.studies.store import Store, shard_size
 from thermobearing.studies.worst import worst_runs
 
 pq = pytest.importorskip("pyarrow.parquet")
+ROUNDING = {"structure_residual", "mechanical_residual", "thermal_residual"}
 PIER_HEIGHT = 10e3  # of pier P1 above its footing [mm]
 
 
@@ -295,3 +297,36 @@ def test_a_log_that_cannot_be_written_stops_nothing(tmp_path: Path) -> None:
     (tmp_path / "out" / "study.log").unlink()
     (tmp_path / "out" / "study.log").mkdir()
     assert run_study(small_study(), tmp_path / "out", jobs=1).outcome == "completed"
+
+
+def test_runs_in_lockstep_are_those_of_runs_alone_and_nobody_elses() -> None:
+    """All columns but those of rounding itself; in any company, to the last bit."""
+    study = small_study({"duration": "4 s"}, bearing=["shen-lhdr-bridge"])
+    side = study.design.model_copy(update={"lockstep": True})
+    study = study.model_copy(update={"design": side})
+    alone = study.model_copy(update={"design": side.model_copy(update={"lockstep": False})})
+    rows = plan(study)
+    together, one_by_one = run_shard(study, rows), run_shard(alone, rows)
+    for column in RESULT_COLUMNS:
+        if column.name in ROUNDING:
+            off = together[column.name] - one_by_one[column.name]
+            assert (off.abs() < tol.STRUCTURE_BOOKS).all(), column.name
+        elif column.name == "layer_force_mismatch_max_kN":
+            force = one_by_one["bearing_force_max_kN"]
+            off = together[column.name] - one_by_one[column.name]
+            assert (off.abs() <= tol.LANE_PEAK * force).all()
+        elif column.kind == "number":
+            given = one_by_one[column.name]
+            assert_allclose(together[column.name], given, rtol=tol.LANE_PEAK, err_msg=column.name)
+        else:
+            assert_array_equal(together[column.name], one_by_one[column.name])
+    backwards = run_shard(study, rows.iloc[[3, 1]])
+    for name in together:
+        assert_array_equal(backwards[name], together[name].iloc[[3, 1]], err_msg=name)
+
+
+def test_large_studies_are_carried_out_in_lockstep() -> None:
+    many = {"levels": [0.5 + 0.001 * k for k in range(1000)]}
+    assert [in_lockstep(small_study(scale=one)) for one in ([1.0], many)] == [False, True]
+    assert not in_lockstep(small_study(scale=many, keep="all"))
+    assert len(plan(small_study(scale={"levels": many["levels"][:200]}))) < MANY

@@ -169,7 +169,7 @@ def shakes(dt: float = 0.01, duration: float = 12.0) -> list[Run]:
         constants = bearings[number % 2]
         air = -25.0 + 4.0 * number
         line = Line(constants, np.full(len(constants.cells.capacity), air))
-        shaken = (0.4 + 0.1 * number) * ground
+        shaken = (0.8 + 0.1 * number) * ground
         found.append(Run(prepared, [line], shaken, dt, np.full(len(ground) - 1, air)))
     return found
 

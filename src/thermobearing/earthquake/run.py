@@ -92,27 +92,12 @@ def run_task(task: Task) -> StructureHistory:
     """One run; never raises for a failed analysis."""
     case, shaking = task.case, task.shaking
     lab, steps = case.laboratory, len(shaking.ground) - 1
-    speed = lab.speed if lab is not None and task.mode == "pd" else 0.0
     noise = None
     if lab is not None and lab.force_noise > 0.0:
         noise = lab.force_noise * np.random.default_rng(lab.seed).standard_normal(steps)
-    begun = None
-    if case.initial_state is not None:
-        begun = begun_from(case.initial_state, task.device.constants)
-    lines = [
-        Line(
-            one.device.constants,
-            one.temperature,
-            one.lead,
-            speed=speed,
-            warmer=one.ambient - task.ambient,
-            begun=begun,
-        )
-        for one in task.lines
-    ]
     history = run_structure(
         task.prepared,
-        lines,
+        lines_to_shake(task),
         shaking.ground,
         shaking.dt,
         np.full(steps, task.ambient),
@@ -121,18 +106,43 @@ def run_task(task: Task) -> StructureHistory:
         delay=0.0 if lab is None else lab.delay,
         keep_cells="cells" in case.analysis.keep,
     )
-    if history.outcome == "completed" and is_torn(task, history):
+    moved = [np.abs(history.bearing(b)["displacement"]).max() for b in range(len(task.lines))]
+    if history.outcome == "completed" and is_torn(task, moved):
         return replace(history, outcome=NOT_PHYSICAL)
     return history
 
 
-def is_torn(task: Task, history: StructureHistory) -> bool:
-    """Whether the bearings of any line went beyond what is left to be modelled, either way."""
-    for b, one in enumerate(task.lines):
-        farthest = float(np.abs(history.bearing(b)["displacement"]).max())
-        if farthest / one.device.bearing.total_rubber_thickness > one.device.tears:
-            return True
-    return False
+def lines_to_shake(task: Task) -> list[Line]:
+    """The bearing lines of a run as the structure takes them."""
+    case, lab = task.case, task.case.laboratory
+    begun = None
+    if case.initial_state is not None:
+        begun = begun_from(case.initial_state, task.device.constants)
+    return [
+        Line(
+            one.device.constants,
+            one.temperature,
+            one.lead,
+            speed=lab.speed if lab is not None and task.mode == "pd" else 0.0,
+            warmer=one.ambient - task.ambient,
+            begun=begun,
+        )
+        for one in task.lines
+    ]
+
+
+def is_torn(task: Task, farthest: Sequence[float]) -> bool:
+    """Whether the bearings of any line went beyond what is left to be modelled, either way.
+
+    Parameters
+    ----------
+    task : the run.
+    farthest : largest displacement of the modelled bearing of each line [mm].
+    """
+    return any(
+        moved / one.device.bearing.total_rubber_thickness > one.device.tears
+        for one, moved in zip(task.lines, farthest, strict=True)
+    )
 
 
 def refuse_too_much(

@@ -197,9 +197,9 @@ def newmark_march(
                 done += part
                 continue
             too_hot = too_hot | (outcome == TEMPERATURE_RUNAWAY)
-            broken = select(broken == COMPLETED, outcome, broken)
             if part == 1:
-                return k, kept, select(too_hot, TEMPERATURE_RUNAWAY, broken)
+                outcome = select(broken == COMPLETED, outcome, broken)
+                return k, kept, select(too_hot, TEMPERATURE_RUNAWAY, outcome)
             if all_lanes(motion.books[0].iterations > MOST_ITERATIONS * (k + GRACE)):
                 return k, kept, select(too_hot, TEMPERATURE_RUNAWAY, NO_EQUILIBRIUM)
             part //= 2

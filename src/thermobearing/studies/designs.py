@@ -33,6 +33,7 @@ from thermobearing.studies.ranges import check_numbers
 from thermobearing.studies.record import MOST_RUNS, Design, Study
 
 A, B, SWAPPED = "A", "B", "AB"
+MANY = 1000  # runs from which compiling for lockstep, once for all studies, is worth it
 SPARE = 16  # bits of an id that its seed does without: 48 are exact in any table
 
 
@@ -90,6 +91,28 @@ def plan(study: Study) -> pd.DataFrame:
     return _with_ids(study, columns, picked, frame)
 
 
+def in_lockstep(study: Study) -> bool:
+    """Whether runs of a study are carried out side by side; a study alone decides it.
+
+    Parameters
+    ----------
+    study : as of `plan`.
+    """
+    case, asked = study.case, study.design.lockstep
+    alone = case.analysis.method == "predictor-corrector" or study.keep.histories == "all"
+    if alone or asked is False:
+        return False
+    columns = columns_of(study)
+    drawn = [column for column in columns if column.drawn]
+    cells = math.prod(column.count for column in columns if not column.drawn)
+    return asked is True or cells * _rows(study.design, drawn) >= MANY
+
+
+def _rows(design: Design, drawn: Sequence[Column]) -> int:
+    """Draws of each combination of levels."""
+    return (design.samples or 1) * (len(drawn) + 2 if design.arrangement == "saltelli" else 1)
+
+
 def _picked(study: Study, columns: Sequence[Column]) -> tuple[dict[str, Any], list[Draws], int]:
     """Places, numbers and shares of every row by column; the draws; combinations of levels."""
     crossed = [column for column in columns if not column.drawn]
@@ -119,7 +142,7 @@ def _refuse(design: Design, cells: int, drawn: Sequence[Column]) -> None:
             "design.samples: every factor has levels, and nothing is drawn; leave it out, or give "
             "a factor a distribution or random = true"
         )
-    rows = (design.samples or 1) * (len(drawn) + 2 if design.arrangement == "saltelli" else 1)
+    rows = _rows(design, drawn)
     if cells * rows > MOST_RUNS:
         raise InputError(
             f"makes {cells * rows} runs, {cells} combinations of levels and {rows} draws of each; "

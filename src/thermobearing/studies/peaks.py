@@ -1,8 +1,8 @@
 """What is kept of each run of a study: outcome, peaks over every step, energy books.
 
 The definitions are those of an earthquake analysis (earthquake/measures.py), whose table has the
-same columns. Rows of histories are forgotten after each run. `shaken` is the one place where a
-study computes.
+same columns. Rows of histories are forgotten after each run; in lockstep there are none.
+`measure_all` is the one place where a study computes.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -13,13 +13,27 @@ import numpy as np
 
 from thermobearing.border.errors import InputError
 from thermobearing.core.records import Floats
+from thermobearing.earthquake.columns import BEARING
 from thermobearing.earthquake.meanings import meaning_of
-from thermobearing.earthquake.measures import UNITS, measures_of, residuals_of
+from thermobearing.earthquake.measures import (
+    STRUCTURE_ENERGIES,
+    UNITS,
+    measures_of,
+    residuals_of,
+)
 from thermobearing.earthquake.parts import warmest
-from thermobearing.earthquake.run import run_task
+from thermobearing.earthquake.run import is_torn, lines_to_shake, run_task
 from thermobearing.earthquake.task import Task
-from thermobearing.earthquake.traces import HISTORIES, structure_traces, traces_of
+from thermobearing.earthquake.traces import (
+    HISTORIES,
+    KN_MM_PER_KN_M,
+    MM_PER_M,
+    structure_traces,
+    traces_of,
+)
+from thermobearing.model.outcomes import NOT_PHYSICAL
 from thermobearing.model.outcomes import SENTENCES as RUN_SENTENCES
+from thermobearing.structure.lanes import Run, RunPeaks, run_lanes
 from thermobearing.structure.run import SENTENCES, StructureHistory
 
 if TYPE_CHECKING:
@@ -49,6 +63,8 @@ OF_RUN: Final = {  # columns that an earthquake analysis measures too: name ther
     "iterations": "iterations",
     "substeps": "substeps",
 }
+PIER, TOP, DECK = range(3)  # what is watched in a run without rows; the ground carries the last two
+CARRIED: Final = np.array([0.0, 1.0, 1.0])
 COUNTS: Final = ("steps", "iterations", "substeps")
 OWN: Final = {  # columns of a study alone: unit, meaning
     "bearing_displacement_residual_mm": ("mm", "displacement of the bearing at the end"),
@@ -121,8 +137,20 @@ def measure(run_input: "RunInput") -> dict[str, Any]:
     return next(measure_all([run_input])).numbers
 
 
-def measure_all(inputs: Sequence["RunInput"], *, traces: bool = False) -> Iterator[Measured]:
-    """Carry out some runs, each as `measure` does; with `traces` their histories too."""
+def measure_all(
+    inputs: Sequence["RunInput"], *, traces: bool = False, lockstep: bool = False
+) -> Iterator[Measured]:
+    """Carry out some runs, each as `measure` does; with `traces` their histories too.
+
+    With `lockstep` those of one shape are put side by side; what each comes to depends on its own
+    input only, and differs from `measure` by rounding.
+    """
+    if lockstep and not traces:
+        for one, peaks in zip(
+            inputs, run_lanes([to_shake(one.task) for one in inputs]), strict=True
+        ):
+            yield Measured(numbers_of_peaks(one.task, peaks))
+        return
     for one, history in zip(inputs, shaken(inputs), strict=True):
         found = traces_of(one.task, history) if traces else structure_traces(one.task, history)
         yield Measured(numbers_of(one.task, history, found), found if traces else None)
@@ -134,28 +162,98 @@ def shaken(inputs: Sequence["RunInput"]) -> Iterator[StructureHistory]:
         yield run_task(one.task)
 
 
+def to_shake(task: Task) -> Run:
+    """A run for its peaks only: pier, pier top and deck are watched."""
+    where, shaking = task.prepared.reported, task.shaking
+    return Run(
+        task.prepared,
+        lines_to_shake(task),
+        shaking.ground,
+        shaking.dt,
+        np.full(len(shaking.ground) - 1, task.ambient),
+        places=np.array([where.top - where.base, where.top, where.deck]),
+        carried=CARRIED,
+        method=task.case.analysis.method,
+    )
+
+
 def numbers_of(
     task: Task, history: StructureHistory, traces: Mapping[str, Floats]
 ) -> dict[str, Any]:
     """A value for each of `RESULT_COLUMNS`."""
-    found = measures_of(task, history, traces)
-    ended = history.outcome
-    sentence = "" if ended == COMPLETED else ALL_SENTENCES.get(ended, "")
-    numbers = {name: found[key] for name, key in OF_RUN.items()}
     device, line = task.told.device, task.told_line
     bearing, none = history.bearing(line), np.empty(0)
     heat = device.stack is not None
     lead = heat and device.constants.lead.cores > 0.0
-    height = task.prepared.reported.height
-    return {
-        "outcome": ended,
-        "sentence": sentence,
-        **numbers,
+    own = {
         "bearing_displacement_residual_mm": bearing["displacement"][-1],
-        "pier_drift_max": found["pier_displacement_max"] / height if height > 0.0 else np.nan,
         "deck_displacement_residual_mm": traces["deck_displacement"][-1],
         "rubber_max_degC": warmest(history.layers(line) if heat else none),
         "lead_max_degC": warmest(bearing["lead_temperature"] if lead else none),
+    }
+    return _row(task, measures_of(task, history, traces), own)
+
+
+def numbers_of_peaks(task: Task, peaks: RunPeaks) -> dict[str, Any]:
+    """A value for each of `RESULT_COLUMNS`, of a run without rows."""
+    found = measures_of_peaks(task, peaks)
+    if peaks.outcome == COMPLETED and is_torn(task, peaks.lines["displacement"].tolist()):
+        found["outcome"] = NOT_PHYSICAL
+    line, told = peaks.lines[task.told_line], task.told.device
+    heat = told.stack is not None
+    own = {
+        "bearing_displacement_residual_mm": peaks.bearings["displacement"][task.told_line],
+        "deck_displacement_residual_mm": peaks.watches["residual"][DECK],
+        "rubber_max_degC": line.rubber_temperature if heat else np.nan,
+        "lead_max_degC": line.lead_temperature
+        if heat and told.constants.lead.cores > 0.0
+        else np.nan,
+    }
+    return _row(task, found, own)
+
+
+def measures_of_peaks(task: Task, peaks: RunPeaks) -> dict[str, Any]:
+    """What `measures_of` says of a run with rows."""
+    told, where = task.told_line, task.prepared.reported
+    line, watches = peaks.lines[told], peaks.watches
+    rotation, moment = np.nan, np.nan
+    if where.hinge is not None:
+        hinge = peaks.hinges[where.hinge]
+        rotation, moment = hinge.rotation, hinge.moment / KN_MM_PER_KN_M
+    return {
+        "outcome": peaks.outcome,
+        "bearing_displacement_max": line.displacement,
+        "bearing_strain_max": line.displacement / task.told.device.bearing.total_rubber_thickness,
+        "bearing_force_max": line.force,
+        "bearing_energy_end": peaks.bearings["work_in"][told],
+        "pier_displacement_max": watches["displacement"][PIER],
+        "pier_displacement_residual": watches["residual"][PIER],
+        "pier_rotation_max": rotation,
+        "pier_ductility": rotation / where.yield_rotation,
+        "pier_moment_max": moment,
+        "pier_top_displacement_max": watches["displacement"][TOP],
+        "pier_top_acceleration_max": watches["acceleration"][TOP] / MM_PER_M,
+        "deck_displacement_max": watches["displacement"][DECK],
+        "deck_acceleration_max": watches["acceleration"][DECK] / MM_PER_M,
+        "layer_force_mismatch_max": line.mismatch,
+        **{name: getattr(peaks, name) for name in COUNTS},
+        **{f"energy_{name}": peaks.books[name][0] for name in STRUCTURE_ENERGIES},
+        **{
+            f"heat_{name}": peaks.bearings[name][told] for name in BEARING
+        },  # a study begins at rest
+    }
+
+
+def _row(task: Task, found: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
+    """All columns, from what `measures_of` says and what only a study has."""
+    ended, height = found["outcome"], task.prepared.reported.height
+    drift = found["pier_displacement_max"] / height if height > 0.0 else np.nan
+    return {
+        "outcome": ended,
+        "sentence": "" if ended == COMPLETED else ALL_SENTENCES.get(ended, ""),
+        **{name: found[key] for name, key in OF_RUN.items()},
+        **own,
+        "pier_drift_max": drift,
         **residuals_of(found),
     }
 

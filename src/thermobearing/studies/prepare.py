@@ -24,7 +24,7 @@ from thermobearing.studies.columns import (
     columns_of,
     targets_of,
 )
-from thermobearing.studies.designs import hours_of
+from thermobearing.studies.designs import hours_of, in_lockstep
 from thermobearing.studies.levels import Levels
 from thermobearing.studies.names import Path, moves_heat, moves_warmth, with_numbers
 from thermobearing.studies.record import Study
@@ -74,6 +74,7 @@ class Preparer:
 
     def __init__(self, study: Study) -> None:
         self.study = study
+        self.lockstep = in_lockstep(study)
         self.levels = Levels(study)
         self._places = {
             column.name: {str(name): k for k, name in enumerate(column.levels)}

@@ -35,6 +35,8 @@ class Design(Strict):
     paired : every combination of levels has the same draws (default), or draws of its own.
     arrangement : "plain" (default), or "saltelli" for Sobol' indices: two sets of draws A and B,
         and for each drawn factor A with that factor from B.
+    lockstep : runs of one shape side by side (docs/theory.md), which differ from runs alone by
+        rounding; None for studies of 1000 runs or more, whose histories are not all kept.
     """
 
     kind: DesignKind = "factorial"
@@ -42,6 +44,7 @@ class Design(Strict):
     seed: Annotated[int, Field(ge=0)] = 0
     paired: bool = True
     arrangement: Literal["plain", "saltelli"] = "plain"
+    lockstep: bool | None = None
 
     @classmethod
     def conflicts(cls, given: dict[str, Any]) -> list[str]:

@@ -25,7 +25,7 @@ from thermobearing.studies.peaks import (
 from thermobearing.studies.prepare import Preparer, RunInput
 from thermobearing.studies.record import Study
 
-BATCH = 64  # runs that are ready at a time: inputs, not histories
+BATCH = 256  # runs that are ready at a time, so that each finds others of its shape: inputs only
 Stop = Callable[[], bool]
 
 
@@ -120,16 +120,16 @@ def _batch(
             ready[number] = preparer.run_input(row)
         except Exception as error:
             found[number] = Measured(not_run(*outcome_of(error)))
-    done = _measured(list(ready.values()), every, stop)
+    done = _measured(list(ready.values()), every, stop, preparer.lockstep)
     found |= dict(zip(ready, done, strict=False))
     return [found[number] for number in sorted(found)] if len(found) == len(rows) else []
 
 
-def _measured(inputs: list[RunInput], every: int, stop: Stop) -> list[Measured]:
+def _measured(inputs: list[RunInput], every: int, stop: Stop, lockstep: bool) -> list[Measured]:
     """Each run's numbers, and every so many steps of its histories (none: 0), until `stop`."""
     done: list[Measured] = []
     try:
-        for found in measure_all(inputs, traces=every > 0):
+        for found in measure_all(inputs, traces=every > 0, lockstep=lockstep):
             done.append(_thinned(found, every))
             if stop():
                 break
@@ -137,7 +137,7 @@ def _measured(inputs: list[RunInput], every: int, stop: Stop) -> list[Measured]:
         if len(inputs) == 1:
             return [Measured(not_run(*outcome_of(error)))]
         for one in inputs[len(done) :]:  # the others have nothing to do with it
-            done += _measured([one], every, stop)
+            done += _measured([one], every, stop, lockstep)
     return done
 
 
