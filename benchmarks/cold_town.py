@@ -17,7 +17,7 @@ from thermobearing.earthquake.soaking import bearing_weather
 from thermobearing.results import drawing
 from thermobearing.studies import load_study, run_study
 from thermobearing.studies.counted import counted
-from thermobearing.studies.fragility import Fragility, fragilities
+from thermobearing.studies.fragility import Fragility, fragility_curves
 from thermobearing.studies.hazard import Hazard, Rate, annual_rate, ratio
 from thermobearing.studies.mixture import ClimateFragility, shares_of_time
 from thermobearing.studies.store import Store
@@ -82,7 +82,7 @@ def answers(runs: dict[str, pd.DataFrame], warmth: dict[str, Any]) -> dict[tuple
         levels = runs["levels"][runs["levels"]["bearing"] == bearing]
         for limit in LIMITS:
             asked = (limit.demand, limit.capacity, INTENSITY)
-            curves = fragilities(
+            curves = fragility_curves(
                 levels.reset_index(drop=True),
                 *asked,
                 "ambient_degC",

@@ -106,10 +106,10 @@ def run_task(task: Task) -> StructureHistory:
         delay=0.0 if lab is None else lab.delay,
         keep_cells="cells" in case.analysis.keep,
     )
+    if history.outcome != "completed":
+        return history
     moved = [np.abs(history.bearing(b)["displacement"]).max() for b in range(len(task.lines))]
-    if history.outcome == "completed" and is_torn(task, moved):
-        return replace(history, outcome=NOT_PHYSICAL)
-    return history
+    return replace(history, outcome=NOT_PHYSICAL) if is_torn(task, moved) else history
 
 
 def lines_to_shake(task: Task) -> list[Line]:

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -148,7 +149,11 @@ class Prepared:
     damping: Floats  # [n, n]
     ratios: Floats  # damping ratio of each mode
     predictor: Floats = field(repr=False)  # [n, n] stiffness of the predictor
-    reported: Reported = field(repr=False)  # where its peaks are looked at
+
+    @cached_property
+    def reported(self) -> Reported:
+        """Where its peaks are looked at; of a structure that says so."""
+        return reported_of(self.structure)
 
 
 def prepare_structure(
@@ -171,8 +176,8 @@ def prepare_structure(
     stiffness = stiffness + line_stiffness(structure, matrices)
     modes = find_modes(matrices.mass, stiffness, structure.name)
     matrix = build_damping(structure, matrices, modes)
-    ratios, where = ratios_of(matrix, modes), reported_of(structure)
-    return Prepared(structure, matrices, modes, matrix, ratios, stiffness, where)
+    ratios = ratios_of(matrix, modes)
+    return Prepared(structure, matrices, modes, matrix, ratios, stiffness)
 
 
 def build_system(prepared: Prepared, lines: Sequence[Line]) -> System:

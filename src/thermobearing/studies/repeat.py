@@ -12,7 +12,8 @@ from thermobearing.studies.record import Study
 
 
 def repeat_run(study: Study, run: int) -> EarthquakeResult:
-    """Carry out one run of a study again; the same numbers to the last bit.
+    """Carry out one run of a study again; the same numbers, to the last bit or, of a study in
+    lockstep, within rounding.
 
     Where the study has weather, the bearing begins as warm as in it; the case that the result tells
     of says the air of that hour only.
