@@ -12,7 +12,7 @@ import json
 import os
 import re
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -31,20 +31,22 @@ SKIPPED: set[str] = set()  # tests, and files that skip as a whole
 PROPERTIES: list[tuple[str, Any]] = []  # of all tests, in the order in which they ended
 
 
-@pytest.fixture(autouse=True)
-def coarse_figures(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Figures of few points where a test does not look at the points: a quarter of their time.
+@pytest.fixture(autouse=True, scope="module")
+def coarse_figures(request: pytest.FixtureRequest) -> Iterator[None]:
+    """Figures of few points where a file does not look at the points: a quarter of their time.
 
-    Where it does not look at figures at all, they are not laid out either: half of the rest.
+    Where it does not look at figures at all, they are not laid out either: half of the rest. For
+    a whole file, so that what its fixtures draw is drawn like what its tests draw.
     """
-    if "thermobearing" not in sys.modules:
-        return
-    if request.path.name != "test_file_sizes.py":
-        monkeypatch.setattr("thermobearing.results.drawing.DPI", COARSE)
-    if not LOOKS_AT_FIGURES.search(request.path.as_posix()):
-        from matplotlib.layout_engine import ConstrainedLayoutEngine
+    with pytest.MonkeyPatch.context() as patch:
+        if "thermobearing" in sys.modules:
+            if request.path.name != "test_file_sizes.py":
+                patch.setattr("thermobearing.results.drawing.DPI", COARSE)
+            if not LOOKS_AT_FIGURES.search(request.path.as_posix()):
+                from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-        monkeypatch.setattr(ConstrainedLayoutEngine, "execute", lambda *_: None)
+                patch.setattr(ConstrainedLayoutEngine, "execute", lambda *_: None)
+        yield
 
 
 @pytest.fixture

@@ -19,7 +19,7 @@ class Reported:
     deck, top, base : [n] of the deck, the pier top, and the pier top if only its base moves.
     hinge : number of the pier's hinge; None without one.
     yield_rotation : of that hinge [rad]; NaN without one.
-    height : from the base of the pier to its top [mm].
+    height : from the base of the pier to its top [mm]; 0 without one.
     """
 
     deck: Floats
@@ -47,5 +47,7 @@ def reported_of(structure: Structure) -> Reported:
         base=displacement_row(structure, report.pier_base, report.pier_top),
         hinge=hinge,
         yield_rotation=np.nan if hinge is None else structure.hinges[hinge].yield_rotation,
-        height=report.pier_top - structure.body(report.pier).base_height,
+        height=report.pier_top - structure.body(report.pier).base_height
+        if report.has_pier
+        else 0.0,
     )
