@@ -11,6 +11,7 @@ from numpy.testing import assert_allclose
 import tests.unit.motion_files as files
 import thermobearing.motions.run as story
 from tests import tolerances as tol
+from tests.conftest import COARSE
 from tests.unit.inputs import command, content, last_line, summary
 from thermobearing.motions.figures import motion_figure, spectrum_figure
 from thermobearing.motions.jra import standard_spectrum
@@ -50,7 +51,7 @@ def test_make_writes_a_whole_directory(made: Path) -> None:
     assert told["standard_spectrum"]["misfit_rms"] <= tol.MISFIT
     for name in FIGURES:
         head = (made / name).read_bytes()[:24]
-        assert min(struct.unpack(">II", head[16:])) > 400
+        assert min(struct.unpack(">II", head[16:])) > 3 * COARSE  # three inches
 
 
 def test_written_motion_is_read_back(made: Path) -> None:
