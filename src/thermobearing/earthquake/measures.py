@@ -92,7 +92,7 @@ def measures_of(
 
 
 def largest(values: Floats) -> float:
-    """Largest size of a history."""
+    """Largest size of a history; NaN where it is not known."""
     return float(np.abs(values).max())
 
 

@@ -8,6 +8,7 @@ import pandas as pd
 import xarray as xr
 
 from thermobearing.core.records import Floats
+from thermobearing.earthquake.measures import largest
 from thermobearing.structure.matrices import displacement_row
 from thermobearing.structure.parts import Pier, piers_of
 from thermobearing.structure.run import StructureHistory
@@ -52,11 +53,6 @@ HISTORIES = {  # of the parts: dimension, unit, long name, column of history.csv
 }
 
 
-def peak(values: Floats) -> float:
-    """Largest size of a history; NaN where it is not known."""
-    return float(np.abs(values).max())
-
-
 def warmest(values: Floats) -> float:
     """Largest of some temperatures; NaN without any."""
     return float(values.max()) if values.size else np.nan
@@ -67,10 +63,9 @@ def line_peaks(task: "Task", history: StructureHistory) -> list[dict[str, Any]]:
     rows = []
     for b, (line, one) in enumerate(zip(task.case.structure.bearings, task.lines, strict=True)):
         books, device = history.bearing(b), one.device
-        heat = device.stack is not None
-        lead = heat and device.constants.lead.cores > 0.0
-        farthest = peak(books["displacement"])
-        force = peak(books["force"])
+        lead = warmest(books["lead_temperature"]) if device.has_lead else np.nan
+        farthest = largest(books["displacement"])
+        force = largest(books["force"])
         rows.append(
             {
                 "line_bearing": device.bearing.name,
@@ -81,8 +76,10 @@ def line_peaks(task: "Task", history: StructureHistory) -> list[dict[str, Any]]:
                 "line_force_max": force,
                 "line_total_force_max": force * line.count / line.scale**2,
                 "line_energy_end": float(books["work_in"][-1]),
-                "line_rubber_temperature_max": warmest(history.layers(b)) if heat else np.nan,
-                "line_lead_temperature_max": warmest(books["lead_temperature"]) if lead else np.nan,
+                "line_rubber_temperature_max": warmest(history.layers(b))
+                if device.heats
+                else np.nan,
+                "line_lead_temperature_max": lead,
             }
         )
     return rows
@@ -114,15 +111,15 @@ def pier_peaks(task: "Task", history: StructureHistory) -> list[dict[str, Any]]:
         hinge = None if pier.hinge is None else structure.hinges[pier.hinge]
         rows.append(
             {
-                "pier_part_displacement_max": peak(moved),
+                "pier_part_displacement_max": largest(moved),
                 "pier_part_displacement_residual": float(moved[-1]),
-                "pier_part_top_displacement_max": peak(top),
-                "pier_part_top_acceleration_max": peak(acceleration),
-                "pier_part_rotation_max": peak(rotation),
+                "pier_part_top_displacement_max": largest(top),
+                "pier_part_top_acceleration_max": largest(acceleration),
+                "pier_part_rotation_max": largest(rotation),
                 "pier_part_ductility": (
-                    np.nan if hinge is None else peak(rotation) / hinge.yield_rotation
+                    np.nan if hinge is None else largest(rotation) / hinge.yield_rotation
                 ),
-                "pier_part_moment_max": peak(moment),
+                "pier_part_moment_max": largest(moment),
             }
         )
     return rows

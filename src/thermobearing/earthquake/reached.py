@@ -13,7 +13,9 @@ from thermobearing.bearing.validity import ranges_of
 from thermobearing.core.records import Floats
 from thermobearing.cyclic.rig import asked_of, beyond
 from thermobearing.earthquake.case import EarthquakeCase
+from thermobearing.earthquake.measures import largest
 from thermobearing.earthquake.result import run_name
+from thermobearing.earthquake.traces import loading_speed
 from thermobearing.model.earlier import BLIND
 from thermobearing.model.temperature import outside_law
 from thermobearing.results.ranges import Ends, Row, asked_of_tests, outside_tests, reached_by
@@ -85,16 +87,13 @@ def reached(
     found: dict[str, float | Ends] = {}
     for line in lines:
         rows, mine = history.bearing(line), task.lines[line]
-        lead = mine.device.stack is not None and mine.device.constants.lead.cores > 0.0
-        steps = np.maximum(np.diff(rows["clock"]), np.finfo(float).tiny)
-        speed = np.abs(np.diff(rows["displacement"])) / steps
         one = reached_by(
             rows["clock"],
             rows["displacement"],
-            float(speed.max()) if len(speed) else 0.0,
+            largest(loading_speed(rows)),
             rubber=mine.device.bearing.total_rubber_thickness,
             ambient=(mine.ambient, mine.ambient),
-            lead=rows["lead_temperature"] if lead else None,
+            lead=rows["lead_temperature"] if mine.device.has_lead else None,
         )
         found = {name: _farther(found.get(name, value), value) for name, value in one.items()}
     return found

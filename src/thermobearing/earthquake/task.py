@@ -22,9 +22,19 @@ class Device:
     stack: Stack | None
 
     @property
+    def heats(self) -> bool:
+        """Whether it has temperatures."""
+        return self.stack is not None
+
+    @property
+    def has_lead(self) -> bool:
+        """Whether it has lead cores with a temperature."""
+        return self.heats and self.constants.lead.cores > 0.0
+
+    @property
     def tears(self) -> float:
         """Strain beyond which nothing is left to be modelled; a design may begin far off."""
-        return LARGEST_STRAIN if self.stack is not None else 100.0
+        return LARGEST_STRAIN if self.heats else 100.0
 
 
 @dataclass(frozen=True)

@@ -62,8 +62,7 @@ def structure_traces(task: "Task", history: StructureHistory) -> dict[str, Float
 def traces_of(task: "Task", history: StructureHistory) -> dict[str, Floats]:
     """Each of `HISTORIES` by name, and temperatures of layers and of cells that are kept."""
     told, bearing = task.told.device, history.bearing(task.told_line)
-    heat, count = told.stack is not None, len(history.rows.q)
-    lead = heat and told.constants.lead.cores > 0.0
+    heat, count = told.heats, len(history.rows.q)
     return structure_traces(task, history) | {
         "time": history.rows.books["clock"],
         "bearing_displacement": bearing["displacement"],
@@ -72,16 +71,18 @@ def traces_of(task: "Task", history: StructureHistory) -> dict[str, Floats]:
         "rubber_force": bearing["rubber_force"],
         "lead_force": bearing["lead_force"],
         "viscous_force": bearing["viscous_force"],
-        "bearing_speed": _speed(bearing),
+        "bearing_speed": loading_speed(bearing),
         "bearing_clock": bearing["clock"],
         "bearing_energy": bearing["work_in"],
-        "lead_temperature": bearing["lead_temperature"] if lead else np.full(count, np.nan),
+        "lead_temperature": bearing["lead_temperature"]
+        if told.has_lead
+        else np.full(count, np.nan),
         "rubber_temperature": history.layers(task.told_line) if heat else np.empty((count, 0)),
         "temperature": history.cells(task.told_line) if heat else np.empty((count, 0)),
     }
 
 
-def _speed(bearing: Rows[Books]) -> Floats:
+def loading_speed(bearing: Rows[Books]) -> Floats:
     """Loading speed at the end of each step, on the clock of the modelled bearing [mm/s]."""
     steps = np.maximum(np.diff(bearing["clock"]), np.finfo(float).tiny)
     return np.concatenate([[0.0], np.diff(bearing["displacement"]) / steps])

@@ -151,15 +151,10 @@ def measure_all(
         ):
             yield Measured(numbers_of_peaks(one.task, peaks))
         return
-    for one, history in zip(inputs, shaken(inputs), strict=True):
+    for one in inputs:
+        history = run_task(one.task)
         found = traces_of(one.task, history) if traces else structure_traces(one.task, history)
         yield Measured(numbers_of(one.task, history, found), found if traces else None)
-
-
-def shaken(inputs: Sequence["RunInput"]) -> Iterator[StructureHistory]:
-    """The runs themselves, in their order; only one is in memory at a time."""
-    for one in inputs:
-        yield run_task(one.task)
 
 
 def to_shake(task: Task) -> Run:
@@ -183,13 +178,11 @@ def numbers_of(
     """A value for each of `RESULT_COLUMNS`."""
     device, line = task.told.device, task.told_line
     bearing, none = history.bearing(line), np.empty(0)
-    heat = device.stack is not None
-    lead = heat and device.constants.lead.cores > 0.0
     own = {
         "bearing_displacement_residual_mm": bearing["displacement"][-1],
         "deck_displacement_residual_mm": traces["deck_displacement"][-1],
-        "rubber_max_degC": warmest(history.layers(line) if heat else none),
-        "lead_max_degC": warmest(bearing["lead_temperature"] if lead else none),
+        "rubber_max_degC": warmest(history.layers(line) if device.heats else none),
+        "lead_max_degC": warmest(bearing["lead_temperature"] if device.has_lead else none),
     }
     return _row(task, measures_of(task, history, traces), own)
 
@@ -200,20 +193,17 @@ def numbers_of_peaks(task: Task, peaks: RunPeaks) -> dict[str, Any]:
     if peaks.outcome == COMPLETED and is_torn(task, peaks.lines["displacement"].tolist()):
         found["outcome"] = NOT_PHYSICAL
     line, told = peaks.lines[task.told_line], task.told.device
-    heat = told.stack is not None
     own = {
         "bearing_displacement_residual_mm": peaks.bearings["displacement"][task.told_line],
         "deck_displacement_residual_mm": peaks.watches["residual"][DECK],
-        "rubber_max_degC": line.rubber_temperature if heat else np.nan,
-        "lead_max_degC": line.lead_temperature
-        if heat and told.constants.lead.cores > 0.0
-        else np.nan,
+        "rubber_max_degC": line.rubber_temperature if told.heats else np.nan,
+        "lead_max_degC": line.lead_temperature if told.has_lead else np.nan,
     }
     return _row(task, found, own)
 
 
 def measures_of_peaks(task: Task, peaks: RunPeaks) -> dict[str, Any]:
-    """What `measures_of` says of a run with rows."""
+    """What `measures_of` says of a run with rows; its bearings begin at rest."""
     told, where = task.told_line, task.prepared.reported
     line, watches = peaks.lines[told], peaks.watches
     rotation, moment = np.nan, np.nan
@@ -238,9 +228,7 @@ def measures_of_peaks(task: Task, peaks: RunPeaks) -> dict[str, Any]:
         "layer_force_mismatch_max": line.mismatch,
         **{name: getattr(peaks, name) for name in COUNTS},
         **{f"energy_{name}": peaks.books[name][0] for name in STRUCTURE_ENERGIES},
-        **{
-            f"heat_{name}": peaks.bearings[name][told] for name in BEARING
-        },  # a study begins at rest
+        **{f"heat_{name}": peaks.bearings[name][told] for name in BEARING},
     }
 
 
