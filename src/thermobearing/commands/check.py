@@ -32,6 +32,7 @@ from thermobearing.studies.case import load_study
 from thermobearing.studies.columns import columns_of
 from thermobearing.studies.designs import plan
 from thermobearing.studies.factors import Posterior
+from thermobearing.studies.matched import with_stand_ins
 from thermobearing.studies.record import Study
 
 # Keys that files of one kind alone have, to tell files that do not say what they are.
@@ -251,7 +252,7 @@ def earthquake_facts(case: EarthquakeCase) -> dict[str, str]:
 
 def study_facts(study: Study) -> dict[str, str]:
     """What a study would run."""
-    facts = {"design": study.design.kind, "runs": str(len(plan(study)))}
+    facts = {"design": study.design.kind, "runs": str(len(plan(with_stand_ins(study))))}
     for column in columns_of(study):
         told = f"{column.count} levels"
         if column.count == 1:

@@ -97,13 +97,19 @@ def run(
     """Carry out a study, or what is missing of it."""
     from thermobearing.studies.case import load_study
 
-    made = load_study(study)
+    loaded = made = load_study(study)
     if dry_run:
         return _told(made, jobs, as_json, quiet)
-    from thermobearing.studies.engine import run_study
+    from thermobearing.studies.engine import check_start, run_study
+    from thermobearing.studies.matched import is_matched, with_matched
 
     target = output or Path(f"study-{made.name}")
     words: dict[str, Any] = {"executor": executor, "jobs": jobs, "address": address, "shard": shard}
+    if is_matched(made):
+        check_start(target, **words)
+        made = with_progress(
+            lambda show: with_matched(loaded, target, jobs, show), "motions made", quiet
+        )
     status = with_progress(
         lambda show: run_study(made, target, progress=show, **words), "runs", quiet, STRUCTURES
     )
@@ -125,9 +131,12 @@ def _told(study: Any, jobs: int | None, as_json: bool, quiet: bool) -> int:
         facts = {
             "runs": str(found.runs),
             "one run": f"{1e3 * found.seconds:.3g} ms, of {found.tried} that were tried{failed}",
+            "motions": f"{found.motions} to be made first, {duration(found.motion_seconds)} each",
             "all": f"{duration(max(found.whole_seconds, 1.0))} with --jobs {found.jobs}",
             "size": f"at most {told}",
         }
+        if not found.motions:
+            del facts["motions"]
         print_facts(f"{study.name}: nothing is written", facts)
     if as_json:
         echo_json(
@@ -136,6 +145,8 @@ def _told(study: Any, jobs: int | None, as_json: bool, quiet: bool) -> int:
                 "exit_status": 0,
                 "runs": found.runs,
                 "seconds_a_run": found.seconds,
+                "motions_to_make": found.motions,
+                "seconds_a_motion": found.motion_seconds,
                 "jobs": found.jobs,
                 "seconds": found.whole_seconds,
                 "bytes": found.table_bytes + found.history_bytes,

@@ -126,10 +126,25 @@ def standard_spectrum(
     values = number_list(periods, "periods [s]")
     if (values < 1.0 / HUGEST).any():
         raise InputError("periods [s]: must be > 0", "standard_spectrum")
+    return zone_factor * standard_curve(*key, zone_factor).at(values)
+
+
+def standard_curve(kind: str, ground: str, zone_factor: float = 1.0) -> StandardSpectrum:
+    """The curve of `standard_spectrum` without a factor, which is checked only.
+
+    Parameters
+    ----------
+    kind, ground : Roman numbers.
+    zone_factor : c_z of the region, in [0.01, 2].
+
+    Raises
+    ------
+    InputError : the factor is out of range.
+    """
     if not SMALLEST_ZONE_FACTOR <= zone_factor <= LARGEST_ZONE_FACTOR:
         raise InputError(
             f"zone_factor: {zone_factor:g} is outside [{SMALLEST_ZONE_FACTOR:g}, "
             f"{LARGEST_ZONE_FACTOR:g}]",
             "standard_spectrum",
         )
-    return zone_factor * _spectra()[key].at(values)
+    return _spectra()[kind, ground]

@@ -4,8 +4,7 @@ They are stand-ins: they fit the spectrum, and are not the accelerograms of the 
 """
 
 from thermobearing.border.errors import InputError
-from thermobearing.core.types import Floats
-from thermobearing.motions.jra import kind_and_ground, standard_spectrum
+from thermobearing.motions.jra import kind_and_ground
 from thermobearing.motions.matching import (
     LONGEST_FIT,
     Effort,
@@ -16,16 +15,15 @@ from thermobearing.motions.matching import (
 from thermobearing.motions.phases import motion_name, near_fault, phases
 from thermobearing.motions.process import padded
 from thermobearing.motions.record import GroundMotion
+from thermobearing.motions.targets import DesignSpectrum, standard_target
 
 ROOM = 4.0  # [s] of rest before and after a record, for the ringing of changed amplitudes
+SHORTEST_RECORD = 5.0  # [s]
 SMALLEST_DT, LARGEST_DT = 0.001, 0.02  # half a period of 0.1 s holds at least 2.5 steps
 # Where waves cancel in a narrow band, no amplitudes fill the hole: then the phases are drawn
 # again. The limit leaves room below the 3 % that are promised.
 DRAWS, ACCEPTED = 8, 0.025
 LARGEST_SEED = 2**32 - 1
-CITATION = (
-    "Standard spectrum: Japan Road Association, Specifications for Highway Bridges, Part V (2012)"
-)
 
 
 def make_motion(
@@ -35,6 +33,7 @@ def make_motion(
     dt: float = 0.01,
     *,
     zone_factor: float = 1.0,
+    spectrum: DesignSpectrum | None = None,
     progress: Progress | None = None,
 ) -> GroundMotion:
     """A ground motion that fits a standard spectrum, the same for the same seed.
@@ -51,6 +50,8 @@ def make_motion(
     seed : of the random phases, 0 to 4294967295.
     dt : time step [s], in [0.001, 0.02].
     zone_factor : c_z, in [0.01, 2].
+    spectrum : to be fitted instead of the standard one, from `load_spectrum`; type and ground then
+        say how it shakes.
     progress : called after each round of the fit with (rounds done, at most).
 
     Returns
@@ -72,30 +73,27 @@ def make_motion(
         raise InputError(f"seed: {seed!r} is not a whole number from 0 to {LARGEST_SEED}")
     _check_step(dt, "make_motion")
 
-    def target(periods: Floats) -> Floats:
-        return standard_spectrum(kind, ground, periods, zone_factor=zone_factor)
-
+    target = spectrum or standard_target(kind, ground, zone_factor)
     fit: Matched | None = None
     effort = Effort(progress=progress)
     for draw in range(DRAWS):
-        trial = matched(phases(kind, ground, seed, draw, dt), dt, target, effort=effort)
+        trial = matched(phases(kind, ground, seed, draw, dt), dt, target.at, effort=effort)
         if fit is None or trial.misfit < fit.misfit:
             fit = trial
         if fit.misfit <= ACCEPTED or effort.spent:
             break
     assert fit is not None
-    name = motion_name(kind, ground, seed)
-    own = near_fault().get(name)
+    own = near_fault().get(motion_name(kind, ground, seed))
+    stand_in = f"Stand-in, {target.caveat}: synthetic" if target.caveat else "Synthetic"
     return GroundMotion(
-        name=name,
+        name=f"{target.name}-{seed}",
         dt=dt,
         acceleration=fit.acceleration,
         description=(
-            f"Stand-in, NOT an accelerogram of the specifications: synthetic, fits the standard "
-            f"spectrum of Level 2 Type {kind}, ground {ground}, c_z = {zone_factor:g} "
+            f"{stand_in}, fits {target.told} "
             f"(seed {seed}, misfit {100 * fit.misfit:.1f} % rms over 0.1-3 s)"
         ),
-        citation=f"{CITATION}; {own.citation}" if own else CITATION,
+        citation="; ".join(text for text in (target.citation, own and own.citation) if text),
     )
 
 
@@ -106,10 +104,11 @@ def _check_step(dt: float, where: str) -> None:
 
 def match_spectrum(
     record: GroundMotion,
-    kind: str | int,
-    ground: str | int,
+    kind: str | int = "II",
+    ground: str | int = "I",
     *,
     zone_factor: float = 1.0,
+    spectrum: DesignSpectrum | None = None,
     progress: Progress | None = None,
 ) -> GroundMotion:
     """A recorded motion with its Fourier amplitudes adjusted to a standard spectrum.
@@ -122,6 +121,7 @@ def match_spectrum(
     record : the recorded motion; at least 5 s long and at most 120000 samples, time step at most
         0.02 s.
     kind, ground, zone_factor : as of `standard_spectrum`.
+    spectrum : to be fitted instead of the standard one, from `load_spectrum`.
     progress : called after each round of the fit with (rounds done, at most).
 
     Returns
@@ -139,35 +139,44 @@ def match_spectrum(
     >>> match_spectrum(record, "II", "II").name
     'jra-ii-i-1-as-ii-ii'
     """
-    kind, ground = kind_and_ground(kind, ground)
+    target = spectrum or standard_target(*kind_and_ground(kind, ground), zone_factor)
+    check_record(record)
+    room = padded(record, ROOM, ROOM).acceleration
+    fit = matched(room, record.dt, target.at, finer=True, effort=Effort(progress=progress))
+    caveat = f"; {target.caveat}" if target.caveat else ""
+    as_name = target.name.removeprefix("jra-")
+    return GroundMotion(
+        name=f"{record.name}-as-{as_name}".lower(),
+        dt=record.dt,
+        acceleration=fit.acceleration,
+        description=(
+            f"{record.name} with Fourier amplitudes adjusted to {target.told}, phases kept (misfit "
+            f"{100 * fit.misfit:.1f} % rms over 0.1-3 s){caveat}"
+        ),
+        citation="; ".join(text for text in (record.citation, target.citation) if text),
+    )
+
+
+def check_record(record: GroundMotion) -> None:
+    """Whether a motion can be adjusted to a spectrum.
+
+    Raises
+    ------
+    InputError : it is too short, too long, too coarse or zero throughout.
+    """
     _check_step(record.dt, record.name)
-    if record.duration < 5.0:
+    if record.duration < SHORTEST_RECORD:
         raise InputError(
-            f"lasts {record.duration:g} s; at least 5 s are needed to fit periods up to 3 s",
+            f"lasts {record.duration:g} s; at least {SHORTEST_RECORD:g} s are needed to fit "
+            "periods up to 3 s",
             record.name,
         )
     if record.pga == 0.0:
         raise InputError("is zero throughout: it has no phases to keep", record.name)
-    room = padded(record, ROOM, ROOM).acceleration
-    if len(room) > LONGEST_FIT:
+    count = len(record.acceleration) + 2 * round(ROOM / record.dt)
+    if count > LONGEST_FIT:
         raise InputError(
-            f"has {len(room)} samples with the rest around it; at most {LONGEST_FIT} can be "
+            f"has {count} samples with the rest around it; at most {LONGEST_FIT} can be "
             "fitted: cut it to its strong part, or take a longer dt",
             record.name,
         )
-
-    def target(periods: Floats) -> Floats:
-        return standard_spectrum(kind, ground, periods, zone_factor=zone_factor)
-
-    fit = matched(room, record.dt, target, finer=True, effort=Effort(progress=progress))
-    return GroundMotion(
-        name=f"{record.name}-as-{kind}-{ground}".lower(),
-        dt=record.dt,
-        acceleration=fit.acceleration,
-        description=(
-            f"{record.name} with Fourier amplitudes adjusted to the standard spectrum of Level 2 "
-            f"Type {kind}, ground {ground}, c_z = {zone_factor:g}, phases kept (misfit "
-            f"{100 * fit.misfit:.1f} % rms over 0.1-3 s); NOT an accelerogram of the specifications"
-        ),
-        citation="; ".join(text for text in (record.citation, CITATION) if text),
-    )

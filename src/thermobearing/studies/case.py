@@ -6,7 +6,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from thermobearing.border.errors import InputError, nearest
+from thermobearing.border.errors import InputError, is_file, nearest
 from thermobearing.border.library import Library, is_path
 from thermobearing.border.schema import Strict, validated
 from thermobearing.border.units import with_unit
@@ -27,6 +27,7 @@ from thermobearing.studies.factors import (
     StructureFactor,
 )
 from thermobearing.studies.levels import weather_of
+from thermobearing.studies.matched import STAND_IN, motions_to_be, with_kept
 from thermobearing.studies.names import moves_warmth, spelled
 from thermobearing.studies.ranges import reach_faults
 from thermobearing.studies.record import Design, Factors, Keep, Study
@@ -80,7 +81,7 @@ def load_study(name_or_path: str | Path) -> Study:
     ('pier-p1', [23.0, -20.0])
     """
     path = STUDIES.path(name_or_path)
-    return make_study(case_table(path), str(path), path.parent)
+    return with_kept(make_study(case_table(path), str(path), path.parent), path.parent)
 
 
 def make_study(table: dict[str, Any], where: str, folder: Path = Path()) -> Study:
@@ -150,6 +151,8 @@ def _settled(table: dict[str, Any], folder: Path) -> tuple[Study | None, list[st
     if faults:
         return None, faults
     try:
+        if made["motion"].matched is not None:
+            motions = motions_to_be(made["motion"])
         factors = validated(Factors, made | {"numbers": numbers}, "")
         found = _with_case(case, factors, motions, folder)
         whole = {"name": called, "case": found[0], "factors": found[1]}
@@ -232,7 +235,9 @@ def _settle_weather(table: dict[str, Any], folder: Path) -> None:
 
 def _settle_motions(table: dict[str, Any], folder: Path, faults: list[str]) -> list[GroundMotion]:
     """Motions as tables that name absolute files; what they hold."""
-    levels = table.get("levels")
+    levels, matched = table.get("levels"), table.get("matched")
+    if isinstance(matched, str) and is_file(folder / matched):
+        table["matched"] = str((folder / matched).absolute())
     if not isinstance(levels, list):
         return []
     table["levels"], motions, found = settle_motions(levels, folder, "factors.motion.levels[{}]")
@@ -257,9 +262,10 @@ def _with_case(
     bearings = [
         one.bearing if isinstance(one, Posterior) else one for one in factors.bearing.levels
     ]
+    plain = factors.motion.matched is None
     first = {
         "bearings": bearings[:1],
-        "motions": [factors.motion.levels[0]],
+        "motions": [factors.motion.levels[0] if plain and factors.motion.levels else STAND_IN],
         "ambient": [with_unit(air, "degC")],
     }
     made = [

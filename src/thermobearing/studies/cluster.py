@@ -6,7 +6,8 @@ from contextlib import ExitStack
 from typing import Any
 
 from thermobearing.border.errors import InputError, OutputError
-from thermobearing.studies.executors import AHEAD, KEPT, Finished, Work
+from thermobearing.studies.executors import AHEAD, Finished, Work
+from thermobearing.studies.processes import KEPT
 from thermobearing.studies.shard import carry_out
 
 EXTRA = 'needs distributed: pip install "thermobearing[cluster]"'

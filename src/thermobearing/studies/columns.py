@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from thermobearing.border.schema import Strict
 from thermobearing.core.records import Floats
 from thermobearing.studies.distributions import Distribution
-from thermobearing.studies.factors import Picked, Posterior, numbers_of, probabilities
+from thermobearing.studies.factors import MotionFactor, Picked, Posterior, numbers_of, probabilities
 from thermobearing.studies.names import Target, target_of
 from thermobearing.studies.record import Study
 
@@ -71,7 +71,8 @@ def columns_of(study: Study) -> list[Column]:
     columns = []
     for name in THINGS:
         factor = getattr(factors, name)
-        names = [str(getattr(one, "label", None) or one.name) for one in factor.levels]
+        motions = isinstance(factor, MotionFactor)
+        names = factor.names if motions else [str(one.name) for one in factor.levels]
         columns.append(Column(name, names, chances=_chances(factor, len(names))))
         if name == "bearing" and any(isinstance(one, Posterior) for one in factor.levels):
             columns.append(Column(SAMPLE, share=True))

@@ -80,7 +80,7 @@ class Contents:
     def __init__(self, study: Study) -> None:
         factors = study.factors
         self.levels = Levels(study)
-        motions, given = self.levels.motions, [motion.factor for motion in factors.motion.levels]
+        motions, given = self.levels.motions, [one.factor for one in self.levels.listed]
         self.intensities = np.array(
             [
                 factor * intensity(motion, factors.scale)

@@ -16,15 +16,17 @@ from typing import Any, Literal
 import pandas as pd
 
 from thermobearing.border.errors import InputError, OutputError
+from thermobearing.results.directory import check_target
 from thermobearing.studies.designs import plan
 from thermobearing.studies.executors import Finished, Work, in_turn, on_processes
 from thermobearing.studies.lock import only_writer
 from thermobearing.studies.log import Pace
+from thermobearing.studies.matched import is_matched, with_matched
 from thermobearing.studies.peaks import COMPLETED
 from thermobearing.studies.record import Study
 from thermobearing.studies.shard import BrokenError, carry_out, packed
 from thermobearing.studies.status import Status, study_status
-from thermobearing.studies.store import Store, open_or_make
+from thermobearing.studies.store import MANIFEST, Store, open_or_make
 from thermobearing.studies.worst import RANKED, worst_runs
 
 Progress = Callable[[int, int], None]
@@ -79,11 +81,9 @@ def run_study(
     >>> run_study(make_study(table, "example"), directory, jobs=1).sentence
     '1 of 1 runs of p1 are done.'
     """
-    part = checked_part(shard)
-    _check(executor, jobs, address, size)
     directory = Path(directory)
-    runs = plan(study)
-    store = open_or_make(directory, study, runs, size)
+    part = check_start(directory, executor, jobs, address, shard, size)
+    study, runs, store = _opened(study, directory, size, jobs)
     with only_writer(directory, "" if part is None else f"{part[0]}-of-{part[1]}"):
         try:
             _do_missing(store, study, runs, part, (executor, jobs, address), progress)
@@ -119,8 +119,26 @@ def checked_part(text: str | None) -> tuple[int, int] | None:
     return part, parts
 
 
-def _check(executor: str, jobs: int | None, address: Any, size: int | None) -> None:
-    """InputError for words that cannot be used."""
+def check_start(
+    directory: Path,
+    executor: str = "process",
+    jobs: int | None = None,
+    address: Any = None,
+    shard: str | None = None,
+    size: int | None = None,
+) -> tuple[int, int] | None:
+    """Refuse what `run_study` would refuse, before anything takes time; the part of the shards.
+
+    Parameters
+    ----------
+    directory, executor, jobs, address, shard, size : as there.
+
+    Raises
+    ------
+    InputError : words that cannot be used.
+    OutputError : the directory holds something else.
+    """
+    part = checked_part(shard)
     if executor not in EXECUTORS:
         raise InputError(f'executor "{executor}": must be "process" or "dask"')
     if jobs is not None and not 1 <= jobs <= MOST_JOBS:
@@ -129,6 +147,27 @@ def _check(executor: str, jobs: int | None, address: Any, size: int | None) -> N
         raise InputError(f"size: {size} runs are no shard; at least 1")
     if executor == "process" and address is not None:
         raise InputError('address: only of executor "dask"')
+    if not (directory / MANIFEST).exists():
+        check_target(directory, force=False)
+    return part
+
+
+def _opened(
+    study: Study, directory: Path, size: int | None, jobs: int | None
+) -> tuple[Study, pd.DataFrame, Store]:
+    """A study with its motions, its plan, and its directory, new or begun."""
+    begun = (directory / MANIFEST).exists()
+    made = with_matched(study, directory, jobs)
+    runs = plan(made)
+    try:
+        return made, runs, open_or_make(directory, made, runs, size)
+    except InputError:
+        # Another part was quicker, perhaps on a machine of other last bits: its are taken.
+        if begun or not is_matched(study) or not (directory / MANIFEST).exists():
+            raise
+        made = with_matched(study, directory, jobs)
+        runs = plan(made)
+        return made, runs, open_or_make(directory, made, runs, size)
 
 
 def _do_missing(

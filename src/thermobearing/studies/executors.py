@@ -6,28 +6,23 @@ other, and a shard that is lost with its process is carried out again: nobody wr
 process that began.
 """
 
-import os
-import signal
-import threading
 from collections.abc import Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from itertools import chain
-from multiprocessing import connection, get_all_start_methods, get_context, parent_process
 from typing import Any
 
 import pandas as pd
 
 from thermobearing.border.errors import OutputError
 from thermobearing.border.threads import one_blas_thread
+from thermobearing.studies.processes import KEPT, begin, context_of_processes, is_stopped
 from thermobearing.studies.shard import Done, carry_out
 
 Work = tuple[int, pd.DataFrame]  # a shard and its rows of the plan
 Finished = tuple[int, Done]
-HERE = "thermobearing.studies.shard"
 AHEAD = 2  # shards for each worker that are on their way
 PATIENCE = 3  # times in a row that workers may die with nothing done between
-KEPT = "what is done is kept: start again to go on"
 
 
 def in_turn(study: bytes, works: Iterable[Work], *, histories: bool) -> Iterator[Finished]:
@@ -38,28 +33,17 @@ def in_turn(study: bytes, works: Iterable[Work], *, histories: bool) -> Iterator
             yield number, done
 
 
-_study: bytes = b""  # of a process of the pool, as the next
-_stop: Any = None
+_OWN: dict[str, bytes] = {}  # of a process of the pool: its study
 
 
 def _begin(study: bytes, stop: Any) -> None:
-    """What a process of the pool does first; Ctrl-C is for the one that made it."""
-    global _study, _stop
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    _study, _stop = study, stop
-    parent = parent_process()
-    assert parent is not None
-    threading.Thread(target=_follow, args=(parent.sentinel,), daemon=True).start()
-
-
-def _follow(parent: Any) -> None:
-    """End with the process that made this one, even if that is killed and says nothing."""
-    connection.wait([parent])
-    os._exit(1)
+    """What a process of the pool does first."""
+    begin(stop)
+    _OWN["study"] = study
 
 
 def _carry_out_here(rows: pd.DataFrame, histories: bool) -> Done | None:
-    return carry_out(_study, rows, histories, stop=_stop.is_set)
+    return carry_out(_OWN["study"], rows, histories, stop=is_stopped)
 
 
 def on_processes(
@@ -109,22 +93,9 @@ class _Waiting:
         self.taken = {}
 
 
-def _context() -> Any:
-    """How processes are begun: copies of one that has read the program, and does nothing else.
-
-    A process that is forked while threads run may wait for ever; where there is no such server
-    (Windows) each reads the program itself.
-    """
-    if "forkserver" not in get_all_start_methods():
-        return get_context("spawn")
-    context = get_context("forkserver")
-    context.set_forkserver_preload([HERE])
-    return context
-
-
 def _of_one_pool(study: bytes, waiting: _Waiting, jobs: int, histories: bool) -> Iterator[Finished]:
     """What one pool of processes does until all is done, or one of them dies."""
-    context = _context()
+    context = context_of_processes()
     stop = context.Event()
     pool = ProcessPoolExecutor(jobs, context, _begin, (study, stop))
     running: dict[Future[Done | None], int] = {}

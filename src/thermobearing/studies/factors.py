@@ -1,9 +1,11 @@
 """The factors of a study: what differs between its runs, and all the ways to say how."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import Field, PrivateAttr
 
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.model import Bearing
@@ -11,6 +13,8 @@ from thermobearing.border.errors import InputError
 from thermobearing.border.schema import Strict, in_unit
 from thermobearing.cyclic.case import Temperature
 from thermobearing.earthquake.motion import Motion
+from thermobearing.motions.record import GroundMotion
+from thermobearing.motions.synthesis import LARGEST_SEED
 from thermobearing.structure.model import Structure
 from thermobearing.studies.distributions import Distribution, Drawn, distribution_of, settled_number
 
@@ -75,10 +79,80 @@ class StructureFactor(Picked):
     levels: Annotated[list[Structure], Field(min_length=1, max_length=MOST_LEVELS)]
 
 
-class MotionFactor(Picked):
-    """Ground motions, each with a name of its own."""
+@dataclass(frozen=True, eq=False)
+class Made:
+    """Ground motions that were made for a factor; two of them are only alike if they are one."""
 
-    levels: Annotated[list[Motion], Field(min_length=1, max_length=MOST_LEVELS)]
+    motions: tuple[GroundMotion, ...]
+
+
+class MotionFactor(Picked):
+    """Ground motions, each with a name of its own; or motions that are made to fit a spectrum.
+
+    Attributes
+    ----------
+    levels : motions; with `matched` the records whose phases are kept.
+    matched : name of a standard spectrum, or file of one.
+    count, seed : of random phases instead of records: so many, from this seed (1) on.
+    phases : standard spectrum that says how those shake; `matched` itself, or "jra-ii-i" with a
+        file.
+    zone_factor : multiplies the spectrum, c_z of a standard one, in [0.01, 2]; 1 by default.
+    dt : time step [s], in [0.001, 0.02]; 0.01 s, or that of a record.
+    tolerance : root mean square misfit from 0.1 to 3 s that is taken; 0.03 by default.
+    """
+
+    levels: Annotated[list[Motion], Field(min_length=1, max_length=MOST_LEVELS)] | None = None
+    matched: Annotated[str, Field(min_length=1)] | None = None
+    count: Annotated[int, Field(ge=1, le=MOST_LEVELS)] | None = None
+    seed: Annotated[int, Field(ge=0, le=LARGEST_SEED - MOST_LEVELS)] | None = None
+    phases: Annotated[str, Field(min_length=1)] | None = None
+    zone_factor: Annotated[float, Field(ge=0.01, le=2)] | None = None
+    dt: Annotated[float, in_unit("s"), Field(ge=0.001, le=0.02)] | None = None
+    tolerance: Annotated[float, Field(gt=0, le=1)] | None = None
+    _made: Made | None = PrivateAttr(default=None)
+
+    @classmethod
+    def conflicts(cls, given: dict[str, Any]) -> list[str]:
+        """Records or random phases, and what belongs to either."""
+        faults = Picked.conflicts.__func__(cls, given)  # type: ignore[attr-defined]
+        count, weights = given.get("count"), given.get("weights")
+        if isinstance(count, int) and isinstance(weights, list) and len(weights) != count:
+            faults.append(f"weights: {len(weights)} of them for {count} motions")
+        if "matched" not in given:
+            own = ("count", "seed", "phases", "zone_factor", "dt", "tolerance")
+            faults += [f"{key}: only of motions that are matched" for key in own if key in given]
+            if "levels" not in given:
+                faults.append('missing key "levels"; or matched = "jra-ii-i" with count')
+        elif "levels" not in given and count is None:
+            faults.append("matched: how many? Give count, or levels: records whose phases are kept")
+        elif "levels" in given:
+            faults += [
+                f"{key}: of random phases; levels are records"
+                for key in ("count", "seed", "phases")
+                if key in given
+            ]
+        return list(faults)
+
+    @property
+    def names(self) -> list[str]:
+        """Of the motions, each once."""
+        own = [str(one.label or one.name) for one in self.levels or ()]
+        if self.matched is None:
+            return own
+        spectrum = Path(self.matched).stem
+        if own:
+            return [f"{name}-as-{spectrum.removeprefix('jra-')}" for name in own]
+        first = 1 if self.seed is None else self.seed
+        return [f"{spectrum}-{first + place}" for place in range(self.count or 0)]
+
+    @property
+    def made(self) -> Made | None:
+        """Those that were made; None before."""
+        return self._made
+
+    def keep_made(self, motions: Sequence[GroundMotion]) -> None:
+        """Remember what was made, so that it is made once."""
+        self._made = Made(tuple(motions))
 
 
 Levels = Annotated[list[float | str], Field(min_length=1, max_length=MOST_LEVELS)]

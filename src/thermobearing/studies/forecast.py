@@ -8,6 +8,7 @@ import numpy as np
 
 from thermobearing.studies.columns import columns_of
 from thermobearing.studies.designs import plan
+from thermobearing.studies.matched import tried
 from thermobearing.studies.peaks import RESULT_COLUMNS
 from thermobearing.studies.prepare import Preparer
 from thermobearing.studies.record import Study
@@ -29,6 +30,8 @@ class Forecast:
     table_bytes, history_bytes : on the disk, at most.
     failed : of the runs that were tried, those that did not get through.
     tried : how many were.
+    motions : to be made first, to fit a spectrum.
+    motion_seconds : of one of them in one process.
     """
 
     runs: int
@@ -38,11 +41,14 @@ class Forecast:
     history_bytes: float
     failed: int
     tried: int
+    motions: int = 0
+    motion_seconds: float = 0.0
 
     @property
     def whole_seconds(self) -> float:
         """For all runs, on as many processes."""
-        return self.runs * self.seconds / min(self.jobs, self.runs)
+        making = self.motions * self.motion_seconds / min(self.jobs, max(self.motions, 1))
+        return making + self.runs * self.seconds / min(self.jobs, self.runs)
 
 
 def forecast(study: Study, jobs: int | None = None) -> Forecast:
@@ -69,6 +75,7 @@ def forecast(study: Study, jobs: int | None = None) -> Forecast:
     >>> forecast(make_study(table, "example")).runs
     1
     """
+    study, motions, making = tried(study)
     runs = plan(study)
     some = runs.iloc[np.unique(np.linspace(0, len(runs) - 1, TRIED).astype(int))]
     preparer = Preparer(study)
@@ -93,4 +100,6 @@ def forecast(study: Study, jobs: int | None = None) -> Forecast:
         history_bytes=float(min(count, len(runs)) * (np.mean(each) if each else 0.0)),
         failed=int((done.table["outcome"] != "completed").sum()),
         tried=len(some),
+        motions=motions,
+        motion_seconds=making,
     )

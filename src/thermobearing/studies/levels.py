@@ -10,9 +10,11 @@ from numpy.typing import NDArray
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.climate import Hourly, generate_weather, read_weather
+from thermobearing.earthquake.motion import Motion
 from thermobearing.identify.samples import posterior_bearings
 from thermobearing.motions.record import GroundMotion
 from thermobearing.studies.factors import AmbientFactor, Posterior
+from thermobearing.studies.matched import levels_of, motions_of
 from thermobearing.studies.record import Study
 
 Ints = NDArray[np.int64]
@@ -68,7 +70,12 @@ class Levels:
     @cached_property
     def motions(self) -> list[GroundMotion]:
         """Ground motions, not yet scaled."""
-        return [motion.load() for motion in self.study.factors.motion.levels]
+        return motions_of(self.study.factors.motion)
+
+    @cached_property
+    def listed(self) -> list[Motion]:
+        """The same as data, each with the factor of its level."""
+        return levels_of(self.study.factors.motion)
 
     @cached_property
     def weather(self) -> Hourly | None:

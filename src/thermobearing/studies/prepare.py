@@ -125,7 +125,7 @@ class Preparer:
             update={
                 "structure": prepared.structure,
                 "bearings": [device.bearing],
-                "motions": [self.study.factors.motion.levels[motion]],
+                "motions": [self.levels.listed[motion]],
                 "ambient": [air],
             }
         )
@@ -203,8 +203,7 @@ class Preparer:
         """A motion on the time step, scaled."""
         whole = None if of_case else self._shakings.get(level)
         if whole is None:
-            motion = self.study.factors.motion.levels[level]
-            one = case.model_copy(update={"motions": [motion]})
+            one = case.model_copy(update={"motions": [self.levels.listed[level]]})
             whole = build_shaking(one, 0, self.levels.motions[level])
             if not of_case:
                 self._shakings[level] = whole

@@ -2,6 +2,7 @@
 
     study.toml         the study, names resolved and defaults filled in
     manifest.json      number of runs, size of a shard, digest of the input, versions
+    motions.npz        those that were made to fit a spectrum
     plan.parquet       all runs with what goes into each
     shards/00000.parquet  some of them with what came out; done is what has its file
     histories/         those that were asked for, netCDF
@@ -30,6 +31,8 @@ from thermobearing.results.directory import write_directory
 from thermobearing.studies.columns import THINGS
 from thermobearing.studies.histories import write_histories
 from thermobearing.studies.log import Log
+from thermobearing.studies.made import MADE
+from thermobearing.studies.matched import content_of, is_matched
 from thermobearing.studies.parquet import (
     About,
     about_columns,
@@ -211,6 +214,8 @@ def open_or_make(directory: Path, study: Study, runs: pd.DataFrame, size: int | 
             PLAN: parquet_bytes(runs, about_plan(study, runs), {"input": digest}),
             MANIFEST: _manifest(study, runs, digest, size or shard_size(len(runs))),
         }
+        if is_matched(study):
+            whole[MADE] = content_of(study)
 
         def fill(folder: Path) -> None:
             (folder / SHARDS).mkdir()

@@ -1,0 +1,315 @@
+"""Motions of a study that are made to fit a spectrum: once, kept, and the same wherever it runs."""
+
+import json
+import pickle
+from collections import Counter
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+from typer.testing import CliRunner
+
+import thermobearing.studies.engine as engine
+import thermobearing.studies.made as made
+from tests import tolerances as tol
+from tests.unit.studies import kept, small_study
+from thermobearing.border.errors import InputError, OutputError
+from thermobearing.cli import app
+from thermobearing.commands.check import check_file
+from thermobearing.motions import list_spectra, load_motion, load_spectrum, standard_spectrum
+from thermobearing.motions.matching import LARGEST_MISFIT, misfit
+from thermobearing.motions.spectrum import response_spectrum
+from thermobearing.studies import (
+    Preparer,
+    Study,
+    load_study,
+    plan,
+    repeat_run,
+    run_study,
+    study_status,
+)
+from thermobearing.studies.forecast import forecast
+from thermobearing.studies.made import MADE, read_made
+from thermobearing.studies.matched import motions_of, with_matched
+from thermobearing.studies.recipes import Recipe, recipes
+from thermobearing.studies.shard import packed
+from thermobearing.studies.store import Store
+
+# Coarse steps, and motions that are near the spectrum already: a fit takes a third of a second.
+FITS = {"matched": "jra-ii-ii", "levels": ["jra-ii-ii-1", "jra-ii-ii-2"], "dt": "0.02 s"}
+NAMES = ["jra-ii-ii-1-as-ii-ii", "jra-ii-ii-2-as-ii-ii"]
+MADE_UP = {"matched": "jra-ii-i", "count": 3}
+
+
+@pytest.fixture(autouse=True)
+def fits(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> "Counter[str]":
+    """How often each motion is made; an empty cache."""
+    monkeypatch.setattr(made, "cache_directory", lambda: tmp_path / "cache")
+    counted: Counter[str] = Counter()
+    make = Recipe.make
+
+    def counting(self: Recipe, progress: Any = None) -> Any:
+        counted[self.name] += 1
+        return make(self, progress)
+
+    monkeypatch.setattr(Recipe, "make", counting)
+    return counted
+
+
+def matched(motion: dict[str, Any] | None = None, **changes: Any) -> Study:
+    """Four runs of half a second, of a bearing without heat."""
+    one = {"bearing": "shen-bilinear-bridge", "ambient": "0 degC", "motion": motion or FITS}
+    return small_study(**(one | changes))
+
+
+def test_motions_fit_and_are_the_levels(fits: "Counter[str]") -> None:
+    study = matched()
+    runs = plan(study)
+    assert runs["motion"].tolist() == [NAMES[0]] * 2 + [NAMES[1]] * 2
+    assert runs["id"].is_unique
+    for motion in motions_of(study.factors.motion):
+        assert motion.dt == 0.02
+        error = misfit(motion, lambda t: standard_spectrum("II", "II", t))
+        assert error <= LARGEST_MISFIT
+    assert fits == dict.fromkeys(NAMES, 1)
+    assert plan(matched()).equals(runs)  # from the cache
+    assert fits == dict.fromkeys(NAMES, 1)
+
+
+def test_stripes_of_matched_motions() -> None:
+    """Each is brought to the same spectral acceleration; what counts is the content of a motion."""
+    stripes = {"of": "intensity", "measure": "Sa", "period": "1 s", "levels": ["4 m/s2", "8 m/s2"]}
+    runs = plan(matched(scale=stripes))
+    assert runs["Sa_m_s2"].tolist() == [4.0, 8.0] * 2
+    for motion, scale in zip(
+        motions_of(matched().factors.motion), runs["scale"][1::2], strict=True
+    ):
+        reached = scale * response_spectrum(motion, np.array([1.0])).acceleration[0]
+        assert_allclose(reached, 8e3, rtol=tol.BOUND_ROUNDING)
+
+
+def test_random_phases_have_a_name_and_a_key_of_their_own(tmp_path: Path) -> None:
+    study = matched(MADE_UP)
+    assert study.factors.motion.names == ["jra-ii-i-1", "jra-ii-i-2", "jra-ii-i-3"]
+    file = tmp_path / "site.csv"
+    file.write_text("period [s];Sa [g]\n0.05;0.5\n0.5;1\n4;0.1\n")
+    others = [
+        MADE_UP | {"seed": 4},
+        MADE_UP | {"zone_factor": 0.85},
+        MADE_UP | {"dt": "0.005 s"},
+        MADE_UP | {"matched": "jra-ii-ii"},
+        {"matched": str(file), "count": 3},
+        {"matched": str(file), "count": 3, "phases": "jra-i-i"},
+    ]
+    keys = [recipe.key for one in [MADE_UP, *others] for recipe in recipes(_factor(one))]
+    assert len(set(keys)) == 3 * len(others) + 3
+    named = _factor(others[-1])
+    assert named.names == ["site-1", "site-2", "site-3"]
+    before = recipes(named)[0].key
+    file.write_text("period [s];Sa [g]\n0.05;0.5\n0.5;1.01\n4;0.1\n")
+    assert recipes(named)[0].key != before
+    assert recipes(_factor(MADE_UP | {"seed": 2}))[0].key == keys[1]
+
+
+def _factor(motion: dict[str, Any]) -> Any:
+    return matched(motion).factors.motion
+
+
+def test_a_table_is_a_spectrum(tmp_path: Path) -> None:
+    """Straight between its points where both axes are logarithmic; in any unit."""
+    file = tmp_path / "site.csv"
+    file.write_text("period_s,acceleration_gal\n0.1,400\n0.4,800\n3,100\n")
+    found = load_spectrum(file, 2.0).at(np.array([0.05, 0.2, 0.4, 6.0]))
+    assert_allclose(found, 20.0 * np.array([400.0, 800.0 / np.sqrt(2.0), 800.0, 50.0]))
+    assert list_spectra()[3] == "jra-ii-i"
+    standard = load_spectrum("jra-ii-iii", 0.7).at(np.array([0.3, 1.0, 2.0]))
+    assert_array_equal(standard, standard_spectrum("II", "III", [0.3, 1.0, 2.0], zone_factor=0.7))
+
+
+def test_made_once_and_kept_in_the_directory(
+    tmp_path: Path, fits: "Counter[str]", monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("pyarrow")
+    one, out = tmp_path / "one", tmp_path / "out"
+    run_study(matched(), one, jobs=1, size=1)
+    whole = kept(one)
+    assert set(read_made(one / MADE)) == {recipe.key for recipe in recipes(_factor(FITS))}
+    run_study(matched(), out, jobs=1, size=1, shard="1/2")
+    assert study_status(out).done == 2
+    monkeypatch.setattr(made, "cache_directory", lambda: None)  # another machine
+    run_study(matched(), out, jobs=1, shard="2/2")
+    assert fits == dict.fromkeys(NAMES, 1)
+    assert kept(out) == whole
+    # Read back, for one run in full or for figures: nothing is made, and the samples go with it.
+    study = load_study(out / "study.toml")
+    rows = plan(study).to_dict("records")
+    assert [row["id"] for row in rows] == Store(out).table()["id"].tolist()
+    (motion,) = Preparer(study).run_input(rows[3]).task.case.motions
+    assert motion.load().name == NAMES[1]
+    stored = read_made(out / MADE)[recipes(_factor(FITS))[1].key].motion
+    assert_array_equal(motion.acceleration, stored.acceleration)
+    assert repeat_run(study, 3).table["motion"].tolist() == [NAMES[1]]
+    assert fits == dict.fromkeys(NAMES, 1)
+
+
+def test_workers_are_sent_what_was_made(tmp_path: Path) -> None:
+    """Fits and runs on processes of their own end in the same bits."""
+    pytest.importorskip("pyarrow")
+    run_study(matched(), tmp_path / "two", jobs=2, size=1)
+    two = kept(tmp_path / "two")
+    study = with_matched(matched())
+    sent = pickle.loads(packed(study)).factors.motion.made
+    for here, there in zip(motions_of(study.factors.motion), sent.motions, strict=True):
+        assert_array_equal(here.acceleration, there.acceleration)
+    for file in (tmp_path / "cache").rglob("*.npz"):
+        file.unlink()
+    run_study(matched(), tmp_path / "one", jobs=1, size=1)
+    assert kept(tmp_path / "one") == two
+
+
+def test_another_part_that_was_quicker_has_the_motions(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its machine ends fits in other bits: the directory's are taken, by whoever comes later."""
+    pytest.importorskip("pyarrow")
+    out, make, asked = tmp_path / "out", engine.with_matched, []
+
+    def late(study: Study, *words: Any, **others: Any) -> Study:
+        asked.append(study)
+        if len(asked) > 1:
+            return make(study, *words, **others)
+        found = make(study)
+        other = [
+            replace(m, acceleration=m.acceleration + 1e-9) for m in motions_of(found.factors.motion)
+        ]
+        changed = found.model_copy(deep=True)
+        changed.factors.motion.keep_made(other)
+        run_study(changed, out, jobs=1, shard="1/2")
+        return found
+
+    monkeypatch.setattr(engine, "with_matched", late)
+    assert run_study(matched(), out, jobs=1, shard="2/2").done > 0
+    assert len(asked) > 1
+    assert plan(load_study(out / "study.toml"))["id"].tolist() != plan(matched())["id"].tolist()
+
+
+def test_a_damaged_copy_is_made_again(tmp_path: Path, fits: "Counter[str]") -> None:
+    pytest.importorskip("pyarrow")
+    out = tmp_path / "out"
+    run_study(matched(), out, jobs=1)
+    raw = (out / MADE).read_bytes()
+    for content in (raw[: len(raw) // 2], b"", b"nothing", raw[:-400] + bytes(400)):
+        (out / MADE).write_bytes(content)
+        assert read_made(out / MADE) == {}
+        assert run_study(matched(), out, jobs=1).outcome == "completed"
+    assert fits == dict.fromkeys(NAMES, 1)
+
+
+def test_what_does_not_fit_is_named_and_nothing_is_left(tmp_path: Path) -> None:
+    pytest.importorskip("pyarrow")
+    for start in (plan, forecast, lambda study: run_study(study, tmp_path / "out", jobs=1)):
+        with pytest.raises(InputError) as caught:
+            start(matched(FITS | {"tolerance": 0.001}))
+        told = str(caught.value)
+        assert f"factors.motion: {NAMES[0]} comes within" in told
+        assert "the standard spectrum of Level 2 Type II, ground II, c_z = 1" in told
+        assert "more than 0.1 %; take another record, or allow it with tolerance = 0.0" in told
+    assert [path.name for path in tmp_path.iterdir()] == ["cache"]
+    assert len(plan(matched(FITS | {"tolerance": 0.05}))) == 4
+
+
+def test_words_are_refused_before_anything_is_made(tmp_path: Path, fits: "Counter[str]") -> None:
+    pytest.importorskip("pyarrow")
+    (tmp_path / "thesis.tex").write_text("years of work")
+    with pytest.raises(OutputError, match=r"holds .*thesis\.tex"):
+        run_study(matched(), tmp_path, jobs=1)
+    with pytest.raises(InputError, match="shard"):
+        run_study(matched(), tmp_path / "out", shard="3/2")
+    assert not fits
+
+
+def test_a_dry_run_makes_one_motion(tmp_path: Path, fits: "Counter[str]") -> None:
+    found = forecast(matched(), jobs=1)
+    assert (found.runs, found.motions, found.failed) == (4, 1, 0)
+    assert found.motion_seconds > 0.0
+    assert found.whole_seconds > found.motion_seconds
+    assert fits == {NAMES[0]: 1}
+    plan(matched())
+    assert forecast(matched()).motions == 0
+    # Looking at a study makes none at all.
+    file = tmp_path / "study.toml"
+    file.write_text(matched(MADE_UP).to_toml())
+    told = check_file(file)
+    assert "6" in told.facts["runs"]
+    assert set(fits) == set(NAMES)
+
+
+def test_command(tmp_path: Path, fits: "Counter[str]") -> None:
+    pytest.importorskip("pyarrow")
+    file, out = tmp_path / "study.toml", tmp_path / "out"
+    file.write_text(matched().to_toml())
+    done = CliRunner().invoke(app, ["study", str(file), "--dry-run", "--json"])
+    told = json.loads(done.stdout.splitlines()[-1])
+    assert (told["runs"], told["motions_to_make"]) == (4, 1)
+    done = CliRunner().invoke(app, ["study", str(file), "-o", str(out), "--jobs", "1"])
+    assert done.exit_code == 0
+    assert "runs    4 of 4" in done.stdout
+    assert fits == dict.fromkeys(NAMES, 1)
+
+
+BAD: list[tuple[str, dict[str, Any], list[str]]] = [
+    ("a name", {"matched": "jra-ii-iv", "count": 2}, ['"jra-ii-iv"', 'did you mean "jra-ii-i"']),
+    ("no file", {"matched": "site.csv", "count": 2}, ["site.csv: no such file"]),
+    ("how many", {"matched": "jra-ii-i"}, ["how many? Give count, or levels"]),
+    ("none", {"matched": "jra-ii-i", "count": 0}, ["count = 0", "at least 1"]),
+    ("count alone", {"count": 3}, ["count: only of motions that are matched"]),
+    ("nothing", {}, ['missing key "levels"', "matched"]),
+    ("both", FITS | {"count": 2, "seed": 1}, ["count: of random phases", "seed: of random phases"]),
+    ("unknown record", FITS | {"levels": ["jra-ii-i-9"]}, ["levels[0]", 'called "jra-ii-i-9"']),
+    ("phases", MADE_UP | {"phases": "jra-iii-i"}, ['"jra-iii-i"', 'did you mean "jra-ii-i"']),
+    ("step", MADE_UP | {"dt": "0.1 s"}, ["dt = '0.1 s'", "at most 0.02 s"]),
+    ("zone", MADE_UP | {"zone_factor": 3.0}, ["zone_factor = 3.0", "at most 2"]),
+    ("key", MADE_UP | {"sed": 3}, ['unknown key "sed"', 'did you mean "seed"']),
+    ("weights", MADE_UP | {"weights": [1, 2], "random": True}, ["2 of them for 3 motions"]),
+]
+
+
+@pytest.mark.parametrize(("motion", "words"), [row[1:] for row in BAD], ids=[row[0] for row in BAD])
+def test_bad_input(motion: dict[str, Any], words: list[str]) -> None:
+    with pytest.raises(InputError) as caught:
+        matched(motion or {"random": False})
+    for word in ["factors.motion", *words]:
+        assert word in str(caught.value)
+
+
+SPECTRA = {
+    "no unit": ("period,acceleration\n0.1,1\n3,1\n", 'column "acceleration" has no unit'),
+    "no column": ("a,b\n0.1,1\n3,1\n", 'no column "period"'),
+    "unit": ("period,Sa [kN]\n0.1,1\n3,1\n", 'unknown unit of acceleration "kN"'),
+    "order": ("period,Sa [g]\n0.1,1\n3,1\n2,1\n", "do not increase from 3 to 2 s"),
+    "zero": ("period,Sa [g]\n0,1\n3,1\n", "must be greater than 0"),
+    "short": ("period,Sa [g]\n0.2,1\n2,1\n", "reaches from 0.2 to 2 s"),
+    "period": ("period [ms],Sa [g]\n0.1,1\n3,1\n", "periods are in s"),
+}
+
+
+@pytest.mark.parametrize(("text", "words"), SPECTRA.values(), ids=SPECTRA)
+def test_bad_spectrum(text: str, words: str, tmp_path: Path) -> None:
+    file = tmp_path / "site.csv"
+    file.write_text(text)
+    with pytest.raises(InputError) as caught:
+        matched({"matched": str(file), "count": 2})
+    assert words in str(caught.value)
+    assert "site.csv" in str(caught.value)
+
+
+def test_short_records_are_told(tmp_path: Path) -> None:
+    record = tmp_path / "short.csv"
+    values = load_motion("jra-ii-ii-1").acceleration[:300] / 10.0
+    record.write_text("\n".join(f"{value:.6f}" for value in values))
+    motion = {"name": str(record), "unit": "gal", "dt": "0.01 s"}
+    with pytest.raises(InputError, match=r"factors\.motion: short: lasts 2\.99 s; at least 5 s"):
+        matched({"matched": "jra-ii-i", "levels": [motion]})
