@@ -9,6 +9,10 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import thermobearing as tb
 from tests import tolerances as tol
+from thermobearing.cyclic.case import make_case
+from thermobearing.cyclic.run import run_case
+from thermobearing.earthquake.case import make_earthquake_case
+from thermobearing.earthquake.run import build_tasks
 
 HEADER = [
     "LOCATION,Cold Town,-,XXX,example,000000,43.0,143.0,9.0,100.0",
@@ -162,3 +166,41 @@ def test_bad_table(tmp_path: Path, rows: list[str], told: str) -> None:
         tb.climate.read_weather(file)
     assert told in str(caught.value)
     assert "town" in str(caught.value)
+
+
+def test_any_analysis_reads_the_files_that_studies_read(tmp_path: Path) -> None:
+    """A week of EPW before an earthquake, at a line, in a test: as the same hours in a table."""
+    epw = write(tmp_path, epw_lines("1990-01-10", 168))
+    hourly = tb.climate.read_weather(epw)
+    table = tmp_path / "town.csv"
+    rows = [f"{date};{air:.4f}".replace(".", ",") for date, air in _rows(hourly)]
+    table.write_text("\n".join(["time;temperature_degC", *rows]))
+    found = []
+    for file in (epw, table):
+        words = {"duration": "1 s", "analysis": {"keep": ["rubber", "cells"]}}
+        line = [{"line": "G1-G5", "weather": str(file)}]
+        for changes in ({"weather": str(file)}, {"lines": line, "ambient": ["20 degC"]}):
+            case = {"bearings": ["shen-lhdr-bridge"], "motions": ["jra-ii-i-1"]} | words | changes
+            (task,) = build_tasks(make_earthquake_case(case, "test"))
+            found.append((task.told.temperature, task.told.lead))
+        test = tb.cyclic_test(strain=[0.2], cycles=1)
+        done = make_case(
+            {"ambient_series": str(file)}, "test", bearing="shen-hdr-specimen", test=test
+        )
+        found.append((run_case(done)["temperature"].values, None))
+    for (cells, lead), (other, other_lead) in zip(found[:3], found[3:], strict=True):
+        assert_array_equal(cells, other)
+        assert lead == other_lead
+    assert found[0][0][0] < -28.0  # it is as cold as the file
+
+
+def _rows(hourly: tb.climate.Hourly) -> list[tuple[str, float]]:
+    dates = [str(date).replace("T", " ") + ":00" for date in hourly.dates]
+    return list(zip(dates, hourly.temperature.tolist(), strict=True))
+
+
+def test_faults_of_an_epw_file_are_told_by_any_analysis(tmp_path: Path) -> None:
+    rows = epw_lines("1990-01-10", 48)
+    file = write(tmp_path, rows[:10] + rows[20:])
+    with pytest.raises(tb.InputError, match=r"weather: .*town\.epw: line 19: .* does not follow"):
+        make_earthquake_case({"weather": str(file)}, "test")

@@ -11,8 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from thermobearing.border.encodings import read_text
-from thermobearing.border.errors import InputError, shortened
+from thermobearing.border.encodings import LARGEST_FILE, read_text
+from thermobearing.border.errors import InputError, read_bytes, shortened
 from thermobearing.climate.hourly import Dates, Floats, Hourly
 
 FIRST = "LOCATION,"  # of the file
@@ -31,6 +31,12 @@ class Line(NamedTuple):
     day: int
     hour: int
     dry_bulb: float
+
+
+def is_epw(path: Path) -> bool:
+    """Whether a file is one of building simulation, by its ending or its first word."""
+    begins = read_bytes(path, LARGEST_FILE).lstrip().upper()
+    return path.suffix.lower() == ".epw" or begins.startswith(FIRST.encode())
 
 
 def read_epw(path: str | Path) -> Hourly:

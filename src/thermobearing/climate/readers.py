@@ -4,15 +4,10 @@ from pathlib import Path
 
 import numpy as np
 
-from thermobearing.border.encodings import LARGEST_FILE
-from thermobearing.border.errors import InputError, read_bytes
-from thermobearing.border.layout import Layout
-from thermobearing.border.sheets import Told
-from thermobearing.border.tables import columns_of
-from thermobearing.climate.epw import FIRST, LONGEST_GAP, read_epw
+from thermobearing.bearing.ambient import Ambient, air_columns
+from thermobearing.border.errors import InputError
+from thermobearing.climate.epw import LONGEST_GAP, is_epw, read_epw
 from thermobearing.climate.hourly import HOUR, Hourly
-
-LOOKED_AT = 10_000  # bytes that the titles are among
 
 
 def read_weather(path: str | Path) -> Hourly:
@@ -43,11 +38,9 @@ def read_weather(path: str | Path) -> Hourly:
     ([-8.0, -10.0, -12.0], '2024-01-31T22')
     """
     path = Path(path)
-    raw = read_bytes(path, LARGEST_FILE)
-    if path.suffix.lower() == ".epw" or raw.lstrip().upper().startswith(FIRST.encode()):
+    if is_epw(path):
         return read_epw(path)
-    layout = Layout(told=Told(separator=_separator(raw)))
-    found = columns_of(path, {"time": "s", "temperature": "degC"}, layout=layout)
+    found = air_columns(path)
     time, values = found.values["time"], found.values["temperature"]
     gaps = np.diff(time)
     if not (gaps > 0.0).all():
@@ -71,12 +64,22 @@ def read_weather(path: str | Path) -> Hourly:
     return Hourly(air, found.begins, False, path.stem, said)
 
 
-def _separator(raw: bytes) -> str | None:
-    """The mark between the titles; None where it is not plain.
+def read_air(path: str | Path) -> Ambient:
+    """Air in time from any file that `read_weather` reads; of a table the readings as they are.
 
-    "2024-01-31 22:00,5" alone may be 5 degC, or half a second in a column of times.
+    Parameters
+    ----------
+    path : EPW, or a table; its readings need not be hourly, and lie on straight lines.
+
+    Returns
+    -------
+    Ambient : from the first reading to the last.
+
+    Raises
+    ------
+    InputError : unreadable file, no such column, time that goes back.
     """
-    lines = raw[:LOOKED_AT].decode("utf-8-sig", errors="replace").splitlines()
-    titles = next((line for line in lines if line[:1].isalpha()), "")
-    marks = [mark for mark in ("\t", ";", ",") if mark in titles]
-    return marks[0] if len(marks) == 1 else None
+    if not is_epw(Path(path)):
+        return Ambient.from_csv(path)
+    weather = read_epw(path)
+    return weather.before(len(weather) - 1, len(weather) - 1)

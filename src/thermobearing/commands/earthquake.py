@@ -82,7 +82,7 @@ Duration = Annotated[
 Weather = Annotated[
     str | None,
     typer.Option(
-        help="CSV of ambient temperature that ends at the earthquake.",
+        help="Ambient temperature that ends at the earthquake: table or EPW.",
         metavar="FILE",
         rich_help_panel=INPUT,
     ),

@@ -9,7 +9,6 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, field_validator
 
-from thermobearing.bearing.ambient import Ambient
 from thermobearing.bearing.library import BEARINGS, load_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
@@ -17,6 +16,7 @@ from thermobearing.border.library import sources_to_keep
 from thermobearing.border.overrides import overridden, said_with_unit, updated
 from thermobearing.border.schema import Strict, in_unit, validated
 from thermobearing.border.toml import split_sources, to_table, to_toml
+from thermobearing.climate.readers import read_air
 from thermobearing.core.records import labels
 from thermobearing.core.types import Books
 from thermobearing.cyclic.protocol import CyclicTest, cyclic_test, survey
@@ -102,7 +102,7 @@ class Case(Strict):
         found = [f"test.{fault}" for fault in found]
         if self.ambient_series is not None:
             try:
-                Ambient.from_csv(self.ambient_series)
+                read_air(self.ambient_series)
             except InputError as error:
                 found += error.lines("ambient_series")
         found += [f"analysis.{text}" for text in self.analysis.misfits(self.bearing)]

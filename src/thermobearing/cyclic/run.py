@@ -17,6 +17,7 @@ from thermobearing.bearing.ambient import Ambient
 from thermobearing.bearing.exposure import Exposure
 from thermobearing.bearing.model import Bearing, Clock
 from thermobearing.border.errors import InputError
+from thermobearing.climate.readers import read_air
 from thermobearing.cyclic.case import Case, Group, Histories, make_case
 from thermobearing.cyclic.equivalent import bilinear_parameters
 from thermobearing.cyclic.history import History, run_segments
@@ -195,7 +196,7 @@ def run_case(
     model = build_model(case.bearing, case.analysis, backbone=bilinear_parameters)
     segments = build_segments(case.test, case.bearing.total_rubber_thickness, case.starts_at)
     if case.ambient_series is not None:
-        series = Ambient.from_csv(case.ambient_series)
+        series = read_air(case.ambient_series)
     climates = [series] if series else [Ambient.constant(value) for value in case.ambient]
     total = len(climates) * sum(len(segment.x) for segment in segments)
     done = 0

@@ -128,8 +128,8 @@ class EarthquakeCase(Strict):
     structure : what stands on the bearings.
     bearings, motions : one or more each; a motion says its file, and its size if that is changed.
     ambient : temperatures of the air and of the bearings at the start [degC], in [-100, 100].
-    weather : CSV file with time and temperature that ends when the earthquake begins, instead
-        of `ambient`.
+    weather : file with time and temperature, a table or EPW, that ends when the earthquake begins,
+        instead of `ambient`.
     duration : motions are cut to this [s], in [0.001, 1e6]; None for their whole length.
     analysis : how to compute, and what to keep.
     laboratory : of a specimen in the loop.

@@ -6,11 +6,11 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
-from thermobearing.bearing.ambient import Ambient
 from thermobearing.bearing.bilinear import BilinearBearing, load_device
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError, nearest
 from thermobearing.border.schema import Strict
+from thermobearing.climate.readers import read_air
 from thermobearing.cyclic.case import Temperature
 from thermobearing.cyclic.protocol import LONGEST
 from thermobearing.structure.model import Stiffness, Structure
@@ -27,7 +27,8 @@ class OnLine(Strict):
     bearing : of this line, whatever the study compares.
     count, equivalent_stiffness : instead of the structure's; the resolved case has them there.
     ambient : temperature of its air and of its bearings at the start [degC], in [-100, 100].
-    weather : CSV file of its air that ends when the earthquake begins, instead of `ambient`.
+    weather : file of its air, a table or EPW, that ends when the earthquake begins, instead of
+        `ambient`.
     """
 
     line: Annotated[str, Field(min_length=1, max_length=60)]
@@ -94,7 +95,7 @@ def lines_faults(lines: Sequence[OnLine], structure: Structure) -> list[str]:
 def weather_faults(path: str, key: str) -> list[str]:
     """What keeps a file from being the air before an earthquake."""
     try:
-        time = Ambient.from_csv(path).time
+        time = read_air(path).time
     except InputError as error:
         return error.lines(key)
     lasts = time[-1] - time[0]

@@ -22,6 +22,7 @@ from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.exposure import exposed_bilinear
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
+from thermobearing.climate.readers import read_air
 from thermobearing.core.types import Floats
 from thermobearing.cyclic.equivalent import bilinear_parameters
 from thermobearing.cyclic.history import run_segments
@@ -175,7 +176,7 @@ def build_tasks(case: EarthquakeCase) -> list[Task]:
         None if item.bearing is None else _device_of(case, item.bearing, devices)
         for item in case.lines
     ]
-    weather = None if case.weather is None else Ambient.from_csv(case.weather)
+    weather = None if case.weather is None else read_air(case.weather)
     tasks = []
     for device in devices:
         airs = case.ambient if weather is None else [float(weather.temperature[-1])]
@@ -223,7 +224,7 @@ def lines_of(
             found.append(usual)
             continue
         item, mine = special[line.name]
-        before = None if item.weather is None else Ambient.from_csv(item.weather)
+        before = None if item.weather is None else read_air(item.weather)
         if item.ambient is None and before is None:
             found.append(usual if mine is None else start(mine))
             continue

@@ -81,8 +81,8 @@ def bridge(
     fixed_base : leave out the springs of the foundation; what stands on them is held.
     lines : a table for each bearing line that differs from the others: its name `line`, and
         `bearing`, `count`, `ambient` (text with its unit), `weather`, `equivalent_stiffness`.
-    weather : CSV file of the temperature that ends when the earthquake begins, instead of
-        `ambient`.
+    weather : file of the temperature, a table or EPW, that ends when the earthquake begins,
+        instead of `ambient`.
     duration : cut motions to this [s], in [0.001, 1e6].
     dt : largest time step [s], in [1e-6, 0.1]; 0.005 by default.
     method : "average-acceleration" (default), "linear-acceleration" or "predictor-corrector".
