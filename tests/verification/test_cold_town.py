@@ -24,8 +24,9 @@ def cold_town(name: str, **factors: Any) -> Any:
     if "design" in table:
         table["design"]["samples"] = 12
     study = make_study(table, name)
-    prepared = Preparer(study)
-    rows = plan(study).to_dict("records")
+    prepared, runs = Preparer(study), plan(study)
+    prepared.foresee(runs)
+    rows = runs.to_dict("records")
     found = {demand: [] for demand in DEMANDS}
     for row in rows:
         given = prepared.run_input(row)

@@ -6,9 +6,9 @@ from contextlib import ExitStack
 from typing import Any
 
 from thermobearing.border.errors import InputError, OutputError
-from thermobearing.studies.executors import AHEAD, Finished, Work
+from thermobearing.studies.executors import AHEAD, Finished
 from thermobearing.studies.processes import KEPT
-from thermobearing.studies.shard import carry_out
+from thermobearing.studies.shard import Work, carry_out
 
 EXTRA = 'needs distributed: pip install "thermobearing[cluster]"'
 PATIENCE = 10.0  # for a scheduler that does not answer [s]
@@ -84,7 +84,7 @@ class _Shards:
                 if future.status in LOST:
                     self._send(work)
                     continue
-                yield work[0], self._result(future)
+                yield work.number, self._result(future)
         finally:
             if self._is_there():
                 self.client.cancel([*self.running, self.study])
@@ -101,7 +101,7 @@ class _Shards:
 
     def _send(self, work: Work) -> None:
         self._check()
-        future = self.client.submit(carry_out, self.study, work[1], self.histories, pure=False)
+        future = self.client.submit(carry_out, self.study, work, self.histories, pure=False)
         self.running[future] = work
         future.add_done_callback(self.ready.put)
 

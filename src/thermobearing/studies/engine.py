@@ -8,7 +8,7 @@ rows of the plan only, so that executor, number of workers and order leave no tr
 """
 
 import os
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import closing
 from pathlib import Path
 from typing import Any, Literal
@@ -18,13 +18,14 @@ import pandas as pd
 from thermobearing.border.errors import InputError, OutputError
 from thermobearing.results.directory import check_target
 from thermobearing.studies.designs import plan
-from thermobearing.studies.executors import Finished, Work, in_turn, on_processes
+from thermobearing.studies.executors import Finished, in_turn, on_processes
 from thermobearing.studies.lock import only_writer
 from thermobearing.studies.log import Pace
 from thermobearing.studies.matched import is_matched, with_matched
 from thermobearing.studies.peaks import COMPLETED
+from thermobearing.studies.prepare import Preparer
 from thermobearing.studies.record import Study
-from thermobearing.studies.shard import BrokenError, carry_out, packed
+from thermobearing.studies.shard import BrokenError, Work, carry_out, packed
 from thermobearing.studies.status import Status, study_status
 from thermobearing.studies.store import MANIFEST, Store, open_or_make
 from thermobearing.studies.worst import RANKED, worst_runs
@@ -187,7 +188,7 @@ def _do_missing(
     store.log.say(f"started: {pace.told()}" + (f"; part {part[0]} of {part[1]}" if part else ""))
     if progress:
         progress(pace.done, pace.total)
-    works = ((k, runs.iloc[store.place(k)]) for k in missing)
+    works = _works(study, runs, [(k, store.place(k)) for k in missing])
     with closing(_carried_out(study, works, len(missing), how)) as finished:
         for number, shard in finished:
             store.write(number, shard)
@@ -197,6 +198,17 @@ def _do_missing(
             if progress:
                 progress(pace.done, pace.total)
     _keep_worst(store, study, runs)
+
+
+def _works(study: Study, runs: pd.DataFrame, shards: Sequence[tuple[int, slice]]) -> Iterator[Work]:
+    """Shards with what the weather made of their bearings, which is found once."""
+    if not shards:
+        return
+    preparer = Preparer(study)
+    preparer.foresee(pd.concat([runs.iloc[place] for _, place in shards]))
+    for number, place in shards:
+        rows = runs.iloc[place]
+        yield Work(number, rows, preparer.warm_of(rows))
 
 
 def _runs_of(store: Store, shards: list[int]) -> int:
@@ -227,7 +239,8 @@ def _keep_worst(store: Store, study: Study, runs: pd.DataFrame) -> None:
         return
     table = store.table(["run", "outcome", *RANKED])
     worst = worst_runs(table, int(count))
-    again = carry_out(packed(study), runs.iloc[sorted(worst)], histories=True)
+    (work,) = _works(study, runs.iloc[sorted(worst)], [(0, slice(None))])
+    again = carry_out(packed(study), work, histories=True)
     assert again is not None
     store.write_worst(again.histories)
     store.log.say(f"histories of the worst {len(worst)} runs kept")

@@ -12,14 +12,11 @@ from concurrent.futures.process import BrokenProcessPool
 from itertools import chain
 from typing import Any
 
-import pandas as pd
-
 from thermobearing.border.errors import OutputError
 from thermobearing.border.threads import one_blas_thread
 from thermobearing.studies.processes import KEPT, begin, context_of_processes, is_stopped
-from thermobearing.studies.shard import Done, carry_out
+from thermobearing.studies.shard import Done, Work, carry_out
 
-Work = tuple[int, pd.DataFrame]  # a shard and its rows of the plan
 Finished = tuple[int, Done]
 AHEAD = 2  # shards for each worker that are on their way
 PATIENCE = 3  # times in a row that workers may die with nothing done between
@@ -27,10 +24,10 @@ PATIENCE = 3  # times in a row that workers may die with nothing done between
 
 def in_turn(study: bytes, works: Iterable[Work], *, histories: bool) -> Iterator[Finished]:
     """One after the other, in this process."""
-    for number, rows in works:
-        done = carry_out(study, rows, histories)
+    for work in works:
+        done = carry_out(study, work, histories)
         if done is not None:
-            yield number, done
+            yield work.number, done
 
 
 _OWN: dict[str, bytes] = {}  # of a process of the pool: its study
@@ -42,8 +39,8 @@ def _begin(study: bytes, stop: Any) -> None:
     _OWN["study"] = study
 
 
-def _carry_out_here(rows: pd.DataFrame, histories: bool) -> Done | None:
-    return carry_out(_OWN["study"], rows, histories, stop=is_stopped)
+def _carry_out_here(work: Work, histories: bool) -> Done | None:
+    return carry_out(_OWN["study"], work, histories, stop=is_stopped)
 
 
 def on_processes(
@@ -84,7 +81,7 @@ class _Waiting:
         """One to be carried out; None if there is no more."""
         work = next(self._works, None)
         if work is not None:
-            self.taken[work[0]] = work
+            self.taken[work.number] = work
         return work
 
     def give_back(self) -> None:
@@ -102,7 +99,7 @@ def _of_one_pool(study: bytes, waiting: _Waiting, jobs: int, histories: bool) ->
     try:
         while True:
             while len(running) < AHEAD * jobs and (work := waiting.take()) is not None:
-                running[pool.submit(_carry_out_here, work[1], histories)] = work[0]
+                running[pool.submit(_carry_out_here, work, histories)] = work.number
             if not running:
                 return
             for future in wait(running, return_when=FIRST_COMPLETED).done:

@@ -11,6 +11,7 @@ from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
 from thermobearing.border.schema import Strict, in_unit
+from thermobearing.climate.hourly import Hourly
 from thermobearing.cyclic.case import Temperature
 from thermobearing.earthquake.motion import Motion
 from thermobearing.motions.record import GroundMotion
@@ -211,6 +212,16 @@ class AmbientFactor(Drawn, Picked):
     years: Annotated[int, Field(ge=1, le=1000)] | None = None
     seed: Annotated[int, Field(ge=0)] | None = None
     history: Annotated[float, in_unit("h"), Field(ge=1, le=1e5)] | None = None
+    _series: Hourly | None = PrivateAttr(default=None)
+
+    @property
+    def series(self) -> Hourly | None:
+        """The weather itself, once it was read or made up."""
+        return self._series
+
+    def keep_series(self, series: Hourly | None) -> None:
+        """Remember the weather, which takes seconds to read; None forgets it."""
+        self._series = series
 
     @classmethod
     def conflicts(cls, given: dict[str, Any]) -> list[str]:

@@ -79,6 +79,7 @@ def forecast(study: Study, jobs: int | None = None) -> Forecast:
     runs = plan(study)
     some = runs.iloc[np.unique(np.linspace(0, len(runs) - 1, TRIED).astype(int))]
     preparer = Preparer(study)
+    preparer.foresee(some)
     kept = study.keep.histories
     carried_out(preparer, some.head(1))  # compiled, and shared things made
     begin = time.perf_counter()

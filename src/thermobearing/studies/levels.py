@@ -84,14 +84,15 @@ class Levels:
 
 
 def weather_of(ambient: AmbientFactor) -> Hourly | None:
-    """The weather of a study.
+    """The weather of a study, read or made up once.
 
     Raises
     ------
     InputError : no such file or climate, or faults in it.
     """
-    if ambient.weather is not None:
-        return read_weather(ambient.weather)
-    if ambient.climate is not None:
-        return generate_weather(ambient.climate, ambient.years or YEARS, ambient.seed or 0)
-    return None
+    if ambient.series is None and ambient.weather is not None:
+        ambient.keep_series(read_weather(ambient.weather))
+    if ambient.series is None and ambient.climate is not None:
+        years, seed = ambient.years or YEARS, ambient.seed or 0
+        ambient.keep_series(generate_weather(ambient.climate, years, seed))
+    return ambient.series

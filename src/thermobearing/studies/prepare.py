@@ -1,18 +1,19 @@
 """From a row of a plan to what `run_task` takes; whatever rows share is made once."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from thermobearing.bearing.model import Bearing
+from thermobearing.border.errors import InputError
 from thermobearing.core.records import Floats
 from thermobearing.earthquake.case import EarthquakeCase
 from thermobearing.earthquake.run import build_device, build_shaking, lines_of, one_line
-from thermobearing.earthquake.soaking import Soaked, history_weights, soaked_history, soaked_hours
 from thermobearing.earthquake.task import Device, OneLine, Shaking, Task
 from thermobearing.model.constants import with_parameters
 from thermobearing.structure.run import Prepared, prepare_structure
@@ -24,10 +25,11 @@ from thermobearing.studies.columns import (
     columns_of,
     targets_of,
 )
-from thermobearing.studies.designs import hours_of, in_lockstep
-from thermobearing.studies.levels import Levels
+from thermobearing.studies.designs import in_lockstep
+from thermobearing.studies.levels import Ints, Levels
 from thermobearing.studies.names import Path, moves_heat, moves_warmth, with_numbers
 from thermobearing.studies.record import Study
+from thermobearing.studies.warmth import Key, Warm, Warmth, key_of
 
 MOST_KEPT = 2000  # bearings as models, of samples of a posterior
 Changes = dict[Path, float]
@@ -53,9 +55,9 @@ class RunInput:
 class Preparer:
     """Makes the runs of a study ready, one after the other.
 
-    Structures, bearings as models, motions on the time step, bearings in the hours of a weather:
-    what rows have in common is made when it is first asked for, and kept. For one process; a
-    study is small to send to another.
+    Structures, bearings as models, motions on the time step: what rows have in common is made when
+    it is first asked for, and kept. The weather before their hours is gone through when rows are
+    foreseen. For one process; a study is small to send to another, and so is what was foreseen.
 
     Parameters
     ----------
@@ -82,13 +84,11 @@ class Preparer:
             if column.name in THINGS
         }
         self._targets = targets_of(study)
-        self._heats = any(moves_warmth(target) for target in self._targets)
+        own = any(moves_warmth(target) for target in self._targets)
+        self.warmth = Warmth(self.levels, own=own)
         self._prepared: dict[int, Prepared] = {}
         self._devices: dict[int, Device] = {}
         self._shakings: dict[int, Shaking] = {}
-        self._soaked: dict[Any, Soaked] = {}
-        self._weights: dict[Any, Floats] = {}
-        self._hours: dict[int, int] = {}
         self._others: list[Device | None] | None = None
 
     def run_input(self, row: Mapping[str, Any]) -> RunInput:
@@ -214,43 +214,63 @@ class Preparer:
         """The bearings of a line as warm as the weather before an hour has left them."""
         if not isinstance(device.bearing, Bearing):
             return one_line(case, device, air, None)
-        weather, history = self.levels.weather, self.study.factors.ambient.history
-        assert weather is not None
-        key = (heat_of(device.bearing), case.analysis.upper_face, case.analysis.lower_face)
-        if history is not None and self._heats:  # nothing that another run could use
-            return one_line(case, device, air, weather.before(hour, history))
-        if history is not None:
-            if key not in self._weights:
-                self._forget(self._weights)
-                hours = weather.full_hours(history)
-                self._weights[key] = history_weights(device.constants, hours)
-            before = weather.before(hour, history).temperature
-            found = soaked_history(device.constants, self._weights[key], before)
-            return OneLine(device, *found, air)
-        if not self._hours:
-            self._hours = {int(one): k for k, one in enumerate(hours_of(self.study))}
-        if hour not in self._hours:
-            return OneLine(device, *soaked_hours(device, weather, np.array([hour])).at(0), air)
-        if key not in self._soaked:
-            self._soaked[key] = soaked_hours(device, weather, np.array(list(self._hours)))
-        return OneLine(device, *self._soaked[key].at(self._hours[hour]), air)
+        if self.warmth.own:  # nothing that another run could use
+            return one_line(case, device, air, self.warmth.before(hour))
+        return OneLine(device, *self.warmth.at(device, case, hour), air)
+
+    def foresee(self, rows: pd.DataFrame) -> None:
+        """Go through the weather once, for all rows that will be asked for; without, for each.
+
+        Parameters
+        ----------
+        rows : of the plan.
+        """
+        if HOUR not in rows:
+            return
+        if self.warmth.own:
+            self.warmth.foresee([])
+            return
+        plain = self.study.case
+        self.warmth.foresee(
+            (key_of(device, plain), device, hours) for device, hours in self._warmed(rows)
+        )
+
+    def warm_of(self, rows: pd.DataFrame) -> Warm | None:
+        """What was foreseen of some rows, for another process; None of a study without weather."""
+        if HOUR not in rows:
+            return None
+        wanted: dict[Key, list[Ints]] = {}
+        for device, hours in [] if self.warmth.own else self._warmed(rows):
+            wanted.setdefault(key_of(device, self.study.case), []).append(hours)
+        return self.warmth.of(
+            (key, np.unique(np.concatenate(each))) for key, each in wanted.items()
+        )
+
+    def take(self, warm: Warm | None) -> None:
+        """Know what another process has foreseen of the rows that come next."""
+        if warm is not None:
+            self.warmth.take(warm)
+
+    def _warmed(self, rows: pd.DataFrame) -> Iterator[tuple[Device, Ints]]:
+        """Bearings with heat, and hours at which rows have them."""
+        case, hours = self.study.case, rows[HOUR].to_numpy(np.int64)
+        names = self._places["bearing"]
+        level = np.array([names[str(name)] for name in rows["bearing"]], dtype=np.int64)
+        sample = rows[SAMPLE].to_numpy(np.int64) if SAMPLE in rows else np.full(len(rows), -1)
+        place = self.levels.place(level, sample)
+        for one in np.unique(place):
+            try:
+                device = self._device(int(one), {}, case, {})
+            except InputError:
+                continue  # its runs tell it
+            if isinstance(device.bearing, Bearing):
+                yield device, np.unique(hours[place == one])
+        for mine in self._own(case, True):
+            if mine is not None and isinstance(mine.bearing, Bearing):
+                yield mine, np.unique(hours)
 
     @staticmethod
     def _forget(kept: dict[Any, Any]) -> None:
         """Room for one more of what is kept, so that memory has an end."""
         if len(kept) >= MOST_KEPT:
             kept.pop(next(iter(kept)))
-
-
-def heat_of(bearing: Bearing) -> tuple[Any, ...]:
-    """What of a bearing its heat knows: bearings that are alike in it are as warm at rest."""
-    lead = bearing.lead
-    cores = lead and (
-        lead.cores,
-        lead.diameter,
-        lead.confined,
-        lead.clock,
-        lead.end_spreading,
-        lead.surface_ratio,
-    )
-    return bearing.kind, bearing.geometry, bearing.materials, bearing.cells, cores

@@ -24,6 +24,7 @@ from thermobearing.studies.peaks import (
 )
 from thermobearing.studies.prepare import Preparer, RunInput
 from thermobearing.studies.record import Study
+from thermobearing.studies.warmth import Warm
 
 BATCH = 256  # runs that are ready at a time, so that each finds others of its shape: inputs only
 Stop = Callable[[], bool]
@@ -71,7 +72,9 @@ def run_shard(study: Study, plan_rows: pd.DataFrame) -> pd.DataFrame:
     >>> run_shard(study, plan(study))["outcome"].tolist()
     ['completed']
     """
-    done = carried_out(Preparer(study), plan_rows)
+    preparer = Preparer(study)
+    preparer.foresee(plan_rows)
+    done = carried_out(preparer, plan_rows)
     assert done is not None
     return done.table
 
@@ -165,22 +168,41 @@ def with_results(plan_rows: pd.DataFrame, numbers: list[dict[str, Any]]) -> pd.D
 _OWN = threading.local()  # of a thread: those of a Dask worker share nothing that one may change
 
 
+@dataclass(frozen=True)
+class Work:
+    """A shard that is to be carried out, and what was found for all of them at once.
+
+    Attributes
+    ----------
+    number : of the shard.
+    rows : of the plan.
+    warm : what the weather made of the bearings of these rows; None of a study without.
+    """
+
+    number: int
+    rows: pd.DataFrame
+    warm: Warm | None = None
+
+
 def packed(study: Study) -> bytes:
-    """A study to be sent to other processes."""
-    return pickle.dumps(study)
+    """A study to be sent to other processes, without the weather, which they need not know."""
+    ambient = study.factors.ambient.model_copy()
+    ambient.keep_series(None)
+    factors = study.factors.model_copy(update={"ambient": ambient})
+    return pickle.dumps(study.model_copy(update={"factors": factors}))
 
 
-def carry_out(
-    study: bytes, plan_rows: pd.DataFrame, histories: bool, stop: Stop = lambda: False
-) -> Done | None:
+def carry_out(study: bytes, work: Work, histories: bool, stop: Stop = lambda: False) -> Done | None:
     """`carried_out` in another process, which keeps its preparer between shards.
 
     Parameters
     ----------
     study : from `packed`.
-    plan_rows, histories, stop : as there.
+    work : the shard.
+    histories, stop : as there.
     """
     mark = hashlib.sha256(study).digest()
     if getattr(_OWN, "mark", None) != mark:
         _OWN.preparer, _OWN.mark = Preparer(pickle.loads(study)), mark
-    return carried_out(_OWN.preparer, plan_rows, histories=histories, stop=stop)
+    _OWN.preparer.take(work.warm)
+    return carried_out(_OWN.preparer, work.rows, histories=histories, stop=stop)
