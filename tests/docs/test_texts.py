@@ -1,5 +1,7 @@
 """The texts tell the truth: every command and example in them runs, every number is generated."""
 
+import importlib
+import importlib.util
 import re
 import shlex
 import subprocess
@@ -16,6 +18,9 @@ from docs import generate
 from tests import tolerances as tol
 from tests.told_numbers import disagreements
 from tests.unit.inputs import command
+from tests.unit.studies import small_study
+from thermobearing.studies import run_study
+from thermobearing.studies.store import Store
 
 LIBRARY = Path(str(resources.files("thermobearing") / "data"))
 ROOT = Path(__file__).parents[2]
@@ -216,3 +221,38 @@ def _docstring(node: "object") -> int:
     first = node.body[0]
     is_text = isinstance(first, ast.Expr) and isinstance(first.value, ast.Constant)
     return (first.end_lineno or 0) - first.lineno + 1 if is_text else 0
+
+
+def test_lines_that_read_a_study_do(tmp_path: Path) -> None:
+    """Whichever of these libraries are here; each gives the same means."""
+    pytest.importorskip("pyarrow")
+    factor = {"distribution": "uniform", "low": 0.9, "high": 1.1}
+    study = small_study(**{"bearing.K_r": factor})
+    study = study.model_copy(update={"design": study.design.model_copy(update={"samples": 1})})
+    run_study(study, tmp_path / "DIR", jobs=1, size=3)
+    text = (ROOT / "docs" / "files.md").read_text()
+    found = {}
+    for line in text.splitlines():
+        name = line.split(".")[0]
+        if name not in ("pandas", "polars", "duckdb", "pyarrow"):
+            continue
+        if importlib.util.find_spec(name) is None:
+            continue
+        module = importlib.import_module(name)
+        if name == "pyarrow":
+            importlib.import_module("pyarrow.parquet")
+        found[name] = eval(line.replace("DIR", str(tmp_path / "DIR")), {name: module})
+    table = Store(tmp_path / "DIR").table()
+    for (bearing, air), mean in found["pandas"].items():
+        rows = table[(table["bearing"] == bearing) & (table["ambient_degC"] == air)]
+        np.testing.assert_allclose(mean, rows["pier_ductility"].mean(), rtol=tol.ROUNDING)
+    assert len(found["pandas"]) == 4
+    expected = {key: round(float(mean), 12) for key, mean in found["pandas"].items()}
+    for name in set(found) & {"polars", "duckdb"}:
+        rows = found[name].rows() if name == "polars" else found[name].fetchall()
+        assert {(one, air): round(mean, 12) for one, air, mean in rows} == expected
+    assert found["pyarrow"] == {b"unit": b"kN", b"meaning": b"largest force of one bearing"}
+    # A bilinear bearing has no K_r: null, for those who tell that from NaN.
+    stored = importlib.import_module("pyarrow.parquet").read_table(tmp_path / "DIR" / "shards")
+    assert stored["bearing.K_r"].null_count == 4
+    assert table["bearing.K_r"].isna().sum() == 4

@@ -44,7 +44,7 @@ def the_parquet() -> Any:
 def parquet_bytes(
     table: pd.DataFrame, about: Mapping[str, About], notes: Mapping[str, Any]
 ) -> bytes:
-    """A table as the content of a file; equal tables make equal bytes.
+    """A table as the content of a file; equal tables make equal bytes, and NaN is null there.
 
     Parameters
     ----------
@@ -60,7 +60,8 @@ def parquet_bytes(
         marks = {UNIT: told.unit.encode(), MEANING: told.meaning.encode()}
         fields.append(arrow.field(str(name), kind, metadata=marks))
         values = column if kind != arrow.string() else [str(value) for value in column]
-        arrays.append(arrow.array(values, type=kind, from_pandas=False))
+        # A number that a run has not is null: others' means would be NaN with it.
+        arrays.append(arrow.array(values, type=kind, from_pandas=kind == arrow.float64()))
     schema = arrow.schema(fields, metadata={NOTES: json.dumps(dict(notes)).encode()})
     stream = arrow.BufferOutputStream()
     whole = arrow.Table.from_arrays(arrays, schema=schema)
