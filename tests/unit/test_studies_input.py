@@ -128,7 +128,7 @@ FACTORS: list[tuple[str, dict[str, Any], list[str]]] = [
             "ambient": {"climate": "cold-town", "years": 1},
             "bearing.materials.rubber.conductivity": NORMAL,
         },
-        ["give factors.ambient a history"],
+        ['write history = "10 d" in factors.ambient'],
     ),
     ("no such fit", {"bearing": {"posterior": "nowhere"}}, ["holds no posterior.csv", "identify"]),
     (
@@ -226,3 +226,11 @@ def test_check_says_what_a_study_would_run(tmp_path: Path) -> None:
     )
     kind, facts, _ = check_file(file)
     assert (kind, facts["runs"], facts["bearing"]) == ("study", "16", "2 levels")
+
+
+def test_what_the_message_on_heat_says_to_write_is_enough() -> None:
+    number = {"distribution": "uniform", "low": 0.9, "high": 1.1}
+    ambient = {"climate": "cold-town", "years": 1, "history": "10 d"}
+    factors = ONE | {"ambient": ambient, "bearing.materials.rubber.conductivity": number}
+    table = {"kind": "study", "name": "heat", "design": DRAWN, "factors": factors}
+    assert len(plan(make_study(table, "study.toml"))) == DRAWN["samples"]
