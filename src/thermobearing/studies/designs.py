@@ -182,10 +182,10 @@ def _points(kind: str, width: int, samples: int, rng: np.random.Generator) -> Fl
     return rng.random((samples, width))
 
 
-def hours_of(study: Study) -> Any:
+def hours_of(study: Study, levels: Levels) -> Any:
     """Hours of the weather that the runs of a study meet, each once, in order."""
     picked, _, _ = _picked(study, columns_of(study))
-    return np.unique(settled(study, Levels(study), picked)[HOUR])
+    return np.unique(settled(study, levels, picked)[HOUR])
 
 
 def settled(study: Study, levels: Levels, picked: dict[str, Any]) -> dict[str, Any]:

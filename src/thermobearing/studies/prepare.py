@@ -229,7 +229,8 @@ class Preparer:
             found = soaked_history(device.constants, self._weights[key], before)
             return OneLine(device, *found, air)
         if not self._hours:
-            self._hours = {int(one): k for k, one in enumerate(hours_of(self.study))}
+            met = hours_of(self.study, self.levels)
+            self._hours = {int(one): k for k, one in enumerate(met)}
         if hour not in self._hours:
             return OneLine(device, *soaked_hours(device, weather, np.array([hour])).at(0), air)
         if key not in self._soaked:
