@@ -244,6 +244,13 @@ def test_two_writers(tmp_path: Path) -> None:
     assert kept(tmp_path / "out") == kept(tmp_path / "one")
 
 
+def test_a_part_that_cannot_be_marked_as_taken_is_told(tmp_path: Path) -> None:
+    """As of a directory on a disk that is only to be read."""
+    (tmp_path / ".part-1-of-3").symlink_to(tmp_path / "nowhere" / "file")
+    with pytest.raises(OutputError, match="cannot be written"), only_writer(tmp_path, "1-of-3"):
+        pass
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [
