@@ -16,8 +16,9 @@ from thermobearing.border.units import parse_quantity, with_unit
 from thermobearing.climate.generator import generate_weather, list_climates
 from thermobearing.climate.readers import read_weather
 from thermobearing.studies.counted import Failed
+from thermobearing.studies.factors import INTENSITY_UNITS
 from thermobearing.studies.fragility import Method
-from thermobearing.studies.hazard import UNITS, Hazard, load_hazard
+from thermobearing.studies.hazard import Hazard, load_hazard
 from thermobearing.studies.question import Question
 
 QUESTION = "question.toml"
@@ -49,7 +50,7 @@ class SiteHazard(Strict):
 
     def curve(self) -> Hazard:
         """The curve itself; InputError for what is none."""
-        unit = UNITS[self.measure]
+        unit = INTENSITY_UNITS[self.measure]
         intensity = [parse_quantity(text, unit) for text in self.intensity]
         rate = self.rate or [1.0 / period for period in self.return_period or ()]
         return Hazard(np.array(intensity), np.array(rate), self.measure)
@@ -133,7 +134,7 @@ def make_asked(table: Mapping[str, Any], where: str, folder: Path = Path()) -> A
 def _of_file(path: Path) -> dict[str, Any]:
     """Table of a hazard curve in a file, of whichever measure its columns are."""
     faults = []
-    for measure, unit in UNITS.items():
+    for measure, unit in INTENSITY_UNITS.items():
         try:
             found = load_hazard(path, measure)
         except InputError as error:

@@ -183,9 +183,9 @@ def _carried_out(
 
 def _keep_worst(store: Store, study: Study, runs: pd.DataFrame) -> None:
     """Histories of the worst runs, once all are done: these are carried out again."""
-    if not study.keep.worst or store.has_worst or len(store.done()) < store.shards:
+    if not study.keep.worst or store.has_worst or len(done := store.done()) < store.shards:
         return
-    table = store.table(["run", "outcome", *RANKED])
+    table = store.table(["run", "outcome", *RANKED], done)
     worst = worst_runs(table, study.keep.worst)
     again = carry_out(packed(study), runs.iloc[sorted(worst)], histories=True)
     assert again is not None
