@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+import pyarrow.parquet as pq
 import pytest
 import xarray as xr
 from numpy.testing import assert_allclose, assert_array_equal
@@ -25,7 +26,6 @@ from thermobearing.studies.peaks import RESULT_COLUMNS
 from thermobearing.studies.store import Store, shard_size
 from thermobearing.studies.worst import worst_runs
 
-pq = pytest.importorskip("pyarrow.parquet")
 ROUNDING = {"structure_residual", "mechanical_residual", "thermal_residual"}
 PIER_HEIGHT = 10e3  # of pier P1 above its footing [mm]
 
