@@ -208,7 +208,6 @@ def test_band_at_a_temperature_that_was_not_tested(found: Identification) -> Non
 
 def test_posterior_agrees_with_the_normal_distribution() -> None:
     """Of three parameters, for which walkers enough are half as many as for all."""
-    pytest.importorskip("emcee")
     records = [synthetic_record(HDR, at, SHORT, sampling=25.0) for at in AMBIENTS]
     found = identify_bearing(records, HDR, free=["K_r", "d_y", "n_T"], starts=1)
     samples = posterior_samples(found, steps=150, burn=100)
@@ -222,7 +221,6 @@ def test_what_a_posterior_takes_is_told_before(
     found: Identification, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Before: silence for as long as it took."""
-    pytest.importorskip("emcee")
     runs, seconds = posterior_effort(found, steps=8, burn=2)
     assert seconds > 0.0
     before = found.problem.evaluations

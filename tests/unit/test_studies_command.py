@@ -10,8 +10,6 @@ from typer.testing import CliRunner
 import thermobearing as tb
 from thermobearing.cli import app
 
-pytest.importorskip("pyarrow")
-
 FILE = """
 kind = "study"
 name = "small"

@@ -28,6 +28,7 @@ NEAR_ONE = {"distribution": "lognormal", "median": 1.0, "cov": 0.1}
 def tasks(made: Study) -> tuple[pd.DataFrame, list[Task]]:
     """The plan of a study, and what each run is made of."""
     runs, preparer = plan(made), Preparer(made)
+    preparer.foresee(runs)
     return runs, [preparer.run_input(row).task for row in runs.to_dict("records")]
 
 
@@ -62,6 +63,25 @@ def test_a_number_of_the_bearing_is_as_if_its_file_said_it(bearing: str) -> None
         stiffness = row["bearing.K_r"] * before.hysteresis.layer_stiffness
         changed = tb.bearing.changed_bearing(before, hysteresis={"layer_stiffness": stiffness})
         assert alike(task.device.constants, build_device(made.case, changed).constants)
+
+
+def test_long_cold_stays_on_a_bearing_that_is_varied() -> None:
+    exposed = {"exposure": {"stiffness": 1.3, "strength": 1.2, "source": "a guess"}}
+    made = study(DRAWS, {"analysis": exposed}, bearing=LHDR, **{"bearing.K_r": NEAR_ONE})
+    runs, done = tasks(made)
+    before = tb.load_bearing(LHDR)
+    for row, task in zip(runs.to_dict("records"), done, strict=True):
+        stiffness = row["bearing.K_r"] * before.hysteresis.layer_stiffness
+        changed = tb.bearing.changed_bearing(before, hysteresis={"layer_stiffness": stiffness})
+        assert alike(task.device.constants, build_device(made.case, changed).constants)
+
+
+def test_noise_of_a_laboratory_is_that_of_the_run() -> None:
+    noisy: dict[str, Any] = {"laboratory": {"mode": "pd", "force_noise": "1 kN"}}
+    noisy["analysis"] = {"method": "predictor-corrector"}
+    runs, done = tasks(study(case=noisy, scale=[0.5, 1.0]))
+    assert [task.case.laboratory.seed for task in done] == runs["seed"].tolist()
+    assert runs["seed"].nunique() == 2
 
 
 def test_numbers_of_structure_and_case() -> None:
@@ -137,6 +157,20 @@ def test_an_hour_of_the_climate() -> None:
         assert_array_equal(task.lines[0].temperature, whole.temperature[k])
         assert task.lines[0].lead == whole.lead[k]
         assert task.ambient == runs["ambient_degC"][k]
+
+
+def test_bearings_whose_lead_differs_are_not_as_warm(tmp_path: Path) -> None:
+    thin = tb.bearing.changed_bearing(LHDR, name="thin", lead={"diameter": 150.0})
+    tb.bearing.save_bearing(thin, tmp_path / "thin.toml")
+    air = {"climate": "cold-town", "years": 1}
+    levels = [LHDR, str(tmp_path / "thin.toml")]
+    runs, done = tasks(study(DRAWS, bearing=levels, ambient=air))
+    weather = generate_weather("cold-town", 1, 0)
+    for hour, task in zip(runs["hour"], done, strict=True):
+        own = build_device(task.case, task.device.bearing)
+        alone = soaked_hours(own, weather, np.array([hour]))
+        assert_array_equal(task.lines[0].temperature, alone.temperature[0])
+    assert done[0].lines[0].lead != done[6].lines[0].lead
 
 
 @pytest.mark.parametrize("heat", [False, True])

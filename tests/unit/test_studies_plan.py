@@ -1,6 +1,7 @@
 """Plans of studies: which runs, in which order, known by what goes into them."""
 
 import tomllib
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,16 +12,21 @@ import thermobearing as tb
 from thermobearing.border.errors import InputError
 from thermobearing.earthquake.run import build_tasks, run_task
 from thermobearing.studies import Study, make_study, plan
+from thermobearing.studies.designs import MANY, in_lockstep
 from thermobearing.studies.prepare import Preparer
+from thermobearing.studies.record import Keep
 
 BEARINGS = ["shen-hdr-bridge", "shen-bilinear-bridge"]
 MOTIONS = ["jra-ii-i-1", "jra-ii-i-2"]
 
 
-def study(design: dict[str, Any] | None = None, **factors: Any) -> Study:
+def study(
+    design: dict[str, Any] | None = None, case: dict[str, Any] | None = None, **factors: Any
+) -> Study:
     """A small study; factors replace or join those of one run."""
     whole = {"bearing": BEARINGS[0], "motion": MOTIONS[0], "ambient": ["0 degC"]} | factors
-    table = {"kind": "study", "name": "small", "case": {"duration": "2 s"}, "factors": whole}
+    table = {"kind": "study", "name": "small", "factors": whole}
+    table["case"] = {"duration": "2 s"} | (case or {})
     return make_study(table | ({"design": design} if design else {}), "study.toml")
 
 
@@ -79,6 +85,34 @@ def test_a_plan_repeats_itself(kind: str) -> None:
     assert first.nunique() == 16
     other = plan(study({"kind": kind, "samples": 16, "seed": 4}, ambient=air))
     assert set(other["ambient_degC"]).isdisjoint(first)
+
+
+def test_draws_that_are_not_paired_are_others_for_every_combination() -> None:
+    air = {"distribution": "uniform", "low": "-20 degC", "high": "30 degC"}
+    design = {"kind": "sobol", "samples": 16, "paired": False}
+    runs = plan(study(design, bearing=BEARINGS, ambient=air))
+    first, second = (runs.loc[runs["bearing"] == name, "ambient_degC"] for name in BEARINGS)
+    assert set(first).isdisjoint(second)
+
+
+@pytest.mark.parametrize(("samples", "many"), [(MANY // 4, True), (MANY // 4 - 1, False)])
+def test_large_studies_are_carried_out_in_lockstep(samples: int, many: bool) -> None:
+    """Saltelli's arrangement of two factors is four runs a sample; histories need a run alone."""
+    drawn = {"distribution": "uniform", "low": 0.9, "high": 1.1}
+    air = {"distribution": "uniform", "low": "-20 degC", "high": "30 degC"}
+    design = {"kind": "monte-carlo", "samples": samples, "arrangement": "saltelli"}
+    made = study(design, scale=drawn, ambient=air)
+    assert in_lockstep(made) == many
+    assert not in_lockstep(made.model_copy(update={"keep": Keep(histories="all")}))
+
+
+def test_hours_have_their_history_before_them(tmp_path: Path) -> None:
+    rows = [f"2024-01-{1 + hour // 24:02d} {hour % 24:02d}:00,{-hour % 7}" for hour in range(60)]
+    file = tmp_path / "town.csv"
+    file.write_text("\n".join(["time,temperature_degC", *rows]))
+    draws = {"kind": "latin-hypercube", "samples": 24}
+    runs = plan(study(draws, ambient={"weather": str(file), "history": "2 d"}))
+    assert set(runs["hour"]) == set(range(48, 60))
 
 
 def test_saltelli_swaps_one_factor_at_a_time() -> None:

@@ -18,7 +18,6 @@ from tests.unit.studies import kept, small_study
 from thermobearing.border.errors import InputError, OutputError
 from thermobearing.studies import run_study, study_status
 
-pytest.importorskip("pyarrow")
 needs_fork = pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork, as POSIX has it")
 PATIENCE = 120  # for what must come, however slow the machine [s]
 WRITES = ("open", "os.rename", "os.mkdir", "os.remove", "os.rmdir")
@@ -215,7 +214,6 @@ def _alive(process: int) -> bool:
 
 
 def test_nobody_answers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    pytest.importorskip("distributed")
     monkeypatch.setattr("thermobearing.studies.cluster.PATIENCE", 0.2)
     for address in ("tcp://127.0.0.1:9", "nonsense://x"):
         with pytest.raises(InputError, match=f'address "{address}": no Dask scheduler answers'):
@@ -225,8 +223,9 @@ def test_nobody_answers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None
 
 def test_dask(tmp_path: Path, whole: dict[str, bytes]) -> None:
     """A real cluster: a worker is killed, the work goes on; the scheduler stops, all is kept."""
-    distributed = pytest.importorskip("distributed")
-    dask = pytest.importorskip("dask")
+    import dask
+    import distributed
+
     out = tmp_path / "out"
     with (
         dask.config.set({"distributed.worker.multiprocessing-method": "forkserver"}),
@@ -258,7 +257,8 @@ def test_dask(tmp_path: Path, whole: dict[str, bytes]) -> None:
 
 def test_dask_by_a_client_of_the_user(tmp_path: Path, whole: dict[str, bytes]) -> None:
     """Two threads of one process, which share nothing; the client goes on to be the user's."""
-    distributed = pytest.importorskip("distributed")
+    import distributed
+
     with distributed.Client(
         processes=False, n_workers=1, threads_per_worker=2, dashboard_address=None
     ) as client:

@@ -1,10 +1,12 @@
 """Runs of a study: their numbers, their directory, and what was begun is gone on with."""
 
+import json
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
+import pyarrow.parquet as pq
 import pytest
 import xarray as xr
 from numpy.testing import assert_allclose, assert_array_equal
@@ -17,7 +19,6 @@ from tests.unit.studies import kept, small_study
 from thermobearing.border.errors import InputError, OutputError
 from thermobearing.earthquake.columns import COLUMNS
 from thermobearing.studies import Preparer, plan, run_shard, run_study, study_status
-from thermobearing.studies.designs import MANY, in_lockstep
 from thermobearing.studies.lock import only_writer
 from thermobearing.studies.log import Pace, duration
 from thermobearing.studies.parquet import About, about_columns, notes_of, write_parquet
@@ -25,7 +26,6 @@ from thermobearing.studies.peaks import RESULT_COLUMNS
 from thermobearing.studies.store import Store, shard_size
 from thermobearing.studies.worst import worst_runs
 
-pq = pytest.importorskip("pyarrow.parquet")
 ROUNDING = {"structure_residual", "mechanical_residual", "thermal_residual"}
 PIER_HEIGHT = 10e3  # of pier P1 above its footing [mm]
 
@@ -149,9 +149,11 @@ def test_directories_of_others_are_left_alone(tmp_path: Path) -> None:
         run_study(small_study(), tmp_path, jobs=1)
     with pytest.raises(InputError, match=r"not the directory of a study: no manifest\.json"):
         study_status(tmp_path)
-    (tmp_path / "manifest.json").write_text('{"kind": "study"}')
-    with pytest.raises(InputError, match="damaged"):
-        study_status(tmp_path)
+    whole = {"kind": "study", "format": 1, "runs": 8, "shard_size": 0, "versions": {}, "input": ""}
+    for content in ({"kind": "study"}, whole):
+        (tmp_path / "manifest.json").write_text(json.dumps(content))
+        with pytest.raises(InputError, match="damaged"):
+            study_status(tmp_path)
     assert sorted(kept(tmp_path)) == ["manifest.json", "thesis.tex"]
 
 
@@ -163,7 +165,7 @@ def test_failed_runs_are_told_with_their_reason(
     prepared, run = Preparer.run_input, peaks.run_task
 
     def prepare(self: Preparer, row: Any) -> Any:
-        if row["run"] == 0:
+        if row["run"] == 1:
             raise InputError("K_r must be positive", "bearing")
         return prepared(self, row)
 
@@ -183,8 +185,8 @@ def test_failed_runs_are_told_with_their_reason(
     assert "Try" in told.loc[third, "sentence"] or "try" in told.loc[third, "sentence"]
     assert told[["runs", "share"]].values.tolist() == [[1, 0.25]] * 3
     table = Store(tmp_path / "out").table()
-    assert np.isnan(table["bearing_force_max_kN"][0])
-    assert table["outcome"].tolist().count("completed") == 1
+    assert table["outcome"].tolist() == ["completed", "bad_input", "broken", third]
+    assert np.isnan(table["bearing_force_max_kN"][1])
 
 
 def test_a_program_that_always_breaks_is_no_result(
@@ -215,10 +217,13 @@ def test_histories_are_kept_where_they_are_asked_for(tmp_path: Path) -> None:
             assert data["id"].values.tolist() == table["id"][data["run"].values].tolist()
     assert np.all(np.array(peaks_kept) <= table["pier_displacement_max_mm"] * (1 + 1e-6))
     assert np.all(np.array(peaks_kept) > 0.9 * table["pier_displacement_max_mm"])
-    run_study(small_study(keep="worst 2"), tmp_path / "worst", jobs=1)
+    worst = small_study(keep="worst 3")
+    run_study(worst, tmp_path / "worst", jobs=1, size=2, shard="2/2")
+    assert not (tmp_path / "worst" / "histories").exists()  # nobody knows yet which
+    run_study(worst, tmp_path / "worst", jobs=1)
     with xr.open_dataset(tmp_path / "worst" / "histories" / "worst.nc", engine="netcdf4") as data:
         ranked = table.sort_values("pier_ductility", ascending=False)["run"].tolist()
-        assert data["run"].values.tolist() == sorted(ranked[:2])
+        assert data["run"].values.tolist() == sorted(ranked[:3]) != ranked[:3]
     assert worst_runs(table, 2) == ranked[:2]
     failed = table.assign(
         outcome=["diverged" if run == ranked[0] else "completed" for run in table["run"]]
@@ -242,6 +247,37 @@ def test_two_writers(tmp_path: Path) -> None:
     whole = run_study(small_study(), tmp_path / "one", jobs=1, size=1)
     assert whole.outcome == "completed"
     assert kept(tmp_path / "out") == kept(tmp_path / "one")
+
+
+def test_a_directory_that_another_part_has_made_meanwhile_is_taken(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made = stores.write_directory
+
+    def quicker(*given: Any) -> None:
+        made(*given)
+        raise OutputError("exists")
+
+    monkeypatch.setattr(stores, "write_directory", quicker)
+    assert run_study(small_study(), tmp_path / "out", jobs=1).outcome == "completed"
+
+
+def test_a_part_counts_and_clears_away_its_own(tmp_path: Path) -> None:
+    out, said = tmp_path / "out", []
+    run_study(small_study(), out, jobs=1, shard="2/2", size=4)
+    left = [out / "shards" / f".0000{shard}.parquet-ab" for shard in range(2)]
+    for path in left:
+        path.touch()
+    run_study(small_study(), out, jobs=1, shard="1/2", progress=lambda *two: said.append(two))
+    assert said == [(0, 4), (4, 4)]
+    assert [path.exists() for path in left] == [False, True]
+
+
+def test_a_part_that_cannot_be_marked_as_taken_is_told(tmp_path: Path) -> None:
+    """As of a directory on a disk that is only to be read."""
+    (tmp_path / ".part-1-of-3").symlink_to(tmp_path / "nowhere" / "file")
+    with pytest.raises(OutputError, match="cannot be written"), only_writer(tmp_path, "1-of-3"):
+        pass
 
 
 @pytest.mark.parametrize(
@@ -325,8 +361,14 @@ def test_runs_in_lockstep_are_those_of_runs_alone_and_nobody_elses() -> None:
         assert_array_equal(backwards[name], together[name].iloc[[3, 1]], err_msg=name)
 
 
-def test_large_studies_are_carried_out_in_lockstep() -> None:
-    many = {"levels": [0.5 + 0.001 * k for k in range(1000)]}
-    assert [in_lockstep(small_study(scale=one)) for one in ([1.0], many)] == [False, True]
-    assert not in_lockstep(small_study(scale=many, keep="all"))
-    assert len(plan(small_study(scale={"levels": many["levels"][:200]}))) < MANY
+def test_outcomes_in_lockstep_are_those_of_runs_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A bearing that tears, one without lead; nothing is run alone that does not need it."""
+    study = small_study({"duration": "4 s"}, bearing=["shen-hdr-bridge"], scale=[0.5, 80.0])
+    side = study.design.model_copy(update={"lockstep": True})
+    alone = run_shard(study, plan(study))
+    monkeypatch.setattr(peaks, "run_task", None)
+    together = run_shard(study.model_copy(update={"design": side}), plan(study))
+    assert alone["outcome"].tolist() == ["completed"] * 2 + ["not_physical"] * 2
+    assert together["outcome"].tolist() == alone["outcome"].tolist()
+    assert together["lead_max_degC"].isna().all()
+    assert together["rubber_max_degC"].notna().all()

@@ -9,11 +9,12 @@ import pytest
 from thermobearing.border.errors import InputError
 from thermobearing.studies.counted import counted
 from thermobearing.studies.demand import demand_against, median_places
+from thermobearing.studies.estimates import MOST_STRIPES, classes, cloud
 from thermobearing.studies.fragility import fragility_curve, fragility_curves
 from thermobearing.studies.hazard import Hazard, annual_rate, load_hazard
 from thermobearing.studies.ida import ida_curves
 from thermobearing.studies.mixture import ClimateFragility, shares_of_time
-from thermobearing.studies.resampling import percentiles
+from thermobearing.studies.resampling import Draw, percentiles
 from thermobearing.studies.variance import sobol_table, variance_shares
 
 HAZARD = Hazard(np.array([0.1, 1.0, 10.0]), np.array([1.0, 1e-2, 1e-4]))
@@ -71,6 +72,28 @@ def test_counts_without_a_curve(
     assert np.isfinite(numbers).all() == (outcome == "completed")
     rate = annual_rate(found, HAZARD)
     assert np.isfinite(rate.rate) == (outcome == "completed")
+
+
+def test_a_curve_that_hardly_rises_has_no_upper_end() -> None:
+    """Some bootstrap samples fall, or have nothing beyond: neither has a largest median."""
+    table = two_levels([0.1, 0.1, 0.1, 3.0], [0.1, 0.1, 3.0, 3.0])
+    row = fragility_curve(table, "drift", 1.0, "im", groups=None, samples=200).row()
+    assert (row["median_high"], row["dispersion_high"]) == (np.inf, np.inf)
+    assert np.isfinite([row["median"], row["dispersion"], row["median_low"]]).all()
+
+
+def test_many_intensities_are_put_into_classes_at_their_geometric_mean() -> None:
+    at = np.geomspace(1.0, 100.0, 2 * MOST_STRIPES)[::-1]
+    levels, place = classes(at)
+    assert levels == pytest.approx(np.sqrt(at[::-2] * at[-2::-2]))
+    assert place.tolist() == [k // 2 for k in reversed(range(len(at)))]
+
+
+def test_a_demand_that_falls_is_as_likely_beyond_everywhere() -> None:
+    at = np.geomspace(1.0, 2.0, 20)
+    found = cloud(at, 5.0 / at + 0.1 * np.sin(50.0 * at), 1.0, Draw.of_labels(None, 20, 5))
+    assert found.outcome == "not_rising"
+    assert (found.best.probability(np.array([0.1, 10.0])) > 0.99).all()
 
 
 def test_a_temperature_at_which_nothing_went_beyond_counts_with_zero_in_a_climate() -> None:
@@ -189,6 +212,9 @@ def test_hazard_file_needs_rates_or_periods(tmp_path: Any) -> None:
     file.write_text("PGA [m/s^2]\n1\n4\n")
     with pytest.raises(InputError, match=r"site\.csv: needs a column rate"):
         load_hazard(file)
+    file.write_text("PGA [m/s^2],return_period [year]\n1,50\n4,1000\n")
+    assert load_hazard(file).rate.tolist() == [0.02, 0.001]
+    assert np.isnan(load_hazard(file).at([0.9, 4.1])).all()
     file.write_text("PGA [m/s^2],rate [1/year]\n1,0.001\n4,0.02\n")
     with pytest.raises(InputError, match=r"site\.csv: rate of a hazard curve does not decrease"):
         load_hazard(file)

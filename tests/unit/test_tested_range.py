@@ -18,6 +18,7 @@ from thermobearing.cyclic.screen import print_result
 from thermobearing.design.run import run_bounds, run_factors
 from thermobearing.earthquake.reached import reached
 from thermobearing.earthquake.screen import print_study
+from thermobearing.earthquake.task import Device
 from thermobearing.identify.posterior import forecast
 from thermobearing.results.ranges import REST, compared, cycles_in_a_row, largest_speed
 from thermobearing.validate.screen import print_validation
@@ -267,9 +268,10 @@ def test_of_several_lines_the_one_that_goes_farthest_counts() -> None:
         {"clock": clock, "displacement": size * np.sin(2.0 * np.pi * clock), "lead_temperature": t}
         for size, t in ((60.0, 20.0 + clock), (90.0, 20.0 - clock))
     ]
-    bearing = SimpleNamespace(total_rubber_thickness=30.0)
-    constants = SimpleNamespace(lead=SimpleNamespace(cores=4.0))
-    device = SimpleNamespace(bearing=bearing, constants=constants, stack=object())
+    bearing: Any = SimpleNamespace(total_rubber_thickness=30.0)
+    constants: Any = SimpleNamespace(lead=SimpleNamespace(cores=4.0))
+    stack: Any = object()
+    device = Device(bearing=bearing, constants=constants, stack=stack)
     task: Any = SimpleNamespace(lines=[SimpleNamespace(device=device, ambient=20.0)] * 2)
     history: Any = SimpleNamespace(bearing=lambda line: lines[line])
     found = reached(task, history, [0, 1])

@@ -9,7 +9,7 @@ from tests import tolerances
 from thermobearing.studies.binary import Curves
 from thermobearing.studies.estimates import Estimate
 from thermobearing.studies.fragility import Fragility
-from thermobearing.studies.hazard import Hazard, annual_rate, closed_form, ratio
+from thermobearing.studies.hazard import Hazard, Rate, annual_rate, closed_form, ratio
 from thermobearing.studies.mixture import ClimateFragility, shares_of_time
 
 
@@ -59,6 +59,8 @@ def test_ends_of_the_hazard_curve_are_told() -> None:
     late = annual_rate(lognormal(2.0, 0.4), power_law(2.0, (1.5, 1e3)))
     assert "ends at 2" in early.notes[0]
     assert "begins at 1.5" in late.notes[0]
+    # What goes beyond at the end already is counted, and nothing is to be told.
+    assert annual_rate(lognormal(0.5, 0.1), power_law(2.0, (1e-3, 2.0))).notes == ()
     # What is beyond the end counts with the probability there.
     assert early.rate < closed_form(2.0, 0.4, 1e-2, 2.0)
     jump = annual_rate(lognormal(1.9, 1e-4), power_law(2.0, (1e-3, 2.0)))
@@ -81,6 +83,12 @@ def test_band_and_ratio_of_rates() -> None:
     assert (a.low, a.high) == pytest.approx(
         (a.rate * np.exp(-0.2), a.rate * np.exp(0.2)), rel=tolerances.HAZARD
     )
+
+
+def test_the_band_of_a_ratio_is_of_the_samples_alone() -> None:
+    cold = Rate(10.0, 0.0, 0.0, np.array([1.0, 3.0, 2.0, np.nan]))
+    warm = Rate(1.0, 0.0, 0.0, np.ones(4))
+    assert ratio(cold, warm) == (10.0, 1.0, 3.0)
 
 
 def test_climate_is_the_mean_of_its_temperatures() -> None:

@@ -105,3 +105,19 @@ def test_correlation_ratio_of_draws_has_no_bias_and_holds_the_truth() -> None:
         held += (found["share_low"][:4] <= truth) & (truth <= found["share_high"][:4])
     assert mean == pytest.approx(truth, abs=tolerances.RATIO_IN_CLASSES)
     assert held.min() / times > tolerances.LEAST_COVERAGE_OF_RATIOS
+
+
+def test_many_draws_of_a_number_have_many_classes() -> None:
+    """A straight line of 2000 draws: 44 classes leave about one part in 44^2 inside."""
+    x = np.random.default_rng(8).random(2000)
+    found = variance_shares(pd.DataFrame({"x": x, "drift": x}), "drift", ["x"], samples=100)
+    assert 0.0 < 1.0 - found["share"][0] < 2.0 * 44.0**-2
+    assert found["share_low"][0] <= found["share"][0] <= found["share_high"][0]
+
+
+def test_bands_of_shares_are_around_what_was_found() -> None:
+    """Ten levels that are alike: drawn again they never are, which is no share of theirs."""
+    table = pd.DataFrame({"level": np.arange(60) % 10, "drift": np.arange(60) // 10})
+    found = variance_shares(table, "drift", ["level"]).iloc[0]
+    assert found["share"] == pytest.approx(1.0 - 59.0 / 50.0)
+    assert found["share_low"] < found["share"] < found["share_high"]

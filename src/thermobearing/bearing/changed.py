@@ -7,7 +7,7 @@ from typing import Any
 from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.schema import Strict, validated
-from thermobearing.border.text_file import write_text_file
+from thermobearing.border.text_file import write_file
 from thermobearing.border.toml import sourced_toml
 
 WHOLE = "shape"  # a plan that says its shape is another plan, not a part of the old one
@@ -76,7 +76,7 @@ def save_bearing(bearing: Bearing, path: str | Path, *, force: bool = False) -> 
     ...     load_bearing(save_bearing(mine, folder + "/mine.toml")) == mine
     True
     """
-    write_text_file(Path(path), sourced_toml(bearing, bearing.sources), force=force)
+    write_file(Path(path), sourced_toml(bearing, bearing.sources), force=force)
     return Path(path)
 
 

@@ -74,9 +74,9 @@ class Sourced(Strict):
         ----------
         sources : by dotted key.
         """
-        copy: Any = self.model_copy()
+        copy = self.model_copy()
         copy._sources = dict(sources)
-        return copy  # type: ignore[no-any-return]
+        return copy
 
 
 @dataclass(frozen=True)

@@ -1,30 +1,48 @@
 """Files that are written whole or not at all; the user's never over one by accident."""
 
+import errno
 import os
 import secrets
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from thermobearing.border.errors import OutputError
 
 
-def write_whole(target: Path, content: bytes) -> None:
-    """Put a file in place when all of it is on the disk, whatever was there before.
+def write_through(file: Path, raw: bytes) -> None:
+    """Write a file and see it on the disk: some disks say late that they are full."""
+    with file.open("wb") as stream:
+        if stream.write(raw) != len(raw):
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        stream.flush()
+        os.fsync(stream.fileno())
 
-    A power cut leaves the earlier one or the new one; a killed program may leave a file beside it,
-    whose name begins with a point.
+
+@contextmanager
+def replacing(target: Path) -> Iterator[Path]:
+    """A file beside another, which takes its place at the end, whatever was there before.
+
+    A killed program may leave it there; its name begins with a point.
     """
     part = target.with_name(f".{target.name}-{secrets.token_hex(4)}")
     try:
-        with part.open("wb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
+        yield part
         os.replace(part, target)
     finally:
         part.unlink(missing_ok=True)
 
 
-def write_text_file(target: Path, text: str, *, force: bool) -> None:
+def write_whole(target: Path, content: bytes) -> None:
+    """Put a file in place when all of it is on the disk.
+
+    A power cut leaves the earlier one or the new one.
+    """
+    with replacing(target) as part:
+        write_through(part, content)
+
+
+def write_file(target: Path, content: str | bytes, *, force: bool) -> None:
     """A whole file or none; an earlier one only with `force`.
 
     Raises
@@ -39,7 +57,7 @@ def write_text_file(target: Path, text: str, *, force: bool) -> None:
                 f"{target}: exists; give --force (in Python force=True) to replace it, or "
                 "choose another file"
             )
-        write_whole(target, text.encode("utf-8"))
+        write_whole(target, content.encode("utf-8") if isinstance(content, str) else content)
     except (OSError, ValueError) as error:  # no such directory, a null byte in the name
         told = getattr(error, "strerror", None) or error
         raise OutputError(f"{target}: cannot be written: {told}") from None

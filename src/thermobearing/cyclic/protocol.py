@@ -19,6 +19,7 @@ from thermobearing.cyclic.recording import checked_history, read_recording
 from thermobearing.model.effort import MAX_STEPS
 
 Floats = NDArray[np.float64]
+Wave = Literal["triangular", "sine"]
 LONGEST = 1e8  # three years [s]
 # What a laboratory or an earthquake does, with a factor of ten or more on either side.
 Seconds = Annotated[float, in_unit("s"), Field(ge=1e-6, le=LONGEST)]
@@ -53,7 +54,7 @@ class Cycles(Strict):
     step: Literal["cycles"] = "cycles"
     strain: Strain | None = None
     amplitude: Amplitude | None = None
-    wave: Literal["triangular", "sine"] = "triangular"
+    wave: Wave = "triangular"
     speed: Speed | None = None
     period: Seconds | None = None
     frequency: Annotated[float, in_unit("Hz"), Field(ge=1e-8, le=1e6)] | None = None
@@ -257,7 +258,7 @@ def cyclic_test(
     strain: list[float] | tuple[float, ...] = (0.5, 1.0, 1.5, 2.0, 2.5),
     *,
     cycles: int = 5,
-    wave: Literal["triangular", "sine"] = "triangular",
+    wave: Wave = "triangular",
     speed: float | None = None,
     frequency: float | None = None,
     period: float | None = None,

@@ -35,7 +35,6 @@ PRESETS: dict[str, tuple[int, ...]] = {
     "all-but-first": tuple(range(2, 6)),
 }
 QUANTILES = (0.05, 0.95)
-BASES = ("first", "heated", "mean")
 COLDEST, HOTTEST = -60.0, 60.0
 MOST_CYCLES = 100
 

@@ -17,7 +17,6 @@ STRONG = 0.9  # correlation that is told
 AT_BOUND, POORLY = "at its bound", "poorly"
 MOST_ROWS = 200
 AMBIENT = Column("Ambient", "°C", "g")
-PERCENT = {"form": "+.1f", "unit": "%"}
 
 
 def tests_table(records: Sequence[Record]) -> ReportTable:

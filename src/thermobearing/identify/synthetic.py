@@ -1,7 +1,6 @@
 """Tests that were never made: to see what a planned programme would identify, and to prove fits."""
 
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,7 +8,7 @@ from numpy.typing import NDArray
 from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
-from thermobearing.cyclic.protocol import CyclicTest, cyclic_test
+from thermobearing.cyclic.protocol import CyclicTest, Wave, cyclic_test
 from thermobearing.identify.cycles import cycles_of
 from thermobearing.identify.parameters import available, with_values
 from thermobearing.identify.record import TestRecord, record_from_arrays
@@ -87,7 +86,7 @@ def synthetic_record(
         if not low <= value <= high:
             raise InputError(f"{name} = {value}: must be {low:g} to {high:g}{unit}")
     bearing = as_bearing(bearing)
-    wave: Literal["triangular", "sine"] = "triangular" if bearing.lead is None else "sine"
+    wave: Wave = "triangular" if bearing.lead is None else "sine"
     result = run(bearing, test or cyclic_test(wave=wave), ambient=ambient, keep=[])
     if result.outcome != "completed":
         raise InputError(f"the simulated test ended early: {result.outcome}")

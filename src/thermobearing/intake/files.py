@@ -2,7 +2,6 @@
 
 import os
 import re
-from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
@@ -56,11 +55,11 @@ def save_intakes(
         if figures:
             from thermobearing.results.drawing import save_figures
 
-            drawn: dict[str, Callable[[], object]] = {
+            drawn = {
                 name: partial(Intake.plot, item)
                 for item, name in zip(found.files, names, strict=True)
             }
-            save_figures(drawn, folder / FIGURES)  # type: ignore[arg-type]
+            save_figures(drawn, folder / FIGURES)
 
     written = write_directory(directory, fill, force=force)
     for item, path in zip(found.files, targets, strict=False):

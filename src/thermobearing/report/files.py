@@ -1,12 +1,12 @@
 """A document is written into its result directory whole, or the earlier one stays as it was."""
 
-import errno
 import os
 import shutil
 from collections.abc import Mapping
 from pathlib import Path
 
 from thermobearing.border.errors import OutputError, is_folder
+from thermobearing.border.text_file import write_through
 from thermobearing.report.html import html_page
 from thermobearing.report.pdf import pdf_bytes, the_compiler
 from thermobearing.report.pictures import drawn
@@ -102,15 +102,6 @@ def put_files(directory: Path, content: Mapping[str, bytes | None]) -> list[Path
         ) from None
     documents = (REPORT_HTML, REPORT_PDF, WORKBOOK)
     return [directory / name for name in documents if content.get(name) is not None]
-
-
-def write_through(file: Path, raw: bytes) -> None:
-    """Write a file and see it on the disk: some disks say late that they are full."""
-    with file.open("wb") as stream:
-        if stream.write(raw) != len(raw):
-            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-        stream.flush()
-        os.fsync(stream.fileno())
 
 
 def _exchange(partial: Path, final: Path, names: list[str]) -> None:

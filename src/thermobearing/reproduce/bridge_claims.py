@@ -115,12 +115,6 @@ def energy_drop(runs: Runs) -> Numbers:
     return told(100.0 * (energy[1:] / energy[0] - 1.0))
 
 
-def energy_drop_hdr_and_lhdr(runs: Runs) -> Numbers:
-    """Energy at -20 over that at 23 degC: HDR, LHDR, a row for each motion."""
-    both = [by_motion(runs, name, "bearing_energy_kN_mm") for name in (HDR, LHDR)]
-    return rows(np.array([energy[:, -1] / energy[:, 0] for energy in both]).T)
-
-
 # 6.3.3 and 6.3.4: the pier
 
 

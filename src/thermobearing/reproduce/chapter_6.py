@@ -7,7 +7,7 @@ import numpy as np
 
 from thermobearing.bearing.model import Bearing
 from thermobearing.cyclic.equivalent import isothermal_cycle, solve_backbone
-from thermobearing.design.rubber import damping_ratio, load_rubber, shear_modulus
+from thermobearing.design.rubber import Kind, damping_ratio, load_rubber, shear_modulus
 from thermobearing.reproduce.printed import printed
 from thermobearing.reproduce.runs import AMBIENT, Runs
 from thermobearing.reproduce.values import Numbers, told
@@ -154,11 +154,9 @@ def order_of_damping(runs: Runs) -> Numbers:
 
 def softening_of_curves(runs: Runs) -> Numbers:
     """G_e of all six rubbers at 50, 100 and 150 %, a row each [MPa]."""
-    kinds = [(name, kind) for kind in ("HDR", "HDR-S") for name in NAMES]
+    both: tuple[Kind, ...] = ("HDR", "HDR-S")
+    kinds = [(name, kind) for kind in both for name in NAMES]
     return [
-        tuple(
-            shear_modulus(load_rubber(name, kind), strain)  # type: ignore[arg-type]
-            for strain in STRAINS[:3]
-        )
+        tuple(shear_modulus(load_rubber(name, kind), strain) for strain in STRAINS[:3])
         for name, kind in kinds
     ]

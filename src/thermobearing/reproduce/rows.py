@@ -15,6 +15,7 @@ from thermobearing.reproduce.claims import Claim
 from thermobearing.reproduce.flips import Flip, Variants, all_flips, stands_more_stiffness
 from thermobearing.reproduce.judge import FAILED, Verdict, verdict_of
 from thermobearing.reproduce.runs import Runs
+from thermobearing.reproduce.told import reason
 
 ROOM = "thermobearing.reproduce"
 
@@ -94,8 +95,7 @@ def make_row(claim: Claim, runs: Runs, variants: Variants | None = None) -> Row:
     try:
         return _made(claim, runs, variants)
     except Exception as error:  # whatever breaks is told in its row
-        reason = str(error).splitlines()[0] if str(error) else "no reason given"
-        return Row(claim, Verdict(FAILED, f"failed: {type(error).__name__}: {reason}"))
+        return Row(claim, Verdict(FAILED, reason(error)))
 
 
 def _made(claim: Claim, runs: Runs, variants: Variants | None) -> Row:

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache
-from typing import Any
+from typing import Any, TypeVar
 
 from thermobearing.bearing.changed import changed_bearing
 from thermobearing.bearing.library import load_bearing
@@ -20,8 +20,8 @@ from thermobearing.earthquake.study import bridge, hybrid
 from thermobearing.motions.library import load_motion
 from thermobearing.structure.model import Structure, load_structure
 
+T = TypeVar("T")
 AMBIENT = (23.0, 0.0, -20.0)  # of all tests and studies of the source, warm to cold [degC]
-TABLE_3_4 = "table 3.4"
 PART = re.compile(r"([a-z_]+)(?:\[(\d+)\])?")
 
 
@@ -110,19 +110,18 @@ class Runs:
         self,
         bearing: str | Bearing,
         ambient: float | Sequence[float] = AMBIENT,
-        test: str | CyclicTest = TABLE_3_4,
+        test: CyclicTest | None = None,
         **options: Any,
     ) -> Result:
-        """A displacement-controlled test; "table 3.4" by default."""
+        """A displacement-controlled test; that of Table 3.4 by default."""
 
         def make() -> Result:
-            own = None if test == TABLE_3_4 else test
             specimen = self.bearing(bearing) if isinstance(bearing, str) else bearing
             air = [ambient] if isinstance(ambient, int | float) else list(ambient)
-            kept = {"keep": ["rubber"]} if self.light else {}
-            return run(specimen, own, air, **self.options | kept | options)  # type: ignore[arg-type]
+            kept: dict[str, Any] = {"keep": ["rubber"]} if self.light else {}
+            return run(specimen, test, air, **self.options | kept | options)
 
-        return self.once(make, "cyclic", bearing, ambient, test, options)  # type: ignore[no-any-return]
+        return self.once(make, "cyclic", bearing, ambient, test, options)
 
     def bridge(
         self,
@@ -170,14 +169,15 @@ class Runs:
             found: EarthquakeResult = command(devices, shakings, air, **told)
             return found
 
-        return self.once(make, command.__name__, bearing, motion, ambient, options)  # type: ignore[no-any-return]
+        return self.once(make, command.__name__, bearing, motion, ambient, options)
 
-    def once(self, make: Callable[[], Any], *words: Any) -> Any:
+    def once(self, make: Callable[[], T], *words: Any) -> T:
         """What `make` gives, made once for these words."""
         key = repr(words)
         if key not in self._kept:
             self._kept[key] = make()
-        return self._kept[key]
+        found: T = self._kept[key]
+        return found
 
 
 def cycles_of(strain: Sequence[float], count: int = 5, **options: Any) -> CyclicTest:

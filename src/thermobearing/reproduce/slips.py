@@ -18,7 +18,7 @@ from thermobearing.bearing.library import load_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.core.types import Constants
 from thermobearing.cyclic.history import run_segments
-from thermobearing.cyclic.protocol import cyclic_test
+from thermobearing.cyclic.protocol import Wave, cyclic_test
 from thermobearing.cyclic.segments import build_segments
 from thermobearing.earthquake.case import make_earthquake_case
 from thermobearing.earthquake.label import label_study
@@ -160,9 +160,9 @@ def _needed(slip: str, lead: bool) -> set[str]:
     return {CLOCK: {PLATES}, REFERENCE: {PLATES}, BOOKKEEPING: {PLATES, REFERENCE}}.get(slip, set())
 
 
-def _cyclic_values(bearing: Bearing, model: BearingModel, wave: str) -> dict[str, float]:
+def _cyclic_values(bearing: Bearing, model: BearingModel, wave: Wave) -> dict[str, float]:
     """Five cycles of 250 %."""
-    test = cyclic_test(strain=[STRAIN], wave=wave, closing_strain=None)  # type: ignore[arg-type]
+    test = cyclic_test(strain=[STRAIN], wave=wave, closing_strain=None)
     cells = len(model.constants.cells.capacity)
     history = run_segments(
         model.constants,
@@ -213,7 +213,7 @@ def values_of(kind: str, slips: frozenset[str]) -> dict[str, float]:
     """What a specimen and a bridge bearing with some slips give, by the keys of `QUANTITIES`."""
     specimen = _as_in_print(load_bearing(f"{BEARINGS[kind]}-specimen"))
     bridge = _as_in_print(load_bearing(f"{BEARINGS[kind]}-bridge"))
-    wave = "sine" if specimen.lead else "triangular"
+    wave: Wave = "sine" if specimen.lead else "triangular"
     values = _cyclic_values(specimen, with_slips(specimen, set(slips)), wave)
     return values | _bridge_values(bridge, with_slips(bridge, set(slips)))
 

@@ -20,6 +20,7 @@ from thermobearing.cyclic.rig import load_rig
 from thermobearing.design.rubber import load_rubber
 from thermobearing.reproduce import table_values
 from thermobearing.reproduce.runs import Runs
+from thermobearing.reproduce.told import reason
 
 DATA, COMPUTED = "data file", "computed"
 DIGITS = 6  # of a difference in per cent: below it is rounding
@@ -113,7 +114,7 @@ def _cells(table: PrintedTable, row: PrintedRow, runs: Runs) -> list[tuple[Any, 
         try:
             ours = dict(zip(table.columns, _ours(table, row, runs), strict=True))
         except Exception as error:  # whatever breaks is told in its row
-            by = f"failed: {type(error).__name__}: {' '.join(str(error).split())}"
+            by = reason(error)
     cells = []
     for column, printed in told.items():
         here = ours.get(column)

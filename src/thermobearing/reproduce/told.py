@@ -21,6 +21,18 @@ def number_words(value: float) -> str:
     return text.replace("-", "\N{MINUS SIGN}")
 
 
+def reason(error: Exception) -> str:
+    """What broke, in a line.
+
+    Examples
+    --------
+    >>> reason(ValueError("no root"))
+    'failed: ValueError: no root'
+    """
+    told = str(error).splitlines()[0] if str(error) else "no reason given"
+    return f"failed: {type(error).__name__}: {told}"
+
+
 def computed_words(claim: Claim, computed: Any) -> str:
     """What was computed, with its unit; the ends of the range where there are many numbers."""
     if computed is None:

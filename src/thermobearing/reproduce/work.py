@@ -17,6 +17,7 @@ from thermobearing.reproduce.figures import FIGURES
 from thermobearing.reproduce.flips import Variants
 from thermobearing.reproduce.rows import Row, make_row
 from thermobearing.reproduce.runs import Runs
+from thermobearing.reproduce.told import reason
 
 CLAIMS, VERDICTS = "claims", "verdicts"  # kinds of parts, as the next three
 FIGURE, TABLES, BOTH = "figure", "tables", "tables and figure"
@@ -148,7 +149,7 @@ def draw(name: str) -> Drawn:
         picture = io.BytesIO()
         save_figure(module.draw(_runs()), picture)
         return Drawn(name, str(module.CAPTION), picture.getvalue())
-    except Exception as error:
+    except Exception as error:  # whatever breaks is told in its place; the others go on
         return Drawn(name, reason(error))
 
 
@@ -157,11 +158,5 @@ def tables_of(name: str) -> Mapping[str, pd.DataFrame | str]:
     try:
         found: Mapping[str, pd.DataFrame] = WITH_TABLES[name].all_tables(_runs())
         return dict(found)
-    except Exception as error:
+    except Exception as error:  # likewise
         return {name: reason(error)}
-
-
-def reason(error: Exception) -> str:
-    """What broke, in a line."""
-    told = str(error).splitlines()[0] if str(error) else "no reason given"
-    return f"failed: {type(error).__name__}: {told}"

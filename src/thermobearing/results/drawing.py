@@ -59,6 +59,7 @@ ENERGIES = (
     ("heat_lost_sides", "heat lost through the sides", "#56B4E9", "-.", 1.3),
     ("recoverable", "recoverable", "#009E73", "-", 1.3),
 )
+LIMIT: Look = {"color": "#a33", "linewidth": 0.8, "linestyle": (0, (6, 2, 1, 2))}
 UNTESTED = "#f6dede"  # beyond what a bearing was tested at
 LOOP_STEP = 1 / 250  # distance of kept points of a loop, of the size of the panel
 
@@ -333,7 +334,7 @@ def shade_untested(
                 span(first, last, color=UNTESTED, zorder=0.2, linewidth=0)
         put(low, high)
         place = (0.99, 0.985) if along == "x" else (0.01, 0.015)
-        look: Look = {"fontsize": SMALL - 0.5, "color": "#a33"}
+        look: Look = {"fontsize": SMALL - 0.5, "color": LIMIT["color"]}
         look |= {"ha": "right", "va": "top"} if along == "x" else {"ha": "left", "va": "bottom"}
         ax.text(*place, "shaded: not tested", transform=ax.transAxes, **look)
 
@@ -362,8 +363,8 @@ def note_values(ax: Axes, name: str, values: list[str], colours: list[str]) -> N
 def mark_tested(ax: Axes, largest: float, name: str) -> None:
     """A line at the largest tested value of what the vertical axis shows, if it is finite."""
     if np.isfinite(largest):
-        ax.axhline(largest, color="#a33", linewidth=0.8, linestyle=(0, (6, 2, 1, 2)))
-        look: Look = {"fontsize": SMALL - 0.5, "color": "#a33", "va": "bottom", "ha": "left"}
-        look["zorder"] = 1.9  # below lines and marks
+        ax.axhline(largest, **LIMIT)
+        look: Look = {"fontsize": SMALL - 0.5, "color": LIMIT["color"]}
+        look |= {"va": "bottom", "ha": "left", "zorder": 1.9}  # below lines and marks
         look["bbox"] = {"facecolor": "white", "alpha": 0.6, "pad": 0.5, "linewidth": 0}
         ax.text(0.01, largest, name, transform=ax.get_yaxis_transform(), **look)

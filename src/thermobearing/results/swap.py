@@ -29,17 +29,31 @@ def _marks(final: Path) -> tuple[str, str]:
 
 
 @contextmanager
-def _locked(directory: Path, *, wait: bool = True) -> Iterator[bool]:
-    """Keep others from the same directory; whether that was possible."""
+def locked(path: Path, *, wait: bool = True, shared: bool = False) -> Iterator[bool | None]:
+    """Keep others from the same file or directory; whether that was possible.
+
+    Parameters
+    ----------
+    path : that is there.
+    wait : until nobody else has it.
+    shared : with others that share it too.
+
+    Returns
+    -------
+    context : of True; of False where somebody has it; of None where there are no locks.
+    """
     with ExitStack() as stack:
+        held: bool | None = True
         try:
-            handle = os.open(directory, os.O_RDONLY)
+            handle = os.open(path, os.O_RDONLY)
             stack.callback(os.close, handle)
-            fcntl.flock(handle, fcntl.LOCK_EX if wait else fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except (OSError, AttributeError):  # somebody has it; not readable; no locks there
-            yield False
-        else:
-            yield True
+            how = fcntl.LOCK_SH if shared else fcntl.LOCK_EX
+            fcntl.flock(handle, how if wait else how | fcntl.LOCK_NB)
+        except BlockingIOError:
+            held = False
+        except (OSError, AttributeError):  # not readable; no locks there, or none at all
+            held = None
+        yield held
 
 
 @contextmanager
@@ -47,11 +61,11 @@ def new_sibling(final: Path) -> Iterator[Path]:
     """An empty hidden directory beside `final`; what killed runs left there is taken away."""
     partial = final.parent / f"{_marks(final)[0]}{secrets.token_hex(4)}"
     with ExitStack() as alive:
-        with _locked(final.parent) as alone:
+        with locked(final.parent) as alone:
             if alone:
                 _clean(final)
             partial.mkdir()
-            alive.enter_context(_locked(partial))
+            alive.enter_context(locked(partial))
         yield partial
 
 
@@ -60,7 +74,7 @@ def _clean(final: Path) -> None:
     writing, old = _marks(final)
     for path in list(final.parent.iterdir()):
         if path.name.startswith(writing):
-            with _locked(path, wait=False) as abandoned:
+            with locked(path, wait=False) as abandoned:
                 if abandoned:
                     shutil.rmtree(path, ignore_errors=True)
         elif path.name.startswith(old):
@@ -79,7 +93,7 @@ def put_in_place(partial: Path, final: Path, check: Callable[[], None]) -> None:
     final : there or not; the earlier one comes back whatever stops this.
     check : raises if `final` must not be replaced.
     """
-    with _locked(final.parent):
+    with locked(final.parent):
         check()
         if not final.exists():
             partial.rename(final)

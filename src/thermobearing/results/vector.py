@@ -3,6 +3,7 @@
 import io
 
 import matplotlib as mpl
+import numpy as np
 from matplotlib.figure import Figure
 
 MOST_POINTS = 3000  # of a line; what has more is drawn as points at the fineness below
@@ -23,7 +24,7 @@ def vector_bytes(figure: Figure) -> bytes:
     """
     for ax in figure.axes:
         for line in ax.get_lines():
-            if len(line.get_xdata()) > MOST_POINTS:  # type: ignore[arg-type]
+            if np.size(line.get_xdata()) > MOST_POINTS:
                 line.set_rasterized(True)
     drawn = io.BytesIO()
     with mpl.rc_context(LOOK):  # type: ignore[arg-type]

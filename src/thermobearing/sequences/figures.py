@@ -1,7 +1,7 @@
 """One figure of a sequence: loops and temperatures of every part, side by side."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -65,7 +65,7 @@ class SequenceFigures:
         legend_below(figure, handles)
         return figure
 
-    def _alike(self, axes: list, *, moving: bool) -> None:  # type: ignore[type-arg]
+    def _alike(self, axes: list[Any], *, moving: bool) -> None:
         """The same limits in a row of panels."""
         low, high = np.array([ax.get_ylim() for ax in axes]).T
         for ax in axes:

@@ -4,19 +4,21 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
+import numpy as np
 import tomli_w
 from pydantic import Field
 
 from thermobearing.border.errors import InputError, is_file, nearest
 from thermobearing.border.schema import Strict, in_unit, validated
-from thermobearing.border.text_file import write_text_file
+from thermobearing.border.text_file import write_file
 from thermobearing.border.toml import read_toml
 from thermobearing.border.units import parse_quantity, with_unit
 from thermobearing.climate.generator import generate_weather, list_climates
 from thermobearing.climate.readers import read_weather
 from thermobearing.studies.counted import Failed
+from thermobearing.studies.factors import INTENSITY_UNITS
 from thermobearing.studies.fragility import Method
-from thermobearing.studies.hazard import UNITS, Hazard, load_hazard
+from thermobearing.studies.hazard import Hazard, load_hazard
 from thermobearing.studies.question import Question
 
 QUESTION = "question.toml"
@@ -48,10 +50,10 @@ class SiteHazard(Strict):
 
     def curve(self) -> Hazard:
         """The curve itself; InputError for what is none."""
-        unit = UNITS[self.measure]
+        unit = INTENSITY_UNITS[self.measure]
         intensity = [parse_quantity(text, unit) for text in self.intensity]
         rate = self.rate or [1.0 / period for period in self.return_period or ()]
-        return Hazard(intensity, rate, self.measure)  # type: ignore[arg-type]
+        return Hazard(np.array(intensity), np.array(rate), self.measure)
 
 
 class Asked(Strict):
@@ -132,7 +134,7 @@ def make_asked(table: Mapping[str, Any], where: str, folder: Path = Path()) -> A
 def _of_file(path: Path) -> dict[str, Any]:
     """Table of a hazard curve in a file, of whichever measure its columns are."""
     faults = []
-    for measure, unit in UNITS.items():
+    for measure, unit in INTENSITY_UNITS.items():
         try:
             found = load_hazard(path, measure)
         except InputError as error:
@@ -160,7 +162,7 @@ def keep_asked(directory: Path, asked: Asked) -> None:
         for key, unit in (("rate", "1/year"), ("return_period", "year")):
             if key in hazard:
                 hazard[key] = [with_unit(value, unit) for value in hazard[key]]
-    write_text_file(directory / QUESTION, tomli_w.dumps(table), force=True)
+    write_file(directory / QUESTION, tomli_w.dumps(table), force=True)
 
 
 def asked_over(kept: Asked, options: Mapping[str, Any], folder: Path = Path()) -> Asked:

@@ -10,6 +10,7 @@ Baker, J. W. (2015). Efficient analytical fragility function fitting using dynam
 analysis. Earthquake Spectra 31(1): 579-599.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -129,27 +130,55 @@ def _newton(x: Floats, yes: Floats, no: Floats, link: Link) -> tuple[Floats, Flo
     """Intercepts and slopes of the maxima, one for each row of counts."""
     share = yes.sum(-1) / (yes + no).sum(-1)
     a, b = np.asarray(ndtri(share)), np.zeros(len(yes))
+
+    def value(a: Floats, b: Floats) -> Floats:
+        return likelihood(a[:, None] + b[:, None] * x, yes, no, link)
+
     for _ in range(MOST_ROUNDS):
         score = a[:, None] + b[:, None] * x
         _, _, up, down, bend_up, bend_down = _terms(score, link)
         slope = yes * up + no * down
         weight = yes * bend_up + no * bend_down
-        now = likelihood(score, yes, no, link)
-        g0, g1 = slope.sum(-1), (slope * x).sum(-1)
-        h0, h1, h2 = weight.sum(-1), (weight * x).sum(-1), (weight * x**2).sum(-1)
-        area = np.maximum(h0 * h2 - h1**2, 1e-300)
-        da, db = (h2 * g0 - h1 * g1) / area, (h0 * g1 - h1 * g0) / area
-        step = np.ones(len(yes))
-        for _ in range(MOST_HALVINGS):
-            trial = (a + step * da)[:, None] + (b + step * db)[:, None] * x
-            worse = likelihood(trial, yes, no, link) < now - 1e-12 * (1.0 + abs(now))
-            if not worse.any():
-                break
-            step = np.where(worse, 0.5 * step, step)
-        a, b = a + step * da, b + step * db
-        if max(float(np.abs(step * da).max()), float(np.abs(step * db).max())) < STEADY:
+        rise = slope.sum(-1), (slope * x).sum(-1)
+        bend = weight.sum(-1), (weight * x).sum(-1), (weight * x**2).sum(-1)
+        da, db = uphill(value, a, b, rise, bend)
+        a, b = a + da, b + db
+        if max(float(np.abs(da).max()), float(np.abs(db).max())) < STEADY:
             break
     return a, b
+
+
+def uphill(
+    value: Callable[[Floats, Floats], Floats],
+    a: Floats,
+    b: Floats,
+    rise: tuple[Floats, Floats],
+    bend: tuple[Floats, Floats, Floats],
+    *,
+    positive: bool = False,
+) -> tuple[Floats, Floats]:
+    """Newton's step of intercepts and slopes, halved as long as the likelihood would fall.
+
+    Parameters
+    ----------
+    value : logarithm of the likelihood, concave.
+    a, b : intercepts and slopes.
+    rise, bend : its first derivatives (a, b), its second ones with the sign changed (aa, ab, bb).
+    positive : b stays above zero.
+    """
+    (g0, g1), (h0, h1, h2) = rise, bend
+    area = np.maximum(h0 * h2 - h1**2, 1e-300)
+    da, db = (h2 * g0 - h1 * g1) / area, (h0 * g1 - h1 * g0) / area
+    step = np.ones(len(b))
+    if positive:
+        step = np.where(b + db > 0.0, 1.0, 0.5 * b / np.maximum(-db, 1e-300))
+    now = value(a, b)
+    for _ in range(MOST_HALVINGS):
+        worse = value(a + step * da, b + step * db) < now - 1e-12 * (1.0 + abs(now))
+        if not worse.any():
+            break
+        step = np.where(worse, 0.5 * step, step)
+    return step * da, step * db
 
 
 def likelihood_edge(im: Floats, yes: Floats, no: Floats, best: Curves, drop: float) -> Curves:

@@ -156,7 +156,7 @@ def _settled(table: dict[str, Any], folder: Path) -> tuple[Study | None, list[st
         factors = validated(Factors, made | {"numbers": numbers}, "")
         found = _with_case(case, factors, motions, folder)
         whole = {"name": called, "case": found[0], "factors": found[1]}
-        study = validated(Study, whole | {k: v for k, v in parts.items()}, "")
+        study = validated(Study, whole | parts, "")
     except InputError as error:
         return None, error.lines()
     return study, faults_of(study)

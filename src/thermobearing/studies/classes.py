@@ -1,13 +1,27 @@
-"""Temperatures that were drawn, put into classes of equally many runs."""
+"""Numbers put into classes of equally many runs; temperatures that were drawn, likewise."""
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
 from thermobearing.studies.columns import AMBIENT
 
+MOST_LEVELS = 20  # that are told apart; more numbers are put into classes
 MOST_TEMPERATURES = 8  # with a curve each; more are put into classes
 CLASSES = 4
 CLASS = "temperature"  # column of such a class
+
+
+def equal_classes(values: NDArray[np.float64], count: int) -> NDArray[np.int64]:
+    """Class of each number, from 0, of so many that are equally filled.
+
+    Examples
+    --------
+    >>> equal_classes(np.array([5.0, -1.0, 3.0, 8.0]), 2)
+    array([1, 0, 0, 1])
+    """
+    rank = np.argsort(np.argsort(values, kind="stable"), kind="stable")
+    return np.asarray(rank * count // len(values))
 
 
 def in_classes(table: pd.DataFrame, by: str) -> tuple[pd.DataFrame, str]:
@@ -33,7 +47,7 @@ def in_classes(table: pd.DataFrame, by: str) -> tuple[pd.DataFrame, str]:
         return table, by
     ordered = table.sort_values(AMBIENT, kind="stable")
     air = ordered[AMBIENT].to_numpy(dtype=float)
-    place = np.arange(len(air)) * CLASSES // len(air)
+    place = equal_classes(air, CLASSES)
     names = np.empty(CLASSES, dtype=object)
     for k in range(CLASSES):
         mine = air[place == k]

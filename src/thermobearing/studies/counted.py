@@ -25,7 +25,7 @@ class Counted:
     table : their rows.
     demand : of each of them; infinite for a run that failed and counts as collapse.
     left_out, collapsed : how many runs failed and are not among them, or count as collapse.
-    kept : whether each row of the whole table is among them.
+    kept, through : whether each row of the whole table is among them, and whether it got through.
     """
 
     table: pd.DataFrame
@@ -33,6 +33,7 @@ class Counted:
     left_out: int
     collapsed: int
     kept: NDArray[np.bool_]
+    through: NDArray[np.bool_]
 
     @property
     def sentence(self) -> str:
@@ -98,7 +99,7 @@ def counted(table: pd.DataFrame, demand: str, failed: Failed = "left-out") -> Co
         kept = through | ~table[OUTCOME].isin(NEVER_RUN).to_numpy(dtype=bool)
     demands = np.where(through, values, np.inf)[kept]
     collapsed = int(kept.sum() - through.sum())
-    return Counted(table[kept], demands, int((~kept).sum()), collapsed, kept)
+    return Counted(table[kept], demands, int((~kept).sum()), collapsed, kept, through)
 
 
 def numbers(table: pd.DataFrame, name: str) -> Floats:

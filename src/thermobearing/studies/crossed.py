@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import log_ndtr
 
-from thermobearing.studies.binary import MOST_HALVINGS, MOST_ROUNDS, ROOT_TWO_PI, STEADY, Curves
+from thermobearing.studies.binary import MOST_ROUNDS, ROOT_TWO_PI, STEADY, Curves, uphill
 
 Floats = NDArray[np.float64]
 SAME = 1e-12  # logarithms that differ by less are the same but for rounding
@@ -79,16 +79,8 @@ def _censored(y: Floats, c: Floats, w: Floats, v: Floats) -> tuple[Floats, Float
         h0 = n + bend.sum(-1)
         h1 = first + (bend * c).sum(-1)
         h2 = n / b**2 + second + (bend * c**2).sum(-1)
-        area = np.maximum(h0 * h2 - h1**2, 1e-300)
-        da, db = (h2 * g0 - h1 * g1) / area, (h0 * g1 - h1 * g0) / area
-        step = np.where(b + db > 0.0, 1.0, 0.5 * b / np.maximum(-db, 1e-300))
-        now = value(a, b)
-        for _ in range(MOST_HALVINGS):
-            worse = value(a + step * da, b + step * db) < now - 1e-12 * (1.0 + abs(now))
-            if not worse.any():
-                break
-            step = np.where(worse, 0.5 * step, step)
-        a, b = a + step * da, b + step * db
-        if float(np.abs(step * da).max()) + float(np.abs(step * db / b).max()) < STEADY:
+        da, db = uphill(value, a, b, (g0, g1), (h0, h1, h2), positive=True)
+        a, b = a + da, b + db
+        if float(np.abs(da).max()) + float(np.abs(db / b).max()) < STEADY:
             break
     return centre - a / b, b

@@ -13,15 +13,14 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.stats import binom
 
-from thermobearing.studies.counted import OUTCOME, Failed, column, counted, numbers
-from thermobearing.studies.peaks import COMPLETED
+from thermobearing.studies.classes import MOST_LEVELS, equal_classes
+from thermobearing.studies.columns import AMBIENT
+from thermobearing.studies.counted import Failed, column, counted, numbers
 from thermobearing.studies.resampling import LEVEL, check_level, quantile
 
 Floats = NDArray[np.float64]
 FRACTILES = (0.05, 0.16, 0.5, 0.84, 0.95)
-MOST_LEVELS = 20  # more temperatures are put into classes of equally many runs
-CLASSES = 12
-AMBIENT = "ambient_degC"
+CLASSES = 12  # of temperatures that are more than `MOST_LEVELS`
 
 
 def demand_against(
@@ -67,9 +66,6 @@ def demand_against(
     at = numbers(table, across)
     place, values = _classes(at)
     apart = list(zip(*(column(table, name) for name in by), strict=True)) or [()] * len(table)
-    through = np.ones(len(table), dtype=bool)
-    if OUTCOME in table:
-        through = (table[OUTCOME] == COMPLETED).to_numpy(dtype=bool)
     every = np.full(len(table), np.nan)
     every[runs.kept] = runs.demand
     cells: dict[tuple[Any, ...], list[int]] = {}
@@ -81,7 +77,7 @@ def demand_against(
         mine = np.array(cells[label, cell])
         known = np.sort(every[mine][~np.isnan(every[mine])])
         row: dict[str, Any] = {**dict(zip(by, label, strict=True)), across: values[cell]}
-        row |= {"runs": len(known), "failed": int((~through[mine]).sum())}
+        row |= {"runs": len(known), "failed": int((~runs.through[mine]).sum())}
         rows.append(row | _spread(known, shares, level))
     return pd.DataFrame(rows)
 
@@ -91,8 +87,7 @@ def _classes(at: Floats) -> tuple[NDArray[np.int64], Floats]:
     different, place = np.unique(at, return_inverse=True)
     if len(different) <= MOST_LEVELS:
         return place, different
-    rank = np.argsort(np.argsort(at, kind="stable"), kind="stable")
-    place = rank * CLASSES // len(at)
+    place = equal_classes(at, CLASSES)
     return place, np.bincount(place, at) / np.bincount(place)
 
 

@@ -73,7 +73,7 @@ def _draw(ax: Axes, rows: pd.DataFrame, across: str, capacity: float) -> None:
     ax.errorbar(x[known], median[known], yerr=reach, fmt="none", ecolor=COLOUR, elinewidth=1.0)
     ax.plot(x, values["mean"], color=drawing.INK, linewidth=0.9, linestyle="--")
     if np.isfinite(capacity):
-        ax.axhline(capacity, color="#a33", linewidth=0.8, linestyle=(0, (6, 2, 1, 2)))
+        ax.axhline(capacity, **drawing.LIMIT)
 
 
 def _handles(capacity: float) -> list[Line2D]:
@@ -86,6 +86,5 @@ def _handles(capacity: float) -> list[Line2D]:
         Line2D([], [], color=drawing.INK, linewidth=0.9, linestyle="--", label="mean"),
     ]
     if np.isfinite(capacity):
-        dashed: drawing.Look = {"linewidth": 0.8, "linestyle": (0, (6, 2, 1, 2))}
-        found.append(Line2D([], [], color="#a33", label="capacity", **dashed))
+        found.append(Line2D([], [], label="capacity", **drawing.LIMIT))
     return found

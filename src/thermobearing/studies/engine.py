@@ -234,11 +234,10 @@ def _carried_out(
 
 def _keep_worst(store: Store, study: Study, runs: pd.DataFrame) -> None:
     """Histories of the worst runs, once all are done: these are carried out again."""
-    kind, _, count = study.keep.histories.partition(" ")
-    if kind != "worst" or store.has_worst or len(store.done()) < store.shards:
+    if not study.keep.worst or store.has_worst or len(done := store.done()) < store.shards:
         return
-    table = store.table(["run", "outcome", *RANKED])
-    worst = worst_runs(table, int(count))
+    table = store.table(["run", "outcome", *RANKED], done)
+    worst = worst_runs(table, study.keep.worst)
     (work,) = _works(study, runs.iloc[sorted(worst)], [(0, slice(None))])
     again = carry_out(packed(study), work, histories=True)
     assert again is not None

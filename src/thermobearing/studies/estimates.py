@@ -12,6 +12,7 @@ from scipy.stats import chi2
 
 from thermobearing.border.errors import InputError
 from thermobearing.studies.binary import FLAT, Curves, fit_curves, likelihood_edge
+from thermobearing.studies.classes import equal_classes
 from thermobearing.studies.crossed import fit_capacities
 from thermobearing.studies.ida import Ida
 from thermobearing.studies.peaks import COMPLETED
@@ -83,8 +84,7 @@ def classes(at: Floats) -> tuple[Floats, NDArray[np.int64]]:
     levels, place = np.unique(at, return_inverse=True)
     if len(levels) <= MOST_STRIPES:
         return levels, place
-    rank = np.argsort(np.argsort(at, kind="stable"), kind="stable")
-    place = rank * MOST_STRIPES // len(at)
+    place = equal_classes(at, MOST_STRIPES)
     means = np.bincount(place, np.log(at)) / np.bincount(place)
     return np.exp(means), place
 
@@ -115,7 +115,7 @@ def _counted(
         return levels, yes, no, again, runs - again
     cells = np.zeros((draw.count, 2 * size))
     np.add.at(cells, (draw.groups, place + np.where(beyond, 0, size)), 1.0)
-    again = np.concatenate([weights @ cells for weights in draw.weights()])
+    again = draw.again(cells)
     return levels, yes, no, again[:, :size], again[:, size:]
 
 

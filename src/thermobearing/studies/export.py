@@ -1,11 +1,12 @@
 """All runs of a study as one file for anybody: text or a workbook."""
 
+from io import BytesIO
 from pathlib import Path
 
 import pandas as pd
 
-from thermobearing.border.errors import InputError, OutputError
-from thermobearing.border.text_file import write_text_file
+from thermobearing.border.errors import InputError
+from thermobearing.border.text_file import write_file
 
 MOST_ROWS = 1_048_575  # of a sheet of a workbook, beside its head
 
@@ -25,7 +26,7 @@ def write_table(table: pd.DataFrame, path: Path, *, force: bool = False) -> None
     OutputError : the file is there, or cannot be written.
     """
     if path.suffix == ".csv":
-        write_text_file(path, table.to_csv(index=False), force=force)
+        write_file(path, table.to_csv(index=False), force=force)
         return
     if path.suffix != ".xlsx":
         raise InputError(f'"{path}": a table of runs is written as .csv or .xlsx')
@@ -34,13 +35,6 @@ def write_table(table: pd.DataFrame, path: Path, *, force: bool = False) -> None
     from thermobearing.report.workbook import the_writer
 
     the_writer()
-    if path.exists() and not force:
-        raise OutputError(f"{path} exists; give another name, or replace it with --force")
-    beside = path.with_name(f".{path.name}.part.xlsx")
-    try:
-        table.to_excel(beside, index=False, sheet_name="runs")
-        beside.replace(path)
-    except OSError as error:
-        raise OutputError(f"{path}: cannot be written: {error.strerror or error}") from None
-    finally:
-        beside.unlink(missing_ok=True)
+    book = BytesIO()
+    table.to_excel(book, index=False, sheet_name="runs", engine="openpyxl")
+    write_file(path, book.getvalue(), force=force)

@@ -115,7 +115,7 @@ class MotionFactor(Picked):
     @classmethod
     def conflicts(cls, given: dict[str, Any]) -> list[str]:
         """Records or random phases, and what belongs to either."""
-        faults = Picked.conflicts.__func__(cls, given)  # type: ignore[attr-defined]
+        faults = super().conflicts(given)
         count, weights = given.get("count"), given.get("weights")
         if isinstance(count, int) and isinstance(weights, list) and len(weights) != count:
             faults.append(f"weights: {len(weights)} of them for {count} motions")
@@ -132,7 +132,7 @@ class MotionFactor(Picked):
                 for key in ("count", "seed", "phases")
                 if key in given
             ]
-        return list(faults)
+        return faults
 
     @property
     def names(self) -> list[str]:
@@ -179,12 +179,12 @@ class ScaleFactor(Drawn, Picked):
     @classmethod
     def conflicts(cls, given: dict[str, Any]) -> list[str]:
         """A period belongs to a spectral acceleration, and to that alone."""
-        faults = Picked.conflicts.__func__(cls, given)  # type: ignore[attr-defined]
+        faults = super().conflicts(given)
         if (given.get("measure") == "Sa") != ("period" in given):
             faults.append('period: measure = "Sa" needs one, the others have none')
         if "damping" in given and given.get("measure") != "Sa":
             faults.append('damping: only of measure = "Sa"')
-        return list(faults)
+        return faults
 
     @property
     def unit(self) -> str | None:
@@ -227,7 +227,7 @@ class AmbientFactor(Drawn, Picked):
     def conflicts(cls, given: dict[str, Any]) -> list[str]:
         """One way to say the air, and nothing of another."""
         ways = [key for key in ("levels", "distribution", "weather", "climate") if key in given]
-        faults = Picked.conflicts.__func__(cls, given)  # type: ignore[attr-defined]
+        faults = super().conflicts(given)
         if len(ways) != 1:
             told = f"; got {', '.join(ways)}" if ways else ""
             faults.append(f"give one of levels, distribution, weather and climate{told}")
@@ -236,7 +236,7 @@ class AmbientFactor(Drawn, Picked):
             faults.append(f"{made_up[0]}: of a climate that weather is made up from")
         if "history" in given and not {"weather", "climate"} & set(given):
             faults.append("history: of weather or a climate; levels and distributions have none")
-        return list(faults)
+        return faults
 
     @property
     def hourly(self) -> bool:

@@ -9,7 +9,7 @@ import numpy as np
 from thermobearing.studies.columns import columns_of
 from thermobearing.studies.designs import plan
 from thermobearing.studies.matched import tried
-from thermobearing.studies.peaks import RESULT_COLUMNS
+from thermobearing.studies.peaks import COMPLETED, RESULT_COLUMNS
 from thermobearing.studies.prepare import Preparer
 from thermobearing.studies.record import Study
 from thermobearing.studies.shard import carried_out
@@ -90,8 +90,7 @@ def forecast(study: Study, jobs: int | None = None) -> Forecast:
         sum(values.size for values in history.traces.values()) * HISTORY
         for history in done.histories
     ]
-    worst = kept.removeprefix("worst ")
-    count = len(runs) if kept == "all" else int(worst) if worst.isdecimal() else 0
+    count = len(runs) if kept == "all" else study.keep.worst
     columns = len(columns_of(study)) + len(RESULT_COLUMNS) + 4
     return Forecast(
         runs=len(runs),
@@ -99,7 +98,7 @@ def forecast(study: Study, jobs: int | None = None) -> Forecast:
         jobs=jobs or os.cpu_count() or 1,
         table_bytes=float(len(runs) * columns * NUMBER),
         history_bytes=float(min(count, len(runs)) * (np.mean(each) if each else 0.0)),
-        failed=int((done.table["outcome"] != "completed").sum()),
+        failed=int((done.table["outcome"] != COMPLETED).sum()),
         tried=len(some),
         motions=motions,
         motion_seconds=making,

@@ -10,6 +10,7 @@ from matplotlib.lines import Line2D
 
 from thermobearing.results import drawing
 from thermobearing.results.overlaid import COLOURS
+from thermobearing.studies.classes import equal_classes
 from thermobearing.studies.counted import told_of
 from thermobearing.studies.fragility import Fragility
 from thermobearing.studies.labels import title_of, unit_of, words_of
@@ -82,8 +83,7 @@ def _marks(ax: Axes, curve: Fragility, colour: str, count: int) -> None:
     """Share of runs beyond at each intensity, or in each of some classes of them."""
     counts = curve.counts
     if len(counts) > MOST_MARKS:
-        place = np.arange(len(counts)) * MARKS // len(counts)
-        sums = counts.groupby(place)
+        sums = counts.groupby(equal_classes(counts[curve.intensity].to_numpy(), MARKS))
         counts = (
             sums[["runs", "beyond"]].sum().assign(**{curve.intensity: sums[curve.intensity].mean()})
         )

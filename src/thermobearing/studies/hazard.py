@@ -22,10 +22,10 @@ from numpy.typing import NDArray
 from thermobearing.border.errors import InputError
 from thermobearing.border.tables import read_columns
 from thermobearing.border.titles import plain_title
+from thermobearing.studies.factors import INTENSITY_UNITS
 from thermobearing.studies.resampling import LEVEL, percentiles
 
 Floats = NDArray[np.float64]
-UNITS = {"PGA": "m/s^2", "PGV": "m/s", "Sa": "m/s^2"}
 STEP = 0.02  # of the logarithm of intensity, at most, in the integral
 MOST_STEPS = 10_000
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(4)  # of Gauss, in each step
@@ -141,9 +141,10 @@ def load_hazard(path: str | Path, measure: str = "PGA", unit: str | None = None)
     >>> load_hazard(file).intensity.tolist(), load_hazard(file).rate.tolist()
     ([1.0, 4.0], [0.02, 0.001])
     """
-    unit = unit or UNITS.get(measure)
+    unit = unit or INTENSITY_UNITS.get(measure)
     if unit is None:
-        raise InputError(f'the unit of "{measure}" is missing; known without: {", ".join(UNITS)}')
+        known = ", ".join(INTENSITY_UNITS)
+        raise InputError(f'the unit of "{measure}" is missing; known without: {known}')
     name, period = plain_title(measure), "return period"
     wanted = {name: unit, "rate": "1/year", period: "year"}
     found = read_columns(path, wanted, optional=("rate", period))

@@ -36,7 +36,7 @@ def draw_ida(ida: Ida, capacity: float) -> Figure:
     _fractiles(ax, ida)
     highest = max(float(curve.intensity[-1]) for curve in ida.curves)
     if np.isfinite(capacity):
-        ax.axvline(capacity, color="#a33", linewidth=0.8, linestyle=(0, (6, 2, 1, 2)))
+        ax.axvline(capacity, **drawing.LIMIT)
     ends = [curve.demand[np.isfinite(curve.demand)].max() for curve in ida.curves]
     widest = float(max(ends))
     right = min(widest, max(4.0 * capacity, 1e-300)) if np.isfinite(capacity) else widest
@@ -69,6 +69,5 @@ def _handles(ida: Ida, capacity: float) -> list[Line2D]:
         cross: drawing.Look = {"marker": "x", "linestyle": "none", "color": "#CC3311"}
         found.append(Line2D([], [], markersize=4, label="last before collapse", **cross))
     if np.isfinite(capacity):
-        dashed: drawing.Look = {"linewidth": 0.8, "linestyle": (0, (6, 2, 1, 2))}
-        found.append(Line2D([], [], color="#a33", label="capacity", **dashed))
+        found.append(Line2D([], [], label="capacity", **drawing.LIMIT))
     return found

@@ -63,11 +63,6 @@ class Levels:
         return np.asarray((np.cumsum(taken) - taken)[level] + np.maximum(sample, 0))
 
     @cached_property
-    def level_of(self) -> Ints:
-        """Level that each of `bearings` belongs to."""
-        return np.repeat(np.arange(len(self.counts)), np.maximum(self.counts, 1))
-
-    @cached_property
     def motions(self) -> list[GroundMotion]:
         """Ground motions, not yet scaled."""
         return motions_of(self.study.factors.motion)

@@ -6,17 +6,12 @@ a process is killed. Where there are no locks (Windows, some networks) writers a
 they would do the same work, and put the same files in place.
 """
 
-import os
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 from thermobearing.border.errors import OutputError
-
-try:
-    import fcntl
-except ImportError:
-    fcntl = None  # type: ignore[assignment]
+from thermobearing.results.swap import locked
 
 
 @contextmanager
@@ -30,29 +25,25 @@ def only_writer(directory: Path, part: str = "") -> Iterator[None]:
 
     Raises
     ------
-    OutputError : another process writes it.
+    OutputError : another process writes it, or nobody can.
     """
     with ExitStack() as stack:
         _lock(stack, directory, directory, shared=bool(part))
         if part:
             own = directory / f".part-{part}"
-            own.touch()
+            try:
+                own.touch()
+            except OSError as error:
+                told = error.strerror or error
+                raise OutputError(f"{directory}: cannot be written: {told}") from None
             _lock(stack, own, directory, shared=False)
             stack.callback(own.unlink, missing_ok=True)
         yield
 
 
 def _lock(stack: ExitStack, path: Path, directory: Path, *, shared: bool) -> None:
-    if fcntl is None:
-        return
-    handle = os.open(path, os.O_RDONLY)
-    stack.callback(os.close, handle)
-    try:
-        fcntl.flock(handle, (fcntl.LOCK_SH if shared else fcntl.LOCK_EX) | fcntl.LOCK_NB)
-    except BlockingIOError:
+    if stack.enter_context(locked(path, wait=False, shared=shared)) is False:
         raise OutputError(
             f"{directory}: another process is writing this study; wait for it, or look at it with "
             "`thermobearing study status`"
-        ) from None
-    except OSError:  # no locks there
-        return
+        )

@@ -3,6 +3,7 @@
 import pandas as pd
 
 from thermobearing.studies.columns import AMBIENT, HOUR, SAMPLE, targets_of
+from thermobearing.studies.intensity import COLUMNS
 from thermobearing.studies.parquet import About
 from thermobearing.studies.record import Study
 
@@ -17,9 +18,9 @@ KNOWN = {
     SAMPLE: About("1", "number of the sample of a posterior, -1 of a bearing without"),
     "motion": About("", "name of the ground motion"),
     "scale": About("1", "what multiplies the ground motion"),
-    "PGA_m_s2": About("m/s2", "peak acceleration of the scaled motion"),
-    "PGV_m_s": About("m/s", "peak velocity of the scaled motion"),
-    "Sa_m_s2": About("m/s2", "spectral acceleration of the scaled motion"),
+    COLUMNS["PGA"]: About("m/s2", "peak acceleration of the scaled motion"),
+    COLUMNS["PGV"]: About("m/s", "peak velocity of the scaled motion"),
+    COLUMNS["Sa"]: About("m/s2", "spectral acceleration of the scaled motion"),
     AMBIENT: About("degC", "temperature of the air"),
     HOUR: About("1", "hour of the weather when the earthquake comes"),
 }

@@ -71,6 +71,12 @@ class Keep(Strict):
 
     histories: str = "none"
 
+    @property
+    def worst(self) -> int:
+        """Number of the worst runs whose histories are kept."""
+        kind, _, count = self.histories.partition(" ")
+        return int(count) if kind == "worst" else 0
+
     @field_validator("histories")
     @classmethod
     def _which(cls, histories: str) -> str:

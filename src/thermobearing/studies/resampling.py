@@ -98,6 +98,10 @@ class Draw:
         """
         of_groups = np.zeros((self.count, values.shape[1]))
         np.add.at(of_groups, self.groups, values)
+        return self.again(of_groups)
+
+    def again(self, of_groups: Floats) -> Floats:
+        """Sums of each sample, a row, from those of each group."""
         return np.concatenate([weights @ of_groups for weights in self.weights()])
 
 

@@ -121,7 +121,7 @@ def _batch(
     for number, row in enumerate(rows):
         try:
             ready[number] = preparer.run_input(row)
-        except Exception as error:
+        except Exception as error:  # whatever breaks is told in its row: the others go on
             found[number] = Measured(not_run(*outcome_of(error)))
     done = _measured(list(ready.values()), every, stop, preparer.lockstep)
     found |= dict(zip(ready, done, strict=False))
@@ -136,7 +136,7 @@ def _measured(inputs: list[RunInput], every: int, stop: Stop, lockstep: bool) ->
             done.append(_thinned(found, every))
             if stop():
                 break
-    except Exception as error:
+    except Exception as error:  # likewise
         if len(inputs) == 1:
             return [Measured(not_run(*outcome_of(error)))]
         for one in inputs[len(done) :]:  # the others have nothing to do with it

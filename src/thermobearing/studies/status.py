@@ -6,6 +6,7 @@ from typing import Any
 
 import pandas as pd
 
+from thermobearing.studies.counted import OUTCOME
 from thermobearing.studies.peaks import COMPLETED
 from thermobearing.studies.store import Store
 
@@ -96,14 +97,15 @@ def study_status(directory: str | Path, *, interrupted: bool = False) -> Status:
     'completed'
     """
     store = Store(Path(directory))
-    table = store.table(["run", "outcome", "sentence"])
+    shards = store.done()
+    table = store.table(["run", OUTCOME, "sentence"], shards)
     return Status(
         directory=store.directory,
         name=str(store.manifest["name"]),
         runs=store.runs,
         done=len(table),
         shards=store.shards,
-        shards_done=len(store.done()),
+        shards_done=len(shards),
         failures=failures_of(table),
         interrupted=interrupted,
     )
@@ -123,8 +125,8 @@ def failures_of(table: pd.DataFrame) -> pd.DataFrame:
     >>> found.to_dict("records")
     [{'outcome': 'diverged', 'runs': 2, 'share': 0.66..., 'first': 1, 'sentence': 'Try.'}]
     """
-    failed = table[table["outcome"] != COMPLETED]
-    groups = failed.groupby("outcome", sort=True, observed=True)
+    failed = table[table[OUTCOME] != COMPLETED]
+    groups = failed.groupby(OUTCOME, sort=True, observed=True)
     found = groups.agg(runs=("run", "size"), first=("run", "min"), sentence=("sentence", "first"))
     found.insert(1, "share", found["runs"] / max(len(table), 1))
     return found.sort_values("runs", ascending=False, kind="stable").reset_index()

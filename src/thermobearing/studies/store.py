@@ -136,14 +136,17 @@ class Store:
         """Whether histories of the worst runs are there."""
         return (self.directory / HISTORIES / WORST).exists()
 
-    def table(self, columns: Sequence[str] | None = None) -> pd.DataFrame:
+    def table(
+        self, columns: Sequence[str] | None = None, done: Sequence[int] | None = None
+    ) -> pd.DataFrame:
         """All runs that are done, in the order of the plan.
 
         Parameters
         ----------
         columns : some of them; all by default.
+        done : shards, as `done` has told; it is asked by default.
         """
-        files = [self.file(shard) for shard in self.done()]
+        files = [self.file(shard) for shard in (self.done() if done is None else done)]
         if not files:
             empty = read_parquet([self.directory / PLAN]).head(0)
             empty = empty.assign(**{column.name: [] for column in RESULT_COLUMNS})

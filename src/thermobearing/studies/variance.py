@@ -20,14 +20,14 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from thermobearing.border.errors import InputError
-from thermobearing.studies.counted import Failed, column, counted
+from thermobearing.studies.classes import MOST_LEVELS, equal_classes
+from thermobearing.studies.counted import Counted, Failed, column, counted
 from thermobearing.studies.resampling import LEVEL, SAMPLES, Draw, check_level, percentiles
 
 Floats = NDArray[np.float64]
 MATRIX, SAMPLE = "matrix", "sample"
 SWAPPED = "AB "
 LEAST_ROWS = 8
-MOST_LEVELS = 20  # more numbers are put into classes
 MOST_CLASSES = 60
 MOST_LOTS = 2000  # of runs that the bootstrap draws as one
 
@@ -106,10 +106,7 @@ def sobol_table(
     >>> sobol_table(pd.concat(made), "drift")["total"].round(1).tolist()
     [0.2, 0.9]
     """
-    check_level(level)
-    if failed == "collapse":
-        raise InputError('an infinite demand has no variance: failed = "left-out" here')
-    runs = counted(table, demand, failed)
+    runs = _runs(table, demand, failed, level)
     matrix, sample = column(table, MATRIX), column(table, SAMPLE)
     factors = list(dict.fromkeys(m[len(SWAPPED) :] for m in matrix if m.startswith(SWAPPED)))
     names = ["A", "B", *(f"{SWAPPED}{factor}" for factor in factors)]
@@ -179,10 +176,7 @@ def variance_shares(
     >>> variance_shares(runs, "drift", ["motion", "ambient"])["share"].round(1).tolist()
     [0.2, 0.8, 0.0]
     """
-    check_level(level)
-    if failed == "collapse":
-        raise InputError('an infinite demand has no variance: failed = "left-out" here')
-    runs = counted(table, demand, failed)
+    runs = _runs(table, demand, failed, level)
     values = runs.demand - runs.demand.mean()
     if len(values) < LEAST_ROWS or np.ptp(values) == 0.0:
         raise InputError(
@@ -209,6 +203,14 @@ def variance_shares(
     return table.assign(rows=len(values), left_out=runs.left_out)
 
 
+def _runs(table: pd.DataFrame, demand: str, failed: Failed, level: float) -> Counted:
+    """The runs whose demand varies; InputError where failed ones are to count as collapse."""
+    check_level(level)
+    if failed == "collapse":
+        raise InputError('an infinite demand has no variance: failed = "left-out" here')
+    return counted(table, demand, failed)
+
+
 def _codes(values: list[Any]) -> NDArray[np.int64]:
     """Class of each run: its level, or for many numbers one of classes of equally many runs.
 
@@ -217,9 +219,8 @@ def _codes(values: list[Any]) -> NDArray[np.int64]:
     codes, different = pd.factorize(np.asarray(values, dtype=object))
     if len(different) <= MOST_LEVELS or not all(isinstance(v, int | float) for v in different):
         return np.asarray(codes, dtype=np.int64)
-    rank = np.argsort(np.argsort(np.asarray(values, dtype=float), kind="stable"), kind="stable")
     classes = min(int(np.sqrt(len(values))), MOST_CLASSES)
-    return np.asarray(rank * classes // len(values), dtype=np.int64)
+    return equal_classes(np.asarray(values, dtype=float), classes)
 
 
 def _cells(
