@@ -97,23 +97,37 @@ def run(
     """Carry out a study, or what is missing of it."""
     from thermobearing.studies.case import load_study
 
-    loaded = made = load_study(study)
+    made = load_study(study)
     if dry_run:
         return _told(made, jobs, as_json, quiet)
     from thermobearing.studies.engine import check_start, run_study
-    from thermobearing.studies.matched import is_matched, with_matched
+    from thermobearing.studies.matched import is_matched
 
     target = output or Path(f"study-{made.name}")
     words: dict[str, Any] = {"executor": executor, "jobs": jobs, "address": address, "shard": shard}
     if is_matched(made):
         check_start(target, **words)
-        made = with_progress(
-            lambda show: with_matched(loaded, target, jobs, show), "motions made", quiet
-        )
+        made = _with_motions(made, target, jobs, quiet)
     status = with_progress(
         lambda show: run_study(made, target, progress=show, **words), "runs", quiet, STRUCTURES
     )
     return _ended(status, as_json, quiet, part=shard is not None)
+
+
+def _with_motions(study: Any, target: Path, jobs: int | None, quiet: bool) -> Any:
+    """A study whose motions are made; says first that this takes its time."""
+    from thermobearing.report.words import counted
+    from thermobearing.studies.matched import missing_of, with_matched
+
+    missing = len(missing_of(study, target))
+    if missing and not quiet:
+        told = (
+            f"{counted(missing, 'motion')} to be made to fit {study.factors.motion.matched}, once"
+        )
+        typer.echo(told, err=True)
+    return with_progress(
+        lambda show: with_matched(study, target, jobs, show), "motions made", quiet
+    )
 
 
 def _told(study: Any, jobs: int | None, as_json: bool, quiet: bool) -> int:

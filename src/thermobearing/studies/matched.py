@@ -123,12 +123,19 @@ def with_stand_ins(study: Study, one: GroundMotion | None = None) -> Study:
     return _with(study, [replace(one, name=name) for name in factor.names])
 
 
-def missing_of(study: Study) -> list[Recipe]:
-    """Motions that a start would make."""
+def missing_of(study: Study, directory: Path | None = None) -> list[Recipe]:
+    """Motions that a start would make.
+
+    Parameters
+    ----------
+    study : from `load_study`.
+    directory : of the study, if it has one.
+    """
     factor = study.factors.motion
     if factor.matched is None or factor.made is not None:
         return []
-    return [recipe for recipe in recipes(factor) if cached(recipe) is None]
+    kept = {} if directory is None else read_made(directory / MADE)
+    return [one for one in recipes(factor) if one.key not in kept and cached(one) is None]
 
 
 def tried(study: Study) -> tuple[Study, int, float]:
