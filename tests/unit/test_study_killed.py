@@ -17,6 +17,7 @@ import thermobearing.studies.peaks as peaks
 from tests.unit.studies import kept, small_study
 from thermobearing.border.errors import InputError, OutputError
 from thermobearing.studies import run_study, study_status
+from thermobearing.studies.executors import HERE
 
 needs_fork = pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork, as POSIX has it")
 PATIENCE = 120  # for what must come, however slow the machine [s]
@@ -211,6 +212,15 @@ def _alive(process: int) -> bool:
     except OSError:
         return False
     return state != "Z"
+
+
+def test_a_process_of_a_study_reads_only_what_it_runs_with() -> None:
+    """Statistics and figures are of what is drawn from a study; they take longer to read."""
+    code = f"import sys, {HERE}; print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    loaded = set(done.stdout.split())
+    assert HERE in loaded
+    assert not loaded & {"scipy.stats", "scipy.optimize", "matplotlib", "distributed"}
 
 
 def test_nobody_answers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -14,6 +14,7 @@ from thermobearing.studies.case import make_study
 from thermobearing.studies.designs import plan
 from thermobearing.studies.hazard import Hazard
 from thermobearing.studies.question import Question
+from thermobearing.studies.report import inputs_of
 from thermobearing.studies.result import StudyResult
 from thermobearing.studies.worst import worst_runs
 
@@ -63,6 +64,17 @@ def test_fewer_runs_than_planned_are_told() -> None:
     some = StudyResult(whole.table.head(30), whole.study, whole.manifest)
     assert some.outcome == "incomplete"
     assert some.warnings[0] == "30 of 216 runs are done"
+
+
+def test_very_many_motions_and_numbers_are_told_in_short() -> None:
+    """More than a dozen names had no smallest and largest."""
+    whole = made_up()
+    runs = np.arange(whole.runs)
+    table = whole.table.assign(motion=[f"m{k % 40}" for k in runs], scale=1.0 + runs % 20)
+    told = inputs_of(StudyResult(table, whole.study, {}))["factors"]
+    rows = {row[0]: row[2] for row in told.rows}
+    assert rows["motion"].endswith("m10, m11 and 28 more")
+    assert rows["scale"] == "1 to 20, 20 values"
 
 
 def test_curves_of_one_bearing_only() -> None:

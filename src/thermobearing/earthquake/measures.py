@@ -120,18 +120,18 @@ def residuals_of(numbers: Mapping[str, Any]) -> dict[str, Any]:
 def loop_measures(task: "Task", trace: Mapping[str, Floats]) -> dict[str, float]:
     """What `LOOP_UNITS` names: the largest loop of one bearing; NaN where none is closed."""
     bearing = task.told.device.bearing
-    bilinear = isinstance(bearing, BilinearBearing)
+    area = None if isinstance(bearing, BilinearBearing) else bearing.area
     loop = largest_loop(
         trace["bearing_displacement"],
         trace["bearing_force"],
         trace["bearing_energy"],
-        area=1.0 if isinstance(bearing, BilinearBearing) else bearing.area,
+        area=area or 1.0,
         total_rubber_thickness=bearing.total_rubber_thickness,
     )
     if loop is None:
         return dict.fromkeys(LOOP_UNITS, np.nan)
     values = vars(loop.measures)
-    if bilinear:  # it says no area
+    if area is None:  # of a bilinear one
         values = values | {"G_eq_MPa": np.nan}
     found = {name: values[key] for name, (key, _) in LOOP.items()}
     ends = trace["time"][[loop.first, loop.last]]

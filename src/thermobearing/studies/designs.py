@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from scipy.stats import qmc
 
 from thermobearing.border.errors import InputError
 from thermobearing.core.records import Floats
@@ -174,12 +173,14 @@ def _points(kind: str, width: int, samples: int, rng: np.random.Generator) -> Fl
     """Points of a design in the unit cube, [samples, width]."""
     if width == 0:
         return np.zeros((samples, 0))
+    if kind not in ("latin-hypercube", "sobol"):
+        return rng.random((samples, width))
+    from scipy.stats import qmc  # takes a second to read; processes that run need it not
+
     if kind == "latin-hypercube":
         return np.asarray(qmc.LatinHypercube(width, rng=rng).random(samples), dtype=np.float64)
-    if kind == "sobol":
-        made = qmc.Sobol(width, scramble=True, rng=rng)
-        return np.asarray(made.random_base2(samples.bit_length() - 1), dtype=np.float64)
-    return rng.random((samples, width))
+    made = qmc.Sobol(width, scramble=True, rng=rng)
+    return np.asarray(made.random_base2(samples.bit_length() - 1), dtype=np.float64)
 
 
 def settled(study: Study, levels: Levels, picked: dict[str, Any]) -> dict[str, Any]:

@@ -1,5 +1,6 @@
 """What the document of a study says."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -10,6 +11,7 @@ from thermobearing.report.pieces import Column, Pieces, ReportFigure, ReportTabl
 from thermobearing.report.words import counted, joined, number, tidy
 from thermobearing.studies.columns import AMBIENT
 from thermobearing.studies.figures import StudyFigures
+from thermobearing.studies.hazard import Rate
 from thermobearing.studies.labels import unit_of, words_of
 from thermobearing.studies.question import Question
 from thermobearing.studies.result import StudyResult
@@ -132,10 +134,11 @@ def inputs_of(result: StudyResult) -> dict[str, ReportTable]:
     for name in result.factors:
         values = result.table[name]
         levels = list(values.unique())
-        if len(levels) <= MOST_LEVELS:
-            told = ", ".join(f"{v:g}" if isinstance(v, float) else str(v) for v in levels)
-        else:
+        told = ", ".join(f"{v:g}" if isinstance(v, float) else str(v) for v in levels[:MOST_LEVELS])
+        if len(levels) > MOST_LEVELS and pd.api.types.is_numeric_dtype(values):
             told = f"{float(values.min()):.4g} to {float(values.max()):.4g}, {len(levels)} values"
+        elif len(levels) > MOST_LEVELS:
+            told += f" and {len(levels) - MOST_LEVELS} more"
         rows.append((words_of(name), unit_of(name), told))
     columns = [Column("Factor"), Column("Unit"), Column("Values in the runs")]
     design = result.study.design
@@ -176,14 +179,17 @@ def tables_of(result: StudyResult, asked: Question) -> dict[str, ReportTable]:
 def _curves(part: StudyResult, asked: Question, ending: str, name: str) -> dict[str, ReportTable]:
     """Parameters of fragility curves, and rates."""
     of = f", {name}" if name else ""
-    curves = asked.curves_of(part)[0]
+    rates: Mapping[Any, Rate] | None = None
+    if asked.hazard is None:
+        curves = asked.curves_of(part)[0]
+    else:
+        curves, rates = asked.rates_of(part)
     table = pd.DataFrame([curve.row() for curve in curves.values()])
     notes = [f"{_air(name)}: {curve.row()['sentence']}" for name, curve in curves.items()]
     table = table.drop(columns=[*TOLD_ONCE, "sentence"]).rename(columns={"name": AMBIENT})
     caption = f"Lognormal fragility by {asked.method}{of}"
     found = {f"fragility{ending}": _table("fragility", table, caption, "; ".join(notes))}
-    if asked.hazard is not None:
-        curves, rates = asked.rates_of(part)
+    if rates is not None:
         rows = part.rates_table(curves, rates)
         note = "; ".join(dict.fromkeys(text for text in rows["notes"] if text))
         rows = rows.rename(columns={"name": AMBIENT}).drop(columns=["reference", "notes"])

@@ -292,16 +292,13 @@ class StudyResult(Shown):
             )
         return ClimateFragility(curves, shares_of_time(list(curves), temperatures), CLIMATE)
 
-    def rates(
-        self, curves: Mapping[Any, Fragility], hazard: Hazard, temperatures: Any = None
-    ) -> dict[Any, Rate]:
-        """How often a year the capacity is passed: at each temperature, and over the climate.
+    def rates(self, curves: Mapping[Any, Fragility], hazard: Hazard) -> dict[Any, Rate]:
+        """How often a year the capacity is passed at each temperature.
 
         Parameters
         ----------
         curves : of `fragilities`.
         hazard : of the site, in the measure of the study.
-        temperatures : of the site [degC]; None: of the temperatures alone.
 
         Raises
         ------
@@ -310,12 +307,10 @@ class StudyResult(Shown):
         measure = self.study.factors.scale.measure
         if hazard.measure in COLUMNS and hazard.measure != measure:
             raise InputError(f"a hazard curve of {hazard.measure}, and a study of {measure}")
-        found: dict[Any, Rate] = {}
-        for name, curve in curves.items():
-            found[name] = annual_rate(ClimateFragility({name: curve}, np.ones(1)), hazard)
-        if temperatures is not None:
-            found[CLIMATE] = annual_rate(self.over_climate(curves, temperatures), hazard)
-        return found
+        return {
+            name: annual_rate(ClimateFragility({name: curve}, np.ones(1)), hazard)
+            for name, curve in curves.items()
+        }
 
     def rates_table(
         self, curves: Mapping[Any, Fragility], rates: Mapping[Any, Rate], to: Any = None
