@@ -17,7 +17,7 @@ import thermobearing.studies.peaks as peaks
 from tests.unit.studies import kept, small_study
 from thermobearing.border.errors import InputError, OutputError
 from thermobearing.studies import run_study, study_status
-from thermobearing.studies.executors import HERE
+from thermobearing.studies.processes import HERE
 
 needs_fork = pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork, as POSIX has it")
 PATIENCE = 120  # for what must come, however slow the machine [s]

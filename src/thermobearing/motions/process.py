@@ -4,7 +4,6 @@ from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
-from scipy import signal
 
 from thermobearing.border.errors import InputError
 from thermobearing.core.types import Floats
@@ -158,6 +157,8 @@ def resampled(motion: GroundMotion, dt: float) -> GroundMotion:
             f"it is one of whole numbers up to {LARGEST_RATIO}",
             motion.name,
         )
+    from scipy import signal  # takes half a second to read; processes need it not
+
     values = signal.resample_poly(motion.acceleration, whole.numerator, whole.denominator)
     return replace(motion, dt=motion.dt / float(whole), acceleration=np.asarray(values))
 
