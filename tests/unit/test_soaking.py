@@ -12,7 +12,13 @@ from thermobearing.cyclic.protocol import CyclicTest
 from thermobearing.cyclic.segments import build_segments
 from thermobearing.earthquake.case import make_earthquake_case
 from thermobearing.earthquake.run import build_device, soaked
-from thermobearing.earthquake.soaking import SPIN_UP, hour_map, soaked_hours
+from thermobearing.earthquake.soaking import (
+    SPIN_UP,
+    history_weights,
+    hour_map,
+    soaked_history,
+    soaked_hours,
+)
 from thermobearing.earthquake.task import Device
 
 WEATHER = tb.climate.generate_weather("cold-town", years=1, seed=2)
@@ -60,6 +66,18 @@ def test_same_as_soaking_from_far_enough_back(name: str) -> None:
         assert_allclose(found.temperature[place], temperature, atol=tol.TEN_MINUTES)
         if lead is not None:
             assert_allclose(found.at(place)[1], lead, atol=tol.TEN_MINUTES_OF_LEAD)
+
+
+@pytest.mark.parametrize("name", ["shen-hdr-bridge", "shen-lhdr-bridge"])
+def test_weights_of_a_history_are_its_hours_in_a_row(name: str) -> None:
+    device, hours = device_of(name), 12
+    air = WEATHER.temperature[: hours + 1]
+    weights = history_weights(device.constants, hours)
+    temperature, lead = soaked_history(device.constants, weights, air)
+    one_by_one = soaked_hours(device, tb.climate.Hourly(air), np.array([hours]))
+    assert_allclose(temperature, one_by_one.temperature[0], atol=tol.HOURS_OF_REST)
+    if lead is not None:
+        assert_allclose(lead, one_by_one.at(0)[1], atol=tol.HOURS_OF_REST)
 
 
 def test_some_hours_are_those_of_all() -> None:

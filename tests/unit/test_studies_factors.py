@@ -18,6 +18,7 @@ from thermobearing.earthquake.soaking import soaked_hours
 from thermobearing.earthquake.task import Task
 from thermobearing.studies import Study, make_study, plan
 from thermobearing.studies.distributions import Distribution
+from thermobearing.studies.names import number_paths, value_at, with_numbers
 from thermobearing.studies.prepare import Preparer
 
 LHDR, HDR, BILINEAR = "shen-lhdr-bridge", "shen-hdr-bridge", "shen-bilinear-bridge"
@@ -63,6 +64,19 @@ def test_a_number_of_the_bearing_is_as_if_its_file_said_it(bearing: str) -> None
         stiffness = row["bearing.K_r"] * before.hysteresis.layer_stiffness
         changed = tb.bearing.changed_bearing(before, hysteresis={"layer_stiffness": stiffness})
         assert alike(task.device.constants, build_device(made.case, changed).constants)
+
+
+def test_every_number_of_a_bearing_goes_where_it_belongs() -> None:
+    """One by one a little larger: what is made quickly is what is made whole."""
+    before = tb.load_bearing(LHDR)
+    paths = number_paths(before)
+    assert len(paths) > 30
+    for name, (path, _) in paths.items():
+        made = study(bearing=LHDR, **{f"bearing.{name}": {"levels": [1.001]}})
+        (task,) = tasks(made)[1]
+        changed = with_numbers(before, {path: 1.001 * value_at(before, path)})
+        own = build_device(made.case, changed)
+        assert alike(task.device.constants, own.constants), name
 
 
 def test_long_cold_stays_on_a_bearing_that_is_varied() -> None:

@@ -113,6 +113,11 @@ FACTORS: list[tuple[str, dict[str, Any], list[str]]] = [
         ["normal distribution reaches", "layer_stiffness", "at least 0.0001", "cut it off"],
     ),
     (
+        "air that is too cold alone",
+        {"ambient": {"distribution": "normal", "mean": "-60 degC", "sd": "15 K"}},
+        ["factors.ambient", "normal distribution reaches -131", "-100 to 100 degC"],
+    ),
+    (
         "air that leaves the range",
         {"ambient": {"distribution": "normal", "mean": "0 degC", "sd": "40 K"}},
         ["factors.ambient", "normal distribution reaches", "-100 to 100 degC", "cut it off"],

@@ -1,6 +1,7 @@
 """Plans of studies: which runs, in which order, known by what goes into them."""
 
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,8 @@ from thermobearing.border.errors import InputError
 from thermobearing.earthquake.run import build_tasks, run_task
 from thermobearing.studies import Study, make_study, plan
 from thermobearing.studies.designs import MANY, in_lockstep
+from thermobearing.studies.factors import ScaleFactor
+from thermobearing.studies.intensity import intensity
 from thermobearing.studies.prepare import Preparer
 from thermobearing.studies.record import Keep
 
@@ -113,6 +116,25 @@ def test_hours_have_their_history_before_them(tmp_path: Path) -> None:
     draws = {"kind": "latin-hypercube", "samples": 24}
     runs = plan(study(draws, ambient={"weather": str(file), "history": "2 d"}))
     assert set(runs["hour"]) == set(range(48, 60))
+
+
+def test_hours_of_another_weather_are_other_runs() -> None:
+    draws = {"kind": "latin-hypercube", "samples": 4}
+    one, other = (
+        plan(study(draws, ambient={"climate": "cold-town", "years": 1, "seed": seed}))
+        for seed in (0, 1)
+    )
+    assert one["hour"].tolist() == other["hour"].tolist()
+    assert set(one["id"]).isdisjoint(other["id"])
+
+
+@pytest.mark.parametrize("measure", ["PGA", "PGV", "Sa"])
+def test_a_motion_turned_round_is_as_strong(measure: Any) -> None:
+    """Whichever way its largest value points."""
+    motion = tb.load_motion(MOTIONS[0])
+    scale = ScaleFactor(levels=[1.0], measure=measure, period=1.0 if measure == "Sa" else None)
+    turned = replace(motion, acceleration=-motion.acceleration)
+    assert intensity(turned, scale) == pytest.approx(intensity(motion, scale))
 
 
 def test_saltelli_swaps_one_factor_at_a_time() -> None:

@@ -109,6 +109,16 @@ def test_a_temperature_at_which_nothing_went_beyond_counts_with_zero_in_a_climat
     assert climate.rates(HAZARD)["rate"].tolist()[1] == 0.0
 
 
+def test_a_temperature_without_a_curve_matters_where_it_comes() -> None:
+    cold = two_levels([0.1, 0.1, 0.1, 3.0], [0.1, 3.0, 3.0, 3.0]).assign(ambient_degC=-20.0)
+    falls = two_levels([3.0] * 4, [0.1] * 4).assign(ambient_degC=40.0)
+    table = pd.concat([cold, falls], ignore_index=True)
+    found = fragility_curves(table, "drift", 1.0, "im", "ambient_degC", samples=5)
+    never, often = (ClimateFragility(found, np.array([1.0 - s, s])) for s in (0.0, 0.1))
+    assert never.probability([1.5]) == found[-20.0].probability([1.5])
+    assert np.isnan(often.probability([1.5])).all()
+
+
 def test_demand_classes_and_failures() -> None:
     rng = np.random.default_rng(1)
     air = rng.uniform(-20.0, 30.0, 240)

@@ -177,11 +177,6 @@ def specimen_force(c: Computed) -> Floats:
     return np.array([t["bearing_force_max_kN"].to_numpy().max() for t in c.both])
 
 
-def printed_period(c: Computed) -> Floats:
-    """With k_1 of Table 3.5, which all bearings have together [s]."""
-    return first_period(c)
-
-
 def force_of_modes_hdr(c: Computed) -> Floats:
     """At 0 and -20 degC."""
     return modes(c.hdr, "bearing_force_max_kN")[1:]
