@@ -11,6 +11,7 @@ import pytest
 
 from thermobearing.border.errors import InputError
 from thermobearing.studies.case import make_study
+from thermobearing.studies.classes import in_classes
 from thermobearing.studies.designs import plan
 from thermobearing.studies.hazard import Hazard
 from thermobearing.studies.question import Question
@@ -110,6 +111,14 @@ def test_rates_over_the_climate_and_over_the_warm() -> None:
     assert years == pytest.approx(1.0)
     with pytest.raises(InputError, match="hazard curve of PGV, and a study of PGA"):
         part.rates(curves, Hazard(HAZARD.intensity, HAZARD.rate, "PGV"))
+
+
+def test_classes_of_temperatures_are_from_cold_to_warm() -> None:
+    falling = pd.DataFrame({"ambient_degC": np.arange(20.0, -20.0, -1.0)})
+    table, by = in_classes(falling, "ambient_degC")
+    names = table[by].unique().tolist()
+    assert [names[0], names[-1]] == ["−19 to −10 °C", "11 to 20 °C"]
+    assert table["ambient_degC"].is_monotonic_increasing
 
 
 def test_drawn_temperatures_are_put_into_classes_and_are_a_climate_themselves() -> None:

@@ -23,6 +23,7 @@ from thermobearing.studies.lock import only_writer
 from thermobearing.studies.log import Pace, duration
 from thermobearing.studies.parquet import About, about_columns, notes_of, write_parquet
 from thermobearing.studies.peaks import RESULT_COLUMNS
+from thermobearing.studies.status import failures_of
 from thermobearing.studies.store import Store, shard_size
 from thermobearing.studies.worst import worst_runs
 
@@ -187,6 +188,14 @@ def test_failed_runs_are_told_with_their_reason(
     table = Store(tmp_path / "out").table()
     assert table["outcome"].tolist() == ["completed", "bad_input", "broken", third]
     assert np.isnan(table["bearing_force_max_kN"][1])
+
+
+def test_the_most_frequent_failure_comes_first() -> None:
+    outcomes = ["diverged", "completed", "not_converged", "not_converged"]
+    runs = pd.DataFrame({"run": range(4), "outcome": outcomes, "sentence": "Try."})
+    found = failures_of(runs)
+    assert found["outcome"].tolist() == ["not_converged", "diverged"]
+    assert found["first"].tolist() == [2, 0]
 
 
 def test_a_program_that_always_breaks_is_no_result(
