@@ -12,7 +12,7 @@ from tests import tolerances as tol
 from thermobearing.core.compile import compiled
 from thermobearing.core.lanes import functions
 from thermobearing.core.lanes.choose import all_lanes, any_lane, no, select
-from thermobearing.core.lanes.memory import WIDTH, aligned, as_lanes, lane_back, side_by_side
+from thermobearing.core.lanes.memory import WIDTH, aligned, as_lanes, each_lane, side_by_side
 from thermobearing.core.records import Floats, rows
 from thermobearing.core.types import Layer, LeadCell
 
@@ -114,8 +114,7 @@ def test_records_side_by_side_and_back() -> None:
     assert_array_equal(cells["cell"], [4, 5])
     assert_array_equal(cells["end"][1], 10.0 * np.arange(WIDTH))
     assert_array_equal(layers["virgin"][2, 0], -1.0 * np.arange(WIDTH))
-    own = rows(Layer, 3, 1), np.zeros((3, 2))
-    lane_back((layers, array), WIDTH - 2, own)
+    own = each_lane((layers, array), (rows(Layer, 3, 1), np.zeros((3, 2))))[WIDTH - 2]
     assert_array_equal(own[0]["z"], parts[WIDTH - 2][1]["z"])
     assert_array_equal(own[0]["virgin"], parts[WIDTH - 2][1]["virgin"])
     assert_array_equal(own[0]["d"], 0.0)

@@ -109,6 +109,26 @@ def test_large_studies_are_carried_out_in_lockstep(samples: int, many: bool) -> 
     assert not in_lockstep(made.model_copy(update={"keep": Keep(histories="all")}))
 
 
+HEAT = {"bearing.materials.rubber.conductivity": {"levels": [0.9, 1.1]}}
+
+
+def test_numbers_of_heat_keep_runs_apart() -> None:
+    """Runs side by side have the heat of their cells in common."""
+    made = study({"kind": "factorial"}, **HEAT)
+    asked = made.design.model_copy(update={"lockstep": True})
+    assert not in_lockstep(made.model_copy(update={"design": asked}))
+    with pytest.raises(InputError, match=r"lockstep: true; .*conductivity changes it"):
+        study({"kind": "factorial", "lockstep": True}, **HEAT)
+    other = study({"kind": "factorial", "lockstep": True}, **{"bearing.K_r": {"levels": [0.9]}})
+    assert Preparer(other).lockstep
+
+
+def test_numbers_of_heat_in_weather_need_a_history() -> None:
+    """Each run would live through all of it."""
+    with pytest.raises(InputError, match=r"conductivity: .* write history = .* in factors.ambient"):
+        study(ambient={"climate": "cold-town", "years": 1}, **HEAT)
+
+
 def test_hours_have_their_history_before_them(tmp_path: Path) -> None:
     rows = [f"2024-01-{1 + hour // 24:02d} {hour % 24:02d}:00,{-hour % 7}" for hour in range(60)]
     file = tmp_path / "town.csv"

@@ -7,7 +7,7 @@ import numpy as np
 
 from thermobearing.bearing.library import load_bearing
 from thermobearing.bearing.model import Bearing, Material, SquarePlan
-from thermobearing.core.heat import balance, factor, right_side, solve
+from thermobearing.core.heat import eliminate, factor, substitute
 from thermobearing.core.march import march
 from thermobearing.core.records import Floats, Rows, labels, rows
 from thermobearing.core.types import Books, Constants, Kept, Path, new_state, new_workspace
@@ -89,11 +89,13 @@ def heat_step(
     """One conduction step of the core with a source [K] added to each cell over the step."""
     rates, work = constants.cells, new_workspace(constants).cells
     factor(rates, constants.side_implicit, dt, work)
-    right_side(rates, temperature, dt, ambient, work)
-    work.change[:] += source
-    solve(work)
-    books = balance(rates, constants.side_implicit, temperature, dt, ambient, work)
-    return HeatStep(work.change.copy(), *books)
+    work.change[:] = source
+    after = np.empty(len(temperature))
+    implicit = constants.side_implicit
+    eliminate(rates, temperature, dt, ambient, work)
+    books = substitute(rates, implicit, temperature, dt, ambient, work, after)
+    assert np.array_equal(after, temperature + work.change)
+    return HeatStep(work.change, *books)
 
 
 @dataclass(frozen=True)

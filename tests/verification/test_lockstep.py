@@ -1,5 +1,6 @@
 """Runs in lockstep against the same runs alone: one physics, two ways through it."""
 
+import dataclasses
 from typing import Any
 
 import numpy as np
@@ -27,7 +28,7 @@ from thermobearing.core.types import (
     new_workspace,
 )
 from thermobearing.model.earlier import BilinearParameters, bilinear_constants
-from thermobearing.structure.lanes import Run, RunPeaks, run_lanes, run_peaks
+from thermobearing.structure.lanes import Run, RunPeaks, run_lanes, run_peaks, with_shared_cells
 from thermobearing.structure.model import load_structure
 from thermobearing.structure.run import Line, prepare_structure, run_structure
 
@@ -58,10 +59,10 @@ def begun(bearing: Bearing, constants: Constants, lane: int) -> tuple[Any, ...]:
     """Arguments of a march: growing cycles, another amplitude and temperature for every lane."""
     n, layers = len(constants.cells.capacity), len(constants.multiplicity)
     time = DT * np.arange(1, STEPS + 1)
-    largest = bearing.total_rubber_thickness * (1.2 + 0.2 * lane)
+    largest = bearing.total_rubber_thickness * (1.2 + 0.1 * lane)
     x = largest * time / time[-1] * np.sin(np.pi * time)
     x[STEPS // 2 : STEPS // 2 + 20] = x[STEPS // 2]
-    air = -30.0 + 6.0 * lane
+    air = -30.0 + 3.0 * lane
     state, spare = (new_state(constants, np.full(n, air)) for _ in range(2))
     path = Path(x, np.full(STEPS, DT), np.full(STEPS, air), np.ones(STEPS, np.bool_), 0.0)
     room = Kept(
@@ -167,9 +168,9 @@ def shakes(dt: float = 0.01, duration: float = 12.0) -> list[Run]:
     found = []
     for number in range(WIDTH + 4):
         constants = bearings[number % 2]
-        air = -25.0 + 4.0 * number
+        air = -25.0 + 2.5 * number
         line = Line(constants, np.full(len(constants.cells.capacity), air))
-        shaken = (0.8 + 0.1 * number) * ground
+        shaken = (0.8 + 0.06 * number) * ground
         found.append(Run(prepared, [line], shaken, dt, np.full(len(ground) - 1, air)))
     return found
 
@@ -255,6 +256,25 @@ def test_order_of_bridges_does_not_matter() -> None:
     for one, other in [*zip(first, second, strict=True), (first[3], single)]:
         mine, theirs = numbers_of(one), numbers_of(other)
         assert all(np.array_equal(mine[name], theirs[name]) for name in mine)
+
+
+def test_bearings_of_another_heat_are_in_another_lockstep() -> None:
+    """Cells are shared by all runs of a lockstep: each gets its own."""
+    runs = shakes(duration=3.0)[:2]
+    line = runs[0].lines[0]
+    cells = line.constants.cells._replace(side_loss=0.01 + line.constants.cells.side_loss)
+    other = dataclasses.replace(line, constants=line.constants._replace(cells=cells))
+    air = runs[0].ambient + 50.0
+    both = [dataclasses.replace(runs[0], lines=[one], ambient=air) for one in (line, other)]
+    found = run_lanes(both)
+    warm = [one.lines["rubber_temperature"][0] for one in found]
+    assert warm[1] > warm[0] + 0.01
+    for run, one in zip(both, found, strict=True):
+        wanted = run_peaks(run).lines["rubber_temperature"][0]
+        assert one.lines["rubber_temperature"][0] == pytest.approx(wanted, rel=tol.LANE_PEAK)
+    shared = [with_shared_cells(one.lines[0].constants) for one in both]
+    with pytest.raises(ValueError, match="unequal heat"):
+        side_by_side(shared * (WIDTH // 2))
 
 
 def test_what_leaves_the_lockstep_is_run_alone() -> None:

@@ -38,11 +38,16 @@ def factor(rates: Cells, side_implicit: bool, dt: float, cells: CellWork) -> Non
 
 
 @compiled
-def right_side(
+def eliminate(
     rates: Cells, temperature: Floats, dt: float, ambient: float, cells: CellWork
 ) -> None:
-    """Explicit change of every cell over dt, without the sources: -dt M T + losses."""
-    n = len(temperature)
+    """Right sides of all cells, and the way down the matrix; `change` holds the sources [K].
+
+    The explicit change -dt M T + losses is found on the way: the next cell waits for this one
+    longer than that takes.
+    """
+    n, change = len(temperature), cells.change
+    last = 0.0
     for i in range(n):
         loss = rates.end_loss[i] + rates.side_loss[i]
         rate = -loss * (temperature[i] - ambient)
@@ -50,43 +55,35 @@ def right_side(
             rate += rates.to_previous[i] * (temperature[i - 1] - temperature[i])
         if i < n - 1:
             rate += rates.to_next[i] * (temperature[i + 1] - temperature[i])
-        cells.change[i] = dt * rate
+        last = dt * rate + change[i] - cells.elimination[i] * last
+        change[i] = last
 
 
 @compiled
-def solve(cells: CellWork) -> None:
-    """Replace the right sides `change` by the temperature change [K]."""
-    n = len(cells.change)
-    last = cells.change[0]
-    for i in range(1, n):
-        last = cells.change[i] - cells.elimination[i] * last
-        cells.change[i] = last
-    last *= cells.pivot[n - 1]
-    cells.change[n - 1] = last
-    for i in range(n - 2, -1, -1):
-        last = cells.change[i] * cells.pivot[i] - cells.upper[i] * last
-        cells.change[i] = last
-
-
-@compiled
-def balance(
+def substitute(
     rates: Cells,
     side_implicit: bool,
     temperature: Floats,
     dt: float,
     ambient: float,
     cells: CellWork,
+    after: Floats,
 ) -> tuple[float, float, float]:
-    """Heat stored, and lost through end faces and sides, over the step [kN mm], whole bearing."""
+    """The way up the matrix: `change` [K], temperatures `after` the step, and the books.
+
+    Returns the heat stored, and lost through end faces and sides, over the step [kN mm], whole
+    bearing.
+    """
     side_share = 0.5 if side_implicit else 0.0
-    stored = 0.0
-    ends = 0.0
-    sides = 0.0
-    for i in range(len(temperature)):
+    n, change = len(temperature), cells.change
+    last, stored, ends, sides = 0.0, 0.0, 0.0, 0.0
+    for i in range(n - 1, -1, -1):
+        last = change[i] * cells.pivot[i] - cells.upper[i] * last
+        change[i] = last
+        after[i] = temperature[i] + last
         above = temperature[i] - ambient
-        change = cells.change[i]
         capacity = rates.capacity[i]
-        stored += capacity * change
-        sides += capacity * rates.side_loss[i] * (above + side_share * change)
-        ends += capacity * rates.end_loss[i] * (above + 0.5 * change)
+        stored += capacity * last
+        sides += capacity * rates.side_loss[i] * (above + side_share * last)
+        ends += capacity * rates.end_loss[i] * (above + 0.5 * last)
     return stored, ends * dt, sides * dt

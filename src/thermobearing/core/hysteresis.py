@@ -67,6 +67,7 @@ def exact_increment(
     tangent is that of motion in the positive direction.
     """
     sigma = select(increment >= 0.0, 1.0, -1.0)
+    per_d_y = 1.0 / d_y
     u = sigma * z
     e = abs(increment)
     unloads = u < 0.0
@@ -75,8 +76,8 @@ def exact_increment(
         u, e = select(unloads, nearer, u), select(unloads, left, e)
     loads = u >= 0.0
     if any_lane(loads):
-        t = math.tanh(e / d_y)
-        u = select(loads, (u + d_y * t) / (1.0 + u * t / d_y), u)
+        t = math.tanh(e * per_d_y)
+        u = select(loads, (u + d_y * t) / (1.0 + u * t * per_d_y), u)
     return sigma * u, hysteretic_slope(u, d_y, curvature)
 
 

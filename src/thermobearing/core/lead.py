@@ -92,11 +92,13 @@ def core_force(
     trial = before + lead.stiffness * dx
     sign = select(trial >= 0.0, 1.0, -1.0)
     fall = lead.softening
-    q = lead.strength * math.exp(-fall * (temperature - lead.reference_temperature))
     if all_lanes(fall == 0.0):
-        yields = abs(trial) > q
-        return select(yields, sign * q, trial), select(yields, 0.0, lead.stiffness)
-    cold = q
+        yields = abs(trial) > lead.strength
+        return (
+            select(yields, sign * lead.strength, trial),
+            select(yields, 0.0, lead.stiffness),
+        )
+    cold = q = lead.strength * math.exp(-fall * (temperature - lead.reference_temperature))
     per = fall / lead.capacity
     elastic = no(abs(trial) > cold * math.exp(-per * core_heat(lead, source, before, trial, dx)))
     if all_lanes(elastic):

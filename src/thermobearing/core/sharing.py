@@ -148,7 +148,8 @@ def common_force(
     gap = x
     by_mean = 0.0
     for j in range(len(work.trial)):
-        per = multiplicity[j] / work.tangent[j]
+        work.direction[j] = 1.0 / work.tangent[j]
+        per = multiplicity[j] * work.direction[j]
         compliance += per
         gap += per * work.force[j] - multiplicity[j] * work.trial[j]
         s = (1.0 - w) * work.trial[j] + w * mean
@@ -158,7 +159,7 @@ def common_force(
     for j in range(len(work.trial)):
         difference = force - work.force[j]
         apart = max(apart, abs(difference))
-        work.direction[j] = difference / work.tangent[j]
+        work.direction[j] *= difference
     return force, (1.0 + by_mean / rubber.layer_count) / compliance, apart
 
 

@@ -14,7 +14,7 @@ import math
 
 from thermobearing.core.compile import compiled
 from thermobearing.core.hardening import strain_factor
-from thermobearing.core.heat import balance, factor, right_side, solve
+from thermobearing.core.heat import eliminate, factor, substitute
 from thermobearing.core.lanes.choose import all_lanes, any_lane, no, select
 from thermobearing.core.lead import core_force, lead_step
 from thermobearing.core.lead_ends import factor_ports
@@ -211,7 +211,8 @@ def heat_step(
         factor(cells, constants.side_implicit, dt, work.cells)
         factor_ports(constants, work, dt)
         work.factored_dt[0] = dt
-    right_side(cells, state.temperature, dt, ambient, work.cells)
+    for i in range(len(state.temperature)):
+        work.cells.change[i] = 0.0
     released, recoverable = add_layer_heat(
         constants,
         work,
@@ -227,12 +228,10 @@ def heat_step(
         released += lead_step(constants, work, state, new, dx, dt, ambient)
         warmer = new.branches[0].lead_temperature - state.branches[0].lead_temperature
         lead_stored = constants.lead.cores * constants.lead.capacity * warmer
-    solve(work.cells)
-    stored, ends, sides = balance(
-        cells, constants.side_implicit, state.temperature, dt, ambient, work.cells
+    eliminate(cells, state.temperature, dt, ambient, work.cells)
+    stored, ends, sides = substitute(
+        cells, constants.side_implicit, state.temperature, dt, ambient, work.cells, new.temperature
     )
-    for i in range(len(state.temperature)):
-        new.temperature[i] = state.temperature[i] + work.cells.change[i]
     books.heat_released = old.heat_released + released
     books.recoverable += recoverable
     books.heat_lost_ends = old.heat_lost_ends + ends

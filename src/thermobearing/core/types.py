@@ -45,6 +45,13 @@ class Cells(NamedTuple):
     beside_lead: Floats  # height of lead beside the cell [mm]
 
 
+class SharedCells(Cells):
+    """Cells that are the same in all runs of a lockstep: each number once, so that memory is near.
+
+    Kernels take them as they take `Cells`.
+    """
+
+
 class LeadCell:
     """A heat cell that touches lead: conductance to all cores together, or part of a port."""
 

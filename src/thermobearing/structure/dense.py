@@ -31,8 +31,9 @@ def solve_dense(matrix: Floats, vector: Floats) -> bool:
         singular = singular | (matrix[k, k] == 0.0)
         if all_lanes(singular):
             return no(singular)
+        matrix[k, k] = 1.0 / matrix[k, k]
         for i in range(k + 1, n):
-            ratio = matrix[i, k] / matrix[k, k]
+            ratio = matrix[i, k] * matrix[k, k]
             for j in range(k + 1, n):
                 matrix[i, j] -= ratio * matrix[k, j]
             vector[i] -= ratio * vector[k]
@@ -40,5 +41,5 @@ def solve_dense(matrix: Floats, vector: Floats) -> bool:
         value = vector[k]
         for j in range(k + 1, n):
             value -= matrix[k, j] * vector[j]
-        vector[k] = value / matrix[k, k]
+        vector[k] = value * matrix[k, k]
     return no(singular)

@@ -7,16 +7,23 @@ its company or its place.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from thermobearing.core.lanes.memory import WIDTH, aligned, lane_back, side_by_side
-from thermobearing.core.records import Floats, Rows, rows
-from thermobearing.core.types import COMPLETED, Books, Constants
+from thermobearing.core.lanes.memory import WIDTH, aligned, each_lane, side_by_side, twin
+from thermobearing.core.records import Floats, Ints, Rows, rows
+from thermobearing.core.types import COMPLETED, Books, Constants, SharedCells
 from thermobearing.model.outcomes import NOT_PHYSICAL
-from thermobearing.structure.lines import Bearings, build_bearings
+from thermobearing.structure.lines import (
+    Bearings,
+    Kind,
+    build_bearings,
+    kinds_of,
+    start_states,
+)
 from thermobearing.structure.lockstep import lanes_march, peaks_march
 from thermobearing.structure.run import (
     BETA,
@@ -36,7 +43,6 @@ from thermobearing.structure.run import (
 from thermobearing.structure.types import (
     HingePeak,
     LinePeak,
-    Motion,
     MotionBooks,
     MotionRows,
     Peaks,
@@ -95,29 +101,14 @@ class RunPeaks(NamedTuple):
     alone: bool  # whether it was run alone
 
 
-@dataclass
-class Ready:
-    """A run as the kernels want it."""
+class Left(NamedTuple):
+    """What a run left behind, with arrays of its own."""
 
-    run: Run
-    system: System
     bearings: Bearings
-    motion: Motion
-    shaking: Shaking
-    rows: MotionRows
-    peaks: Peaks
-    recoverable: Floats = field(repr=False)  # [b] energy stored in the bearings at the start
-
-    @property
-    def kernel(self) -> tuple[Any, ...]:
-        """What is put side by side."""
-        return (self.system, self.bearings, self.motion, self.shaking, self.rows, self.peaks)
-
-    @property
-    def results(self) -> tuple[Any, ...]:
-        """What the kernel wrote that is asked for."""
-        states = tuple(kind.states for kind in self.bearings)
-        return states, self.motion.books, self.peaks.watches, self.peaks.lines, self.peaks.hinges
+    books: Rows[MotionBooks]  # [1]
+    watches: Rows[Watch]
+    lines: Rows[LinePeak]
+    hinges: Rows[HingePeak]
 
 
 def no_rows(system: System, bearings: Bearings) -> MotionRows:
@@ -127,40 +118,63 @@ def no_rows(system: System, bearings: Bearings) -> MotionRows:
     return none._replace(cells=cells)
 
 
-def ready(run: Run) -> Ready:
-    """Everything that one run writes into, and what it reads."""
-    if run.method not in ("average-acceleration", "linear-acceleration"):
-        raise ValueError(f"{run.method}: peaks are those of Newmark's method")
+def bearings_of(run: Run) -> Bearings:
+    """The bearings of a run at its start."""
+    return build_bearings(*start_of(run))
+
+
+def start_of(run: Run) -> tuple[Any, ...]:
+    """Arguments of `build_bearings` and `start_states`."""
     lines = run.lines
-    system = build_system(run.prepared, lines)
-    bearings = build_bearings(
+    return (
         [line.constants for line in lines],
         [line.temperature for line in lines],
         [line.lead for line in lines],
         [line.begun for line in lines],
     )
-    places = np.eye(len(system.load)) if run.places is None else run.places
+
+
+def watched(run: Run) -> tuple[Floats, Floats]:
+    """Which displacements are watched, and which of them the ground carries."""
+    places = np.eye(len(run.prepared.matrices.load)) if run.places is None else run.places
     carried = np.zeros(len(places)) if run.carried is None else run.carried
+    return (
+        np.ascontiguousarray(places, dtype=np.float64),
+        np.ascontiguousarray(carried, dtype=np.float64),
+    )
+
+
+def peaks_of(run: Run, system: System) -> Peaks:
+    """Nothing noted yet."""
+    places, carried = watched(run)
     peaks = Peaks(
-        places=np.ascontiguousarray(places, dtype=np.float64),
-        carried=np.ascontiguousarray(carried, dtype=np.float64),
+        places=places,
+        carried=carried,
         watches=rows(Watch, len(places)),
-        lines=rows(LinePeak, len(lines)),
+        lines=rows(LinePeak, len(run.lines)),
         hinges=rows(HingePeak, len(system.hinges)),
     )
     peaks.lines["rubber_temperature"] = COLDEST
     peaks.lines["lead_temperature"] = COLDEST
-    keep = np.zeros(len(run.ground) - 1, dtype=np.bool_)
-    return Ready(
-        run=run,
-        system=system,
-        bearings=bearings,
-        motion=new_motion(system),
-        shaking=Shaking(run.ground, float(run.dt), run.ambient, keep),
-        rows=no_rows(system, bearings),
-        peaks=peaks,
-        recoverable=books_of(bearings, len(lines))["recoverable"],
-    )
+    return peaks
+
+
+def shaking_of(run: Run, keep: NDArray[np.bool_]) -> Shaking:
+    """What the structure is exposed to."""
+    return Shaking(run.ground, float(run.dt), run.ambient, keep)
+
+
+def none_kept(run: Run) -> NDArray[np.bool_]:
+    """No step is kept."""
+    return np.zeros(len(run.ground) - 1, dtype=np.bool_)
+
+
+def stored_in(kinds: Sequence[tuple[Ints, Any]], lines: int) -> Floats:
+    """Energy stored in the bearings of all lines [b], from lines and states of each kind."""
+    found = np.zeros(lines)
+    for numbers, states in kinds:
+        found[numbers] = states.books["recoverable"][:, 0]
+    return found
 
 
 def books_of(bearings: Bearings, lines: int) -> Rows[Books]:
@@ -177,22 +191,21 @@ def scheme_of(run: Run, halvings: int) -> Scheme:
     return Scheme(BETA[run.method], GAMMA, TOLERANCE, ITERATIONS, halvings)
 
 
-def told(one: Ready, steps: int, outcome: int, *, alone: bool) -> RunPeaks:
-    """What the kernel left, named."""
+def told(left: Left, recoverable: Floats, steps: int, outcome: int, *, alone: bool) -> RunPeaks:
+    """What a run left, named."""
     named = OUTCOMES[outcome]
-    if named == "completed" and not all_physical(one.bearings, one.recoverable):
+    if named == "completed" and not all_physical(left.bearings, recoverable):
         named = NOT_PHYSICAL
-    books = one.motion.books
     return RunPeaks(
         outcome=named,
         steps=steps,
-        iterations=int(books[0].iterations),
-        substeps=int(books[0].substeps),
-        watches=one.peaks.watches,
-        lines=one.peaks.lines,
-        hinges=one.peaks.hinges,
-        books=books,
-        bearings=books_of(one.bearings, len(one.run.lines)),
+        iterations=int(left.books[0].iterations),
+        substeps=int(left.books[0].substeps),
+        watches=left.watches,
+        lines=left.lines,
+        hinges=left.hinges,
+        books=left.books,
+        bearings=books_of(left.bearings, len(recoverable)),
         alone=alone,
     )
 
@@ -202,17 +215,27 @@ def run_peaks(run: Run) -> RunPeaks:
 
     The same steps as `run_structure`, bit for bit, without its rows.
     """
-    one = ready(run)
+    check_method(run)
+    system, bearings = build_system(run.prepared, run.lines), bearings_of(run)
+    motion, peaks = new_motion(system), peaks_of(run, system)
+    stored = stored_in([(kind.lines, kind.states) for kind in bearings], len(run.lines))
     done, _, outcome = peaks_march(
-        one.system,
-        one.bearings,
-        one.motion,
+        system,
+        bearings,
+        motion,
         scheme_of(run, HALVINGS),
-        one.shaking,
-        one.rows,
-        one.peaks,
+        shaking_of(run, none_kept(run)),
+        no_rows(system, bearings),
+        peaks,
     )
-    return told(one, int(done), int(outcome), alone=True)
+    left = Left(bearings, motion.books, peaks.watches, peaks.lines, peaks.hinges)
+    return told(left, stored, int(done), int(outcome), alone=True)
+
+
+def check_method(run: Run) -> None:
+    """Only Newmark's method notes peaks."""
+    if run.method not in ("average-acceleration", "linear-acceleration"):
+        raise ValueError(f"{run.method}: peaks are those of Newmark's method")
 
 
 def choices(constants: Constants) -> tuple[bool, ...]:
@@ -252,13 +275,19 @@ def shape_of(constants: Constants) -> Any:
     )
 
 
-def likeness(one: Ready) -> Any:
+def likeness(run: Run) -> Any:
     """Runs in one lockstep have the same."""
-    run, motion = one.run, one.motion
-    sizes = len(run.ground), len(run.ambient), len(motion.points), len(one.system.hinges)
+    check_method(run)
+    structure, constants = run.prepared.structure, [line.constants for line in run.lines]
+    sizes = len(run.ground), len(run.ambient), len(run.prepared.matrices.load)
+    watched = None if run.places is None else len(run.places)
     moving = tuple(bool(line.speed != 0.0) for line in run.lines)
-    kinds = [(tuple(map(int, kind.lines)), shape_of(kind.constants)) for kind in one.bearings]
-    return sizes, one.peaks.places.shape, run.dt, run.method, moving, *kinds
+    kinds: list[Any] = []
+    for numbers in kinds_of(constants):
+        one = constants[numbers[0]]
+        heat = b"".join(array.tobytes() for array in one.cells)
+        kinds.append((tuple(numbers), shape_of(one), heat))
+    return sizes, len(structure.hinges), watched, run.dt, run.method, moving, *kinds
 
 
 def run_lanes(runs: Sequence[Run]) -> list[RunPeaks]:
@@ -266,7 +295,8 @@ def run_lanes(runs: Sequence[Run]) -> list[RunPeaks]:
 
     Parameters
     ----------
-    runs : of any shapes; those of one shape are put together, in their order.
+    runs : of any shapes; those of one shape, with bearings that are alike in capacities and
+        conductances of their cells, are put together in their order.
 
     Returns
     -------
@@ -274,34 +304,89 @@ def run_lanes(runs: Sequence[Run]) -> list[RunPeaks]:
     (1e-12 of the largest), and never by what else is run.
     """
     groups: dict[Any, list[int]] = {}
-    waiting: dict[int, Ready] = {}
     found: dict[int, RunPeaks] = {}
+
+    def finish(together: list[int]) -> None:
+        shaken = in_lockstep([runs[k] for k in together])
+        found.update(zip(together, shaken, strict=True))
+
     for number, run in enumerate(runs):
-        waiting[number] = ready(run)
-        key = likeness(waiting[number])
+        key = likeness(run)
         groups.setdefault(key, []).append(number)
         if len(groups[key]) == WIDTH:
-            together = groups.pop(key)
-            found |= zip(together, in_lockstep([waiting.pop(k) for k in together]), strict=True)
+            finish(groups.pop(key))
     for together in groups.values():
-        found |= zip(together, in_lockstep([waiting.pop(k) for k in together]), strict=True)
+        finish(together)
     return [found[number] for number in range(len(runs))]
 
 
-def in_lockstep(group: Sequence[Ready]) -> list[RunPeaks]:
-    """At most WIDTH runs of one shape; empty lanes repeat the last."""
-    filled = [*group, *[group[-1]] * (WIDTH - len(group))]
-    system, bearings, motion, shaking, kept, peaks = side_by_side([one.kernel for one in filled])
-    outcomes = aligned((1, WIDTH), np.float64)
-    scheme = scheme_of(group[0].run, 0)
-    done = lanes_march(system, bearings, motion, scheme, shaking, kept, peaks, outcomes)
-    states = tuple(kind.states for kind in bearings)
-    made = states, motion.books, peaks.watches, peaks.lines, peaks.hinges
+def systems_of(runs: Sequence[Run]) -> list[System]:
+    """Structures of some runs; those with the same structure and lines share one."""
+    made: dict[Any, System] = {}
     found = []
-    for lane, one in enumerate(group):
+    for run in runs:
+        lines = tuple((line.speed, line.warmer, id(line.begun)) for line in run.lines)
+        key = id(run.prepared), lines
+        if key not in made:
+            made[key] = build_system(run.prepared, run.lines)
+        found.append(made[key])
+    return found
+
+
+def with_shared_cells(constants: Constants) -> Constants:
+    """For a lockstep of bearings that are alike in their heat."""
+    return constants._replace(cells=SharedCells(*constants.cells))
+
+
+def bearings_side_by_side(first: Bearings, runs: Sequence[Run], starts: Sequence[Any]) -> Any:
+    """Bearings of several runs as one: `first` are those of the first, `starts` their states."""
+    found = []
+    for k, kind in enumerate(first):
+        line = int(kind.lines[0])
+        each = [with_shared_cells(run.lines[line].constants) for run in runs]
+        states = side_by_side([start[k] for start in starts])
+        own = (kind.durations, kind.work, kind.elastic, kind.hysteretic)
+        scratch = side_by_side([own] * WIDTH)
+        found.append(Kind(side_by_side(each), kind.lines, *scratch, states, twin(states)))
+    return tuple(found)
+
+
+def in_lockstep(runs: Sequence[Run]) -> list[RunPeaks]:
+    """At most WIDTH runs of one shape; empty lanes repeat the last."""
+    filled = [*runs, *[runs[-1]] * (WIDTH - len(runs))]
+    systems, keep = systems_of(filled), none_kept(filled[0])
+    bearings, none = bearings_of(filled[0]), peaks_of(filled[0], systems[0])
+    starts = [start_states(*start_of(run)) for run in filled]
+    motion = side_by_side([new_motion(systems[0])] * WIDTH)
+    peaks = side_by_side([none] * WIDTH)
+    places, carried = side_by_side([watched(run) for run in filled])
+    wide = bearings_side_by_side(bearings, filled, starts)
+    outcomes = aligned((1, WIDTH), np.float64)
+    done = lanes_march(
+        side_by_side(systems),
+        wide,
+        motion,
+        scheme_of(filled[0], 0),
+        side_by_side([shaking_of(run, keep) for run in filled]),
+        side_by_side([no_rows(systems[0], bearings)] * WIDTH),
+        peaks._replace(places=places, carried=carried),
+        outcomes,
+    )
+    made = tuple(kind.states for kind in wide), motion.books, peaks[2:]
+    like = starts[0], new_motion(systems[0]).books, none[2:]
+    found = []
+    each = each_lane(made, like)
+    for lane, run in enumerate(runs):
         if outcomes[0, lane] != COMPLETED:
-            found.append(run_peaks(one.run))
+            found.append(run_peaks(run))
             continue
-        lane_back(made, lane, one.results)
-        found.append(told(one, int(done), COMPLETED, alone=False))
+        states, books, noted = each[lane]
+        ended = tuple(
+            kind._replace(constants=run.lines[int(kind.lines[0])].constants, states=state)
+            for kind, state in zip(bearings, states, strict=True)
+        )
+        numbers = [kind.lines for kind in bearings]
+        stored = stored_in(list(zip(numbers, starts[lane], strict=True)), len(run.lines))
+        left = Left(ended, books, *noted)
+        found.append(told(left, stored, int(done), COMPLETED, alone=False))
     return found

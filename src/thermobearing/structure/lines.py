@@ -84,32 +84,44 @@ def side_by_side(parts: Sequence[Any]) -> Any:
     return array
 
 
+def kinds_of(constants: Sequence[Constants]) -> list[list[int]]:
+    """Numbers of the lines that are of one kind: their constants are the same object."""
+    kinds: dict[int, list[int]] = {}
+    for number, one in enumerate(constants):
+        kinds.setdefault(id(one), []).append(number)
+    return list(kinds.values())
+
+
 def build_bearings(
     constants: Sequence[Constants],
     temperatures: Sequence[Floats],
     leads: Sequence[float | None],
     begun: Sequence[State | None] | None = None,
 ) -> Bearings:
-    """Bearings of all lines: where they were left, or virgin at temperatures of cells and lead.
+    """Bearings of all lines: where they were left, or virgin at temperatures of cells and lead."""
+    found = []
+    states = start_states(constants, temperatures, leads, begun)
+    for numbers, start in zip(kinds_of(constants), states, strict=True):
+        one = constants[numbers[0]]
+        trials = State(*[array.copy() for array in start])
+        elastic, hysteretic = np.zeros((2, len(numbers), len(one.multiplicity)))
+        work = new_workspace(one)
+        lines, durations = np.array(numbers), np.zeros(len(numbers))
+        found.append(Kind(one, lines, durations, work, elastic, hysteretic, start, trials))
+    return tuple(found)
 
-    Lines are of a kind if their constants are the same object.
-    """
+
+def start_states(
+    constants: Sequence[Constants],
+    temperatures: Sequence[Floats],
+    leads: Sequence[float | None],
+    begun: Sequence[State | None] | None = None,
+) -> tuple[Any, ...]:
+    """States of each kind, as `Kind` has them; arguments as of `build_bearings`."""
     starts = [
         new_state(one, temperatures[b], leads[b]) if left is None else left
         for b, (one, left) in enumerate(
             zip(constants, begun or [None] * len(constants), strict=True)
         )
     ]
-    kinds: dict[int, list[int]] = {}
-    for number, one in enumerate(constants):
-        kinds.setdefault(id(one), []).append(number)
-    found = []
-    for numbers in kinds.values():
-        one = constants[numbers[0]]
-        states = side_by_side([starts[b] for b in numbers])
-        trials = State(*[array.copy() for array in states])
-        elastic, hysteretic = np.zeros((2, len(numbers), len(one.multiplicity)))
-        work = new_workspace(one)
-        lines, durations = np.array(numbers), np.zeros(len(numbers))
-        found.append(Kind(one, lines, durations, work, elastic, hysteretic, states, trials))
-    return tuple(found)
+    return tuple(side_by_side([starts[b] for b in numbers]) for numbers in kinds_of(constants))

@@ -54,11 +54,14 @@ def start_motion(system: System, motion: Motion, ground: float) -> bool:
 
 
 @compiled
-def residual(system: System, motion: Motion, scheme: Scheme, dt: float, ground: float) -> float:
-    """Unbalanced forces at the trial coordinates, the effective tangent, and a norm of them.
+def residual(
+    system: System, motion: Motion, scheme: Scheme, dt: float, ground: float, scale: float
+) -> bool:
+    """Unbalanced forces at the trial coordinates, and the effective tangent.
 
     Each force is weighed with its own effective stiffness, since rotations and displacements
-    have different units; the norm has the unit of the square root of an energy.
+    have different units. Returns whether what is left is within the tolerance, of inertial forces
+    of an acceleration `scale`.
     """
     points, unknowns, n = motion.points, motion.unknowns, motion.tangent.shape[0]
     by_a, by_v = 1.0 / (scheme.beta * dt * dt), scheme.gamma / (scheme.beta * dt)
@@ -69,7 +72,7 @@ def residual(system: System, motion: Motion, scheme: Scheme, dt: float, ground: 
         points[i].predicted_v = points[i].v + dt * (
             (1.0 - scheme.gamma) * points[i].a + scheme.gamma * a
         )
-    norm = 0.0
+    left, limit = 0.0, 0.0
     for i in range(n):
         r = system.load[i] * ground - points[i].trial_restoring
         for j in range(n):
@@ -79,18 +82,11 @@ def residual(system: System, motion: Motion, scheme: Scheme, dt: float, ground: 
                 motion.tangent[i, j] + by_a * system.mass[i, j] + by_v * system.damping[i, j]
             )
         unknowns[i] = r
-        norm += r * r / abs(motion.matrix[i, i])
-    return norm
-
-
-@compiled
-def force_limit(system: System, motion: Motion, scheme: Scheme, scale: float) -> float:
-    """The norm of `residual` at which a step is in equilibrium."""
-    limit = 0.0
-    for i in range(motion.tangent.shape[0]):
         force = scheme.tolerance * system.load[i] * scale
-        limit += force * force / abs(motion.matrix[i, i])
-    return limit
+        flexibility = 1.0 / abs(motion.matrix[i, i])
+        left += r * r * flexibility
+        limit += force * force * flexibility
+    return left <= limit
 
 
 @compiled
@@ -128,8 +124,7 @@ def newmark_step(
         if all_lanes(failed):
             return outcome
         motion.books[0].iterations += select(rests | failed, 0.0, 1.0)
-        norm = residual(system, motion, scheme, dt, ground)
-        rests = failed | (norm <= force_limit(system, motion, scheme, scale))
+        rests = failed | residual(system, motion, scheme, dt, ground, scale)
         if all_lanes(rests):
             ended = settle_bearings(system, bearings, ambient)
             return select(failed, outcome, ended)

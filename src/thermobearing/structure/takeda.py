@@ -84,7 +84,7 @@ def takeda(hinges: Rows[Hinge], old: HingeState, h: int, rotation: float, new: H
     back_farthest = select(upward, below.farthest, above.farthest)
     back_turned = select(upward, below.turned, above.turned)
     back_moment = select(upward, below.turned_moment, above.turned_moment)
-    slope = unloading_stiffness(hinge, hinge.yield_rotation)
+    slope = hinge.initial
     unloads = (m < 0.0) & no(still)  # from the other side
     if any_lane(unloads):
         leaves = unloads & (abs(back_turned) == NEVER_TURNED)

@@ -310,17 +310,25 @@ def faults_of(study: Study) -> list[str]:
 
 
 def _heat_faults(study: Study) -> list[str]:
-    """Numbers that move heat, in weather without end: each run would live through all of it.
+    """Numbers that move heat, where it is to be the same in many runs.
 
-    That takes 0.3 to 1 s a run for fifty years, 20 times the run itself; ten days take some ms.
+    In weather without end each run would live through all of it: 0.3 to 1 s for fifty years, 20
+    times the run itself; ten days take some ms.
     """
     ambient = study.factors.ambient
-    if not ambient.hourly or ambient.history is not None:
-        return []
-    return [
-        f"factors.{target.name}: changes how the bearing takes on the warmth of the air, so that "
-        "every run would go through all the weather before it, 20 times as long as the run itself; "
-        'write history = "10 d" in factors.ambient, of the air before that nothing is left'
-        for target in targets_of(study)
-        if moves_warmth(target)
-    ]
+    names = [target.name for target in targets_of(study) if moves_warmth(target)]
+    faults = []
+    if ambient.hourly and ambient.history is None:
+        faults += [
+            f"factors.{name}: changes how the bearing takes on the warmth of the air, so that "
+            "every run would go through all the weather before it, 20 times as long as the run "
+            'itself; write history = "10 d" in factors.ambient, of the air before that nothing is left'
+            for name in names
+        ]
+    if study.design.lockstep:
+        faults += [
+            f"design.lockstep: true; runs side by side have one heat, and factors.{name} changes "
+            "it from run to run; leave it out"
+            for name in names
+        ]
+    return faults

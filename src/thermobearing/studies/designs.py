@@ -27,12 +27,12 @@ from thermobearing.studies.columns import (
 from thermobearing.studies.content import Contents
 from thermobearing.studies.intensity import COLUMNS
 from thermobearing.studies.levels import Levels
-from thermobearing.studies.names import spelled
+from thermobearing.studies.names import moves_warmth, spelled
 from thermobearing.studies.ranges import check_numbers
 from thermobearing.studies.record import MOST_RUNS, Design, Study
 
 A, B, SWAPPED = "A", "B", "AB"
-MANY = 1000  # runs from which compiling for lockstep, once for all studies, is worth it
+MANY = 5000  # runs from which compiling for lockstep, once for all studies, is worth it
 SPARE = 16  # bits of an id that its seed does without: 48 are exact in any table
 
 
@@ -93,13 +93,16 @@ def plan(study: Study) -> pd.DataFrame:
 def in_lockstep(study: Study) -> bool:
     """Whether runs of a study are carried out side by side; a study alone decides it.
 
+    Runs side by side have the heat of their cells in common, so that a study which varies it from
+    run to run goes one by one.
+
     Parameters
     ----------
     study : as of `plan`.
     """
     case, asked = study.case, study.design.lockstep
     alone = case.analysis.method == "predictor-corrector" or study.keep.histories == "all"
-    if alone or asked is False:
+    if alone or asked is False or any(moves_warmth(target) for target in targets_of(study)):
         return False
     columns = columns_of(study)
     drawn = [column for column in columns if column.drawn]

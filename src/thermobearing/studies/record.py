@@ -36,7 +36,8 @@ class Design(Strict):
     arrangement : "plain" (default), or "saltelli" for Sobol' indices: two sets of draws A and B,
         and for each drawn factor A with that factor from B.
     lockstep : runs of one shape side by side (docs/theory.md), which differ from runs alone by
-        rounding; None for studies of 1000 runs or more, whose histories are not all kept.
+        rounding; None for studies of 5000 runs or more, whose histories are not all kept and
+        whose numbers of heat are not varied.
     """
 
     kind: DesignKind = "factorial"

@@ -51,7 +51,7 @@ STUDY, MANIFEST, PLAN, LOG = "study.toml", "manifest.json", "plan.parquet", "stu
 SHARDS, HISTORIES, WORST = "shards", "histories", "worst.nc"
 FORMAT = 1  # of the directory
 LARGEST_FILE = 100_000_000  # bytes of a manifest or a study
-FEWEST, MOST = 16, 1000  # runs of a shard
+FEWEST, MOST = 16, 1008  # runs of a shard: whole companies of a lockstep
 SHARES = 100  # shards of a study, unless that makes them too small or too large
 CHANGES_TOLD = 3
 SAME = ("thermobearing", "kernels")  # versions that must not change half-way
@@ -61,12 +61,14 @@ LIBRARIES = ("numpy", "scipy", "numba", "pandas", "pyarrow")
 def shard_size(runs: int) -> int:
     """Runs of a shard: so many that a process is not begun for nothing, and little is lost.
 
+    A multiple of 16, so that runs of one shape fill their lockstep.
+
     Examples
     --------
     >>> shard_size(200), shard_size(100_000)
-    (16, 1000)
+    (16, 1008)
     """
-    return min(max(FEWEST, -(-runs // SHARES)), MOST)
+    return min(-(-max(1, -(-runs // SHARES)) // FEWEST) * FEWEST, MOST)
 
 
 class Store:

@@ -38,10 +38,8 @@ class Warm:
     weather: Hourly | None = None
 
 
-def key_of(device: Device, case: EarthquakeCase) -> Key:
-    """What of a bearing its heat knows: bearings that are alike in it are as warm at rest."""
-    bearing = device.bearing
-    assert isinstance(bearing, Bearing)
+def heat_of(bearing: Bearing) -> Key:
+    """What of a bearing its heat knows."""
     lead = bearing.lead
     cores = lead and (
         lead.cores,
@@ -51,8 +49,13 @@ def key_of(device: Device, case: EarthquakeCase) -> Key:
         lead.end_spreading,
         lead.surface_ratio,
     )
-    heat = bearing.kind, bearing.geometry, bearing.materials, bearing.cells, cores
-    return (*heat, case.analysis.upper_face, case.analysis.lower_face)
+    return bearing.kind, bearing.geometry, bearing.materials, bearing.cells, cores
+
+
+def key_of(device: Device, case: EarthquakeCase) -> Key:
+    """Bearings that are alike in it are as warm at rest."""
+    assert isinstance(device.bearing, Bearing)
+    return (*heat_of(device.bearing), case.analysis.upper_face, case.analysis.lower_face)
 
 
 class Warmth:

@@ -18,10 +18,11 @@ from numba.extending import intrinsic, models, register_model
 from numba.np import arrayobj
 
 from thermobearing.core.lanes.kinds import BYTES, DOUBLE, LaneType
+from thermobearing.core.types import SharedCells
 
 T = TypeVar("T")
 
-WIDTH = 8  # runs in lockstep
+WIDTH = 16  # runs in lockstep
 ALIGNED = 64  # bytes: the widest vectors are loaded at once from such places
 
 
@@ -61,6 +62,13 @@ def plain(own: Any) -> Any:
     return own.reshape(-1).view(np.float64).reshape(*own.shape, len(own.dtype.names))
 
 
+def remade(given: T, parts: Sequence[Any]) -> T:
+    """A tuple of that kind with other parts."""
+    kind: Any = type(given)
+    made: T = kind(*parts) if hasattr(given, "_fields") else kind(parts)
+    return made
+
+
 def side_by_side(parts: Sequence[T]) -> T:
     """Records, numbers or arrays of WIDTH runs as one.
 
@@ -71,9 +79,12 @@ def side_by_side(parts: Sequence[T]) -> T:
     first: Any = parts[0]
     every: Sequence[Any] = parts
     made: Any
-    if isinstance(first, tuple):
-        columns = [side_by_side(column) for column in zip(*every, strict=True)]
-        made = type(first)(*columns) if hasattr(first, "_fields") else tuple(columns)
+    if isinstance(first, SharedCells):
+        if not all(alike(one, first) for one in every):
+            raise ValueError("runs of unequal heat")
+        made = first
+    elif isinstance(first, tuple):
+        made = remade(first, columns_side_by_side(list(zip(*every, strict=True))))
     elif isinstance(first, float):
         made = aligned((WIDTH,), np.float64)
         made[:] = every
@@ -87,29 +98,74 @@ def side_by_side(parts: Sequence[T]) -> T:
             made[name] = side_by_side([np.asarray(one[name]) for one in every])
     elif first.dtype.names or first.dtype == np.float64:
         made = aligned((*first.shape, *row_shape(first.dtype), WIDTH), np.float64)
-        for lane, one in enumerate(every):
-            if one.shape != first.shape:
-                raise ValueError("runs of unequal shape")
-            made[..., lane] = plain(one)
+        spread(every, made)
         if first.dtype.names:
             made = made.reshape(-1).view(lane_row(first.dtype)).reshape(first.shape)
     else:
-        if not all(np.array_equal(one, first) for one in every):
+        if not all(alike(one, first) for one in every):
             raise ValueError("runs of unequal shape")
         made = first
-    return made  # type: ignore[no-any-return]
+    found: T = made
+    return found
 
 
-def lane_back(made: Any, lane: int, own: Any) -> None:
-    """Copy what one run has in `made` into its own arrays, which are contiguous."""
-    if isinstance(own, tuple):
-        for there, here in zip(made, own, strict=True):
-            lane_back(there, lane, here)
-    elif own.size and own.dtype.names:
-        floats = made.reshape(-1).view(np.float64)
-        plain(own)[...] = floats.reshape(*own.shape, len(own.dtype.names), WIDTH)[..., lane]
-    elif own.size:
-        own[...] = made[..., lane]
+def columns_side_by_side(columns: Sequence[Any]) -> list[Any]:
+    """Each of some columns of WIDTH; numbers stand in one array."""
+    numbers = [k for k, column in enumerate(columns) if isinstance(column[0], float)]
+    block = aligned((len(numbers), WIDTH), np.float64)
+    if numbers:
+        block[:] = [columns[k] for k in numbers]
+    found = dict(zip(numbers, block, strict=True))
+    return [found[k] if k in found else side_by_side(one) for k, one in enumerate(columns)]
+
+
+def spread(every: Sequence[Any], made: Any) -> None:
+    """Write the floats of arrays of one shape into lanes; one array for all is spread at once."""
+    first = every[0]
+    if all(one is first for one in every):
+        made[...] = plain(first)[..., None]
+        return
+    together = np.empty((WIDTH, *first.shape), first.dtype)  # np.stack changes records
+    for lane, one in enumerate(every):
+        if one.shape != first.shape:
+            raise ValueError("runs of unequal shape")
+        together[lane] = one
+    made[...] = np.moveaxis(plain(together), 0, -1)
+
+
+def alike(one: Any, other: Any) -> bool:
+    """Whether arrays, or tuples of them, are the same to the bit."""
+    if isinstance(one, tuple):
+        return all(map(alike, one, other))
+    same: bool = one is other or (one.shape == other.shape and one.tobytes() == other.tobytes())
+    return same
+
+
+def twin(made: T) -> T:
+    """Arrays of the same numbers as some of `side_by_side`."""
+    array: Any = made
+    if isinstance(made, tuple):
+        return remade(made, [twin(one) for one in array])
+    other = aligned(array.shape, array.dtype)
+    other[...] = array
+    found: T = other
+    return found
+
+
+def each_lane(made: Any, like: T) -> list[T]:
+    """What every run has in `made`, in arrays of its own, of the kinds of those that are given."""
+    given: Any = like
+    if isinstance(like, tuple):
+        parts = [each_lane(one, own) for one, own in zip(made, given, strict=True)]
+        return [remade(like, one) for one in zip(*parts, strict=True)]
+    if not given.size:
+        return [like] * WIDTH
+    shape = (*given.shape, *row_shape(given.dtype), WIDTH)
+    turned = np.ascontiguousarray(
+        np.moveaxis(made.reshape(-1).view(np.float64).reshape(shape), -1, 0)
+    )
+    own: Any = turned.reshape(-1).view(given.dtype).reshape(WIDTH, *given.shape)
+    return list(own)
 
 
 class LaneRecord(types.Record):
@@ -140,6 +196,8 @@ def lane_record(record: Any, width: int) -> LaneRecord:
 def lane_kind(kind: Any, width: int) -> Any:
     """The type that `as_lanes` gives to what `side_by_side` made."""
     if isinstance(kind, types.BaseTuple):
+        if getattr(kind, "instance_class", None) is SharedCells:
+            return kind
         columns: Any = kind
         inner = [lane_kind(one, width) for one in columns.types]
         return types.BaseTuple.from_types(inner, getattr(kind, "instance_class", None))
@@ -157,6 +215,8 @@ def lane_kind(kind: Any, width: int) -> Any:
 def _converted(context: Any, builder: Any, old: Any, value: Any, width: int) -> Any:
     """The value with the type of `lane_kind`; arrays keep their memory, one lane is loaded."""
     new = lane_kind(old, width)
+    if new == old:
+        return value
     if isinstance(old, types.BaseTuple):
         columns: Any = old
         parts = [
@@ -164,8 +224,6 @@ def _converted(context: Any, builder: Any, old: Any, value: Any, width: int) -> 
             for k, one in enumerate(columns.types)
         ]
         return context.make_tuple(builder, new, parts)
-    if new == old:
-        return value
     array = context.make_array(old)(context, builder, value)
     if isinstance(new, LaneType):
         vector = ir.VectorType(DOUBLE, width).as_pointer()
