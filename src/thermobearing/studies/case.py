@@ -322,7 +322,7 @@ def _heat_faults(study: Study) -> list[str]:
         faults += [
             f"factors.{name}: changes how the bearing takes on the warmth of the air, so that "
             "every run would go through all the weather before it, 20 times as long as the run "
-            'itself; write history = "10 d" in factors.ambient, of the air before that nothing is left'
+            'itself; write history = "10 d" in factors.ambient, nothing is left of the air before'
             for name in names
         ]
     if study.design.lockstep:
