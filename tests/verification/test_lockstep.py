@@ -28,9 +28,10 @@ from thermobearing.core.types import (
     new_workspace,
 )
 from thermobearing.model.earlier import BilinearParameters, bilinear_constants
-from thermobearing.structure.lanes import Run, RunPeaks, run_lanes, run_peaks, with_shared_cells
+from thermobearing.structure.lanes import run_lanes, with_shared_cells
 from thermobearing.structure.model import load_structure
 from thermobearing.structure.run import Line, prepare_structure, run_structure
+from thermobearing.structure.shaken import Run, RunPeaks, run_peaks
 
 DT, STEPS = 0.02, 400
 HDR, LHDR, LRB = "shen-hdr-specimen", "shen-lhdr-specimen", "lrb-example"

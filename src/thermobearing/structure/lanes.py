@@ -1,4 +1,4 @@
-"""Many structures shaken for their peaks only: in lockstep where they are alike, or one by one.
+"""Many structures shaken for their peaks only: in lockstep where they are alike.
 
 `run_lanes` puts runs of equal shape side by side, WIDTH at a time (core/lanes says how one kernel
 serves both). What leaves the lockstep is run alone from its start: a step that has no equilibrium,
@@ -6,236 +6,36 @@ a bearing too hot, a number that is not finite. What a run gets depends on its i
 its company or its place.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any, NamedTuple
+from collections.abc import Callable, Sequence
+from typing import Any, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from thermobearing.core.lanes.memory import WIDTH, aligned, each_lane, side_by_side, twin
-from thermobearing.core.records import Floats, Ints, Rows, rows
-from thermobearing.core.types import COMPLETED, Books, Constants, SharedCells
-from thermobearing.model.outcomes import NOT_PHYSICAL
-from thermobearing.structure.lines import (
-    Bearings,
-    Kind,
-    build_bearings,
-    kinds_of,
-    start_states,
+from thermobearing.core.types import COMPLETED, Constants, SharedCells
+from thermobearing.structure.lines import Kind, kinds_of, start_states
+from thermobearing.structure.lockstep import lanes_march
+from thermobearing.structure.run import build_system, new_motion
+from thermobearing.structure.shaken import (
+    Left,
+    Run,
+    RunPeaks,
+    bearings_of,
+    check_method,
+    no_rows,
+    none_kept,
+    peaks_of,
+    run_peaks,
+    scheme_of,
+    shaking_of,
+    start_of,
+    stored_in,
+    told,
+    watched,
 )
-from thermobearing.structure.lockstep import lanes_march, peaks_march
-from thermobearing.structure.run import (
-    BETA,
-    GAMMA,
-    HALVINGS,
-    ITERATIONS,
-    OUTCOMES,
-    TOLERANCE,
-    Line,
-    Method,
-    Prepared,
-    all_physical,
-    build_system,
-    new_motion,
-    room_for,
-)
-from thermobearing.structure.types import (
-    HingePeak,
-    LinePeak,
-    MotionBooks,
-    MotionRows,
-    Peaks,
-    Scheme,
-    Shaking,
-    System,
-    Watch,
-)
+from thermobearing.structure.types import System
 
-COLDEST = -1e9  # degC: below every temperature, where the largest one begins
-
-
-@dataclass(frozen=True)
-class Run:
-    """A structure to be shaken.
-
-    Attributes
-    ----------
-    prepared : from `prepare_structure`.
-    lines : one per bearing line of the structure.
-    ground : [steps + 1] ground acceleration at the ends of steps [mm/s2], linear between.
-    dt : of the steps [s].
-    ambient : [steps] mean ambient temperature of each step [degC].
-    places : [p, n] displacements to watch beside bearings and hinges, per coordinate
-        (structure/matrices.py makes such rows); the coordinates themselves by default.
-    carried : [p] 1 for those that the ground carries, so that its acceleration is added; 0 for
-        differences and rotations. All 0 by default.
-    method : of Newmark.
-    """
-
-    prepared: Prepared
-    lines: Sequence[Line]
-    ground: Floats
-    dt: float
-    ambient: Floats
-    places: Floats | None = None
-    carried: Floats | None = None
-    method: Method = "average-acceleration"
-
-
-class RunPeaks(NamedTuple):
-    """What a run came to.
-
-    Largest numbers are those at the ends of all steps that were done, and at the start.
-    """
-
-    outcome: str
-    steps: int
-    iterations: int
-    substeps: int
-    watches: Rows[Watch]  # [p]
-    lines: Rows[LinePeak]  # [b]
-    hinges: Rows[HingePeak]  # [h]
-    books: Rows[MotionBooks]  # [1] energies at the end
-    bearings: Rows[Books]  # [b] of the modelled bearing of each line, at the end
-    alone: bool  # whether it was run alone
-
-
-class Left(NamedTuple):
-    """What a run left behind, with arrays of its own."""
-
-    bearings: Bearings
-    books: Rows[MotionBooks]  # [1]
-    watches: Rows[Watch]
-    lines: Rows[LinePeak]
-    hinges: Rows[HingePeak]
-
-
-def no_rows(system: System, bearings: Bearings) -> MotionRows:
-    """No room, in double precision so that it can be room for lanes."""
-    none = room_for(system, bearings, 0)
-    cells: Any = tuple(np.zeros((0, len(kind.lines), 0)) for kind in bearings)
-    return none._replace(cells=cells)
-
-
-def bearings_of(run: Run) -> Bearings:
-    """The bearings of a run at its start."""
-    return build_bearings(*start_of(run))
-
-
-def start_of(run: Run) -> tuple[Any, ...]:
-    """Arguments of `build_bearings` and `start_states`."""
-    lines = run.lines
-    return (
-        [line.constants for line in lines],
-        [line.temperature for line in lines],
-        [line.lead for line in lines],
-        [line.begun for line in lines],
-    )
-
-
-def watched(run: Run) -> tuple[Floats, Floats]:
-    """Which displacements are watched, and which of them the ground carries."""
-    places = np.eye(len(run.prepared.matrices.load)) if run.places is None else run.places
-    carried = np.zeros(len(places)) if run.carried is None else run.carried
-    return (
-        np.ascontiguousarray(places, dtype=np.float64),
-        np.ascontiguousarray(carried, dtype=np.float64),
-    )
-
-
-def peaks_of(run: Run, system: System) -> Peaks:
-    """Nothing noted yet."""
-    places, carried = watched(run)
-    peaks = Peaks(
-        places=places,
-        carried=carried,
-        watches=rows(Watch, len(places)),
-        lines=rows(LinePeak, len(run.lines)),
-        hinges=rows(HingePeak, len(system.hinges)),
-    )
-    peaks.lines["rubber_temperature"] = COLDEST
-    peaks.lines["lead_temperature"] = COLDEST
-    return peaks
-
-
-def shaking_of(run: Run, keep: NDArray[np.bool_]) -> Shaking:
-    """What the structure is exposed to."""
-    return Shaking(run.ground, float(run.dt), run.ambient, keep)
-
-
-def none_kept(run: Run) -> NDArray[np.bool_]:
-    """No step is kept."""
-    return np.zeros(len(run.ground) - 1, dtype=np.bool_)
-
-
-def stored_in(kinds: Sequence[tuple[Ints, Any]], lines: int) -> Floats:
-    """Energy stored in the bearings of all lines [b], from lines and states of each kind."""
-    found = np.zeros(lines)
-    for numbers, states in kinds:
-        found[numbers] = states.books["recoverable"][:, 0]
-    return found
-
-
-def books_of(bearings: Bearings, lines: int) -> Rows[Books]:
-    """Books of the modelled bearings of all lines [b]."""
-    found = rows(Books, lines)
-    for kind in bearings:
-        for m, line in enumerate(kind.lines):
-            found[int(line)] = kind.states.books[m, 0]
-    return found
-
-
-def scheme_of(run: Run, halvings: int) -> Scheme:
-    """How time is integrated."""
-    return Scheme(BETA[run.method], GAMMA, TOLERANCE, ITERATIONS, halvings)
-
-
-def told(left: Left, recoverable: Floats, steps: int, outcome: int, *, alone: bool) -> RunPeaks:
-    """What a run left, named."""
-    named = OUTCOMES[outcome]
-    if named == "completed" and not all_physical(left.bearings, recoverable):
-        named = NOT_PHYSICAL
-    return RunPeaks(
-        outcome=named,
-        steps=steps,
-        iterations=int(left.books[0].iterations),
-        substeps=int(left.books[0].substeps),
-        watches=left.watches,
-        lines=left.lines,
-        hinges=left.hinges,
-        books=left.books,
-        bearings=books_of(left.bearings, len(recoverable)),
-        alone=alone,
-    )
-
-
-def run_peaks(run: Run) -> RunPeaks:
-    """Shake one structure; always returns what was reached, with a typed outcome.
-
-    The same steps as `run_structure`, bit for bit, without its rows.
-    """
-    check_method(run)
-    system, bearings = build_system(run.prepared, run.lines), bearings_of(run)
-    motion, peaks = new_motion(system), peaks_of(run, system)
-    stored = stored_in([(kind.lines, kind.states) for kind in bearings], len(run.lines))
-    done, _, outcome = peaks_march(
-        system,
-        bearings,
-        motion,
-        scheme_of(run, HALVINGS),
-        shaking_of(run, none_kept(run)),
-        no_rows(system, bearings),
-        peaks,
-    )
-    left = Left(bearings, motion.books, peaks.watches, peaks.lines, peaks.hinges)
-    return told(left, stored, int(done), int(outcome), alone=True)
-
-
-def check_method(run: Run) -> None:
-    """Only Newmark's method notes peaks."""
-    if run.method not in ("average-acceleration", "linear-acceleration"):
-        raise ValueError(f"{run.method}: peaks are those of Newmark's method")
+T = TypeVar("T")
 
 
 def choices(constants: Constants) -> tuple[bool, ...]:
@@ -303,34 +103,24 @@ def run_lanes(runs: Sequence[Run]) -> list[RunPeaks]:
     What each came to, in their order. A number may differ from that of `run_peaks` by rounding
     (1e-12 of the largest), and never by what else is run.
     """
-    groups: dict[Any, list[int]] = {}
+    companies: dict[Any, Company] = {}
+    waiting: dict[Any, list[int]] = {}
     found: dict[int, RunPeaks] = {}
 
-    def finish(together: list[int]) -> None:
-        shaken = in_lockstep([runs[k] for k in together])
+    def finish(key: Any, together: list[int]) -> None:
+        shaken = companies[key].shake([runs[k] for k in together])
         found.update(zip(together, shaken, strict=True))
 
     for number, run in enumerate(runs):
         key = likeness(run)
-        groups.setdefault(key, []).append(number)
-        if len(groups[key]) == WIDTH:
-            finish(groups.pop(key))
-    for together in groups.values():
-        finish(together)
+        if key not in companies:
+            companies[key] = Company(run)
+        waiting.setdefault(key, []).append(number)
+        if len(waiting[key]) == WIDTH:
+            finish(key, waiting.pop(key))
+    for key, together in waiting.items():
+        finish(key, together)
     return [found[number] for number in range(len(runs))]
-
-
-def systems_of(runs: Sequence[Run]) -> list[System]:
-    """Structures of some runs; those with the same structure and lines share one."""
-    made: dict[Any, System] = {}
-    found = []
-    for run in runs:
-        lines = tuple((line.speed, line.warmer, id(line.begun)) for line in run.lines)
-        key = id(run.prepared), lines
-        if key not in made:
-            made[key] = build_system(run.prepared, run.lines)
-        found.append(made[key])
-    return found
 
 
 def with_shared_cells(constants: Constants) -> Constants:
@@ -338,55 +128,87 @@ def with_shared_cells(constants: Constants) -> Constants:
     return constants._replace(cells=SharedCells(*constants.cells))
 
 
-def bearings_side_by_side(first: Bearings, runs: Sequence[Run], starts: Sequence[Any]) -> Any:
-    """Bearings of several runs as one: `first` are those of the first, `starts` their states."""
-    found = []
-    for k, kind in enumerate(first):
-        line = int(kind.lines[0])
-        each = [with_shared_cells(run.lines[line].constants) for run in runs]
-        states = side_by_side([start[k] for start in starts])
-        own = (kind.durations, kind.work, kind.elastic, kind.hysteretic)
-        scratch = side_by_side([own] * WIDTH)
-        found.append(Kind(side_by_side(each), kind.lines, *scratch, states, twin(states)))
-    return tuple(found)
+class Company:
+    """Runs of one shape in lockstep, WIDTH at a time.
 
+    What is the same in several lots of runs is put side by side once, and scratch is copied.
+    """
 
-def in_lockstep(runs: Sequence[Run]) -> list[RunPeaks]:
-    """At most WIDTH runs of one shape; empty lanes repeat the last."""
-    filled = [*runs, *[runs[-1]] * (WIDTH - len(runs))]
-    systems, keep = systems_of(filled), none_kept(filled[0])
-    bearings, none = bearings_of(filled[0]), peaks_of(filled[0], systems[0])
-    starts = [start_states(*start_of(run)) for run in filled]
-    motion = side_by_side([new_motion(systems[0])] * WIDTH)
-    peaks = side_by_side([none] * WIDTH)
-    places, carried = side_by_side([watched(run) for run in filled])
-    wide = bearings_side_by_side(bearings, filled, starts)
-    outcomes = aligned((1, WIDTH), np.float64)
-    done = lanes_march(
-        side_by_side(systems),
-        wide,
-        motion,
-        scheme_of(filled[0], 0),
-        side_by_side([shaking_of(run, keep) for run in filled]),
-        side_by_side([no_rows(systems[0], bearings)] * WIDTH),
-        peaks._replace(places=places, carried=carried),
-        outcomes,
-    )
-    made = tuple(kind.states for kind in wide), motion.books, peaks[2:]
-    like = starts[0], new_motion(systems[0]).books, none[2:]
-    found = []
-    each = each_lane(made, like)
-    for lane, run in enumerate(runs):
-        if outcomes[0, lane] != COMPLETED:
-            found.append(run_peaks(run))
-            continue
-        states, books, noted = each[lane]
+    def __init__(self, run: Run) -> None:
+        system = build_system(run.prepared, run.lines)
+        self.keep, self.bearings = none_kept(run), bearings_of(run)
+        self.motion, self.peaks = new_motion(system), peaks_of(run, system)
+        work = tuple(
+            (one.durations, one.work, one.elastic, one.hysteretic) for one in self.bearings
+        )
+        self.scratch = side_by_side([(work, self.motion, self.peaks)] * WIDTH)
+        self.rows = side_by_side([no_rows(system, self.bearings)] * WIDTH)
+        self._systems: dict[Any, System] = {}
+        self._made: dict[Any, tuple[Sequence[Any], Any]] = {}
+
+    def shake(self, runs: Sequence[Run]) -> list[RunPeaks]:
+        """At most WIDTH runs; empty lanes repeat the last."""
+        filled = [*runs, *[runs[-1]] * (WIDTH - len(runs))]
+        starts = [start_states(*start_of(run)) for run in filled]
+        work, motion, peaks = twin(self.scratch)
+        places, carried = side_by_side([watched(run) for run in filled])
+        bearings = self._bearings(filled, starts, work)
+        outcomes = aligned((1, WIDTH), np.float64)
+        done = lanes_march(
+            self._once([self._system(run) for run in filled]),
+            bearings,
+            motion,
+            scheme_of(filled[0], 0),
+            side_by_side([shaking_of(run, self.keep) for run in filled]),
+            self.rows,
+            peaks._replace(places=places, carried=carried),
+            outcomes,
+        )
+        made = tuple(kind.states for kind in bearings), motion.books, peaks[2:]
+        each = each_lane(made, (starts[0], self.motion.books, self.peaks[2:]))
+        return [
+            self._told(run, starts[lane], *each[lane], int(done))
+            if outcomes[0, lane] == COMPLETED
+            else run_peaks(run)
+            for lane, run in enumerate(runs)
+        ]
+
+    def _bearings(self, runs: Sequence[Run], starts: Sequence[Any], work: Any) -> Any:
+        """Bearings of some runs as one, with their states at the start."""
+        found = []
+        for k, kind in enumerate(self.bearings):
+            line = int(kind.lines[0])
+            constants = self._once([run.lines[line].constants for run in runs], with_shared_cells)
+            states = side_by_side([start[k] for start in starts])
+            own = (*work[k], states, twin(states))
+            found.append(Kind(constants, kind.lines, *own))
+        return tuple(found)
+
+    def _system(self, run: Run) -> System:
+        """The structure of a run; those with the same one and the same lines share it."""
+        lines = tuple((line.speed, line.warmer, id(line.begun)) for line in run.lines)
+        key = id(run.prepared), lines
+        if key not in self._systems:
+            self._systems[key] = build_system(run.prepared, run.lines)
+        return self._systems[key]
+
+    def _once(self, given: Sequence[T], change: Callable[[T], T] | None = None) -> T:
+        """Things that are only read, side by side; the same ones are not put there again."""
+        key = tuple(map(id, given))
+        if key not in self._made:
+            parts = [change(one) for one in given] if change else given
+            self._made[key] = given, side_by_side(parts)
+        made: T = self._made[key][1]
+        return made
+
+    def _told(
+        self, run: Run, start: Any, states: Any, books: Any, noted: Any, steps: int
+    ) -> RunPeaks:
+        """What a run left in its lane."""
         ended = tuple(
             kind._replace(constants=run.lines[int(kind.lines[0])].constants, states=state)
-            for kind, state in zip(bearings, states, strict=True)
+            for kind, state in zip(self.bearings, states, strict=True)
         )
-        numbers = [kind.lines for kind in bearings]
-        stored = stored_in(list(zip(numbers, starts[lane], strict=True)), len(run.lines))
-        left = Left(ended, books, *noted)
-        found.append(told(left, stored, int(done), COMPLETED, alone=False))
-    return found
+        lines = [kind.lines for kind in self.bearings]
+        stored = stored_in(list(zip(lines, start, strict=True)), len(run.lines))
+        return told(Left(ended, books, *noted), stored, steps, COMPLETED, alone=False)

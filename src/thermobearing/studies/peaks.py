@@ -33,8 +33,9 @@ from thermobearing.earthquake.traces import (
 )
 from thermobearing.model.outcomes import NOT_PHYSICAL
 from thermobearing.model.outcomes import SENTENCES as RUN_SENTENCES
-from thermobearing.structure.lanes import Run, RunPeaks, run_lanes
+from thermobearing.structure.lanes import run_lanes
 from thermobearing.structure.run import SENTENCES, StructureHistory
+from thermobearing.structure.shaken import Run, RunPeaks
 
 if TYPE_CHECKING:
     from thermobearing.studies.prepare import RunInput
