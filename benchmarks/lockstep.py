@@ -96,7 +96,7 @@ def shakes() -> list[Run]:
         air = AMBIENT + random.uniform(0.0, 40.0)
         line = Line(constants, np.full(len(constants.cells.capacity), air))
         shaken = random.uniform(0.5, 1.2) * acceleration
-        found.append(Run(prepared, [line], shaken, DT, np.full(len(shaken) - 1, air)))
+        found.append(Run(prepared, [line], shaken, DT, air))
     return found
 
 

@@ -30,7 +30,12 @@ from thermobearing.core.types import (
 from thermobearing.model.earlier import BilinearParameters, bilinear_constants
 from thermobearing.structure.lanes import run_lanes, with_shared_cells
 from thermobearing.structure.model import load_structure
-from thermobearing.structure.run import Line, prepare_structure, run_structure
+from thermobearing.structure.run import (
+    Line,
+    StructureHistory,
+    prepare_structure,
+    run_structure,
+)
 from thermobearing.structure.shaken import Run, RunPeaks, run_peaks
 
 DT, STEPS = 0.02, 400
@@ -172,7 +177,7 @@ def shakes(dt: float = 0.01, duration: float = 12.0) -> list[Run]:
         air = -25.0 + 2.5 * number
         line = Line(constants, np.full(len(constants.cells.capacity), air))
         shaken = (0.8 + 0.06 * number) * ground
-        found.append(Run(prepared, [line], shaken, dt, np.full(len(ground) - 1, air)))
+        found.append(Run(prepared, [line], shaken, dt, air))
     return found
 
 
@@ -215,11 +220,17 @@ def test_bridges_in_lockstep_are_bridges_alone() -> None:
                 assert np.all(apart <= tol.LANE_PEAK * scale), name
 
 
+def with_rows(run: Run) -> StructureHistory:
+    """The same run, every step of it."""
+    air = np.full(len(run.ground) - 1, run.ambient)
+    return run_structure(run.prepared, run.lines, run.ground, run.dt, air)
+
+
 def test_peaks_are_those_of_the_rows() -> None:
     """Without rows, bit for bit."""
     run = shakes()[7]
     found = run_peaks(run)
-    history = run_structure(run.prepared, run.lines, run.ground, run.dt, run.ambient)
+    history = with_rows(run)
     bearing, hinge = history.bearing(), history.hinge()
     assert (found.steps, found.iterations) == (history.steps, history.iterations)
     assert found.lines["displacement"][0] == np.abs(bearing["displacement"]).max()
@@ -232,7 +243,7 @@ def test_peaks_are_those_of_the_rows() -> None:
     assert found.books[0].input == history.rows.books[-1].input
     warm = run_peaks(shakes()[8])
     air = shakes()[8]
-    rows_ = run_structure(air.prepared, air.lines, air.ground, air.dt, air.ambient)
+    rows_ = with_rows(air)
     assert warm.lines["rubber_temperature"][0] == rows_.layers().max()
     assert warm.lines["lead_temperature"][0] == rows_.bearing()["lead_temperature"].max()
 
@@ -243,7 +254,7 @@ def test_absolute_acceleration_of_a_place() -> None:
     watched = Run(
         run.prepared, run.lines, run.ground, run.dt, run.ambient, places=places, carried=carried
     )
-    history = run_structure(run.prepared, run.lines, run.ground, run.dt, run.ambient)
+    history = with_rows(run)
     wanted = np.abs(history.rows.a[:, 0] + run.ground).max()
     for found in (run_peaks(watched), run_lanes([watched])[0]):
         assert found.watches["acceleration"][0] == pytest.approx(wanted, rel=tol.LANE_PEAK)
@@ -288,8 +299,7 @@ def test_what_leaves_the_lockstep_is_run_alone() -> None:
     runs = []
     for shaken in (0.3 * ground, 9.0 * ground, spoilt, 0.2 * ground):
         line = Line(constants, np.full(len(constants.cells.capacity), -30.0))
-        air = np.full(len(ground) - 1, -30.0)
-        runs.append(Run(prepared, [line], shaken, 0.05, air))
+        runs.append(Run(prepared, [line], shaken, 0.05, -30.0))
     found = run_lanes(runs)
     assert [one.alone for one in found] == [False, True, True, False]
     assert found[2].outcome != "completed"

@@ -27,13 +27,12 @@ from thermobearing.structure.shaken import (
     peaks_of,
     run_peaks,
     scheme_of,
-    shaking_of,
     start_of,
     stored_in,
     told,
     watched,
 )
-from thermobearing.structure.types import System
+from thermobearing.structure.types import Shaking, System
 
 T = TypeVar("T")
 
@@ -79,7 +78,7 @@ def likeness(run: Run) -> Any:
     """Runs in one lockstep have the same."""
     check_method(run)
     structure, constants = run.prepared.structure, [line.constants for line in run.lines]
-    sizes = len(run.ground), len(run.ambient), len(run.prepared.matrices.load)
+    sizes = len(run.ground), len(run.prepared.matrices.load)
     watched = None if run.places is None else len(run.places)
     moving = tuple(bool(line.speed != 0.0) for line in run.lines)
     kinds: list[Any] = []
@@ -159,7 +158,7 @@ class Company:
             bearings,
             motion,
             scheme_of(filled[0], 0),
-            side_by_side([shaking_of(run, self.keep) for run in filled]),
+            self._shaking(filled),
             self.rows,
             peaks._replace(places=places, carried=carried),
             outcomes,
@@ -172,6 +171,13 @@ class Company:
             else run_peaks(run)
             for lane, run in enumerate(runs)
         ]
+
+    def _shaking(self, runs: Sequence[Run]) -> Shaking:
+        """What they are exposed to; the air of a run stays as it is."""
+        ground, dt = side_by_side([(run.ground, float(run.dt)) for run in runs])
+        ambient = aligned((len(self.keep), WIDTH), np.float64)
+        ambient[:] = [run.ambient for run in runs]
+        return Shaking(ground, dt, ambient, self.keep)
 
     def _bearings(self, runs: Sequence[Run], starts: Sequence[Any], work: Any) -> Any:
         """Bearings of some runs as one, with their states at the start."""

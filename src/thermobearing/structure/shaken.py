@@ -55,7 +55,7 @@ class Run:
     lines : one per bearing line of the structure.
     ground : [steps + 1] ground acceleration at the ends of steps [mm/s2], linear between.
     dt : of the steps [s].
-    ambient : [steps] mean ambient temperature of each step [degC].
+    ambient : temperature of the air [degC].
     places : [p, n] displacements to watch beside bearings and hinges, per coordinate
         (structure/matrices.py makes such rows); the coordinates themselves by default.
     carried : [p] 1 for those that the ground carries, so that its acceleration is added; 0 for
@@ -67,7 +67,7 @@ class Run:
     lines: Sequence[Line]
     ground: Floats
     dt: float
-    ambient: Floats
+    ambient: float
     places: Floats | None = None
     carried: Floats | None = None
     method: Method = "average-acceleration"
@@ -149,9 +149,10 @@ def peaks_of(run: Run, system: System) -> Peaks:
     return peaks
 
 
-def shaking_of(run: Run, keep: NDArray[np.bool_]) -> Shaking:
-    """What the structure is exposed to."""
-    return Shaking(run.ground, float(run.dt), run.ambient, keep)
+def shaking_of(run: Run) -> Shaking:
+    """What the structure is exposed to; no step is kept."""
+    steps = len(run.ground) - 1
+    return Shaking(run.ground, float(run.dt), np.full(steps, run.ambient), none_kept(run))
 
 
 def none_kept(run: Run) -> NDArray[np.bool_]:
@@ -214,7 +215,7 @@ def run_peaks(run: Run) -> RunPeaks:
         bearings,
         motion,
         scheme_of(run, HALVINGS),
-        shaking_of(run, none_kept(run)),
+        shaking_of(run),
         no_rows(system, bearings),
         peaks,
     )

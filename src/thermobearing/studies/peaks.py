@@ -166,7 +166,7 @@ def to_shake(task: Task) -> Run:
         lines_to_shake(task),
         shaking.ground,
         shaking.dt,
-        np.full(len(shaking.ground) - 1, task.ambient),
+        task.ambient,
         places=np.array([where.top - where.base, where.top, where.deck]),
         carried=CARRIED,
         method=task.case.analysis.method,
@@ -193,43 +193,50 @@ def numbers_of_peaks(task: Task, peaks: RunPeaks) -> dict[str, Any]:
     found = measures_of_peaks(task, peaks)
     if peaks.outcome == COMPLETED and is_torn(task, peaks.lines["displacement"].tolist()):
         found["outcome"] = NOT_PHYSICAL
-    line, told = peaks.lines[task.told_line], task.told.device
+    line, told = named(peaks.lines[task.told_line]), task.told.device
     own = {
         "bearing_displacement_residual_mm": peaks.bearings["displacement"][task.told_line],
         "deck_displacement_residual_mm": peaks.watches["residual"][DECK],
-        "rubber_max_degC": line.rubber_temperature if told.heats else np.nan,
-        "lead_max_degC": line.lead_temperature if told.has_lead else np.nan,
+        "rubber_max_degC": line["rubber_temperature"] if told.heats else np.nan,
+        "lead_max_degC": line["lead_temperature"] if told.has_lead else np.nan,
     }
     return _row(task, found, own)
+
+
+def named(row: Any) -> dict[str, float]:
+    """The numbers of a record, by name: reading them one by one from numpy takes long."""
+    return dict(zip(row.dtype.names, row.item(), strict=True))
 
 
 def measures_of_peaks(task: Task, peaks: RunPeaks) -> dict[str, Any]:
     """What `measures_of` says of a run with rows; its bearings begin at rest."""
     told, where = task.told_line, task.prepared.reported
-    line, watches = peaks.lines[told], peaks.watches
+    line, bearing, books = map(named, (peaks.lines[told], peaks.bearings[told], peaks.books[0]))
+    pier, top, deck = map(named, (peaks.watches[place] for place in (PIER, TOP, DECK)))
     rotation, moment = np.nan, np.nan
     if where.hinge is not None:
-        hinge = peaks.hinges[where.hinge]
-        rotation, moment = hinge.rotation, hinge.moment / KN_MM_PER_KN_M
+        hinge = named(peaks.hinges[where.hinge])
+        rotation, moment = hinge["rotation"], hinge["moment"] / KN_MM_PER_KN_M
     return {
         "outcome": peaks.outcome,
-        "bearing_displacement_max": line.displacement,
-        "bearing_strain_max": line.displacement / task.told.device.bearing.total_rubber_thickness,
-        "bearing_force_max": line.force,
-        "bearing_energy_end": peaks.bearings["work_in"][told],
-        "pier_displacement_max": watches["displacement"][PIER],
-        "pier_displacement_residual": watches["residual"][PIER],
+        "bearing_displacement_max": line["displacement"],
+        "bearing_strain_max": line["displacement"]
+        / task.told.device.bearing.total_rubber_thickness,
+        "bearing_force_max": line["force"],
+        "bearing_energy_end": bearing["work_in"],
+        "pier_displacement_max": pier["displacement"],
+        "pier_displacement_residual": pier["residual"],
         "pier_rotation_max": rotation,
         "pier_ductility": rotation / where.yield_rotation,
         "pier_moment_max": moment,
-        "pier_top_displacement_max": watches["displacement"][TOP],
-        "pier_top_acceleration_max": watches["acceleration"][TOP] / MM_PER_M,
-        "deck_displacement_max": watches["displacement"][DECK],
-        "deck_acceleration_max": watches["acceleration"][DECK] / MM_PER_M,
-        "layer_force_mismatch_max": line.mismatch,
+        "pier_top_displacement_max": top["displacement"],
+        "pier_top_acceleration_max": top["acceleration"] / MM_PER_M,
+        "deck_displacement_max": deck["displacement"],
+        "deck_acceleration_max": deck["acceleration"] / MM_PER_M,
+        "layer_force_mismatch_max": line["mismatch"],
         **{name: getattr(peaks, name) for name in COUNTS},
-        **{f"energy_{name}": peaks.books[name][0] for name in STRUCTURE_ENERGIES},
-        **{f"heat_{name}": peaks.bearings[name][told] for name in BEARING},
+        **{f"energy_{name}": books[name] for name in STRUCTURE_ENERGIES},
+        **{f"heat_{name}": bearing[name] for name in BEARING},
     }
 
 
