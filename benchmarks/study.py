@@ -15,10 +15,8 @@ import thermobearing.structure.shaken as shaken
 from benchmarks.rows import Row, at_most, failed
 from thermobearing.border.threads import one_blas_thread
 from thermobearing.studies import Study, make_study, run_study
-from thermobearing.studies.store import shard_size
 
 AROUND, MEMORY = 15.0, 1000.0  # of the whole time [%]; [MB]
-SHARD = shard_size(10_000)
 WAYS = {"one by one": 2000, "in lockstep": 10_000}  # runs
 FACTORS = {
     "bearing": "shen-lhdr-bridge",
@@ -54,9 +52,9 @@ def measured(way: str) -> dict[str, float]:
     lanes.lanes_march = timed(lanes.lanes_march)
     shaken.peaks_march = timed(shaken.peaks_march)
     with tempfile.TemporaryDirectory() as folder:
-        run_study(study(20, 1, way), Path(folder) / "first", jobs=1, size=SHARD)
+        run_study(study(20, 1, way), Path(folder) / "first", jobs=1)
         spent[0], begin = 0.0, time.process_time()
-        run_study(study(WAYS[way], 2, way), Path(folder) / "bench", jobs=1, size=SHARD)
+        run_study(study(WAYS[way], 2, way), Path(folder) / "bench", jobs=1)
         whole = time.process_time() - begin
     status = Path("/proc/self/status").read_text().split()
     peak = int(status[status.index("VmHWM:") + 1]) / 1e3

@@ -336,6 +336,7 @@ def test_pace_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_sizes_of_shards() -> None:
     assert [shard_size(runs) for runs in (1, 1600, 1601, 50_000, 10**6)] == [16, 16, 32, 512, 1008]
+    assert [shard_size(runs, lockstep=True) for runs in (1, 5000, 10**6)] == [16, 208, 1008]
 
 
 def test_a_log_that_cannot_be_written_stops_nothing(tmp_path: Path) -> None:

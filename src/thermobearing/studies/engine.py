@@ -58,7 +58,8 @@ def run_study(
     address : of Dask's scheduler, "tcp://host:8786", or a `distributed.Client`.
     shard : "i/n": every n-th shard only, from the i-th, for batch systems; processes with other
         parts may write the same directory.
-    size : runs of a shard, in a new directory; by default a hundredth of the study, 16 to 1008.
+    size : runs of a shard, in a new directory; by default a hundredth of the study (in lockstep a
+        25th), 16 to 1008.
     progress : called with (runs done, all runs).
 
     Returns
