@@ -346,6 +346,7 @@ def test_a_log_that_cannot_be_written_stops_nothing(tmp_path: Path) -> None:
     assert run_study(small_study(), tmp_path / "out", jobs=1).outcome == "completed"
 
 
+@pytest.mark.thorough
 def test_runs_in_lockstep_are_those_of_runs_alone_and_nobody_elses() -> None:
     """All columns but those of rounding itself; in any company, to the last bit."""
     study = small_study({"duration": "4 s"}, bearing=["shen-lhdr-bridge"])
@@ -372,6 +373,7 @@ def test_runs_in_lockstep_are_those_of_runs_alone_and_nobody_elses() -> None:
         assert_array_equal(backwards[name], together[name].iloc[[3, 1]], err_msg=name)
 
 
+@pytest.mark.thorough
 def test_outcomes_in_lockstep_are_those_of_runs_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     """A bearing that tears, one without lead; nothing is run alone that does not need it."""
     study = small_study({"duration": "4 s"}, bearing=["shen-hdr-bridge"], scale=[0.5, 80.0])

@@ -160,7 +160,7 @@ def test_company_does_not_matter() -> None:
         assert_array_equal(second[-1].cells[..., place], first[-1].cells[..., lane])
 
 
-STRUCTURE = "pier-p1"
+STRUCTURE = "pier-p1"  # in lockstep it is compiled for more than a minute: thorough
 
 
 def shakes(dt: float = 0.01, duration: float = 12.0) -> list[Run]:
@@ -202,6 +202,7 @@ SCALES = {  # what the end of a run is a part of
 }
 
 
+@pytest.mark.thorough
 def test_bridges_in_lockstep_are_bridges_alone() -> None:
     runs = shakes()
     together = run_lanes(runs)
@@ -226,6 +227,7 @@ def with_rows(run: Run) -> StructureHistory:
     return run_structure(run.prepared, run.lines, run.ground, run.dt, air)
 
 
+@pytest.mark.thorough
 def test_peaks_are_those_of_the_rows() -> None:
     """Without rows, bit for bit."""
     run = shakes()[7]
@@ -248,6 +250,7 @@ def test_peaks_are_those_of_the_rows() -> None:
     assert warm.lines["lead_temperature"][0] == rows_.bearing()["lead_temperature"].max()
 
 
+@pytest.mark.thorough
 def test_absolute_acceleration_of_a_place() -> None:
     run = shakes()[0]
     places, carried = np.array([[1.0, 0.0, 0.0, 0.0]]), np.array([1.0])
@@ -260,6 +263,7 @@ def test_absolute_acceleration_of_a_place() -> None:
         assert found.watches["acceleration"][0] == pytest.approx(wanted, rel=tol.LANE_PEAK)
 
 
+@pytest.mark.thorough
 def test_order_of_bridges_does_not_matter() -> None:
     runs = shakes(duration=3.0)
     first = run_lanes(runs)
@@ -270,6 +274,7 @@ def test_order_of_bridges_does_not_matter() -> None:
         assert all(np.array_equal(mine[name], theirs[name]) for name in mine)
 
 
+@pytest.mark.thorough
 def test_bearings_of_another_heat_are_in_another_lockstep() -> None:
     """Cells are shared by all runs of a lockstep: each gets its own."""
     runs = shakes(duration=3.0)[:2]
@@ -289,6 +294,7 @@ def test_bearings_of_another_heat_are_in_another_lockstep() -> None:
         side_by_side(shared * (WIDTH // 2))
 
 
+@pytest.mark.thorough
 def test_what_leaves_the_lockstep_is_run_alone() -> None:
     """Steps that are cut, and numbers that end a run, beside one that goes through."""
     prepared = prepare_structure(load_structure(STRUCTURE))
