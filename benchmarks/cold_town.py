@@ -269,6 +269,7 @@ def main() -> None:
     print("\n\n".join("\n".join(part) for part in parts), "", failed_line(runs), sep="\n")
     if len(sys.argv) == 3:
         folder = Path(sys.argv[2])
+        folder.mkdir(parents=True, exist_ok=True)
         for name, figure in (
             ("weather", draw_weather(weather, frames[LAYERED[1]])),
             ("fragility", draw_fragility(found, runs)),
