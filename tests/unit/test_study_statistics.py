@@ -5,8 +5,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
+from numpy.testing import assert_allclose
 
 from thermobearing.border.errors import InputError
+from thermobearing.studies.binary import fit_curves
 from thermobearing.studies.counted import counted
 from thermobearing.studies.demand import demand_against, median_places
 from thermobearing.studies.estimates import MOST_STRIPES, classes, cloud
@@ -72,6 +74,18 @@ def test_counts_without_a_curve(
     assert np.isfinite(numbers).all() == (outcome == "completed")
     rate = annual_rate(found, HAZARD)
     assert np.isfinite(rate.rate) == (outcome == "completed")
+
+
+def test_one_mixed_intensity_is_passed_on_the_side_of_the_half() -> None:
+    """With less than half beyond there, the half comes between it and the next intensity."""
+    yes = np.array([[0.0, 1.0, 4.0], [0.0, 2.0, 4.0], [0.0, 3.0, 4.0], [0.0, 0.0, 1.0]])
+    no = np.array([[4.0, 3.0, 0.0], [4.0, 2.0, 0.0], [4.0, 1.0, 0.0], [4.0, 4.0, 3.0]])
+    found = fit_curves(np.array([1.0, 2.0, 4.0]), yes, no)
+    assert np.isinf(found.slope).all()
+    assert_allclose(np.exp(found.place), [np.sqrt(8.0), 2.0, np.sqrt(2.0), 4.0])
+    table = two_levels([0.1, 0.1, 0.1, 3.0], [3.0] * 4)
+    said = fragility_curve(table, "drift", 1.0, "im", samples=20).estimate.sentence
+    assert "none goes beyond below 1 and all do above it; at 1 itself 1 of 4" in said
 
 
 def test_a_curve_that_hardly_rises_has_no_upper_end() -> None:
@@ -193,6 +207,7 @@ FAULTS: list[tuple[Any, str]] = [
     (lambda t: counted(t.assign(outcome="broken"), "drift"), "none of 8 runs"),
     (lambda t: counted(t, "drift", "ignored"), '"left-out" or "collapse"'),
     (lambda t: ida_curves(t.assign(motion="a"), "drift", "im"), "two runs of motion a"),
+    (lambda t: ida_curves(t.assign(motion=range(len(t))), "drift", "im"), "one intensity only"),
     (lambda t: fragility_curves(t.assign(im=1.0), "drift", 1.0, "im", "motion"), "motion = 0"),
     (lambda t: sobol_table(t, "drift"), 'no column "matrix"'),
     (lambda t: variance_shares(t.assign(drift=1.0), "drift", ["im"]), "at least 8"),

@@ -114,7 +114,7 @@ def _limits(
     none, every = np.isinf(lowest_yes), np.isinf(highest_no)
     place[none], place[every] = np.inf, -np.inf
     apart = ~none & ~every & (highest_no <= lowest_yes)
-    place[apart] = 0.5 * (highest_no[apart] + lowest_yes[apart])
+    place[apart] = _between(x, yes[apart], no[apart], highest_no[apart], lowest_yes[apart])
     slope[none | every] = 1.0
     # Apart the wrong way round, or at one intensity: no curve rises through them.
     highest_yes = np.where(yes > 0, x, -np.inf).max(-1)
@@ -124,6 +124,23 @@ def _limits(
     slope[falls] = FLAT
     place[falls] = x.mean() - _score_of_share(yes[falls], no[falls], link) / FLAT
     return place, slope, open_ & ~falls
+
+
+def _between(x: Floats, yes: Floats, no: Floats, highest_no: Floats, lowest_yes: Floats) -> Floats:
+    """Where counts that are apart pass one half: amid the two intensities on both sides of it.
+
+    At one intensity some may be beyond and some not; with less than half of them it is passed
+    between that one and the next above, with more between it and the next below.
+    """
+    mixed = highest_no == lowest_yes
+    here = mixed[:, None] & (x == highest_no[:, None])
+    share = (np.where(here, yes, 0.0).sum(-1) + 1e-300) / ((here * (yes + no)).sum(-1) + 1e-300)
+    met = yes + no > 0
+    above = np.where(met & (x > highest_no[:, None]), x, np.inf).min(-1)
+    below = np.where(met & (x < lowest_yes[:, None]), x, -np.inf).max(-1)
+    upper = np.where(mixed & (share < 0.5) & np.isfinite(above), above, lowest_yes)
+    lower = np.where(mixed & (share > 0.5) & np.isfinite(below), below, highest_no)
+    return np.asarray(0.5 * (lower + upper))
 
 
 def _newton(x: Floats, yes: Floats, no: Floats, link: Link) -> tuple[Floats, Floats]:

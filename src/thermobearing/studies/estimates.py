@@ -24,6 +24,10 @@ MOST_STRIPES = 200  # more intensities are put into so many classes, equally fil
 MORE_BETWEEN = (
     "all runs up to {0:.4g} stay below, all from {1:.4g} go beyond: add intensities between"
 )
+ONE_MIXED = (
+    "none goes beyond below {0:.4g} and all do above it; at {0:.4g} itself {1:.0f} of {2:.0f}: one "
+    "intensity says too little of the spread, add intensities close to it"
+)
 REASONS = {
     "none_beyond": "no run went beyond the capacity: add larger intensities",
     "all_beyond": "every run went beyond the capacity: add smaller intensities",
@@ -146,7 +150,11 @@ def _why_not(levels: Floats, yes: Floats, no: Floats, best: Curves) -> tuple[str
         outcome = "all_beyond" if yes.any() else "none_beyond"
         return outcome, REASONS[outcome]
     if np.isinf(best.slope[0]):
-        return "apart", MORE_BETWEEN.format(levels[no > 0].max(), levels[yes > 0].min())
+        last, first = levels[no > 0].max(), levels[yes > 0].min()
+        if last == first:
+            here = int(np.flatnonzero(levels == first)[0])
+            return "apart", ONE_MIXED.format(first, yes[here], yes[here] + no[here])
+        return "apart", MORE_BETWEEN.format(last, first)
     if best.slope[0] <= FLAT:
         return "not_rising", REASONS["not_rising"]
     return COMPLETED, ""

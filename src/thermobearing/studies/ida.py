@@ -147,7 +147,8 @@ def ida_curves(
 
     Raises
     ------
-    InputError : no such column, or two runs at one intensity of a curve.
+    InputError : no such column, two runs at one intensity of a curve, or no curve of more than
+        one intensity.
 
     Examples
     --------
@@ -173,4 +174,10 @@ def ida_curves(
                 f'apart in "by"'
             )
         curves.append(IdaCurve(label, np.append(0.0, x), np.append(0.0, y), mine[0]))
+    if all(len(curve.intensity) == 2 for curve in curves):
+        raise InputError(
+            f"each of the {len(curves)} curves has a run at one intensity only, so that it is no "
+            "curve: the same draws are needed at several intensities (`paired = true` in "
+            "[design]); or take stripes or cloud"
+        )
     return Ida(curves, tuple(by), demand, intensity, runs.sentence)
