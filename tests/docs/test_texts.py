@@ -225,7 +225,6 @@ def _docstring(node: "object") -> int:
 
 def test_lines_that_read_a_study_do(tmp_path: Path) -> None:
     """Whichever of these libraries are here; each gives the same means."""
-    pytest.importorskip("pyarrow")
     factor = {"distribution": "uniform", "low": 0.9, "high": 1.1}
     study = small_study(**{"bearing.K_r": factor})
     study = study.model_copy(update={"design": study.design.model_copy(update={"samples": 1})})

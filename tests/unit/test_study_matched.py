@@ -132,7 +132,6 @@ def test_a_table_is_a_spectrum(tmp_path: Path) -> None:
 def test_made_once_and_kept_in_the_directory(
     tmp_path: Path, fits: "Counter[str]", monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    pytest.importorskip("pyarrow")
     one, out = tmp_path / "one", tmp_path / "out"
     run_study(matched(), one, jobs=1, size=1)
     whole = kept(one)
@@ -157,7 +156,6 @@ def test_made_once_and_kept_in_the_directory(
 
 def test_workers_are_sent_what_was_made(tmp_path: Path) -> None:
     """Fits and runs on processes of their own end in the same bits."""
-    pytest.importorskip("pyarrow")
     run_study(matched(), tmp_path / "two", jobs=2, size=1)
     two = kept(tmp_path / "two")
     study = with_matched(matched())
@@ -174,7 +172,6 @@ def test_another_part_that_was_quicker_has_the_motions(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Its machine ends fits in other bits: the directory's are taken, by whoever comes later."""
-    pytest.importorskip("pyarrow")
     out, make, asked = tmp_path / "out", engine.with_matched, []
 
     def late(study: Study, *words: Any, **others: Any) -> Study:
@@ -197,7 +194,6 @@ def test_another_part_that_was_quicker_has_the_motions(
 
 
 def test_a_damaged_copy_is_made_again(tmp_path: Path, fits: "Counter[str]") -> None:
-    pytest.importorskip("pyarrow")
     out = tmp_path / "out"
     run_study(matched(), out, jobs=1)
     raw = (out / MADE).read_bytes()
@@ -209,7 +205,6 @@ def test_a_damaged_copy_is_made_again(tmp_path: Path, fits: "Counter[str]") -> N
 
 
 def test_what_does_not_fit_is_named_and_nothing_is_left(tmp_path: Path) -> None:
-    pytest.importorskip("pyarrow")
     for start in (plan, forecast, lambda study: run_study(study, tmp_path / "out", jobs=1)):
         with pytest.raises(InputError) as caught:
             start(matched(FITS | {"tolerance": 0.001}))
@@ -222,7 +217,6 @@ def test_what_does_not_fit_is_named_and_nothing_is_left(tmp_path: Path) -> None:
 
 
 def test_words_are_refused_before_anything_is_made(tmp_path: Path, fits: "Counter[str]") -> None:
-    pytest.importorskip("pyarrow")
     (tmp_path / "thesis.tex").write_text("years of work")
     with pytest.raises(OutputError, match=r"holds .*thesis\.tex"):
         run_study(matched(), tmp_path, jobs=1)
@@ -248,7 +242,6 @@ def test_a_dry_run_makes_one_motion(tmp_path: Path, fits: "Counter[str]") -> Non
 
 
 def test_command(tmp_path: Path, fits: "Counter[str]") -> None:
-    pytest.importorskip("pyarrow")
     file, out = tmp_path / "study.toml", tmp_path / "out"
     file.write_text(matched().to_toml())
     done = CliRunner().invoke(app, ["study", str(file), "--dry-run", "--json"])

@@ -17,6 +17,7 @@ import thermobearing.studies.store as stores
 from tests import tolerances as tol
 from tests.unit.studies import kept, small_study
 from thermobearing.border.errors import InputError, OutputError
+from thermobearing.core.lanes.memory import WIDTH
 from thermobearing.earthquake.columns import COLUMNS
 from thermobearing.studies import Preparer, plan, run_shard, run_study, study_status
 from thermobearing.studies.lock import only_writer
@@ -24,7 +25,7 @@ from thermobearing.studies.log import Pace, duration
 from thermobearing.studies.parquet import About, about_columns, notes_of, write_parquet
 from thermobearing.studies.peaks import RESULT_COLUMNS
 from thermobearing.studies.status import failures_of
-from thermobearing.studies.store import Store, shard_size
+from thermobearing.studies.store import FEWEST, MOST, Store, shard_size
 from thermobearing.studies.worst import worst_runs
 
 ROUNDING = {"structure_residual", "mechanical_residual", "thermal_residual"}
@@ -337,6 +338,7 @@ def test_pace_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_sizes_of_shards() -> None:
     assert [shard_size(runs) for runs in (1, 1600, 1601, 50_000, 10**6)] == [16, 16, 32, 512, 1008]
     assert [shard_size(runs, lockstep=True) for runs in (1, 5000, 10**6)] == [16, 208, 1008]
+    assert FEWEST % WIDTH == MOST % WIDTH == 0  # whole companies
 
 
 def test_a_log_that_cannot_be_written_stops_nothing(tmp_path: Path) -> None:

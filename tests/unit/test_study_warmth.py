@@ -64,7 +64,6 @@ def test_what_was_foreseen_is_what_a_run_finds_alone(kind: str, town: Path) -> N
 def test_weather_is_read_and_gone_through_once(
     kind: str, town: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    pytest.importorskip("pyarrow")
     read, through = levels.read_weather, []
     counted: list[str] = []
     monkeypatch.setattr(levels, "read_weather", lambda path: counted.append(path) or read(path))
@@ -87,7 +86,6 @@ def test_weather_is_read_and_gone_through_once(
 
 def test_workers_need_no_weather(town: Path, tmp_path: Path) -> None:
     """Neither its file nor its hours are sent; the bits are those of one process."""
-    pytest.importorskip("pyarrow")
     studies = [weathered(town) for _ in range(2)]
     (tmp_path / "study.toml").write_text(studies[0].to_toml())
     assert load_study(tmp_path / "study.toml").factors.ambient.series is not None

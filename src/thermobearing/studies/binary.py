@@ -132,14 +132,13 @@ def _between(x: Floats, yes: Floats, no: Floats, highest_no: Floats, lowest_yes:
     At one intensity some may be beyond and some not; with less than half of them it is passed
     between that one and the next above, with more between it and the next below.
     """
-    mixed = highest_no == lowest_yes
-    here = mixed[:, None] & (x == highest_no[:, None])
-    share = (np.where(here, yes, 0.0).sum(-1) + 1e-300) / ((here * (yes + no)).sum(-1) + 1e-300)
+    here = (x == highest_no[:, None]) & (x == lowest_yes[:, None])
+    more = np.where(here, yes - no, 0.0).sum(-1)  # beyond than not, where both are
     met = yes + no > 0
     above = np.where(met & (x > highest_no[:, None]), x, np.inf).min(-1)
     below = np.where(met & (x < lowest_yes[:, None]), x, -np.inf).max(-1)
-    upper = np.where(mixed & (share < 0.5) & np.isfinite(above), above, lowest_yes)
-    lower = np.where(mixed & (share > 0.5) & np.isfinite(below), below, highest_no)
+    upper = np.where((more < 0.0) & np.isfinite(above), above, lowest_yes)
+    lower = np.where((more > 0.0) & np.isfinite(below), below, highest_no)
     return np.asarray(0.5 * (lower + upper))
 
 

@@ -167,9 +167,7 @@ def _opened(
         # Another part was quicker, perhaps on a machine of other last bits: its are taken.
         if begun or not is_matched(study) or not (directory / MANIFEST).exists():
             raise
-        made = with_matched(study, directory, jobs)
-        runs = plan(made)
-        return made, runs, open_or_make(directory, made, runs, size)
+        return _opened(study, directory, size, jobs)
 
 
 def _do_missing(

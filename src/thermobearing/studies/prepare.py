@@ -29,7 +29,7 @@ from thermobearing.studies.designs import in_lockstep
 from thermobearing.studies.levels import Ints, Levels
 from thermobearing.studies.names import Path, moves_heat, moves_warmth, with_numbers
 from thermobearing.studies.record import Study
-from thermobearing.studies.warmth import Key, Warm, Warmth, heat_of, key_of
+from thermobearing.studies.warmth import Key, Warm, Warmth, key_of
 
 MOST_KEPT = 2000  # bearings as models, of samples of a posterior
 Changes = dict[Path, float]
@@ -77,9 +77,7 @@ class Preparer:
     def __init__(self, study: Study) -> None:
         self.study = study
         self.levels = Levels(study)
-        self.lockstep = in_lockstep(study) and all(
-            len({heat_of(one) for one in samples}) <= 1 for samples in self.levels.samples
-        )
+        self.lockstep = in_lockstep(study)
         self._places = {
             column.name: {str(name): k for k, name in enumerate(column.levels)}
             for column in columns_of(study)

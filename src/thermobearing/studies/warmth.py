@@ -38,8 +38,10 @@ class Warm:
     weather: Hourly | None = None
 
 
-def heat_of(bearing: Bearing) -> Key:
-    """What of a bearing its heat knows."""
+def key_of(device: Device, case: EarthquakeCase) -> Key:
+    """What of a bearing its heat knows: bearings that are alike in it are as warm at rest."""
+    bearing = device.bearing
+    assert isinstance(bearing, Bearing)
     lead = bearing.lead
     cores = lead and (
         lead.cores,
@@ -49,13 +51,8 @@ def heat_of(bearing: Bearing) -> Key:
         lead.end_spreading,
         lead.surface_ratio,
     )
-    return bearing.kind, bearing.geometry, bearing.materials, bearing.cells, cores
-
-
-def key_of(device: Device, case: EarthquakeCase) -> Key:
-    """Bearings that are alike in it are as warm at rest."""
-    assert isinstance(device.bearing, Bearing)
-    return (*heat_of(device.bearing), case.analysis.upper_face, case.analysis.lower_face)
+    heat = bearing.kind, bearing.geometry, bearing.materials, bearing.cells, cores
+    return (*heat, case.analysis.upper_face, case.analysis.lower_face)
 
 
 class Warmth:
