@@ -3,6 +3,7 @@
 import ast
 import errno
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -152,6 +153,49 @@ def test_read_only_or_full_folder_is_not_used(
 
     monkeypatch.setattr(os, "posix_fallocate", full)
     assert found_with(monkeypatch, NUMBA_CACHE_DIR=str(tmp_path / "cache")) is None
+
+
+def test_folder_that_others_may_write_is_not_used(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    used = found_with(monkeypatch, NUMBA_CACHE_DIR=str(tmp_path))
+    assert used is not None
+    assert used.stat().st_mode & 0o077 == 0
+    used.chmod(0o777)
+    with pytest.warns(UserWarning, match="NUMBA_CACHE_DIR"):
+        assert found_with(monkeypatch, NUMBA_CACHE_DIR=str(tmp_path)) is None
+
+
+RUNS = """
+import sys
+from thermobearing.core.hysteresis import exact_increment
+print(exact_increment(0.5, 2.0, 6.0, 0.1)[0], sum(exact_increment.stats.cache_hits.values()))
+"""
+
+
+def test_clone_at_another_path_uses_the_same_machine_code(tmp_path: Path) -> None:
+    """The digest of the sources decides, not their path or time; damaged files compile again."""
+    kept = tmp_path / "kept"
+    package = Path(thermobearing.__file__).parent
+    clone = shutil.copytree(package, tmp_path / "clone" / "thermobearing")
+
+    def answer(**variables: str) -> list[str]:
+        environment = {**os.environ, "NUMBA_CACHE_DIR": str(kept), **variables}
+        command = [sys.executable, "-c", RUNS]
+        done = subprocess.run(
+            command, env=environment, stdout=subprocess.PIPE, text=True, check=True
+        )
+        return done.stdout.split()
+
+    value, hits = answer()
+    assert hits == "0"
+    assert answer(PYTHONPATH=str(clone.parent)) == [value, "1"]
+    for ending in ("nbi", "nbc"):
+        for length in (0, 40):  # a power cut leaves empty files, a full disk short ones
+            for file in kept.rglob(f"*.{ending}"):
+                os.truncate(file, length)
+            assert answer() == [value, "0"]
+            assert answer() == [value, "1"]
 
 
 COMPILES = """

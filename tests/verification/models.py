@@ -124,7 +124,7 @@ def marched(
     path = Path(
         x=np.asarray(x, dtype=float),
         dt=np.full(len(x), dt),
-        ambient=np.full(len(x), ambient),
+        ambient=np.full(len(x), ambient, dtype=float),
         keep=np.ones(len(x), dtype=bool),
         settled=0.0,
     )

@@ -63,10 +63,13 @@ def shaken(
         structure = load_structure(structure)
     prepared = prepare_structure(structure, mass, damping)
     line = Line(
-        constants, np.full(len(constants.cells.capacity), ambient), None, options.pop("speed", 0.0)
+        constants,
+        np.full(len(constants.cells.capacity), ambient, dtype=float),
+        None,
+        options.pop("speed", 0.0),
     )
     lines = [line] * len(structure.bearings)
-    air = np.full(len(ground) - 1, ambient)
+    air = np.full(len(ground) - 1, ambient, dtype=float)
     return prepared, run_structure(prepared, lines, ground, dt, air, method=method, **options)
 
 
