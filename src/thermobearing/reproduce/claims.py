@@ -89,7 +89,7 @@ class Claim(Strict):
     flips : symbols of `data/claims/parameters.toml` that may flip the verdict.
     depends : why 5 % more K_r does not flip it, if it does not.
     reach : how far the parameters are changed in the search for a flip [%].
-    figure : module of `reproduce/figures` that shows it.
+    figure : name of the figure that shows it, as "fig_3_07".
     """
 
     id: Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9-]*$", max_length=80)]

@@ -13,7 +13,8 @@ import pandas as pd
 
 from thermobearing.reproduce import joint, slips, slips_figure, tables
 from thermobearing.reproduce.claims import PARTS, Claim, load_claims
-from thermobearing.reproduce.figures import FIGURES
+from thermobearing.reproduce.figures import Row as FigureRow
+from thermobearing.reproduce.figures import load_figures
 from thermobearing.reproduce.flips import Variants
 from thermobearing.reproduce.rows import Row, make_row
 from thermobearing.reproduce.runs import Runs
@@ -96,8 +97,8 @@ def claims_of(chapter: int | None) -> list[Claim]:
     return load_claims(part) if part in PARTS else []
 
 
-def figures_of(chapter: int | None) -> dict[str, ModuleType]:
-    """Modules of the source's figures of one chapter, or all, by name.
+def figures_of(chapter: int | None) -> dict[str, FigureRow]:
+    """Return the figures of one chapter, or all, by name.
 
     Examples
     --------
@@ -105,8 +106,8 @@ def figures_of(chapter: int | None) -> dict[str, ModuleType]:
     'fig_4_01'
     """
     return {
-        module.__name__.rpartition(".")[2]: module
-        for number, module in FIGURES.items()
+        row.name: row
+        for number, row in load_figures().items()
         if chapter in (None, int(number.partition(".")[0]))
     }
 
@@ -145,10 +146,15 @@ def draw(name: str) -> Drawn:
     from thermobearing.results.drawing import save_figure
 
     try:
-        module = (figures_of(None) | OWN_FIGURES)[name]
         picture = io.BytesIO()
-        save_figure(module.draw(_runs()), picture)
-        return Drawn(name, str(module.CAPTION), picture.getvalue())
+        if name in OWN_FIGURES:
+            own = OWN_FIGURES[name]
+            figure, caption = own.draw(_runs()), str(own.CAPTION)
+        else:
+            row = figures_of(None)[name]
+            figure, caption = row.figure(_runs()), row.caption
+        save_figure(figure, picture)
+        return Drawn(name, caption, picture.getvalue())
     except Exception as error:  # whatever breaks is told in its place; the others go on
         return Drawn(name, reason(error))
 
