@@ -1,7 +1,8 @@
-"""Changes by chance: operators, numbers, names of keys, order of arguments, lost statements.
+"""Random mutants: lost terms and factors, wrong variables, numbers, conditions, keys, statements.
 
-Figures and tables on the terminal are left out: their looks are for eyes. Some changes are no
-errors (a limit of iterations, a hint), so not all of them can be caught.
+Figures and tables on the terminal are left out. Changes that nearly always raise (swapped
+arguments, a product for a path) are not made, since they flatter the tests. Some mutants are
+equivalent to the original (a limit of iterations, a hint), so not all of them can be caught.
 """
 
 import ast
@@ -17,8 +18,6 @@ LEFT_OUT = ("figure", "drawing", "time_axis", "screen", "regenerate", "__init__"
 OPERATORS: dict[type[ast.AST], tuple[str, str]] = {
     ast.Add: ("+", "-"),
     ast.Sub: ("-", "+"),
-    ast.Mult: ("*", "/"),
-    ast.Div: ("/", "*"),
     ast.Lt: ("<", "<="),
     ast.LtE: ("<=", "<"),
     ast.Gt: (">", "<"),
@@ -31,6 +30,8 @@ OPERATORS: dict[type[ast.AST], tuple[str, str]] = {
 NAMES = {"min": "max", "max": "min", "argmin": "argmax", "argmax": "argmin", "any": "all"}
 NAMES |= {"all": "any", "sin": "cos", "cos": "sin", "ceil": "floor", "floor": "ceil"}
 NAMES |= {"mean": "max", "sum": "max", "sqrt": "abs", "abs": "float"}
+ARITHMETIC = (ast.Add, ast.Sub, ast.Mult, ast.Div)
+SLIGHTLY = 1.05  # factor on a number
 
 
 @dataclass(frozen=True)
@@ -57,6 +58,7 @@ class _Finder(ast.NodeVisitor):
             {k.value for k in keys if isinstance(k, ast.Constant) and isinstance(k.value, str)}
         )
         self.found: list[_Edit] = []
+        self.variables: list[str] = []  # of the function that is visited
         self.visit(tree)
 
     def _at(self, node: ast.AST) -> tuple[int, int]:
@@ -101,9 +103,37 @@ class _Finder(ast.NodeVisitor):
                 if isinstance(item, ast.AST):
                     self.visit(item)
 
+    def visit_FunctionDef(self, node: ast.FunctionDef) -> None:
+        """Collect the variables of a function, each of which may stand for another."""
+        names = [arg.arg for arg in (*node.args.posonlyargs, *node.args.args)]
+        stored = (n for n in ast.walk(node) if isinstance(n, ast.Name))
+        names += [n.id for n in stored if isinstance(n.ctx, ast.Store)]
+        self.variables = [name for name in dict.fromkeys(names) if name not in ("self", "_")]
+
     def visit_BinOp(self, node: ast.BinOp) -> None:
-        """+ for -, * for /."""
+        """Exchange + and -; lose a term or a factor; use another variable of the function."""
         self._operator(node.left, node.op, node.right)
+        if not isinstance(node.op, ARITHMETIC):
+            return
+        sides = (node.left, node.right)
+        if any(isinstance(side, ast.Constant | ast.JoinedStr) for side in sides):
+            numbers = all(
+                isinstance(side.value, int | float)
+                for side in sides
+                if isinstance(side, ast.Constant)
+            )
+            if not numbers:  # of text or of a path
+                return
+        if not (isinstance(node.op, ast.Div) and "path" in self._text(node.left).lower()):
+            self._replace(node, f"({self._text(node.left)})")
+        if isinstance(node.op, ast.Add | ast.Mult):
+            self._replace(node, f"({self._text(node.right)})")
+        for side in sides:
+            if isinstance(side, ast.Name) and side.id in self.variables:
+                place = self.variables.index(side.id)
+                other = self.variables[(place + 1) % len(self.variables)]
+                if other != side.id:
+                    self._replace(side, other)
 
     def visit_Compare(self, node: ast.Compare) -> None:
         """A limit that belongs to the other side, or the wrong way round."""
@@ -125,7 +155,7 @@ class _Finder(ast.NodeVisitor):
         elif isinstance(value, int):
             self._replace(node, str(value + 1))
         elif isinstance(value, float):
-            self._replace(node, repr(1.1 * value) if value else "1.0")
+            self._replace(node, repr(SLIGHTLY * value) if value else "1.0")
 
     def visit_If(self, node: ast.If) -> None:
         """The opposite condition."""
@@ -137,14 +167,7 @@ class _Finder(ast.NodeVisitor):
         self._replace(node.test, f"(not ({self._text(node.test)}))")
 
     def visit_Call(self, node: ast.Call) -> None:
-        """First two arguments swapped; min for max and the like."""
-        plain = [arg for arg in node.args if not isinstance(arg, ast.Starred)]
-        if len(plain) == len(node.args) >= 2:
-            first, second = self._text(node.args[0]), self._text(node.args[1])
-            start, end = self._at(node.args[0])[0], self._at(node.args[1])[1]
-            between = self.source[self._at(node.args[0])[1] : self._at(node.args[1])[0]].decode()
-            if first != second:
-                self._edit(start, end, f"{second}{between}{first}")
+        """Exchange min and max, any and all, and the like."""
         name = node.func.attr if isinstance(node.func, ast.Attribute) else self._text(node.func)
         if name in NAMES:
             end = self._at(node.func)[1]
