@@ -49,7 +49,7 @@ def test_a_recording_starts_where_the_bearing_is(first: float, tmp_path: Path) -
     path.write_text(f"time_s,displacement_mm\n0,{first}\n1,5\n2,0\n")
     with pytest.raises(tb.InputError, match="put a ramp before it"):
         read_recording(str(path), 0.0)
-    gaps, x = read_recording(str(path), first)
+    gaps, x, _ = read_recording(str(path), first)
     assert (list(gaps), list(x)) == ([1.0, 1.0], [first, 5.0, 0.0])
 
 

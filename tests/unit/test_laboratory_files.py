@@ -9,10 +9,11 @@ from numpy.testing import assert_allclose
 
 import thermobearing as tb
 from tests import tolerances as tol
-from thermobearing.border.errors import InputError
+from thermobearing.border.layout import Layout
+from thermobearing.border.sheets import read_sheets
 from thermobearing.border.sidecar import read_laboratory
 from thermobearing.border.stamps import seconds_of
-from thermobearing.border.tables import columns_of
+from thermobearing.border.tables import columns_of, usable_table
 from thermobearing.border.titles import name_and_unit
 from thermobearing.identify.record import load_test
 
@@ -195,8 +196,8 @@ def workbook(path: Path) -> Path:
 def test_workbook(tmp_path: Path) -> None:
     path = workbook(tmp_path / "t.xlsx")
     record = load_test(path)
-    assert record.time.tolist() == [0.0, 1.0, 2.0]
-    assert_allclose(record.displacement, [0.0, 1.0, 2.0], atol=tol.CONVERSION)
+    assert record.block.tolist() == [0, 0, 0, 1, 1, 1]
+    assert_allclose(record.displacement[:3], [0.0, 1.0, 2.0], atol=tol.CONVERSION)
     assert record.ambient == -20.0
     assert any('"100 %"' in text for text in record.assumptions)
     text = 'blocks = [{ file = "t.xlsx", sheet = "50 %" }, { file = "t.xlsx", sheet = "100 %" }]'
@@ -219,7 +220,8 @@ def test_encoding_is_found(tmp_path: Path, encoding: str) -> None:
     title = "温度[℃]" if encoding == "cp932" else "T [°C]"
     text = f"time_s;displacement_mm;force_kN;{title}\n0;0;0;1\n1;1;1;1\n"
     wanted = {"time": "s", "force": "kN"}
-    found = columns_of(lies(tmp_path, text.encode(encoding)), wanted)
+    (sheet,) = read_sheets(lies(tmp_path, text.encode(encoding)))
+    found = columns_of(usable_table(sheet, Layout()), wanted, (), Layout())
     assert found.unused == ["displacement_mm", title]
 
 
@@ -267,8 +269,9 @@ def test_a_climate_chamber_is_the_ambient(tmp_path: Path, title: str) -> None:
     assert load_test(file).ambient == -25.0
 
 
-def test_a_sidecar_without_columns_says_where_to_look(tmp_path: Path) -> None:
-    (tmp_path / "t.csv").write_text("Zeit [s];Weg [cm];Kraft [N]\n0;0;0\n1;2;3\n")
+def test_a_sidecar_without_columns(tmp_path: Path) -> None:
+    """The columns are guessed, the ambient temperature of the sidecar stays."""
+    (tmp_path / "t.csv").write_text("Zeit [s];Weg [cm];Kraft [N]\n0;0;0\n1;2;3000\n")
     (tmp_path / "t.toml").write_text('ambient = "5 degC"\n')
-    with pytest.raises(InputError, match=r"thermobearing intake t\.csv finds out"):
-        load_test(tmp_path / "t.toml")
+    record = load_test(tmp_path / "t.toml")
+    assert (record.ambient, record.displacement[1], record.force[1]) == (5.0, 20.0, 3.0)

@@ -8,10 +8,11 @@ from numpy.typing import NDArray
 
 from thermobearing.border.encodings import LARGEST_FILE
 from thermobearing.border.errors import InputError, read_bytes
+from thermobearing.border.guess import guessed_air
 from thermobearing.border.layout import Layout
 from thermobearing.border.numbers import is_number
-from thermobearing.border.sheets import Told
-from thermobearing.border.tables import Columns, columns_of
+from thermobearing.border.sheets import Told, read_sheets
+from thermobearing.border.tables import Columns, columns_of, usable_table
 
 Floats = NDArray[np.float64]
 COLDEST, HOTTEST = -100.0, 100.0  # plausible range of an ambient temperature [degC]
@@ -88,8 +89,16 @@ def air_columns(path: str | Path) -> Columns:
     ------
     InputError : unreadable file, no such column.
     """
-    layout = Layout(told=Told(separator=_separator(read_bytes(Path(path), LARGEST_FILE))))
-    return columns_of(path, {"time": "s", "temperature": "degC"}, layout=layout)
+    told = Told(separator=_separator(read_bytes(Path(path), LARGEST_FILE)))
+    problems: list[str] = []
+    for sheet in read_sheets(Path(path), told):
+        try:
+            table = usable_table(sheet, Layout())
+            layout = Layout(titles=guessed_air(table))
+            return columns_of(table, {"time": "s", "temperature": "degC"}, (), layout)
+        except InputError as error:
+            problems = problems or error.problems
+    raise InputError(problems or ["is empty"], str(path))
 
 
 def _separator(raw: bytes) -> str | None:

@@ -23,9 +23,10 @@ COMMENTS = ("#", "%", "!", "//", "*")
 SEPARATORS = {"\t": "tab", ";": ";", ",": ",", " ": "blank"}
 LOOKED_AT = 300  # rows that tell the separator
 LARGEST_SHEET = 20_000_000  # cells
+LONGEST_NUMBER = 60  # characters of a cell that may be a number or a time stamp
 _WORKBOOK, _OLD_WORKBOOK = b"PK\x03\x04", b"\xd0\xcf\x11\xe0"
 _EXPONENT = r"(?:[eEdD][-+]?\d+)?"
-_POINT = re.compile(rf"[-+]?(?:\d+\.?\d*|\.\d+){_EXPONENT}")
+_POINT = re.compile(rf"[-+]?(?:\d+(?:\.\d*)?|\.\d+){_EXPONENT}")
 _COMMA = re.compile(rf"[-+]?(?:\d+,\d+|,\d+){_EXPONENT}")
 _BOTH = re.compile(r"[-+]?\d{1,3}(?:([.,])\d{3})+([.,])\d+")
 _THOUSANDS = re.compile(r"[-+]?[1-9]\d{0,2}(?:,\d{3})+")
@@ -74,13 +75,14 @@ class Sheet:
 
 def is_stamp(cell: str) -> bool:
     """Whether a cell looks like a date or a time of day."""
-    return bool(_STAMP.fullmatch(cell.strip()))
+    cell = cell.strip()
+    return len(cell) <= LONGEST_NUMBER and bool(_STAMP.fullmatch(cell))
 
 
 def is_numeric(cell: str) -> bool:
     """Whether a cell is a number with either decimal mark, not a finite one, or a time stamp."""
     cell = cell.strip()
-    return bool(
+    return len(cell) <= LONGEST_NUMBER and bool(
         _POINT.fullmatch(cell)
         or _COMMA.fullmatch(cell)
         or _BOTH.fullmatch(cell)

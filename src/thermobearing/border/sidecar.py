@@ -6,7 +6,7 @@ all samples in one line of time. What had to be assumed is written down.
 
 import re
 from collections.abc import Collection
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -15,11 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from thermobearing.border.errors import InputError, is_file
-from thermobearing.border.layout import Layout
+from thermobearing.border.errors import InputError, is_file, nearest
+from thermobearing.border.guess import DOUBTFUL, ColumnGuess, guessed_columns
+from thermobearing.border.layout import Layout, Table, table_of
 from thermobearing.border.schema import Strict, in_unit, validated
-from thermobearing.border.sheets import SEPARATORS, Told
-from thermobearing.border.tables import Columns, columns_of
+from thermobearing.border.sheets import SEPARATORS, Sheet, Told, read_sheets
+from thermobearing.border.tables import Columns, columns_of, usable_table
 from thermobearing.border.toml import read_toml, split_sources
 
 Floats = NDArray[np.float64]
@@ -27,6 +28,7 @@ Ints = NDArray[np.int64]
 
 ASSUMED_SPEED = 30.0  # mean loading rate of Table 3.4 [mm/s], where a file has no clock
 SHORTEST_STEP = 1e-4  # between samples whose clock is made from an assumed speed [s]
+PERCENT = 10.0  # largest number from which a column of strains without a unit is in percent
 COLUMNS = ("time", "displacement", "force", "ambient")  # that a sidecar may name
 PLACE = re.compile(r"^(?:rubber ([1-9]\d*)|lead)$")
 
@@ -116,15 +118,36 @@ class Sidecar(Strict):
 
 
 @dataclass(frozen=True)
+class Recognised:
+    """The table that a file holds, and what its columns are taken for.
+
+    Attributes
+    ----------
+    file : that was read.
+    sheet : its name, separator and decimal mark.
+    alike : names of the sheets with the same titles, which are read one after the other.
+    columns : what each column is taken for.
+    """
+
+    file: Path
+    sheet: Sheet
+    alike: list[str]
+    columns: list[ColumnGuess]
+
+
+@dataclass(frozen=True)
 class Readings:
     """All samples of a laboratory's file or files, in kN, mm, s, degC.
 
     Attributes
     ----------
-    sidecar : what was said about them.
-    file : they came from; `folder` is that of the sidecar.
-    values : samples by name: time, displacement, force, ambient, and thermocouples by title.
+    sidecar : what was said about them, with the thermocouples and the sign that were found.
+    file : they came from, the table or its sidecar; names in the sidecar are seen from its folder.
+    values : samples by name: time, displacement, force, ambient, strain [percent], and
+        thermocouples by title.
     block : number of the block that each sample belongs to.
+    recognised : the first file.
+    given : the keys of the sidecar as they stand in it.
     assumptions : what the file did not say.
     unused : titles of columns that nothing was made of.
     """
@@ -133,6 +156,8 @@ class Readings:
     file: Path
     values: dict[str, Floats]
     block: Ints
+    recognised: Recognised
+    given: dict[str, Any] = field(default_factory=dict)
     assumptions: list[str] = field(default_factory=list)
     unused: list[str] = field(default_factory=list)
 
@@ -151,7 +176,11 @@ class Readings:
 def read_laboratory(
     path: str | Path, *, optional: Collection[str] = ("time", "ambient")
 ) -> Readings:
-    r"""Histories from a table of samples, or from the sidecar that says what is in it.
+    r"""Return the histories in a table of samples, or in the files that a sidecar names.
+
+    Every command reads tests in this way. What the sidecar does not say is found by looking:
+    encoding, separator, decimal mark, sheets, columns, units, thermocouples, the sign of the
+    force. What had to be assumed is listed in `assumptions`.
 
     Parameters
     ----------
@@ -173,65 +202,61 @@ def read_laboratory(
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     file = Path(folder) / "cold.csv"
     ...     _ = file.write_text("Zeit [s];Weg [cm];Kraft [kN]\n0;0;0\n1;0,5;9\n2;0;-1\n")
-    ...     _ = file.with_suffix(".toml").write_text('columns.displacement = "Weg [cm]"')
     ...     readings = read_laboratory(file)
     >>> readings.displacement.tolist(), readings.force.tolist()
     ([0.0, 5.0, 0.0], [0.0, 9.0, -1.0])
     """
     path = Path(path)
+    given: dict[str, Any] = {}
+    name, beside = str(path.absolute()), path.parent / f"{path.stem}.toml"
     if path.suffix.lower() == ".toml":
-        return _with_sidecar(path, None, optional)
-    beside = path.parent / f"{path.stem}.toml"
-    if is_file(beside) and not _is_a_bearing(beside):
-        return _with_sidecar(beside, path, optional)
-    blocks = [BlockFile(file=str(path.absolute()))]
-    return readings_of(Sidecar(), blocks, path, optional)
+        given, name = split_sources(read_toml(path))[0], path.with_suffix(".csv").name
+    elif is_file(beside) and not _is_a_bearing(found := read_toml(beside)):
+        given, path, name = split_sources(found)[0], beside, path.name
+    sidecar = validated(Sidecar, given, str(path))
+    blocks = sidecar.blocks or [BlockFile(file=sidecar.file or name)]
+    readings = _readings(sidecar, blocks, path, optional)
+    readings = replace(readings, given=given)
+    return readings if "force" in optional else _along(readings)
 
 
-def _is_a_bearing(path: Path) -> bool:
+def _is_a_bearing(table: dict[str, Any]) -> bool:
     """Whether a TOML file beside a test describes the bearing, and not the test."""
-    geometry = read_toml(path).get("geometry")
+    geometry = table.get("geometry")
     return isinstance(geometry, dict) and "plan" in geometry
 
 
-def _with_sidecar(path: Path, data: Path | None, optional: Collection[str]) -> Readings:
-    values, _ = split_sources(read_toml(path))
-    sidecar = validated(Sidecar, values, str(path))
-    blocks = sidecar.blocks
-    if blocks is None:
-        file = sidecar.file or (data.name if data else path.with_suffix(".csv").name)
-        blocks = [BlockFile(file=file)]
-    return readings_of(sidecar, blocks, path, optional)
+def _along(readings: Readings) -> Readings:
+    """The force with the sign of the displacement, unless the sidecar says which sign it has."""
+    way, force = readings.values["displacement"], readings.values["force"]
+    if "flip_force" in readings.given or way @ (force - force.mean()) >= 0.0:
+        return readings
+    said = (
+        "the recorded force has the opposite sign of the displacement: its sign was reversed; "
+        "flip_force in the sidecar states the sign"
+    )
+    return replace(
+        readings,
+        sidecar=readings.sidecar.model_copy(update={"flip_force": True}),
+        assumptions=[*readings.assumptions, said],
+    )
 
 
-def readings_of(
-    sidecar: Sidecar,
-    blocks: list[BlockFile],
-    path: Path,
-    optional: Collection[str] = ("time", "ambient"),
+def _readings(
+    sidecar: Sidecar, blocks: list[BlockFile], path: Path, optional: Collection[str]
 ) -> Readings:
-    """All blocks of a test in one line of time.
-
-    Parameters
-    ----------
-    sidecar : what is said about them.
-    blocks : files, beside `path` unless they say where.
-    path : of the sidecar, or of the one file; names the test.
-    optional : of time, displacement, force, ambient: those that may be missing.
-
-    Raises
-    ------
-    InputError : as in `read_laboratory`.
-    """
+    """All blocks of a test in one line of time."""
     assumptions: list[str] = []
     unused: list[str] = []
     parts: list[dict[str, Floats]] = []
     joins: list[tuple[Path, float]] = []
+    recognised: list[Recognised] = []
     for block in blocks:
         file = path.parent / block.file
-        some = _read_block(sidecar, block, file, optional, assumptions, unused)
+        some, found = _read_block(sidecar, block, file, optional, assumptions, unused)
         parts += some
         joins += [(file, block.rest_before)] + [(file, 0.0)] * (len(some) - 1)
+        recognised.append(found)
     if _one_line_of_time(parts, joins):
         assumptions.append(
             "the clock of the file starts anew in its blocks: no rest assumed between them; give "
@@ -239,11 +264,13 @@ def readings_of(
         )
     held = [name for name in parts[0] if all(name in part for part in parts)]
     counts = [len(part["time"]) for part in parts]
+    places = {c.title: c.place for c in recognised[0].columns if c.place and c.title in held}
     return Readings(
-        sidecar=sidecar,
+        sidecar=sidecar.model_copy(update={"thermocouples": places}),
         file=path,
         values={name: np.concatenate([part[name] for part in parts]) for name in held},
         block=np.repeat(np.arange(len(parts), dtype=np.int64), counts),
+        recognised=recognised[0],
         assumptions=list(dict.fromkeys(assumptions)),
         unused=list(dict.fromkeys(unused)),
     )
@@ -272,41 +299,129 @@ def _read_block(
     optional: Collection[str],
     assumptions: list[str],
     unused: list[str],
-) -> list[dict[str, Floats]]:
-    """The parts of one file: tables below each other, or what a clock that starts anew tells."""
+) -> tuple[list[dict[str, Floats]], Recognised]:
+    """The parts of one file: sheets, tables below each other, or a clock that starts anew."""
+    told = replace(sidecar.told, sheet=block.sheet or sidecar.sheet)
     titles = {**sidecar.columns, **{title: title for title in sidecar.thermocouples}}
-    told = sidecar.told
-    if block.sheet is not None:
-        told = Told(told.separator, told.decimal, told.encoding, block.sheet)
     layout = Layout(sidecar.lines_before, sidecar.lines_after, titles, sidecar.units, told)
-    wanted = dict(zip(COLUMNS, ("s", "mm", "kN", "degC"), strict=True))
-    wanted |= dict.fromkeys(sidecar.thermocouples, "degC")
+    sheets = read_sheets(file, told)
+    parts: list[dict[str, Floats]] = []
     try:
-        found = columns_of(file, wanted, optional=optional, layout=layout)
+        recognised, tables = _recognised(file, sheets, layout, sidecar.thermocouples, optional)
+        layout, wanted = _completed(tables[0], layout, recognised.columns, optional, assumptions)
+        for table in tables:
+            found = columns_of(table, wanted, optional, layout)
+            unused += found.unused
+            parts += _parts_of(sidecar, found, assumptions)
     except InputError as error:
-        problems = list(error.problems)
-        lost = any(text.startswith("no column") for text in problems)
-        if lost and "force" not in optional and not sidecar.columns:
-            problems[-1] += f"; thermobearing intake {file.name} finds out which columns it has"
-        raise InputError(problems, error.where) from None
-    unused += found.unused
-    if found.others and told.sheet is None:
-        names = ", ".join(f'"{name}"' for name in found.others)
-        assumptions.append(f"one sheet was read, not {names}; give sheet, or blocks with sheet")
+        raise error if error.where else InputError(error.problems, str(file)) from None
+    left = [one.name for one in sheets if one.rows and one.name not in recognised.alike]
+    if left and told.sheet is None:
+        names = ", ".join(f'"{name}"' for name in left)
+        assumptions.append(f"sheets that were not read: {names}")
+    if len(tables) > 1:
+        names = ", ".join(f'"{name}"' for name in recognised.alike)
+        assumptions.append(
+            f"the sheets {names} are read one after the other, without a rest between them; give "
+            "sheet, or blocks with sheet and rest_before"
+        )
+    if block.part is None:
+        return parts, recognised
+    if block.part > len(parts):
+        raise InputError(f"has {len(parts)} parts, not {block.part}", str(file))
+    return parts[block.part - 1 : block.part], recognised
+
+
+def _recognised(
+    file: Path,
+    sheets: list[Sheet],
+    layout: Layout,
+    places: dict[str, str],
+    optional: Collection[str],
+) -> tuple[Recognised, list[Table]]:
+    """The first sheet that holds a test, and the tables of those with the same titles."""
+    needed = [name for name in ("displacement", "force") if name not in optional]
+    problems: list[str] = []
+    for sheet in sheets:
+        try:
+            table = usable_table(sheet, layout)
+            for title in layout.titles.values():
+                if title not in table.titles:
+                    raise InputError(f'no column "{title}"{nearest(title, table.titles)}')
+            columns = guessed_columns(table, layout, places, needed)
+        except InputError as error:
+            named = f'sheet "{sheet.name}" ' if sheet.name else ""
+            problems += [f"{named}{text}" for text in error.problems]
+            continue
+        found = [
+            (one.name, other)
+            for one in sheets
+            if (other := table if one is sheet else table_of(one, layout)) is not None
+            and other.titles == table.titles
+            and len(other.rows) > 1
+        ]
+        alike = [name for name, _ in found]
+        return Recognised(file, sheet, alike, columns), [other for _, other in found]
+    raise InputError(problems[:5] or ["is empty"])
+
+
+def _completed(
+    table: Table,
+    layout: Layout,
+    columns: list[ColumnGuess],
+    optional: Collection[str],
+    assumptions: list[str],
+) -> tuple[Layout, dict[str, str]]:
+    """The layout with what was guessed, and the units wanted by name.
+
+    Without a force it is a recorded motion, of which nothing but time and displacement is wanted.
+    """
+    titles, units = dict(layout.titles), dict(layout.units)
+    wanted = dict(zip(COLUMNS, ("s", "mm", "kN", "degC"), strict=True))
+    wanted |= {title: "degC" for title in titles if title not in COLUMNS}
+    if "force" in optional:
+        wanted = {name: wanted[name] for name in ("time", "displacement")}
+        columns = [column for column in columns if column.holds in wanted]
+    for column in columns:
+        name = column.title if column.place else column.holds
+        if name in titles or not (column.place or name in (*COLUMNS, "strain")):
+            continue
+        assumed = column.assumed
+        if name not in COLUMNS:  # what a test can do without
+            try:
+                largest = np.abs(table.numbers(table.titles.index(column.title))).max()
+            except InputError as error:
+                assumptions.append(f"not used: {error.problems[0]}")
+                continue
+            wanted[name] = "degC" if column.place else "percent"
+            if name == "strain" and not column.unit:
+                assumed = "percent" if largest >= PERCENT else "dimensionless"
+        titles[name] = column.title
+        if assumed:
+            units[name] = assumed
+        if column.assumed:
+            assumptions.append(
+                f'column "{column.title}" has no unit: {assumed} assumed; give units.{name} in the '
+                "sidecar"
+            )
+        if column.why in DOUBTFUL:
+            assumptions.append(
+                f'column "{column.title}" is taken as the {name} because of {column.why}; '
+                "columns in the sidecar names them"
+            )
+    return replace(layout, titles=titles, units=units), wanted
+
+
+def _parts_of(sidecar: Sidecar, found: Columns, assumptions: list[str]) -> list[dict[str, Floats]]:
+    """The parts of one table, each with a clock."""
     data = dict(found.values)
     if "time" not in data:
         way = data["displacement"] if "displacement" in data else data["force"]
         data["time"] = _clock(sidecar, way, assumptions)
     elif found.stamped:
         data["time"] = _spread(data["time"], assumptions)
-    starts = _starts(found, data["time"])
-    bounds = [*starts, len(data["time"])]
-    parts = [{name: values[a:b] for name, values in data.items()} for a, b in pairwise(bounds)]
-    if block.part is None:
-        return parts
-    if block.part > len(parts):
-        raise InputError(f"has {len(parts)} parts, not {block.part}", str(file))
-    return parts[block.part - 1 : block.part]
+    bounds = [*_starts(found, data["time"]), len(data["time"])]
+    return [{name: values[a:b] for name, values in data.items()} for a, b in pairwise(bounds)]
 
 
 def _starts(found: Columns, time: Floats) -> list[int]:

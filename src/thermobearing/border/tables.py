@@ -5,7 +5,7 @@ also stand in a row of its own below. Separators, decimal marks and encodings: s
 """
 
 from collections.abc import Collection
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -31,7 +31,6 @@ class Columns:
     parts : number of the sample that each part begins with.
     unused : titles of columns that hold anything and were not wanted.
     stamped : whether time came from stamps (dates, times of day).
-    others : names of the sheets that were not read.
     begins : date of the first stamp, if stamps have dates.
     """
 
@@ -39,7 +38,6 @@ class Columns:
     parts: list[int]
     unused: list[str]
     stamped: bool = False
-    others: list[str] = field(default_factory=list)
     begins: np.datetime64 | None = None
 
 
@@ -72,47 +70,49 @@ def read_columns(
     >>> read_columns(file, {"time": "s", "displacement": "mm"})["displacement"].tolist()
     [0.0, 25.0]
     """
-    return columns_of(path, wanted, optional=optional, layout=layout).values
+    path, layout = Path(path), layout or Layout()
+    first: InputError | None = None
+    for sheet in read_sheets(path, layout.told):
+        try:
+            return columns_of(usable_table(sheet, layout), wanted, optional, layout).values
+        except InputError as error:
+            first = first or error
+    told = first or InputError("is empty")
+    raise told if told.where else InputError(told.problems, str(path)) from None
+
+
+def usable_table(sheet: Sheet, layout: Layout) -> Table:
+    """Return the table in a sheet.
+
+    Raises
+    ------
+    InputError : it is empty, has fewer than two rows of numbers, or decimal commas between commas.
+    """
+    table = table_of(sheet, layout)
+    if table is None:
+        raise InputError("is empty")
+    problems = _doubled(table)
+    if len(table.rows) < 2:
+        problems += [f"has {len(table.rows)} rows of numbers; at least 2 are needed"]
+    if problems:
+        raise InputError(problems)
+    return table
 
 
 def columns_of(
-    path: Path | str,
-    wanted: dict[str, str],
-    *,
-    optional: Collection[str] = (),
-    layout: Layout | None = None,
+    table: Table, wanted: dict[str, str], optional: Collection[str], layout: Layout
 ) -> Columns:
-    """The same with what else is to be known about the file: parts, columns not used.
+    """Return the columns of a table, with its parts and the titles that were not used.
 
     Parameters
     ----------
-    path, wanted, optional, layout : as in `read_columns`.
+    table : from `usable_table`.
+    wanted, optional, layout : as in `read_columns`.
 
     Raises
     ------
     InputError : as in `read_columns`.
     """
-    path, layout = Path(path), layout or Layout()
-    first: InputError | None = None
-    sheets = read_sheets(path, layout.told)
-    for sheet in sheets:
-        try:
-            found = _of_sheet(sheet, wanted, optional, layout)
-        except InputError as error:
-            first = first or error
-            continue
-        others = [one.name for one in sheets if one is not sheet and one.rows]
-        return replace(found, others=others)
-    told = first or InputError("is empty")
-    raise told if told.where else InputError(told.problems, str(path)) from None
-
-
-def _of_sheet(
-    sheet: Sheet, wanted: dict[str, str], optional: Collection[str], layout: Layout
-) -> Columns:
-    table = table_of(sheet, layout)
-    if table is None:
-        raise InputError("is empty")
     picked: dict[str, tuple[int, float, float]] = {}
     problems: list[str] = []
     for name, unit in wanted.items():
@@ -122,9 +122,6 @@ def _of_sheet(
                 picked[name] = found
         except InputError as error:
             problems += error.problems
-    if len(table.rows) < 2:
-        problems.append(f"has {len(table.rows)} rows of numbers; at least 2 are needed")
-    problems += _doubled(table)
     if problems:
         raise InputError(problems)
     used = {column for column, *_ in picked.values()}

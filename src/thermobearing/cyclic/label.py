@@ -27,7 +27,7 @@ from thermobearing.results.ranges import Row, asked_of_tests, outside_tests, rea
 
 def warnings_of(case: Case, segments: list[Segment], climates: list[Ambient]) -> list[str]:
     """What a user should know about a result, in sentences."""
-    found = []
+    found = list(dict.fromkeys(text for segment in segments for text in segment.assumed))
     if case.ambient_series is None and any(len(climate.time) > 1 for climate in climates):
         found.append(
             "the ambient series was given in Python: case.resolved.toml has its first value only; "

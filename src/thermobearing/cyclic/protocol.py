@@ -158,11 +158,11 @@ class Recorded(Strict):
         """Where it is from, for people."""
         return "history" if self.file is None else Path(self.file).name
 
-    def points(self, start: float | None) -> tuple[Floats, Floats]:
-        """Time between the points [s], and displacements [mm]; `start`: see `read_recording`."""
+    def points(self, start: float | None) -> tuple[Floats, Floats, list[str]]:
+        """Return the time between points [s], displacements [mm] and what was assumed."""
         if self.file is not None:
             return read_recording(self.file, start)
-        return checked_history(self.time_s, self.displacement_mm, start, "history")
+        return *checked_history(self.time_s, self.displacement_mm, start, "history"), []
 
 
 Step = Annotated[Cycles | Ramp | Rest | Recorded, Field(discriminator="step")]
@@ -213,7 +213,7 @@ def _step_faults(
     else:
         where = f"{step.file or step.name}: "
         try:
-            gaps, x = step.points(at)
+            gaps, x, _ = step.points(at)
         except InputError as error:
             return 0.0, None, error.lines()
         end, peak = float(x[-1]), float(np.abs(x).max())

@@ -13,8 +13,8 @@ Floats = NDArray[np.float64]
 START = 1e-3  # of the largest displacement (1 mm at least): how far off a recording may start
 
 
-def read_recording(path: str, start: float | None) -> tuple[Floats, Floats]:
-    """Time between the points of a recording [s], and its displacements [mm].
+def read_recording(path: str, start: float | None) -> tuple[Floats, Floats, list[str]]:
+    """Return the time between the points of a recording [s], its displacements [mm], assumptions.
 
     Parameters
     ----------
@@ -26,7 +26,10 @@ def read_recording(path: str, start: float | None) -> tuple[Floats, Floats]:
     InputError : unreadable, time that does not increase, or another start.
     """
     readings = read_laboratory(path, optional=("force", "ambient"))
-    return checked_history(readings.values["time"], readings.displacement, start, path)
+    gaps, displacement = checked_history(
+        readings.values["time"], readings.displacement, start, path
+    )
+    return gaps, displacement, readings.assumptions
 
 
 def checked_history(

@@ -34,6 +34,7 @@ class Segment:
     turning: NDArray[np.bool_]  # a leg ends here: always kept in a result
     amplitude_strain: float = 0.0
     settle: float = 0.0  # stop once within this of the ambient [K]
+    assumed: tuple[str, ...] = ()  # what the file of a recording does not say
 
 
 def _legs(duration: float, dt: float) -> int:
@@ -107,7 +108,7 @@ def _plain(kind: str, label: str, x: Floats, dt: Floats, settle: float = 0.0) ->
 
 def _recorded(step: Recorded, rubber: float, dt: float, start: float) -> Segment:
     """A recorded history, each of its intervals cut into equal steps no longer than dt."""
-    gaps, displacement = step.points(start)
+    gaps, displacement, assumed = step.points(start)
     counts = np.maximum(1, np.ceil(gaps / dt - TINY).astype(np.int64))
     steps = np.repeat(gaps / counts, counts)
     ends = np.cumsum(counts) - 1
@@ -116,7 +117,8 @@ def _recorded(step: Recorded, rubber: float, dt: float, start: float) -> Segment
     turns[ends] = True
     cycle = np.zeros(len(x), dtype=np.int32)
     peak = float(np.abs(displacement).max()) / rubber
-    return Segment("recorded", step.name, x, steps, cycle, turns, amplitude_strain=peak)
+    said = tuple(f"{step.name}: {text}" for text in assumed)
+    return Segment("recorded", step.name, x, steps, cycle, turns, peak, assumed=said)
 
 
 def build_segments(

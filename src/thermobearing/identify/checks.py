@@ -162,6 +162,12 @@ def check_test(
         report.warn("assumed", text)
     if record.unused:
         report.note("columns", f"columns not used: {', '.join(record.unused)}")
+    if record.rubber_thickness is not None:
+        report.note(
+            "rubber",
+            f"displacement over strain gives a total rubber thickness of "
+            f"{record.rubber_thickness:.4g} mm",
+        )
     if not _is_a_test(report):
         return report
     report.treatment = treat(record)

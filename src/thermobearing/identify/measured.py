@@ -92,12 +92,12 @@ def measured_cycles(path: str | Path, bearing: Bearing) -> MeasuredCycles:
     readings = read_laboratory(path)
     values = {name: some for name, some in readings.values.items() if name != "ambient"}
     record = record_of(replace(readings, values=values))
-    notes: list[str] = []
+    notes = list(readings.assumptions)
     rests: list[tuple[int, int]] = []
     if (np.diff(record.time) > 0.0).all() and np.ptp(record.displacement) and np.ptp(record.force):
         found = treat(record)
         record, rests = found.cleaned, sorted([*found.rests, *_gaps(record)])
-        notes = [sentence for _, check, sentence in told(found) if check in ("spikes", "drift")]
+        notes += [sentence for _, check, sentence in told(found) if check in ("spikes", "drift")]
     x = record.displacement
     cycles = found_cycles(x, rests=rests)
     full = [cycle for cycle in cycles if cycle.ends != "incomplete"]

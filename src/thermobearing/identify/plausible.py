@@ -12,6 +12,7 @@ Words = tuple[Literal["refused", "warning", "note"], str, str]
 
 SOFTEST, STIFFEST = 0.2, 12.0  # equivalent shear modulus of bearings, cold ones too [MPa]
 LARGEST_STRAIN, SMALLEST_STRAIN = 4.0, 0.05
+OTHER_RUBBER = 0.02  # of the total rubber thickness: how far that of the file may be from it
 TONF = 9.80665
 SLIPS = (  # factors on force and displacement that would mend it, and what was then mixed up
     (TONF, 1.0, "force in tonf labelled kN"),
@@ -61,6 +62,14 @@ def plausibility(record: TestRecord, bearing: Bearing) -> Iterator[Words]:
             "warning",
             "strain",
             f"displacement reaches {strain:.1%} of the total rubber thickness only: wrong unit?",
+        )
+    told = record.rubber_thickness
+    if told is not None and abs(told - rubber) > OTHER_RUBBER * rubber:
+        yield (
+            "warning",
+            "rubber",
+            f"displacement over strain gives a total rubber thickness of {told:.4g} mm, but "
+            f"the bearing has {rubber:g} mm: the wrong bearing, or a wrong unit?",
         )
     try:
         measured = measures_of(record, record.force, bearing.area, rubber)

@@ -20,6 +20,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 ASSUMED_AMBIENT = 23.0  # laboratory temperature of Table 3.4 [degC]
+TOGETHER = 0.05  # of the largest displacement: how far a strain may be from it
 STEADY = 3.0  # range of an ambient temperature that one number stands for [K]
 
 
@@ -41,6 +42,7 @@ class TestRecord:
     assumptions : what the file did not say.
     bearing : name or file of the bearing, if the sidecar gave one.
     unused : titles of the file's columns that nothing was made of.
+    rubber_thickness : total of the bearing [mm], as displacement over a column of strains says it.
     despike : take spikes out before a fit.
     detrend : whose drift to take out before a fit: "force", "displacement", "both", or "".
     """
@@ -64,6 +66,7 @@ class TestRecord:
     unused: tuple[str, ...] = ()
     despike: bool = False
     detrend: str = ""
+    rubber_thickness: float | None = None
 
     @property
     def peak_force(self) -> float:
@@ -161,6 +164,7 @@ def record_of(readings: Readings) -> TestRecord:
     assumptions = list(readings.assumptions)
     where = Path(sidecar.bearing) if sidecar.bearing else None
     inside = where is not None and where.suffix == ".toml" and not where.is_absolute()
+    thickness = _rubber_thickness(values, assumptions)
     return TestRecord(
         name=sidecar.name or readings.file.stem,
         file=str(readings.file),
@@ -179,7 +183,21 @@ def record_of(readings: Readings) -> TestRecord:
         assumptions=tuple(dict.fromkeys(assumptions)),
         bearing=str(readings.file.parent / where) if inside and where else sidecar.bearing,
         unused=tuple(readings.unused),
+        rubber_thickness=thickness,
     )
+
+
+def _rubber_thickness(values: dict[str, Floats], assumptions: list[str]) -> float | None:
+    """Displacement over shear strain where the file has both and they go together [mm]."""
+    strain = values.get("strain")
+    if strain is None or not np.ptp(strain):
+        return None
+    way, strain = values["displacement"] - values["displacement"].mean(), strain - strain.mean()
+    slope = float(way @ strain / (strain @ strain))
+    if float(np.abs(way - slope * strain).max()) > TOGETHER * float(np.abs(way).max()):
+        assumptions.append("strains are not proportional to the displacement: not used")
+        return None
+    return abs(100.0 * slope)
 
 
 def _ambient(readings: Readings, assumptions: list[str]) -> float:

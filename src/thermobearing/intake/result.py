@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from thermobearing.border.guess import ColumnGuess
 from thermobearing.identify.checks import CheckReport
 from thermobearing.identify.record import TestRecord
 from thermobearing.identify.treatment import Treatment
-from thermobearing.intake.guess import ColumnGuess
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -29,6 +29,7 @@ class Intake:
     columns : what each of them was taken for.
     record : the test, as the sidecar reads it.
     report : what a look at the test found; `report.treatment` holds rests, spikes and drift.
+    folder : that the files named in `sidecar` are seen from.
     sidecar : its keys, those of a sidecar that is there already among them.
     kept : keys that came from that sidecar.
     ambient : samples of the column of ambient temperature [degC], where there is one.
@@ -44,6 +45,7 @@ class Intake:
     record: TestRecord
     report: CheckReport
     sidecar: dict[str, Any]
+    folder: Path
     kept: list[str] = field(default_factory=list)
     ambient: NDArray[np.float64] | None = None
 

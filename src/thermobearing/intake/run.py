@@ -1,25 +1,19 @@
-"""The story of an intake: a file -> its table -> what its columns are -> a test -> its sidecar.
+"""The story of an intake: a file, read as every command reads it -> a test -> its sidecar.
 
-Nothing is fitted and nothing is taken away; what was guessed stands in the sidecar, to be
-corrected.
+Nothing is fitted and nothing is removed; what was guessed stands in the sidecar, to be corrected.
 """
 
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from thermobearing.bearing.model import Bearing
-from thermobearing.border.errors import InputError, is_file
-from thermobearing.border.layout import Layout, Table, table_of
-from thermobearing.border.schema import validated
-from thermobearing.border.sheets import SEPARATORS, Sheet, Told, read_sheets
-from thermobearing.border.sidecar import BlockFile, Readings, Sidecar, readings_of
-from thermobearing.border.toml import read_toml, split_sources
+from thermobearing.border.errors import InputError
+from thermobearing.border.guess import ColumnGuess
+from thermobearing.border.sheets import SEPARATORS
+from thermobearing.border.sidecar import COLUMNS, Readings, read_laboratory
 from thermobearing.identify.checks import check_test
-from thermobearing.identify.record import TestRecord, record_of
-from thermobearing.intake.guess import ColumnGuess, guessed_columns
+from thermobearing.identify.record import record_of
 from thermobearing.intake.result import Intake, Intakes
 
 FEWEST = 10  # rows of numbers that make a test
@@ -47,6 +41,7 @@ def take_in(
     Examples
     --------
     >>> import tempfile
+    >>> import numpy as np
     >>> t = np.linspace(0.0, 4.0, 401)
     >>> x = 30.0 * np.sin(2.0 * np.pi * t)
     >>> rows = "".join(f"{a};{b};{2.0 * b}\n" for a, b in zip(t, x)).replace(".", ",")
@@ -76,138 +71,66 @@ def take_in(
 
 
 def _one(path: Path, bearing: Bearing | str | Path | None) -> Intake:
-    file, given = _given(path)
-    said = validated(Sidecar, given, str(path))
-    told = said.told
-    if said.blocks and said.blocks[0].sheet:
-        told = Told(told.separator, told.decimal, told.encoding, said.blocks[0].sheet)
-    layout = Layout(said.lines_before, said.lines_after, told=told)
-    sheets = read_sheets(file, told)
-    sheet, table, columns = _table(sheets, layout, said, file)
-    keys = _guessed(file, sheets, sheet, table, columns)
+    readings = read_laboratory(path)
+    found, given = readings.recognised, readings.given
+    if len(readings.values["time"]) < FEWEST:
+        rows = len(readings.values["time"])
+        raise InputError(f"has {rows} rows of numbers; at least {FEWEST} are needed", str(path))
+    parts = int(readings.block[-1]) + 1
+    record = record_of(readings)
+    keys = _files(readings, parts) | _tables(found.columns)
+    if readings.sidecar.flip_force:
+        keys["flip_force"] = True
     for name in TABLES:
         keys[name] = {**keys.get(name, {}), **given.get(name, {})}
-    if {"ambient"} & given.keys():
+    if "ambient" in given:
         keys["columns"].pop("ambient", None)
-    if "blocks" in given:
-        keys.pop("file", None)
-    elif "file" in given:
-        keys.pop("blocks", None)
-    keys |= {key: value for key, value in given.items() if key not in TABLES}
-    keys = {key: value for key, value in keys.items() if value not in ({}, None)}
-    readings = _read(file, keys)
-    parts = int(readings.block[-1]) + 1
-    if parts > 1 and "blocks" not in keys and _restarted(readings):
-        keys.pop("file", None)
-        keys["blocks"] = [
-            {"file": file.name, "part": part} | ({"rest_before": "0 s"} if part > 1 else {})
-            for part in range(1, parts + 1)
-        ]
-    record = record_of(readings)
-    if "flip_force" not in given and _against(record):
-        keys["flip_force"] = True
-        record = record_of(_read(file, keys))
-    if "ambient" not in keys and "ambient" not in keys.get("columns", {}):
+    elif "ambient" not in keys["columns"]:
         keys["ambient"] = f"{record.ambient:g} degC"
+    keys |= {key: value for key, value in given.items() if key not in TABLES}
+    sheet = found.sheet
     return Intake(
-        file=file,
+        file=found.file,
         sheet=sheet.name,
         separator="" if sheet.name else SEPARATORS.get(sheet.separator, sheet.separator),
         decimal=sheet.decimal,
         rows=len(record.time),
         blocks=parts,
-        columns=columns,
+        columns=found.columns,
         record=record,
         report=check_test(record, bearing),
-        sidecar=keys,
+        sidecar={key: value for key, value in keys.items() if value not in ({}, None)},
+        folder=readings.file.parent,
         kept=sorted(given),
         ambient=readings.values.get("ambient"),
     )
 
 
-def _against(record: TestRecord) -> bool:
-    """Whether the force goes against the displacement."""
-    way, force = record.displacement, record.force
-    return bool(np.sum((way - way.mean()) * (force - force.mean())) < 0.0)
+def _files(readings: Readings, parts: int) -> dict[str, Any]:
+    """The keys of a sidecar for the file: its name, its sheet, or its blocks."""
+    found, given = readings.recognised, readings.given
+    if {"file", "blocks"} & given.keys():
+        return {}
+    name = found.file.name
+    if len(found.alike) > 1:
+        blocks: list[dict[str, Any]] = [{"file": name, "sheet": sheet} for sheet in found.alike]
+    elif parts > 1 and any("starts anew" in text for text in readings.assumptions):
+        blocks = [{"file": name, "part": part} for part in range(1, parts + 1)]
+    else:
+        return {"file": name} | ({"sheet": found.sheet.name} if found.sheet.name else {})
+    return {"blocks": [blocks[0], *(block | {"rest_before": "0 s"} for block in blocks[1:])]}
 
 
-def _given(path: Path) -> tuple[Path, dict[str, Any]]:
-    """The table to look at, and what a sidecar says of it already."""
-    beside = path if path.suffix.lower() == ".toml" else path.with_suffix(".toml")
-    if path.suffix.lower() != ".toml" and not is_file(beside):
-        return path, {}
-    table = read_toml(beside)
-    if path != beside and isinstance(table.get("geometry"), dict):
-        return path, {}
-    given = split_sources(table)[0]
-    said = validated(Sidecar, given, str(beside))
-    if path != beside:
-        return path, given
-    name = said.blocks[0].file if said.blocks else said.file or path.with_suffix(".csv").name
-    return path.parent / name, given
-
-
-def _table(
-    sheets: list[Sheet], layout: Layout, said: Sidecar, file: Path
-) -> tuple[Sheet, Table, list[ColumnGuess]]:
-    """The first sheet that holds a test."""
-    problems: list[str] = []
-    for sheet in sheets:
-        table = table_of(sheet, layout)
-        name = f'sheet "{sheet.name}" ' if sheet.name else ""
-        if table is None:
-            problems.append(f"{name}is empty")
-            continue
-        if len(table.rows) < FEWEST:
-            held = len(table.rows)
-            problems.append(f"{name}has {held} rows of numbers; at least {FEWEST} are needed")
-            continue
-        try:
-            return sheet, table, guessed_columns(table, said)
-        except InputError as error:
-            problems += error.problems
-    raise InputError(problems[:5] or ["is empty"], str(file))
-
-
-def _guessed(
-    file: Path, sheets: list[Sheet], sheet: Sheet, table: Table, columns: list[ColumnGuess]
-) -> dict[str, Any]:
-    """The keys of a sidecar for what was guessed."""
-    keys: dict[str, Any] = {"file": file.name}
-    alike = [
-        one.name
-        for one in sheets
-        if sheet.name and (other := table_of(one)) is not None and other.titles == table.titles
-    ]
-    if len(alike) > 1:
-        keys = {
-            "blocks": [
-                {"file": file.name, "sheet": name} | ({"rest_before": "0 s"} if k else {})
-                for k, name in enumerate(alike)
-            ]
-        }
-    elif sheet.name:
-        keys["sheet"] = sheet.name
-    for quantity in ("time", "displacement", "force", "ambient"):
-        for column in columns:
-            if column.holds == quantity:
-                keys.setdefault("columns", {})[quantity] = column.title
-                if column.assumed:
-                    keys.setdefault("units", {})[quantity] = column.assumed
+def _tables(columns: list[ColumnGuess]) -> dict[str, Any]:
+    """The keys of a sidecar for what the columns were taken for."""
+    keys: dict[str, dict[str, str]] = {name: {} for name in TABLES}
     for column in columns:
-        if column.holds == "temperature" and column.place:
-            keys.setdefault("thermocouples", {})[column.title] = column.place
-            if column.assumed:
-                keys.setdefault("units", {})[column.title] = column.assumed
-    return keys
-
-
-def _read(file: Path, keys: dict[str, Any]) -> Readings:
-    """The file as its sidecar would have it read."""
-    sidecar = validated(Sidecar, keys, str(file))
-    blocks = sidecar.blocks or [BlockFile(file=file.name)]
-    return readings_of(sidecar, blocks, file)
-
-
-def _restarted(readings: Readings) -> bool:
-    return any("starts anew" in text for text in readings.assumptions)
+        if column.holds in COLUMNS:
+            keys["columns"][column.holds] = column.title
+        elif column.place:
+            keys["thermocouples"][column.title] = column.place
+        else:
+            continue
+        if column.assumed:
+            keys["units"][column.title if column.place else column.holds] = column.assumed
+    return {name: table for name, table in keys.items() if table}

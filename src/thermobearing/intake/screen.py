@@ -5,7 +5,7 @@ from thermobearing.identify.screen import MARKS
 from thermobearing.intake.result import Intake, Intakes
 from thermobearing.results.screen import print_table
 
-USED = ("time", "displacement", "force", "ambient")
+USED = ("time", "displacement", "force", "ambient", "strain")
 
 
 def print_intakes(found: Intakes) -> None:

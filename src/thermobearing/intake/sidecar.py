@@ -25,10 +25,10 @@ def sidecar_text(found: Intake, folder: Path) -> str:
     keys = {key: value for key, value in found.sidecar.items() if not isinstance(value, dict)}
     tables = {key: value for key, value in found.sidecar.items() if isinstance(value, dict)}
     if "file" in keys:
-        keys["file"] = _seen_from(folder, found.file.parent / keys["file"])
+        keys["file"] = _seen_from(folder, found.folder / keys["file"])
     if "blocks" in keys:
         keys["blocks"] = [
-            block | {"file": _seen_from(folder, found.file.parent / block["file"])}
+            block | {"file": _seen_from(folder, found.folder / block["file"])}
             for block in keys["blocks"]
         ]
     lines = [f"# {found.file.name}, as thermobearing intake found it; correct it and keep it."]

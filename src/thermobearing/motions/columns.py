@@ -7,7 +7,8 @@ import numpy as np
 
 from thermobearing.border.errors import InputError, nearest, shortened
 from thermobearing.border.sheets import COMMENTS, Sheet, sheet_of_text
-from thermobearing.border.titles import name_and_unit
+from thermobearing.border.titles import is_called, name_and_unit, plain_unit
+from thermobearing.border.units import conversion
 from thermobearing.motions.record import acceleration_unit
 from thermobearing.motions.sniffing import (
     LONGEST_LINE,
@@ -19,7 +20,7 @@ from thermobearing.motions.sniffing import (
     number,
 )
 
-_NAME = re.compile(r"[A-Za-z][A-Za-z .-]*")
+_NAME = re.compile(r"[^\W\d_][^\d=]*")
 _STEP = re.compile(
     rf"\b(?:dt|time\s*step|delta\s*t|time\s*interval)\s*[=:]?\s*({NUMBER.pattern})\s*(ms|s)?",
     re.IGNORECASE,
@@ -31,8 +32,6 @@ _UNIT = re.compile(
 )
 _DIRECTION = re.compile(r"\b(N-?S|E-?W|U-?D)\b", re.IGNORECASE)
 _MARKS = "".join(COMMENTS) + " "
-SECONDS = {"s": 1.0, "sec": 1.0, "second": 1.0, "seconds": 1.0, "ms": 1e-3}
-TIME_NAMES = ("t", "time")
 
 
 @dataclass(frozen=True)
@@ -107,9 +106,7 @@ def read_columns_of_text(lines: list[str], options: Options) -> Raw:
     time, others = _sorted_columns(header, table, width)
     dt = None
     if time is not None:
-        scale = SECONDS.get((time.unit or "s").lower())
-        if scale is None:
-            raise InputError(f'unit of time "{time.unit}" is not one of {", ".join(SECONDS)}')
+        scale, _ = conversion(plain_unit(time.unit or "s"), "s")
         if len(table) > 1:
             dt = even_step(table[:, time.number] * scale, numbered)
     else:
@@ -139,14 +136,32 @@ def _told_unit(header: list[str]) -> str | None:
 
 
 def _titles(header: list[str], width: int) -> list[str] | None:
-    """Names of the columns, if the last line of the header has as many as there are columns."""
-    if not header:
+    """Names of the columns, if the last line of the header has as many as there are columns.
+
+    A row of units may stand below them.
+    """
+    units = _cells(header[-1], width) if header else None
+    if units is None:
         return None
-    line = header[-1].strip().lstrip(_MARKS).strip()
+    above = _cells(header[-2], width) if len(header) > 1 else None
+    if above is None or not all(_is_unit(text) for text in units):
+        return units
+    return [f"{name} [{unit}]" for name, unit in zip(above, units, strict=True)]
+
+
+def _is_unit(text: str) -> bool:
+    """Whether a cell of a header holds a unit of time or acceleration, and nothing else."""
+    bare = text.strip("[]() ")
+    return bool(_UNIT.fullmatch(bare)) or bare == "g" or plain_unit(bare) in ("s", "ms")
+
+
+def _cells(line: str, width: int) -> list[str] | None:
+    """The words of a line of the header, if there are as many as columns."""
+    line = line.strip().lstrip(_MARKS).strip()
     for cells in (re.split(r"[;,\t]", line), re.split(r"\s{2,}", line), line.split()):
         titles = [cell.strip() for cell in cells if cell.strip()]
-        if len(titles) == width and all(re.match("[A-Za-z]", title) for title in titles):
-            return titles
+        if len(titles) == width and all(re.match(r"[^\W\d]|[\[(]", title) for title in titles):
+            return [title.strip("[]()") if _is_unit(title) else title for title in titles]
     return None
 
 
@@ -162,8 +177,9 @@ def _sorted_columns(
         columns.append(
             _Column(at, name, unit) if told else _Column(at, titles[at] if titles else "", None)
         )
-    if titles and columns[0].name.lower() in TIME_NAMES:
-        return columns[0], columns[1:]
+    clock = next((column for column in columns if is_called(column.name, "time")), None)
+    if clock is not None:
+        return clock, [column for column in columns if column is not clock]
     if not titles and width > 1 and len(table) > 2 and (np.diff(table[:, 0]) > 0.0).all():
         return columns[0], columns[1:]
     if titles:

@@ -13,6 +13,7 @@ import numpy as np
 
 from thermobearing.border.encodings import read_text
 from thermobearing.border.errors import InputError, nearest
+from thermobearing.border.sheets import read_sheets
 from thermobearing.border.units import HUGEST
 from thermobearing.motions.columns import read_columns_of_text
 from thermobearing.motions.record import MOST_SAMPLES, GroundMotion, acceleration_unit
@@ -28,6 +29,7 @@ from thermobearing.motions.sniffing import (
     running_numbers,
 )
 
+WORKBOOKS = (".xlsx", ".xlsm")
 _NUM = NUMBER.pattern
 _AT2_NAMED = re.compile(rf"NPTS\s*=\s*(\d{{1,9}})\s*,?\s*DT\s*=\s*({_NUM})", re.IGNORECASE)
 _AT2_FIRST = re.compile(rf"^\s*(\d{{1,9}})\s*,?\s*({_NUM})\s+NPTS\s*,\s*DT", re.IGNORECASE)
@@ -50,7 +52,7 @@ def read_motion(
     r"""A ground motion from a file, whose format is found by looking at it.
 
     Read are PEER AT2 (all headers with NPTS and DT), K-NET and KiK-net ASCII, JMA CSV, and plain
-    columns: time and acceleration, or accelerations alone.
+    columns, also of a workbook: time and acceleration, or accelerations alone.
 
     Parameters
     ----------
@@ -85,10 +87,18 @@ def read_motion(
     path = Path(path)
     options = Options(unit, dt, component, trust_unit)
     try:
-        motion = _finished(_read(read_text(path), options), options)
+        motion = _finished(_read(_text(path), options), options)
     except InputError as error:
         raise error if error.where else InputError(error.problems, str(path)) from None
     return replace(motion, name=name or path.stem)
+
+
+def _text(path: Path) -> str:
+    """The text of a file; of a workbook the first sheet that holds anything."""
+    if path.suffix.lower() not in WORKBOOKS:
+        return read_text(path)
+    rows = next((sheet.rows for sheet in read_sheets(path) if sheet.rows), [])
+    return "\n".join("\t".join(cells) for _, cells in rows)
 
 
 def _read(text: str, options: Options) -> Raw:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from thermobearing.border.errors import InputError, shortened
+from thermobearing.border.sheets import NOT_FINITE
 from thermobearing.border.units import HUGEST
 from thermobearing.core.types import Floats
 from thermobearing.motions.record import ACCELERATION_UNITS, MM_S2_PER_GAL
@@ -17,7 +18,7 @@ from thermobearing.motions.record import ACCELERATION_UNITS, MM_S2_PER_GAL
 # In instruments' own formats the unit belongs to the format and weak records are common.
 ASSERTED = (100.0, 2000.0)
 INSTRUMENT = (10.0, 5000.0)
-NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[EeDd][-+]?\d+)?")
+NUMBER = re.compile(r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[EeDd][-+]?\d+)?")
 SHORTEST = 2  # samples
 SMALLEST = 1e-9  # largest acceleration that is no motion at all, whoever trusts it [gal]
 LONGEST_LINE = 500  # characters of a line of a header that are looked at
@@ -75,7 +76,7 @@ def number(cell: str) -> float:
 
 def is_not_finite(text: str) -> bool:
     """Whether a cell holds NaN or infinity."""
-    return text.strip().lstrip("+-").lower() in ("nan", "inf", "infinity", "nan.0", "1.#qnan")
+    return text.strip().lstrip("+-").lower() in NOT_FINITE
 
 
 def running_numbers(lines: list[tuple[int, str]]) -> Floats:

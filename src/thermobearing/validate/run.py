@@ -38,6 +38,7 @@ from thermobearing.validate.result import Comparison, Validation
 Floats = NDArray[np.float64]
 
 RISEN = 0.05  # of the largest rise: before, the relative error of Eq. 4.39 means nothing
+ASSUMED = ("assumed", "rubber")  # checks whose warnings a comparison repeats
 NOT_NEEDED = ("cycles", "sampling")  # checks of a fit that any history may fail
 
 
@@ -101,8 +102,9 @@ def run_validate(case: ValidateCase) -> Validation:
     >>> run_validate(tb.validate.make_validate_case("shen-hdr-specimen", record)).outcome
     'completed'
     """
-    refuse_unusable(case.records, case.bearings[0])
-    return judge(replace(case, records=[as_fitted(record) for record in case.records]))
+    assumed = refuse_unusable(case.records, case.bearings[0])
+    found = judge(replace(case, records=[as_fitted(record) for record in case.records]))
+    return replace(found, warnings=[*assumed, *found.warnings])
 
 
 def judge(case: ValidateCase) -> Validation:
@@ -136,21 +138,28 @@ def as_fitted(record: TestRecord) -> TestRecord:
     return record if all(np.array_equal(new, old) for new, old in pairs) else seen
 
 
-def refuse_unusable(records: Sequence[TestRecord], bearing: Bearing) -> None:
-    """Tests that no model can be judged by; any history will do.
+def refuse_unusable(records: Sequence[TestRecord], bearing: Bearing) -> list[str]:
+    """Return what had to be assumed about tests; refuse those that no model can be judged by.
 
     Raises
     ------
     InputError : what is wrong with each of them.
     """
+    found = [(one, check_test(one, bearing).findings) for one in records]
     refused = [
         f"{record.file or record.name}: {finding.sentence}"
-        for record in records
-        for finding in check_test(record, bearing).findings
+        for record, findings in found
+        for finding in findings
         if finding.level == "refused" and finding.check not in NOT_NEEDED
     ]
     if refused:
         raise InputError(refused)
+    return [
+        f"{record.name}: {finding.sentence}"
+        for record, findings in found
+        for finding in findings
+        if finding.level == "warning" and finding.check in ASSUMED
+    ]
 
 
 def _comparison(bearing: Bearing, model: Model, record: TestRecord) -> Comparison:

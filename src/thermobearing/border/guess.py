@@ -1,20 +1,21 @@
 """What the columns of a table are, guessed from their titles, their units and their numbers."""
 
 import re
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from thermobearing.border.errors import InputError
-from thermobearing.border.layout import Table
+from thermobearing.border.layout import Layout, Table
 from thermobearing.border.sheets import is_stamp
-from thermobearing.border.sidecar import Sidecar
 from thermobearing.border.titles import (
     holds_word,
     is_called,
     measured_in,
     name_and_unit,
+    plain_title,
     plain_unit,
 )
 
@@ -26,6 +27,8 @@ MOST_PAIRED = 20  # columns without a telling title that are tried against each 
 ALONG = 0.3  # correlation of a force with the displacement, or more
 EVEN = 0.5  # of the usual step: how much the steps of a clock may differ
 CALLED, WORD, UNIT = 4, 2, 1  # what speaks for a column: its whole title, a word in it, its unit
+# What speaks for a column without a telling title.
+DOUBTFUL = ("its even steps", "loops with the force", "loops with the displacement", "its unit")
 _PLACE = re.compile(r"(?:rubber|layer|gummi|ゴム|層)\s*[_#-]?\s*([1-9]\d?)\b", re.IGNORECASE)
 
 
@@ -37,7 +40,7 @@ class ColumnGuess:
     ----------
     title : in the file.
     unit : "" where neither title nor a row of units says it.
-    holds : time, displacement, force, ambient, temperature, numbers, words or nothing.
+    holds : time, displacement, force, ambient, temperature, strain, numbers, words or nothing.
     why : what speaks for it.
     place : of a thermocouple, where its title says it.
     assumed : the unit that is taken where the file says none.
@@ -64,13 +67,20 @@ class _Column:
     scores: dict[str, int] = field(default_factory=dict)
 
 
-def guessed_columns(table: Table, said: Sidecar | None = None) -> list[ColumnGuess]:
-    """What each column of a table holds.
+def guessed_columns(
+    table: Table,
+    layout: Layout | None = None,
+    places: Mapping[str, str] | None = None,
+    needed: Sequence[str] = ("displacement", "force"),
+) -> list[ColumnGuess]:
+    """Return what each column of a table holds.
 
     Parameters
     ----------
     table : from `table_of`.
-    said : a sidecar, whose columns, units and thermocouples are not guessed.
+    layout : titles by quantity and units, which are then not guessed.
+    places : of thermocouples by title, likewise.
+    needed : quantities without which the table is no test.
 
     Returns
     -------
@@ -78,22 +88,23 @@ def guessed_columns(table: Table, said: Sidecar | None = None) -> list[ColumnGue
 
     Raises
     ------
-    InputError : nothing looks like a displacement and a force.
+    InputError : no column looks like a needed quantity.
     """
-    columns = [_looked_at(table, number) for number in range(len(table.titles))]
-    said = said or Sidecar()
-    known = {title: quantity for quantity, title in said.columns.items()}
+    layout, places = layout or Layout(), places or {}
+    columns = [_looked_at(table, number, layout) for number in range(len(table.titles))]
+    known = {title: name for name, title in layout.titles.items() if name in UNITS}
     taken = {c.number: (known[c.title], "sidecar") for c in columns if c.title in known}
     for quantity in ("time", "ambient", "displacement", "force"):
-        best = None if quantity in said.columns else _best(columns, quantity, taken)
-        if best is not None:
+        best = None if quantity in known.values() else _best(columns, quantity, taken)
+        if best is not None and best.title not in places:
             taken[best.number] = (quantity, _reason(best, quantity))
     _by_numbers(columns, taken)
     held = {quantity for quantity, _ in taken.values()}
-    missing = [name for name in ("displacement", "force") if name not in held]
+    missing = [name for name in needed if name not in held]
     if missing:
         other = [
-            f'"{column.title}" is called a {name}, but "{column.unit}" is no unit of it'
+            f'"{column.title}" is called a {name}, but "{column.unit}" cannot be converted to '
+            f"{UNITS[name]}"
             for name in missing
             for column in columns
             if column.unit
@@ -102,16 +113,46 @@ def guessed_columns(table: Table, said: Sidecar | None = None) -> list[ColumnGue
             and not holds_word(column.name, "other")
         ]
         if other:
-            raise InputError([f"{text}; say it in [units] of a sidecar" for text in other])
+            raise InputError([f"{text}; give its unit in [units] of a sidecar" for text in other])
         shown = ", ".join(f'"{column.title}"' for column in columns[:12] if not column.empty)
         raise InputError(
             f"no column looks like a {' or a '.join(missing)}; columns: {shown or 'none'}; name "
             "them in [columns] of a sidecar"
         )
-    return [_told(column, taken, said) for column in columns]
+    return [_described(column, taken, layout, places) for column in columns]
 
 
-def _looked_at(table: Table, number: int) -> _Column:
+def guessed_air(table: Table) -> dict[str, str]:
+    """Return the titles of time and temperature in a table of weather, by quantity.
+
+    Parameters
+    ----------
+    table : from `table_of`.
+
+    Returns
+    -------
+    dict : without a quantity that no column looks like; the caller says what is missing.
+
+    Raises
+    ------
+    InputError : several columns look as much like the temperature of the air.
+    """
+    columns = [_looked_at(table, number, Layout()) for number in range(len(table.titles))]
+    found = {}
+    if not any(is_called(c.name, "time") for c in columns):
+        time = _best(columns, "time", {})
+        found = {"time": time.title} if time is not None else {}
+    if any(is_called(c.name, "temperature") for c in columns):
+        return found
+    warm = [c for c in columns if c.values is not None and c.target == "degC"]
+    some = [c for c in warm if holds_word(c.name, "ambient")] or warm
+    if len(some) > 1:
+        shown = ", ".join(f'"{c.title}"' for c in some[:5])
+        raise InputError(f"{shown} may each be the temperature of the air: call it temperature")
+    return found | ({"temperature": some[0].title} if some else {})
+
+
+def _looked_at(table: Table, number: int, layout: Layout) -> _Column:
     title = table.titles[number]
     name, _ = name_and_unit(title)
     unit = table.unit(number)
@@ -122,12 +163,13 @@ def _looked_at(table: Table, number: int) -> _Column:
     values = None if stamped or not held else _numbers(table, cells)
     column = _Column(number, title, name, unit, target, stamped, values, not held)
     for quantity, wanted in UNITS.items():
-        if values is None and not (stamped and quantity == "time"):
+        called = bool(held) and is_called(name, quantity)  # by its title, whatever its cells hold
+        if values is None and not called and not (stamped and quantity == "time"):
             continue
-        fits = target == wanted
+        score = CALLED * called or WORD * holds_word(name, quantity)
+        fits = target == wanted or (score > 0 and quantity in layout.units)
         if unit and not fits and not stamped:
             continue
-        score = CALLED * is_called(name, quantity) or WORD * holds_word(name, quantity)
         if quantity == "ambient" and not (score and (fits or not unit)):
             continue
         other = holds_word(name, "other") or (quantity != "ambient" and holds_word(name, "ambient"))
@@ -159,11 +201,19 @@ def _best(
     """The column that most speaks for; where several do as much, the one that moves most."""
     some = [c for c in columns if c.number not in taken and c.scores.get(quantity, 0) > 0]
     if quantity == "time":
-        some = [c for c in some if c.stamped or (c.values is not None and _runs(c.values))]
+        some = [
+            c
+            for c in some
+            if c.stamped
+            or is_called(c.name, quantity)
+            or (c.values is not None and _runs(c.values))
+        ]
 
-    def speaks(column: _Column) -> tuple[int, float]:
+    def speaks(column: _Column) -> tuple[int, bool, bool, float]:
         way = 0.0 if column.values is None else float(np.abs(np.diff(column.values)).sum())
-        return column.scores[quantity], 0.0 if quantity == "time" else way
+        plain = plain_title(column.name) == quantity
+        fits = column.unit == UNITS[quantity]
+        return column.scores[quantity], fits, plain, 0.0 if quantity == "time" else way
 
     return max(some, key=speaks) if some else None
 
@@ -179,7 +229,7 @@ def _reason(column: _Column, quantity: str) -> str:
         return "time stamps"
     if is_called(column.name, quantity):
         return "title"
-    return "a word in the title" if holds_word(column.name, quantity) else "unit"
+    return "a word in the title" if holds_word(column.name, quantity) else DOUBTFUL[3]
 
 
 def _by_numbers(columns: list[_Column], taken: dict[int, tuple[str, str]]) -> None:
@@ -191,7 +241,7 @@ def _by_numbers(columns: list[_Column], taken: dict[int, tuple[str, str]]) -> No
             steps = np.diff(column.values) if column.values is not None else np.zeros(0)
             usual = float(np.median(steps)) if len(steps) else 0.0
             if usual > 0.0 and (np.abs(steps - usual) < EVEN * usual).mean() > 0.95:
-                taken[column.number] = ("time", "runs evenly")
+                taken[column.number] = ("time", DOUBTFUL[0])
                 break
     if {"displacement", "force"} <= held:
         return
@@ -209,8 +259,8 @@ def _by_numbers(columns: list[_Column], taken: dict[int, tuple[str, str]]) -> No
             if abs(along) > ALONG and work > 0.0 and (best is None or abs(along) > best[0]):
                 best = abs(along), way, force
     if best is not None:
-        taken.setdefault(best[1].number, ("displacement", "makes loops with the force"))
-        taken.setdefault(best[2].number, ("force", "makes loops with the displacement"))
+        taken.setdefault(best[1].number, ("displacement", DOUBTFUL[1]))
+        taken.setdefault(best[2].number, ("force", DOUBTFUL[2]))
 
 
 def _along(way: Floats, force: Floats) -> float:
@@ -224,15 +274,17 @@ def _of(column: _Column) -> Floats:
     return np.zeros(2) if column.values is None else column.values
 
 
-def _told(column: _Column, taken: dict[int, tuple[str, str]], sidecar: Sidecar) -> ColumnGuess:
+def _described(
+    column: _Column, taken: dict[int, tuple[str, str]], layout: Layout, places: Mapping[str, str]
+) -> ColumnGuess:
     said = plain_unit(column.unit) if column.unit else ""
     quantity, why = taken.get(column.number, ("", ""))
-    said = sidecar.units.get(quantity or column.title, said)
+    said = layout.units.get(quantity or column.title, said)
     if quantity:
         assumed = "" if said or column.stamped else UNITS[quantity]
         return ColumnGuess(column.title, said, quantity, why, assumed=assumed)
-    if column.title in sidecar.thermocouples:
-        place, assumed = sidecar.thermocouples[column.title], "" if said else "degC"
+    if column.title in places:
+        place, assumed = places[column.title], "" if said else "degC"
         return ColumnGuess(column.title, said, "temperature", "sidecar", place, assumed)
     if column.empty:
         return ColumnGuess(column.title, said, "nothing", "no cell holds anything")
@@ -245,4 +297,7 @@ def _told(column: _Column, taken: dict[int, tuple[str, str]], sidecar: Sidecar) 
         why = "unit" if column.target == "degC" else "a word in the title"
         assumed = "" if column.unit else "degC"
         return ColumnGuess(column.title, said, "temperature", why, place, assumed)
+    if holds_word(column.title, "strain") and column.target in (None, "percent"):
+        unit = "percent" if said in ("%", "percent") else ""
+        return ColumnGuess(column.title, unit, "strain", "a word in the title")
     return ColumnGuess(column.title, said, "numbers", "not needed for a test")
