@@ -2,7 +2,8 @@
 
 Prints what the motions are (section 3.4.2) and what the hybrid tests on them give on two bearings
 (sections 3.4.3 to 3.4.6), as the Markdown tables of docs/texts/near_fault.md. With `--search` it
-looks for the stream of random numbers that `data/phases` names instead.
+looks for the stream of random numbers that `data/phases` names instead; with `--draws` it prints
+the displacements that choose the first draws of Type II, ground I.
 """
 
 import sys
@@ -17,9 +18,10 @@ from thermobearing.core.types import Floats
 from thermobearing.motions.jra import standard_spectrum
 from thermobearing.motions.matching import matched, misfit
 from thermobearing.motions.measures import measure_motion, significant_interval
-from thermobearing.motions.phases import Pulse, near_fault, phases
+from thermobearing.motions.phases import Pulse, first_draw, motion_name, near_fault, phases
 from thermobearing.motions.process import baseline_corrected, scaled
 from thermobearing.motions.record import GroundMotion
+from thermobearing.motions.regenerate import SEEDS
 
 NAME, NEAR = "jra-ii-ii-1", 0.1  # [s]
 CORNER = 0.1  # of the high-pass filter that records need before velocities are compared [Hz]
@@ -29,6 +31,7 @@ MOMENTS = [5.0, 10.0, 15.0, 20.0]  # of the first layer [s]
 AMBIENT = [23.0, 0.0, -20.0]
 PIER = "hybrid-pier-two-bearings"
 HDR, LHDR = "shen-hdr-specimen", "shen-lhdr-specimen"
+RUBBER, DESIGN = 112.0, 178.0  # Tables 6.1 and 6.3 [mm]
 TRIED = 8  # starts that are followed to their own minimum
 
 
@@ -146,8 +149,24 @@ def search() -> None:
             return
 
 
+def draws() -> None:
+    """Print the displacement of the bilinear bearing over its design for draws 0 to the chosen."""
+    for seed in SEEDS:
+        chosen = first_draw(motion_name("II", "I", seed))
+        for draw in range(chosen + 1):
+            history = phases("II", "I", seed, draw - chosen, 0.01)
+            fit = matched(history, 0.01, lambda periods: standard_spectrum("II", "I", periods))
+            motion = GroundMotion(f"draw-{draw}", 0.01, fit.acceleration)
+            table = tb.bridge("shen-bilinear-bridge", motion, 23.0).table
+            size = table["bearing_strain_max"].iloc[0] * RUBBER
+            print(f"seed {seed}, draw {draw}: {size:.0f} mm, {size / DESIGN:.3f}")
+
+
 def main() -> None:
     """Print both tables."""
+    if "--draws" in sys.argv:
+        draws()
+        return
     if "--search" in sys.argv:
         search()
         return

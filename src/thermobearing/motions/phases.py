@@ -116,9 +116,25 @@ class NearFault:
 @cache
 def near_fault() -> dict[str, NearFault]:
     """Of the motions that have phases of their own, by name."""
-    table = split_sources(read_toml(data_path("phases", "near-fault.toml")))[0]
-    citation = table.pop("citation")
+    table = dict(_chosen())
+    citation, _ = table.pop("citation"), table.pop("first_draws")
     return {name: _read(row, citation) for name, row in table.items()}
+
+
+def first_draw(name: str) -> int:
+    """Return the number of the first draw of the random phases of a motion.
+
+    Examples
+    --------
+    >>> first_draw("jra-ii-i-1"), first_draw("jra-i-i-1")
+    (2, 0)
+    """
+    return int(_chosen()["first_draws"].get(name, 0))
+
+
+@cache
+def _chosen() -> dict[str, Any]:
+    return dict(split_sources(read_toml(data_path("phases", "near-fault.toml")))[0])
 
 
 def _read(row: dict[str, Any], citation: str) -> NearFault:
@@ -152,11 +168,14 @@ def phases(kind: str, ground: str, seed: int, draw: int, dt: float) -> Floats:
     ----------
     kind, ground : Roman numbers.
     seed : of the random numbers.
-    draw : phases of one seed are drawn again under another number.
+    draw : phases of one seed are drawn again under another number, counted from `first_draw`.
     dt : time step [s].
     """
-    own = near_fault().get(motion_name(kind, ground, seed))
-    return _near_fault(own, draw, dt) if own else _noise(kind, ground, seed, draw, dt)
+    name = motion_name(kind, ground, seed)
+    own = near_fault().get(name)
+    if own:
+        return _near_fault(own, draw, dt)
+    return _noise(kind, ground, seed, first_draw(name) + draw, dt)
 
 
 def motion_name(kind: str, ground: str, seed: int) -> str:

@@ -41,7 +41,8 @@ def make_motion(
     Type I shakes for long; Type II is short with a velocity pulse. It is a stand-in that fits
     the spectrum, not one of the accelerograms of the specifications. Seed 1 of Type II, ground
     II, has the envelope and the pulse of the record behind its accelerogram (`data/phases`) and,
-    with the time step of 0.01 s, its largest acceleration at the same time, 8 s.
+    with the time step of 0.01 s, its largest acceleration at the same time, 8 s. Seeds 1 to 3 of
+    Type II, ground I, have phases with which the design of the bridge of Shen (2023) closes.
 
     Parameters
     ----------
