@@ -80,7 +80,7 @@ def test_the_table_is_about_the_pier_of_the_report(study: tb.earthquake.Earthqua
     assert row["pier_displacement_max_mm"] == piers.loc["B", "displacement_max_mm"]
     assert np.isnan(piers.loc["A", "ductility"])
     # Each pier moves by itself: A is stiff.
-    assert piers.loc["A", "displacement_max_mm"] < 0.2 * piers.loc["B", "displacement_max_mm"]
+    assert piers.loc["A", "displacement_max_mm"] < 0.3 * piers.loc["B", "displacement_max_mm"]
     turned = piers.loc["B", "rotation_max_rad"]
     assert piers.loc["B", "displacement_max_mm"] == pytest.approx(1e4 * turned)
 
@@ -295,7 +295,7 @@ def test_the_largest_of_all_lines_and_piers_is_said(
     assert rows.loc["bearing strain", "part"] == farthest["line"]
     assert rows.loc["pier ductility", "part"] == "B"  # A has no hinge
     deck = float(np.abs(study.dataset["deck_displacement"]).max())
-    assert rows.loc["deck displacement [mm]", "largest"] == pytest.approx(deck, rel=1e-6)
+    assert rows.loc["deck displacement [mm]", "largest"] == pytest.approx(deck, rel=1e-3)
     assert (
         study.table["deck_displacement_max_mm"][0] == rows.loc["deck displacement [mm]", "largest"]
     )

@@ -99,7 +99,7 @@ def test_poor_fit_is_an_outcome_of_its_own(tmp_path: Path, monkeypatch: pytest.M
     out = tmp_path / "out"
     done = command("motions", "make", "-o", out, "--no-figures", "-q")
     assert done.exit_code == 4
-    assert "poor_fit: the search ended with a misfit of 2.3 % rms" in done.stderr
+    assert "poor_fit: the search ended with a misfit of 1.9 % rms" in done.stderr
     assert summary(out)["outcome"] == "poor_fit"
 
 

@@ -267,4 +267,4 @@ def test_a_half_stack_says_so() -> None:
 def test_a_motion_is_short_in_a_notebook() -> None:
     """Before: its samples."""
     said = repr(tb.load_motion("jra-ii-i-1"))
-    assert said == "<GroundMotion jra-ii-i-1: 670 gal, 50 s in steps of 0.01 s>"
+    assert said == "<GroundMotion jra-ii-i-1: 647 gal, 50 s in steps of 0.01 s>"

@@ -105,7 +105,7 @@ def test_plots(study: EarthquakeResult, pieces: Pieces) -> None:
 
 
 def test_tested_strain_is_drawn_for_its_bearing() -> None:
-    far = pieces_of(tb.bridge("shen-bilinear-bridge", "jra-ii-i-1", 23, duration=12))
+    far = pieces_of(tb.bridge("shen-bilinear-bridge", "jra-ii-i-1", 23, duration=18))
     for name in ("loops", "strain"):
         plot = far.figures[name].plot
         assert plot is not None
