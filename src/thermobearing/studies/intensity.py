@@ -22,7 +22,7 @@ def intensity(motion: GroundMotion, scale: ScaleFactor) -> float:
     --------
     >>> from thermobearing.motions.library import load_motion
     >>> round(intensity(load_motion("jra-ii-i-1"), ScaleFactor(levels=[1.0])), 2)
-    6.7
+    6.47
     """
     if scale.measure == "PGA":
         found = motion.pga
