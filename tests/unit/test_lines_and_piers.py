@@ -11,15 +11,20 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import thermobearing as tb
 from tests import tolerances as tol
+from tests.unit.studies import small_study
 from thermobearing.border.schema import validated
+from thermobearing.border.toml import to_toml
 from thermobearing.design.bounds import DEMANDS, bounds_study, least_safe, paragraph
 from thermobearing.earthquake.case import make_earthquake_case
+from thermobearing.earthquake.columns import COLUMNS
 from thermobearing.earthquake.governing import governing_runs
+from thermobearing.earthquake.report import pieces_of
 from thermobearing.earthquake.run import build_tasks
 from thermobearing.structure.matrices import coordinates
 from thermobearing.structure.model import Structure, load_structure
 from thermobearing.structure.parts import fixed_base, piers_of, reported_line
 from thermobearing.structure.plausible import implausible_structure
+from thermobearing.studies import plan, run_shard
 
 MOTION: dict[str, Any] = {"motion": "jra-ii-i-1", "duration": 6.0}
 
@@ -70,19 +75,68 @@ def study() -> tb.earthquake.EarthquakeResult:
     return tb.bridge("shen-hdr-bridge", ambient=[23.0], structure=structure, lines=lines, **MOTION)
 
 
-def test_the_table_is_about_the_pier_of_the_report(study: tb.earthquake.EarthquakeResult) -> None:
-    """Pier B, its own line and its own hinge; before: line and hinge were the first of all."""
+def test_the_table_holds_the_governing_values(study: tb.earthquake.EarthquakeResult) -> None:
+    """The largest of all lines and piers with its place; before: line and pier of the report."""
     lines, piers = study.lines.set_index("line"), study.piers.set_index("pier")
     row = study.table.iloc[0]
-    assert row["bearing_strain_max"] == lines.loc["on B", "strain_max"]
-    assert row["bearing_force_max_kN"] == lines.loc["on B", "force_max_kN"]
+    assert row["bearing_strain_max"] == lines["strain_max"].max()
+    assert row["strain_line"] == lines["strain_max"].idxmax() == "on B"
+    # The force governs elsewhere: line A is in colder air.
+    assert row["bearing_force_max_kN"] == lines.loc["on A", "force_max_kN"]
+    assert row["bearing_force_max_kN"] > 1.5 * lines.loc["on B", "force_max_kN"]
+    assert row["force_line"] == "on A"
+    assert row["bearing_energy_kN_mm"] == lines["energy_kN_mm"].max()
     assert row["pier_ductility"] == piers.loc["B", "ductility"]
     assert row["pier_displacement_max_mm"] == piers.loc["B", "displacement_max_mm"]
+    assert row["displacement_pier"] == row["ductility_pier"] == "B"
+    assert float(study["bearing_force_max"][0]) == row["bearing_force_max_kN"]
+    assert study.hottest(0)["rubber"] == lines["rubber_max_degC"].max()
     assert np.isnan(piers.loc["A", "ductility"])
     # Each pier moves by itself: A is stiff.
     assert piers.loc["A", "displacement_max_mm"] < 0.3 * piers.loc["B", "displacement_max_mm"]
     turned = piers.loc["B", "rotation_max_rad"]
     assert piers.loc["B", "displacement_max_mm"] == pytest.approx(1e4 * turned)
+
+
+def test_the_document_is_about_all_lines(study: tb.earthquake.EarthquakeResult) -> None:
+    """Answer, first table and peaks; before: 155 kN of the line of the report."""
+    pieces = pieces_of(study)
+    force = study.lines["force_max_kN"].max()
+    assert f"{force:.4g} kN (shen-hdr-bridge, jra-ii-i-1, 23 °C, line on A)" in pieces.answer[0]
+    governing = {row[0]: row[1:] for row in pieces.tables["governing"].rows}
+    assert governing["Force of one bearing [kN]"] == [
+        float(f"{force:.4g}"),
+        "on A, jra-ii-i-1, 23 °C",
+    ]
+    peaks = pieces.tables["peaks"]
+    heads = [column.head for column in peaks.columns]
+    assert peaks.rows[0][heads.index("Force of one")] == force
+    warm = study.lines["rubber_rise_K"].max()
+    assert f"{warm:.1f} K" in pieces.answer[1]
+    # Histories are those of one line, and say so, with its own peak.
+    own = 100.0 * study.lines.set_index("line").loc["on B", "strain_max"]
+    assert "line on B, pier B" in pieces.figures["loops"].caption
+    assert f"{own:.0f} %" in pieces.figures["loops"].alt
+
+
+def test_a_study_of_runs_counts_the_governing_line(tmp_path: Path) -> None:
+    """One by one and in lockstep, as `bridge`; before: line and pier of the report."""
+    file = tmp_path / "two.toml"
+    file.write_text(to_toml(bridge_of(two_piers())))
+    case = {"duration": "4 s", "structure": str(file)}
+    study = small_study(case, bearing=["shen-hdr-bridge"], ambient=["-20 degC"], scale=[1.0])
+    side = study.design.model_copy(update={"lockstep": True})
+    rows = plan(study)
+    alone = run_shard(study, rows)
+    together = run_shard(study.model_copy(update={"design": side}), rows)
+    whole = tb.bridge("shen-hdr-bridge", "jra-ii-i-1", -20, structure=file, duration=4)
+    drift = whole.piers["displacement_max_mm"].max() / 1e4
+    for table in (alone, together):
+        for name in COLUMNS:
+            assert_allclose(table[name], whole.table[name], rtol=tol.LANE_PEAK, err_msg=name)
+        assert_allclose(table["pier_drift_max"], drift, rtol=tol.LANE_PEAK)
+        assert_allclose(table["rubber_max_degC"], whole.hottest(0)["rubber"], rtol=1e-6)
+    assert whole.table["bearing_strain_max"][0] == whole.lines["strain_max"].max()
 
 
 def test_a_line_in_colder_air(study: tb.earthquake.EarthquakeResult) -> None:
@@ -302,7 +356,7 @@ def test_the_largest_of_all_lines_and_piers_is_said(
     assert study.summary()["largest"] == governing_runs(study).to_dict("records")
     study.show()
     shown = capsys.readouterr().out
-    assert "shen-hdr-bridge: line on B, pier B" in shown
+    assert "shen-hdr-bridge: the largest of all lines and piers" in shown
     assert "largest of all runs" in shown
     title = study.plot.pier().get_suptitle()
     assert title.replace("\n", " ").endswith("(line on B, pier B)")

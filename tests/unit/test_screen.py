@@ -78,7 +78,7 @@ def test_study_shows_rubber_and_lead_in_a_pipe(tmp_path: Path) -> None:
     words = ["--bearing", "shen-lhdr-bridge", "--motion", "jra-ii-i-1", "--duration", "2"]
     done = command("bridge", *words, "--no-figures", "-o", tmp_path / "out")
     assert not FRAMES.search(done.stdout)
-    for head in ("strain", "ductility", "damped", "rubber degC", "lead degC"):
+    for head in ("strain", "ductility", "viscous", "rubber degC", "lead degC"):
         assert head in done.stdout
 
 

@@ -22,6 +22,12 @@ COLUMNS = {  # of the table: name in the dataset, factor
     "pier_top_displacement_max_mm": ("pier_top_displacement_max", 1.0),
     "pier_displacement_residual_mm": ("pier_displacement_residual", 1.0),
 }
+PLACES = {  # columns that name the governing line or pier: dimension, peak of the parts
+    "strain_line": ("line", "line_strain_max"),
+    "force_line": ("line", "line_force_max"),
+    "displacement_pier": ("pier_part", "pier_part_displacement_max"),
+    "ductility_pier": ("pier_part", "pier_part_ductility"),
+}
 LOOP = {  # of the largest loop: name in the dataset
     "loop_F_plus_kN": "loop_force_max",
     "loop_F_minus_kN": "loop_force_min",

@@ -270,10 +270,15 @@ class EarthquakeFigures:
     def pier_acceleration(self, ax: Axes | None = None) -> Figure:
         """Absolute acceleration of the pier top, as Fig. 3.27, 3.29, 4.15, 5.18 and 5.20."""
         what = "acceleration of the pier top"
-        return self._history("pier_top_acceleration", what, "acceleration [m/s2]", ax)
+        view = self._of("pier", None)
+        return view._history("pier_top_acceleration", what, "acceleration [m/s2]", ax)
 
     def hinge(self, ax: Axes | None = None) -> Figure:
         """Moment against rotation of the pier base, as Fig. 6.21 and 6.22; its yield point."""
+        return self._of("pier", None)._hinge(ax)
+
+    def _hinge(self, ax: Axes | None) -> Figure:
+        """That of the pier whose data these figures show."""
         draw = self._plane("pier_rotation", "pier_moment", 1e3, MN_M)
         x, y = "rotation [mrad]", "moment [MN m]"
         what = "pier base (dashed: where it yields; numbers: ductility)"

@@ -9,6 +9,7 @@ from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.core.records import Floats, labels
 from thermobearing.earthquake.columns import BEARING, STRUCTURE
 from thermobearing.earthquake.meanings import PEAK
+from thermobearing.earthquake.parts import governing_peaks, largest, line_peaks, pier_peaks
 from thermobearing.results.largest_loop import largest_loop
 from thermobearing.results.metrics import LEAST_ENERGY, LEAST_HEAT
 from thermobearing.structure.run import StructureHistory
@@ -53,7 +54,7 @@ UNITS: Final = {
     **{f"heat_{name}": "kN mm" for name in BEARING},
     "layer_force_mismatch_max": "kN",
 }
-PEAKS: Final = tuple(n for n in UNITS if n.endswith(PEAK) and n.startswith(("pier_", "deck_")))
+PEAKS: Final = tuple(n for n in UNITS if n.endswith(PEAK) and n.startswith("deck_"))
 LOOP_UNITS: Final = {name: unit for name, (_, unit) in LOOP.items()} | dict.fromkeys(
     LOOP_TIMES, "s"
 )
@@ -62,7 +63,9 @@ LOOP_UNITS: Final = {name: unit for name, (_, unit) in LOOP.items()} | dict.from
 def measures_of(
     task: "Task", history: StructureHistory, trace: Mapping[str, Floats]
 ) -> dict[str, Any]:
-    """What `UNITS` names, of one run.
+    """Return what `UNITS` names, of one run: the peaks of the line or pier that goes farthest.
+
+    Heat and the mismatch of layers are those of the line whose histories are kept.
 
     Parameters
     ----------
@@ -71,17 +74,12 @@ def measures_of(
     """
     bearing, books = history.bearing(task.told_line), history.rows.books
     found: dict[str, Any] = {name: largest(trace[name.removesuffix(PEAK)]) for name in PEAKS}
-    farthest = largest(bearing["displacement"])
+    found |= governing_peaks(line_peaks(task, history))
+    found |= governing_peaks(pier_peaks(task, history))
     found["outcome"] = history.outcome
-    found["bearing_displacement_max"] = farthest
-    found["bearing_strain_max"] = farthest / task.told.device.bearing.total_rubber_thickness
-    found["bearing_force_max"] = largest(bearing["force"])
-    found["bearing_energy_end"] = bearing["work_in"][-1]
-    found["pier_displacement_residual"] = trace["pier_displacement"][-1]
     found["steps"] = history.steps
     found["iterations"] = history.iterations
     found["substeps"] = history.substeps
-    found["pier_ductility"] = found["pier_rotation_max"] / task.prepared.reported.yield_rotation
     for name in STRUCTURE_ENERGIES:
         found[f"energy_{name}"] = books[name][-1]
     for name in BEARING:
@@ -89,11 +87,6 @@ def measures_of(
         found[f"heat_{name}"] = column[-1] - column[0]
     found["layer_force_mismatch_max"] = bearing["layer_force_mismatch"].max()
     return found
-
-
-def largest(values: Floats) -> float:
-    """Largest size of a history; NaN where it is not known."""
-    return float(np.abs(values).max())
 
 
 def residuals_of(numbers: Mapping[str, Any]) -> dict[str, Any]:

@@ -1,19 +1,19 @@
-"""The dataset of a study told of another line or pier than the one of its tables, for figures."""
+"""The histories of one line or pier with its own peaks, for figures."""
 
 import xarray as xr
 
 from thermobearing.border.errors import InputError, nearest
-from thermobearing.earthquake.parts import has_parts
+from thermobearing.earthquake.parts import GOVERNING, has_parts
 
 
 def told_of(dataset: xr.Dataset, part: str, name: str | None) -> xr.Dataset:
-    """The dataset whose displacement of the pier, or strain, is that of a part.
+    """Return the dataset whose peaks, and histories where it has them, are those of one part.
 
     Parameters
     ----------
     dataset : of a study.
     part : "pier" or "line".
-    name : of the part; None for the one that the tables are about.
+    name : of the part; None for the one whose histories the dataset holds.
 
     Returns
     -------
@@ -23,7 +23,8 @@ def told_of(dataset: xr.Dataset, part: str, name: str | None) -> xr.Dataset:
     ------
     InputError : no part has that name; the nearest is named.
     """
-    if name is None or name == dataset.attrs.get(part):
+    name = dataset.attrs.get(part) if name is None else name
+    if name is None or (name == dataset.attrs.get(part) and not has_parts(dataset)):
         return dataset
     dimension = "line" if part == "line" else "pier_part"
     names = [str(one) for one in dataset[dimension].values] if has_parts(dataset) else []
@@ -34,8 +35,10 @@ def told_of(dataset: xr.Dataset, part: str, name: str | None) -> xr.Dataset:
     if part == "pier":
         changed = {
             "pier_displacement": own["pier_part_displacement"],
-            "pier_displacement_max": own["pier_part_displacement_max"],
+            "pier_rotation": own["pier_part_rotation"],
+            "pier_moment": own["pier_part_moment"],
         }
+        changed |= {key: own[of] for key, of in GOVERNING.items() if key.startswith("pier_")}
     else:
         way = own["line_displacement_max"]
         per_mm = own["line_strain_max"] / way.where(way > 0.0)

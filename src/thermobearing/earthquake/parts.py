@@ -8,8 +8,6 @@ import pandas as pd
 import xarray as xr
 
 from thermobearing.core.records import Floats
-from thermobearing.earthquake.measures import largest
-from thermobearing.structure.matrices import displacement_row
 from thermobearing.structure.parts import Pier, piers_of
 from thermobearing.structure.run import StructureHistory
 
@@ -29,6 +27,8 @@ LINES = {  # peaks of a bearing line: name in the dataset, unit, column of the t
     "line_energy_end": ("kN mm", "energy_kN_mm"),
     "line_rubber_temperature_max": ("degC", "rubber_max_degC"),
     "line_lead_temperature_max": ("degC", "lead_max_degC"),
+    "line_rubber_rise_max": ("K", "rubber_rise_K"),
+    "line_lead_rise_max": ("K", "lead_rise_K"),
 }
 PIERS = {  # peaks of a pier, likewise
     "pier_part_displacement_max": ("mm", "displacement_max_mm"),
@@ -38,6 +38,19 @@ PIERS = {  # peaks of a pier, likewise
     "pier_part_rotation_max": ("rad", "rotation_max_rad"),
     "pier_part_ductility": ("1", "ductility"),
     "pier_part_moment_max": ("kN m", "moment_max_kN_m"),
+}
+GOVERNING = {  # peaks of a run: the line or pier that goes farthest, where there are several
+    "bearing_displacement_max": "line_displacement_max",
+    "bearing_strain_max": "line_strain_max",
+    "bearing_force_max": "line_force_max",
+    "bearing_energy_end": "line_energy_end",
+    "pier_displacement_max": "pier_part_displacement_max",
+    "pier_displacement_residual": "pier_part_displacement_residual",
+    "pier_top_displacement_max": "pier_part_top_displacement_max",
+    "pier_top_acceleration_max": "pier_part_top_acceleration_max",
+    "pier_rotation_max": "pier_part_rotation_max",
+    "pier_ductility": "pier_part_ductility",
+    "pier_moment_max": "pier_part_moment_max",
 }
 HISTORIES = {  # of the parts: dimension, unit, long name, column of history.csv
     "line_displacement": ("line", "mm", "displacement of each bearing line", "displacement_mm"),
@@ -53,6 +66,33 @@ HISTORIES = {  # of the parts: dimension, unit, long name, column of history.csv
 }
 
 
+def farthest(values: Any) -> Any:
+    """Return the value of largest magnitude along the last axis; NaN where none is known.
+
+    Examples
+    --------
+    >>> farthest([[1.0, -3.0, np.nan], [np.nan, np.nan, np.nan]]).tolist()
+    [-3.0, nan]
+    """
+    known = np.asarray(values, dtype=float)
+    place = np.nan_to_num(np.abs(known), nan=-1.0).argmax(axis=-1)[..., None]
+    return np.take_along_axis(known, place, axis=-1)[..., 0]
+
+
+def governing_peaks(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """Return those of `GOVERNING` that rows of lines or piers of one run hold."""
+    return {
+        name: float(farthest([row[of] for row in rows]))
+        for name, of in GOVERNING.items()
+        if of in rows[0]
+    }
+
+
+def largest(values: Floats) -> float:
+    """Largest size of a history; NaN where it is not known."""
+    return float(np.abs(values).max())
+
+
 def warmest(values: Floats) -> float:
     """Largest of some temperatures; NaN without any."""
     return float(values.max()) if values.size else np.nan
@@ -63,35 +103,34 @@ def line_peaks(task: "Task", history: StructureHistory) -> list[dict[str, Any]]:
     rows = []
     for b, (line, one) in enumerate(zip(task.case.structure.bearings, task.lines, strict=True)):
         books, device = history.bearing(b), one.device
-        lead = warmest(books["lead_temperature"]) if device.has_lead else np.nan
-        farthest = largest(books["displacement"])
+        lead = books["lead_temperature"] if device.has_lead else np.empty(0)
+        rubber = history.layers(b) if device.heats else np.empty((0, 0))
+        moved = largest(books["displacement"])
         force = largest(books["force"])
         rows.append(
             {
                 "line_bearing": device.bearing.name,
                 "line_count": line.count,
                 "line_ambient": one.ambient,
-                "line_displacement_max": farthest,
-                "line_strain_max": farthest / device.bearing.total_rubber_thickness,
+                "line_displacement_max": moved,
+                "line_strain_max": moved / device.bearing.total_rubber_thickness,
                 "line_force_max": force,
                 "line_total_force_max": force * line.count / line.scale**2,
                 "line_energy_end": float(books["work_in"][-1]),
-                "line_rubber_temperature_max": warmest(history.layers(b))
-                if device.heats
-                else np.nan,
-                "line_lead_temperature_max": lead,
+                "line_rubber_temperature_max": warmest(rubber),
+                "line_lead_temperature_max": warmest(lead),
+                "line_rubber_rise_max": warmest(rubber - rubber[:1]),
+                "line_lead_rise_max": warmest(lead - lead[:1]),
             }
         )
     return rows
 
 
 def pier_histories(
-    task: "Task", history: StructureHistory, pier: Pier
+    task: "Task", history: StructureHistory, pier: Pier, top: Floats, base: Floats
 ) -> tuple[Floats, Floats, Floats, Floats, Floats]:
     """Displacement, rotation, moment, motion and acceleration of the top of one pier."""
-    structure, q = task.case.structure, history.rows.q
-    top = displacement_row(structure, pier.name, pier.top)
-    base = displacement_row(structure, pier.base, pier.top)
+    q = history.rows.q
     missing = np.full(len(q), np.nan)
     rotation = moment = missing
     if pier.hinge is not None:
@@ -106,8 +145,8 @@ def pier_peaks(task: "Task", history: StructureHistory) -> list[dict[str, Any]]:
     """A row for each pier, by name in the dataset."""
     rows = []
     structure = task.case.structure
-    for pier in piers_of(structure):
-        moved, rotation, moment, top, acceleration = pier_histories(task, history, pier)
+    for pier, *where in task.prepared.piers:
+        moved, rotation, moment, top, acceleration = pier_histories(task, history, pier, *where)
         hinge = None if pier.hinge is None else structure.hinges[pier.hinge]
         rows.append(
             {
@@ -168,8 +207,8 @@ def _history(name: str, task: "Task", history: StructureHistory) -> Floats:
         lines = range(len(task.lines))
         return np.column_stack([history.bearing(b)[book] for b in lines])
     place = ("pier_part_displacement", "pier_part_rotation", "pier_part_moment").index(name)
-    piers = piers_of(task.case.structure)
-    return np.column_stack([pier_histories(task, history, pier)[place] for pier in piers])
+    piers = task.prepared.piers
+    return np.column_stack([pier_histories(task, history, *pier)[place] for pier in piers])
 
 
 def has_parts(dataset: xr.Dataset) -> bool:
@@ -196,7 +235,11 @@ def parts_table(dataset: xr.Dataset, dimension: str, columns: dict[str, Any]) ->
     for run in range(dataset.sizes["run"]):
         who = {name: dataset[key].values[run] for key, name in told.items()}
         for k, part in enumerate(dataset[dimension].values):
-            own = {name: dataset[key].values[run, k] for key, (_, name) in columns.items()}
+            own = {
+                name: dataset[key].values[run, k]
+                for key, (_, name) in columns.items()
+                if key in dataset  # earlier results have fewer
+            }
             rows.append(who | {dimension.removesuffix("_part"): str(part)} | own)
     return pd.DataFrame(rows)
 

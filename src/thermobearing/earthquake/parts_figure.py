@@ -15,30 +15,32 @@ SHOWN = (  # part, column, label, factor
     ("pier", "displacement_max_mm", "pier displacement [mm]", 1.0),
     ("pier", "ductility", "pier ductility", 1.0),
 )
-SPREAD = 0.5  # of the room of a part that its dots take
+SPREAD = 0.9  # of the room of a part that its dots take
 
 
 def draw_parts(result: EarthquakeResult) -> Figure:
     """Peaks of lines (strain, force) and piers (displacement, ductility), by ambient temperature.
 
-    Dots of the same part stand side by side by motion; bearings that are compared have other
-    markers.
+    The bearings that are compared stand side by side at each part, with other markers; each has
+    its motions from the left.
     """
     tables = {"line": result.lines, "pier": result.piers}
     shown = [item for item in SHOWN if tables[item[0]][item[1]].notna().any()]
     names = {part: list(dict.fromkeys(table[part])) for part, table in tables.items()}
     motions = list(dict.fromkeys(result.table["motion"]))
     wide = max(len(parts) for parts in names.values())
-    size = (max(3.0, 1.0 + 0.8 * wide) * len(shown), 3.8)
+    size = (max(3.6, 1.0 + 0.8 * wide) * 2, 2.7 * ((len(shown) + 1) // 2) + 0.9)
     several = len(motions) > 1
-    told = f" (from the left: {', '.join(motions)})" if several and len(motions) < 5 else ""
+    told = f" (motions from the left: {', '.join(motions)})" if several and len(motions) < 5 else ""
     title = f"{result.dataset.attrs['structure']}: bearing lines and piers{told}"
-    figure, axes = drawing.panels(1, len(shown), size, title)
+    figure, axes = drawing.panels((len(shown) + 1) // 2, 2, size, title)
     ambients = sorted(set(result.table["ambient_degC"]))
     colours = drawing.ambient_colours(np.array(ambients, dtype=float))
     looks = dict(zip(ambients, colours, strict=True))
     bearings = list(dict.fromkeys(result.table["bearing"]))
-    for ax, (part, column, label, factor) in zip(axes, shown, strict=True):
+    for spare in axes[len(shown) :]:
+        spare.set_visible(False)
+    for ax, (part, column, label, factor) in zip(axes, shown, strict=False):
         _dots(ax, tables[part], names[part], (part, column, factor), looks, bearings)
         drawing.name_axes(ax, "", label)
     handles = [
@@ -64,12 +66,13 @@ def _dots(
     """One panel: a column of dots for each motion at each part."""
     part, column, factor = what
     motions = list(dict.fromkeys(table["motion"]))
-    offsets = np.linspace(-0.5, 0.5, len(motions) + 2)[1:-1] * SPREAD
+    offsets = np.linspace(-0.5, 0.5, len(motions) * len(bearings) + 2)[1:-1] * SPREAD
     for row in table.to_dict("records"):
-        at = names.index(row[part]) + offsets[motions.index(row["motion"])]
+        place = bearings.index(row["bearing"]) * len(motions) + motions.index(row["motion"])
+        at = names.index(row[part]) + offsets[place]
         marker = drawing.MARKERS[bearings.index(row["bearing"]) % len(drawing.MARKERS)]
         look: drawing.Look = {"color": looks[row["ambient_degC"]], "marker": marker}
-        ax.plot([at], [factor * row[column]], markersize=4.5, linestyle="none", **look)
+        ax.plot([at], [factor * row[column]], markersize=3.5, linestyle="none", **look)
     ax.set_xticks(range(len(names)), names, rotation=30, ha="right", rotation_mode="anchor")
     ax.set_xlim(-0.6, len(names) - 0.4)
     ax.set_ylim(bottom=0.0)

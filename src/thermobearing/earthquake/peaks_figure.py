@@ -6,7 +6,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from thermobearing.earthquake.parts import told_of_parts
+from thermobearing.earthquake.parts import has_parts
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.results import drawing
 
@@ -35,8 +35,8 @@ def draw_peaks(result: EarthquakeResult) -> Figure:
     columns, ambients = len(bearings), sorted(set(table["ambient_degC"]))
     wide = max(1.9, 0.5 * len(ambients) + 0.9)
     size = (max(wide * columns, 4.0) + 0.8, 1.55 * len(shown) + 1.2)
-    about = told_of_parts(result.dataset)
-    title = f"{result.dataset.attrs['structure']}: peaks{f' ({about})' if about else ''}"
+    of_all = " (largest of all lines and piers)" if has_parts(result.dataset) else ""
+    title = f"{result.dataset.attrs['structure']}: peaks{of_all}"
     figure, axes = drawing.panels(len(shown), columns, size, title)
     colours = drawing.ambient_colours(np.array(ambients, dtype=float))
     for panel, ax in enumerate(axes):

@@ -13,7 +13,7 @@ from thermobearing.bearing.validity import ranges_of
 from thermobearing.core.records import Floats
 from thermobearing.cyclic.rig import asked_of, beyond
 from thermobearing.earthquake.case import EarthquakeCase
-from thermobearing.earthquake.measures import largest
+from thermobearing.earthquake.parts import largest
 from thermobearing.earthquake.result import run_name
 from thermobearing.earthquake.traces import loading_speed
 from thermobearing.model.earlier import BLIND

@@ -106,32 +106,41 @@ def early_words(result: EarthquakeResult) -> list[str]:
     ]
 
 
-def _largest(result: EarthquakeResult, column: str) -> tuple[float, str]:
-    """Largest value of a column, and its run in words."""
-    values = result.table[column]
-    if not values.notna().any():
+def _largest(result: EarthquakeResult, column: str, part: str) -> tuple[float, str]:
+    """Return the largest value of a column, and its run and line or pier in words."""
+    table = result.table
+    if not table[column].notna().any():
         return float("nan"), ""
-    place = int(np.nanargmax(values.to_numpy(dtype=float)))
-    return float(values.iloc[place]), plain(result.run_names[place])
+    place = int(np.nanargmax(table[column].to_numpy(dtype=float)))
+    where = f", {_named(part, table[part].iloc[place])}" if part in table else ""
+    return float(table[column].iloc[place]), plain(result.run_names[place] + where)
+
+
+def _named(column: str, name: str) -> str:
+    """Return a line or pier as "line A1"; a name that begins so stands alone."""
+    kind = column.rpartition("_")[2]
+    return name if name.lower().startswith(kind) else f"{kind} {name}"
 
 
 def _governing(result: EarthquakeResult) -> str:
     """Largest strain, force, and what the pier takes, each with its run."""
-    strain, where = _largest(result, "bearing_strain_max")
-    force, pushed = _largest(result, "bearing_force_max_kN")
-    pier, moved = _largest(result, "pier_displacement_max_mm")
+    strain, where = _largest(result, "bearing_strain_max", "strain_line")
+    force, pushed = _largest(result, "bearing_force_max_kN", "force_line")
+    which = "a" if len(result.piers) else "the"
+    pier, moved = _largest(result, "pier_displacement_max_mm", "displacement_pier")
     told = [
         f"the largest shear strain is {percent(strain)} ({where})",
         f"the largest force of one bearing {number(force, '.4g')} kN"
         + (f" ({pushed})" if pushed != where else " (the same run)"),
-        f"the pier top moves {pier:.1f} mm relative to its base ({moved})",
+        f"{which} pier top moves {pier:.1f} mm relative to its base ({moved})",
     ]
-    ductility, bent = _largest(result, "pier_ductility")
+    ductility, bent = _largest(result, "pier_ductility", "ductility_pier")
+    hinge = "the hinge that turns most" if len(result.piers) else "its hinge"
     if ductility == ductility:
         if ductility > 1.0:
-            told.append(f"its hinge yields, to a ductility of {ductility:.2f} ({bent})")
+            told.append(f"{hinge} yields, to a ductility of {ductility:.2f} ({bent})")
         else:
-            told.append(f"its hinge does not yield (ductility {ductility:.2f} at most, {bent})")
+            told.append(f"{hinge} does not yield (ductility {ductility:.2f} at most, {bent})")
     many = f"Of {counted(result.runs, 'run')}, " if result.runs > 1 else ""
     text = f"{many}{joined(told)}."
     return f"{text[:1].upper()}{text[1:]}"
@@ -170,18 +179,21 @@ def _cold_of(name: str, group: pd.DataFrame) -> str:
 
 
 def _heating(result: EarthquakeResult) -> str:
-    """How warm rubber and lead get."""
-    found: dict[str, tuple[float, int]] = {}
-    for run in range(result.runs):
+    """Return the largest rises of rubber and lead, each with its run and line, as a sentence."""
+    found: dict[str, list[tuple[float, str]]] = {"rubber": [], "lead": []}
+    for run, name in enumerate(result.run_names):
         for place, rise in result.rises(run).items():
-            if np.isfinite(rise) and rise > found.get(place, (-1.0, 0))[0]:
-                found[place] = rise, run
-    rubber = max((found[p] for p in ("outer_layer", "inner_layer") if p in found), default=None)
+            found["lead" if place == "lead" else "rubber"].append((rise, name))
+    if len(result.lines):
+        names = np.repeat(result.run_names, len(result.lines) // result.runs)
+        lines = [_named("line", line) for line in result.lines["line"]]
+        where = [f"{run}, {line}" for run, line in zip(names, lines, strict=True)]
+        found = {k: list(zip(result.lines[f"{k}_rise_K"], where, strict=True)) for k in found}
     told = []
-    for what, one in (("rubber", rubber), ("lead", found.get("lead"))):
-        if one is not None:
-            where = plain(result.run_names[one[1]])
-            told.append(f"the {what} by up to {one[0]:.1f} K ({where})")
+    for what, rises in found.items():
+        if known := [one for one in rises if np.isfinite(one[0])]:
+            rise, where_ = max(known)
+            told.append(f"the {what} by up to {rise:.1f} K ({plain(where_)})")
     if not told:
         return "No bearing of the study knows temperature."
     return f"The motions warm {joined(told)}."

@@ -5,6 +5,8 @@ from typing import Literal
 
 import numpy as np
 
+from thermobearing.earthquake.part_histories import told_of
+from thermobearing.earthquake.parts import has_parts, told_of_parts
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.report.pieces import Plot, ReportFigure, Trace
 from thermobearing.report.traces import POINTS, history, path, rounded
@@ -33,6 +35,7 @@ CAPTIONS = {
     "shares": "Shares of rubber, lead and rate branch in the force of the largest loop.",
     "speed": "Loading speed of the specimen on its own clock.",
 }
+OF_ALL = ("peaks", "parts", "deck")  # figures of the whole structure
 ORDER = ("peaks", "loops", "strain", "pier", "hinge", "deck", "pier_acceleration", "temperature")
 
 
@@ -41,16 +44,22 @@ def figures_of(result: EarthquakeResult) -> dict[str, ReportFigure]:
     held = result.plot.held() if result.runs else {}
     plots = plots_of(result)
     names = [name for name in ORDER if name in held] + [n for n in held if n not in ORDER]
+    shown = told_of_parts(result.dataset)
+    about = {n: CAPTIONS[n] for n in names}
+    about |= {n: f"{about[n]} Shown: {shown}." for n in names if shown and n not in OF_ALL}
     return {
         name: ReportFigure(
-            CAPTIONS[name], draw=held[name], alt=_alt(result, name), plot=plots.get(name)
+            about[name],
+            draw=held[name],
+            alt=about[name] + _largest(result, name),
+            plot=plots.get(name),
         )
         for name in names
     }
 
 
-def _alt(result: EarthquakeResult, name: str) -> str:
-    """What somebody who does not see it must know."""
+def _largest(result: EarthquakeResult, name: str) -> str:
+    """Return the largest value that a figure shows, and its run, for those who do not see it."""
     column = {
         "loops": ("bearing_strain_max", "largest shear strain {:.0%}"),
         "strain": ("bearing_strain_max", "largest shear strain {:.0%}"),
@@ -60,13 +69,16 @@ def _alt(result: EarthquakeResult, name: str) -> str:
         "pier_acceleration": ("pier_top_acceleration_max_m_s2", "largest {:.2f} m/s²"),
     }.get(name)
     if column is None:
-        return CAPTIONS[name]
-    values = result.table[column[0]]
+        return ""
+    view = result.dataset
+    for part in ("line", "pier") if has_parts(view) else ():
+        view = told_of(view, part, None)
+    values = EarthquakeResult(view).table[column[0]]
     if not values.notna().any():
-        return CAPTIONS[name]
+        return ""
     run = result.run_names[int(np.nanargmax(values.to_numpy(dtype=float)))]
     told = column[1].format(values.max()).replace("%", " %")
-    return f"{CAPTIONS[name]} {told[:1].upper()}{told[1:]} ({plain(run)})."
+    return f" {told[:1].upper()}{told[1:]} ({plain(run)})."
 
 
 def plots_of(result: EarthquakeResult) -> dict[str, Plot]:

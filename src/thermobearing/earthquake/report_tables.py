@@ -6,10 +6,12 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from thermobearing.earthquake.governing import governing_runs
 from thermobearing.earthquake.modes import has_both, modes_table
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.report.limits import MARKED
 from thermobearing.report.pieces import Column, ReportTable
+from thermobearing.report.words import degrees, plain
 from thermobearing.results.ranges import TESTED
 
 KJ = 1e-3
@@ -27,6 +29,12 @@ PEAKS = {  # column of the table: head, factor
     "pier_ductility": (Column("Ductility", "", ".2f"), 1.0),
     "pier_moment_max_kN_m": (Column("Pier moment", "kN m", ".0f"), 1.0),
     "deck_acceleration_max_m_s2": (Column("Deck", "m/s²", ".2f"), 1.0),
+}
+PLACES = {  # of the governing line or pier: head
+    "strain_line": Column("Line, strain"),
+    "force_line": Column("Line, force"),
+    "displacement_pier": Column("Pier, top"),
+    "ductility_pier": Column("Pier, ductility"),
 }
 HOTTEST = {"rubber": Column("Rubber", "°C", ".1f"), "lead": Column("Lead", "°C", ".1f")}
 COLD = {  # of the warmest: column of the table, head
@@ -78,6 +86,7 @@ RATIOS = {
 def tables_of(result: EarthquakeResult) -> dict[str, ReportTable]:
     """Tables of what came out, by name."""
     found = {
+        "governing": governing_table(result),
         "peaks": peaks_table(result),
         "cold": cold_table(result),
         "lines": parts_table(result, "line"),
@@ -94,19 +103,53 @@ def _keys(table: pd.DataFrame) -> list[str]:
     return [name for name in KEYS if name in table]
 
 
+def _line(result: EarthquakeResult) -> str:
+    """Return " of line A1", the line whose histories are kept; empty with one of all."""
+    return f" of line {result.dataset.attrs['line']}" if len(result.lines) else ""
+
+
 def _told(table: pd.DataFrame, columns: Sequence[str]) -> list[str]:
     """Those that some run has."""
     return [name for name in columns if name in table and table[name].notna().any()]
+
+
+def governing_table(result: EarthquakeResult) -> ReportTable | None:
+    """Return the largest of all runs, lines and piers, a column a bearing; None for one run."""
+    rows_of = governing_runs(result).to_dict("records")
+    if result.runs < 2 and not len(result.lines):
+        return None
+    bearings = list(dict.fromkeys(row["bearing"] for row in rows_of))
+    found: dict[str, dict[str, list[Any]]] = {}
+    for row in rows_of:
+        what, _, unit = str(row["what"]).removesuffix("]").partition(" [")
+        value, form, unit = row["largest"], ".4g", plain(unit and f" {unit}").strip()
+        if what == "bearing strain":
+            value, form, unit = 100.0 * value, ".0f", "%"
+        air = degrees([row["ambient_degC"]])
+        where = ", ".join(part for part in (row["part"], row["motion"], air) if part)
+        key = f"{what[:1].upper()}{what[1:]}" + (f" [{unit}]" if unit else "")
+        found.setdefault(key, {})[row["bearing"]] = [float(format(value, form)), where]
+    columns = [Column("Largest of all runs")]
+    for name in bearings:
+        columns += [Column(name, form="g"), Column("Where")]
+    rows = [
+        [what, *(cell for name in bearings for cell in cells.get(name, ["", ""]))]
+        for what, cells in found.items()
+    ]
+    return ReportTable(
+        "The largest of all runs, lines and piers, and where it occurs", columns, rows
+    )
 
 
 def peaks_table(result: EarthquakeResult) -> ReportTable:
     """Largest value of everything that counts, a row a run."""
     table, keys = result.table, _keys(result.table)
     names = _told(table, list(PEAKS))
+    where = [name for name in PLACES if name in table and table[name].nunique() > 1]
     hottest = [result.hottest(run) for run in range(result.runs)]
     warm = [name for name in HOTTEST if any(np.isfinite(one[name]) for one in hottest)]
     columns = [*(KEYS[key] for key in keys), *(PEAKS[name][0] for name in names)]
-    columns += [HOTTEST[name] for name in warm]
+    columns += [HOTTEST[name] for name in warm] + [PLACES[name] for name in where]
     ended = (table["outcome"] != "completed").any()
     columns += [Column("Ended")] if ended else []
     places = {"ambient": keys.index("ambient_degC")}
@@ -116,7 +159,7 @@ def peaks_table(result: EarthquakeResult) -> ReportTable:
     rows, marked, others = [], set(), set()
     for run, row in enumerate(table.to_dict("records")):
         cells = [row[key] for key in keys] + [PEAKS[name][1] * row[name] for name in names]
-        cells += [hottest[run][name] for name in warm]
+        cells += [hottest[run][name] for name in warm] + [row[name] for name in where]
         rows.append([*cells, *([row["outcome"].replace("_", " ")] if ended else [])])
         for limit in str(row["beyond_tested"]).split():
             if limit in places:
@@ -126,6 +169,8 @@ def peaks_table(result: EarthquakeResult) -> ReportTable:
                 others.add(TESTED[limit][1])
     note = "Force, energy: of one bearing. Pier top: relative to its base. Deck: absolute "
     note += "acceleration. Rubber, lead: highest temperature."
+    if len(result.lines):
+        note += " Every peak is the largest of all lines and piers, which follow line by line."
     if marked:
         note += f" {MARKED}" + (f" (a motion: {', '.join(sorted(others))})." if others else ".")
     return ReportTable("Peaks of every run", columns, rows, len(keys), frozenset(marked), note)
@@ -195,7 +240,7 @@ def loops_table(result: EarthquakeResult) -> ReportTable | None:
     ]
     note = "The loop that holds the largest displacement, from zero to zero displacement: K_eq = "
     note += "(|F+| + |F−|)/(|D+| + |D−|), h_eq and G_e as of a test (Eq. 3.1, 3.2)."
-    caption = "Largest loop of one bearing in each run"
+    caption = f"Largest loop of one bearing{_line(result)} in each run"
     return ReportTable(caption, columns, rows, len(keys), note=note)
 
 
@@ -296,4 +341,6 @@ def bearing_books(result: EarthquakeResult) -> ReportTable:
     columns, rows, keys = _books(result, heads, residuals)
     note = "Work in = heat released + recoverable; heat released = stored + lost; of a bilinear "
     note += "bearing all heat counts as stored."
-    return ReportTable("Energy books of one bearing", columns, rows, keys, note=note)
+    return ReportTable(
+        f"Energy balance of one bearing{_line(result)}", columns, rows, keys, note=note
+    )

@@ -10,7 +10,15 @@ import xarray as xr
 
 from thermobearing.border.showing import Shown
 from thermobearing.core.records import Floats
-from thermobearing.earthquake.columns import BEARING, COLUMNS, HISTORY, LABELS, LOOP, STRUCTURE
+from thermobearing.earthquake.columns import (
+    BEARING,
+    COLUMNS,
+    HISTORY,
+    LABELS,
+    LOOP,
+    PLACES,
+    STRUCTURE,
+)
 from thermobearing.earthquake.governing import governing_runs
 from thermobearing.earthquake.meanings import ENERGY, HEAT
 from thermobearing.earthquake.measures import residuals_of
@@ -137,11 +145,15 @@ class EarthquakeResult(Shown):
     def table(self) -> pd.DataFrame:
         """One row per run: bearing, motion, ambient temperature, mode, outcome, peaks.
 
-        The mode is that of the laboratory, and not there without one. `energy_of_warmest` is the
-        bearing's energy over that at the warmest temperature of the same bearing, motion and
-        mode, `damping_of_input` the share of the energy that viscous damping takes from the
-        input, `beyond_rig` what the run asks too much of, if a rig is named, `beyond_tested`
-        the quantities in which it leaves the tested range of its bearing.
+        Peaks of bearings and piers are the largest of all lines and piers; where there are
+        several, `strain_line`, `force_line`, `displacement_pier` and `ductility_pier` name the
+        one that governs, and `lines` and `piers` hold a row for each. The largest loop is that
+        of the line in ``dataset.attrs["line"]``. The mode is that of the laboratory; without one
+        there is no such column. `energy_of_warmest` is the bearing's energy over that at the
+        warmest temperature of the same bearing, motion and mode, `damping_of_input` the
+        share of the energy that viscous damping takes from the input, `beyond_rig`
+        what the run asks too much of, if a rig is named, `beyond_tested` the quantities in which
+        it leaves the tested range of its bearing.
         """
         frame = pd.DataFrame(
             {
@@ -155,6 +167,10 @@ class EarthquakeResult(Shown):
         for name, (variable, factor) in COLUMNS.items():
             if variable in self.dataset:  # results of 0.1 have fewer
                 frame[name] = factor * self.dataset[variable].values
+        for name, (part, peak) in PLACES.items() if "line" in self.dataset.coords else ():
+            sizes = np.nan_to_num(np.abs(self.dataset[peak].values), nan=-1.0)
+            names = self.dataset[part].values[sizes.argmax(axis=1)]
+            frame[name] = np.where(sizes.max(axis=1) < 0.0, "", names)
         same = [name for name in ("bearing", "motion", "mode") if name in frame]
         sorted_ = frame.sort_values("ambient_degC")
         warmest = sorted_.groupby(same, sort=False)["bearing_energy_kN_mm"].transform("last")
@@ -309,9 +325,14 @@ class EarthquakeResult(Shown):
         return found
 
     def hottest(self, run: int) -> dict[str, float]:
-        """Highest temperature of any rubber layer and of the lead [degC]; NaN without one."""
+        """Highest temperature of rubber layers and lead in any line [degC]; NaN without one."""
         data = self.dataset
         found = {}
+        if "line" in data.coords:
+            return {
+                place: float(data[f"line_{place}_temperature_max"][run].max())
+                for place in ("rubber", "lead")
+            }
         for place, name in (("rubber", "rubber_temperature"), ("lead", "lead_temperature")):
             values = data[name].values[run]
             known = np.isfinite(values)
@@ -325,11 +346,10 @@ class EarthquakeResult(Shown):
         parts = {"lines": self.lines, "piers": self.piers}
         for run in range(self.runs):
             rubber = self.dataset["rubber_temperature"].values[run]
-            lead = self.dataset["lead_temperature"].values[run]
             layers = [float(np.nanmax(column)) for column in rubber.T if np.isfinite(column).any()]
             row = {str(k): _plain(v) for k, v in table.iloc[run].items()}
             row["rubber_degC_max"] = layers
-            row["lead_degC_max"] = float(np.nanmax(lead)) if np.isfinite(lead).any() else None
+            row["lead_degC_max"] = lead if (lead := self.hottest(run)["lead"]) == lead else None
             row["layer_force_mismatch_max_kN"] = _plain(
                 self.dataset["layer_force_mismatch_max"].values[run]
             )

@@ -7,7 +7,7 @@ import pandas as pd
 
 from thermobearing.earthquake.governing import governing_runs
 from thermobearing.earthquake.modes import has_both, modes_table
-from thermobearing.earthquake.parts import told_of_parts
+from thermobearing.earthquake.parts import farthest, has_parts
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.results.screen import print_table, print_warnings, say
 
@@ -36,21 +36,22 @@ HEADS = (
     "strain",
     "force kN",
     "energy kJ",
-    "of warm",
+    "of warmest",
     "pier mm",
     "ductility",
     "deck mm",
     "deck m/s2",
-    "damped",
+    "viscous",
     "rubber degC",
     "lead degC",
 )
 
 
+MOST_ROWS = 24  # of lines or piers: of more, the largest of all runs are printed
 PARTS = {  # columns of lines.csv and piers.csv: head, how a number is told
     "line": {
         "count": ("n", "{:.0f}"),
-        "line_ambient_degC": ("its air", "{:g}"),
+        "line_ambient_degC": ("ambient degC", "{:g}"),
         "strain_max": ("strain", "{:.0%}"),
         "force_max_kN": ("kN each", "{:.0f}"),
         "total_force_max_kN": ("kN all", "{:.0f}"),
@@ -58,8 +59,8 @@ PARTS = {  # columns of lines.csv and piers.csv: head, how a number is told
         "lead_max_degC": ("lead degC", "{:.1f}"),
     },
     "pier": {
-        "displacement_max_mm": ("mm", "{:.1f}"),
-        "displacement_residual_mm": ("left mm", "{:.1f}"),
+        "displacement_max_mm": ("top mm", "{:.1f}"),
+        "displacement_residual_mm": ("residual mm", "{:.1f}"),
         "ductility": ("ductility", "{:.2f}"),
         "moment_max_kN_m": ("kN m", "{:.0f}"),
         "top_acceleration_max_m_s2": ("top m/s2", "{:.2f}"),
@@ -86,7 +87,7 @@ def print_study(
     for part, rows in (("line", result.lines), ("pier", result.piers)):
         if len(rows) and len(set(rows[part])) > 1:
             _print_parts(part, rows)
-    if result.runs > 1 or told_of_parts(result.dataset):
+    if result.runs > 1 or has_parts(result.dataset):
         _print_governing(result)
     marked = table["beyond_tested"].str.split().explode()
     if marked.isin(["strain", "ambient"]).any():
@@ -138,8 +139,8 @@ def _print_runs(result: EarthquakeResult, rows: pd.DataFrame, both: bool) -> Non
         _cells(row, result.hottest(int(run)), both, several)
         for run, row in zip(rows.index, rows.to_dict("records"), strict=True)
     ]
-    heads, about = (*KEYS, *HEADS), told_of_parts(result.dataset)
-    more = f": {about}; all lines and piers below" if about else ""
+    heads = (*KEYS, *HEADS)
+    more = ": the largest of all lines and piers" if has_parts(result.dataset) else ""
     told = [k for k in range(len(heads)) if k < len(KEYS) or any(line[k] for line in cells)]
     print_table(
         [heads[k] for k in told],
@@ -151,16 +152,24 @@ def _print_runs(result: EarthquakeResult, rows: pd.DataFrame, both: bool) -> Non
 
 
 def _print_parts(part: str, rows: pd.DataFrame) -> None:
-    """A row for each run and bearing line, or pier."""
-    shown = PARTS[part]
-    cells = []
+    """Print a row for each run and bearing line, or pier; the largest of many runs."""
+    shown, title = PARTS[part], f"{part}s"
+    rows = rows.assign(bearing=rows.get("line_bearing", rows["bearing"]))
+    keys = ["bearing", "motion", *(["mode"] if "mode" in rows else []), "ambient_degC"]
+    if len(rows) > MOST_ROWS:
+        keys, title = keys[:1], f"{part}s: the largest of all runs (each run: {part}s.csv)"
+        groups = rows.groupby([part, *keys], sort=False)[list(shown)]
+        rows = groups.agg(farthest).reset_index()
+    cells: dict[tuple[str, ...], list[str]] = {}  # equal ones in one row
     for row in rows.sort_values(part, kind="stable").to_dict("records"):
-        bearing = row.get("line_bearing", row["bearing"])
-        motion = f"{row['motion']} {row['mode']}" if "mode" in row else row["motion"]
-        numbers = [_told(row[column], form) for column, (_, form) in shown.items()]
-        cells.append((str(row[part]), bearing, motion, f"{row['ambient_degC']:g}", *numbers))
-    heads = (part, "bearing", "motion", "degC", *(head for head, _ in shown.values()))
-    print_table(heads, cells, title=f"{part}s", keys=4)
+        told = [f"{row[key]:g}" if key == "ambient_degC" else str(row[key]) for key in keys]
+        told += [_told(row[column], form) for column, (_, form) in shown.items()]
+        cells.setdefault(tuple(told), []).append(str(row[part]))
+    heads = (part, *keys, *(head for head, _ in shown.values()))
+    lines = [(", ".join(names), *told) for told, names in cells.items()]
+    print_table(
+        [head.replace("ambient_", "") for head in heads], lines, title=title, keys=1 + len(keys)
+    )
 
 
 def _print_governing(result: EarthquakeResult) -> None:

@@ -17,12 +17,14 @@ class Pier:
     base : body that it stands on; its displacement is relative to that.
     top : height of its top [mm].
     hinge : number of its hinge in the structure; None without one.
+    height : from the base of its body to its top [mm].
     """
 
     name: str
     base: str
     top: float
     hinge: int | None
+    height: float
 
 
 def reported_line(structure: Structure, own: Collection[str] = ()) -> int:
@@ -69,7 +71,10 @@ def piers_of(structure: Structure) -> list[Pier]:
     [('pier', 'footing', 0)]
     """
     report = structure.report
-    found = [Pier(report.pier, report.pier_base, report.pier_top, hinge_of(structure, report.pier))]
+    foot = structure.body(report.pier).base_height if report.has_pier else report.pier_top
+    hinge = hinge_of(structure, report.pier)
+    height = report.pier_top - foot
+    found = [Pier(report.pier, report.pier_base, report.pier_top, hinge, height)]
     carriers = [line.base for line in structure.bearings]
     carriers += [hinge.body for hinge in structure.hinges]
     for name in dict.fromkeys(carriers):
@@ -83,7 +88,8 @@ def piers_of(structure: Structure) -> list[Pier]:
         base = on or structure.body(name).on or GROUND
         tops = [line.height for line in structure.bearings if line.base == name]
         tops = tops or [mass.height for mass in structure.masses if mass.body == name]
-        found.append(Pier(name, base, max(tops, default=0.0), hinge))
+        top = max(tops, default=0.0)
+        found.append(Pier(name, base, top, hinge, top - structure.body(name).base_height))
     return found
 
 

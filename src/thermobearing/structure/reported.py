@@ -19,7 +19,6 @@ class Reported:
     deck, top, base : [n] of the deck, the pier top, and the pier top if only its base moves.
     hinge : number of the pier's hinge; None without one.
     yield_rotation : of that hinge [rad]; NaN without one.
-    height : from the base of the pier to its top [mm]; 0 without one.
     """
 
     deck: Floats
@@ -27,7 +26,6 @@ class Reported:
     base: Floats
     hinge: int | None
     yield_rotation: float
-    height: float
 
 
 def reported_of(structure: Structure) -> Reported:
@@ -36,8 +34,8 @@ def reported_of(structure: Structure) -> Reported:
     Examples
     --------
     >>> from thermobearing.structure.model import load_structure
-    >>> reported_of(load_structure("pier-p1")).height
-    10000.0
+    >>> round(reported_of(load_structure("pier-p1")).yield_rotation, 5)
+    0.00309
     """
     report = structure.report
     hinge = hinge_of(structure, report.pier)
@@ -47,7 +45,4 @@ def reported_of(structure: Structure) -> Reported:
         base=displacement_row(structure, report.pier_base, report.pier_top),
         hinge=hinge,
         yield_rotation=np.nan if hinge is None else structure.hinges[hinge].yield_rotation,
-        height=report.pier_top - structure.body(report.pier).base_height
-        if report.has_pier
-        else 0.0,
     )

@@ -18,12 +18,14 @@ from thermobearing.structure.matrices import (
     Matrices,
     Modes,
     build_matrices,
+    displacement_row,
     find_modes,
     hinge_stiffness,
     line_stiffness,
 )
 from thermobearing.structure.model import Damping, DampingKind, MassModel, Structure
 from thermobearing.structure.newmark import newmark_march, start_motion
+from thermobearing.structure.parts import Pier, piers_of
 from thermobearing.structure.predictor import predictor_march
 from thermobearing.structure.reported import Reported, reported_of
 from thermobearing.structure.takeda import straight_hinges
@@ -154,6 +156,19 @@ class Prepared:
     def reported(self) -> Reported:
         """Where its peaks are looked at; of a structure that says so."""
         return reported_of(self.structure)
+
+    @cached_property
+    def piers(self) -> list[tuple[Pier, Floats, Floats]]:
+        """Every pier, with the displacement of its top and what its base alone gives the top."""
+        structure = self.structure
+        return [
+            (
+                pier,
+                displacement_row(structure, pier.name, pier.top),
+                displacement_row(structure, pier.base, pier.top),
+            )
+            for pier in piers_of(structure)
+        ]
 
 
 def prepare_structure(

@@ -5,7 +5,7 @@ same columns. Rows of histories are forgotten after each run; in lockstep there 
 `measure_all` is the one place where a study computes.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
@@ -21,7 +21,7 @@ from thermobearing.earthquake.measures import (
     measures_of,
     residuals_of,
 )
-from thermobearing.earthquake.parts import warmest
+from thermobearing.earthquake.parts import farthest, governing_peaks, line_peaks, pier_peaks
 from thermobearing.earthquake.run import is_torn, lines_to_shake, run_task
 from thermobearing.earthquake.task import Task
 from thermobearing.earthquake.traces import (
@@ -64,8 +64,8 @@ OF_RUN: Final = {  # columns that an earthquake analysis measures too: name ther
     "iterations": "iterations",
     "substeps": "substeps",
 }
-PIER, TOP, DECK = range(3)  # what is watched in a run without rows; the ground carries the last two
-CARRIED: Final = np.array([0.0, 1.0, 1.0])
+DECK: Final = -1  # watched last in a run without rows; before it each pier and its top
+DRIFTS: Final = "pier_part_displacement_max"
 COUNTS: Final = ("steps", "iterations", "substeps")
 OWN: Final = {  # columns of a study alone: unit, meaning
     "bearing_displacement_residual_mm": ("mm", "displacement of the bearing at the end"),
@@ -159,16 +159,17 @@ def measure_all(
 
 
 def to_shake(task: Task) -> Run:
-    """A run for its peaks only: pier, pier top and deck are watched."""
-    where, shaking = task.prepared.reported, task.shaking
+    """A run for its peaks only: every pier, its top, and the deck are watched."""
+    piers, shaking = task.prepared.piers, task.shaking
+    watched = [row for _, top, base in piers for row in (top - base, top)]
     return Run(
         task.prepared,
         lines_to_shake(task),
         shaking.ground,
         shaking.dt,
         task.ambient,
-        places=np.array([where.top - where.base, where.top, where.deck]),
-        carried=CARRIED,
+        places=np.array([*watched, task.prepared.reported.deck]),
+        carried=np.array([*[0.0, 1.0] * len(piers), 1.0]),  # the ground carries tops and deck
         method=task.case.analysis.method,
     )
 
@@ -177,15 +178,16 @@ def numbers_of(
     task: Task, history: StructureHistory, traces: Mapping[str, Floats]
 ) -> dict[str, Any]:
     """A value for each of `RESULT_COLUMNS`."""
-    device, line = task.told.device, task.told_line
-    bearing, none = history.bearing(line), np.empty(0)
+    lines = line_peaks(task, history)
+    left = [history.bearing(b)["displacement"][-1] for b in range(len(lines))]
     own = {
-        "bearing_displacement_residual_mm": bearing["displacement"][-1],
+        "bearing_displacement_residual_mm": float(farthest(left)),
+        "pier_drift_max": drift(task, [row[DRIFTS] for row in pier_peaks(task, history)]),
         "deck_displacement_residual_mm": traces["deck_displacement"][-1],
-        "rubber_max_degC": warmest(history.layers(line) if device.heats else none),
-        "lead_max_degC": warmest(bearing["lead_temperature"] if device.has_lead else none),
+        "rubber_max_degC": hottest(line["line_rubber_temperature_max"] for line in lines),
+        "lead_max_degC": hottest(line["line_lead_temperature_max"] for line in lines),
     }
-    return _row(task, measures_of(task, history, traces), own)
+    return _row(measures_of(task, history, traces), own)
 
 
 def numbers_of_peaks(task: Task, peaks: RunPeaks) -> dict[str, Any]:
@@ -193,63 +195,92 @@ def numbers_of_peaks(task: Task, peaks: RunPeaks) -> dict[str, Any]:
     found = measures_of_peaks(task, peaks)
     if peaks.outcome == COMPLETED and is_torn(task, peaks.lines["displacement"].tolist()):
         found["outcome"] = NOT_PHYSICAL
-    line, told = named(peaks.lines[task.told_line]), task.told.device
+    each = list(zip(named(peaks.lines), [one.device for one in task.lines], strict=True))
     own = {
-        "bearing_displacement_residual_mm": peaks.bearings["displacement"][task.told_line],
+        "bearing_displacement_residual_mm": float(farthest(peaks.bearings["displacement"])),
+        "pier_drift_max": drift(task, peaks.watches["displacement"][:DECK:2].tolist()),
         "deck_displacement_residual_mm": peaks.watches["residual"][DECK],
-        "rubber_max_degC": line["rubber_temperature"] if told.heats else np.nan,
-        "lead_max_degC": line["lead_temperature"] if told.has_lead else np.nan,
+        "rubber_max_degC": hottest(p["rubber_temperature"] for p, one in each if one.heats),
+        "lead_max_degC": hottest(p["lead_temperature"] for p, one in each if one.has_lead),
     }
-    return _row(task, found, own)
+    return _row(found, own)
 
 
-def named(row: Any) -> dict[str, float]:
-    """The numbers of a record, by name: reading them one by one from numpy takes long."""
-    return dict(zip(row.dtype.names, row.item(), strict=True))
+def hottest(values: Iterable[float]) -> float:
+    """Return the highest known temperature; NaN without one."""
+    return max((float(value) for value in values if value == value), default=np.nan)
+
+
+def drift(task: Task, moved: Sequence[float]) -> float:
+    """Return the largest displacement of a pier top over the height of its pier; NaN without."""
+    piers = [pier for pier, _, _ in task.prepared.piers]
+    each = [m / p.height if p.height > 0.0 else np.nan for p, m in zip(piers, moved, strict=True)]
+    return float(farthest(each))
+
+
+def named(rows: Any) -> list[dict[str, float]]:
+    """Return the numbers of records by name: reading them one by one from numpy takes long."""
+    return [dict(zip(rows.dtype.names, row, strict=True)) for row in rows.tolist()]
 
 
 def measures_of_peaks(task: Task, peaks: RunPeaks) -> dict[str, Any]:
     """What `measures_of` says of a run with rows; its bearings begin at rest."""
-    told, where = task.told_line, task.prepared.reported
-    line, bearing, books = map(named, (peaks.lines[told], peaks.bearings[told], peaks.books[0]))
-    pier, top, deck = map(named, (peaks.watches[place] for place in (PIER, TOP, DECK)))
-    rotation, moment = np.nan, np.nan
-    if where.hinge is not None:
-        hinge = named(peaks.hinges[where.hinge])
-        rotation, moment = hinge["rotation"], hinge["moment"] / KN_MM_PER_KN_M
+    bearings, lines = named(peaks.bearings), named(peaks.lines)
+    bearing, books = bearings[task.told_line], named(peaks.books)[0]
+    *piers, deck = named(peaks.watches)
+    of_lines = [
+        {
+            "line_displacement_max": peak["displacement"],
+            "line_strain_max": peak["displacement"] / one.device.bearing.total_rubber_thickness,
+            "line_force_max": peak["force"],
+            "line_energy_end": end["work_in"],
+        }
+        for peak, end, one in zip(lines, bearings, task.lines, strict=True)
+    ]
+    of_piers = [
+        {
+            "pier_part_displacement_max": piers[2 * k]["displacement"],
+            "pier_part_displacement_residual": piers[2 * k]["residual"],
+            "pier_part_top_displacement_max": piers[2 * k + 1]["displacement"],
+            "pier_part_top_acceleration_max": piers[2 * k + 1]["acceleration"] / MM_PER_M,
+            **_hinge_peaks(task, peaks, pier.hinge),
+        }
+        for k, (pier, _, _) in enumerate(task.prepared.piers)
+    ]
     return {
         "outcome": peaks.outcome,
-        "bearing_displacement_max": line["displacement"],
-        "bearing_strain_max": line["displacement"]
-        / task.told.device.bearing.total_rubber_thickness,
-        "bearing_force_max": line["force"],
-        "bearing_energy_end": bearing["work_in"],
-        "pier_displacement_max": pier["displacement"],
-        "pier_displacement_residual": pier["residual"],
-        "pier_rotation_max": rotation,
-        "pier_ductility": rotation / where.yield_rotation,
-        "pier_moment_max": moment,
-        "pier_top_displacement_max": top["displacement"],
-        "pier_top_acceleration_max": top["acceleration"] / MM_PER_M,
+        **governing_peaks(of_lines),
+        **governing_peaks(of_piers),
         "deck_displacement_max": deck["displacement"],
         "deck_acceleration_max": deck["acceleration"] / MM_PER_M,
-        "layer_force_mismatch_max": line["mismatch"],
+        "layer_force_mismatch_max": lines[task.told_line]["mismatch"],
         **{name: getattr(peaks, name) for name in COUNTS},
         **{f"energy_{name}": books[name] for name in STRUCTURE_ENERGIES},
         **{f"heat_{name}": bearing[name] for name in BEARING},
     }
 
 
-def _row(task: Task, found: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
+def _hinge_peaks(task: Task, peaks: RunPeaks, hinge: int | None) -> dict[str, float]:
+    """Return rotation, ductility and moment of a pier's hinge; NaN without one."""
+    rotation = moment = limit = np.nan
+    if hinge is not None:
+        found, limit = named(peaks.hinges)[hinge], task.case.structure.hinges[hinge].yield_rotation
+        rotation, moment = found["rotation"], found["moment"] / KN_MM_PER_KN_M
+    return {
+        "pier_part_rotation_max": rotation,
+        "pier_part_ductility": rotation / limit,
+        "pier_part_moment_max": moment,
+    }
+
+
+def _row(found: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
     """All columns, from what `measures_of` says and what only a study has."""
-    ended, height = found["outcome"], task.prepared.reported.height
-    drift = found["pier_displacement_max"] / height if height > 0.0 else np.nan
+    ended = found["outcome"]
     return {
         "outcome": ended,
         "sentence": "" if ended == COMPLETED else ALL_SENTENCES.get(ended, ""),
         **{name: found[key] for name, key in OF_RUN.items()},
         **own,
-        "pier_drift_max": drift,
         **residuals_of(found),
     }
 
