@@ -33,7 +33,7 @@ from thermobearing.report.limits import (
     TESTED_RANGE,
     TESTS,
     limit_checks,
-    residual_check,
+    quality_table,
     verdict,
 )
 from thermobearing.report.pieces import Check, Pieces, ReportTable
@@ -63,6 +63,7 @@ def pieces_of(result: Result) -> Pieces:
     validity, warnings = parted(result.warnings)
     given = case["bearing"].get("tested_range") is not None
     checks = checks_of(result, case)
+    quality, poor = quality_of(result, case)
     within = [tidy(text) for text in validity] if given else []
     unknown = "" if given else " ".join(map(tidy, validity))
     return Pieces(
@@ -71,14 +72,14 @@ def pieces_of(result: Result) -> Pieces:
         question=question(result, case),
         answer=answer(result, verdict(checks, within, unknown)),
         inputs=inputs_of(result, case),
-        tables=tables_of(result),
+        tables=tables_of(result) | {"quality": quality},
         figures=figures_of(result),
         checks=checks,
         validity=within,
         validity_unknown=unknown,
         books=books_table(result),
         assumptions=[*_start(case), *model_assumptions(case["analysis"], [case["bearing"]])],
-        warnings=[tidy(text) for text in warnings],
+        warnings=[*poor, *(tidy(text) for text in warnings)],
         identity=identity_of(
             str(result.dataset.attrs["version"]),
             str(result.dataset.attrs["case"]),
@@ -252,18 +253,22 @@ def _start(case: Case) -> list[str]:
 
 
 def checks_of(result: Result, case: Case) -> list[Check]:
-    """What was asked of rig and tests, and whether the energy books close."""
+    """Return the checks: what was asked of the rig and beyond the tests."""
     bearing = result.bearing_name
     rig = str(case.get("rig", {}).get("name", "rig"))
     found = limit_checks(result.rig.to_dict("records"), RIG, f"rig {rig}")
     tested = result.tested_range.to_dict("records")
-    found += limit_checks(tested, TESTS, f"{TESTED_RANGE} of {bearing}")
+    return found + limit_checks(tested, TESTS, f"{TESTED_RANGE} of {bearing}")
+
+
+def quality_of(result: Result, case: Case) -> tuple[ReportTable, list[str]]:
+    """Return the largest residuals of the energy balance, and warnings of those too large."""
+    found = []
     analysis = case["analysis"]
     gaps = analysis["scheme"] == "published" or analysis["model"] in BLIND
     for name in ("mechanical", "thermal"):
         values = result.energy[f"{name}_residual"].abs()
         limit = float("nan") if gaps and name == "thermal" else BOOKS_CLOSE
         source = "energy balance" if limit == limit else "no limit: this model's books have gaps"
-        what = f"{name} residual of the energy books"
-        found.append(residual_check(what, float(values.max()), limit, source))
-    return found
+        found.append((f"{name} residual", float(values.max()), limit, source))
+    return quality_table(found)

@@ -12,11 +12,12 @@ from thermobearing.earthquake.case import EarthquakeAnalysis
 from thermobearing.earthquake.report_inputs import given_motions_table
 from thermobearing.report.identity import identity_of
 from thermobearing.report.inputs import input_table
-from thermobearing.report.limits import TESTED_RANGE, TESTS, limit_checks, verdict
+from thermobearing.report.limits import IN_EARTHQUAKES, TESTED_RANGE, limit_checks, verdict
 from thermobearing.report.pieces import EXCEEDED, PASSED, Check, Column, Pieces, ReportTable
 from thermobearing.report.saved import saved_figures, saved_validity
-from thermobearing.report.words import joined, number, printed_unit, tidy
+from thermobearing.report.words import degrees, joined, number, printed_unit, tidy
 from thermobearing.results.directory import BEARINGS, RESOLVED
+from thermobearing.results.ranges import rate_note
 from thermobearing.results.saved import SavedResult
 from thermobearing.structure.report import structure_table
 
@@ -67,6 +68,7 @@ def design_pieces(saved: SavedResult) -> Pieces:
     case, text = read_toml(saved.path / RESOLVED), read_text(saved.path / RESOLVED)
     validity, unknown, warnings = saved_validity(saved)
     checks = checks_of(saved)
+    rate = rate_note(summary.get("tested_range", []))
     motions = [str(one.get("label") or one["name"]) for one in case["motions"]]
     return Pieces(
         command="design",
@@ -76,12 +78,12 @@ def design_pieces(saved: SavedResult) -> Pieces:
             f"assumed is the one that a dynamic analysis finds, under {joined(motions)}; and what "
             "do layered bearings of the same stiffness do, at every temperature?"
         ),
-        answer=answer(summary, verdict(checks, validity, unknown)),
+        answer=answer(summary, verdict(checks, validity, unknown, rate)),
         inputs=inputs_of(saved, case),
         tables=tables_of(saved),
         figures=saved_figures(saved, CAPTIONS),
         checks=checks,
-        validity=validity,
+        validity=[*validity, tidy(f"{rate[:1].upper()}{rate[1:]}")] if rate else validity,
         validity_unknown=unknown,
         assumptions=[
             "The rounds run with a bilinear bearing, blind to temperature and rate; layered "
@@ -184,10 +186,22 @@ def checks_of(saved: SavedResult) -> list[Check]:
                 lower=bool(one["least"]),
             )
         )
+    for row in summary["temperatures"]:
+        failed = f": {row['fails']}" if row["fails"] else ""
+        found.append(
+            Check(
+                f"{row['bearing']} at {degrees([row['ambient_degC']])}{failed}",
+                float("nan"),
+                float("nan"),
+                "",
+                "limits of the design, for layered bearings",
+                PASSED if row["verdict"] == "OK" else EXCEEDED,
+            )
+        )
     names = [str(summary["bearing"]), *(str(one["name"]) for one in summary["equal"])]
 
     def bearing_of(run: str) -> str:
         return next((name for name in names if run.startswith(f"{name}, ")), "")
 
     rows = summary.get("tested_range", [])
-    return found + limit_checks(rows, TESTS, f"{TESTED_RANGE} of the bearing", bearing_of)
+    return found + limit_checks(rows, IN_EARTHQUAKES, f"{TESTED_RANGE} of the bearing", bearing_of)

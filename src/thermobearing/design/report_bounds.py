@@ -11,10 +11,11 @@ from thermobearing.cyclic.reported import (
 )
 from thermobearing.earthquake.case import EarthquakeAnalysis
 from thermobearing.earthquake.report_inputs import given_motions_table
-from thermobearing.report.limits import MARKED, TESTED_RANGE, TESTS, limit_checks, verdict
+from thermobearing.report.limits import IN_EARTHQUAKES, MARKED, TESTED_RANGE, limit_checks, verdict
 from thermobearing.report.pieces import Column, Pieces, ReportTable
 from thermobearing.report.saved import saved_figures, saved_identity, saved_validity
 from thermobearing.report.words import counted, degrees, joined, percent, quantity, tidy
+from thermobearing.results.ranges import rate_note
 from thermobearing.results.saved import SavedResult
 from thermobearing.structure.report import structure_table
 
@@ -42,7 +43,8 @@ def bounds_pieces(saved: SavedResult) -> Pieces:
     def bearing_of(run: str) -> str:
         return next((name for name in names if run.startswith(f"{name}, ")), "")
 
-    checks = limit_checks(rows, TESTS, f"{TESTED_RANGE} of the bearing", bearing_of)
+    checks = limit_checks(rows, IN_EARTHQUAKES, f"{TESTED_RANGE} of the bearing", bearing_of)
+    rate = rate_note(rows)
     words = [bearing_words(one["bearing"]) for one in told.values()] or names
     motions = dict.fromkeys(str(r["motion"]) for table in summary["rows"].values() for r in table)
     first: Mapping[str, Any] = next(iter(told.values()), {})
@@ -55,12 +57,12 @@ def bounds_pieces(saved: SavedResult) -> Pieces:
             f"model of {joined(words, 'or')}, instead of the coupled model at {airs}, under "
             f"{joined(motions)}?"
         ),
-        answer=[*_answer(summary), verdict(checks, validity, unknown)],
+        answer=[*_answer(summary), verdict(checks, validity, unknown, rate)],
         inputs=_inputs(told),
         tables={"demands": _table(summary)},
         figures=saved_figures(saved, CAPTIONS),
         checks=checks,
-        validity=validity,
+        validity=[*validity, tidy(f"{rate[:1].upper()}{rate[1:]}")] if rate else validity,
         validity_unknown=unknown,
         assumptions=_assumptions(first, [one["bearing"] for one in told.values()]),
         warnings=warnings,

@@ -8,7 +8,7 @@ import pandas as pd
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.bearing.validity import ranges_of
-from thermobearing.results.ranges import Row, asked_of_tests, outside_tests, rows_of
+from thermobearing.results.ranges import Row, asked_of_tests, one_per_cause, outside_tests, rows_of
 
 if TYPE_CHECKING:
     from thermobearing.design.result import Design
@@ -29,12 +29,14 @@ def asked_by_design(design: "Design") -> list[Row]:
 
 def warnings_of_design(design: "Design") -> list[str]:
     """Sentences: what left the curves of the compound, or the tests of equal bearings."""
-    rows, said = asked_by_design(design), []
+    rows = asked_by_design(design)
+    said: list[tuple[str, str]] = []
     bearings: list[Bearing | BilinearBearing] = [design.bearing]
     for bearing in bearings + [item.bearing for item in design.equal]:
         mine = [row for row in rows if str(row["run"]).startswith(f"{bearing.name}, ")]
-        said += outside_tests(bearing.name, mine, ranges_of(bearing))
-    return said
+        outside = outside_tests(bearing.name, mine, ranges_of(bearing), skip=("strain_rate",))
+        said += [(bearing.name, text.removeprefix(f"{bearing.name}: ")) for text in outside]
+    return one_per_cause(said)
 
 
 def asked_by_bounds(tables: Mapping[str, pd.DataFrame]) -> list[Row]:
@@ -44,8 +46,9 @@ def asked_by_bounds(tables: Mapping[str, pd.DataFrame]) -> list[Row]:
 
 def warnings_of_bounds(tables: Mapping[str, pd.DataFrame]) -> list[str]:
     """Sentences: what the coupled model was not tested at, and runs that ended early."""
-    said = []
+    said: list[tuple[str, str]] = []
     for name, table in tables.items():
         rows, ranges = table.attrs.get("tested_range", []), table.attrs.get("ranges")
-        said += outside_tests(name, rows, ranges)
-    return said
+        outside = outside_tests(name, rows, ranges, skip=("strain_rate",))
+        said += [(name, text.removeprefix(f"{name}: ")) for text in outside]
+    return one_per_cause(said)

@@ -18,7 +18,14 @@ from thermobearing.earthquake.result import run_name
 from thermobearing.earthquake.traces import loading_speed
 from thermobearing.model.earlier import BLIND
 from thermobearing.model.temperature import outside_law
-from thermobearing.results.ranges import Ends, Row, asked_of_tests, outside_tests, reached_by
+from thermobearing.results.ranges import (
+    Ends,
+    Row,
+    asked_of_tests,
+    one_per_cause,
+    outside_tests,
+    reached_by,
+)
 from thermobearing.results.writing import as_attribute
 from thermobearing.structure.plausible import implausible_structure
 from thermobearing.structure.run import StructureHistory
@@ -40,28 +47,30 @@ def warnings_of(
     found, asked = beyond(case.rig, rig), []
     if tasks:
         found += implausible_structure(case.structure, tasks[0].prepared)
+    told: list[tuple[str, str]] = []
     for bearing, mine in _bearings(tasks).values():
-        found += [f"{bearing.name}: {text}" for text in implausible(bearing)]
+        said = [f"{bearing.name}: {text}" for text in implausible(bearing)]
         ranges = ranges_of(bearing)
         rows: list[Row] = []
         for k, lines in mine:
             name = _name(tasks[k], bearing.name)
             rows += asked_of_tests(name, reached(tasks[k], histories[k], lines), ranges)
-        found += outside_tests(bearing.name, rows, ranges)
+        said += outside_tests(bearing.name, rows, ranges, skip=("strain_rate",))
         asked += rows
-        if isinstance(bearing, BilinearBearing) or case.analysis.model in BLIND:
-            continue
-        runs = [
-            (_name(tasks[k]), traces[k]["time"], histories[k].layers(line))
-            for k, lines in mine
-            for line in lines
-        ]
-        found += outside_law(bearing.name, bearing.temperature_law, runs)
+        if not isinstance(bearing, BilinearBearing) and case.analysis.model not in BLIND:
+            runs = [
+                (_name(tasks[k]), traces[k]["time"], histories[k].layers(line))
+                for k, lines in mine
+                for line in lines
+            ]
+            said += outside_law(bearing.name, bearing.temperature_law, runs)
+        told += [(bearing.name, text.removeprefix(f"{bearing.name}: ")) for text in said]
+    found += one_per_cause(told)
     standing = [one.device.bearing for task in tasks for one in task.lines]
     factors = exposures(standing, case.analysis.exposure)
     found = told_of(factors) + found
-    told = {"rig": rig, "tested_range": asked, **exposure_attribute(factors)}
-    attributes = {name: as_attribute(rows) for name, rows in told.items() if rows}
+    rows_of = {"rig": rig, "tested_range": asked, **exposure_attribute(factors)}
+    attributes = {name: as_attribute(rows) for name, rows in rows_of.items() if rows}
     return {"warnings": as_attribute(found)} | attributes
 
 

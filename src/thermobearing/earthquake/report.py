@@ -15,14 +15,14 @@ from thermobearing.model.earlier import BLIND
 from thermobearing.report.identity import identity_of
 from thermobearing.report.limits import (
     BOOKS_CLOSE,
+    IN_EARTHQUAKES,
     RIG,
     TESTED_RANGE,
-    TESTS,
     limit_checks,
-    residual_check,
+    quality_table,
     verdict,
 )
-from thermobearing.report.pieces import NOT_JUDGED, Check, Pieces
+from thermobearing.report.pieces import NOT_JUDGED, Check, Pieces, ReportTable
 from thermobearing.report.words import (
     change,
     counted,
@@ -33,7 +33,7 @@ from thermobearing.report.words import (
     plain,
     tidy,
 )
-from thermobearing.results.ranges import parted
+from thermobearing.results.ranges import parted, rate_note
 
 Case = Mapping[str, Any]
 # Of the input: with average acceleration the books close but for rounding; other methods are off by
@@ -63,21 +63,23 @@ def pieces_of(result: EarthquakeResult) -> Pieces:
     validity = [tidy(text) for text in found] if given else []
     unknown = "" if given else " ".join(map(tidy, found))
     checks = checks_of(result, case)
+    rate = rate_note(result.tested_range.to_dict("records"))
+    quality, poor = quality_of(result, case)
     command = str(attrs["command"])
     return Pieces(
         command=command,
         title=f"{COMMANDS[command]} of {attrs['structure']}",
         question=question(result, case),
-        answer=answer(result, verdict(checks, validity, unknown)),
+        answer=answer(result, verdict(checks, validity, unknown, rate)),
         inputs=inputs_of(result, case),
-        tables=tables_of(result) if result.runs else {},
+        tables=tables_of(result) | {"quality": quality} if result.runs else {},
         figures=figures_of(result),
         checks=checks,
-        validity=validity,
+        validity=[*validity, tidy(f"{rate[:1].upper()}{rate[1:]}")] if rate else validity,
         validity_unknown=unknown,
         books=books_table(result) if result.runs else None,
         assumptions=assumptions(result, case),
-        warnings=[tidy(text) for text in warnings],
+        warnings=[*poor, *(tidy(text) for text in warnings)],
         identity=identity_of(
             str(attrs["version"]),
             str(attrs["case"]),
@@ -200,7 +202,7 @@ def _heating(result: EarthquakeResult) -> str:
 
 
 def checks_of(result: EarthquakeResult, case: Case) -> list[Check]:
-    """Yielding of piers, rig, tested ranges, energy books."""
+    """Return the checks: yielding of piers, limits of the rig, tested ranges."""
     if not result.runs:
         return []
     rig = str(case.get("rig", {}).get("name", "rig"))
@@ -212,7 +214,12 @@ def checks_of(result: EarthquakeResult, case: Case) -> list[Check]:
         return next((name for name in names if run.startswith(f"{name}, ")), "")
 
     rows = result.tested_range.to_dict("records")
-    found += limit_checks(rows, TESTS, f"{TESTED_RANGE} of the bearing", bearing_of)
+    return found + limit_checks(rows, IN_EARTHQUAKES, f"{TESTED_RANGE} of the bearing", bearing_of)
+
+
+def quality_of(result: EarthquakeResult, case: Case) -> tuple[ReportTable, list[str]]:
+    """Return the largest residuals of the energy balance, and warnings of those too large."""
+    found = []
     gaps = case["analysis"]["scheme"] == "published" or case["analysis"]["model"] in BLIND
     for name in ("structure", "mechanical", "thermal"):
         largest = float(result.energy[f"{name}_residual"].abs().max())
@@ -221,9 +228,8 @@ def checks_of(result: EarthquakeResult, case: Case) -> list[Check]:
             limit, source = float("nan"), "no limit: this model's books have gaps"
         elif name == "structure" and case["analysis"]["method"] != "average-acceleration":
             limit, source = INEXACT, "this time integration does not keep energy exactly"
-        what = f"{name} residual of the energy books"
-        found.append(residual_check(what, largest, limit, source))
-    return found
+        found.append((f"{name} residual", largest, limit, source))
+    return quality_table(found)
 
 
 def _ductilities(result: EarthquakeResult) -> list[Check]:

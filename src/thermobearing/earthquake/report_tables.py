@@ -164,7 +164,9 @@ def peaks_table(result: EarthquakeResult) -> ReportTable:
         for limit in str(row["beyond_tested"]).split():
             if limit in places:
                 marked.add((run, places[limit]))
-            else:  # no column of its own: the run is marked where its name ends
+            elif (
+                limit != "strain_rate"
+            ):  # no column of its own: the run is marked where its name ends
                 marked.add((run, keys.index("motion")))
                 others.add(TESTED[limit][1])
     note = "Force, energy: of one bearing. Pier top: relative to its base. Deck: absolute "

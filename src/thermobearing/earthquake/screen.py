@@ -9,6 +9,7 @@ from thermobearing.earthquake.governing import governing_runs
 from thermobearing.earthquake.modes import has_both, modes_table
 from thermobearing.earthquake.parts import farthest, has_parts
 from thermobearing.earthquake.result import EarthquakeResult
+from thermobearing.results.ranges import rate_note
 from thermobearing.results.screen import print_table, print_warnings, say
 
 TITLE = "real time over pseudo-dynamic"
@@ -96,7 +97,9 @@ def print_study(
         _print_comparison(compared)
     if result.runs:
         worst = float(result.energy["structure_residual"].abs().max())
-        say(f"energy books: largest residual {worst:.1e} of the input")
+        say(f"energy balance: largest residual {worst:.1e} of the input")
+    if note := rate_note(result.tested_range.to_dict("records")):
+        say(note)
     print_warnings(result.warnings)
 
 

@@ -3,8 +3,8 @@
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
-from thermobearing.report.pieces import EXCEEDED, NOT_JUDGED, PASSED, Check
-from thermobearing.report.words import plain, printed_unit
+from thermobearing.report.pieces import EXCEEDED, NOT_JUDGED, PASSED, Check, Column, ReportTable
+from thermobearing.report.words import counted, plain, printed_unit
 from thermobearing.results.ranges import SLACK, TESTED
 
 # Largest residual of energy books, of the largest energy in them: rounding comes to 1e-10, what is
@@ -16,6 +16,7 @@ RIG = {"force": "force", "stroke": "stroke", "speed": "speed"}
 TESTS = {name: title for name, (_, title, _, _) in TESTED.items()}
 TESTS |= {"strain": "shear strain", "ambient": "ambient temperature"}
 TESTS |= {"lead_temperature": "temperature of the lead"}
+IN_EARTHQUAKES = {name: title for name, title in TESTS.items() if name != "strain_rate"}
 Row = Mapping[Any, Any]
 
 
@@ -74,59 +75,96 @@ def _check(name: str, row: Row, bearing: str, source: str, *, lower: bool) -> Ch
     return Check(told, factor * value, factor * limit, unit, source, verdict, lower)
 
 
-def residual_check(what: str, value: float, limit: float, source: str) -> Check:
-    """A residual of the energy books beside what it may be."""
-    judged = value == value and limit == limit
-    verdict = (PASSED if abs(value) <= limit else EXCEEDED) if judged else NOT_JUDGED
-    return Check(what, abs(value), limit, "", source, verdict)
+def quality_table(rows: Iterable[tuple[str, float, float, str]]) -> tuple[ReportTable, list[str]]:
+    """Return the residuals of the energy balance as a table, and warnings of those too large.
+
+    They judge the computation, not the structure, and are none of the checks.
+
+    Parameters
+    ----------
+    rows : what, value, limit (NaN: none), where the limit is from.
+
+    Examples
+    --------
+    >>> table, warnings = quality_table([("mechanical residual", 1e-12, 1e-6, "rounding")])
+    >>> table.rows[0][-1], warnings
+    ('within', [])
+    """
+    cells, warnings = [], []
+    for what, value, limit, source in rows:
+        judged = value == value and limit == limit
+        verdict = (PASSED if abs(value) <= limit else EXCEEDED) if judged else NOT_JUDGED
+        cells.append([what, abs(value), limit, source, verdict])
+        if verdict == EXCEEDED:
+            warnings.append(
+                f"The {what} of the energy balance is {abs(value):.1e}, above {limit:.0e}: the "
+                "numbers are not those of the model; take a smaller dt."
+            )
+    columns = [Column("Energy balance"), Column("Largest", "", ".1e"), Column("Limit", "", ".0e")]
+    columns += [Column("Source of the limit"), Column("Verdict")]
+    return ReportTable("Numerical quality", columns, cells), warnings
 
 
 def verdict_of(checks: Iterable[Check]) -> str:
-    """What the checks beside the tested range come to, as a sentence.
+    """Return what the checks come to: what is exceeded first, then what could not be judged.
 
     Examples
     --------
     >>> verdict_of([Check("force", 445.0, 400.0, "kN", "rig", EXCEEDED)])
     'Of 1 check, 1 is exceeded: force.'
     """
-    judged = [
-        check
-        for check in checks
-        if check.verdict != NOT_JUDGED and not check.source.startswith(TESTED_RANGE)
+    every = list(checks)
+    if not every:
+        return "No limit was given."
+    beyond = [check.what for check in every if check.verdict == EXCEEDED]
+    unknown = [check.what for check in every if check.verdict == NOT_JUDGED]
+    many = counted(len(every), "check")
+    told = [
+        f"{len(names)} {'is' if len(names) == 1 else 'are'} {verdict}: {_first(names)}"
+        for names, verdict in ((beyond, EXCEEDED), (unknown, NOT_JUDGED))
+        if names
     ]
-    beyond = [check.what for check in judged if check.verdict == EXCEEDED]
-    if not judged:
-        return "No limit was given besides the tested range."
-    many = f"{len(judged)} check" + ("s" if len(judged) != 1 else "")
-    if not beyond and len(judged) > 1:
-        return f"All {many} beside the tested range are within their limits."
-    if not beyond:
-        return "The check beside the tested range is within its limit."
-    more = f" and {len(beyond) - 3} more" if len(beyond) > 3 else ""
-    verb = "is" if len(beyond) == 1 else "are"
-    return f"Of {many}, {len(beyond)} {verb} exceeded: {'; '.join(beyond[:3])}{more}."
+    if told:
+        return f"Of {many}, {'; '.join(told)}."
+    return (
+        f"All {many} are within their limits."
+        if len(every) > 1
+        else "The check is within its limit."
+    )
 
 
-def verdict(checks: Iterable[Check], validity: Sequence[str], unknown: str = "") -> str:
-    """Sentence on limits and validity, the last of an answer.
+def _first(names: Sequence[str]) -> str:
+    """Return the first names, and how many more there are."""
+    more = f" and {len(names) - 3} more" if len(names) > 3 else ""
+    return f"{', '.join(names[:3])}{more}"
+
+
+def verdict(
+    checks: Iterable[Check], validity: Sequence[str], unknown: str = "", rate: str = ""
+) -> str:
+    """Return the sentences on limits and validity, the last of an answer.
 
     Parameters
     ----------
     checks : of the result.
     validity : sentences on what left the range behind the parameters.
     unknown : why there is no such range.
+    rate : note on strain rates beyond the tests.
 
     Examples
     --------
     >>> verdict([Check("force", 4.0, 5.0, "kN", "rig", PASSED)], [])  # doctest: +ELLIPSIS
-    'The check beside the tested range is within its limit. Nothing left the range...'
+    'The check is within its limit. Nothing left the range...'
     """
     if unknown:
-        told = "The range that the parameters were identified in is not given, so nothing is said "
-        told += "of validity."
+        told = "The range that the parameters were identified in is not given, so validity is not "
+        told += "judged."
     elif validity:
         told = "Beyond the range that the parameters were identified in, results are extrapolated: "
         told += f"{_few(validity)}."
+    elif rate:
+        told = "But for strain rates, nothing left the range that the parameters were identified "
+        told += "in."
     else:
         told = "Nothing left the range that the parameters were identified in."
     return f"{verdict_of(checks)} {told}"

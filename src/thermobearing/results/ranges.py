@@ -4,7 +4,8 @@ A range is that of a rig, or that of the tests behind a bearing's parameters. No
 names, units and numbers come in, and every analysis says the same of them.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+import re
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -180,7 +181,12 @@ def asked_of_tests(
 
 
 def outside_tests(
-    name: str, rows: Sequence[Row], ranges: Mapping[str, Ends] | None, *, given: bool = True
+    name: str,
+    rows: Sequence[Row],
+    ranges: Mapping[str, Ends] | None,
+    *,
+    given: bool = True,
+    skip: Collection[str] = (),
 ) -> list[str]:
     """Sentences: each quantity of a bearing's tests that runs left, and how far.
 
@@ -190,6 +196,7 @@ def outside_tests(
     rows : of `asked_of_tests`, of all its runs.
     ranges : that the bearing was tested in; None where its file has none.
     given : say once that there is none.
+    skip : quantities to leave out.
 
     Examples
     --------
@@ -203,6 +210,8 @@ def outside_tests(
     runs = len({row["run"] for row in rows})
     found = []
     for limit, (_, title, factor, unit) in TESTED.items():
+        if limit in skip:
+            continue
         for side, end, sign in (("above", "largest", 1.0), ("below", "lowest", -1.0)):
             out = [
                 row
@@ -219,6 +228,47 @@ def outside_tests(
                 f"{factor * worst[end]:.4g}{unit} tested ({many}{where})"
             )
     return found
+
+
+def rate_note(rows: Iterable[Mapping[Any, Any]]) -> str:
+    """Return in a sentence how far strain rates exceed those of the tests; empty if none does.
+
+    Most earthquakes exceed them, so that this is a note on validity and no warning.
+
+    Examples
+    --------
+    >>> row, = asked_of_tests("mine, kobe", {"strain_rate": 5.41}, {"strain_rate": (0.0, 1.0)})
+    >>> rate_note([row])  # doctest: +ELLIPSIS
+    'strain rates reach 5.41/s, 5.4 times the 1/s tested (1 of 1 runs, most: mine, kobe); ...'
+    """
+    rates = [row for row in rows if row["limit"] == "strain_rate"]
+    out = [row for row in rates if row["passed"] and row["asked"] > row["largest"]]
+    if not out:
+        return ""
+    worst = max(out, key=lambda row: row["asked"] / row["largest"])
+    return (
+        f"strain rates reach {worst['asked']:.3g}/s, {worst['asked'] / worst['largest']:.2g} times "
+        f"the {worst['largest']:.3g}/s tested ({len(out)} of {len(rates)} runs, most: "
+        f"{worst['run']}); most earthquakes exceed the rates of bearing tests"
+    )
+
+
+def one_per_cause(told: Iterable[tuple[str, str]]) -> list[str]:
+    """Return one warning for each cause, whichever bearings or parts it concerns.
+
+    Parameters
+    ----------
+    told : whom a warning concerns, and its words; those up to the first number are its cause.
+
+    Examples
+    --------
+    >>> one_per_cause([("a", "strain 3 %, too far"), ("b", "lead 9 degC"), ("c", "strain 4 %")])
+    ['a: strain 3 %, too far; c: strain 4 %', 'b: lead 9 degC']
+    """
+    found: dict[str, list[str]] = {}
+    for who, words in told:
+        found.setdefault(re.split(r"-?\d", words, maxsplit=1)[0], []).append(f"{who}: {words}")
+    return ["; ".join(same) for same in found.values()]
 
 
 def parted(warnings: Iterable[str]) -> tuple[list[str], list[str]]:

@@ -27,7 +27,7 @@ from thermobearing.report.limits import (
     TESTED_RANGE,
     TESTS,
     limit_checks,
-    residual_check,
+    quality_table,
     verdict,
 )
 from thermobearing.report.pieces import (
@@ -68,13 +68,17 @@ def pieces_of(result: SequenceResult) -> Pieces:
     validity = [tidy(words) for words in found] if given else []
     unknown = "" if given else " ".join(map(tidy, dict.fromkeys(found)))
     checks = checks_of(result, case) if parts else []
+    tables = {"parts": parts_table(result)} if parts else {}
+    poor: list[str] = []
+    if parts:
+        tables["quality"], poor = quality_of(result, case)
     return Pieces(
         command="sequence",
         title=f"Sequence of tests on {case['bearing']['name']}: {case['name']}",
         question=question(result, case),
         answer=answer(result, verdict(checks, validity, unknown)),
         inputs=inputs_of(result, case),
-        tables={"parts": parts_table(result)} if parts else {},
+        tables=tables,
         figures=figures_of(result) if parts else {},
         checks=checks,
         validity=validity,
@@ -86,7 +90,7 @@ def pieces_of(result: SequenceResult) -> Pieces:
             "Hybrid parts begin with the structure straight, at rest and in balance.",
             *model_assumptions(case["analysis"], [case["bearing"]]),
         ],
-        warnings=[tidy(words) for words in warnings],
+        warnings=[*poor, *(tidy(words) for words in warnings)],
         identity=identity_of(
             thermobearing.__version__ if not parts else str(parts[0].dataset.attrs["version"]),
             text,
@@ -252,7 +256,7 @@ def books_table(result: SequenceResult) -> ReportTable:
 
 
 def checks_of(result: SequenceResult, case: Case) -> list[Check]:
-    """Rig, tested range, energy books; the part that goes farthest."""
+    """Return the checks of rig and tested range: the part that goes farthest."""
     rig = str(case.get("rig", {}).get("name", "rig"))
 
     def rows(table: Any) -> list[dict[Any, Any]]:
@@ -260,14 +264,25 @@ def checks_of(result: SequenceResult, case: Case) -> list[Check]:
 
     found = limit_checks(rows(result.rig), RIG, f"rig {rig}")
     source = f"{TESTED_RANGE} of {case['bearing']['name']}"
-    found += limit_checks(rows(result.tested_range), TESTS, source)
+    hybrid = [result.case.label(k) for k, p in enumerate(result.parts) if not isinstance(p, Result)]
+    tested = [
+        row
+        for row in rows(result.tested_range)
+        if row["limit"] != "strain_rate" or row["run"] not in hybrid
+    ]
+    return found + limit_checks(tested, TESTS, source)
+
+
+def quality_of(result: SequenceResult, case: Case) -> tuple[ReportTable, list[str]]:
+    """Return the largest residuals of the energy balance, and warnings of those too large."""
+    found = []
     gaps = case["analysis"]["scheme"] == "published"
     for name in ("mechanical", "thermal"):
         worst = max(abs(float(part.energy[f"{name}_residual"].iloc[0])) for part in result.parts)
         limit = float("nan") if gaps and name == "thermal" else BOOKS_CLOSE
         source = "energy balance" if limit == limit else "no limit: this model's books have gaps"
-        found.append(residual_check(f"{name} residual of the energy books", worst, limit, source))
-    return found
+        found.append((f"{name} residual", worst, limit, source))
+    return quality_table(found)
 
 
 def inputs_of(result: SequenceResult, case: Case) -> dict[str, ReportTable]:

@@ -11,6 +11,7 @@ from thermobearing.border.showing import Shown
 from thermobearing.cyclic.result import Result
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.model.outcomes import INTERRUPTED, SENTENCES
+from thermobearing.results.ranges import one_per_cause
 from thermobearing.results.writing import limits_summary
 from thermobearing.sequences.case import SequenceCase
 
@@ -70,9 +71,8 @@ class SequenceResult(Shown):
     @property
     def warnings(self) -> list[str]:
         """Sentences of the parts that a reader must know."""
-        return [
-            f"{self.case.label(k)}: {w}" for k, part in enumerate(self.parts) for w in part.warnings
-        ]
+        parts = enumerate(self.parts)
+        return one_per_cause((self.case.label(k), w) for k, part in parts for w in part.warnings)
 
     def history(self, number: int) -> pd.DataFrame:
         """Time [s], displacement [mm], force [kN] and temperatures [degC] of a part.
