@@ -239,17 +239,18 @@ def rate_note(rows: Iterable[Mapping[Any, Any]]) -> str:
     --------
     >>> row, = asked_of_tests("mine, kobe", {"strain_rate": 5.41}, {"strain_rate": (0.0, 1.0)})
     >>> rate_note([row])  # doctest: +ELLIPSIS
-    'strain rates reach 5.41/s, 5.4 times the 1/s tested (1 of 1 runs, most: mine, kobe); ...'
+    'strain rates reach 5.41/s, 5.41 times the 1/s tested (mine, kobe); most ...'
     """
     rates = [row for row in rows if row["limit"] == "strain_rate"]
     out = [row for row in rates if row["passed"] and row["asked"] > row["largest"]]
     if not out:
         return ""
     worst = max(out, key=lambda row: row["asked"] / row["largest"])
+    many = f"{len(out)} of {len(rates)} runs, most: " if len(rates) > 1 else ""
     return (
-        f"strain rates reach {worst['asked']:.3g}/s, {worst['asked'] / worst['largest']:.2g} times "
-        f"the {worst['largest']:.3g}/s tested ({len(out)} of {len(rates)} runs, most: "
-        f"{worst['run']}); most earthquakes exceed the rates of bearing tests"
+        f"strain rates reach {worst['asked']:.3g}/s, {worst['asked'] / worst['largest']:.3g} times "
+        f"the {worst['largest']:.3g}/s tested ({many}{worst['run']}); most earthquakes exceed the "
+        "rates of bearing tests"
     )
 
 
