@@ -68,8 +68,6 @@ def test_cold(study: EarthquakeResult, pieces: Pieces) -> None:
 
 def test_checks_and_validity(study: EarthquakeResult, pieces: Pieces) -> None:
     told = {check.what.split(" (")[0]: check for check in pieces.checks}
-    far = told["shen-bilinear-bridge: shear strain"]
-    assert (far.limit, far.verdict) == (160.0, EXCEEDED)
     # Exceeded ones first, then what could not be judged; round-off of energy is no check.
     counts = [sum(c.verdict == v for c in pieces.checks) for v in (EXCEEDED, NOT_JUDGED)]
     assert min(counts) > 0
