@@ -57,8 +57,12 @@ def read_bytes(path: Path, most: int) -> bytes:
     """
     shown = shortened(str(path), LONGEST_NAME)
     try:
+        if path.is_fifo() and not str(path).startswith(("/dev/", "/proc/")):
+            raise InputError("is a named pipe, not a file", shown)  # it would wait for a writer
         with path.open("rb") as file:
             raw = file.read(most + 1)
+    except InputError:
+        raise
     except FileNotFoundError:
         raise InputError(f"no such file{_beside(path)}", shown) from None
     except IsADirectoryError:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from thermobearing.border.errors import InputError, shortened
-from thermobearing.border.sheets import Row, Sheet, Told, is_numeric
+from thermobearing.border.sheets import LONGEST_NUMBER, Row, Sheet, Told, is_numeric
 from thermobearing.border.titles import is_called, measured_in, name_and_unit
 from thermobearing.border.units import HUGEST
 
@@ -107,6 +107,8 @@ def _held(row: list[str]) -> int:
 def _is_units(row: list[str]) -> bool:
     """Whether a row holds units: "[s]", "kN", "-"."""
     bare = [cell.strip().strip("[]()").strip() for cell in row]
+    if any(len(text) > LONGEST_NUMBER for text in bare):
+        return False
     some = [text for text in bare if not UNITLESS.fullmatch(text)]
     return bool(some) and all(measured_in(text) for text in some)
 

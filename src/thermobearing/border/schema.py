@@ -24,6 +24,7 @@ from thermobearing.border.units import HUGEST, parse_quantity
 M = TypeVar("M", bound="Strict")
 
 SOURCED = {"value", "source", "note"}  # keys of an entry {value = ..., source = ...}
+MOST_TOLD = 50  # faults of a file that a message holds
 OURS = {"unit", "conflict", "size"}  # types of the faults found here, not by pydantic
 
 
@@ -36,8 +37,7 @@ class Strict(BaseModel):
         try:
             super().__init__(**data)
         except ValidationError as error:  # `EndFace(eta=5)`, built by hand
-            problems = [_sentence(type(self), item) for item in error.errors()]
-            raise InputError(problems, f"{type(self).__name__}()") from None
+            raise InputError(_sentences(type(self), error), f"{type(self).__name__}()") from None
 
     # Tables inside tables are then built without a call of __init__, which would lose the
     # context of the validation (whether the data are those of a file).
@@ -205,7 +205,7 @@ def validated(model: type[M], data: Any, where: str, *, from_file: bool = True) 
     try:
         return model.model_validate(data, context={"from_file": from_file})
     except ValidationError as error:
-        raise InputError([_sentence(model, item) for item in error.errors()], where) from None
+        raise InputError(_sentences(model, error), where) from None
 
 
 def _resolve(
@@ -238,6 +238,14 @@ def _tags(model: type[BaseModel]) -> list[str]:
         if name in model.model_fields
         for tag in get_args(model.model_fields[name].annotation)
     ]
+
+
+def _sentences(model: type[BaseModel], error: ValidationError) -> list[str]:
+    """The faults of an error; of very many the first ones, and how many there are."""
+    found = error.errors(include_url=False)
+    told = [_sentence(model, item) for item in found[:MOST_TOLD]]
+    left = len(found) - len(told)
+    return [*told, f"{left} more"] if left else told
 
 
 def _sentence(model: type[BaseModel], item: ErrorDetails) -> str:

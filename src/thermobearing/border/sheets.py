@@ -23,6 +23,8 @@ COMMENTS = ("#", "%", "!", "//", "*")
 SEPARATORS = {"\t": "tab", ";": ";", ",": ",", " ": "blank"}
 LOOKED_AT = 300  # rows that tell the separator
 LARGEST_SHEET = 20_000_000  # cells
+MOST_ROWS = 2**20  # of a sheet, as in Excel
+MOST_COLUMNS = 1000
 LONGEST_NUMBER = 60  # characters of a cell that may be a number or a time stamp
 _WORKBOOK, _OLD_WORKBOOK = b"PK\x03\x04", b"\xd0\xcf\x11\xe0"
 _EXPONENT = r"(?:[eEdD][-+]?\d+)?"
@@ -163,8 +165,14 @@ def _split(lines: list[str], separator: str, *, strict: bool, quotes: bool = Tru
     reader = csv.reader(
         kept, delimiter=separator, skipinitialspace=blank, strict=strict, quoting=quoting
     )
+    held = 0
     try:
         for row in reader:
+            held += len(row)
+            if len(row) > MOST_COLUMNS:
+                raise csv.Error(f"more than {MOST_COLUMNS} columns")
+            if held > LARGEST_SHEET:
+                raise csv.Error(f"more than {LARGEST_SHEET:g} cells")
             if any(map(str.strip, row)):
                 yield reader.line_num, row
     except csv.Error as error:
@@ -273,9 +281,13 @@ def _sheet(sheet: Any) -> Sheet:
     held = 0
     for number, values in enumerate(sheet.iter_rows(values_only=True), 1):
         held += len(values)
+        if number > MOST_ROWS:
+            raise InputError(f'sheet "{sheet.title}" has more than {MOST_ROWS} rows')
         if held > LARGEST_SHEET:
             raise InputError(f'sheet "{sheet.title}" has more than {LARGEST_SHEET:g} cells')
-        cells = [_cell(value) for value in values]
+        if len(values) > MOST_COLUMNS and any(values[MOST_COLUMNS:]):
+            raise InputError(f'sheet "{sheet.title}" has more than {MOST_COLUMNS} columns')
+        cells = [_cell(value) for value in values[:MOST_COLUMNS]]
         if any(cells):
             rows.append((number, cells))
     comments = [(n, " ".join(cells).strip("# ")) for n, cells in rows if _is_comment(cells[0])]

@@ -1,5 +1,6 @@
 """TOML files: read with clear faults, entries with sources told apart, models written back."""
 
+import re
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
@@ -14,13 +15,17 @@ from thermobearing.border.units import with_unit
 BITS = 63  # of a whole number in TOML, beside its sign
 DEEPEST = 50  # tables in tables; a case comes to six
 LARGEST_FILE = 10_000_000  # bytes of TOML
+MOST_KEYS = 100_000  # keys and headers of tables in a file
+_MARKS = re.compile(r"([,=\[\]{}])")
 
 
 def read_toml(path: Path) -> dict[str, Any]:
     """Parse a TOML file; every fault becomes an InputError that names the file."""
     raw = read_bytes(path, LARGEST_FILE)
     try:
-        table = tomllib.loads(raw.decode("utf-8-sig"))
+        text = raw.decode("utf-8-sig")
+        _check_keys(text, str(path))
+        table = tomllib.loads(text)
     except UnicodeDecodeError as error:
         raise InputError(f"is not UTF-8 text (byte {error.start + 1})", str(path)) from None
     except (tomllib.TOMLDecodeError, RecursionError) as error:
@@ -29,6 +34,19 @@ def read_toml(path: Path) -> dict[str, Any]:
         raise InputError(f"cannot be read: {error}", str(path)) from None
     _check_sizes(table, str(path))
     return table
+
+
+def _check_keys(text: str, where: str) -> None:
+    """Refuse what takes a parser minutes: very many keys, and keys of very many parts."""
+    if text.count("=") + text.count("\n[") > MOST_KEYS:
+        raise InputError(f"has more than {MOST_KEYS} keys", where)
+    for number, line in enumerate(text.splitlines(), 1):
+        if line.count(".") <= DEEPEST:
+            continue
+        parts = _MARKS.split(line)
+        for part, mark in zip(parts[::2], parts[1::2], strict=False):
+            if mark in "=]" and part.count(".") > DEEPEST:
+                raise InputError(f"line {number}: a key of more than {DEEPEST} parts", where)
 
 
 def _check_sizes(table: dict[str, Any], where: str) -> None:

@@ -10,6 +10,7 @@ import hashlib
 import os
 import secrets
 import shutil
+import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
@@ -19,6 +20,8 @@ try:
 except ImportError:  # Windows: two runs with one target are then not told apart
     fcntl = None  # type: ignore[assignment]
 
+# Writers of results have a folder for milliseconds, a study for as long as it runs.
+PATIENCE, POLL = 2.0, 0.05  # [s]
 AT_FDCWD, RENAME_EXCHANGE = -100, 2  # of renameat2(2)
 
 
@@ -35,7 +38,7 @@ def locked(path: Path, *, wait: bool = True, shared: bool = False) -> Iterator[b
     Parameters
     ----------
     path : that is there.
-    wait : until nobody else has it.
+    wait : until nobody else has it, `PATIENCE` at most.
     shared : with others that share it too.
 
     Returns
@@ -48,17 +51,30 @@ def locked(path: Path, *, wait: bool = True, shared: bool = False) -> Iterator[b
             handle = os.open(path, os.O_RDONLY)
             stack.callback(os.close, handle)
             how = fcntl.LOCK_SH if shared else fcntl.LOCK_EX
-            fcntl.flock(handle, how if wait else how | fcntl.LOCK_NB)
-        except BlockingIOError:
-            held = False
+            until = time.monotonic() + (PATIENCE if wait else 0.0)
+            while not (held := _taken(handle, how)) and time.monotonic() < until:
+                time.sleep(POLL)
         except (OSError, AttributeError):  # not readable; no locks there, or none at all
             held = None
         yield held
 
 
+def _taken(handle: int, how: int) -> bool:
+    """Whether nobody else has the lock."""
+    try:
+        fcntl.flock(handle, how | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    return True
+
+
 @contextmanager
 def new_sibling(final: Path) -> Iterator[Path]:
-    """An empty hidden directory beside `final`; what killed runs left there is taken away."""
+    """An empty hidden directory beside `final`; what killed runs left there is removed.
+
+    A folder that another process keeps to itself (a running study) is written into as well, so
+    that no result is lost; nothing is then removed from it.
+    """
     partial = final.parent / f"{_marks(final)[0]}{secrets.token_hex(4)}"
     with ExitStack() as alive:
         with locked(final.parent) as alone:
