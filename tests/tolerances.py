@@ -286,6 +286,10 @@ HALF_SPACE_SETTLES = 0.02  # [K] the clock of a core runs from the start: 3e-3 l
 TEN_MINUTES = 0.1  # [K] steps of 600 s for those of 36 s: 0.065 in the outer cell, less inside
 TEN_MINUTES_OF_LEAD = 0.8  # [K] likewise of lead, which follows a step later: 0.52
 
+SOAKING = 0.08  # of the time to 1/e: 0.05 measured, one dimension for two
+REST_OF_LEAD = 0.01  # of the difference: 0.002 (rubber) and 0.002 (lead) measured after 6 h
+REST_OF_LEAD_ELEMENTS = 0.02  # of the difference: 0.015 measured
+
 # --- Studies -------------------------------------------------------------------------------
 LIKELIEST = 1e-6  # another search stops at 1e-10 of its own; its likelihood is flat to 1e-8
 PROFILE = 1e-3  # of the drop: 240 rays, and a search inside a search

@@ -273,6 +273,66 @@ def bearing_problem(bearing: Bearing, eta: float = 2.0, fineness: float = 1.0) -
     )
 
 
+def weather_problem(
+    bearing: Bearing, film: float, cover: float, heat_capacity: float = 0.0
+) -> Problem:
+    """The upper half of a whole bearing in the open air, as a disc of the same area and perimeter.
+
+    Parameters
+    ----------
+    bearing : with an even number of layers; its lead cores become one of their area.
+    film : at the face and around the cover [W/(m2 K)].
+    cover : thickness of the rubber around the plan [mm], which conducts and stores heat.
+    heat_capacity : of a plate behind the face, hardly resisting [kJ/(m2 K)].
+    """
+    g, m, lead = bearing.geometry, bearing.materials, bearing.lead
+    radius = math.sqrt(bearing.area / math.pi)
+    longer = g.plan.perimeter / (2.0 * math.pi * radius)  # than that of the disc
+    core = lead.radius * math.sqrt(lead.cores) if lead else 0.0
+    around = m.rubber.model_copy(update={"conductivity": longer * m.rubber.conductivity})
+    behind = 10.0 if heat_capacity else 0.0
+    parts = [("end plate", g.end_plate_thickness, 6, m.steel)]
+    if behind:
+        heat = {"conductivity": 1e3, "specific_heat": 1e3, "density": 1e2 * heat_capacity}
+        parts.insert(0, ("behind", behind, 2, m.steel.model_copy(update=heat)))
+    if g.sealing_plate_thickness:
+        parts += [("sealing plate", g.sealing_plate_thickness, 6, m.steel)]
+    for j in range(1, g.rubber_layers // 2 + 1):
+        parts += [(f"rubber {j}", g.rubber_thickness, 4, m.rubber)]
+        parts += [(f"shim {j}", g.shim_thickness, 2, m.steel)]
+    parts[-1] = (parts[-1][0], 0.5 * g.shim_thickness, 1, m.steel)
+    blocks, lines, depth = [], [np.zeros(1)], 0.0
+    for name, thickness, count, material in parts:
+        lines.append(graded(depth, depth + thickness, count))
+        across = (core if name not in ("end plate", "behind") else 0.0, radius)
+        blocks.append(Block(name, across, (depth, depth + thickness), material))
+        depth += thickness
+    inner = behind + g.end_plate_thickness
+    across = [np.zeros(1), graded(core, radius, 9, 0.1), graded(radius, radius + cover, 2)]
+    slit = None
+    if lead is not None and m.lead is not None:
+        across.insert(1, graded(0.0, core, 5))
+        blocks.append(Block("lead", (0.0, core), (inner, depth), m.lead))
+        slit = (core, inner) if lead.confined else None
+    if cover:
+        blocks.append(Block("cover", (radius, radius + cover), (0.0, depth), around))
+    return Problem(
+        r=np.unique(np.concatenate(across)),
+        z=np.concatenate(lines),
+        blocks=tuple(blocks),
+        face_film=film * FILM,
+        side_film=film * FILM * longer * radius / (radius + cover),
+        slit=slit,
+    )
+
+
+def mean_rubber(problem: Problem, history: History) -> Floats:
+    """Mean temperature of the rubber layers at every step."""
+    layers = [block for block in problem.blocks if block.name.startswith("rubber")]
+    volume = [(b.r[1] ** 2 - b.r[0] ** 2) * (b.z[1] - b.z[0]) for b in layers]
+    return np.average([history.means[b.name] for b in layers], axis=0, weights=volume)
+
+
 def released(bearing: Bearing, result: Any) -> dict[str, tuple[Floats, Floats]]:
     """Heat of every block of `bearing_problem` until each kept row of a run [kN mm].
 

@@ -171,7 +171,10 @@ def night(tmp_path: Path) -> Path:
 
 
 def test_weather_before_the_earthquake(tmp_path: Path) -> None:
-    """The bearing lags behind the night: warmer inside, softer than the air would make it."""
+    """The bearing lags behind the night: warmer inside, softer than the air would make it.
+
+    Two-dimensional finite volumes find -16.3 degC in the mean of the rubber.
+    """
     path = night(tmp_path)
     case = small(weather=str(path), ambient=REMOVED)
     result = run_earthquake(case)
@@ -179,7 +182,10 @@ def test_weather_before_the_earthquake(tmp_path: Path) -> None:
     assert float(result["ambient"].values[0]) == -25.0
     inner = result["rubber_temperature"].values[0, 0]
     assert np.all(np.diff(inner) > 0.0)  # the inner layers lag more
-    assert -25.0 < inner[0] < inner[-1] < -20.0
+    assert inner.mean() == pytest.approx(-16.8, abs=0.5)
+    held = {face: {"eta": 2.0} for face in ("upper_face", "lower_face")}
+    faces = run_earthquake(small(weather=str(path), ambient=REMOVED, analysis=held))
+    assert faces["rubber_temperature"].values[0, 0].max() < -20.0
     assert cold["rubber_temperature"].values[0, 0] == pytest.approx([-25.0] * 3)
     first = [r.dataset.attrs["initial_periods_s:shen-hdr-bridge"][0] for r in (result, cold)]
     assert first[0] > first[1]

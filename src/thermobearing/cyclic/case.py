@@ -26,7 +26,6 @@ from thermobearing.model.earlier import needs_full_stack
 from thermobearing.model.effort import too_much
 from thermobearing.model.handover import SpecimenState, misfit
 from thermobearing.model.options import ModelOptions, build_model
-from thermobearing.model.stack import build_stack
 from thermobearing.report.title import case_table
 
 Group = Literal["rubber", "layer_displacement", "hysteretic", "cells"]
@@ -108,7 +107,7 @@ class Case(Strict):
         found += [f"analysis.{text}" for text in self.analysis.misfits(self.bearing)]
         if self.initial_lead is not None and self.bearing.lead is None:
             found.append("initial_lead: needs a bearing with lead")
-        cells = len(build_stack(self.bearing, half=self.analysis.half).part)
+        cells = len(self.analysis.build_stack(self.bearing).part)
         cells = 1 if needs_full_stack(self.analysis.model) else cells
         if self.initial_profile is not None and len(self.initial_profile) != cells:
             found.append(

@@ -1,7 +1,7 @@
 """Drive one bearing through the segments of a test at one ambient temperature."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,7 @@ from thermobearing.core.types import (
     new_workspace,
 )
 from thermobearing.cyclic.segments import Segment
+from thermobearing.model.lead_ends import longest_rest_step
 from thermobearing.model.outcomes import INTERRUPTED, NAMES, NOT_PHYSICAL
 from thermobearing.model.physical import is_physical
 
@@ -77,6 +78,35 @@ def kept_steps(segment: Segment, keep_every: int) -> NDArray[np.bool_]:
     keep = segment.turning.copy()
     keep[keep_every - 1 :: keep_every] = True
     return keep
+
+
+def cut_rests(
+    constants: Constants, segment: Segment, keep: NDArray[np.bool_], start: float
+) -> tuple[Segment, NDArray[np.bool_], NDArray[np.int64]]:
+    """Cut steps without motion into pieces that lead in touch with shims can be followed in.
+
+    Parameters
+    ----------
+    constants : of the bearing.
+    segment : of the test.
+    keep : which of its steps are kept.
+    start : displacement before its first step [mm].
+
+    Returns
+    -------
+    segment, keep, ends : of the pieces, and the piece that each step ends with; the same steps
+        where none is too long.
+    """
+    longest = longest_rest_step(constants)
+    still = np.diff(segment.x, prepend=start) == 0.0
+    pieces = np.where(still, np.maximum(1.0, np.ceil(segment.dt / longest)), 1.0).astype(np.int64)
+    ends = np.cumsum(pieces) - 1
+    if len(ends) == ends[-1] + 1:
+        return segment, keep, ends
+    kept = np.zeros(pieces.sum(), dtype=bool)
+    kept[ends] = keep
+    x, dt = np.repeat(segment.x, pieces), np.repeat(segment.dt / pieces, pieces)
+    return replace(segment, x=x, dt=dt, cycle=np.repeat(segment.cycle, pieces)), kept, ends
 
 
 def run_segments(
@@ -158,6 +188,7 @@ def _run_segment(
     """One segment in chunks; False when the run cannot go on."""
     work, spare = new_workspace(constants), new_state(constants, run.initial)
     keep = kept_steps(segment, keep_every)
+    segment, keep, ends = cut_rests(constants, segment, keep, run.state.books[0].displacement)
     for first in range(0, len(segment.x), CHUNK):
         part = slice(first, first + CHUNK)
         dt = np.ascontiguousarray(segment.dt[part])
@@ -176,7 +207,7 @@ def _run_segment(
         run.cycle[run.kept : run.kept + len(cycle)] = cycle
         run.kept = end
         if progress:
-            progress(done)
+            progress(int(np.diff(np.searchsorted(ends, [first, first + done]))[0]))
         if outcome not in (COMPLETED, SOFTENED):
             run.outcome = NAMES[outcome]
             return False

@@ -74,18 +74,23 @@ def _defaults(table: Table) -> dict[str, str]:
     return {key: DEFAULT for key, value in usual.items() if given.get(key) == value}
 
 
-def analysis_table(analysis: Table, defaults: ModelOptions) -> ReportTable:
+def analysis_table(
+    analysis: Table, defaults: ModelOptions, known: Mapping[str, str] | None = None
+) -> ReportTable:
     """Options of the model and of the computation; each is a default, or was asked for.
 
     Parameters
     ----------
     analysis : table of a resolved case.
     defaults : the options of that analysis, as they are without a word.
+    known : sources of defaults, by dotted key.
     """
     usual = flat(to_table(defaults))
     settled = {"heat_source", "lead_ends", "clock"}  # depend on the bearing where not given
     sources = {
-        key: DEFAULT if usual.get(key, value if key in settled else None) == value else CASE
+        key: (known or {}).get(key, DEFAULT)
+        if usual.get(key, value if key in settled else None) == value
+        else CASE
         for key, value in flat(analysis).items()
     }
     return input_table("Model and computation", analysis, sources)
@@ -132,7 +137,7 @@ def model_assumptions(analysis: Table, bearings: Sequence[Table]) -> list[str]:
     if model != "multi-layer":
         blind = "; it knows no temperature" if model in BLIND else ""
         found.append(f"An earlier model stands in for the full one: {model}{blind}.")
-    found += [_heat_flow(analysis, layered), _scheme(analysis), _heat_source(analysis)]
+    found += [heat_flow(analysis, layered), _scheme(analysis), _heat_source(analysis)]
     if any(table.get("lead") for table in layered):
         found.append(_lead(analysis))
     found += [_virgin(layered), _exposure(analysis, bearings)]
@@ -141,7 +146,13 @@ def model_assumptions(analysis: Table, bearings: Sequence[Table]) -> list[str]:
     return found
 
 
-def _heat_flow(analysis: Table, bearings: Sequence[Table]) -> str:
+def heat_flow(analysis: Table, bearings: Sequence[Table]) -> str:
+    """Return how heat flows through bearings and out of them, in a sentence.
+
+    Parameters
+    ----------
+    analysis, bearings : tables of a resolved case.
+    """
     films = {str(table["materials"].get("side_film", "0.0 W/(m^2 K)")) for table in bearings}
     values = sorted(float(film.split()[0]) for film in films)
     sides = (
@@ -149,13 +160,20 @@ def _heat_flow(analysis: Table, bearings: Sequence[Table]) -> str:
         if values == [0.0]
         else f"the sides exchange it by a film of {' or '.join(number(v) for v in values)} W/(m² K)"
     )
+    if side := analysis.get("side"):
+        sides = (
+            f"the sides exchange it by a film of {quantity(side['film'])} beyond "
+            f"{quantity(side.get('cover', '0 mm'))} of cover rubber"
+        )
     faces = []
     for key, name in (("upper_face", "upper"), ("lower_face", "lower")):
         face = analysis.get(key, {"eta": 2.0})
         if "eta" in face:
             faces.append(f"{name} η_B = {face['eta']:g} (1 adiabatic, 3 at ambient)")
         else:
-            faces.append(f"{name} film {quantity(face['film'])}")
+            behind = face.get("heat_capacity")
+            more = f" beyond {quantity(behind)}" if behind else ""
+            faces.append(f"{name} film {quantity(face['film'])}{more}")
     return (
         f"Heat flows through the thickness only (one-dimensional), {sides}; end faces: "
         f"{', '.join(faces)}. Thermal properties do not change with temperature."

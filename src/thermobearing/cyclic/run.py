@@ -31,7 +31,7 @@ from thermobearing.cyclic.start import Earlier, initial_temperatures
 from thermobearing.model.constants import Hardening, HeatSource, Integrator, LeadEnds
 from thermobearing.model.earlier import Model
 from thermobearing.model.handover import begun_from
-from thermobearing.model.options import EndFace, Stacked, build_model
+from thermobearing.model.options import EndFace, Side, Stacked, build_model
 from thermobearing.model.outcomes import INTERRUPTED
 from thermobearing.model.stack import Scheme
 
@@ -53,6 +53,7 @@ def run(
     clock: Clock | None = None,
     upper_face: EndFace | None = None,
     lower_face: EndFace | None = None,
+    side: Side | None = None,
     initial: float | Sequence[float] | Earlier | str | Path | None = None,
     initial_lead: float | None = None,
     keep: Sequence[Group] | None = None,
@@ -86,6 +87,8 @@ def run(
     clock : of lead on a half-space, "lead" (Eq. 5.6 as printed) or "steel"; by default that of the
         bearing, or, if it says none, lead with the published scheme and steel otherwise.
     upper_face, lower_face : heat exchange of the end faces; eta_B = 2 by default.
+    side : heat exchange of the side, a `tb.model.Side`; by default the film of the bearing's
+        materials without cover.
     initial : temperature at the start [degC]: uniform, or one per cell (upper face first); the
         ambient temperature by default. Or an earlier result of the same bearing (of a test, or of
         `hybrid` or `bridge`), or its directory: the test goes on where that one ended, with
@@ -138,6 +141,7 @@ def run(
         "exposure": exposure,
         "upper_face": upper_face,
         "lower_face": lower_face,
+        "side": side,
         "keep": keep,
         "keep_every": keep_every,
         "histories": histories,

@@ -5,7 +5,6 @@ from thermobearing.core.types import Books
 from thermobearing.cyclic.case import Case
 from thermobearing.cyclic.protocol import Cycles, survey
 from thermobearing.cyclic.thinning import COMPLETE, POINTS
-from thermobearing.model.stack import build_stack
 
 DOUBLE, SINGLE = 8, 4  # [bytes] of a number in result.nc; those of cells are single
 TEXT = 11  # [bytes] of a number in history.csv, with its comma
@@ -38,7 +37,7 @@ def expected_size(case: Case) -> float:
     True
     """
     keep = case.analysis.keep
-    stack = build_stack(case.bearing, half=case.analysis.half)
+    stack = case.analysis.build_stack(case.bearing)
     layers = sum(part == "rubber" for part in stack.part) // max(case.bearing.cells.rubber, 1)
     layers = max(layers, 1)
     wide = sum(layers for name in keep if name != "cells")

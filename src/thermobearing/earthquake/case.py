@@ -1,6 +1,7 @@
 """An earthquake study as data: structure, bearings, motions, weather, and how to compute."""
 
 import math
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -28,7 +29,7 @@ from thermobearing.earthquake.devices import (
 from thermobearing.earthquake.motion import Motion, settle_motions
 from thermobearing.model.effort import MOST_OF, too_many
 from thermobearing.model.handover import SpecimenState, misfit
-from thermobearing.model.options import ModelOptions, build_model
+from thermobearing.model.options import ModelOptions, build_model, outdoors
 from thermobearing.motions.record import GroundMotion
 from thermobearing.report.title import case_table
 from thermobearing.structure.model import (
@@ -129,7 +130,7 @@ class EarthquakeCase(Strict):
     bearings, motions : one or more each; a motion says its file, and its size if that is changed.
     ambient : temperatures of the air and of the bearings at the start [degC], in [-100, 100].
     weather : file with time and temperature, a table or EPW, that ends when the earthquake begins,
-        instead of `ambient`.
+        instead of `ambient`. Faces and sides of the bearings then have the defaults of `outdoors`.
     duration : motions are cut to this [s], in [0.001, 1e6]; None for their whole length.
     analysis : how to compute, and what to keep.
     laboratory : of a specimen in the loop.
@@ -339,6 +340,20 @@ def load_earthquake_case(path: str | Path, **overrides: Any) -> EarthquakeCase:
     return make_earthquake_case(table, str(path), path.parent, **overrides)
 
 
+def in_weather(table: Mapping[str, Any]) -> bool:
+    """Return whether bearings of a case, as a table, follow a weather before the earthquake."""
+    lines = table.get("lines")
+    parts = [table, *(lines if isinstance(lines, list | tuple) else [])]
+    return any(isinstance(one, Mapping) and one.get("weather") is not None for one in parts)
+
+
+def settle_surroundings(table: dict[str, Any]) -> None:
+    """Give faces and side of the bearings what they have in the weather, where nothing is said."""
+    analysis = table.get("analysis", {})
+    if isinstance(analysis, dict):
+        table["analysis"] = outdoors()[0] | analysis
+
+
 def _settle(
     table: dict[str, Any], command: str, folder: Path
 ) -> tuple[list[str], list[GroundMotion]]:
@@ -349,6 +364,8 @@ def _settle(
     if table.get("weather") is not None and isinstance(table["weather"], str):
         table["weather"] = str((folder / table["weather"]).absolute())
         table.setdefault("ambient", ["0 degC"])  # not used
+    if in_weather(table):
+        settle_surroundings(table)
     if isinstance(table.get("initial_result"), str) and table["initial_result"]:
         table["initial_result"] = folder / table["initial_result"]
     problems += settle_rig(table, folder)

@@ -8,10 +8,12 @@ import xarray as xr
 
 import thermobearing
 from thermobearing.bearing.bilinear import BilinearBearing
+from thermobearing.border.toml import to_table
 from thermobearing.core.records import Floats
 from thermobearing.cyclic.dataset import depth_attributes
 from thermobearing.cyclic.label import stack_labels
-from thermobearing.earthquake.case import EarthquakeCase
+from thermobearing.cyclic.reported import heat_flow
+from thermobearing.earthquake.case import EarthquakeCase, in_weather
 from thermobearing.earthquake.ends import labelled_ends
 from thermobearing.earthquake.meanings import meaning_of
 from thermobearing.earthquake.measures import LOOP_UNITS, UNITS, loop_measures, measures_of
@@ -152,6 +154,8 @@ def _attributes(
         "interrupted": int(_interrupted(case, histories)),
         "sentences": as_attribute(RUN_SENTENCES | SENTENCES),
     }
+    if in_weather(case.model_dump(include={"weather", "lines"})):
+        attrs["surroundings"] = heat_flow(to_table(case.analysis), [])
     if prepared is None:
         return attrs
     matrices = prepared.matrices

@@ -13,8 +13,9 @@ from thermobearing.cyclic.reported import (
     bearing_words,
     model_assumptions,
 )
-from thermobearing.earthquake.case import EarthquakeAnalysis
+from thermobearing.earthquake.case import EarthquakeAnalysis, in_weather
 from thermobearing.earthquake.result import EarthquakeResult
+from thermobearing.model.options import outdoors
 from thermobearing.report.inputs import input_table
 from thermobearing.report.pieces import Column, ReportTable
 from thermobearing.report.words import counted, degrees, joined, quantity
@@ -48,10 +49,14 @@ def inputs_of(result: EarthquakeResult, case: Case) -> dict[str, ReportTable]:
         found["laboratory"] = input_table("Laboratory", lab, otherwise="as asked for, or default")
     if "rig" in case:
         found["rig"] = rig_table(case["rig"], sources.get(case["rig"].get("name")))
-    defaults = EarthquakeAnalysis()
+    usual: dict[str, Any] = {}
     if case["command"] == "hybrid":
-        defaults = EarthquakeAnalysis(method="predictor-corrector")
-    found["analysis"] = analysis_table(case["analysis"], defaults)
+        usual["method"] = "predictor-corrector"
+    known: dict[str, str] = {}
+    if in_weather(case):
+        told, known = outdoors()
+        usual |= told
+    found["analysis"] = analysis_table(case["analysis"], EarthquakeAnalysis(**usual), known)
     return found
 
 

@@ -375,6 +375,7 @@ class EarthquakeResult(Shown):
             **exposure_summary(self.dataset),
             "periods_s": _numbers(attrs.get("periods_s", [])),
             "damping": attrs["damping"],
+            **{key: attrs[key] for key in ("surroundings",) if key in attrs},
             "damping_ratios": _numbers(attrs.get("damping_ratios", [])),
             "initial_periods_s": {n: _numbers(attrs[f"initial_periods_s:{n}"]) for n in names},
             "largest": governing_runs(self).to_dict("records"),

@@ -80,6 +80,8 @@ def print_study(
     ratios = ", ".join(f"{float(value):.1%}" for value in attrs.get("damping_ratios", []))
     say(f"periods {periods} s with equivalent stiffness")
     say(f"viscous damping {attrs['damping']}: ratios of these modes {ratios}")
+    if "surroundings" in attrs:
+        say(attrs["surroundings"])
     table, both = result.table, has_both(result)
     for name in dict.fromkeys(table["bearing"]):
         _print_runs(result, table[table["bearing"] == name], both)

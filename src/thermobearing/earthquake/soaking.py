@@ -21,10 +21,10 @@ from thermobearing.climate.hourly import DAY, HOUR, Hourly, Ints
 from thermobearing.core.hours import hours_at_rest
 from thermobearing.core.march import march
 from thermobearing.core.types import Constants, Floats, Path, State, new_state, new_workspace
-from thermobearing.cyclic.history import room_for
+from thermobearing.cyclic.history import cut_rests, room_for
 from thermobearing.cyclic.protocol import CyclicTest
 from thermobearing.cyclic.segments import build_segments
-from thermobearing.earthquake.case import make_earthquake_case
+from thermobearing.earthquake.case import make_earthquake_case, settle_surroundings
 from thermobearing.earthquake.run import build_device
 from thermobearing.earthquake.task import Device
 
@@ -89,8 +89,10 @@ def _after_an_hour(constants: Constants, before: Floats, air: Ambient) -> Floats
         state.ends[:] = before[cells + 1 :]
     rest: Any = {"step": "rest", "duration": HOUR}
     segment = build_segments(CyclicTest(dt=10.0, steps=[rest]), 1.0)[0]
+    nothing = np.zeros(len(segment.x), dtype=bool)
+    segment, nothing, _ = cut_rests(constants, segment, nothing, 0.0)
     air_of_steps = air.means(0.0, segment.dt)
-    path = Path(segment.x, segment.dt, air_of_steps, np.zeros(len(segment.x), dtype=bool), 0.0)
+    path = Path(segment.x, segment.dt, air_of_steps, nothing, 0.0)
     march(constants, new_workspace(constants), state, spare, path, room_for(constants, 1, ()))
     return _vector(constants, state)
 
@@ -192,7 +194,8 @@ def bearing_weather(
     ----------
     bearing : a name, a file, or a bearing; none that is bilinear, which has no heat.
     weather : from `tb.climate.read_weather` or `tb.climate.generate_weather`.
-    **options : of the model and its heat, as in `tb.bridge`.
+    **options : of the model and its heat, as in `tb.bridge` with weather: films of 12 W/(m2 K) at
+        faces and side and 10 mm of cover rubber by default.
 
     Returns
     -------
@@ -210,7 +213,8 @@ def bearing_weather(
     >>> frame.columns[2:].tolist()
     ['ambient_degC', 'rubber_degC', 'outer_rubber_degC', 'inner_rubber_degC', 'lead_degC']
     """
-    table = {"command": "bridge", "bearings": [bearing], "analysis": options}
+    table: dict[str, Any] = {"command": "bridge", "bearings": [bearing], "analysis": options}
+    settle_surroundings(table)
     case = make_earthquake_case(table, "bearing_weather")
     device = build_device(case, case.bearings[0])
     if device.stack is None:

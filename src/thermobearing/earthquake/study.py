@@ -18,7 +18,7 @@ from thermobearing.earthquake.run import Progress, run_earthquake
 from thermobearing.model.constants import Hardening, HeatSource, Integrator, LeadEnds
 from thermobearing.model.earlier import Model
 from thermobearing.model.handover import SpecimenState
-from thermobearing.model.options import EndFace, Stacked
+from thermobearing.model.options import EndFace, Side, Stacked
 from thermobearing.model.stack import Scheme
 from thermobearing.motions.record import GroundMotion
 from thermobearing.structure.model import DampingKind, MassModel, Structure
@@ -48,6 +48,7 @@ class StudyOptions(TypedDict, total=False):
     clock: Clock | None
     upper_face: EndFace | None
     lower_face: EndFace | None
+    side: Side | None
     stack: Stacked | None
     model: Model | None
     exposure: Exposure | dict[str, Any] | None
@@ -98,7 +99,10 @@ def bridge(
         (Eq. 5.4-5.5), which the published scheme and the earlier models have.
     clock : of lead on a half-space, "lead" (Eq. 5.6 as printed) or "steel"; by default that of the
         bearing, or, if it says none, lead with the published scheme and steel otherwise.
-    upper_face, lower_face : heat exchange of the end faces; eta_B = 2 by default.
+    upper_face, lower_face : heat exchange of the end faces; eta_B = 2 by default, after weather a
+        film of 12 W/(m2 K).
+    side : heat exchange of the side, a `tb.model.Side`; by default the film of the bearing's
+        materials, after weather 12 W/(m2 K) and 10 mm of cover rubber.
     stack : "auto" (default), "half" or "full" height.
     model : "multi-layer" (default) or an earlier model to compare with (model/earlier.py).
     exposure : factors for long cold and age, {"stiffness": 1.3, "strength": 1.2, "source": "..."};
@@ -159,8 +163,8 @@ def hybrid(
         of the actuator, `force_noise` (standard deviation of the measured force) and its
         `seed`; numbers as text with their unit.
     fixed_base, lines, weather, duration, dt, mass, damping, scheme, integrator : as of `bridge`.
-    hardening, heat_source, lead_ends, clock, upper_face, lower_face, stack, model, exposure : as
-        of `bridge`.
+    hardening, heat_source, lead_ends, clock, upper_face, lower_face, side, stack, model,
+        exposure : as of `bridge`.
     keep, keep_every, initial_state, initial_result, rig : as of `bridge`.
     executor, progress, options : as of `bridge`.
 

@@ -6,4 +6,5 @@ from .element import Trial as Trial
 from .options import BearingModel as BearingModel
 from .options import EndFace as EndFace
 from .options import ModelOptions as ModelOptions
+from .options import Side as Side
 from .options import build_model as build_model

@@ -33,7 +33,7 @@ from thermobearing.core.types import (
 from thermobearing.model.constants import Hardening, HeatSource, Integrator, LeadEnds
 from thermobearing.model.earlier import Model
 from thermobearing.model.handover import SpecimenState, begun_from
-from thermobearing.model.options import EndFace, ModelOptions, Stacked, build_model
+from thermobearing.model.options import EndFace, ModelOptions, Side, Stacked, build_model
 from thermobearing.model.outcomes import NAMES
 from thermobearing.model.stack import Scheme
 
@@ -78,6 +78,8 @@ class BearingElement:
     clock : of lead on a half-space, "lead" (Eq. 5.6 as printed) or "steel"; by default that of the
         bearing, or, if it says none, lead with the published scheme and steel otherwise.
     upper_face, lower_face : heat exchange of the end faces; eta_B = 2 by default.
+    side : heat exchange of the side, a `tb.model.Side`; by default the film of the bearing's
+        materials without cover.
     stack : "auto" (default), "half" or "full" height.
     model : "multi-layer" (default) or an earlier model (model/earlier.py) but "bilinear", whose
         constants `from_constants` takes.
@@ -112,6 +114,7 @@ class BearingElement:
         clock: Clock | None = None,
         upper_face: EndFace | None = None,
         lower_face: EndFace | None = None,
+        side: Side | None = None,
         stack: Stacked | None = None,
         model: Model | None = None,
         exposure: Exposure | dict[str, Any] | None = None,
@@ -126,6 +129,7 @@ class BearingElement:
             "clock": clock,
             "upper_face": upper_face,
             "lower_face": lower_face,
+            "side": side,
             "stack": stack,
             "model": model,
             "exposure": exposure,

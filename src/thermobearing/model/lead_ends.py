@@ -21,7 +21,7 @@ import numpy as np
 
 from thermobearing.bearing.model import Bearing
 from thermobearing.core.records import Floats, Rows, filled, rows
-from thermobearing.core.types import LeadCell, Mode
+from thermobearing.core.types import Constants, LeadCell, Mode
 from thermobearing.model.lead_impedance import (
     AXIAL,
     core_modes,
@@ -37,6 +37,7 @@ from thermobearing.model.stack import Face, Stack, film_at_face
 
 Term = tuple[float, float, int, float, int, float]
 
+STEPS_OF_LEAD = 50.0
 COMMON = 2  # modes of the core that act on ends and side
 
 
@@ -183,6 +184,38 @@ def end_terms(
     return found
 
 
+def longest_rest_step(constants: Constants) -> float:
+    """Return the longest step of a rest that follows lead and shims in touch [s].
+
+    The flows out of the lead are constant over a step, and heat the cells that they reach before
+    these pass it on: as if a resistance dt/C were added to that of the port, with C the heat
+    capacity of those cells. It is held at a fiftieth of what is between shims and end plates.
+    Confined lead carries no heat from shims to plates, and takes steps of any length.
+
+    Parameters
+    ----------
+    constants : of the coupled step.
+
+    Examples
+    --------
+    >>> from thermobearing.bearing.library import load_bearing
+    >>> from thermobearing.model.options import build_model
+    >>> round(longest_rest_step(build_model(load_bearing("lrb-example")).constants))
+    15
+    """
+    ports, lead = constants.lead_ports, constants.lead
+    if ports * lead.fold <= 2.0:  # ends only
+        return math.inf
+    cells, modes = constants.lead_cells, constants.lead_modes
+    at_cell = lead.fold * lead.cores * cells["share"] ** 2
+    per_step = np.bincount(cells["port"], at_cell / constants.cells.capacity[cells["cell"]], ports)
+    resistance = np.bincount(modes["port"], modes["weight"] ** 2 * modes["resistance"], ports)
+    resistance += np.bincount(
+        modes["other"], modes["other_weight"] ** 2 * modes["resistance"], ports
+    )
+    return float(resistance[:2].sum() / per_step[:2].sum() / STEPS_OF_LEAD)
+
+
 def lead_network(bearing: Bearing, stack: Stack, upper: Face, lower: Face | None) -> Network:
     """Ports of the lead cores of a bearing.
 
@@ -208,7 +241,7 @@ def lead_network(bearing: Bearing, stack: Stack, upper: Face, lower: Face | None
     modes = core_modes(material, core.half, core.radius, beside)
     faces = [upper] if lower is None else [upper, lower]
     for end, (touched, face) in enumerate(zip(end_cells(stack, core), faces, strict=True)):
-        own, at_end = end_of(bearing, core, film_at_face(face, stack, 0))
+        own, at_end = end_of(bearing, core, film_at_face(face, stack, -end))
         cells += [(cell, first + end, 1.0 / len(touched)) for cell in touched]
         terms += end_terms(own, modes, at_end, side, first + end, stack.fold)
     cell, port, share = np.array(cells).T

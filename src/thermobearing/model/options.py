@@ -13,7 +13,9 @@ from pydantic import Field, model_validator
 from thermobearing.bearing.exposure import TWICE, Exposure, exposed
 from thermobearing.bearing.model import Bearing, Clock
 from thermobearing.border.errors import InputError
+from thermobearing.border.library import data_path
 from thermobearing.border.schema import Strict, in_unit
+from thermobearing.border.toml import read_toml, split_sources
 from thermobearing.core.types import Constants
 from thermobearing.model.constants import (
     Hardening,
@@ -29,7 +31,7 @@ from thermobearing.model.earlier import (
     needs_full_stack,
 )
 from thermobearing.model.earlier import Model as ModelName
-from thermobearing.model.stack import Face, Scheme, Stack, build_stack
+from thermobearing.model.stack import Face, Scheme, Stack, build_stack, through_side
 
 Stacked = Literal["auto", "half", "full"]
 WITH_LEAD_ENDS = ("multi-layer", "temperature-blind")  # the others have the formula of Eq. 5.5
@@ -44,6 +46,8 @@ class EndFace(Strict):
     ----------
     eta : factor of Eq. 4.15, in [1, 3]: 1 is adiabatic, 3 holds the face at ambient.
     film : film coefficient [W/(m^2 K)], in [0, 1e5].
+    heat_capacity : of the girder or pier top behind the face, per area of the face [kJ/(m^2 K)],
+        in (0, 1e6]; the film is then between it and the air. None for nothing behind the face.
 
     Examples
     --------
@@ -53,17 +57,38 @@ class EndFace(Strict):
 
     eta: Annotated[float, Field(ge=1, le=3)] | None = None
     film: Annotated[float, in_unit("W/(m^2 K)"), Field(ge=0, le=1e5)] | None = None
+    heat_capacity: Annotated[float, in_unit("kJ/(m^2 K)"), Field(gt=0, le=1e6)] | None = None
 
     @classmethod
     def conflicts(cls, given: dict[str, Any]) -> list[str]:
-        """One of the two."""
+        """One of the two; what is behind the face goes with a film."""
         if ("eta" in given) == ("film" in given):
             return ["give either eta (1 adiabatic to 3 at ambient) or film"]
+        if "eta" in given and "heat_capacity" in given:
+            return ["heat_capacity goes with film, not with eta"]
         return []
 
     def face(self) -> Face:
         """The same, for the stack."""
-        return Face(eta=self.eta, film=self.film)
+        return Face(eta=self.eta, film=self.film, heat_capacity=self.heat_capacity or 0.0)
+
+
+class Side(Strict):
+    """How the side of a bearing exchanges heat with the air.
+
+    Attributes
+    ----------
+    film : film coefficient [W/(m^2 K)], in [0, 1e5]; 0 insulates the side.
+    cover : thickness of the cover rubber [mm], in [0, 1000].
+
+    Examples
+    --------
+    >>> Side(film=12.0).cover
+    0.0
+    """
+
+    film: Annotated[float, in_unit("W/(m^2 K)"), Field(ge=0, le=1e5)]
+    cover: Annotated[float, in_unit("mm"), Field(ge=0, le=1e3)] = 0.0
 
 
 class ModelOptions(Strict):
@@ -87,6 +112,8 @@ class ModelOptions(Strict):
     stack : "auto" (default) models the upper half when both faces are alike, else the whole
         height; "half" or "full".
     upper_face, lower_face : heat exchange of the end faces; eta_B = 2 by default.
+    side : heat exchange of the side; None for the film of the bearing's materials without cover.
+        After weather, faces and side have other defaults, see `outdoors`.
     exposure : factors for long cold and age (`Exposure`), for bearings that have none of their own.
     """
 
@@ -100,6 +127,7 @@ class ModelOptions(Strict):
     stack: Stacked = "auto"
     upper_face: EndFace = EndFace(eta=DEFAULT_ETA)
     lower_face: EndFace = EndFace(eta=DEFAULT_ETA)
+    side: Side | None = None
     exposure: Exposure | None = None
 
     @model_validator(mode="after")
@@ -111,6 +139,9 @@ class ModelOptions(Strict):
             raise ValueError('an earlier model goes with scheme "conservative" only')
         if needs_full_stack(self.model) and self.stack == "half":
             raise ValueError(f'model "{self.model}" has one cell for all layers; use stack "auto"')
+        behind = self.upper_face.heat_capacity or self.lower_face.heat_capacity
+        if behind and (self.scheme == "published" or needs_full_stack(self.model)):
+            raise ValueError("heat_capacity behind a face goes with the conservative layers only")
         if self.lead_ends == "finite-plate" and self.scheme == "published":
             raise ValueError('scheme "published" goes with lead_ends "half-space" only')
         return self
@@ -121,6 +152,14 @@ class ModelOptions(Strict):
         if needs_full_stack(self.model):
             return False
         return self.stack == "half" or (self.stack == "auto" and self.upper_face == self.lower_face)
+
+    def build_stack(self, bearing: Bearing) -> Stack:
+        """Build the cells and layers of a bearing as these options model them."""
+        side = None
+        if self.side is not None:
+            side = through_side(bearing, self.side.film, self.side.cover)
+        behind = [face.heat_capacity or 0.0 for face in (self.upper_face, self.lower_face)]
+        return build_stack(bearing, half=self.half, side_film=side, behind=(behind[0], behind[1]))
 
     def misfits(self, bearing: Bearing) -> list[str]:
         """What a bearing lacks for these options, in sentences that begin with the key."""
@@ -170,6 +209,17 @@ class ModelOptions(Strict):
             "clock": clock,
         }
         return self.model_copy(update=filled)
+
+
+def outdoors() -> tuple[dict[str, Any], dict[str, str]]:
+    """Return the options of faces and side in the weather, as a table, and their sources by key.
+
+    Examples
+    --------
+    >>> outdoors()[0]["side"]
+    {'film': '12 W/(m^2 K)', 'cover': '10 mm'}
+    """
+    return split_sources(read_toml(data_path("surroundings", "outdoors.toml")))
 
 
 @dataclass(frozen=True)
@@ -233,7 +283,7 @@ def build_model(
     """
     options = (options or ModelOptions()).settled(bearing)
     bearing = exposed(bearing, options.exposure)  # once, before any temperature
-    stack = build_stack(bearing, half=options.half)
+    stack = options.build_stack(bearing)
     constants = build_constants(
         bearing,
         stack,

@@ -20,8 +20,11 @@ from thermobearing.border.errors import InputError
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Scheme = Literal["conservative", "published"]
+OUTSIDE_LEAD = ("end_plate", "mass")  # parts that lead cores do not pass through
 
 MM_PER_M = 1e3
+KILO = 1e3
+LUMP = 1e-6  # thickness of the cell that stands for what is behind a face [mm]
 FACE_HELD = 1e-9  # of the resistance to the middle of the outer cell: less lies beyond the face
 
 
@@ -31,10 +34,13 @@ class Face:
 
     `eta` lies in [1, 3]: 1 adiabatic, 3 face at ambient temperature. It is tied to the cell
     size (its conductance is (eta - 1) k / dx); a film coefficient [W/(m2 K)] is not.
+    `heat_capacity` [kJ/(m2 K)] is that of what stands behind the face (girder, pier top), which
+    touches the face and exchanges heat with the air through the film; 0 for nothing.
     """
 
     eta: float | None = None
     film: float | None = None
+    heat_capacity: float = 0.0
 
     def __post_init__(self) -> None:
         if (self.eta is None) == (self.film is None):
@@ -53,7 +59,8 @@ class Stack:
     counts twice in the whole bearing), 1 for a full one.
     """
 
-    part: tuple[str, ...]  # "end_plate", "sealing_plate", "rubber", "shim" of each cell
+    # Of each cell: "end_plate", "sealing_plate", "rubber", "shim", or "mass" (behind a face).
+    part: tuple[str, ...]
     thickness: Floats  # [mm]
     conductivity: Floats  # [kN/(s K)] = [kN mm/(s mm K)]
     volumetric_heat: Floats  # [kN mm/(mm3 K)]
@@ -81,13 +88,13 @@ class Stack:
     @property
     def beside_lead(self) -> Floats:
         """Height of lead beside each cell, counted for the whole bearing [mm]."""
-        beside = np.array([name != "end_plate" for name in self.part])
+        beside = ~np.isin(self.part, OUTSIDE_LEAD)
         return np.asarray(self.fold * self.thickness * beside)
 
     @property
     def touches_lead_end(self) -> NDArray[np.bool_]:
         """Whether a cell is that of an end plate next to the rubber or sealing plate."""
-        ends = np.array([name == "end_plate" for name in self.part])
+        ends = np.isin(self.part, OUTSIDE_LEAD)
         touches = np.zeros(len(ends), dtype=bool)
         touches[:-1] |= ends[:-1] & ~ends[1:]
         touches[1:] |= ends[1:] & ~ends[:-1]
@@ -118,20 +125,31 @@ def _parts(bearing: Bearing, half: bool) -> list[tuple[str, float, int]]:
     return [end, *sealing, *kept, (name, 0.5 * thickness, (count + 1) // 2)]
 
 
-def build_stack(bearing: Bearing, *, half: bool) -> Stack:
-    """Cells and layers of a bearing.
+def build_stack(
+    bearing: Bearing,
+    *,
+    half: bool,
+    side_film: float | None = None,
+    behind: tuple[float, float] = (0.0, 0.0),
+) -> Stack:
+    """Build the cells and layers of a bearing.
 
     Parameters
     ----------
     bearing : what to model.
     half : model the upper half only; right when both end faces are alike.
+    side_film : coefficient of the side [W/(m2 K)]; that of the bearing's materials by default.
+    behind : heat capacity behind the upper and the lower face [kJ/(m2 K)].
     """
     parts = _parts(bearing, half)
+    lump = [("mass", LUMP, 1)]
+    parts = lump * (behind[0] > 0.0) + parts + lump * (behind[1] > 0.0 and not half)
     materials: dict[str, Material] = {
         "end_plate": bearing.materials.steel,
         "sealing_plate": bearing.materials.steel,
         "shim": bearing.materials.steel,
         "rubber": bearing.materials.rubber,
+        "mass": bearing.materials.steel,  # overwritten below
     }
     net = bearing.area - bearing.lead_area
     names = tuple(name for name, _, count in parts for _ in range(count))
@@ -147,12 +165,20 @@ def build_stack(bearing: Bearing, *, half: bool) -> Stack:
     multiplicity = np.full(len(layers), 2.0 if half else 1.0)
     if halved:
         multiplicity[-1] = 1.0
+    conductivity = np.array([materials[n].conductivity / MM_PER_M for n in names])
+    volumetric_heat = np.array([materials[n].volumetric_heat for n in names])
+    lumps = np.flatnonzero([name == "mass" for name in names])
+    conductivity[lumps] = np.inf
+    faces = behind[:1] if half else behind
+    volumetric_heat[lumps] = [KILO / MM_PER_M**2 / LUMP * each for each in faces if each > 0.0]
+    if side_film is None:
+        side_film = bearing.materials.side_film
     return Stack(
         part=names,
         thickness=thickness,
-        conductivity=np.array([materials[n].conductivity / MM_PER_M for n in names]),
-        volumetric_heat=np.array([materials[n].volumetric_heat for n in names]),
-        area=np.array([bearing.area if n == "end_plate" else net for n in names]),
+        conductivity=conductivity,
+        volumetric_heat=volumetric_heat,
+        area=np.array([bearing.area if n in OUTSIDE_LEAD else net for n in names]),
         interface=interface,
         lone_shim=lone,
         first_cell=np.array([ends[i - 1] for i in layers], dtype=np.int64),
@@ -161,8 +187,31 @@ def build_stack(bearing: Bearing, *, half: bool) -> Stack:
         halved=halved,
         fold=2 if half else 1,
         perimeter=bearing.geometry.plan.perimeter,
-        side_film=bearing.materials.side_film / MM_PER_M**2,
+        side_film=side_film / MM_PER_M**2,
     )
+
+
+def through_side(bearing: Bearing, film: float, cover: float) -> float:
+    """Return the coefficient between the mean temperature of a cell and the air [W/(m2 K)].
+
+    Film, cover rubber and the way inside the layers are in series. The last is R/(4 k) of a disc
+    (area/(2 perimeter) otherwise) with the conductivity of rubber and steel side by side: what a
+    disc that cools slowly has between its mean and its edge (T14 of docs/theory.md).
+
+    Parameters
+    ----------
+    bearing : whose side it is.
+    film : coefficient of the film [W/(m2 K)]; 0 insulates.
+    cover : thickness of the cover rubber [mm].
+    """
+    if film == 0.0:
+        return 0.0
+    g, m = bearing.geometry, bearing.materials
+    steel = (g.rubber_layers - 1) * g.shim_thickness + 2.0 * g.sealing_plate_thickness
+    rubber = g.total_rubber_thickness
+    along = (rubber * m.rubber.conductivity + steel * m.steel.conductivity) / (rubber + steel)
+    inside = 0.5 * g.plan.area / g.plan.perimeter / along
+    return 1.0 / (1.0 / film + (cover / m.rubber.conductivity + inside) / MM_PER_M)
 
 
 @dataclass(frozen=True)
@@ -186,6 +235,8 @@ def _end_conductance(face: Face, conductivity: float, thickness: float) -> float
 
 def film_at_face(face: Face, stack: Stack, cell: int) -> float:
     """Film at the face itself [kN/(s mm K)], without half the outer cell: 0 to inf."""
+    if face.heat_capacity > 0.0:
+        return float("inf")
     k, thickness = stack.conductivity[cell], stack.thickness[cell]
     to_middle = _end_conductance(face, k, thickness)
     beyond = 1.0 - 0.5 * to_middle * thickness / k

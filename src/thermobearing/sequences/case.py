@@ -36,7 +36,6 @@ from thermobearing.earthquake.motion import Motion, settle_motions
 from thermobearing.model.effort import too_much
 from thermobearing.model.handover import SpecimenState
 from thermobearing.model.options import ModelOptions
-from thermobearing.model.stack import build_stack
 from thermobearing.report.title import case_table
 from thermobearing.structure.model import Structure, list_structures, load_structure
 from thermobearing.structure.run import Method
@@ -184,7 +183,7 @@ class SequenceCase(Strict):
             found += [f"parts[{number}].{text}" for text in faults]
             known, total = known or bool(moving), total + steps
             at = end_of(test, rubber, at)
-        cells = len(build_stack(self.bearing, half=self.analysis.half).part)
+        cells = len(self.analysis.build_stack(self.bearing).part)
         return found or too_much(total, cells, total / self.analysis.keep_every * 3 * cells)
 
     def _hybrid_faults(self, number: int) -> list[str]:

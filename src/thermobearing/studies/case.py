@@ -10,7 +10,7 @@ from thermobearing.border.errors import InputError, is_file, nearest
 from thermobearing.border.library import Library, is_path
 from thermobearing.border.schema import Strict, validated
 from thermobearing.border.units import with_unit
-from thermobearing.earthquake.case import EarthquakeCase, make_earthquake_case
+from thermobearing.earthquake.case import EarthquakeCase, make_earthquake_case, settle_surroundings
 from thermobearing.earthquake.motion import settle_motions
 from thermobearing.motions.record import GroundMotion
 from thermobearing.report.title import case_table
@@ -262,6 +262,9 @@ def _with_case(
     bearings = [
         one.bearing if isinstance(one, Posterior) else one for one in factors.bearing.levels
     ]
+    if factors.ambient.hourly:
+        case = dict(case)
+        settle_surroundings(case)
     plain = factors.motion.matched is None
     first = {
         "bearings": bearings[:1],

@@ -11,7 +11,7 @@ from thermobearing.studies.record import OF_FACTORS
 
 Path = tuple[str | int, ...]
 S = TypeVar("S", bound=Strict)
-FACES = (("analysis", "upper_face"), ("analysis", "lower_face"))
+FACES = (("analysis", "upper_face"), ("analysis", "lower_face"), ("analysis", "side"))
 # Numbers of a bearing that its heat cells know nothing of, so that they are made once.
 WITHOUT_HEAT: dict[str | int, set[str] | None] = {
     "hysteresis": None,

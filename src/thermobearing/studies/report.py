@@ -6,6 +6,8 @@ from typing import Any
 
 import pandas as pd
 
+from thermobearing.border.toml import to_table
+from thermobearing.cyclic.reported import heat_flow
 from thermobearing.report.generic import table_of
 from thermobearing.report.pieces import Column, Pieces, ReportFigure, ReportTable
 from thermobearing.report.words import counted, joined, number, tidy
@@ -43,6 +45,7 @@ def pieces_of(result: StudyResult, asked: Question | None = None) -> Pieces:
     asked = asked or result.asked
     demand = asked.demand_of(result)
     tables = tables_of(result, asked)
+    hourly = result.study.factors.ambient.hourly
     return Pieces(
         command="study",
         title=f"Study {result.study.name}",
@@ -58,6 +61,7 @@ def pieces_of(result: StudyResult, asked: Question | None = None) -> Pieces:
             "Bands are of 95 %, from a bootstrap that draws whole motions again, if nothing else "
             "is said.",
             "Every run begins with a bearing that was not moved before.",
+            *([heat_flow(to_table(result.study.case.analysis), [])] if hourly else []),
         ],
         warnings=[tidy(text) for text in result.warnings],
         identity={

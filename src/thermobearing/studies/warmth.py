@@ -52,7 +52,8 @@ def key_of(device: Device, case: EarthquakeCase) -> Key:
         lead.surface_ratio,
     )
     heat = bearing.kind, bearing.geometry, bearing.materials, bearing.cells, cores
-    return (*heat, case.analysis.upper_face, case.analysis.lower_face)
+    analysis = case.analysis
+    return (*heat, analysis.upper_face, analysis.lower_face, analysis.side)
 
 
 class Warmth:
