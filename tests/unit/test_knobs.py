@@ -155,6 +155,7 @@ OPTIONS: dict[str, Any] = {
     "stack": "full",
     "upper_face": tb.model.EndFace(eta=3.0),
     "lower_face": tb.model.EndFace(film=3.0),
+    "side": tb.model.Side(film=25.0, cover=5.0),
     "model": "adiabatic",
     "keep_every": 3,
     "keep": ["rubber", "hysteretic", "layer_displacement"],

@@ -163,8 +163,8 @@ def hybrid(
         of the actuator, `force_noise` (standard deviation of the measured force) and its
         `seed`; numbers as text with their unit.
     fixed_base, lines, weather, duration, dt, mass, damping, scheme, integrator : as of `bridge`.
-    hardening, heat_source, lead_ends, clock, upper_face, lower_face, side, stack, model,
-        exposure : as of `bridge`.
+    hardening, heat_source, lead_ends, clock, upper_face, lower_face : as of `bridge`.
+    side, stack, model, exposure : as of `bridge`.
     keep, keep_every, initial_state, initial_result, rig : as of `bridge`.
     executor, progress, options : as of `bridge`.
 
