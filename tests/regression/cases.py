@@ -71,6 +71,7 @@ WRITTEN = {
     "identify-krill": "identify warm.toml --free K_r --method krill-herd --evaluations 30 "
     "--no-polish --seed 1",
     "design": "design design.toml",
+    "design-lines": "design design-lines.toml",
     "bounds": f"bounds --bearing {BRIDGE} --motion jra-ii-i-1 --ambient 23 --ambient -20",
     "lambda": f"lambda {BRIDGE} {HDR} --temperature -20 --temperature 40 --strain 1 --scale",
     "lambda-lead": f"lambda {LEAD_BRIDGE} --temperature -20 --strain 1",

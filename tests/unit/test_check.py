@@ -48,7 +48,7 @@ def test_every_input_of_the_golden_cases_is_accepted(path: Path, tmp_path: Path)
     shutil.copytree(INPUTS, tmp_path / "in")
     shutil.copy(data_path("bearings", "lrb-example.toml"), tmp_path / "in" / "mine.toml")
     wanted = {"cold": "test record", "warm": "test record", "sequence": "sequence case"}
-    wanted |= {"design": "design case", "weather": "earthquake case"}
+    wanted |= {"design": "design case", "design-lines": "design case", "weather": "earthquake case"}
     wanted |= {"laboratory": "earthquake case", "lines": "earthquake case"}
     wanted |= {"two-piers": "structure"}
     assert check_file(tmp_path / "in" / path.name).kind == wanted.get(path.stem, "case")

@@ -1,5 +1,6 @@
 """Sizing, loop, bounds and factors by hand: the analyses inside are replaced by known numbers."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -14,7 +15,7 @@ from thermobearing.design import bounds, equal, run
 from thermobearing.design.bilinear import bound_models, bounds_table, opensees_text
 from thermobearing.design.case import make_design_case
 from thermobearing.design.result import Design
-from thermobearing.design.rounds import Round, two_sizes
+from thermobearing.design.rounds import Round, Search, two_sizes
 from thermobearing.design.rubber import damping_ratio, equivalent_stiffness, load_rubber
 from thermobearing.design.sizing import Check, Size, SizingRules, size_bearing
 from thermobearing.model.earlier import BilinearParameters
@@ -39,6 +40,10 @@ def analysed(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
     class Study(dict[str, Any]):
         outcome = "completed"
 
+        @property
+        def dataset(self) -> dict[str, Any]:
+            return self
+
     def analyse(case: Any) -> Study:
         asked.append(case)
         return Study(found)
@@ -60,8 +65,8 @@ def test_one_turn_of_the_loop(
     assumed: float, rules: dict[str, Any], factor: float, effective: float, analysed: list[Any]
 ) -> None:
     """Stiffness, damping and the bilinear model are those of the effective displacement."""
-    turn = run.one_turn(case_of(effective_displacement_factor=factor, sizing=rules), 3, assumed)
-    found, size = turn.round, turn.round.size
+    turn = run.one_turn(case_of(effective_displacement_factor=factor, sizing=rules), 3, [assumed])
+    (found,), size = turn.rounds, turn.rounds[0].size
     thickness = size.total_rubber_thickness
     wanted = equivalent_stiffness(G8, size.area, thickness, effective)
     assert found.stiffness == pytest.approx(wanted, rel=tol.LOOP)
@@ -85,7 +90,7 @@ def test_strain_beyond_the_curves_is_held_at_their_end(
     """Sizes keep the design strain, so only other curves can be left at their upper end."""
     curves = run.load_curves().model_copy(update={"largest_strain": 1.0})
     monkeypatch.setattr(run, "load_curves", lambda: curves)
-    found = run.one_turn(case_of(), 1, 178.0).round
+    found = run.one_turn(case_of(), 1, [178.0]).rounds[0]
     wanted = equivalent_stiffness(G8, found.size.area, 112.0, 112.0)
     assert found.stiffness == pytest.approx(wanted, rel=tol.LOOP)
 
@@ -93,11 +98,11 @@ def test_strain_beyond_the_curves_is_held_at_their_end(
 def turns(monkeypatch: pytest.MonkeyPatch, answer: Any) -> None:
     """Turns of the loop that find `answer(assumed)`."""
 
-    def turn(case: Any, number: int, assumed: float) -> Any:
-        size = Size(600.0, 8, 14.0)
-        one = Round(number, assumed, size, 2.6, 0.15, 125.0, 1.8, 9.5, answer(assumed), 1.0)
+    def turn(case: Any, number: int, assumed: list[float]) -> Any:
+        (u,), size = assumed, Size(600.0, 8, 14.0)
+        one = Round(number, u, size, 2.6, 0.15, 125.0, 1.8, 9.5, answer(u), 1.0)
         study = SimpleNamespace(outcome="completed")
-        return SimpleNamespace(round=one, checks=[], bearing=None, study=study)
+        return SimpleNamespace(rounds=[one], checks=[], bearings=[], study=study)
 
     monkeypatch.setattr(run, "one_turn", turn)
 
@@ -135,12 +140,12 @@ def test_two_sizes_that_alternate_end_the_loop(monkeypatch: pytest.MonkeyPatch) 
     """Below 250 mm 8 layers move 300, above 9 layers move 200: before, 40 rounds of that."""
     checks: list[str] = []
 
-    def turn(case: Any, number: int, assumed: float) -> Any:
-        low = assumed < 250.0
-        one = sized(number, assumed, 300.0 if low else 200.0, 8 if low else 9)
+    def turn(case: Any, number: int, assumed: list[float]) -> Any:
+        low = assumed[0] < 250.0
+        one = sized(number, assumed[0], 300.0 if low else 200.0, 8 if low else 9)
         checks.append("low" if low else "high")
         study = SimpleNamespace(outcome="completed")
-        return SimpleNamespace(round=one, checks=[checks[-1]], bearing=None, study=study)
+        return SimpleNamespace(rounds=[one], checks=[checks[-1]], bearings=[], study=study)
 
     monkeypatch.setattr(run, "one_turn", turn)
     design = run.run_design(case_of(start="200 mm"))
@@ -152,6 +157,73 @@ def test_two_sizes_that_alternate_end_the_loop(monkeypatch: pytest.MonkeyPatch) 
     assert design.checks == ["high"]  # type: ignore[comparison-overlap]
     assert "8x14 mm, sized for" in design.sentence
     assert "the safer one, 600 mm with 9x14 mm" in design.sentence
+
+
+def coupled(monkeypatch: pytest.MonkeyPatch, answer: Any) -> Any:
+    """A design of two groups, "a" and "b", whose turns find `answer(u_a, u_b)`."""
+
+    def turn(case: Any, number: int, assumed: list[float]) -> Any:
+        rounds = [
+            replace(sized(number, u, found, layers), group=group)
+            for group, u, (found, layers) in zip("ab", assumed, answer(*assumed), strict=True)
+        ]
+        study = SimpleNamespace(outcome="completed")
+        return SimpleNamespace(rounds=rounds, checks=[], bearings=[], study=study)
+
+    monkeypatch.setattr(run, "one_turn", turn)
+    line = case_of().structure.bearings[0]
+    lines = [line.model_copy(update={"name": name}) for name in "ab"]
+    structure = case_of().structure.model_copy(update={"bearings": lines})
+    return case_of(structure=structure, line_groups=[{"lines": ["a"]}, {"lines": ["b"]}])
+
+
+def test_groups_are_searched_together(monkeypatch: pytest.MonkeyPatch) -> None:
+    """u_a = 100 + u_a/5 + u_b/5 and u_b = 150 - u_a/5 + u_b/5, so 161.8 and 147.1 mm."""
+    case = coupled(
+        monkeypatch,
+        lambda a, b: ((100.0 + 0.2 * a + 0.2 * b, 8), (150.0 - 0.2 * a + 0.2 * b, 8)),
+    )
+    design = run.run_design(case)
+    assert design.outcome == "converged"
+    assert [turn.group for turn in design.taken] == ["a", "b"]
+    assert_allclose([turn.found for turn in design.taken], [161.76, 147.06], rtol=0.02)
+    assert all(abs(turn.difference) <= 0.01 for turn in design.taken)
+    assert list(design.table["group"]) == ["a", "b"] * len(design.rounds[::2])
+    assert design.first_within == next(
+        one.number
+        for one, other in zip(design.rounds[::2], design.rounds[1::2], strict=True)
+        if max(abs(one.difference), abs(other.difference)) <= 0.1
+    )
+
+
+def test_a_group_that_alternates_is_held_and_the_other_goes_on(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Group a moves 300 mm with 8 layers and 200 with 9; b follows it until it agrees."""
+
+    def answer(a: float, b: float) -> Any:
+        low = a < 250.0
+        return (300.0 if low else 200.0, 8 if low else 9), (100.0 + 0.3 * b + 0.2 * a, 8)
+
+    design = run.run_design(coupled(monkeypatch, answer))
+    assert design.outcome == "two_sizes"
+    a, b = design.taken
+    assert a.size.layers == 9
+    assert a.assumed - a.found > 2.5  # more than it moves
+    assert b.found == pytest.approx((100.0 + 0.2 * a.assumed) / 0.7, rel=0.01)
+
+
+def test_a_held_size_that_becomes_too_small_is_searched_again() -> None:
+    search = Search(200.0)
+    for assumed, found, layers in ((249.0, 300.0, 8), (251.0, 200.0, 9)):
+        search.advance(sized(1, assumed, found, layers), 0.01)
+    assert search.held is not None
+    assert search.assumed == 251.0
+    assert search.settled(sized(2, 251.0, 200.0, 9), 0.01)
+    assert not search.settled(sized(2, 251.0, 260.0, 9), 0.01)
+    search.advance(sized(3, 251.0, 260.0, 9), 0.01)  # since the other group has changed
+    assert search.held is None
+    assert search.assumed == 260.0
 
 
 def test_one_size_with_a_jump_is_not_two() -> None:
@@ -176,7 +248,8 @@ def test_row_and_loop_of_a_round() -> None:
     assert (row["K_1_kN_mm"], row["K_2_kN_mm"], row["Q_d_kN"]) == (9.5, 1.8, 125.0)
     assert (row["side_mm"], row["layers"], row["layer_thickness_mm"]) == (600.0, 8, 14.0)
     bearing: Any = SimpleNamespace(name="b")
-    x, force = Design(case_of(), [turn], "", "", [], bearing, None).loops["b (bilinear)"]  # type: ignore[arg-type]
+    design = Design(case_of(), [turn], "", "", [], [bearing], None)  # type: ignore[arg-type]
+    x, force = design.loops[""]["b (bilinear)"]
     area = abs(np.trapezoid(force, x))
     assert area == pytest.approx(4.0 * q * (u - q / (k1 - k2)), rel=tol.LOOP)
     assert force.max() == pytest.approx(q + k2 * u)

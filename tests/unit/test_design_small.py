@@ -3,10 +3,12 @@
 from typing import Any
 
 import pytest
+from numpy.testing import assert_allclose
 
 import thermobearing as tb
+from tests.regression.cases import INPUTS
 from thermobearing.design.bounds import first_motions
-from thermobearing.design.case import make_design_case
+from thermobearing.design.case import LineGroup, bearing_weight, make_design_case, settle_groups
 from thermobearing.design.rubber import checked_strain, load_rubber
 from thermobearing.design.run import run_design, run_factors
 
@@ -21,12 +23,65 @@ def test_bounds_are_tried_on_ground_i() -> None:
     assert first_motions() == [f"jra-{kind}-i-{n}" for kind in ("i", "ii") for n in (1, 2, 3)]
 
 
-def test_a_design_has_one_bearing_line() -> None:
-    table = tb.structure.load_structure("pier-p1").model_dump(exclude_none=True)
-    table["bearings"] = [table["bearings"][0], {**table["bearings"][0], "name": "second"}]
-    two = tb.structure.Structure.model_validate(table)
-    with pytest.raises(tb.InputError, match=r'exactly one bearing line, .*"second"; give one pier'):
-        make_design_case({}, "test", structure=two)
+def bridge(**table: Any) -> Any:
+    """A deck of 400 t on piers A and B, in two lines of three bearings and of one."""
+    table = {"structure": "two-piers.toml", "motions": ["jra-i-i-1"], "dt": "10 ms", **table}
+    return make_design_case(table, "test", INPUTS)
+
+
+def test_lines_of_one_count_and_support_are_a_group() -> None:
+    structure = bridge().structure
+    on_a, on_b = structure.bearings
+    lines = [
+        on_a,
+        on_b.model_copy(update={"count": 3}),
+        *(on_a.model_copy(update={"name": name, "base": "ground"}) for name in ("left", "right")),
+    ]
+    viaduct = structure.model_copy(update={"bearings": lines})
+    groups = settle_groups([], viaduct, "test")
+    assert [group.lines for group in groups] == [["on A", "on B"], ["left", "right"]]
+    assert groups[1].name == "left, right"
+    named = [LineGroup(lines=["right", "on B"], name="east", weight=500.0)]
+    groups = settle_groups(named, viaduct, "test")
+    assert [group.name for group in groups] == ["east", "on A", "left"]
+    case = bridge().model_copy(update={"structure": viaduct, "line_groups": groups})
+    loads = [bearing_weight(case, group) for group in groups]
+    assert_allclose(loads, [500.0, *2 * [400.0 * 9.80665 / 12]])
+    for given, said in (
+        ([LineGroup(lines=["rigth"])], r'no bearing line is called "rigth"; .*"right"\?'),
+        ([LineGroup(lines=["left", "left"])], '"left" is given more than once'),
+        ([LineGroup(lines=["on A"], name="left, right")], 'two are called "left, right"'),
+    ):
+        with pytest.raises(tb.InputError, match=said):
+            settle_groups(given, viaduct, "test")
+
+
+def test_a_design_of_several_lines_is_judged_on_the_bridge() -> None:
+    """Found displacements and ductility are those of `bridge` with the bearings of the design.
+
+    Pier B alone with its share of the deck, a quarter, moves 5 % farther.
+    """
+    case = bridge()
+    design = run_design(case)
+    assert design.outcome == "converged"
+    on_a, on_b = design.taken
+    assert (on_a.group, on_b.group) == ("on A", "on B")
+    assert (on_a.size.layers, on_b.size.layers) == (7, 8)
+    lines = [{"line": "on B", "bearing": design.bearings[1]}]
+    options = {"structure": case.structure, "lines": lines, "dt": 0.01}
+    study = tb.bridge(design.bearings[0], "jra-i-i-1", 23, **options)
+    moved = study.lines.set_index("line")["displacement_max_mm"]
+    assert_allclose([on_a.found, on_b.found], moved[["on A", "on B"]])
+    checks = {(check.what, check.part): check.value for check in design.checks}
+    assert_allclose(checks["pier ductility", "B"], study.piers.set_index("pier").ductility["B"])
+    assert ("pier ductility", "A") not in checks  # it has no hinge
+    used = [check.used for check in design.checks if check.what == "shear strain"]
+    assert used == sorted(used, reverse=True)
+    deck, _, mass_of_b = case.structure.masses
+    parts = {"bodies": [body for body in case.structure.bodies if body.name != "A"]}
+    parts |= {"masses": [deck.model_copy(update={"mass": 0.1}), mass_of_b], "springs": ()}
+    pier = case.structure.model_copy(update=parts | {"bearings": case.structure.bearings[1:]})
+    assert run_design(bridge(structure=pier)).last.found > 1.04 * on_b.found
 
 
 def test_limits_and_tests_hold_at_every_temperature() -> None:

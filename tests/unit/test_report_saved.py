@@ -182,7 +182,7 @@ def test_design(tmp_path) -> None:
     pieces = design_report.pieces_of(saved)
     assert_well_formed(pieces)
     arranged(pieces)
-    assert design.bearing.name in pieces.answer[0]
+    assert design.bearings[0].name in pieces.answer[0]
     strain = next(check for check in pieces.checks if check.what == "shear strain")
     assert strain.value == pytest.approx(100.0 * design.checks[0].value)
     assert (strain.unit, strain.limit, strain.verdict) == ("%", 250.0, PASSED)

@@ -112,7 +112,7 @@ def test_cycle_below_a_quarter_of_the_one_before_closes(amplitude: float, closin
 
 def test_a_first_guess_outside_the_curves_takes_their_nearest_strain() -> None:
     case = make_design_case({}, "test", motions=["jra-ii-i-1"], dt=0.01)
-    turn = one_turn(case, 1, 1.0).round  # 1 mm over 14 mm of rubber; the curves begin at 20 %
+    (turn,) = one_turn(case, 1, [1.0]).rounds  # 1 mm over 14 mm of rubber; the curves begin at 20 %
     nearest = load_curves().smallest_strain * turn.size.total_rubber_thickness
     expected = design_values(load_rubber("G8", "HDR"), turn.size, nearest)
     assert (turn.stiffness, turn.damping) == expected

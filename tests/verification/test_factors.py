@@ -217,7 +217,7 @@ def test_published_tables_say_what_is_unverified() -> None:
     for item in tables:
         assert len(item.temperatures) == len(item.factors)
         assert ("from memory" in item.source) == item.unverified
-        assert item.label.endswith("(unverified)") == item.unverified
+        assert item.label.endswith("*") == item.unverified
 
 
 def test_command(tmp_path: Path) -> None:

@@ -192,10 +192,14 @@ def case_facts(case: Case) -> dict[str, str]:
 
 def design_facts(case: DesignCase) -> dict[str, str]:
     """What a design loop would begin with."""
+    loads = [
+        f"{bearing_weight(case, group):.0f} kN a bearing{' of ' if group.name else ''}{group.name}"
+        for group in case.groups
+    ]
     return {
         "compound": f"{case.compound_kind} {case.compound}",
         "motions": ", ".join(PurePath(motion.name).name for motion in case.motions),
-        "begins at": f"{case.start:g} mm, {bearing_weight(case):.0f} kN a bearing",
+        "begins at": f"{case.start:g} mm, {'; '.join(loads)}",
         "ends": f"within {case.tolerance:.2%}, or after {case.most_rounds} rounds",
         "equal bearings": ", ".join(case.equal) or "none",
         **structure_facts(case.structure),

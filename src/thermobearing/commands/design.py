@@ -32,7 +32,15 @@ JudgedAt = Annotated[
     typer.Option(help="Layered ones judged at [degC]."),
 ]
 Peaks = Annotated[
-    str | None, typer.Option(help="Of several motions: largest, or mean (of each group).")
+    str | None, typer.Option(help="Of several motions: mean (of three or more), or largest.")
+]
+Groups = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--group",
+        help="Bearing lines of one size, with commas; may be repeated.",
+        metavar="LINE,LINE",
+    ),
 ]
 
 
@@ -49,6 +57,7 @@ def design(
     motion: Motions = None,
     weight: Annotated[float | None, typer.Option(help="Load of one bearing [kN].")] = None,
     structure: Structure_ = None,
+    group: Groups = None,
     ambient: JudgedAt = None,
     peaks: Peaks = None,
     tolerance: Annotated[
@@ -68,7 +77,9 @@ def design(
     from thermobearing.design.screen import print_design, print_head, print_round
     from thermobearing.results.directory import check_target
 
+    groups = [{"lines": [name.strip() for name in text.split(",")]} for text in group or []]
     overrides: dict[str, Any] = {
+        "line_groups": groups or None,
         "start": start,
         "compound": compound,
         "compound_kind": kind,

@@ -9,6 +9,11 @@ from thermobearing.cyclic.equivalent import backbone
 from thermobearing.model.earlier import BilinearParameters
 
 UNITS = "kN, mm, s"
+BOUNDS_NOTE = (
+    "Each bound has the peak force and the loop area of its cycle, with a chosen K_2/K_1; its Q_d "
+    "is therefore not that of the factors, which is half the difference of the forces at zero "
+    "displacement"
+)
 
 
 @dataclass(frozen=True)
@@ -146,6 +151,7 @@ def opensees_text(models: list[BoundModel], name: str, language: str) -> str:
     lines = [
         f"# {name}: bilinear bounds of ONE bearing, units {UNITS}.",
         "# Use one of the materials in a zeroLength element, direction 1, per bearing.",
+        f"# {BOUNDS_NOTE}.",
     ]
     if language == "python":
         lines.append("import openseespy.opensees as ops")

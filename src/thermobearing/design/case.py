@@ -1,11 +1,12 @@
-"""A design as data: bridge, motions, rubber, rules."""
+"""A design as data: bridge, groups of its bearing lines, motions, rubber, rules."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
 from pydantic import Field, field_validator
 
-from thermobearing.border.errors import InputError
+from thermobearing.border.errors import InputError, nearest
 from thermobearing.border.overrides import overridden
 from thermobearing.border.schema import Strict, in_unit, validated
 from thermobearing.border.toml import to_toml
@@ -17,9 +18,25 @@ from thermobearing.earthquake.case import make_earthquake_case
 from thermobearing.earthquake.motion import Motion
 from thermobearing.motions.record import STANDARD_GRAVITY
 from thermobearing.report.title import case_table
-from thermobearing.structure.model import MassModel, Structure
+from thermobearing.structure.model import GROUND, MassModel, Name, Structure
 
 STIFFNESS_RATIO = 0.19  # alpha of Table 6.3
+Weight = Annotated[float, in_unit("kN"), Field(ge=0.1, le=1e6)]
+
+
+class LineGroup(Strict):
+    """Bearing lines that get bearings of one size.
+
+    Attributes
+    ----------
+    lines : their names in the structure.
+    name : of the group in tables; by default the names of its lines.
+    weight : vertical load of one bearing [kN], in [0.1, 1e6], instead of that of the case.
+    """
+
+    lines: Annotated[list[Name], Field(min_length=1, max_length=8)]
+    name: Annotated[str, Field(max_length=200)] = ""
+    weight: Weight | None = None
 
 
 class DesignCase(Strict):
@@ -30,7 +47,10 @@ class DesignCase(Strict):
     structure, motions : the bridge, and the earthquakes it is designed for.
     compound, compound_kind : rubber, and which of its curves: "HDR" or "HDR-S".
     start : first displacement u_B [mm], in [1, 2000].
-    weight : on one bearing [kN], in [0.1, 1e6]; by default what the structure says.
+    weight : on one bearing [kN], in [0.1, 1e6]; by default the weight of what the lines carry,
+        in equal parts on all their bearings.
+    line_groups : bearing lines that get one size; lines that no group names are grouped by their
+        count and by what they stand on (the ground or a pier). None of a structure with one line.
     stiffness_ratio : ratio K_2 / K_1 of the bilinear model, in [0.001, 0.99].
     effective_displacement_factor : factor c_B of u_Be = c_B u_B, in [0.01, 1] (0.7 is said to be
         usual for Level 2; unverified).
@@ -42,8 +62,9 @@ class DesignCase(Strict):
     sizing : rules of plan and layers.
     equal : names of layered bearings that are to be scaled to the same K_B.
     ambient : temperatures that these are judged at [degC], in [-100, 100].
-    peaks : what counts under several motions: "largest", or "mean" over the motions of a group, of
-        which the largest (data/design/peaks.toml).
+    peaks : what counts under several motions: "mean" over the motions of a group, or the largest
+        where it has fewer than three, and of the groups the largest; or "largest" of all motions
+        (data/design/peaks.toml).
     """
 
     structure: Structure
@@ -51,7 +72,8 @@ class DesignCase(Strict):
     compound: str = "G8"
     compound_kind: Kind = "HDR"
     start: Annotated[float, in_unit("mm"), Field(ge=1, le=2000)] = 200.0
-    weight: Annotated[float, in_unit("kN"), Field(ge=0.1, le=1e6)] | None = None
+    weight: Weight | None = None
+    line_groups: Annotated[list[LineGroup], Field(min_length=1, max_length=8)] | None = None
     stiffness_ratio: Annotated[float, Field(ge=1e-3, le=0.99)] = STIFFNESS_RATIO
     effective_displacement_factor: Annotated[float, Field(ge=0.01, le=1)] = 1.0
     tolerance: Annotated[float, Field(ge=1e-6, le=0.1)] = 0.01
@@ -62,12 +84,19 @@ class DesignCase(Strict):
     equal: list[str] = ["shen-hdr-bridge", "shen-lhdr-bridge"]  # noqa: RUF012 (pydantic copies it)
 
     ambient: Annotated[list[Temperature], Field(max_length=100)] = [23.0, 0.0, -20.0]  # noqa: RUF012
-    peaks: PeakRule = "largest"
+    peaks: PeakRule = "mean"
 
     @field_validator("ambient")
     @classmethod
     def _each_once(cls, ambient: list[float]) -> list[float]:
         return each_once(ambient)
+
+    @property
+    def groups(self) -> list[LineGroup]:
+        """The groups; one without a name where the structure has one line."""
+        return self.line_groups or [
+            LineGroup(lines=[line.name for line in self.structure.bearings])
+        ]
 
     def to_toml(self) -> str:
         """The case with every default filled in, as TOML; reads back to the same bits."""
@@ -110,15 +139,59 @@ def make_design_case(
         load_rubber(case.compound, case.compound_kind)
     except InputError as error:
         raise InputError(error.lines("compound"), where) from None
-    if len(case.structure.bearings) != 1:
-        names = ", ".join(f'"{line.name}"' for line in case.structure.bearings)
-        raise InputError(
-            f"structure: the design loop needs exactly one bearing line, and this has {names}; "
-            "give one pier with its line and the mass of the deck that it carries, then take the "
-            "bearings found (bearings/*.toml) for the whole structure in `bridge`",
-            where,
-        )
-    return case
+    if len(case.structure.bearings) == 1 and case.line_groups is None:
+        return case
+    return case.model_copy(
+        update={"line_groups": settle_groups(case.line_groups or [], case.structure, where)}
+    )
+
+
+def settle_groups(given: Sequence[LineGroup], structure: Structure, where: str) -> list[LineGroup]:
+    """Return groups that hold every line once: those given, then the other lines by their kind.
+
+    Parameters
+    ----------
+    given : groups of a case.
+    structure : with the lines.
+    where : names the file in messages.
+
+    Returns
+    -------
+    list of LineGroup : each with a name.
+
+    Raises
+    ------
+    InputError : a line that the structure does not have or that is in two groups, or two groups
+        of one name.
+
+    Examples
+    --------
+    >>> from thermobearing.structure.model import load_structure
+    >>> [group.name for group in settle_groups([], load_structure("pier-p1"), "example")]
+    ['G1-G5']
+    """
+    known = [line.name for line in structure.bearings]
+    named = [name for group in given for name in group.lines]
+    faults = [
+        f'line_groups: no bearing line is called "{name}"{nearest(name, known)}'
+        for name in named
+        if name not in known
+    ]
+    twice = dict.fromkeys(name for name in named if named.count(name) > 1)
+    faults += [f'line_groups: line "{name}" is given more than once' for name in twice]
+    alike: dict[tuple[int, bool], list[str]] = {}
+    for line in structure.bearings:
+        if line.name not in named:
+            alike.setdefault((line.count, line.base == GROUND), []).append(line.name)
+    groups = [*given, *(LineGroup(lines=lines) for lines in alike.values())]
+    names = [group.name or ", ".join(group.lines) for group in groups]
+    faults += [
+        f'line_groups: two are called "{n}"' for n in dict.fromkeys(names) if names.count(n) > 1
+    ]
+    if faults:
+        raise InputError(faults, where)
+    pairs = zip(groups, names, strict=True)
+    return [group.model_copy(update={"name": name}) for group, name in pairs]
 
 
 def load_design_case(path: str | Path, **overrides: Any) -> DesignCase:
@@ -151,24 +224,33 @@ def load_design_case(path: str | Path, **overrides: Any) -> DesignCase:
     return make_design_case(table, str(path), path.parent, **overrides)
 
 
-def bearing_weight(case: DesignCase) -> float:
-    """Vertical load of one bearing [kN]: given, or the deck's weight over the count.
+def bearing_weight(case: DesignCase, group: LineGroup | None = None) -> float:
+    """Return the vertical load of one bearing of a group [kN].
 
     Parameters
     ----------
     case : what is designed.
+    group : of `case.groups`; by default the first.
 
     Returns
     -------
-    float : [kN], > 0.
+    float : that of the group or of the case; otherwise the weight of the body that the lines
+        carry, in equal parts on all the bearings below it; of several bodies the largest. [kN]
 
     Examples
     --------
     >>> round(bearing_weight(make_design_case({}, "example")), 1)
     784.5
     """
-    if case.weight is not None:
-        return case.weight
+    group = group or case.groups[0]
+    given = group.weight or case.weight
+    if given is not None:
+        return given
     structure = case.structure
-    mass = sum(item.mass for item in structure.masses if item.body == structure.report.deck)
-    return mass * STANDARD_GRAVITY / structure.bearings[0].count
+    bodies = {line.body for line in structure.bearings if line.name in group.lines}
+    loads = []
+    for body in bodies:
+        mass = sum(item.mass for item in structure.masses if item.body == body)
+        count = sum(line.count for line in structure.bearings if line.body == body)
+        loads.append(mass * STANDARD_GRAVITY / count)
+    return max(loads)

@@ -31,11 +31,15 @@ class EqualBearing:
     bearing : ready for `bridge`.
     stiffness, damping : K_eq [kN/mm] and h_eq of its third cycle without heating at the design
         displacement and the reference temperature of its rubber.
+    displacement : u_B that it is sized for [mm].
+    group : name of the group of lines that it is for; empty where there is only one.
     """
 
     bearing: Bearing
     stiffness: float
     damping: float
+    displacement: float
+    group: str = ""
 
 
 def with_side(template: Bearing, side: float, layers: int) -> Bearing:
@@ -135,7 +139,7 @@ def equal_bearing(
     side = ROUNDING * round(0.5 * (low + high) / ROUNDING)
     bearing = with_side(template, side, layers)
     measured = isothermal_cycle(bearing, strain)
-    return EqualBearing(bearing, measured.stiffness_kN_mm, measured.h_eq)
+    return EqualBearing(bearing, measured.stiffness_kN_mm, measured.h_eq, displacement)
 
 
 def _stiffness(template: Bearing, side: float, layers: int, strain: float) -> float:

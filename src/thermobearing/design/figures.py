@@ -16,7 +16,7 @@ from thermobearing.bearing.validity import ranges_of
 from thermobearing.border.errors import InputError
 from thermobearing.cyclic.result import Result
 from thermobearing.design.bounds import DEMANDS, least_safe
-from thermobearing.design.published import published_tables
+from thermobearing.design.published import FOOTNOTE, published_tables
 from thermobearing.design.result import BoundsReport, Design, FactorReport
 from thermobearing.results import drawing
 
@@ -63,36 +63,39 @@ class DesignFigures:
         self._design = design
 
     def rounds(self) -> Figure:
-        """Assumed and found displacement, round by round."""
-        figure, (ax,) = drawing.panels(
-            1, 1, (6.5, 3.6), f"{self._design.case.structure.name}: design loop"
-        )
-        table = self._design.table
-        numbers = table["round"].to_numpy()
-        for column, name, colour, marker in (
-            ("u_B_assumed_mm", "assumed", "#0072B2", "o"),
-            ("u_found_mm", "found", "#D55E00", "s"),
-        ):
-            values = table[column].to_numpy()
-            ax.plot(numbers, values, color=colour, marker=marker, linewidth=1.2, label=name)
-        ax.set_xticks(numbers)
-        ranges = ranges_of(self._design.bearing) or {}
-        end = ranges["strain"][1] * self._design.bearing.total_rubber_thickness
-        if self._design.last.found > end:
-            drawing.mark_tested(ax, end, "the curves end here")
-        drawing.name_axes(ax, "round", "displacement of the bearing [mm]")
-        ax.legend(fontsize=drawing.SMALL, frameon=False)
+        """Assumed and found displacement, round by round, a panel for each group of lines."""
+        design = self._design
+        title = f"{design.case.structure.name}: design loop"
+        count = len(design.taken)
+        figure, axes = drawing.panels(1, count, (6.5 if count == 1 else 4.2 * count, 3.6), title)
+        for ax, turn, bearing in zip(axes, design.taken, design.bearings, strict=True):
+            mine = [one.row() for one in design.rounds if one.group == turn.group]
+            numbers = [row["round"] for row in mine]
+            for column, name, colour, marker in (
+                ("u_B_assumed_mm", "assumed", "#0072B2", "o"),
+                ("u_found_mm", "found", "#D55E00", "s"),
+            ):
+                values = [row[column] for row in mine]
+                ax.plot(numbers, values, color=colour, marker=marker, linewidth=1.2, label=name)
+            ax.set_xticks(numbers)
+            end = (ranges_of(bearing) or {})["strain"][1] * bearing.total_rubber_thickness
+            if turn.found > end:
+                drawing.mark_tested(ax, end, "the curves end here")
+            drawing.name_axes(ax, "round", "displacement of the bearing [mm]", turn.group)
+        axes[0].legend(fontsize=drawing.SMALL, frameon=False)
         return figure
 
     def equal(self) -> Figure:
         """Loops of the bilinear bearing and the layered ones of its stiffness, as Fig. 6.6."""
         title = f"{self._design.case.structure.name}: bearings of equal stiffness, 23 degC"
-        figure, (ax,) = drawing.panels(1, 1, (6.0, 4.4), title)
-        loops = self._design.loops
-        for (name, (x, force)), colour in zip(loops.items(), LOOPS, strict=False):
-            ax.plot(x, force, color=colour, linewidth=1.3, label=name)
-        drawing.name_axes(ax, "displacement [mm]", "force [kN]")
-        ax.legend(fontsize=drawing.SMALL, frameon=False)
+        groups = self._design.loops
+        size = (6.0 if len(groups) == 1 else 4.8 * len(groups), 4.4)
+        figure, axes = drawing.panels(1, len(groups), size, title)
+        for ax, (group, loops) in zip(axes, groups.items(), strict=True):
+            for (name, (x, force)), colour in zip(loops.items(), LOOPS, strict=False):
+                ax.plot(x, force, color=colour, linewidth=1.3, label=name)
+            drawing.name_axes(ax, "displacement [mm]", "force [kN]", group)
+            ax.legend(fontsize=drawing.SMALL, frameon=False)
         return figure
 
     def save_all(self, folder: Path) -> list[Path]:
@@ -180,7 +183,7 @@ class FactorFigures:
         """One panel per quantity at the largest strain, the legend in a free one.
 
         Bands where the table has them; published factors dotted, at their own reference
-        temperature; unverified ones say so.
+        temperature; a footnote marks those of which no source was read.
         """
         report = self._report
         what = f"temperature factors, {report.motion}, strain {report.strain:.0%}"
@@ -213,6 +216,8 @@ class FactorFigures:
             words = "other sources, at their own reference:"
             handles.append(Line2D([], [], linestyle="none", label=words))
         handles += [Line2D([], [], label=label, **look) for label, look in looks.items()]
+        if any(label.endswith("*") for label in looks):
+            handles.append(Line2D([], [], linestyle="none", label=FOOTNOTE))
         free[0].legend(handles=handles, loc="center left", fontsize=drawing.SMALL, frameon=False)
         return figure
 

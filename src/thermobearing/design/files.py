@@ -76,9 +76,9 @@ def save_design(
 
 
 def _bearings(design: Design) -> dict[str, str]:
-    """TOML of the bilinear bearing and of the layered ones, by name."""
+    """TOML of the bilinear bearings and of the layered ones, by name."""
     layered = {item.bearing.name: to_toml(item.bearing) for item in design.equal}
-    return {design.bearing.name: to_toml(design.bearing)} | layered
+    return {bearing.name: to_toml(bearing) for bearing in design.bearings} | layered
 
 
 def save_bounds(

@@ -1,23 +1,36 @@
-"""What counts of the peaks under several motions, and what layered bearings do at every air."""
+"""The peaks that count under several motions, and those of layered bearings by temperature."""
 
 import re
 from collections.abc import Sequence
 from functools import cache
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 import pandas as pd
+import xarray as xr
 from pydantic import Field
 
 from thermobearing.border.errors import InputError
 from thermobearing.border.library import data_path
 from thermobearing.border.schema import Strict, validated
 from thermobearing.border.toml import read_toml
+from thermobearing.core.records import Floats
 from thermobearing.design.sizing import Check
 from thermobearing.earthquake.motion import Motion
 from thermobearing.earthquake.result import EarthquakeResult
 
+if TYPE_CHECKING:
+    from thermobearing.design.case import LineGroup
+
 PeakRule = Literal["largest", "mean"]
+PARTS = {  # in a study with several lines or piers: the variable with a column for each
+    "bearing_displacement_max": "line_displacement_max",
+    "bearing_strain_max": "line_strain_max",
+    "bearing_force_max": "line_force_max",
+    "pier_displacement_max": "pier_part_displacement_max",
+    "pier_ductility": "pier_part_ductility",
+}
+OF_LINES = ("bearing_displacement_max", "bearing_strain_max", "bearing_force_max")
 JUDGED = {  # column of a study: column of temperatures.csv
     "bearing_displacement_max": "displacement_mm",
     "bearing_strain_max": "strain",
@@ -100,7 +113,8 @@ def combined(values: Sequence[float], motions: Sequence[Motion], rule: PeakRule)
     ----------
     values : peaks, one for each motion.
     motions : in the same order.
-    rule : "largest", or "mean" over each group, of which the largest.
+    rule : "largest", or "mean" over each group (its largest where it has fewer motions than a
+        mean takes), of which the largest.
 
     Returns
     -------
@@ -108,23 +122,21 @@ def combined(values: Sequence[float], motions: Sequence[Motion], rule: PeakRule)
 
     Examples
     --------
-    >>> motions = [Motion(name=f"jra-{kind}-i-{k}") for kind in ("i", "ii") for k in (1, 2)]
-    >>> combined([1.0, 2.0, 3.0, 5.0], motions, "mean")
+    >>> motions = [Motion(name=f"jra-{kind}-i-{k}") for kind in ("i", "ii") for k in (1, 2, 3)]
+    >>> combined([1.0, 1.0, 2.0, 3.0, 5.0, 4.0], motions, "mean")
     4.0
     """
     found = np.asarray(values, dtype=float)
     if rule == "largest":
         return float(found.max())
-    groups = [group_of(motion) for motion in motions]
-    means = [
-        found[[k for k, other in enumerate(groups) if other == group]].mean()
-        for group in dict.fromkeys(groups)
-    ]
-    return float(np.max(means))
+    groups = np.array([group_of(motion) for motion in motions])
+    each = [found[groups == group] for group in dict.fromkeys(groups)]
+    least = peak_rule(rule).least
+    return float(np.max([one.mean() if len(one) >= least else one.max() for one in each]))
 
 
 def few_motions(motions: Sequence[Motion], rule: PeakRule) -> list[str]:
-    """A sentence for each group that has fewer motions than the rule asks for.
+    """Return a sentence on the groups that have fewer motions than the rule takes a mean of.
 
     Parameters
     ----------
@@ -133,24 +145,59 @@ def few_motions(motions: Sequence[Motion], rule: PeakRule) -> list[str]:
 
     Returns
     -------
-    list of str
+    list of str : one, or none.
 
     Examples
     --------
-    >>> few_motions([Motion(name="jra-ii-i-1")], "mean")[0][:30]
-    'peaks = "mean": group jra-ii-i'
+    >>> few_motions([Motion(name="jra-ii-i-1")], "mean")[0][:29]
+    'peaks: of jra-ii-i (1 motion)'
     """
     least = peak_rule(rule).least
     groups = [group_of(motion) for motion in motions]
-    return [
-        f'peaks = "{rule}": group {group} has {groups.count(group)} of at least {least} motions'
+    few = [
+        f"{group} ({groups.count(group)} motion{'s' if groups.count(group) > 1 else ''})"
         for group in dict.fromkeys(groups)
         if groups.count(group) < least
     ]
+    said = f"peaks: of {', '.join(few)} the largest counts, since a mean takes at least {least}"
+    return [said] if few else []
+
+
+def counted(
+    data: xr.Dataset, name: str, motions: Sequence[Motion], rule: PeakRule, runs: Any = slice(None)
+) -> Floats:
+    """Return the peak that counts of each bearing line or pier.
+
+    Parameters
+    ----------
+    data : of a study.
+    name : of a peak in it, as in `JUDGED`.
+    motions : of the runs, in order.
+    rule : see `combined`.
+    runs : their numbers, one for each motion.
+
+    Returns
+    -------
+    array : one value where the structure has one line and one pier.
+
+    Examples
+    --------
+    >>> motions = [Motion(name="jra-ii-i-1"), Motion(name="jra-ii-i-2")]
+    >>> data = xr.Dataset({"line_force_max": (("run", "line"), [[1.0, 4.0], [2.0, 3.0]])})
+    >>> counted(data, "bearing_force_max", motions, "largest").tolist()
+    [2.0, 4.0]
+    """
+    own = PARTS.get(name, name)
+    values = np.asarray(data[own if own in data else name])[runs].reshape(len(motions), -1)
+    return np.array([combined(column.tolist(), motions, rule) for column in values.T])
 
 
 def judged(
-    study: EarthquakeResult, motions: Sequence[Motion], rule: PeakRule, limits: Sequence[Check]
+    study: EarthquakeResult,
+    motions: Sequence[Motion],
+    rule: PeakRule,
+    limits: Sequence[Check],
+    groups: Sequence["LineGroup"] = (),
 ) -> pd.DataFrame:
     """Peaks of every bearing at every temperature, and which limits they pass.
 
@@ -160,11 +207,13 @@ def judged(
     motions : of the study, in order.
     rule : for the peaks of several motions.
     limits : checks whose limits of strain and ductility are kept.
+    groups : of lines of the study's structure that get a row each; without any, all lines together.
 
     Returns
     -------
-    DataFrame : bearing, ambient [degC], peaks, verdict, what fails. Its `attrs` hold what the runs
-        ask of the range that the bearings were tested in.
+    DataFrame : bearing, ambient [degC], peaks, verdict, what fails; with groups also `group`, and
+        `pier`, which has the largest ductility. Its `attrs` hold what the runs ask of the range
+        that the bearings were tested in.
 
     Examples
     --------
@@ -175,21 +224,41 @@ def judged(
     """
     most = {check.what: check.limit for check in limits}
     kept = {"strain": most.get("shear strain"), "ductility": most.get("pier ductility")}
-    table = study.table
-    rows = []
-    for (bearing, ambient), mine in table.groupby(["bearing", "ambient_degC"], sort=False):
+    data, rows = study.dataset, []
+    for (bearing, ambient), mine in study.table.groupby(["bearing", "ambient_degC"], sort=False):
         runs = mine.index.to_numpy()
-        row: dict[str, object] = {"bearing": bearing, "ambient_degC": ambient}
-        peaks = {
-            column: combined(study[name].values[runs].tolist(), motions, rule)
-            for name, column in JUDGED.items()
-        }
-        fails = [k for k, limit in kept.items() if limit is not None and peaks[k] > limit]
-        fails += [str(v) for v in dict.fromkeys(mine["outcome"]) if v != "completed"]
-        rows.append(row | peaks | {"verdict": "NG" if fails else "OK", "fails": " ".join(fails)})
+        peaks = {c: counted(data, n, motions, rule, runs) for n, c in JUDGED.items()}
+        for group in groups or (None,):
+            row: dict[str, Any] = {"bearing": bearing, "ambient_degC": ambient}
+            places: Any = slice(None)
+            if group is not None:
+                lines = data["line"].values.tolist()
+                places = [lines.index(line) for line in group.lines]
+                own = str(data["line_bearing"].values[runs[0], places[0]])
+                row = {"bearing": own, "group": group.name, "ambient_degC": ambient}
+            for name, column in JUDGED.items():
+                values = peaks[column][places if name in OF_LINES else slice(None)]
+                row[column] = float(np.fmax.reduce(values))
+            if group is not None:
+                ductility = np.nan_to_num(peaks["ductility"], nan=-1.0)
+                row["pier"] = str(data["pier_part"].values[ductility.argmax()])
+            fails = [k for k, limit in kept.items() if limit is not None and row[k] > limit]
+            fails += [str(v) for v in dict.fromkeys(mine["outcome"]) if v != "completed"]
+            row |= {"verdict": "NG" if fails else "OK", "fails": " ".join(fails)}
+            rows.append(row)
     found = pd.DataFrame(rows)
     found.attrs["tested_range"] = study.tested_range.to_dict("records")
     return found
+
+
+def of_group(name: str, group: str = "") -> str:
+    """Return the name of a bearing with its group of lines, where there are several."""
+    return f"{name} ({group})" if group else name
+
+
+def whose(table: pd.DataFrame) -> list[str]:
+    """Return the columns that say what rows of `judged` are about, without the temperature."""
+    return [name for name in ("bearing", "group") if name in table]
 
 
 def envelope(table: pd.DataFrame) -> pd.DataFrame:
@@ -210,14 +279,14 @@ def envelope(table: pd.DataFrame) -> pd.DataFrame:
     ['strain', np.float64(2.0), np.int64(23)]
     """
     rows = []
-    for bearing, mine in table.groupby("bearing", sort=False) if len(table) else ():
+    for key, mine in table.groupby(whose(table), sort=False) if len(table) else ():
         airs = mine["ambient_degC"].tolist()
         for column in (name for name in JUDGED.values() if name in mine):
             values = mine[column].to_numpy(dtype=float)
             if np.isfinite(values).any():
                 worst = int(np.nanargmax(values))
-                row = {"bearing": bearing, "peak": column, "largest": float(values[worst])}
-                rows.append(row | {"at_degC": airs[worst]})
+                row = dict(zip(whose(table), key, strict=True)) | {"peak": column}
+                rows.append(row | {"largest": float(values[worst]), "at_degC": airs[worst]})
     return pd.DataFrame(rows)
 
 
@@ -240,16 +309,17 @@ def coldest_sentences(table: pd.DataFrame) -> list[str]:
     'shen-bilinear-bridge: OK on the coldest day'
     """
     said = []
-    for bearing, mine in table.groupby("bearing", sort=False) if len(table) else ():
+    for key, mine in table.groupby(whose(table), sort=False) if len(table) else ():
         rows = mine.to_dict("records")
         cold = min(rows, key=lambda row: row["ambient_degC"])
         far, force = (max(rows, key=lambda row: row[k]) for k in ("displacement_mm", "force_kN"))
         fails = f" ({cold['fails']})" if cold["fails"] else ""
+        pier = f" of {cold['pier']}" if "pier" in cold else ""
         said.append(
-            f"{bearing}: {cold['verdict']} on the coldest day, {cold['ambient_degC']:g} degC"
-            f"{fails}: strain {cold['strain']:.0%}, force {cold['force_kN']:.0f} kN, ductility "
-            f"{cold['ductility']:.2f}; over all temperatures at most "
-            f"{far['displacement_mm']:.0f} mm (at {far['ambient_degC']:g} degC) and "
-            f"{force['force_kN']:.0f} kN (at {force['ambient_degC']:g} degC)"
+            f"{of_group(*map(str, key))}: {cold['verdict']} on the coldest day, "
+            f"{cold['ambient_degC']:g} degC{fails}: strain {cold['strain']:.0%}, force "
+            f"{cold['force_kN']:.0f} kN, ductility {cold['ductility']:.2f}{pier}; over all "
+            f"temperatures at most {far['displacement_mm']:.0f} mm (at {far['ambient_degC']:g} "
+            f"degC) and {force['force_kN']:.0f} kN (at {force['ambient_degC']:g} degC)"
         )
     return said

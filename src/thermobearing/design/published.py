@@ -1,7 +1,7 @@
 """Temperature factors of other sources, and what codes ask, beside the model's own."""
 
 from functools import cache
-from typing import Annotated
+from typing import Annotated, Protocol
 
 import numpy as np
 import pandas as pd
@@ -10,6 +10,31 @@ from pydantic import Field
 from thermobearing.border.library import data_path
 from thermobearing.border.schema import Strict, validated
 from thermobearing.border.toml import read_toml
+
+FOOTNOTE = "*: from memory or chosen; no printed source of it was read"
+
+
+class Cited(Protocol):
+    """Anything that says whether its source was read."""
+
+    @property
+    def unverified(self) -> bool:
+        """Whether no printed source was read."""
+
+
+def marked(item: Cited) -> str:
+    """Return the mark of the footnote where no source was read, else nothing.
+
+    Parameters
+    ----------
+    item : a limit, rule, table or code.
+
+    Examples
+    --------
+    >>> [marked(code) for code in published_codes()]
+    ['*', '*', '*']
+    """
+    return "*" if item.unverified else ""
 
 
 class PublishedTable(Strict):
@@ -25,8 +50,8 @@ class PublishedTable(Strict):
 
     @property
     def label(self) -> str:
-        """Name for a legend, with the mark."""
-        return f"{self.name} (unverified)" if self.unverified else self.name
+        """Name for a legend, with the mark of `FOOTNOTE`."""
+        return f"{self.name}{marked(self)}"
 
 
 class PublishedCode(Strict):

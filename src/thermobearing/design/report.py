@@ -3,11 +3,16 @@
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
+
 from thermobearing.border.encodings import read_text
 from thermobearing.border.toml import read_toml, split_sources
 from thermobearing.cyclic.reported import analysis_table, bearing_tables
+from thermobearing.design.peaks import of_group
+from thermobearing.design.published import FOOTNOTE
 from thermobearing.design.report_bounds import bounds_pieces
 from thermobearing.design.report_factors import factors_pieces
+from thermobearing.design.result import USABLE
 from thermobearing.earthquake.case import EarthquakeAnalysis
 from thermobearing.earthquake.report_inputs import given_motions_table
 from thermobearing.report.identity import identity_of
@@ -89,6 +94,7 @@ def design_pieces(saved: SavedResult) -> Pieces:
             "The rounds run with a bilinear bearing, blind to temperature and rate; layered "
             "bearings are judged after them.",
             f"Of several motions counts {summary['peaks']['says']} ({summary['peaks']['source']}).",
+            f"Sources of limits, {FOOTNOTE}.",
         ],
         warnings=warnings,
         identity=identity_of(
@@ -97,18 +103,30 @@ def design_pieces(saved: SavedResult) -> Pieces:
     )
 
 
+def names_of(summary: Summary) -> list[str]:
+    """Return the names of the bilinear bearings, in the order of the groups of lines."""
+    return list(np.atleast_1d(summary["bearing"]))
+
+
+def chosen_rounds(summary: Summary) -> list[Summary]:
+    """Return the rounds of the turn that was taken, one for each group of lines."""
+    return [turn for turn in summary["rounds"] if turn["round"] == summary["chosen_round"]]
+
+
 def answer(summary: Summary, told: str) -> list[str]:
     """The bearing, what the cold makes of it, limits and validity."""
-    chosen = summary["rounds"][summary["chosen_round"] - 1]
-    size = (
-        f"{number(chosen['side_mm'], 'g')} mm square, {number(chosen['layers'], 'g')} layers of "
-        f"{number(chosen['layer_thickness_mm'], 'g')} mm"
-    )
-    usable = summary["outcome"] in ("converged", "two_sizes")
-    found = (
-        f"{summary['bearing']} ({size}; K_B {chosen['K_B_kN_mm']:.2f} kN/mm, Q_d "
-        f"{chosen['Q_d_kN']:.0f} kN). {tidy(summary['sentence'])}"
-    )
+    sizes = []
+    for name, turn in zip(names_of(summary), chosen_rounds(summary), strict=True):
+        size = (
+            f"{number(turn['side_mm'], 'g')} mm square, {number(turn['layers'], 'g')} layers of "
+            f"{number(turn['layer_thickness_mm'], 'g')} mm"
+        )
+        on = f"for {turn['group']}, " if "group" in turn else ""
+        sizes.append(
+            f"{on}{name} ({size}; K_B {turn['K_B_kN_mm']:.2f} kN/mm, Q_d {turn['Q_d_kN']:.0f} kN)"
+        )
+    usable = summary["outcome"] in USABLE
+    found = f"{joined(sizes)}. {tidy(summary['sentence'])}"
     first = f"The design is {found}" if usable else f"There is no design; the last round: {found}"
     cold = [tidy(text.replace("%", " %")) for text in summary.get("coldest_day", [])]
     second = " ".join(cold) or "No layered bearing was judged at other temperatures."
@@ -119,6 +137,8 @@ def inputs_of(saved: SavedResult, case: Mapping[str, Any]) -> dict[str, ReportTa
     """The case: limits and loads of the design, structure, the bearings that were found."""
     lists = ("structure", "motions", "analysis", "lines", "templates", "bearings", "equal")
     rest = {k: v for k, v in case.items() if k not in lists and not isinstance(v, list)}
+    told = [f"{one['name']} ({', '.join(one['lines'])})" for one in case.get("line_groups", [])]
+    rest |= {"line_groups": "; ".join(told)} if told else {}
     found = {
         "design": input_table("What was to be designed", rest, otherwise="case, or default"),
         "structure": structure_table(case["structure"]),
@@ -136,34 +156,44 @@ def tables_of(saved: SavedResult) -> dict[str, ReportTable]:
     """Rounds, equal bearings, every temperature."""
     summary = saved.summary
     names = [name for name in ROUNDS if name in summary["rounds"][0]]
+    group = ["group"] if "group" in summary["rounds"][0] else []
+    lines = [Column("Lines")] if group else []
     rows = [
-        [turn["round"], *(ROUNDS[n][1] * turn[n] if turn[n] is not None else None for n in names)]
+        [
+            turn["round"],
+            *(turn[n] for n in group),
+            *(ROUNDS[n][1] * turn[n] if turn[n] is not None else None for n in names),
+        ]
         for turn in summary["rounds"]
     ]
-    columns = [Column("Round", form="d"), *(ROUNDS[name][0] for name in names)]
+    columns = [Column("Round", form="d"), *lines, *(ROUNDS[name][0] for name in names)]
     note = f"Round {summary['chosen_round']} was taken."
-    found = {"rounds": ReportTable("Rounds of the design", columns, rows, note=note)}
+    caption = "Rounds of the design"
+    found = {"rounds": ReportTable(caption, columns, rows, 1 + len(lines), note=note)}
     if summary["equal"]:
-        columns = [Column("Bearing"), Column("K_eq", "kN/mm", ".3f"), Column("h_eq", "", ".3f")]
-        rows = [[one["name"], one["K_eq_kN_mm"], one["h_eq"]] for one in summary["equal"]]
+        columns = [Column("Bearing"), *lines]
+        columns += [Column("K_eq", "kN/mm", ".3f"), Column("h_eq", "", ".3f")]
+        values = ["name", *group, "K_eq_kN_mm", "h_eq"]
+        rows = [[one[n] for n in values] for one in summary["equal"]]
         caption = "Layered bearings of the same stiffness, third cycle at the design displacement"
         found["equal"] = ReportTable(caption, columns, rows)
     if summary["temperatures"]:
         told = [name for name in TEMPERATURES if name in summary["temperatures"][0]]
-        columns = [Column("Bearing"), Column("Ambient", "°C", "g")]
-        columns += [*(TEMPERATURES[name][0] for name in told), Column("Verdict"), Column("Fails")]
+        columns = [Column("Bearing"), *lines, Column("Ambient", "°C", "g")]
+        columns += [TEMPERATURES[name][0] for name in told]
+        columns += [*([Column("of pier")] if group else []), Column("Verdict"), Column("Fails")]
+        before = ["bearing", *group, "ambient_degC"]
+        after = [*(["pier"] if group else []), "verdict", "fails"]
         rows = [
             [
-                row["bearing"],
-                row["ambient_degC"],
+                *(row[n] for n in before),
                 *(TEMPERATURES[n][1] * row[n] if row[n] is not None else None for n in told),
-                row["verdict"],
-                row["fails"],
+                *(row[n] for n in after),
             ]
             for row in summary["temperatures"]
         ]
         caption = "Layered bearings at every temperature"
-        found["temperatures"] = ReportTable(caption, columns, rows, 2)
+        found["temperatures"] = ReportTable(caption, columns, rows, len(before))
     return found
 
 
@@ -175,22 +205,24 @@ def checks_of(saved: SavedResult) -> list[Check]:
         unit, factor = printed_unit(str(one["unit"]))
         if one["what"].endswith("strain"):
             unit, factor = "%", 100.0
+        of = f", {one['part']}" if one.get("part") else ""
         found.append(
             Check(
-                str(one["what"]),
+                f"{one['what']}{of}",
                 factor * float(one["value"]),
                 factor * float(one["limit"]),
                 unit,
-                str(one["source"]),
+                f"{one['source']}{'*' if one.get('unverified') else ''}",
                 PASSED if one["verdict"] == "OK" else EXCEEDED,
                 lower=bool(one["least"]),
             )
         )
     for row in summary["temperatures"]:
         failed = f": {row['fails']}" if row["fails"] else ""
+        name = of_group(row["bearing"], row.get("group", ""))
         found.append(
             Check(
-                f"{row['bearing']} at {degrees([row['ambient_degC']])}{failed}",
+                f"{name} at {degrees([row['ambient_degC']])}{failed}",
                 float("nan"),
                 float("nan"),
                 "",
@@ -198,7 +230,7 @@ def checks_of(saved: SavedResult) -> list[Check]:
                 PASSED if row["verdict"] == "OK" else EXCEEDED,
             )
         )
-    names = [str(summary["bearing"]), *(str(one["name"]) for one in summary["equal"])]
+    names = [*names_of(summary), *(str(one["name"]) for one in summary["equal"])]
 
     def bearing_of(run: str) -> str:
         return next((name for name in names if run.startswith(f"{name}, ")), "")

@@ -6,6 +6,8 @@ from typing import Any
 import numpy as np
 
 from thermobearing.cyclic.reported import bearing_tables, bearing_words, model_assumptions
+from thermobearing.design.bilinear import BOUNDS_NOTE
+from thermobearing.design.published import FOOTNOTE
 from thermobearing.report.limits import MARKED, TESTED_RANGE, TESTS, limit_checks, verdict
 from thermobearing.report.pieces import Column, Pieces, ReportTable
 from thermobearing.report.saved import saved_figures, saved_identity, saved_validity
@@ -120,7 +122,8 @@ def _tables(summary: Mapping[str, Any]) -> dict[str, ReportTable]:
     tables["bounds"] = _bounds(summary)
     if summary.get("coldest_day"):
         words = [[tidy(text)] for text in summary["coldest_day"]]
-        tables["coldest"] = ReportTable("The coldest day, beside others", [Column("Says")], words)
+        caption = "The coldest day, compared with published factors"
+        tables["coldest"] = ReportTable(caption, [Column("Factors")], words, note=f"{FOOTNOTE}.")
     if summary.get("codes"):
         heads = [Column("Code"), Column("Says"), Column("Source"), Column("Verified")]
         told = [
@@ -164,5 +167,5 @@ def _bounds(summary: Mapping[str, Any]) -> ReportTable:
         for one in summary["bounds"]
     ]
     ratio = summary["stiffness_ratio"]
-    note = f"K_2/K_1 = {ratio['K_2_over_K_1']:g}: {ratio['source']}."
+    note = f"K_2/K_1 = {ratio['K_2_over_K_1']:g}: {ratio['source']}. {BOUNDS_NOTE}."
     return ReportTable("Lower and upper bilinear model", columns, rows, note=note)

@@ -1,4 +1,4 @@
-"""What came out: a design, a comparison of bounds with the model, factors of temperature."""
+"""Results: a design, a comparison of bounds with the model, factors of temperature."""
 
 from dataclasses import asdict, dataclass, field
 from functools import cache, cached_property
@@ -18,7 +18,12 @@ from thermobearing.border.showing import Shown
 from thermobearing.border.toml import read_toml, to_table
 from thermobearing.cyclic.equivalent import post_yield_ratio
 from thermobearing.cyclic.result import Result
-from thermobearing.design.bilinear import BoundModel, bound_models, bounds_table
+from thermobearing.design.bilinear import (
+    BOUNDS_NOTE,
+    BoundModel,
+    bound_models,
+    bounds_table,
+)
 from thermobearing.design.bounds import paragraph
 from thermobearing.design.case import DesignCase
 from thermobearing.design.equal import EqualBearing, third_cycle
@@ -41,6 +46,7 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
+USABLE = ("converged", "two_sizes")  # outcomes of a design
 ENOUGH = 0.10  # of the displacement: "no more than 10 %" (6.2.2)
 
 
@@ -67,14 +73,14 @@ class Design(Shown):
     Attributes
     ----------
     case : what was to be designed.
-    rounds : all turns.
+    rounds : of every turn one for each group of lines.
     outcome : "converged", "two_sizes" (the safer of two that alternate was taken), or why not.
     sentence : the same for people.
-    checks : the calculation sheet of the round that was taken.
-    bearing : bilinear bearing of that round.
+    checks : the calculation sheet of the turn that was taken, of each kind the governing first.
+    bearings : bilinear bearings of that turn, one for each group.
     study : its dynamic analyses.
-    equal : layered bearings scaled to the stiffness of that round.
-    chosen : number of the round that was taken; the last by default.
+    equal : layered bearings scaled to the stiffness of each group in that turn.
+    chosen : number of the turn that was taken; the last by default.
     temperatures : what the layered bearings do at every temperature; see `judged`.
     """
 
@@ -83,30 +89,37 @@ class Design(Shown):
     outcome: str
     sentence: str
     checks: list[Check]
-    bearing: BilinearBearing
+    bearings: list[BilinearBearing]
     study: EarthquakeResult
     equal: list[EqualBearing] = field(default_factory=list)
     chosen: int = 0
     temperatures: pd.DataFrame = field(default_factory=pd.DataFrame)
 
     @property
+    def taken(self) -> list[Round]:
+        """The rounds of the turn that was taken, in the order of the groups."""
+        chosen = self.chosen or self.rounds[-1].number
+        return [turn for turn in self.rounds if turn.number == chosen]
+
+    @property
     def last(self) -> Round:
-        """The turn that was taken."""
-        return self.rounds[self.chosen - 1]
+        """The round that was taken; of several groups the one with the largest strain."""
+        return max(self.taken, key=lambda turn: turn.found / turn.size.total_rubber_thickness)
 
     @property
     def usable(self) -> bool:
         """Whether there is a design."""
-        return self.outcome in ("converged", "two_sizes")
+        return self.outcome in USABLE
 
     @property
     def first_within(self) -> int | None:
-        """Number of the first round within the source's 10 %."""
-        return next((r.number for r in self.rounds if abs(r.difference) <= ENOUGH), None)
+        """Number of the first turn in which all groups are within the 10 % of Shen (2023)."""
+        beyond = {turn.number for turn in self.rounds if abs(turn.difference) > ENOUGH}
+        return next((r.number for r in self.rounds if r.number not in beyond), None)
 
     @property
     def table(self) -> pd.DataFrame:
-        """One row per round."""
+        """One row per round and group."""
         return pd.DataFrame([turn.row() for turn in self.rounds])
 
     @property
@@ -122,30 +135,34 @@ class Design(Shown):
     @property
     def sheet(self) -> list[dict[str, Any]]:
         """The checks with their verdicts."""
-        return [asdict(check) | {"verdict": check.verdict} for check in self.checks]
+        several = any(check.part for check in self.checks)
+        rows = [asdict(check) | {"verdict": check.verdict} for check in self.checks]
+        return [{k: v for k, v in row.items() if several or k != "part"} for row in rows]
 
     @cached_property
-    def loops(self) -> dict[str, tuple[Floats, Floats]]:
-        """Closed loops [mm, kN] at the design displacement: the bilinear bearing, the equal ones.
+    def loops(self) -> dict[str, dict[str, tuple[Floats, Floats]]]:
+        """Closed loops [mm, kN] at the design displacement, by group and by bearing.
 
-        Those of the equal bearings are their third cycle, with heating.
+        Of the bilinear bearing, and of the layered ones their third cycle, with heating.
         """
-        turn = self.last
-        u, q, k1, k2 = turn.assumed, turn.strength, turn.initial, turn.post_yield
-        knee = u - 2.0 * q / (k1 - k2)
-        x = np.array([u, knee, -u, -knee, u])
-        force = np.array([q + k2 * u, k2 * knee - q, -q - k2 * u, q - k2 * knee, q + k2 * u])
-        loops = {f"{self.bearing.name} (bilinear)": (x, force)}
-        loops |= {item.bearing.name: third_cycle(item.bearing, u) for item in self.equal}
-        return loops
+        found = {}
+        for turn, bearing in zip(self.taken, self.bearings, strict=True):
+            u, q, k1, k2 = turn.assumed, turn.strength, turn.initial, turn.post_yield
+            knee = u - 2.0 * q / (k1 - k2)
+            x = np.array([u, knee, -u, -knee, u])
+            force = np.array([q + k2 * u, k2 * knee - q, -q - k2 * u, q - k2 * knee, q + k2 * u])
+            mine = [item.bearing for item in self.equal if item.group == turn.group]
+            loops = {f"{bearing.name} (bilinear)": (x, force)}
+            found[turn.group] = loops | {one.name: third_cycle(one, u) for one in mine}
+        return found
 
     def summary(self) -> dict[str, Any]:
         """The content of summary.json."""
-        source = source_design()
+        source, names = source_design(), [bearing.name for bearing in self.bearings]
         return {
             "command": "design",
             "structure": self.case.structure.name,
-            "bearing": self.bearing.name,
+            "bearing": names[0] if len(names) == 1 else names,
             "version": thermobearing.__version__,
             "outcome": self.outcome,
             "sentence": self.sentence,
@@ -153,14 +170,19 @@ class Design(Shown):
             **limits_summary(pd.DataFrame(), self.tested_range),
             "first_within_10_percent": self.first_within,
             "rounds": [turn.row() for turn in self.rounds],
-            "chosen_round": self.last.number,
+            "chosen_round": self.taken[0].number,
             "peaks": peak_rule(self.case.peaks).model_dump(),
             "checks": self.sheet,
             "temperatures": self.temperatures.to_dict("records"),
             "envelope": envelope(self.temperatures).to_dict("records"),
             "coldest_day": coldest_sentences(self.temperatures),
             "equal": [
-                {"name": item.bearing.name, "K_eq_kN_mm": item.stiffness, "h_eq": item.damping}
+                {
+                    "name": item.bearing.name,
+                    **({"group": item.group} if item.group else {}),
+                    "K_eq_kN_mm": item.stiffness,
+                    "h_eq": item.damping,
+                }
                 for item in self.equal
             ],
             "source": {"citation": source["citation"], **source["bearing"]},
@@ -360,6 +382,7 @@ class FactorReport(Shown):
                 "others": [bearing.name for bearing in self.bearings[1:]],
             },
             "bounds": bounds_table(self.bounds).to_dict("records"),
+            "bounds_note": BOUNDS_NOTE,
             "stiffness_ratio": post_yield_ratio(self.bearings[0].kind).model_dump(),
             "coldest_day": self.coldest,
             "codes": [item.model_dump() for item in published_codes()],

@@ -1,8 +1,8 @@
-"""Rounds of the design loop, and sizes between which it would go on for ever."""
+"""Rounds of the design loop, and the search for the displacement of each group of lines."""
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from thermobearing.design.sizing import Size
@@ -10,7 +10,7 @@ from thermobearing.design.sizing import Size
 
 @dataclass(frozen=True)
 class Round:
-    """One turn of the loop.
+    """One turn of the loop, of one group of bearing lines.
 
     Attributes
     ----------
@@ -22,6 +22,7 @@ class Round:
     found : displacement over the motions [mm], as the rule of the case has it.
     ductility : of the pier over the motions, as the rule has it.
     largest : displacement of all motions [mm].
+    group : name of the group of lines; empty where there is only one.
     """
 
     number: int
@@ -35,6 +36,7 @@ class Round:
     found: float
     ductility: float
     largest: float = math.nan
+    group: str = ""
 
     @property
     def difference(self) -> float:
@@ -45,6 +47,7 @@ class Round:
         """The round as people read it."""
         return {
             "round": self.number,
+            **({"group": self.group} if self.group else {}),
             "u_B_assumed_mm": self.assumed,
             "side_mm": self.size.side,
             "layers": self.size.layers,
@@ -107,3 +110,41 @@ def two_sizes(rounds: Sequence[Round], tolerance: float) -> tuple[Round, Round] 
     high = min(ample, key=lambda turn: turn.assumed)
     close = 0.0 < high.assumed - low.assumed <= tolerance * low.assumed
     return (low, high) if close and low.size != high.size else None
+
+
+@dataclass
+class Search:
+    """The search for the displacement that one group of lines is sized for.
+
+    The found displacement replaces the assumed one; where they cross over, the next guess goes
+    half-way only. Between two sizes that alternate it holds the larger one, until the other groups
+    have changed so much that this one moves farther than it is sized for.
+
+    Attributes
+    ----------
+    assumed : displacement of the next round [mm].
+    gain : share of the difference that is taken, in (0, 1].
+    rounds : since the group was last set free.
+    held : the two rounds of `two_sizes`, of which the larger size is held.
+    """
+
+    assumed: float
+    gain: float = 1.0
+    rounds: list[Round] = field(default_factory=list)
+    held: tuple[Round, Round] | None = None
+
+    def settled(self, turn: Round, tolerance: float) -> bool:
+        """Return whether a round needs no other: it agrees, or its held size is large enough."""
+        is_held = self.held is not None and turn.assumed == self.held[1].assumed
+        return turn.difference <= tolerance and (is_held or turn.difference >= -tolerance)
+
+    def advance(self, turn: Round, tolerance: float) -> None:
+        """Take a round and choose the next assumed displacement."""
+        if self.held is not None and turn.difference > tolerance:
+            self.rounds, self.held, self.gain = [], None, 1.0
+        before, self.rounds = self.rounds[-1:], [*self.rounds, turn]
+        self.held = self.held or two_sizes(self.rounds, tolerance)
+        if before and turn.difference * before[0].difference < 0.0:
+            self.gain *= 0.5
+        free = self.assumed + self.gain * (turn.found - self.assumed)
+        self.assumed = self.held[1].assumed if self.held else free

@@ -1,14 +1,14 @@
-"""The stories of the room: the design loop of Fig. 6.4, bounding analyses, temperature factors.
+"""The design loop of Fig. 6.4 for every group of bearing lines, bounds, temperature factors.
 
-    assume a displacement -> size -> analyse -> compare with what was found -> again
+    assume a displacement of each group -> size -> analyse the whole bridge -> compare -> again
 
-Read `run_design` from the bottom of the loop upwards: one turn is `one_turn`, and `_ended` says
-when to stop. `run_bounds` and `run_factors` gather what their parts (bounds.py,
-factors.py, scale.py) find into one report.
+One turn of the loop of `run_design` is `one_turn`, and `_ended` says when to stop. `run_bounds` and
+`run_factors` gather what their parts (bounds.py, factors.py, scale.py) find into one report.
 """
 
+import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -31,15 +31,22 @@ from thermobearing.design.factors import (
     factors_at_speed,
     temperature_factors,
 )
-from thermobearing.design.peaks import combined, judged
-from thermobearing.design.result import BoundsReport, Design, FactorReport
-from thermobearing.design.rounds import Round, size_name, two_sizes
+from thermobearing.design.peaks import counted, judged
+from thermobearing.design.result import USABLE, BoundsReport, Design, FactorReport
+from thermobearing.design.rounds import Round, Search, size_name
 from thermobearing.design.rubber import bilinear_of, load_curves, load_rubber
 from thermobearing.design.scale import scale_study
-from thermobearing.design.sizing import Check, checks_of, design_values, size_bearing
+from thermobearing.design.sizing import (
+    Check,
+    checks_of,
+    design_values,
+    pier_checks,
+    size_bearing,
+)
 from thermobearing.earthquake.case import EarthquakeCase, make_earthquake_case
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.earthquake.run import run_earthquake
+from thermobearing.structure.parts import piers_of
 
 BLIND = 23.0  # degC: the bilinear bearing does not care
 
@@ -47,16 +54,16 @@ BLIND = 23.0  # degC: the bilinear bearing does not care
 def earthquake_of(
     case: DesignCase,
     bearings: Sequence[Bearing | BilinearBearing],
-    stiffness: float,
+    stiffnesses: Sequence[float],
     ambient: Sequence[float] = (BLIND,),
 ) -> EarthquakeCase:
-    """The dynamic analysis of one round; eigenvalues and damping follow the bearing's K_B.
+    """Return the dynamic analysis of a turn; eigenvalues and damping follow the K_B of each group.
 
     Parameters
     ----------
     case : what is designed.
-    bearings : of the round, or layered ones of its stiffness.
-    stiffness : K_B [kN/mm], > 0.
+    bearings : one for each group of lines.
+    stiffnesses : K_B of each group [kN/mm], > 0.
     ambient : temperatures [degC].
 
     Returns
@@ -68,16 +75,26 @@ def earthquake_of(
     >>> from thermobearing.bearing.bilinear import load_bilinear
     >>> from thermobearing.design.case import make_design_case
     >>> bearing = load_bilinear("shen-bilinear-bridge")
-    >>> earthquake_of(make_design_case({}, "example"), [bearing], 2.6).ambient
+    >>> earthquake_of(make_design_case({}, "example"), [bearing], [2.6]).ambient
     [23.0]
     """
-    line = case.structure.bearings[0].model_copy(update={"equivalent_stiffness": stiffness})
-    structure = case.structure.model_copy(update={"bearings": [line]})
+    groups = case.groups
+    place = {line: k for k, group in enumerate(groups) for line in group.lines}
+    lines = [
+        line.model_copy(update={"equivalent_stiffness": stiffnesses[place[line.name]]})
+        for line in case.structure.bearings
+    ]
+    own = [  # the first group has the bearing of the study
+        {"line": line, "bearing": bearing}
+        for group, bearing in zip(groups[1:], bearings[1:], strict=True)
+        for line in group.lines
+    ]
     return make_earthquake_case(
         {"command": "bridge"},
         "design",
-        structure=structure,
-        bearings=list(bearings),
+        structure=case.structure.model_copy(update={"bearings": lines}),
+        bearings=[bearings[0]],
+        lines=own or None,
         motions=list(case.motions),
         ambient=list(ambient),
         dt=case.dt,
@@ -87,18 +104,32 @@ def earthquake_of(
 
 @dataclass(frozen=True)
 class Turn:
-    """One turn of the loop with all that it made."""
+    """One turn of the loop: a round, a bearing for each group, the checks, the dynamic analysis."""
 
-    round: Round
+    rounds: list[Round]
     checks: list[Check]
-    bearing: BilinearBearing
+    bearings: list[BilinearBearing]
     study: EarthquakeResult
 
 
-def one_turn(case: DesignCase, number: int, assumed: float) -> Turn:
-    """Size for a displacement and analyse."""
-    compound = load_rubber(case.compound, case.compound_kind)
-    size = size_bearing(assumed, bearing_weight(case), case.sizing)
+def sized(
+    case: DesignCase, place: int, number: int, assumed: float
+) -> tuple[Round, BilinearBearing]:
+    """Return the round of a group before its analysis, and its bilinear bearing.
+
+    Parameters
+    ----------
+    case : what is designed.
+    place : number of the group, from 0.
+    number : of the round.
+    assumed : displacement [mm], > 0.
+
+    Returns
+    -------
+    Round, without what is found, and the bearing.
+    """
+    group, compound = case.groups[place], load_rubber(case.compound, case.compound_kind)
+    size = size_bearing(assumed, bearing_weight(case, group), case.sizing)
     effective = case.effective_displacement_factor * assumed
     thickness = size.total_rubber_thickness
     curves = load_curves()  # a first guess may lie outside the strains of the curves
@@ -106,8 +137,10 @@ def one_turn(case: DesignCase, number: int, assumed: float) -> Turn:
     effective = min(max(effective, low), high)
     stiffness, damping = design_values(compound, size, effective)
     model = bilinear_of(stiffness, damping, effective, case.stiffness_ratio)
+    number_of_group = f"-{place + 1}" if len(case.groups) > 1 else ""
     bearing = BilinearBearing(
-        name=f"{case.compound}-{size.side:g}-{size.layers}x{size.layer_thickness:g}",
+        name=f"{case.compound}-{size.side:g}-{size.layers}x{size.layer_thickness:g}"
+        f"{number_of_group}",
         description=f"{case.compound_kind} {case.compound}, designed for {assumed:.0f} mm",
         total_rubber_thickness=thickness,
         strength=model.strength,
@@ -115,10 +148,6 @@ def one_turn(case: DesignCase, number: int, assumed: float) -> Turn:
         post_yield_stiffness=model.post_yield,
         tested_range=Validity(strain=[curves.smallest_strain, curves.largest_strain]),
     )
-    study = run_earthquake(earthquake_of(case, [bearing], stiffness))
-    peaks = np.asarray(study["bearing_displacement_max"])
-    found = combined(peaks.tolist(), case.motions, case.peaks)
-    ductility = combined(np.asarray(study["pier_ductility"]).tolist(), case.motions, case.peaks)
     turn = Round(
         number=number,
         assumed=assumed,
@@ -128,53 +157,105 @@ def one_turn(case: DesignCase, number: int, assumed: float) -> Turn:
         strength=model.strength,
         post_yield=model.post_yield,
         initial=model.initial,
-        found=found,
-        largest=float(peaks.max()),
-        ductility=ductility,
+        found=math.nan,
+        ductility=math.nan,
+        group=group.name,
     )
-    checks = checks_of(size, bearing_weight(case), found / thickness, ductility, case.sizing)
-    return Turn(turn, checks, bearing, study)
+    return turn, bearing
 
 
-def _ended(case: DesignCase, rounds: list[Round], study: EarthquakeResult) -> tuple[str, str]:
-    """Outcome and sentence, when the loop ends with these rounds; empty when it goes on."""
-    last = rounds[-1]
-    if study.outcome != "completed":
-        return study.outcome, study.sentence
-    if abs(last.difference) <= case.tolerance:
-        return "converged", (
-            f"The displacement of {last.found:.0f} mm is within {case.tolerance:.0%} of the "
-            f"assumed {last.assumed:.0f} mm after {last.number} rounds."
-        )
-    between = two_sizes(rounds, case.tolerance)
-    if between is not None:
-        small, large = between
-        return "two_sizes", (
-            f"Two sizes alternate: {size_name(small)}, sized for {small.assumed:.0f} mm, moves "
-            f"{small.found:.0f} mm, and {size_name(large)}, sized for {large.assumed:.0f} mm, "
-            f"moves {large.found:.0f} mm; none moves as far as it is sized for, within "
-            f"{case.tolerance:.0%}. Taken is the safer one, {size_name(large)}."
-        )
-    if last.number == case.most_rounds:
-        return "not_converged", (
-            f"After {case.most_rounds} rounds the displacement still changes by "
-            f"{last.difference:+.0%}: assumed {last.assumed:.0f}, found {last.found:.0f} mm. "
+def one_turn(case: DesignCase, number: int, assumed: Sequence[float]) -> Turn:
+    """Size every group for its displacement and analyse the whole bridge."""
+    groups = case.groups
+    rounds, bearings = zip(
+        *(sized(case, k, number, float(u)) for k, u in enumerate(assumed)), strict=True
+    )
+    study = run_earthquake(earthquake_of(case, bearings, [turn.stiffness for turn in rounds]))
+    names = [line.name for line in case.structure.bearings]
+    lines = counted(study.dataset, "bearing_displacement_max", case.motions, case.peaks)
+    most = counted(study.dataset, "bearing_displacement_max", case.motions, "largest")
+    piers = counted(study.dataset, "pier_ductility", case.motions, case.peaks)
+    turns, checks = [], []
+    for turn, group in zip(rounds, groups, strict=True):
+        places = [names.index(line) for line in group.lines]
+        found, largest = float(lines[places].max()), float(most[places].max())
+        ductility = float(np.fmax.reduce(piers))
+        turns.append(replace(turn, found=found, largest=largest, ductility=ductility))
+        strain = found / turn.size.total_rubber_thickness
+        weight = bearing_weight(case, group)
+        checks += checks_of(turn.size, weight, strain, case.sizing, turn.group)
+    known = piers_of(case.structure) if len(piers) > 1 else []
+    ductilities = dict(zip([pier.name for pier in known] or [""], piers.tolist(), strict=True))
+    checks += pier_checks(ductilities, case.sizing)
+    order = list(dict.fromkeys(check.what for check in checks))
+    checks.sort(key=lambda check: (order.index(check.what), -check.used))
+    return Turn(turns, checks, list(bearings), study)
+
+
+def _ended(
+    case: DesignCase, turns: list[Turn], searches: Sequence[Search]
+) -> tuple[str, str, Turn]:
+    """Outcome and sentence, when the loop ends with these turns, and which is taken."""
+    last, tolerance = turns[-1], case.tolerance
+    if last.study.outcome != "completed":
+        return last.study.outcome, last.study.sentence, last
+    held = [turns[search.held[1].number - 1] for search in searches if search.held]
+    for turn in (last, *held):
+        pairs = list(zip(searches, turn.rounds, strict=True))
+        if all(search.settled(one, tolerance) for search, one in pairs):
+            exact = all(abs(one.difference) <= tolerance for one in turn.rounds)
+            said = [_settled(search, one, tolerance) for search, one in pairs]
+            return "converged" if exact else "two_sizes", " ".join(said), turn
+    if len(turns) == case.most_rounds:
+        both = zip(searches, last.rounds, strict=True)
+        far = [one for search, one in both if not search.settled(one, tolerance)]
+        said = [
+            f"{_of(one)}After {case.most_rounds} rounds the displacement still changes by "
+            f"{one.difference:+.0%}: assumed {one.assumed:.0f}, found {one.found:.0f} mm."
+            for one in far
+        ]
+        tried = (
             "Try thinner layers (the size jumps by whole layers), more rounds, or a larger "
             "tolerance."
         )
-    return "", ""
+        return "not_converged", " ".join([*said, tried]), last
+    return "", "", last
+
+
+def _settled(search: Search, turn: Round, tolerance: float) -> str:
+    """How the search of a group ended."""
+    if abs(turn.difference) <= tolerance or search.held is None:
+        return (
+            f"{_of(turn)}The displacement of {turn.found:.0f} mm is within {tolerance:.0%} of the "
+            f"assumed {turn.assumed:.0f} mm after {turn.number} rounds."
+        )
+    small, large = search.held
+    return (
+        f"{_of(turn)}Two sizes alternate: {size_name(small)}, sized for {small.assumed:.0f} mm, "
+        f"moves {small.found:.0f} mm, and {size_name(large)}, sized for {large.assumed:.0f} mm, "
+        f"moves {large.found:.0f} mm; none moves as far as it is sized for, within "
+        f"{tolerance:.0%}. Taken is the safer one, {size_name(large)}."
+    )
+
+
+def _of(turn: Round) -> str:
+    """The group that a sentence is about, where there are several."""
+    return f"{turn.group}: " if turn.group else ""
 
 
 def at_every_air(
-    case: DesignCase, last: Round, equal: Sequence[EqualBearing], checks: Sequence[Check]
+    case: DesignCase,
+    rounds: Sequence[Round],
+    equal: Sequence[Sequence[EqualBearing]],
+    checks: Sequence[Check],
 ) -> pd.DataFrame:
-    """What the layered bearings of a design do at every temperature of the case; see `judged`.
+    """Return what the layered bearings do on the bridge at every temperature; see `judged`.
 
     Parameters
     ----------
     case : what was designed.
-    last : the round that was taken.
-    equal : layered bearings of its stiffness.
+    rounds : of the turn that was taken, one for each group.
+    equal : layered bearings of their stiffness: of each template one for each group.
     checks : their limits are kept.
 
     Returns
@@ -186,14 +267,21 @@ def at_every_air(
     >>> from thermobearing.design.case import make_design_case
     >>> from thermobearing.design.sizing import Size
     >>> turn = Round(1, 178.0, Size(600.0, 8, 14.0), 2.6, 0.15, 125.4, 1.8, 9.5, 180.0, 1.2)
-    >>> len(at_every_air(make_design_case({}, "example"), turn, [], []))
+    >>> len(at_every_air(make_design_case({}, "example"), [turn], [], []))
     0
     """
     if not equal or not case.ambient:
         return pd.DataFrame()
-    bearings = [item.bearing for item in equal]
-    shaken = earthquake_of(case, bearings, last.stiffness, case.ambient)
-    return judged(run_earthquake(shaken), case.motions, case.peaks, checks)
+    stiffnesses = [turn.stiffness for turn in rounds]
+    used = [turn.found / turn.size.total_rubber_thickness for turn in rounds]
+    groups = [case.groups[k] for k in np.argsort(used)[::-1] if case.line_groups]
+    tables = []
+    for items in equal:
+        shaken = earthquake_of(case, [one.bearing for one in items], stiffnesses, case.ambient)
+        tables.append(judged(run_earthquake(shaken), case.motions, case.peaks, checks, groups))
+    found = pd.concat(tables, ignore_index=True)
+    found.attrs["tested_range"] = [row for t in tables for row in t.attrs["tested_range"]]
+    return found
 
 
 def run_design(
@@ -204,17 +292,16 @@ def run_design(
 ) -> Design:
     """Carry out the loop; says why if it does not converge, never raises for that.
 
-    The found displacement replaces the assumed one (6.2.2) until they agree within the
-    tolerance. Sizes are whole layers, so the found displacement may jump between two of them:
-    when the assumed displacement is about to repeat, it goes half-way only. Where no size moves as
-    far as it is sized for, the loop ends as "two_sizes" with the safer of the two. Layered
-    bearings are then judged at every temperature of the case.
+    The found displacement of each group of lines replaces the assumed one (6.2.2) until all agree
+    within the tolerance, with the whole bridge analysed in every turn; see `Search`. Where no size
+    of a group moves as far as it is sized for, the outcome is "two_sizes" with the safer of the
+    two. Layered bearings are then judged on the bridge at every temperature of the case.
 
     Parameters
     ----------
     case : from `load_design_case` or `make_design_case`.
-    tell : called after each round.
-    templates : layered bearings to scale to the stiffness of the design, once it converged.
+    tell : called with each round of each group.
+    templates : layered bearings to scale to the stiffness of each group, once it converged.
 
     Returns
     -------
@@ -231,42 +318,36 @@ def run_design(
     >>> design.outcome, design.last.size.side >= 400.0
     ('converged', True)
     """
-    rounds: list[Round] = []
     turns: list[Turn] = []
-    assumed, gain, outcome = case.start, 1.0, ""
+    searches = [Search(case.start) for _ in case.groups]
+    outcome = ""
     while not outcome:
-        turn = one_turn(case, len(rounds) + 1, assumed)
-        rounds.append(turn.round)
-        turns.append(turn)
-        if tell:
-            tell(turn.round)
-        outcome, sentence = _ended(case, rounds, turn.study)
-        difference = turn.round.difference
-        if len(rounds) > 1 and difference * rounds[-2].difference < 0.0:
-            gain *= 0.5
-        assumed += gain * (turn.round.found - assumed)
-    if outcome == "two_sizes":
-        safer = two_sizes(rounds, case.tolerance)
-        assert safer is not None
-        turn = turns[safer[1].number - 1]
-    last, strain = turn.round, case.sizing.design_strain
-    usable = outcome in ("converged", "two_sizes")
+        turns.append(one_turn(case, len(turns) + 1, [search.assumed for search in searches]))
+        for search, one in zip(searches, turns[-1].rounds, strict=True):
+            search.advance(one, case.tolerance)
+            if tell:
+                tell(one)
+        outcome, sentence, turn = _ended(case, turns, searches)
+    strain = case.sizing.design_strain
     equal = [
-        equal_bearing(template, last.stiffness, last.assumed, strain)
+        [
+            replace(equal_bearing(template, one.stiffness, one.assumed, strain), group=one.group)
+            for one in turn.rounds
+        ]
         for template in templates
-        if usable
+        if outcome in USABLE
     ]
     return Design(
         case=case,
-        rounds=rounds,
+        rounds=[one for each in turns for one in each.rounds],
         outcome=outcome,
         sentence=sentence,
         checks=turn.checks,
-        bearing=turn.bearing,
+        bearings=turn.bearings,
         study=turn.study,
-        equal=equal,
-        chosen=last.number,
-        temperatures=at_every_air(case, last, equal, turn.checks),
+        equal=[item for items in equal for item in items],
+        chosen=turn.rounds[0].number,
+        temperatures=at_every_air(case, turn.rounds, equal, turn.checks),
     )
 
 

@@ -5,10 +5,10 @@ from pathlib import PurePath
 import pandas as pd
 
 from thermobearing.cyclic.equivalent import post_yield_ratio
-from thermobearing.design.bilinear import bounds_table
+from thermobearing.design.bilinear import BOUNDS_NOTE, bounds_table
 from thermobearing.design.case import DesignCase, bearing_weight, make_design_case
-from thermobearing.design.peaks import coldest_sentences, peak_rule
-from thermobearing.design.published import published_codes
+from thermobearing.design.peaks import coldest_sentences, of_group, peak_rule
+from thermobearing.design.published import FOOTNOTE, marked, published_codes
 from thermobearing.design.result import BoundsReport, Design, FactorReport, source_design
 from thermobearing.design.rounds import Round
 from thermobearing.results.screen import print_table, print_warnings, say
@@ -41,10 +41,11 @@ def print_head(case: DesignCase) -> None:
     round u_B mm    bearing K_B kN/mm    h_B Q_d kN found mm differ ductility
     """
     names = ", ".join(PurePath(motion.name).name for motion in case.motions)
-    say(
-        f"{case.structure.name}, {case.compound_kind} {case.compound}, "
-        f"{bearing_weight(case):.0f} kN a bearing, motions {names}"
-    )
+    rubber = f"{case.structure.name}, {case.compound_kind} {case.compound}, "
+    loads = [f"{bearing_weight(case, group):.0f} kN a bearing" for group in case.groups]
+    pairs = zip(case.line_groups or [], loads, strict=False)
+    groups = "; ".join(f"group {group.name}: {load}" for group, load in pairs)
+    say(f"{rubber}{groups or loads[0]}, motions {names}")
     say(_line(tuple(COLUMNS)), "bold")
 
 
@@ -73,7 +74,7 @@ def print_round(turn: Round) -> None:
         f"{turn.difference:+.1%}",
         f"{turn.ductility:.2f}",
     )
-    say(_line(cells))
+    say(" ".join([_line(cells), turn.group]).rstrip())
 
 
 def _line(cells: tuple[str, ...]) -> str:
@@ -102,33 +103,38 @@ def print_design(design: Design) -> None:
     """
     say(design.sentence)
     rule = peak_rule(design.case.peaks)
-    mark = " (unverified)" if rule.unverified else ""
-    say(f"Peaks are {rule.says}; {rule.source}{mark}.")
+    say(f"Peaks are {rule.says}; {rule.source}{marked(rule)}.")
     if design.first_within is not None:
         say(f"Round {design.first_within} was the first within the 10 % of the printed loop.")
     _print_checks(design)
     if _is_of_the_source(design.case):
         say(f"\n{_source()}")
     for item in design.equal:
+        name = of_group(item.bearing.name, item.group)
         say(
-            f"equal K_B: {item.bearing.name}, K_eq {item.stiffness:.3f} kN/mm, "
+            f"equal K_B: {name}, K_eq {item.stiffness:.3f} kN/mm, "
             f"h_eq {item.damping:.3f} at 23 degC without heating"
         )
     for sentence in coldest_sentences(design.temperatures):
         say(sentence)
+    if rule.unverified or any(check.unverified for check in design.checks):
+        say(FOOTNOTE)
     print_warnings(design.warnings)
 
 
 def _print_checks(design: Design) -> None:
     """The calculation sheet."""
-    rows = []
+    rows, several = [], any(check.part for check in design.checks)
     for check in design.checks:
         unit = "" if check.unit == "1" else f" {check.unit}"
         value = f"{check.value:.3g}{unit}"
         limit = f"{'>=' if check.least else '<='} {check.limit:g}{unit}"
-        rows.append((check.what, value, limit, check.verdict, check.source))
+        source = check.source + marked(check)
+        of = (check.part,) if several else ()
+        rows.append((check.what, *of, value, limit, check.verdict, source))
     styles = ["" if check.passed else "bold red" for check in design.checks]
-    heads = ("checks", "value", "limit", "verdict", "source of the limit")
+    of = ("of",) if several else ()
+    heads = ("checks", *of, "value", "limit", "verdict", "source of the limit")
     print_table(heads, rows, title=" ", styles=styles)
 
 
@@ -205,14 +211,14 @@ def print_factors(report: FactorReport) -> None:
             f"{row['Q_d_kN']:.1f} kN, K_1 {row['K_1_kN_mm']:.2f}, K_2 {row['K_2_kN_mm']:.3f} kN/mm"
         )
     ratio = post_yield_ratio(report.bearings[0].kind)
-    mark = " (unverified)" if ratio.unverified else ""
-    say(f"K_2/K_1 {ratio.ratio:.3g}: {ratio.source}{mark}")
+    say(f"K_2/K_1 {ratio.ratio:.3g}: {ratio.source}{marked(ratio)}")
+    say(BOUNDS_NOTE)
     for sentence in report.coldest:
         say(sentence)
     for code in published_codes():
-        mark = " (unverified)" if code.unverified else ""
-        say(f"{code.code}: {code.says}{mark}")
+        say(f"{code.code}: {code.says}{marked(code)}")
     say("values of other sources: figure, and `published` in summary.json")
+    say(FOOTNOTE)
     print_warnings(report.warnings)
 
 

@@ -1,6 +1,7 @@
 """Size of a bearing for a design displacement, and the checks of a designer."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated
 
@@ -74,7 +75,11 @@ class Size:
 
 @dataclass(frozen=True)
 class Check:
-    """One line of a calculation sheet; `least` says whether the limit is a lower one."""
+    """One line of a calculation sheet.
+
+    `least` says whether the limit is a lower one, `part` which group of lines or which pier it is
+    about (empty where there is one), `unverified` that no printed source was read for the limit.
+    """
 
     what: str
     value: float
@@ -82,6 +87,13 @@ class Check:
     unit: str
     source: str
     least: bool = False
+    part: str = ""
+    unverified: bool = False
+
+    @property
+    def used(self) -> float:
+        """Return the share of the limit that is used; above 1 it is exceeded."""
+        return self.limit / self.value if self.least else self.value / self.limit
 
     @property
     def passed(self) -> bool:
@@ -132,16 +144,48 @@ def size_bearing(displacement: float, weight: float, rules: SizingRules) -> Size
 
 
 def checks_of(
-    size: Size, weight: float, strain: float, ductility: float, rules: SizingRules
+    size: Size, weight: float, strain: float, rules: SizingRules, part: str = ""
 ) -> list[Check]:
-    """The calculation sheet: strain, stress, shape factors, ductility.
+    """The calculation sheet of a bearing: strain, stress, shape factors.
 
     Parameters
     ----------
     size : of the bearing.
     weight : vertical load of one bearing [kN], > 0.
     strain : largest shear strain found.
-    ductility : largest of the pier.
+    rules : of sizing.
+    part : group of lines that it is about.
+
+    Returns
+    -------
+    list of Check
+
+    Examples
+    --------
+    >>> sheet = checks_of(Size(600.0, 8, 14.0), 784.5, 1.6, SizingRules())
+    >>> {check.verdict for check in sheet}
+    {'OK'}
+    """
+    stress = weight * NEWTON_PER_KILONEWTON / size.area
+    first, second = size.first_shape_factor, size.second_shape_factor
+    far = "largest strain tested, Table 3.4"
+    far = far if rules.strain_limit == STRAIN_LIMIT else "sizing.strain_limit"
+    tests = "of the tests, section 3.3"
+    chosen, usual = "chosen", "usual in Japan"
+    return [
+        Check("shear strain", strain, rules.strain_limit, "1", far, part=part),
+        Check("compressive stress", stress, rules.stress, "MPa", tests, part=part),
+        Check("first shape factor", first, 5.0, "1", chosen, True, part, True),
+        Check("second shape factor", second, 4.0, "1", usual, True, part, True),
+    ]
+
+
+def pier_checks(ductility: Mapping[str, float], rules: SizingRules) -> list[Check]:
+    """Return the check of the ductility of every pier that has a hinge.
+
+    Parameters
+    ----------
+    ductility : by name of the pier, empty where there is one; NaN without a hinge.
     rules : of sizing.
 
     Returns
@@ -150,24 +194,15 @@ def checks_of(
 
     Examples
     --------
-    >>> sheet = checks_of(Size(600.0, 8, 14.0), 784.5, 1.6, 1.2, SizingRules())
-    >>> {check.verdict for check in sheet}
-    {'OK'}
+    >>> [check.verdict for check in pier_checks({"P1": 1.2, "P2": 3.5}, SizingRules())]
+    ['OK', 'NG']
     """
-    stress = weight * NEWTON_PER_KILONEWTON / size.area
-    first, second = size.first_shape_factor, size.second_shape_factor
-    chosen = "chosen; unverified: no limit is printed"
-    usual = "usual in Japan; unverified: no limit is printed"
     large = "a large value for a pier in an isolated bridge, section 6.3.3"
-    far = "largest strain tested, Table 3.4"
     large = large if rules.ductility_limit == DUCTILITY_LIMIT else "sizing.ductility_limit"
-    far = far if rules.strain_limit == STRAIN_LIMIT else "sizing.strain_limit"
     return [
-        Check("shear strain", strain, rules.strain_limit, "1", far),
-        Check("compressive stress", stress, rules.stress, "MPa", "of the tests, section 3.3"),
-        Check("first shape factor", first, 5.0, "1", chosen, least=True),
-        Check("second shape factor", second, 4.0, "1", usual, least=True),
-        Check("pier ductility", ductility, rules.ductility_limit, "1", large),
+        Check("pier ductility", value, rules.ductility_limit, "1", large, part=pier)
+        for pier, value in ductility.items()
+        if not math.isnan(value)
     ]
 
 

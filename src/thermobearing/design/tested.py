@@ -21,9 +21,9 @@ def asked_by_design(design: "Design") -> list[Row]:
     """
     rows = rows_of(design.study.tested_range)
     for item in design.equal:
-        bearing, size = item.bearing, design.last.assumed
-        reached = {"strain": size / bearing.total_rubber_thickness}
-        rows += asked_of_tests(f"{bearing.name}, {size:.0f} mm", reached, ranges_of(bearing))
+        bearing, far = item.bearing, item.displacement
+        reached = {"strain": far / bearing.total_rubber_thickness}
+        rows += asked_of_tests(f"{bearing.name}, {far:.0f} mm", reached, ranges_of(bearing))
     return rows + list(design.temperatures.attrs.get("tested_range", []))
 
 
@@ -31,8 +31,9 @@ def warnings_of_design(design: "Design") -> list[str]:
     """Sentences: what left the curves of the compound, or the tests of equal bearings."""
     rows = asked_by_design(design)
     said: list[tuple[str, str]] = []
-    bearings: list[Bearing | BilinearBearing] = [design.bearing]
-    for bearing in bearings + [item.bearing for item in design.equal]:
+    bearings: list[Bearing | BilinearBearing] = [*design.bearings]
+    bearings += [item.bearing for item in design.equal]
+    for bearing in {one.name: one for one in bearings}.values():  # some groups share a size
         mine = [row for row in rows if str(row["run"]).startswith(f"{bearing.name}, ")]
         outside = outside_tests(bearing.name, mine, ranges_of(bearing), skip=("strain_rate",))
         said += [(bearing.name, text.removeprefix(f"{bearing.name}: ")) for text in outside]
