@@ -123,19 +123,13 @@ def _years(rate: Rate) -> str:
 def parts_table(found: dict[tuple[str, str], Answer]) -> list[str]:
     """What each temperature adds to the rate at which the pier yields."""
     parts = {name: found[name, LIMITS[0].told].climate.rates(SITE) for name in LAYERED}
-    rows = [
-        "| temperature of the rubber | share of the time | "
-        + " | ".join(
-            f"share of the times that the pier yields, {BEARINGS[name]}" for name in LAYERED
-        )
-        + " |",
-        "|---|---|---|---|",
-    ]
-    first = parts[LAYERED[0]]
-    for k in range(len(first)):
-        shares = " | ".join(f"{100 * parts[name]['part'][k]:.1f} %" for name in LAYERED)
-        row = first.iloc[k]
-        rows.append(f"| {row['temperature_degC']:g} degC | {100 * row['share']:.1f} % | {shares} |")
+    what = {"share": "share of the time", "part": "share of the times that the pier yields"}
+    columns = [(key, name) for key in what for name in LAYERED]
+    heads = " | ".join(f"{what[key]}, {BEARINGS[name]}" for key, name in columns)
+    rows = [f"| temperature of the rubber | {heads} |", "|---" * (1 + len(columns)) + "|"]
+    for k, degrees in enumerate(parts[LAYERED[0]]["temperature_degC"]):
+        shares = " | ".join(f"{100 * parts[name][key][k]:.1f} %" for key, name in columns)
+        rows.append(f"| {degrees:g} degC | {shares} |")
     return rows
 
 

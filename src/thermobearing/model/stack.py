@@ -195,8 +195,8 @@ def through_side(bearing: Bearing, film: float, cover: float) -> float:
     """Return the coefficient between the mean temperature of a cell and the air [W/(m2 K)].
 
     Film, cover rubber and the way inside the layers are in series. The last is R/(4 k) of a disc
-    (area/(2 perimeter) otherwise) with the conductivity of rubber and steel side by side: what a
-    disc that cools slowly has between its mean and its edge (T14 of docs/theory.md).
+    (area/(2 perimeter k) otherwise) with the conductivity of rubber and steel in parallel: what a
+    disc that cools slowly has between its mean and its edge.
 
     Parameters
     ----------
