@@ -19,12 +19,13 @@ from thermobearing.earthquake.case import make_earthquake_case
 from thermobearing.earthquake.columns import COLUMNS
 from thermobearing.earthquake.governing import governing_runs
 from thermobearing.earthquake.report import pieces_of
-from thermobearing.earthquake.run import build_tasks
+from thermobearing.earthquake.run import build_tasks, judged
 from thermobearing.structure.matrices import coordinates
 from thermobearing.structure.model import Structure, load_structure
 from thermobearing.structure.parts import fixed_base, piers_of, reported_line
 from thermobearing.structure.plausible import implausible_structure
 from thermobearing.studies import plan, run_shard
+from thermobearing.studies.counted import counted
 
 MOTION: dict[str, Any] = {"motion": "jra-ii-i-1", "duration": 6.0}
 
@@ -138,6 +139,54 @@ def test_a_study_of_runs_counts_the_governing_line(tmp_path: Path) -> None:
         assert_allclose(table["pier_drift_max"], drift, rtol=tol.LANE_PEAK)
         assert_allclose(table["rubber_max_degC"], whole.hottest(0)["rubber"], rtol=1e-6)
     assert whole.table["bearing_strain_max"][0] == whole.lines["strain_max"].max()
+
+
+def test_a_pier_beyond_its_limits_ends_as_that(tmp_path: Path) -> None:
+    """In one run, one by one and in lockstep; it exceeds every capacity of a pier."""
+    table = two_piers() | {"limits": {"drift": "0.0004 rad"}}
+    file = tmp_path / "two.toml"
+    file.write_text(to_toml(bridge_of(table)))
+    result = tb.bridge("shen-hdr-bridge", "jra-ii-i-1", -20, structure=file, duration=4)
+    drift = result.piers["displacement_max_mm"].max() / 1e4
+    assert drift > 0.0004
+    assert result.outcome == "pier_beyond_limit"
+    assert "P-delta" in result.sentence
+    case = {"duration": "4 s", "structure": str(file)}
+    study = small_study(case, bearing=["shen-hdr-bridge"], ambient=["-20 degC"], scale=[0.01, 1.0])
+    side = study.design.model_copy(update={"lockstep": True})
+    rows = plan(study)
+    alone, together = (
+        run_shard(study.model_copy(update={"design": one}), rows) for one in (study.design, side)
+    )
+    for found in (alone, together):
+        assert found["outcome"].tolist() == ["completed", "pier_beyond_limit"]
+        pier = counted(found, "pier_ductility")
+        assert (pier.left_out, pier.collapsed) == (0, 1)
+        assert pier.demand[1] == np.inf
+        # What else was computed counts as it is.
+        strain = counted(found, "bearing_strain_max")
+        assert_array_equal(strain.demand, found["bearing_strain_max"])
+
+
+@pytest.mark.parametrize(
+    ("limits", "outcome"),
+    [({}, "completed"), ({"ductility": 1.01}, "pier_beyond_limit"), ({"drift": "1 mrad"}, "")],
+)
+def test_limits_of_piers_are_keys_of_the_structure(limits: dict[str, Any], outcome: str) -> None:
+    task = build_tasks(case_of(two_piers() | {"limits": limits}))[0]
+    yields = 0.003 * 1.02
+    found = judged(task, [1.0, 1.0], [yields], [9.0, 0.0])
+    assert found == (outcome or "completed")
+    assert judged(task, [1.0, 1.0], [yields], [9.0, 1001.0]) == "pier_beyond_limit"
+    assert judged(task, [1e5, 1.0], [yields], [9.0, 0.0]) == "not_physical"
+
+
+@pytest.mark.thorough
+def test_the_default_study_exceeds_the_limit_of_a_pier() -> None:
+    """Ductility 10.7, before "completed" without a word."""
+    result = tb.bridge("shen-hdr-bridge", "jra-ii-ii-1", [23, -20])
+    assert result.table["outcome"].tolist() == ["completed", "pier_beyond_limit"]
+    assert result.table["pier_ductility"][1] == pytest.approx(10.7, abs=0.05)
 
 
 def test_a_line_in_colder_air(study: tb.earthquake.EarthquakeResult) -> None:

@@ -46,6 +46,7 @@ from thermobearing.design.sizing import (
 from thermobearing.earthquake.case import EarthquakeCase, make_earthquake_case
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.earthquake.run import run_earthquake
+from thermobearing.model.outcomes import PIER_BEYOND_LIMIT
 from thermobearing.structure.parts import piers_of
 
 BLIND = 23.0  # degC: the bilinear bearing does not care
@@ -197,7 +198,7 @@ def _ended(
 ) -> tuple[str, str, Turn]:
     """Outcome and sentence, when the loop ends with these turns, and which is taken."""
     last, tolerance = turns[-1], case.tolerance
-    if last.study.outcome != "completed":
+    if last.study.outcome not in ("completed", PIER_BEYOND_LIMIT):  # a first size may be far off
         return last.study.outcome, last.study.sentence, last
     held = [turns[search.held[1].number - 1] for search in searches if search.held]
     for turn in (last, *held):

@@ -164,6 +164,13 @@ def pier_peaks(task: "Task", history: StructureHistory) -> list[dict[str, Any]]:
     return rows
 
 
+def drift(task: "Task", moved: Sequence[float]) -> float:
+    """Return the largest displacement of a pier top over the height of its pier; NaN without."""
+    piers = [pier for pier, _, _ in task.prepared.piers]
+    each = [m / p.height if p.height > 0.0 else np.nan for p, m in zip(piers, moved, strict=True)]
+    return float(farthest(each))
+
+
 def label_parts(
     tasks: Sequence["Task"],
     histories: Sequence[StructureHistory],

@@ -103,8 +103,8 @@ def early_words(result: EarthquakeResult) -> list[str]:
     names = [n for n, out in zip(result.run_names, outcomes, strict=True) if out != "completed"]
     where = f" in {counted(len(names), 'run')}, first {plain(names[0])}" if names else ""
     return [
-        f"The analysis ended early{where} ({result.outcome.replace('_', ' ')}), and what follows "
-        f"is what had been computed until then: {tidy(result.sentence)}"
+        f"The analysis was not completed{where} ({result.outcome.replace('_', ' ')}); what follows "
+        f"is what was computed: {tidy(result.sentence)}"
     ]
 
 

@@ -30,13 +30,14 @@ from thermobearing.cyclic.protocol import CyclicTest
 from thermobearing.cyclic.segments import build_segments
 from thermobearing.earthquake.case import EarthquakeCase
 from thermobearing.earthquake.label import label_study
+from thermobearing.earthquake.parts import drift, largest, pier_peaks
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.earthquake.task import Device, OneLine, Shaking, Task
 from thermobearing.model.earlier import BilinearParameters, bilinear_constants
 from thermobearing.model.effort import study_too_much
 from thermobearing.model.handover import begun_from
 from thermobearing.model.options import build_model
-from thermobearing.model.outcomes import NOT_PHYSICAL
+from thermobearing.model.outcomes import NOT_PHYSICAL, PIER_BEYOND_LIMIT
 from thermobearing.motions.record import GroundMotion
 from thermobearing.structure.run import (
     Line,
@@ -109,8 +110,10 @@ def run_task(task: Task) -> StructureHistory:
     )
     if history.outcome != "completed":
         return history
-    moved = [np.abs(history.bearing(b)["displacement"]).max() for b in range(len(task.lines))]
-    return replace(history, outcome=NOT_PHYSICAL) if is_torn(task, moved) else history
+    moved = [largest(history.bearing(b)["displacement"]) for b in range(len(task.lines))]
+    turned = [largest(history.hinge(h)["rotation"]) for h in range(len(case.structure.hinges))]
+    tops = [row["pier_part_displacement_max"] for row in pier_peaks(task, history)]
+    return replace(history, outcome=judged(task, moved, turned, tops))
 
 
 def lines_to_shake(task: Task) -> list[Line]:
@@ -132,18 +135,29 @@ def lines_to_shake(task: Task) -> list[Line]:
     ]
 
 
-def is_torn(task: Task, farthest: Sequence[float]) -> bool:
-    """Whether the bearings of any line went beyond what is left to be modelled, either way.
+def judged(
+    task: Task, moved: Sequence[float], turned: Sequence[float], tops: Sequence[float]
+) -> str:
+    """Return the outcome of a run that reached its end: whether the model holds that far.
 
     Parameters
     ----------
     task : the run.
-    farthest : largest displacement of the modelled bearing of each line [mm].
+    moved : largest displacement of the modelled bearing of each line [mm].
+    turned : largest rotation of each hinge [rad].
+    tops : largest displacement of each pier top relative to its base [mm].
     """
-    return any(
-        moved / one.device.bearing.total_rubber_thickness > one.device.tears
-        for one, moved in zip(task.lines, farthest, strict=True)
-    )
+    structure = task.case.structure
+    lines = zip(task.lines, moved, strict=True)
+    if any(
+        far / one.device.bearing.total_rubber_thickness > one.device.tears for one, far in lines
+    ):
+        return NOT_PHYSICAL
+    hinges = zip(structure.hinges, turned, strict=True)
+    ductile = any(far / hinge.yield_rotation > structure.limits.ductility for hinge, far in hinges)
+    if ductile or drift(task, tops) > structure.limits.drift:
+        return PIER_BEYOND_LIMIT
+    return "completed"
 
 
 def refuse_too_much(

@@ -13,6 +13,7 @@ from thermobearing.core.types import (
 
 INTERRUPTED: Final = "interrupted"
 NOT_PHYSICAL: Final = "not_physical"
+PIER_BEYOND_LIMIT: Final = "pier_beyond_limit"
 
 NAMES: Final = {
     COMPLETED: "completed",

@@ -12,10 +12,13 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from thermobearing.border.errors import nearest
-from thermobearing.border.library import Library, Sourced
+from thermobearing.border.library import Library, Sourced, data_path
 from thermobearing.border.schema import Strict, in_unit
+from thermobearing.border.toml import read_toml
+from thermobearing.border.units import parse_quantity
 
 GROUND = "ground"
+LIMITS = read_toml(data_path("plausible", "piers.toml"))
 MassModel = Literal["consistent", "published"]
 DampingKind = Literal["modal", "rayleigh", "element", "none", "source"]
 Name = Annotated[str, Field(min_length=1, max_length=60)]
@@ -163,6 +166,21 @@ class Reported(Strict):
     line: Name | None = None
 
 
+class PierLimits(Strict):
+    """What a pier may do before the model says nothing of it; data/plausible/piers.toml has why.
+
+    Attributes
+    ----------
+    ductility : of any hinge: its rotation over that at yield.
+    drift : displacement of a pier top relative to its base over the height of the pier [rad].
+    """
+
+    ductility: Annotated[float, Field(gt=1, le=1e4)] = LIMITS["ductility"]["value"]
+    drift: Annotated[float, in_unit("rad"), Field(gt=0, le=10)] = parse_quantity(
+        LIMITS["drift"]["value"], "rad"
+    )
+
+
 class Structure(Sourced):
     """A whole structure; see docs/files.md.
 
@@ -173,6 +191,7 @@ class Structure(Sourced):
     masses : on bodies.
     springs, hinges, bearings : connections of two bodies, or of a body and the ground.
     damping : viscous damping beside the hysteresis of bearings and hinges.
+    limits : of piers; a run that exceeds one ends as `pier_beyond_limit`.
     report : which body is the deck, which the pier, and where its ends are.
     """
 
@@ -185,6 +204,7 @@ class Structure(Sourced):
     hinges: tuple[Hinge, ...] = ()
     bearings: Annotated[list[BearingLine], Field(min_length=1, max_length=8)]
     damping: Damping = Damping()
+    limits: PierLimits = PierLimits()
     report: Reported
 
     @model_validator(mode="after")

@@ -9,7 +9,7 @@ import numpy as np
 
 from thermobearing.core.records import Floats, Rows, rows, unset
 from thermobearing.core.types import Books, Constants, State
-from thermobearing.model.outcomes import NAMES, NOT_PHYSICAL
+from thermobearing.model.outcomes import NAMES, NOT_PHYSICAL, PIER_BEYOND_LIMIT
 from thermobearing.model.physical import is_physical
 from thermobearing.structure.books import keep_motion
 from thermobearing.structure.damping import build_damping, ratios_of
@@ -69,6 +69,11 @@ SENTENCES = {
     "diverged": (
         "A coordinate left every sensible range. Try a smaller dt: explicit correction and "
         "linear acceleration are stable for small steps only."
+    ),
+    PIER_BEYOND_LIMIT: (
+        "A pier exceeded the ductility or the drift in `limits` of the structure, beyond which the "
+        "hinge law (no loss of strength) and equations without P-delta say nothing: count the pier "
+        "as failed, or give limits that a test of such a pier supports."
     ),
 }
 

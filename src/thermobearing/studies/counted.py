@@ -8,6 +8,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from thermobearing.border.errors import InputError, nearest
+from thermobearing.model.outcomes import PIER_BEYOND_LIMIT
 from thermobearing.studies.peaks import BAD_INPUT, BROKEN, COMPLETED
 
 Floats = NDArray[np.float64]
@@ -66,7 +67,9 @@ def counted(table: pd.DataFrame, demand: str, failed: Failed = "left-out") -> Co
         column all of them did.
     demand : name of a column of numbers.
     failed : "left-out" of the count, or counted as "collapse"; runs that could not be begun for
-        their input, or for a fault of the program, are left out in any case.
+        their input, or for a fault of the program, are left out in any case. A run whose pier
+        exceeded its limits exceeds every capacity of a pier; its other demands are those computed,
+        but for "collapse".
 
     Raises
     ------
@@ -84,19 +87,23 @@ def counted(table: pd.DataFrame, demand: str, failed: Failed = "left-out") -> Co
         raise InputError(f'failed is "left-out" or "collapse", not {failed!r}')
     values = numbers(table, demand)
     through = np.ones(len(table), dtype=bool)
+    pier = ~through  # runs whose pier exceeded its limits; all else in them was computed
     if OUTCOME in table:
         through = (table[OUTCOME] == COMPLETED).to_numpy(dtype=bool)
+        pier = (table[OUTCOME] == PIER_BEYOND_LIMIT).to_numpy(dtype=bool)
+    if failed == "left-out" and not demand.startswith("pier_"):
+        through = through | pier
     missing = through & ~np.isfinite(values)
     if missing.any():
         raise InputError(
             f"{missing.sum()} of {through.sum()} runs that got through have no number in "
             f'"{demand}"; take the runs that have one'
         )
-    if not through.any():
+    if not (through | pier).any():
         raise InputError(f"none of {len(table)} runs got through")
-    kept = through
+    kept = through | pier
     if failed == "collapse" and OUTCOME in table:
-        kept = through | ~table[OUTCOME].isin(NEVER_RUN).to_numpy(dtype=bool)
+        kept = kept | ~table[OUTCOME].isin(NEVER_RUN).to_numpy(dtype=bool)
     demands = np.where(through, values, np.inf)[kept]
     collapsed = int(kept.sum() - through.sum())
     return Counted(table[kept], demands, int((~kept).sum()), collapsed, kept, through)

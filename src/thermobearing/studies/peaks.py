@@ -21,8 +21,8 @@ from thermobearing.earthquake.measures import (
     measures_of,
     residuals_of,
 )
-from thermobearing.earthquake.parts import farthest, governing_peaks, line_peaks, pier_peaks
-from thermobearing.earthquake.run import is_torn, lines_to_shake, run_task
+from thermobearing.earthquake.parts import drift, farthest, governing_peaks, line_peaks, pier_peaks
+from thermobearing.earthquake.run import judged, lines_to_shake, run_task
 from thermobearing.earthquake.task import Task
 from thermobearing.earthquake.traces import (
     HISTORIES,
@@ -31,7 +31,6 @@ from thermobearing.earthquake.traces import (
     structure_traces,
     traces_of,
 )
-from thermobearing.model.outcomes import NOT_PHYSICAL
 from thermobearing.model.outcomes import SENTENCES as RUN_SENTENCES
 from thermobearing.structure.lanes import run_lanes
 from thermobearing.structure.run import SENTENCES, StructureHistory
@@ -193,12 +192,14 @@ def numbers_of(
 def numbers_of_peaks(task: Task, peaks: RunPeaks) -> dict[str, Any]:
     """A value for each of `RESULT_COLUMNS`, of a run without rows."""
     found = measures_of_peaks(task, peaks)
-    if peaks.outcome == COMPLETED and is_torn(task, peaks.lines["displacement"].tolist()):
-        found["outcome"] = NOT_PHYSICAL
+    tops = peaks.watches["displacement"][:DECK:2].tolist()
+    if peaks.outcome == COMPLETED:
+        moved, turned = peaks.lines["displacement"], peaks.hinges["rotation"]
+        found["outcome"] = judged(task, moved.tolist(), turned.tolist(), tops)
     each = list(zip(named(peaks.lines), [one.device for one in task.lines], strict=True))
     own = {
         "bearing_displacement_residual_mm": float(farthest(peaks.bearings["displacement"])),
-        "pier_drift_max": drift(task, peaks.watches["displacement"][:DECK:2].tolist()),
+        "pier_drift_max": drift(task, tops),
         "deck_displacement_residual_mm": peaks.watches["residual"][DECK],
         "rubber_max_degC": hottest(p["rubber_temperature"] for p, one in each if one.heats),
         "lead_max_degC": hottest(p["lead_temperature"] for p, one in each if one.has_lead),
@@ -209,13 +210,6 @@ def numbers_of_peaks(task: Task, peaks: RunPeaks) -> dict[str, Any]:
 def hottest(values: Iterable[float]) -> float:
     """Return the highest known temperature; NaN without one."""
     return max((float(value) for value in values if value == value), default=np.nan)
-
-
-def drift(task: Task, moved: Sequence[float]) -> float:
-    """Return the largest displacement of a pier top over the height of its pier; NaN without."""
-    piers = [pier for pier, _, _ in task.prepared.piers]
-    each = [m / p.height if p.height > 0.0 else np.nan for p, m in zip(piers, moved, strict=True)]
-    return float(farthest(each))
 
 
 def named(rows: Any) -> list[dict[str, float]]:
