@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 from numpy.testing import assert_allclose
 
@@ -16,6 +17,8 @@ from thermobearing.model.stack import film_at_face, through_side
 from thermobearing.studies import make_study
 from thermobearing.studies.columns import targets_of
 from thermobearing.studies.names import moves_warmth
+from thermobearing.studies.question import Question
+from thermobearing.studies.result import StudyResult
 from thermobearing.studies.warmth import key_of
 
 FILM = EndFace(film=12.0)
@@ -180,6 +183,25 @@ def test_report_and_result_tell_the_exchange(night: str) -> None:
     assert "Shen (2023)" in str(rows["Cover rubber of the side"])
     plain = tb.bridge("shen-hdr-bridge", "jra-ii-i-1", ambient=0, duration=0.05)
     assert "surroundings" not in plain.summary()
+
+
+def test_a_climate_beside_levels_counts_the_temperature_of_the_rubber() -> None:
+    """Before, the air of the hour: colder at night than rubber that follows within five hours."""
+    weather = tb.climate.generate_weather("cold-town", 2, 3)
+    case = {"analysis": {"side": {"film": "25 W/(m^2 K)"}}}
+    table = {"kind": "study", "name": "s", "case": case | {"duration": "0.05 s"}}
+    factors: dict[str, Any] = {"bearing": ["shen-hdr-bridge", "shen-bilinear-bridge"]}
+    factors |= {"motion": "jra-ii-i-1", "ambient": ["-20 degC", "20 degC"]}
+    study = make_study(table | {"factors": factors}, "test")
+    rows = pd.DataFrame({"bearing": factors["bearing"]})
+    asked = Question(temperatures=weather)
+    layered, bilinear = (
+        asked._rubber(StudyResult(rows.iloc[[k]], study, {})) for k in range(len(rows))
+    )
+    known = tb.earthquake.bearing_weather("shen-hdr-bridge", weather, side=Side(film=25.0))
+    np.testing.assert_array_equal(layered, known["rubber_degC"])
+    np.testing.assert_array_equal(bilinear, weather.temperature)
+    assert np.min(layered) > np.min(weather.temperature) + 2.0
 
 
 def test_values_of_the_file_are_what_they_cite() -> None:

@@ -14,6 +14,7 @@ from thermobearing.border.text_file import write_file
 from thermobearing.border.toml import read_toml
 from thermobearing.border.units import parse_quantity, with_unit
 from thermobearing.climate.generator import generate_weather, list_climates
+from thermobearing.climate.hourly import Hourly
 from thermobearing.climate.readers import read_weather
 from thermobearing.studies.counted import Failed
 from thermobearing.studies.factors import INTENSITY_UNITS
@@ -66,8 +67,8 @@ class Asked(Strict):
     method : of fragility: "stripes", "ida" or "cloud".
     failed : runs that failed are "left-out", or count as "collapse".
     hazard : of the site; in a file it may be the name of another, see `load_hazard`.
-    weather : hourly file of the site, or the name of a climate: how often each temperature comes,
-        for studies whose temperatures are levels.
+    weather : hourly file of the site, or the name of a climate: how often each temperature of the
+        rubber comes, for studies whose temperatures are levels.
     """
 
     demand: str | None = None
@@ -89,13 +90,13 @@ class Asked(Strict):
         )
 
 
-def temperatures_of(weather: str) -> Any:
-    """Temperatures of a site by the hour [degC], from a file or made up from a climate."""
+def temperatures_of(weather: str) -> Hourly:
+    """Return the weather of a site by the hour, from a file or made up from a climate."""
     if weather in list_climates() or weather.endswith(".toml"):
-        return generate_weather(weather).temperature
+        return generate_weather(weather)
     if not is_file(Path(weather)):
         raise InputError(f'no file "{weather}", and no climate{nearest(weather, list_climates())}')
-    return read_weather(weather).temperature
+    return read_weather(weather)
 
 
 def make_asked(table: Mapping[str, Any], where: str, folder: Path = Path()) -> Asked:

@@ -1,15 +1,21 @@
 """What is asked of a study that was carried out: which demand, which capacity, which hazard."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
+from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
+from thermobearing.climate import Hourly
+from thermobearing.earthquake.soaking import bearing_weather
+from thermobearing.model.options import ModelOptions
 from thermobearing.studies.counted import Failed
+from thermobearing.studies.factors import Posterior
 from thermobearing.studies.fragility import Fragility, Method
 from thermobearing.studies.hazard import Hazard, Rate, annual_rate
 from thermobearing.studies.mixture import ClimateFragility
 from thermobearing.studies.result import CLIMATE, StudyResult
 
+FACES = ("upper_face", "lower_face", "side")
 CAPACITIES = {"pier_ductility": 1.0}  # of demands that say themselves what they may be: yield
 
 
@@ -24,7 +30,9 @@ class Question:
     method : of fragility.
     failed : runs that failed are "left-out", or count as "collapse".
     hazard : of the site; None: no rates.
-    temperatures : of the site [degC]; None: no climate but that of the study.
+    temperatures : hourly weather of the site, which the rubber of each bearing follows; or
+        temperatures of the rubber at equally probable times [degC]. None: no climate but that of
+        the study.
     """
 
     demand: str | None = None
@@ -33,6 +41,7 @@ class Question:
     failed: Failed = "left-out"
     hazard: Hazard | None = None
     temperatures: Any = None
+    _followed: dict[tuple[str, ...], Any] = field(default_factory=dict, repr=False, compare=False)
 
     def demand_of(self, result: StudyResult) -> str:
         """The demand that is asked for."""
@@ -59,8 +68,27 @@ class Question:
         if not levels:  # the study has drawn its temperatures from a climate
             climate = result.fragility(capacity, self.demand_of(result), name=CLIMATE, **how)
         elif self.temperatures is not None:
-            climate = result.over_climate(curves, self.temperatures)
+            climate = result.over_climate(curves, self._rubber(result))
         return curves, climate
+
+    def _rubber(self, result: StudyResult) -> Any:
+        """Return the temperatures of the rubber; of the air for bilinear or several bearings."""
+        if not isinstance(self.temperatures, Hourly):
+            return self.temperatures
+        names = tuple(sorted({str(name) for name in result.table["bearing"]}))
+        if names not in self._followed:
+            levels = [one for one in result.study.factors.bearing.levels if str(one.name) in names]
+            bearing = levels[0].bearing if isinstance(levels[0], Posterior) else levels[0]
+            followed = self.temperatures.temperature
+            if len(levels) == 1 and isinstance(bearing, Bearing):
+                given, usual = result.study.case.analysis, ModelOptions()
+                keys = [key for key in FACES if getattr(given, key) != getattr(usual, key)]
+                options = {key: getattr(given, key) for key in keys}
+                followed = bearing_weather(bearing, self.temperatures, **options)[
+                    "rubber_degC"
+                ].to_numpy()
+            self._followed[names] = followed
+        return self._followed[names]
 
     def rates_of(self, result: StudyResult) -> tuple[dict[Any, Fragility], dict[Any, Rate]]:
         """Curves, and the annual rate of each with that over the climate last.

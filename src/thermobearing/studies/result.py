@@ -279,7 +279,8 @@ class StudyResult(Shown):
         Parameters
         ----------
         curves : of `fragilities`, by temperature.
-        temperatures : of the site, such as one an hour of some years [degC].
+        temperatures : of the rubber at equally probable times, see
+            `tb.earthquake.bearing_weather` [degC].
 
         Raises
         ------
