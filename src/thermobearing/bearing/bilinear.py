@@ -11,7 +11,7 @@ from thermobearing.bearing.model import Bearing
 from thermobearing.bearing.validity import Validity
 from thermobearing.border.errors import InputError, is_file, nearest
 from thermobearing.border.library import Library, Sourced
-from thermobearing.border.schema import in_unit
+from thermobearing.border.schema import Name, in_unit
 from thermobearing.border.toml import read_toml, split_sources
 
 Stiffness = Annotated[float, in_unit("kN/mm"), Field(ge=1e-6, le=1e7)]  # 0.1 to 1000 kN/mm
@@ -32,7 +32,7 @@ class BilinearBearing(Sourced):
     exposure : factors for long cold and age (`Exposure`); None where there are none.
     """
 
-    name: Annotated[str, Field(min_length=1)]
+    name: Name
     kind: Literal["bilinear"] = "bilinear"
     description: str = ""
     citation: str = ""

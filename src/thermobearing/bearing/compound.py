@@ -24,7 +24,7 @@ from thermobearing.bearing.temperature import TemperatureLaw
 from thermobearing.bearing.validity import Validity
 from thermobearing.border.errors import InputError, shortened
 from thermobearing.border.library import Library, Sourced
-from thermobearing.border.schema import Strict, in_unit, validated
+from thermobearing.border.schema import Name, Strict, in_unit, validated
 from thermobearing.border.toml import read_toml, split_sources
 
 Modulus = Annotated[float, in_unit("MPa"), Field(ge=1e-4, le=1e5)]
@@ -101,7 +101,7 @@ class Compound(Sourced):
     """
 
     kind: Literal["compound"] = "compound"
-    name: Annotated[str, Field(min_length=1)]
+    name: Name
     family: Literal["HDR", "NR"]
     description: str = ""
     citation: str = ""

@@ -13,7 +13,7 @@ from thermobearing.bearing.exposure import Exposure
 from thermobearing.bearing.temperature import TemperatureLaw
 from thermobearing.bearing.validity import Validity
 from thermobearing.border.library import Sourced
-from thermobearing.border.schema import Strict, in_unit
+from thermobearing.border.schema import Name, Strict, in_unit
 from thermobearing.border.showing import facts_html
 from thermobearing.border.units import CUBIC_MM_PER_CUBIC_M, NEWTON_PER_KILONEWTON
 
@@ -275,7 +275,7 @@ class Bearing(Sourced):
     exposure : factors for long cold and age (`Exposure`); None where there are none.
     """
 
-    name: Annotated[str, Field(min_length=1)]
+    name: Name
     kind: Literal["HDR", "LHDR", "LRB"]
     description: str = ""
     citation: str = ""

@@ -3,13 +3,16 @@
 import math
 from collections.abc import Iterable, Iterator
 from functools import cache
-from typing import Any, TypeVar, get_args
+from typing import Annotated, Any, TypeVar, get_args
+from unicodedata import category
 
 from annotated_types import Ge, Gt, Le, Lt
 from pydantic import (
+    AfterValidator,
     BaseModel,
     BeforeValidator,
     ConfigDict,
+    Field,
     ModelWrapValidatorHandler,
     ValidationError,
     ValidationInfo,
@@ -18,14 +21,30 @@ from pydantic import (
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails, InitErrorDetails, PydanticCustomError
 
-from thermobearing.border.errors import InputError, closest, nearest, shortened
+from thermobearing.border.errors import InputError, closest, nearest, printable, shortened
 from thermobearing.border.units import HUGEST, parse_quantity
 
 M = TypeVar("M", bound="Strict")
 
+LONGEST_NAME = 200  # characters of the name of a thing
+
 SOURCED = {"value", "source", "note"}  # keys of an entry {value = ..., source = ...}
 MOST_TOLD = 50  # faults of a file that a message holds
 OURS = {"unit", "conflict", "size"}  # types of the faults found here, not by pydantic
+
+
+def _one_line(text: str) -> str:
+    """The text, if it is one line that can be printed.
+
+    Names stand in the comments of generated scripts, in tables and on terminals.
+    """
+    if "\n" in text or printable(text) != text or {"Zl", "Zp"} & set(map(category, text)):
+        raise ValueError("must be one line of printable characters")
+    return text
+
+
+OneLine = AfterValidator(_one_line)
+Name = Annotated[str, Field(min_length=1, max_length=LONGEST_NAME), OneLine]
 
 
 class Strict(BaseModel):
@@ -274,6 +293,8 @@ def _sentence(model: type[BaseModel], item: ErrorDetails) -> str:
         message = "must be a table"
     elif kind in ("list_type", "tuple_type"):
         message = "must be a list"
+    elif kind == "string_too_long":
+        message = f"must have at most {item['ctx']['max_length']} characters"
     elif kind == "too_short":
         message = f"must have at least {item['ctx']['min_length']} entry"
     elif kind == "too_long":

@@ -18,7 +18,7 @@ from pydantic import Field
 from thermobearing.border.errors import InputError, is_file, nearest
 from thermobearing.border.guess import DOUBTFUL, ColumnGuess, guessed_columns
 from thermobearing.border.layout import Layout, Table, table_of
-from thermobearing.border.schema import Strict, in_unit, validated
+from thermobearing.border.schema import OneLine, Strict, in_unit, validated
 from thermobearing.border.sheets import SEPARATORS, Sheet, Told, read_sheets
 from thermobearing.border.tables import Columns, columns_of, usable_table
 from thermobearing.border.toml import read_toml, split_sources
@@ -57,7 +57,7 @@ class Sidecar(Strict):
 
     file: Word | None = None
     blocks: Annotated[list[BlockFile], Field(min_length=1)] | None = None
-    name: str = ""
+    name: Annotated[str, OneLine] = ""
     bearing: str | None = None
     ambient: Temperature | None = None
     lines_before: Annotated[int, Field(ge=0, le=1000)] = 0

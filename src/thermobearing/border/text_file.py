@@ -2,8 +2,9 @@
 
 import errno
 import os
+import re
 import secrets
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -40,6 +41,22 @@ def write_whole(target: Path, content: bytes) -> None:
     """
     with replacing(target) as part:
         write_through(part, content)
+
+
+def file_names(names: Iterable[str]) -> list[str]:
+    """Return a name for each thing that any system takes for a file and no other of them has.
+
+    Examples
+    --------
+    >>> file_names(["HDR 1/6", "HDR 1:6", "\u514d\u9707"])
+    ['HDR-1-6', 'HDR-1-6-2', '\u514d\u9707']
+    """
+    found: list[str] = []
+    for name in names:
+        stem = re.sub(r"[^\w.+-]+", "-", name)[:80] or "file"
+        count = sum(one == stem or one.startswith(f"{stem}-") for one in found)
+        found.append(stem if stem not in found else f"{stem}-{count + 1}")
+    return found
 
 
 def write_file(target: Path, content: str | bytes, *, force: bool) -> None:

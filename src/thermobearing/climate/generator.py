@@ -20,7 +20,7 @@ from pydantic import Field, field_validator
 from thermobearing.bearing.ambient import COLDEST, HOTTEST
 from thermobearing.border.errors import InputError
 from thermobearing.border.library import Library
-from thermobearing.border.schema import Strict, in_unit, validated
+from thermobearing.border.schema import OneLine, Strict, in_unit, validated
 from thermobearing.climate.hourly import DAY, Floats, Hourly, Ints
 
 DAYS = np.array([31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31])
@@ -84,7 +84,7 @@ class Climate(Strict):
     -10.0
     """
 
-    name: Annotated[str, Field(min_length=1, max_length=60)] = "climate"
+    name: Annotated[str, Field(min_length=1, max_length=60), OneLine] = "climate"
     description: str = ""
     note: str = ""
     monthly_mean: Annotated[tuple[Temperature, ...], Field(min_length=12, max_length=12)]

@@ -18,7 +18,13 @@ from thermobearing.results.directory import (
     write_directory,
 )
 from thermobearing.results.reading import read_dataset
-from thermobearing.results.writing import DIGITS, write_dataset, write_limits, write_summary
+from thermobearing.results.writing import (
+    DIGITS,
+    without_formulas,
+    write_dataset,
+    write_limits,
+    write_summary,
+)
 
 CSV_BLOCK = 50_000  # rows formatted at a time
 # Heads of a history and names in its dataset; those of layers are after them.
@@ -86,7 +92,7 @@ def _write_comparison(results: dict[str, Result], folder: Path, *, figures: bool
     from thermobearing.results.drawing import save_figure
 
     reference = next(iter(results))
-    comparison_table(results, reference).to_csv(folder / COMPARISON, index=False)
+    without_formulas(comparison_table(results, reference)).to_csv(folder / COMPARISON, index=False)
     if figures:
         save_figure(comparison_figure(results, reference), folder / FIGURES / "comparison.png")
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from thermobearing.border.errors import InputError
-from thermobearing.border.schema import Strict, in_unit, validated
+from thermobearing.border.schema import Name, Strict, in_unit, validated
 from thermobearing.cyclic.recording import checked_history, read_recording
 from thermobearing.model.effort import MAX_STEPS
 
@@ -184,7 +184,7 @@ class CyclicTest(Strict):
     ['ramp', 'rest']
     """
 
-    name: str = "test"
+    name: Name = "test"
     dt: Annotated[float, in_unit("s"), Field(ge=1e-6, le=10)] = 0.005
     steps: Annotated[list[Step], Field(min_length=1, max_length=MAX_PARTS)]
 

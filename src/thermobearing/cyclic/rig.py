@@ -8,7 +8,7 @@ from pydantic import Field
 
 from thermobearing.border.errors import InputError
 from thermobearing.border.library import Library, Sourced
-from thermobearing.border.schema import in_unit
+from thermobearing.border.schema import Name, in_unit
 from thermobearing.results.ranges import Row, compared
 
 LIMITS = {  # of a rig: unit, and how a run that passes it is told
@@ -34,7 +34,7 @@ class Rig(Sourced):
     400.0
     """
 
-    name: str = "rig"
+    name: Name = "rig"
     description: str = ""
     citation: str = ""
     force: Annotated[float, in_unit("kN"), Field(ge=1e-3, le=1e6)] | None = None

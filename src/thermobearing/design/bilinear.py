@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import pandas as pd
 
-from thermobearing.border.errors import InputError
+from thermobearing.border.errors import InputError, printable
 from thermobearing.cyclic.equivalent import backbone
 from thermobearing.model.earlier import BilinearParameters
 
@@ -148,8 +148,9 @@ def opensees_text(models: list[BoundModel], name: str, language: str) -> str:
     >>> opensees_text([model], "example", "tcl").splitlines()[-1]
     'uniaxialMaterial Steel01 1 125.0 10.0 0.2'
     """
+    shown = " ".join(printable(name).split("\n"))  # a second line would be carried out
     lines = [
-        f"# {name}: bilinear bounds of ONE bearing, units {UNITS}.",
+        f"# {shown}: bilinear bounds of ONE bearing, units {UNITS}.",
         "# Use one of the materials in a zeroLength element, direction 1, per bearing.",
         f"# {BOUNDS_NOTE}.",
     ]

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pandas as pd
 
+from thermobearing.border.text_file import file_names
 from thermobearing.border.toml import to_toml
 from thermobearing.design.bilinear import bounds_table, opensees_text
 from thermobearing.design.result import BoundsReport, Design, FactorReport
@@ -67,7 +68,8 @@ def save_design(
         if len(design.temperatures):
             write_csv(folder / TEMPERATURES, design.temperatures)
         (folder / BEARINGS).mkdir()
-        for name, text in _bearings(design).items():
+        bearings = _bearings(design)
+        for name, text in zip(file_names(bearings), bearings.values(), strict=True):
             (folder / BEARINGS / f"{name}.toml").write_text(text, encoding="utf-8")
         if figures:
             design.plot.save_all(folder / FIGURES)

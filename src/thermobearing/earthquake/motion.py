@@ -8,7 +8,7 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from thermobearing.border.errors import InputError, is_file
-from thermobearing.border.schema import Strict, in_unit, validated
+from thermobearing.border.schema import Name, OneLine, Strict, in_unit, validated
 from thermobearing.border.units import with_unit
 from thermobearing.motions.arrays import motion_from_arrays
 from thermobearing.motions.library import list_motions, load_motion
@@ -32,8 +32,8 @@ class Motion(Strict):
     dt: Annotated[float, in_unit("s"), Field(ge=1e-5, le=1)] | None = None
     component: str | None = None
     factor: Annotated[float, Field(ge=1e-6, le=100)] = 1.0
-    label: Annotated[str, Field(min_length=1, max_length=200)] | None = None
-    group: Annotated[str, Field(min_length=1, max_length=60)] | None = None
+    label: Name | None = None
+    group: Annotated[str, Field(min_length=1, max_length=60), OneLine] | None = None
     acceleration: Annotated[tuple[Sample, ...], Field(max_length=MOST_SAMPLES)] | None = None
 
     @classmethod

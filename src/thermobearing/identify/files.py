@@ -29,7 +29,7 @@ from thermobearing.results.directory import (
     write_directory,
 )
 from thermobearing.results.directory import VALIDATED_CYCLES as CYCLES
-from thermobearing.results.writing import write_csv, write_summary
+from thermobearing.results.writing import without_formulas, write_csv, write_summary
 
 
 def save_checks(
@@ -152,7 +152,7 @@ def fill_identification(
         write_csv(folder / CYCLES, found.cycles)
     rows = found.thermocouples
     if rows:
-        pd.DataFrame(rows).to_csv(folder / THERMOCOUPLES, index=False)
+        without_formulas(pd.DataFrame(rows)).to_csv(folder / THERMOCOUPLES, index=False)
     if figures:
         found.plot.save_all(folder / FIGURES, bands=forecast.bands if forecast else ())
 
@@ -304,7 +304,8 @@ def fit_text(found: Identification) -> str:
             columns[title] = values
             columns[f"model_{title}"] = prediction.temperatures[title]
         frames.append(pd.DataFrame(columns))
-    return str(pd.concat(frames).to_csv(index=False, float_format="%.9g", lineterminator="\n"))
+    table = without_formulas(pd.concat(frames))
+    return str(table.to_csv(index=False, float_format="%.9g", lineterminator="\n"))
 
 
 def _samples_text(found: Identification, samples: Samples) -> str:

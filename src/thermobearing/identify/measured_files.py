@@ -12,7 +12,7 @@ from thermobearing.border.errors import printable
 from thermobearing.identify.measured import MeasuredCycles
 from thermobearing.results import drawing
 from thermobearing.results.directory import FIGURES, VALIDATED_CYCLES, write_directory
-from thermobearing.results.writing import write_summary
+from thermobearing.results.writing import without_formulas, write_summary
 
 TITLES = {"stiffness_kN_mm": "K_eq_kN_mm"}  # as in the cycles of a result
 NEAR = 5  # cycles share a panel whose strain is the same to so many percent
@@ -72,7 +72,7 @@ def save_measured(
             "cycles": table.to_dict("records"),
         }
         write_summary(folder, summary)
-        table.to_csv(folder / VALIDATED_CYCLES, index=False)
+        without_formulas(table).to_csv(folder / VALIDATED_CYCLES, index=False)
         if figures:
             drawing.save_figures({"loops": lambda: loops_figure(found)}, folder / FIGURES)
 

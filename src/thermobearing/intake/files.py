@@ -1,11 +1,11 @@
 """Result directory of an intake: what was found, pictures, sidecars."""
 
 import os
-import re
 from functools import partial
 from pathlib import Path
 
 from thermobearing.border.errors import OutputError
+from thermobearing.border.text_file import file_names
 from thermobearing.intake.result import Intake, Intakes
 from thermobearing.intake.sidecar import sidecar_text
 from thermobearing.results.directory import FIGURES, SIDECARS, check_target, write_directory
@@ -39,7 +39,7 @@ def save_intakes(
     OutputError : see `write_directory`; a sidecar that is there already. Nothing is left.
     """
     check_target(directory, force=force)
-    names = names_of(found)
+    names = file_names(item.file.stem for item in found.files)
     targets = [item.file.with_suffix(".toml") for item in found.files] if beside else []
     there = [str(path) for path in targets if path.exists()]
     if there or len(set(targets)) < len(targets):
@@ -65,25 +65,6 @@ def save_intakes(
     for item, path in zip(found.files, targets, strict=False):
         _put(path, sidecar_text(item, path.parent))
     return written
-
-
-def names_of(found: Intakes) -> list[str]:
-    """A name for each file, that any system takes and no other file has.
-
-    Parameters
-    ----------
-    found : from `take_in`.
-
-    Returns
-    -------
-    list of str
-    """
-    names: list[str] = []
-    for item in found.files:
-        stem = re.sub(r"[^\w.+-]+", "-", item.file.stem)[:80] or "file"
-        count = sum(name == stem or name.startswith(f"{stem}-") for name in names)
-        names.append(stem if stem not in names else f"{stem}-{count + 1}")
-    return names
 
 
 def _put(path: Path, text: str) -> None:

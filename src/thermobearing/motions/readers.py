@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from thermobearing.border.encodings import read_text
-from thermobearing.border.errors import InputError, nearest
+from thermobearing.border.errors import InputError, nearest, printable
 from thermobearing.border.sheets import read_sheets
 from thermobearing.border.units import HUGEST
 from thermobearing.motions.columns import read_columns_of_text
@@ -90,7 +90,7 @@ def read_motion(
         motion = _finished(_read(_text(path), options), options)
     except InputError as error:
         raise error if error.where else InputError(error.problems, str(path)) from None
-    return replace(motion, name=name or path.stem)
+    return replace(motion, name=name or printable(path.stem))
 
 
 def _text(path: Path) -> str:

@@ -7,6 +7,7 @@ matplotlib settings and none of the user's settings are touched.
 import io
 import math
 import textwrap
+import threading
 import warnings
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -19,6 +20,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import LinearSegmentedColormap, to_hex
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.mathtext import MathTextParser
+from matplotlib.text import Text
 from numpy.typing import NDArray
 from PIL import Image
 
@@ -61,11 +64,23 @@ ENERGIES = (
 )
 LIMIT: Look = {"color": "#a33", "linewidth": 0.8, "linestyle": (0, (6, 2, 1, 2))}
 UNTESTED = "#f6dede"  # beyond what a bearing was tested at
+DRAWING = threading.RLock()  # fonts of matplotlib are shared, and not for several threads
+FORMULAS = MathTextParser("agg")
 LOOP_STEP = 1 / 250  # distance of kept points of a loop, of the size of the panel
 
 
 class Picture(Figure):
     """A figure that a notebook shows, drawn without any state of pyplot."""
+
+    def draw(self, renderer: Any) -> None:
+        """Draw all parts; a name with dollar signs that is no formula is drawn as it is."""
+        for text in self.findobj(Text):
+            if isinstance(text, Text) and text.get_text().count("$") > 1:
+                try:
+                    FORMULAS.parse(text.get_text())
+                except ValueError:
+                    text.set_parse_math(False)
+        super().draw(renderer)
 
     def _repr_png_(self) -> bytes:
         drawn = io.BytesIO()
@@ -141,7 +156,7 @@ def save_figure(figure: Figure, path: str | Path | io.BytesIO, dpi: int | None =
     usual, figure.dpi = figure.dpi, dpi
     # Laid out and drawn in one go: `savefig` draws twice, and packs a PNG that is unpacked here.
     canvas: Any = FigureCanvasAgg(figure)
-    with warnings.catch_warnings():
+    with DRAWING, warnings.catch_warnings():
         # A title in letters that the font lacks is drawn as boxes; the screen and files have it.
         warnings.filterwarnings("ignore", "Glyph .* missing from font", UserWarning)
         canvas.draw()
@@ -216,7 +231,8 @@ def save_figures(
     written = []
     for name, draw in figures.items():
         written.append(folder / f"{name}.png")
-        figure = draw()
+        with DRAWING:
+            figure = draw()
         save_figure(figure, written[-1])
         if vector:
             (folder / f"{name}.svg").write_bytes(vector_bytes(figure))

@@ -4,9 +4,11 @@ import errno
 import json
 import math
 import os
+import re
 import shlex
 import shutil
 import sys
+import threading
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,8 +21,13 @@ if TYPE_CHECKING:
 # Commands whose inputs are files and options, and no case that is written whole.
 WITHOUT_CASE = {"identify", "validate", "lambda", "bounds"}
 WITHOUT_CASE |= {"motions show", "motions make", "motions spectrum"}
+FORMULA = ("=", "+", "-", "@", "\t", "\r")  # what a spreadsheet takes for one begins with these
+SIGNED = re.compile(r"-+|[-+]\d+(?:\.\d*)?(?:[eE][-+]?\d+)?(?: [^\W\d]*%?)?")  # "-20 degC"
 DIGITS = "%.7g"  # in tables; the netCDF file has them all
 FEW = 1000  # numbers that are not worth compressing
+NETCDF = threading.Lock()  # HDF5 crashes where two threads use it
+NETCDF_NAME = re.compile(r"[A-Za-z_][\w .:+-]{0,60}(?<! )$", re.ASCII)  # taken without a doubt
+OTHERS = "other_attributes"  # JSON of those that have other names
 NETCDF_EXTRA = 500_000  # attributes, names and tables of the netCDF file beside its numbers [bytes]
 
 
@@ -88,12 +95,34 @@ def write_csv(path: Path, table: "pd.DataFrame", *, below: bool = False) -> None
 
     The numbers become text here: pandas asks of each whether it is missing, and takes longer.
     """
+    table = without_formulas(table)
     texts = {
         str(name): ["" if value != value else DIGITS % value for value in column.tolist()]
         for name, column in table.items()
         if column.dtype.kind == "f"
     }
     table.assign(**texts).to_csv(path, mode="a" if below else "w", header=not below, index=False)
+
+
+def without_formulas(table: "pd.DataFrame") -> "pd.DataFrame":
+    """A table in whose CSV file no text is a formula for a spreadsheet.
+
+    Names come from files of others; `=HYPERLINK(...)` would be carried out. Such text gets an
+    apostrophe in front; numbers with a sign and a unit ("-20 degC") stay as they are.
+    """
+    found = table.rename(columns=_no_formula)
+    for name, column in found.items():
+        if column.dtype.kind not in "biufcmM" and column.map(_is_formula).any():
+            found[name] = column.map(_no_formula)
+    return found
+
+
+def _is_formula(value: Any) -> bool:
+    return isinstance(value, str) and value[:1] in FORMULA and not SIGNED.fullmatch(value)
+
+
+def _no_formula(value: Any) -> Any:
+    return f"'{value}" if _is_formula(value) else value
 
 
 def as_attribute(value: Any) -> str | int | float:
@@ -107,12 +136,22 @@ def from_attribute(dataset: "xr.Dataset", name: str) -> Any:
 
 
 def write_dataset(dataset: "xr.Dataset", path: Path) -> None:
-    """Write netCDF, numbers compressed without loss."""
+    """Write netCDF, numbers compressed without loss.
+
+    Attributes whose names hold the name of a thing, which netCDF may not take ("HDR 1/6"), are
+    written as one; `read_dataset` takes them apart.
+    """
+    unfit = {name: value for name, value in dataset.attrs.items() if not NETCDF_NAME.match(name)}
+    if unfit:
+        fit = {name: value for name, value in dataset.attrs.items() if name not in unfit}
+        dataset = dataset.copy(deep=False)
+        dataset.attrs = fit | {OTHERS: json.dumps(unfit)}
     _reserve(path, dataset.nbytes + NETCDF_EXTRA)
     numbers = [name for name, values in dataset.variables.items() if values.dtype.kind in "fi"]
     large = [name for name in numbers if dataset.variables[name].size > FEW]
     compressed = {name: {"zlib": True, "complevel": 1, "shuffle": True} for name in large}
-    dataset.to_netcdf(path, engine="netcdf4", encoding=compressed)
+    with NETCDF:
+        dataset.to_netcdf(path, engine="netcdf4", encoding=compressed)
 
 
 def _reserve(path: Path, size: int) -> None:

@@ -13,7 +13,7 @@ from pydantic import Field, model_validator
 
 from thermobearing.border.errors import nearest
 from thermobearing.border.library import Library, Sourced, data_path
-from thermobearing.border.schema import Strict, in_unit
+from thermobearing.border.schema import OneLine, Strict, in_unit
 from thermobearing.border.toml import read_toml
 from thermobearing.border.units import parse_quantity
 
@@ -21,7 +21,7 @@ GROUND = "ground"
 LIMITS = read_toml(data_path("plausible", "piers.toml"))
 MassModel = Literal["consistent", "published"]
 DampingKind = Literal["modal", "rayleigh", "element", "none", "source"]
-Name = Annotated[str, Field(min_length=1, max_length=60)]
+Name = Annotated[str, Field(min_length=1, max_length=60), OneLine]
 # Ranges of real structures with a factor of ten or more on either side.
 Height = Annotated[float, in_unit("mm"), Field(ge=-1e6, le=1e6)]
 Stiffness = Annotated[float, in_unit("kN/mm"), Field(ge=1e-6, le=1e9)]

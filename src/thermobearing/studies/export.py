@@ -7,6 +7,7 @@ import pandas as pd
 
 from thermobearing.border.errors import InputError
 from thermobearing.border.text_file import write_file
+from thermobearing.results.writing import without_formulas
 
 MOST_ROWS = 1_048_575  # of a sheet of a workbook, beside its head
 
@@ -26,7 +27,7 @@ def write_table(table: pd.DataFrame, path: Path, *, force: bool = False) -> None
     OutputError : the file is there, or cannot be written.
     """
     if path.suffix == ".csv":
-        write_file(path, table.to_csv(index=False), force=force)
+        write_file(path, without_formulas(table).to_csv(index=False), force=force)
         return
     if path.suffix != ".xlsx":
         raise InputError(f'"{path}": a table of runs is written as .csv or .xlsx')

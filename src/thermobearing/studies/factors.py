@@ -10,7 +10,7 @@ from pydantic import Field, PrivateAttr
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
-from thermobearing.border.schema import Strict, in_unit
+from thermobearing.border.schema import Name, Strict, in_unit
 from thermobearing.climate.hourly import Hourly
 from thermobearing.cyclic.case import Temperature
 from thermobearing.earthquake.motion import Motion
@@ -59,7 +59,7 @@ class Posterior(Strict):
     """
 
     kind: Literal["posterior"] = "posterior"
-    name: Annotated[str, Field(min_length=1)]
+    name: Name
     posterior: Annotated[str, Field(min_length=1)]
     bearing: Bearing
     count: Annotated[int, Field(ge=1, le=MOST_LEVELS)] = 1000

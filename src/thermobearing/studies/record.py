@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 import tomli_w
 from pydantic import Field, field_validator
 
-from thermobearing.border.schema import Strict
+from thermobearing.border.schema import OneLine, Strict
 from thermobearing.border.toml import to_table
 from thermobearing.earthquake.case import EarthquakeCase
 from thermobearing.studies.factors import (
@@ -114,7 +114,7 @@ class Study(Strict):
     """
 
     kind: Literal["study"] = "study"
-    name: Annotated[str, Field(min_length=1, max_length=100, pattern=r"^[^/\\]*$")]
+    name: Annotated[str, Field(min_length=1, max_length=100, pattern=r"^[^/\\]*$"), OneLine]
     case: EarthquakeCase
     design: Design = Design()
     factors: Factors

