@@ -77,7 +77,7 @@ def test_generated_scripts_hold_no_line_of_a_name() -> None:
     for language in ("python", "tcl"):
         text = opensees_text([model], "x\nimport os\r\x0b; puts \\", language)
         assert text.splitlines()[0].startswith("# x import os")
-        assert len(text.splitlines()) == (5 if language == "python" else 4)
+        assert text.splitlines()[1:] == opensees_text([model], "x", language).splitlines()[1:]
     tree = ast.parse(opensees_text([model], "x\nimport os", "python"))
     imported = [node.names[0].name for node in ast.walk(tree) if isinstance(node, ast.Import)]
     assert imported == ["openseespy.opensees"]
