@@ -1,8 +1,6 @@
 """The library of bearings: everything loads, every number has a source, nothing gets lost."""
 
-import tomllib
 from collections.abc import Iterator
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +13,7 @@ from thermobearing.bearing.library import BEARINGS
 from thermobearing.bearing.model import Bearing, Material
 from thermobearing.border.schema import validated
 from thermobearing.border.toml import to_table
+from thermobearing.commands.check import check_file
 
 TEXT_KEYS = {"name", "kind", "description", "citation"}
 
@@ -31,8 +30,7 @@ def entries(table: dict[str, Any], key: str = "") -> Iterator[tuple[str, Any]]:
 
 @pytest.mark.parametrize("name", tb.bearing.list_bearings())
 def test_every_number_has_a_source(name: str) -> None:
-    file = resources.files("thermobearing") / "data" / "bearings" / f"{name}.toml"
-    raw = dict(entries(tomllib.loads(file.read_text(encoding="utf-8"))))
+    raw = dict(entries(BEARINGS.table(name)[0]))
     sourced = set(raw) - TEXT_KEYS
     assert len(sourced) >= 20
     for key in sourced:
@@ -53,6 +51,26 @@ def test_table_round_trip(name: str, tmp_path: Path) -> None:
     again = tb.load_bearing(write_toml(tmp_path / "again.toml", to_table(bearing)))
     assert again.model_dump() == bearing.model_dump()
     assert validated(Bearing, bearing.model_dump(), "dump", from_file=False) == again
+
+
+def test_a_file_that_is_based_on_another_has_what_differs(tmp_path: Path) -> None:
+    base = tb.load_bearing("shen-lhdr-specimen")
+    touching = tb.load_bearing("shen-lhdr-in-touch")
+    assert base.lead is not None
+    assert touching.lead == base.lead.model_copy(update={"confined": False})
+    assert touching.hysteresis == base.hysteresis
+    assert touching.sources["lead.confined"].startswith("alternative")
+    assert touching.sources["lead.diameter"] == base.sources["lead.diameter"]
+    mine = {"name": "mine", "based_on": "above.toml", "geometry": {"rubber_thickness": "7 mm"}}
+    path = write_toml(tmp_path / "mine.toml", mine)
+    above = {"name": "above", "based_on": SPECIMEN, "geometry": {"rubber_layers": 4}}
+    write_toml(tmp_path / "above.toml", above)
+    assert tb.load_bearing(path).total_rubber_thickness == 28.0
+    assert check_file(path).kind == "bearing"
+    for base_of, said in (("mine.toml", "based on each other"), ("shen-x", "shen-x"), (3, "= 3")):
+        write_toml(tmp_path / "above.toml", above | {"based_on": base_of})
+        with pytest.raises(tb.InputError, match=said):
+            tb.load_bearing(path)
 
 
 def test_numbers_of_the_specimen() -> None:

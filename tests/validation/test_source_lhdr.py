@@ -7,6 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import thermobearing as tb
+from benchmarks.alternative_bearings import measures
 from tests import tolerances as tol
 from tests.conftest import Recorder
 
@@ -148,3 +149,29 @@ def test_colder_is_stiffer_and_the_rate_share_smaller(result: tb.cyclic.Result) 
     peak = np.abs(result["force"].values).max(axis=1)
     share = np.abs(result["viscous_force"].values).max(axis=1) / peak
     assert share[0] < share[1] < share[2]
+
+
+@pytest.mark.parametrize(
+    ("name", "lead_in_range", "warmer", "within_rig"),
+    [
+        ("shen-lhdr-specimen", False, False, False),
+        ("shen-lhdr-in-touch", True, True, False),
+        ("shen-lhdr-softening", False, False, False),
+        ("shen-lhdr-table-4-2", False, False, True),
+        ("shen-lhdr-combined", True, True, False),
+    ],
+)
+def test_what_alternative_bearings_meet(
+    name: str, lead_in_range: bool, warmer: bool, within_rig: bool
+) -> None:
+    """Rise of the lead of 19 to 28 K, rubber warmer than of the HDR, at most 400 kN of the rig.
+
+    Five cycles of 250 % at 23, 0 and -20 degC; numbers in docs/alternative_bearings.md.
+    """
+    found = measures(name)
+    assert bool(((found["lead_K"] > 19.0) & (found["lead_K"] < 28.0)).all()) == lead_in_range
+    assert bool((found["rubber_over_hdr"] > 1.02).all()) == warmer
+    assert bool((found["force_kN"] <= 400.0).all()) == within_rig
+    if name == "shen-lhdr-combined":  # 3.3.2: damping does not depend on the temperature
+        assert np.ptp(found["h_eq"]) < 0.005
+        assert found["force_kN"].max() < 415.0

@@ -15,6 +15,7 @@ from thermobearing.border.schema import Strict, validated
 from thermobearing.border.toml import flat, read_toml, split_sources, to_table
 
 S = TypeVar("S", bound="Sourced")
+DEEPEST = 8  # files that are based on one another
 
 
 @cache
@@ -50,11 +51,21 @@ def _shipped(path: Path) -> dict[str, Any]:
 
 
 @cache
-def _told(path: Path, model: type[Strict]) -> dict[str, tuple[Any, str]]:
+def _told(library: "Library", name: str, model: type[Strict]) -> dict[str, tuple[Any, str]]:
     """Values and sources of a built-in file by key, as a checked thing of it writes them."""
-    values, sources = split_sources(_shipped(path))
-    built_in = flat(to_table(validated(model, values, path.stem)))
+    values, sources = split_sources(library.table(name)[0])
+    built_in = flat(to_table(validated(model, values, name)))
     return {key: (built_in.get(key), source) for key, source in sources.items()}
+
+
+def _over(base: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:
+    """A table with the keys of another over it; a number with its source is one value."""
+    merged = dict(base)
+    for key, value in own.items():
+        below = merged.get(key)
+        deeper = isinstance(below, dict) and isinstance(value, dict) and "value" not in value
+        merged[key] = _over(below, value) if deeper and below is not None else value
+    return merged
 
 
 class Sourced(Strict):
@@ -105,11 +116,30 @@ class Library:
             return Path(text)
         raise unknown_name(self.what, text, names)
 
-    def table(self, name_or_path: str | Path) -> tuple[dict[str, Any], str]:
-        """The table of a file with its sources, and its path for messages; see `path`."""
+    def table(
+        self, name_or_path: str | Path, above: tuple[Path, ...] = ()
+    ) -> tuple[dict[str, Any], str]:
+        """The table of a file with its sources, and its path for messages; see `path`.
+
+        A file with the key `based_on`, a name or a file beside it, has only what differs from that.
+
+        Raises
+        ------
+        InputError : nothing has that name, or a file is based on itself.
+        """
         path = self.path(name_or_path)
         built_in = str(name_or_path) in self.names()
-        return copy.deepcopy(_shipped(path)) if built_in else read_toml(path), str(path)
+        table = copy.deepcopy(_shipped(path)) if built_in else read_toml(path)
+        base = table.pop("based_on", None)
+        if base is None:
+            return table, str(path)
+        if not isinstance(base, str) or not base or "name" not in table:
+            said = "must be a name or a file, in a table with a name of its own"
+            raise InputError(f"based_on = {base!r}: {said}", str(path))
+        if len(above) >= DEEPEST:
+            raise InputError(f"based_on = {base!r}: the files are based on each other", str(path))
+        below = base if base in self.names() else path.parent / base
+        return _over(self.table(below, (*above, path))[0], table), str(path)
 
     def read(self, name_or_path: str | Path) -> tuple[dict[str, Any], str]:
         """The plain values of a file, and its path for messages; see `path`."""
@@ -138,7 +168,7 @@ class Library:
         name = str(table.get("name", ""))
         if name not in self.names():
             return {}
-        told, given = _told(data_path(self.folder, f"{name}.toml"), model), flat(table)
+        told, given = _told(self, name, model), flat(table)
         return {key: source for key, (value, source) in told.items() if given.get(key) == value}
 
 

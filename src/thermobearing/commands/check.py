@@ -88,7 +88,7 @@ def kind_of(table: dict[str, Any], path: Path) -> str:
         ("structure", {"bodies"}),
         ("sequence case", {"parts"}),
         ("earthquake case", {"command"}),
-        ("bearing", {"geometry", "hysteresis", "materials", "kind"}),
+        ("bearing", {"geometry", "hysteresis", "materials", "kind", "based_on"}),
         *((kind, its) for kind, (its, _) in DATA.items()),
         ("design case", DESIGNS),
         ("earthquake case", STUDIES),
