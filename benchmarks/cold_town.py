@@ -180,13 +180,13 @@ def draw_weather(weather: Hourly, warmth: pd.DataFrame) -> Figure:
     days = np.arange(len(part)) / 24.0
     lines = (
         ("air", "ambient_degC", drawing.GREY, 0.9),
-        ("outer rubber layer", "outer_rubber_degC", "#0077BB", 1.1),
-        ("inner rubber layer", "inner_rubber_degC", "#CC3311", 1.3),
+        ("inner rubber layer", "inner_rubber_degC", "#CC3311", 2.0),
+        ("outer rubber layer", "outer_rubber_degC", "#0077BB", 0.8),
     )
     for told, column, colour, width in lines:
         left.plot(days, part[column], color=colour, linewidth=width, label=told)
     drawing.name_axes(left, "days", "temperature [degC]")
-    left.legend(frameon=False, fontsize=drawing.SMALL)
+    left.legend(frameon=False, fontsize=drawing.SMALL, loc="lower right")
     edges = np.arange(-40.0, 41.0, 2.0)
     for column, told, colour in (
         ("ambient_degC", "air", drawing.GREY),
