@@ -18,6 +18,7 @@ from tests.unit.studies import kept, small_study
 from thermobearing.border.errors import InputError, OutputError
 from thermobearing.studies import run_study, study_status
 from thermobearing.studies.processes import HERE
+from thermobearing.studies.store import Store
 
 needs_fork = pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork, as POSIX has it")
 PATIENCE = 120  # for what must come, however slow the machine [s]
@@ -95,6 +96,26 @@ def test_killed_at_any_event(
     assert last == ("", 8)
     assert kept(out) == whole
     assert [path.name for path in tmp_path.iterdir() if path.name.startswith(".")] == []
+
+
+def test_a_changed_bit_is_never_taken_for_a_result(tmp_path: Path, whole: dict[str, bytes]) -> None:
+    """A shard with one bit changed anywhere is not done; the next start computes it again."""
+    out = tmp_path / "out"
+    run_study(small_study(), out, jobs=1, size=1)
+    file = out / "shards" / "00003.parquet"
+    content = file.read_bytes()
+    for place in range(0, len(content), 61):
+        changed = bytearray(content)
+        changed[place] ^= 1 << place % 8
+        file.write_bytes(changed)
+        assert not Store(out).is_done(3), place
+    assert study_status(out).done == 7
+    assert Store(out).table()["run"].tolist() == [0, 1, 2, 4, 5, 6, 7]
+    plan = bytearray((out / "plan.parquet").read_bytes())
+    plan[300] ^= 4
+    (out / "plan.parquet").write_bytes(plan)
+    assert run_study(small_study(), out, jobs=1, size=1).outcome == "completed"
+    assert kept(out) == whole
 
 
 @needs_fork

@@ -1,8 +1,12 @@
 """Tables as Parquet: unit and meaning of each column beside it, the whole file or none.
 
+The notes of a file hold the SHA-256 of the whole file, taken with zeros in its own place: Parquet
+checks nothing by itself, and a changed bit often reads as another number.
+
 pyarrow is an extra: without it one sentence says what to install.
 """
 
+import hashlib
 import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -15,6 +19,7 @@ from thermobearing.border.text_file import write_whole
 
 EXTRA = 'needs pyarrow: pip install "thermobearing[study]"'
 UNIT, MEANING, NOTES = b"unit", b"meaning", b"thermobearing"
+DIGEST, EMPTY = b'"sha256": "', b"0" * 64
 LEVEL = 3  # of compression
 KINDS = {"i": "int64", "u": "int64", "f": "float64", "b": "bool_"}  # the rest is text
 
@@ -62,11 +67,22 @@ def parquet_bytes(
         values = column if kind != arrow.string() else [str(value) for value in column]
         # A number that a run has not is null: others' means would be NaN with it.
         arrays.append(arrow.array(values, type=kind, from_pandas=kind == arrow.float64()))
-    schema = arrow.schema(fields, metadata={NOTES: json.dumps(dict(notes)).encode()})
+    sealed = json.dumps({**notes, "sha256": EMPTY.decode()}).encode()
     stream = arrow.BufferOutputStream()
-    whole = arrow.Table.from_arrays(arrays, schema=schema)
+    whole = arrow.Table.from_arrays(arrays, schema=arrow.schema(fields, metadata={NOTES: sealed}))
     parquet.write_table(whole, stream, compression="zstd", compression_level=LEVEL)
-    return bytes(stream.getvalue())
+    before, _, after = _around_digest(bytes(stream.getvalue()))
+    return before + _digest(before, after) + after
+
+
+def _around_digest(content: bytes) -> tuple[bytes, bytes, bytes]:
+    """Split a file into what is before its digest, the digest, and what is after it."""
+    place = content.rfind(DIGEST) + len(DIGEST)
+    return content[:place], content[place : place + len(EMPTY)], content[place + len(EMPTY) :]
+
+
+def _digest(before: bytes, after: bytes) -> bytes:
+    return hashlib.sha256(before + EMPTY + after).hexdigest().encode()
 
 
 def write_parquet(
@@ -104,12 +120,23 @@ def about_columns(path: Path) -> dict[str, About]:
     }
 
 
-def notes_of(path: Path) -> tuple[dict[str, Any], int] | None:
-    """Notes and number of rows of a file; None if there is none, or it is damaged."""
+def notes_of(path: Path, *, sealed: bool = True) -> tuple[dict[str, Any], int] | None:
+    """Notes and number of rows of a file; None if there is none, or it is damaged.
+
+    Parameters
+    ----------
+    path : of the file.
+    sealed : whether its digest must be right; files of version 0.2.0 have none.
+    """
     arrow, parquet = the_parquet()
     try:
-        with parquet.ParquetFile(path) as file:
+        content = path.read_bytes()
+        before, told, after = _around_digest(content)
+        if sealed and told != _digest(before, after):
+            return None
+        with parquet.ParquetFile(arrow.BufferReader(content)) as file:
             notes = json.loads((file.schema_arrow.metadata or {})[NOTES])
+            notes.pop("sha256", None)
             return notes, int(file.metadata.num_rows)
     except (OSError, arrow.ArrowException, KeyError, ValueError):
         return None

@@ -25,6 +25,7 @@ import pandas as pd
 
 import thermobearing
 from thermobearing.border.errors import InputError, OutputError, read_bytes, shortened
+from thermobearing.border.text_file import write_whole
 from thermobearing.border.toml import flat
 from thermobearing.core.compile import kernels_digest
 from thermobearing.results.directory import write_directory
@@ -50,7 +51,7 @@ from thermobearing.studies.shard import Done, Kept
 
 STUDY, MANIFEST, PLAN, LOG = "study.toml", "manifest.json", "plan.parquet", "study.log"
 SHARDS, HISTORIES, WORST = "shards", "histories", "worst.nc"
-FORMAT = 1  # of the directory
+FORMAT = 2  # of the directory; in those of format 1 no file has a digest
 LARGEST_FILE = 100_000_000  # bytes of a manifest or a study
 FEWEST, MOST = 16, 1008  # runs of a shard: whole companies of a lockstep
 SHARES = 100  # shards of a study, unless that makes them too small or too large
@@ -109,8 +110,9 @@ class Store:
         return self.directory / SHARDS / f"{shard:05d}.parquet"
 
     def is_done(self, shard: int) -> bool:
-        """Whether its file is there, whole, and of this study."""
-        place, found = self.place(shard), notes_of(self.file(shard))
+        """Return whether its file is there, of this study, and as it was written."""
+        sealed = int(self.manifest["format"]) > 1
+        place, found = self.place(shard), notes_of(self.file(shard), sealed=sealed)
         expected = self._notes(shard), place.stop - place.start
         return found == expected
 
@@ -157,10 +159,6 @@ class Store:
             empty = empty.assign(**{column.name: [] for column in RESULT_COLUMNS})
             return empty if columns is None else empty[list(columns)]
         return read_parquet(files, columns)
-
-    def plan(self) -> pd.DataFrame:
-        """All runs with what goes into each."""
-        return read_parquet([self.directory / PLAN])
 
     @contextmanager
     def writing(self) -> Iterator[None]:
@@ -217,10 +215,11 @@ def open_or_make(directory: Path, study: Study, runs: pd.DataFrame, size: int | 
     the_parquet()
     digest = input_digest(study, runs)
     size = size or shard_size(len(runs), in_lockstep(study))
+    planned = parquet_bytes(runs, about_plan(study, runs), {"input": digest})
     if not (directory / MANIFEST).exists():
         whole = {
             STUDY: study.to_toml().encode(),
-            PLAN: parquet_bytes(runs, about_plan(study, runs), {"input": digest}),
+            PLAN: planned,
             MANIFEST: _manifest(study, runs, digest, size),
         }
         if is_matched(study):
@@ -238,6 +237,9 @@ def open_or_make(directory: Path, study: Study, runs: pd.DataFrame, size: int | 
                 raise
     store = Store(directory)
     _refuse_others(store, study, digest)
+    if notes_of(directory / PLAN) is None:  # damaged
+        with store.writing():
+            write_whole(directory / PLAN, planned)
     return store
 
 
@@ -286,7 +288,7 @@ def _read_manifest(directory: Path) -> dict[str, Any]:
         raise InputError(f"is not the directory of a study: no {MANIFEST} there", str(directory))
     try:
         found = json.loads(read_bytes(path, LARGEST_FILE))
-        whole = found["kind"] == "study" and found["format"] == FORMAT
+        whole = found["kind"] == "study" and found["format"] in (1, FORMAT)
         numbers = [int(found[name]) for name in ("runs", "shard_size")]
         whole = whole and min(numbers) > 0 and isinstance(found["versions"], dict)
         whole = whole and isinstance(found["input"], str)
