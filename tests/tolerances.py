@@ -294,6 +294,7 @@ REST_OF_LEAD_ELEMENTS = 0.02  # of the difference: 0.015 measured
 LIKELIEST = 1e-6  # another search stops at 1e-10 of its own; its likelihood is flat to 1e-8
 PROFILE = 1e-3  # of the drop: 240 rays, and a search inside a search
 LEAST_COVERAGE = 0.83  # of bands of 95 %: bootstrap 0.92, less three deviations of 80 repetitions
+LEAST_COVERAGE_OF_FEW = 0.88  # with a dozen motions; plain percentiles 0.75 to 0.90
 LEAST_COVERAGE_OF_RATIOS = 0.85  # classes take some of the share
 SHARE_OF_4000 = 0.03  # three deviations of a share of 4000 runs, and of those that did not collapse
 HAZARD = 1e-8  # four points of Gauss in steps of 0.02, deviations of 0.05 and more

@@ -23,6 +23,7 @@ Link = Literal["probit", "logit"]
 MOST_ROUNDS, MOST_HALVINGS = 60, 30
 STEADY = 1e-10  # of a standard score: the largest change of the last step
 FLAT = 1e-6  # slope of a curve that does not rise
+UNREACHED = 0.6  # dispersion that bounds a capacity that no motion reached; chosen
 ROOT_TWO_PI = 0.5 * np.log(2.0 * np.pi)
 RAYS = 240  # on which the edge of a likelihood region is looked for
 BISECTIONS = 30
@@ -195,6 +196,49 @@ def uphill(
             break
         step = np.where(worse, 0.5 * step, step)
     return step * da, step * db
+
+
+def pivoted(best: Curves, others: Curves, groups: int) -> Curves:
+    """Return curves of the bootstrap as draws of the true curve: the studentised bootstrap.
+
+    A bootstrap curve misses the estimate, in units of its own dispersion, as the estimate misses
+    the truth: median and logarithm of the dispersion are reflected so. The factor
+    sqrt(n / (n - 1)) is what a bootstrap of n groups is too narrow by (Davison & Hinkley 1997,
+    2.4 and 5.2; Hesterberg 2015, The American Statistician 69(4): 371-386). Curves that are a jump,
+    flat or nowhere stay as they are.
+
+    Parameters
+    ----------
+    best : the estimate.
+    others : of the bootstrap.
+    groups : that it draws from.
+    """
+    if not (np.isfinite(best.place[0]) and 2.0 * FLAT < best.slope[0] < np.inf):
+        return others
+    wider = np.sqrt(groups / max(groups - 1.0, 1.0))
+    usual = np.isfinite(others.place) & np.isfinite(others.slope) & (others.slope > 2.0 * FLAT)
+    place, slope = others.place.copy(), others.slope.copy()
+    ratio = slope[usual] / best.slope[0]
+    place[usual] = best.place[0] - wider * ratio * (place[usual] - best.place[0])
+    slope[usual] = best.slope[0] * ratio**-wider
+    return Curves(place, slope, others.link)
+
+
+def unreached(largest: Floats, shares: Floats) -> Curves:
+    """Return curves under which none of some motions goes beyond with given probabilities.
+
+    With probabilities spread evenly over (0, 1) they are draws of the true curve whose percentiles
+    are the bounds of Clopper & Pearson (1934, Biometrika 26: 404-413) for no success at all.
+
+    Parameters
+    ----------
+    largest : intensity of each motion, > 0.
+    shares : probabilities, in (0, 1).
+    """
+    x = np.log(largest)
+    place = np.linspace(x.min() - 8.0 * UNREACHED, x.max() + 8.0 * UNREACHED, 2000)
+    none = log_ndtr((place - x[:, None]) / UNREACHED).sum(axis=0)
+    return Curves(np.interp(np.log(shares), none, place), np.full(len(shares), 1.0 / UNREACHED))
 
 
 def likelihood_edge(im: Floats, yes: Floats, no: Floats, best: Curves, drop: float) -> Curves:

@@ -48,6 +48,8 @@ class Estimate:
     collapse, collapses : logistic curves of the share of collapse, of both; None without.
     outcome : "completed", or why there is no curve.
     sentence : likewise, and what to try.
+    drawn : the same with the curves of the bootstrap as it drew them, where `others` are pivots.
+    groups : that the bootstrap draws from; 0 where it is no matter.
     """
 
     best: Curves
@@ -56,6 +58,8 @@ class Estimate:
     collapses: Curves | None = None
     outcome: str = COMPLETED
     sentence: str = ""
+    drawn: "Estimate | None" = None
+    groups: int = 0
 
     @property
     def known(self) -> bool:

@@ -11,11 +11,12 @@ Three of the field's estimators of a lognormal curve, each with bands:
   of Jalayer, Ebrahimian, Miano, Manfredi & Sezen (2017, Earthquake Eng. Struct. Dyn. 46(15):
   2639-2663).
 
-Bands: bootstrap over motions, or profile likelihood (stripes of independent runs).
+Bands: studentised bootstrap over motions, its percentiles as they are, or profile likelihood
+(stripes of independent runs). Where no motion goes beyond, they are bounds by Clopper & Pearson.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal, TypeAlias, get_args
 
 import numpy as np
@@ -23,16 +24,18 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from thermobearing.border.errors import InputError
-from thermobearing.studies.binary import FLAT
+from thermobearing.studies.binary import FLAT, pivoted, unreached
 from thermobearing.studies.counted import Failed, column, counted, positive, told_of
 from thermobearing.studies.estimates import Estimate, cloud, counts, incremental, stripes
 from thermobearing.studies.ida import ida_curves
+from thermobearing.studies.peaks import COMPLETED
 from thermobearing.studies.resampling import LEVEL, SAMPLES, Draw, check_level, percentiles
 
 Floats = NDArray[np.float64]
 Method: TypeAlias = Literal["stripes", "ida", "cloud"]
-Band: TypeAlias = Literal["bootstrap", "profile"]
+Band: TypeAlias = Literal["bootstrap", "percentile", "profile"]
 MOTION = "motion"
+NONE_BEYOND = "none_beyond"
 
 
 @dataclass(frozen=True)
@@ -46,7 +49,7 @@ class Fragility:
     demand, intensity : names of the columns.
     capacity : of the demand, in the unit of its column.
     estimate : the curve, and those of the bootstrap or on the edge of the likelihood region.
-    band : "bootstrap" or "profile".
+    band : "bootstrap", "percentile" or "profile".
     level : confidence of the bands, a share in (0, 1).
     runs : how many the curve is made of.
     counts : for each intensity `runs` and `beyond`; of many intensities in classes.
@@ -93,14 +96,25 @@ class Fragility:
             return np.full(len(at), np.nan)
         return self.estimate.probability(at)
 
-    def family(self, intensity: Any) -> Floats:
-        """The same of every curve that the band is made of: shape (curves, intensities)."""
+    def family(self, intensity: Any, *, drawn: bool = False) -> Floats:
+        """Return the same of every curve that the band is made of: shape (curves, intensities).
+
+        Parameters
+        ----------
+        intensity : at which.
+        drawn : those of the bootstrap as it drew them, which ratios of curves are made of.
+        """
         at = np.atleast_1d(np.asarray(intensity, dtype=float))
-        return self.estimate.probabilities(at)
+        return ((drawn and self.estimate.drawn) or self.estimate).probabilities(at)
+
+    @property
+    def groups(self) -> int:
+        """Number of motions that the bootstrap draws from; 0 where it is no matter."""
+        return self.estimate.groups
 
     def ends(self, values: Floats) -> tuple[Floats, Floats]:
         """Ends of the band of what was computed from each curve of `family`."""
-        if not self.estimate.known or len(values) == 0:
+        if self.outcome not in (COMPLETED, NONE_BEYOND) or len(values) == 0:
             nothing = np.full(values.shape[1:], np.nan)
             return nothing, nothing
         if self.band == "profile":
@@ -117,6 +131,8 @@ class Fragility:
         low, high = self.ends(np.exp(np.minimum(others.place, 700.0))[:, None])
         with np.errstate(divide="ignore"):
             least, most = self.ends((1.0 / others.slope)[:, None])
+        if not self.estimate.known:
+            least = most = np.array([np.nan])
         flat = 0.5 / FLAT
         return {
             "name": self.name,
@@ -166,7 +182,9 @@ def fragility_curve(
     groups : column whose values are drawn again as a whole by the bootstrap; None: every run by
         itself. A column that is not there is as None.
     curves : of "ida": columns that tell its curves apart.
-    band : "bootstrap", or "profile" (stripes only; the runs must be independent).
+    band : "bootstrap" (studentised, right with a dozen motions too), "percentile" (of the same
+        bootstrap: too narrow with fewer than 40 motions), or "profile" (stripes only; the runs
+        must be independent).
     level : confidence of the bands, a share in (0, 1).
     samples : of the bootstrap.
     seed : of the bootstrap.
@@ -270,7 +288,7 @@ class _Settings:
         if self.method not in get_args(Method):
             raise InputError(f'method is "stripes", "ida" or "cloud", not {self.method!r}')
         if self.band not in get_args(Band):
-            raise InputError(f'band is "bootstrap" or "profile", not {self.band!r}')
+            raise InputError(f'band is "bootstrap", "percentile" or "profile", not {self.band!r}')
         if self.band == "profile" and self.method != "stripes":
             raise InputError(f'band = "profile" is of stripes; of {self.method} take "bootstrap"')
 
@@ -300,6 +318,8 @@ def _fragility(table: pd.DataFrame, of: _Settings, draw: Draw, name: str) -> Fra
     else:
         found = ida_curves(runs.table, of.demand, of.intensity, of.curves, failed=of.failed)
         estimate = incremental(found, of.capacity, mine)
+    if of.band == "bootstrap":
+        estimate = _studentised(estimate, mine, at)
     return Fragility(
         name,
         of.method,
@@ -314,3 +334,18 @@ def _fragility(table: pd.DataFrame, of: _Settings, draw: Draw, name: str) -> Fra
         runs.left_out,
         runs.collapsed,
     )
+
+
+def _studentised(estimate: Estimate, draw: Draw, at: Floats) -> Estimate:
+    """The same with a band that holds the truth as often as it says with a dozen motions too."""
+    if estimate.outcome == NONE_BEYOND:
+        order = np.lexsort((at, draw.groups))
+        last = np.append(np.diff(draw.groups[order]) > 0, True)
+        shares = (draw.generator().permutation(draw.samples) + 0.5) / draw.samples
+        bounds = unreached(at[order][last], shares)
+        return replace(estimate, others=bounds, groups=draw.count)
+    others = pivoted(estimate.best, estimate.others, draw.count)
+    collapses = estimate.collapses
+    if estimate.collapse is not None and collapses is not None:
+        collapses = pivoted(estimate.collapse, collapses, draw.count)
+    return replace(estimate, others=others, collapses=collapses, drawn=estimate, groups=draw.count)

@@ -13,6 +13,7 @@ basis for multi-level design norms, 11th World Conference on Earthquake Engineer
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -23,7 +24,7 @@ from thermobearing.border.errors import InputError
 from thermobearing.border.tables import read_columns
 from thermobearing.border.titles import plain_title
 from thermobearing.studies.factors import INTENSITY_UNITS
-from thermobearing.studies.resampling import LEVEL, percentiles
+from thermobearing.studies.resampling import LEVEL, percentiles, widened
 
 Floats = NDArray[np.float64]
 STEP = 0.02  # of the logarithm of intensity, at most, in the integral
@@ -39,8 +40,12 @@ class Curve(Protocol):
     def probability(self, intensity: Any) -> Floats:
         """Of going beyond, at intensities."""
 
-    def family(self, intensity: Any) -> Floats:
-        """The same of all curves of the band."""
+    def family(self, intensity: Any, *, drawn: bool = False) -> Floats:
+        """Return the same of all curves of the band, or of the bootstrap as it drew them."""
+
+    @property
+    def groups(self) -> int:
+        """Number of motions that the bootstrap draws from; 0 where it is no matter."""
 
     def ends(self, values: Floats) -> tuple[Floats, Floats]:
         """Ends of the band of what was computed from them."""
@@ -167,9 +172,10 @@ class Rate:
     Attributes
     ----------
     rate : [1/year]; NaN where there is no fragility curve.
-    low, high : ends of its band.
-    family : of each curve that the band is made of.
+    low, high : ends of its band; where no motion went beyond the rate is 0, and below `high`.
+    family : of each bootstrap sample.
     notes : sentences on what the ends of the hazard curve leave out.
+    groups : that the bootstrap draws from; 0 where it is no matter.
     """
 
     rate: float
@@ -177,6 +183,7 @@ class Rate:
     high: float
     family: Floats
     notes: tuple[str, ...] = ()
+    groups: int = 0
 
     @property
     def return_period(self) -> float:
@@ -221,8 +228,8 @@ def annual_rate(curve: Curve, hazard: Hazard) -> Rate:
         return np.asarray(inner + last * probability(stop)[..., 0])
 
     rate = float(whole(curve.probability))
-    family = whole(curve.family)
-    low, high = curve.ends(family[:, None])
+    low, high = curve.ends(whole(curve.family)[:, None])
+    family = whole(partial(curve.family, drawn=True))
     notes = []
     first, end = float(curve.probability(start)[0]), float(curve.probability(stop)[0])
     if first > TOO_LATE:
@@ -235,7 +242,7 @@ def annual_rate(curve: Curve, hazard: Hazard) -> Rate:
             f"the hazard curve ends at {stop[0]:.4g}: larger earthquakes may add up to "
             f"{last * (1.0 - end):.2g} a year"
         )
-    return Rate(rate, float(low[0]), float(high[0]), np.asarray(family), tuple(notes))
+    return Rate(rate, float(low[0]), float(high[0]), family, tuple(notes), curve.groups)
 
 
 def ratio(rate: Rate, to: Rate, level: float = LEVEL) -> tuple[float, float, float]:
@@ -260,7 +267,7 @@ def ratio(rate: Rate, to: Rate, level: float = LEVEL) -> tuple[float, float, flo
     told = each[:-1][~np.isnan(each[:-1])]  # samples in which neither goes beyond tell nothing
     if len(told) == 0:
         return float(each[-1]), np.nan, np.nan
-    low, high = percentiles(told[:, None], level)
+    low, high = percentiles(told[:, None], widened(level, rate.groups))
     return float(each[-1]), float(low[0]), float(high[0])
 
 

@@ -66,9 +66,15 @@ class ClimateFragility:
             return np.full(len(at), np.nan)
         return np.asarray(sum(s * part.estimate.probability(at) for s, part in self._used()))
 
-    def family(self, intensity: Any) -> Floats:
-        """The same of every bootstrap sample: shape (samples, intensities)."""
-        return np.asarray(sum(share * part.family(intensity) for share, part in self._used()))
+    def family(self, intensity: Any, *, drawn: bool = False) -> Floats:
+        """Return the same of every bootstrap sample, as `Fragility.family`."""
+        parts = self._used()
+        return np.asarray(sum(share * part.family(intensity, drawn=drawn) for share, part in parts))
+
+    @property
+    def groups(self) -> int:
+        """Number of motions that the bootstrap draws from; 0 where it is no matter."""
+        return self._used()[0][1].groups
 
     def ends(self, values: Floats) -> tuple[Floats, Floats]:
         """Ends of the band of what was computed from each curve of `family`."""
