@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from thermobearing.core.records import Floats, Ints, Rows, rows
-from thermobearing.core.types import Books
+from thermobearing.core.types import COMPLETED, Books
 from thermobearing.model.outcomes import NOT_PHYSICAL
 from thermobearing.structure.lines import (
     Bearings,
@@ -101,10 +101,10 @@ class Left(NamedTuple):
     hinges: Rows[HingePeak]
 
 
-def no_rows(system: System, bearings: Bearings) -> MotionRows:
-    """No room, in double precision so that it can be room for lanes."""
-    none = room_for(system, bearings, 0)
-    cells: Any = tuple(np.zeros((0, len(kind.lines), 0)) for kind in bearings)
+def no_rows(system: System, bearings: Bearings, count: int = 0) -> MotionRows:
+    """No room (or room for `count` rows), in double precision so that it can be room for lanes."""
+    none = room_for(system, bearings, count)
+    cells: Any = tuple(np.zeros((count, len(kind.lines), 0)) for kind in bearings)
     return none._replace(cells=cells)
 
 
@@ -204,23 +204,35 @@ def told(left: Left, recoverable: Floats, steps: int, outcome: int, *, alone: bo
 def run_peaks(run: Run) -> RunPeaks:
     """Shake one structure; always returns what was reached, with a typed outcome.
 
-    The same steps as `run_structure`, bit for bit, without its rows.
+    The same steps as `run_structure`, bit for bit, without its rows. A run that ends early has the
+    energies and bearings of its last whole step, as rows have: the halves of a step that were done
+    before it ended are in no row, so that the steps up to there are done again.
     """
     check_method(run)
+    left, stored, done, outcome, _ = _marched(run, 0)
+    found = told(left, stored, done, outcome, alone=True)
+    if outcome == COMPLETED:
+        return found
+    books, ended = rows(MotionBooks, 1), books_of(bearings_of(run), len(run.lines))
+    if done > 0:
+        kept = _marched(run, done)[-1]
+        books, ended = kept.books, kept.bearings[0]
+    return found._replace(books=books, bearings=ended)
+
+
+def _marched(run: Run, kept: int) -> tuple[Left, Floats, int, int, MotionRows]:
+    """What a run left, what its bearings had stored, steps, outcome; one row of step `kept`."""
     system, bearings = build_system(run.prepared, run.lines), bearings_of(run)
-    motion, peaks = new_motion(system), peaks_of(run, system)
+    motion, peaks, shaking = new_motion(system), peaks_of(run, system), shaking_of(run)
     stored = stored_in([(kind.lines, kind.states) for kind in bearings], len(run.lines))
+    room = no_rows(system, bearings, min(kept, 1))
+    if kept:
+        shaking.keep[kept - 1] = True
     done, _, outcome = peaks_march(
-        system,
-        bearings,
-        motion,
-        scheme_of(run, HALVINGS),
-        shaking_of(run),
-        no_rows(system, bearings),
-        peaks,
+        system, bearings, motion, scheme_of(run, HALVINGS), shaking, room, peaks
     )
     left = Left(bearings, motion.books, peaks.watches, peaks.lines, peaks.hinges)
-    return told(left, stored, int(done), int(outcome), alone=True)
+    return left, stored, int(done), int(outcome), room
 
 
 def check_method(run: Run) -> None:
