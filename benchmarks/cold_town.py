@@ -113,11 +113,11 @@ def rates_table(found: dict[tuple[str, str], Answer]) -> list[str]:
 
 
 def _years(rate: Rate) -> str:
-    """Return period with its band."""
+    """Return period with its band; a bound where no motion went beyond."""
     if not rate.rate > 0.0:
-        return "never"
-    ends = [f"{1.0 / end:.0f}" if end > 0.0 else "never" for end in (rate.high, rate.low)]
-    return f"{rate.return_period:.0f} ({ends[0]} to {ends[1]})"
+        return f"more than {1.0 / rate.high:.0f} (none of {rate.groups} motions)"
+    last = f" to {1.0 / rate.low:.0f}" if rate.low > 0.0 else " or more"
+    return f"{rate.return_period:.0f} ({1.0 / rate.high:.0f}{last})"
 
 
 def parts_table(found: dict[tuple[str, str], Answer]) -> list[str]:

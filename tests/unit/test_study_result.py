@@ -15,7 +15,7 @@ from thermobearing.studies.classes import in_classes
 from thermobearing.studies.designs import plan
 from thermobearing.studies.hazard import Hazard
 from thermobearing.studies.question import Question
-from thermobearing.studies.report import inputs_of
+from thermobearing.studies.report import inputs_of, tables_of
 from thermobearing.studies.result import StudyResult
 from thermobearing.studies.worst import worst_runs
 
@@ -27,6 +27,9 @@ FACTORS = {
     "scale": [0.25, 0.5, 0.75, 1.0, 1.5, 2.0],
     "ambient": ["-20 degC", "0 degC", "23 degC"],
 }
+
+
+SPREAD = {"distribution": "lognormal", "median": 1.0, "cov": 0.2}
 
 
 @cache
@@ -99,7 +102,7 @@ def test_curves_of_one_bearing_only() -> None:
 def test_rates_over_the_climate_and_over_the_warm() -> None:
     part = made_up().parts()["shen-hdr-bridge"]
     hours = np.random.default_rng(2).normal(8.0, 9.0, 2000)
-    asked = Question(hazard=HAZARD, temperatures=hours, failed="collapse")
+    asked = Question(capacity=1.0, hazard=HAZARD, temperatures=hours, failed="collapse")
     curves, rates = asked.rates_of(part)
     assert all(curve.left_out == 0 for curve in curves.values())
     table = part.rates_table(curves, rates).set_index("name")
@@ -126,7 +129,7 @@ def test_drawn_temperatures_are_put_into_classes_and_are_a_climate_themselves() 
     rng = np.random.default_rng(3)
     table = whole.table.assign(ambient_degC=rng.normal(0.0, 10.0, whole.runs))
     result = StudyResult(table, whole.study, whole.manifest)
-    curves, climate = Question(failed="collapse").curves_of(result)
+    curves, climate = Question(capacity=1.0, failed="collapse").curves_of(result)
     assert len(curves) == 4
     assert all(name.endswith("°C") for name in curves)
     assert sum(curve.runs for curve in curves.values()) == climate.runs == result.runs
@@ -162,7 +165,7 @@ def test_variance_by_correlation_ratio() -> None:
 
 def test_every_figure_tells_of_failed_runs() -> None:
     hours = np.linspace(-20.0, 23.0, 50)
-    asked = Question(hazard=HAZARD, temperatures=hours)
+    asked = Question(capacity=1.0, hazard=HAZARD, temperatures=hours)
     figures = made_up().plot.all_of(asked)
     names = ["demand", "variance"]
     for bearing in ("shen-hdr-bridge", "shen-lhdr-bridge"):
@@ -172,7 +175,84 @@ def test_every_figure_tells_of_failed_runs() -> None:
         figure = figures[name]()
         said = [text.get_text() for text in figure.findobj(match=_is_text)]
         assert any("left out" in text for text in said), name
-    assert [name for name in made_up().plot.all_of(Question("PGA_m_s2"))] == names[:2]
+    unasked = [name for name in names if name[:4] not in ("frag", "rate")]
+    assert list(made_up().plot.all_of(Question())) == unasked
+    with pytest.raises(InputError, match="capacity of pier_ductility"):
+        made_up().plot.all_of(Question(hazard=HAZARD))
+
+
+@cache
+def drawn(**design: Any) -> StudyResult:
+    """Three motions at two intensities, stiffness, strain and temperature drawn for each run."""
+    factors = {
+        "bearing": "shen-hdr-bridge",
+        "motion": MOTIONS[:3],
+        "scale": {"of": "intensity", "levels": ["4 m/s^2", "8 m/s^2", "12 m/s^2"]},
+        "ambient": {"climate": "cold-town", "years": 1},
+        "bearing.K_r": SPREAD,
+        "bearing.m_T": SPREAD,
+    }
+    design = {"kind": "monte-carlo", "samples": 32} | design
+    table = {"kind": "study", "name": "drawn", "factors": factors, "design": design}
+    study = make_study(table, "test")
+    runs = plan(study)
+    cold = np.exp(0.012 * (23.0 - runs["ambient_degC"])) * runs["bearing.K_r"]
+    noise = np.exp(np.random.default_rng(4).normal(0.0, 0.3, len(runs)))
+    demand = runs["PGA_m_s2"] / 8.0 * cold * noise
+    runs = runs.assign(outcome="completed", sentence="", pier_ductility=demand)
+    return StudyResult(runs, study, {"runs": len(runs)}, "out/drawn")
+
+
+@pytest.mark.parametrize("method", ["stripes", "cloud"])
+def test_draws_of_each_run_have_fragility_and_rates_and_no_ida(method: Any) -> None:
+    result = drawn(paired=False)
+    asked = Question(capacity=1.0, method=method, hazard=HAZARD)
+    assert list(result.plot.all_of(asked)) == ["demand", "variance", "fragility", "rates"]
+    assert {"fragility", "rates"} <= set(tables_of(result, asked))
+    assert any("paired = true" in text for text in result.warnings)
+    with pytest.raises(InputError, match="paired = true"):
+        Question(capacity=1.0, method="ida").curves_of(result)
+    assert drawn(paired=True).has_ida
+    assert not drawn(paired=True).warnings
+
+
+def test_paired_draws_have_one_share_of_the_variance() -> None:
+    """One number of the draw tells all of its factors: they had equal shares, and the rest less
+    than nothing.
+    """
+    found = drawn(paired=True).variance().set_index("factor")["share"]
+    both = "ambient_degC, bearing.K_r, bearing.m_T"
+    assert list(found.index) == ["motion", "scale", both, "together and the rest"]
+    assert found["together and the rest"] >= 0.0
+    assert found.sum() == pytest.approx(1.0)
+    alone = drawn(paired=False).variance()["factor"].tolist()
+    assert alone[2:] == ["ambient_degC", "bearing.K_r", "bearing.m_T", "together and the rest"]
+
+
+def test_indices_over_a_climate_name_the_temperature() -> None:
+    one: dict[str, Any] = {"bearing": "shen-hdr-bridge", "motion": MOTIONS[0]}
+    one |= {"ambient": {"climate": "cold-town", "years": 1}, "bearing.K_r": SPREAD}
+    design = {"kind": "sobol", "samples": 16, "arrangement": "saltelli"}
+    table = {"kind": "study", "name": "sobol", "factors": one, "design": design}
+    study = make_study(table, "test")
+    runs = plan(study)
+    runs = runs.assign(outcome="completed", pier_ductility=runs["bearing.K_r"])
+    result = StudyResult(runs, study, {"runs": len(runs)})
+    assert result.variance()["factor"].tolist() == ["ambient_degC", "bearing.K_r"]
+
+
+def test_tables_say_their_units() -> None:
+    asked = Question(capacity=1.0, hazard=HAZARD)
+    tables = tables_of(made_up().parts()["shen-hdr-bridge"], asked)
+    heads = {name: [column.title for column in table.columns] for name, table in tables.items()}
+    assert {"Median PGA [m/s²]", "Median PGA low [m/s²]"} <= set(heads["fragility"])
+    assert {"Rate [1/year]", "Rate high [1/year]", "Return period [year]"} <= set(heads["rates"])
+    said = [part.split(": ")[1] for part in tables["fragility"].note.split("; ")]
+    assert len(said) == len(set(said))
+    strain = made_up().table.assign(bearing_displacement_max_mm=made_up().table["pier_ductility"])
+    result = StudyResult(strain, made_up().study, {})
+    demand = tables_of(result, Question("bearing_displacement_max_mm"))["demand"]
+    assert "Mean [mm]" in [column.title for column in demand.columns]
 
 
 def _is_text(artist: Any) -> bool:
@@ -181,7 +261,7 @@ def _is_text(artist: Any) -> bool:
 
 def test_all_figures_into_a_folder(tmp_path: Path) -> None:
     part = made_up().select(bearing="shen-hdr-bridge", ambient_degC=[-20.0, 23.0])
-    files = part.plot.save_all(tmp_path / "figures")
+    files = part.plot.save_all(tmp_path / "figures", Question(capacity=1.0))
     assert [file.name for file in files] == [
         "demand.png",
         "variance.png",

@@ -17,6 +17,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import expit, log_expit, log_ndtr, ndtr, ndtri
+from scipy.stats import chi2
+
+from thermobearing.studies.resampling import widened
 
 Floats = NDArray[np.float64]
 Link = Literal["probit", "logit"]
@@ -198,29 +201,35 @@ def uphill(
     return step * da, step * db
 
 
-def pivoted(best: Curves, others: Curves, groups: int) -> Curves:
+def pivoted(best: Curves, others: Curves, groups: int, level: float) -> Curves:
     """Return curves of the bootstrap as draws of the true curve: the studentised bootstrap.
 
     A bootstrap curve misses the estimate, in units of its own dispersion, as the estimate misses
-    the truth: median and logarithm of the dispersion are reflected so. The factor
-    sqrt(n / (n - 1)) is what a bootstrap of n groups is too narrow by (Davison & Hinkley 1997,
-    2.4 and 5.2; Hesterberg 2015, The American Statistician 69(4): 371-386). Curves that are a jump,
-    flat or nowhere stay as they are.
+    the truth: median and logarithm of the dispersion are reflected so (Davison & Hinkley 1997,
+    2.4 and 5.2). A bootstrap of n groups is too narrow by sqrt(n / (n - 1)), and the dispersion is
+    not studentised itself: it is spread as `widened` says. A jump has no dispersion to divide by,
+    so that no ratio goes beyond what a normal sample of n has at half the share outside the band.
+    Flat curves stay as they are.
 
     Parameters
     ----------
     best : the estimate.
     others : of the bootstrap.
     groups : that it draws from.
+    level : confidence of the band.
     """
     if not (np.isfinite(best.place[0]) and 2.0 * FLAT < best.slope[0] < np.inf):
         return others
-    wider = np.sqrt(groups / max(groups - 1.0, 1.0))
-    usual = np.isfinite(others.place) & np.isfinite(others.slope) & (others.slope > 2.0 * FLAT)
+    free = max(groups - 1.0, 1.0)
+    wider = np.sqrt(groups / free)
+    spread = ndtri(0.5 + 0.5 * widened(level, groups)) / ndtri(0.5 + 0.5 * level)
+    most = np.sqrt(free / chi2.ppf(0.25 * (1.0 - level), free))
+    usual = np.isfinite(others.place) & (others.slope > 2.0 * FLAT)
     place, slope = others.place.copy(), others.slope.copy()
     ratio = slope[usual] / best.slope[0]
-    place[usual] = best.place[0] - wider * ratio * (place[usual] - best.place[0])
-    slope[usual] = best.slope[0] * ratio**-wider
+    away = np.minimum(ratio, most) * (place[usual] - best.place[0])
+    place[usual] = best.place[0] - wider * away
+    slope[usual] = best.slope[0] / np.minimum(ratio**spread, most)
     return Curves(place, slope, others.link)
 
 

@@ -55,7 +55,7 @@ def told_of(runs: int, left_out: int, collapsed: int) -> str:
         for count, what in ((left_out, "are left out"), (collapsed, "count as collapse"))
         if count
     ]
-    return "; ".join(done) or f"all {runs} runs got through"
+    return "; ".join(done) or f"all {runs} runs completed"
 
 
 def counted(table: pd.DataFrame, demand: str, failed: Failed = "left-out") -> Counted:
@@ -100,7 +100,7 @@ def counted(table: pd.DataFrame, demand: str, failed: Failed = "left-out") -> Co
             f'"{demand}"; take the runs that have one'
         )
     if not (through | pier).any():
-        raise InputError(f"none of {len(table)} runs got through")
+        raise InputError(f"none of {len(table)} runs completed")
     kept = through | pier
     if failed == "collapse" and OUTCOME in table:
         kept = kept | ~table[OUTCOME].isin(NEVER_RUN).to_numpy(dtype=bool)

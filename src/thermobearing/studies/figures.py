@@ -32,16 +32,14 @@ class StudyFigures:
         demand = asked.demand_of(result)
         found = result.demand(demand, across, failed=asked.failed)
         note = counted(result.table, demand, asked.failed).sentence
-        capacity = asked.capacity_of(result)
-        limit = np.nan if capacity is None else capacity
+        limit = asked.capacity or np.nan
         return draw_demand(found, demand, across, result.things, note, limit)
 
     def ida(self, asked: Question | None = None) -> Figure:
         """Curves of single motions scaled up, with their fractiles."""
         result, asked = self._result, asked or self._result.asked
-        capacity = asked.capacity_of(result)
         found = result.ida(asked.demand_of(result), failed=asked.failed)
-        return draw_ida(found, np.nan if capacity is None else capacity)
+        return draw_ida(found, asked.capacity or np.nan)
 
     def fragility(self, asked: Question | None = None) -> Figure:
         """Fragility curves of each temperature, and over the climate."""
@@ -78,6 +76,10 @@ class StudyFigures:
         Parameters
         ----------
         asked : demand, capacity, hazard.
+
+        Raises
+        ------
+        InputError : a hazard curve is given, and no capacity.
         """
         result, asked = self._result, asked or self._result.asked
         found: dict[str, Callable[[], Figure]] = {}
@@ -85,13 +87,15 @@ class StudyFigures:
             found["demand"] = partial(self.demand, asked)
         if len(result.factors) > 1:
             found["variance"] = partial(self.variance, asked)
-        if result.table[result.intensity].nunique() < 2 or asked.capacity_of(result) is None:
-            return found
+        if asked.hazard is not None:
+            asked.capacity_of(result)
         for name, part in result.parts().items():
             own = StudyFigures(part)
             ending = f"-{name}" if name else ""
-            if "scale" in part.factors:
+            if part.has_ida:
                 found[f"ida{ending}"] = partial(own.ida, asked)
+            if asked.capacity is None or part.table[part.intensity].nunique() < 2:
+                continue
             found[f"fragility{ending}"] = partial(own.fragility, asked)
             if asked.hazard is not None:
                 found[f"rates{ending}"] = partial(own.rates, asked)

@@ -133,6 +133,8 @@ class Fragility:
             least, most = self.ends((1.0 / others.slope)[:, None])
         if not self.estimate.known:
             least = most = np.array([np.nan])
+        if self.outcome == NONE_BEYOND:
+            high = np.array([np.inf])
         flat = 0.5 / FLAT
         return {
             "name": self.name,
@@ -319,7 +321,7 @@ def _fragility(table: pd.DataFrame, of: _Settings, draw: Draw, name: str) -> Fra
         found = ida_curves(runs.table, of.demand, of.intensity, of.curves, failed=of.failed)
         estimate = incremental(found, of.capacity, mine)
     if of.band == "bootstrap":
-        estimate = _studentised(estimate, mine, at)
+        estimate = _studentised(estimate, mine, at, of.level)
     return Fragility(
         name,
         of.method,
@@ -336,7 +338,7 @@ def _fragility(table: pd.DataFrame, of: _Settings, draw: Draw, name: str) -> Fra
     )
 
 
-def _studentised(estimate: Estimate, draw: Draw, at: Floats) -> Estimate:
+def _studentised(estimate: Estimate, draw: Draw, at: Floats, level: float) -> Estimate:
     """The same with a band that holds the truth as often as it says with a dozen motions too."""
     if estimate.outcome == NONE_BEYOND:
         order = np.lexsort((at, draw.groups))
@@ -344,8 +346,8 @@ def _studentised(estimate: Estimate, draw: Draw, at: Floats) -> Estimate:
         shares = (draw.generator().permutation(draw.samples) + 0.5) / draw.samples
         bounds = unreached(at[order][last], shares)
         return replace(estimate, others=bounds, groups=draw.count)
-    others = pivoted(estimate.best, estimate.others, draw.count)
+    others = pivoted(estimate.best, estimate.others, draw.count, level)
     collapses = estimate.collapses
     if estimate.collapse is not None and collapses is not None:
-        collapses = pivoted(estimate.collapse, collapses, draw.count)
+        collapses = pivoted(estimate.collapse, collapses, draw.count, level)
     return replace(estimate, others=others, collapses=collapses, drawn=estimate, groups=draw.count)

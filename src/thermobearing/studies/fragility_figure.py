@@ -50,13 +50,13 @@ def draw_fragility(
     for (name, curve), colour in zip(curves.items(), colours_of(list(curves)), strict=True):
         told = drawing.degrees(name) if isinstance(name, int | float) else str(name)
         if curve.estimate.known:
-            _curve(ax, curve, im, colour)
+            _curve(ax, curve, im, colour, len(curves) < 3)
         else:
             told += " (no curve)"
         _marks(ax, curve, colour, len(curves))
         handles.append(Line2D([], [], color=colour, linewidth=1.4, label=told))
     if climate is not None:
-        _curve(ax, climate, im, drawing.INK)
+        _curve(ax, climate, im, drawing.INK, True)
         handles.append(Line2D([], [], color=drawing.INK, linewidth=1.8, label=climate.name))
     marks: drawing.Look = {"color": drawing.GREY, "linestyle": "none", "marker": "o"}
     handles.append(Line2D([], [], markersize=3.5, label="share of runs", **marks))
@@ -72,9 +72,15 @@ def draw_fragility(
     return figure
 
 
-def _curve(ax: Axes, curve: Fragility | ClimateFragility, im: Any, colour: str) -> None:
+def _curve(
+    ax: Axes, curve: Fragility | ClimateFragility, im: Any, colour: str, filled: bool
+) -> None:
+    """A curve with its band: an area, or the ends of it where many would lie on each other."""
     low, high = curve.band_at(im)
-    ax.fill_between(im, low, high, color=colour, alpha=0.13, linewidth=0)
+    if filled:
+        ax.fill_between(im, low, high, color=colour, alpha=0.13, linewidth=0)
+    else:
+        ax.plot(im, low, im, high, color=colour, linewidth=0.6, linestyle=":")
     wide = 1.8 if isinstance(curve, ClimateFragility) else 1.4
     ax.plot(im, curve.probability(im), color=colour, linewidth=wide)
 

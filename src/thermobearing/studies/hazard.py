@@ -230,19 +230,22 @@ def annual_rate(curve: Curve, hazard: Hazard) -> Rate:
     rate = float(whole(curve.probability))
     low, high = curve.ends(whole(curve.family)[:, None])
     family = whole(partial(curve.family, drawn=True))
+    unit = INTENSITY_UNITS.get(hazard.measure, "").replace("^2", "\N{SUPERSCRIPT TWO}")
+    begins, ends = (f"{float(im):.4g} {unit}".strip() for im in hazard.intensity[[0, -1]])
     notes = []
     first, end = float(curve.probability(start)[0]), float(curve.probability(stop)[0])
     if first > TOO_LATE:
         notes.append(
-            f"the hazard curve begins at {start[0]:.4g}, where {100.0 * first:.2g} % go beyond: "
-            "smaller earthquakes are not counted"
+            f"the hazard curve begins at {begins}, where more than "
+            f"{100.0 * TOO_LATE:g} % go beyond: smaller earthquakes are not counted"
         )
     if last * (1.0 - end) > TOO_EARLY * rate:
         notes.append(
-            f"the hazard curve ends at {stop[0]:.4g}: larger earthquakes may add up to "
-            f"{last * (1.0 - end):.2g} a year"
+            f"the hazard curve ends at {ends}: larger earthquakes may add more "
+            f"than {100.0 * TOO_EARLY:g} % to the rate"
         )
-    return Rate(rate, float(low[0]), float(high[0]), family, tuple(notes), curve.groups)
+    least = float(low[0]) if rate != 0.0 else 0.0
+    return Rate(rate, least, float(high[0]), family, tuple(notes), curve.groups)
 
 
 def ratio(rate: Rate, to: Rate, level: float = LEVEL) -> tuple[float, float, float]:
@@ -259,7 +262,7 @@ def ratio(rate: Rate, to: Rate, level: float = LEVEL) -> tuple[float, float, flo
     """
     if len(rate.family) != len(to.family):
         raise InputError("the bands of two rates must be of the same bootstrap samples")
-    if np.isnan(rate.rate) or np.isnan(to.rate):
+    if np.isnan(rate.rate + to.rate) or rate.rate == to.rate == 0.0:
         return np.nan, np.nan, np.nan
     whole = np.append(rate.family, rate.rate), np.append(to.family, to.rate)
     with np.errstate(divide="ignore", invalid="ignore"):

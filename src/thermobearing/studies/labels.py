@@ -2,6 +2,8 @@
 
 from thermobearing.report.generic import words
 
+NAMES = {"ambient_degC": "ambient temperature", "hour": "hour of the weather"}
+
 
 def words_of(column: str) -> str:
     """A column without its unit, as words.
@@ -11,9 +13,11 @@ def words_of(column: str) -> str:
     >>> words_of("pier_displacement_max_mm"), words_of("bearing.K_r"), words_of("PGA_m_s2")
     ('largest pier displacement', 'bearing.K_r', 'PGA')
     """
+    if ", " in column:  # several that are drawn together
+        return ", ".join(map(words_of, column.split(", ")))
     if "." in column:
         return column
-    name = words(column)[0]
+    name = NAMES.get(column) or words(column)[0]
     return f"largest {name.removesuffix(' max')}" if name.endswith(" max") else name
 
 
@@ -34,7 +38,7 @@ def title_of(column: str) -> str:
     Examples
     --------
     >>> title_of("ambient_degC")
-    'ambient [°C]'
+    'ambient temperature [°C]'
     """
     unit = unit_of(column)
     return f"{words_of(column)} [{unit}]" if unit else words_of(column)

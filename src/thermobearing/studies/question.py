@@ -16,7 +16,6 @@ from thermobearing.studies.mixture import ClimateFragility
 from thermobearing.studies.result import CLIMATE, StudyResult
 
 FACES = ("upper_face", "lower_face", "side")
-CAPACITIES = {"pier_ductility": 1.0}  # of demands that say themselves what they may be: yield
 
 
 @dataclass(frozen=True)
@@ -26,7 +25,7 @@ class Question:
     Attributes
     ----------
     demand : column; ductility of the pier by default, or what there is instead.
-    capacity : of the demand, in its unit; of the ductility of a pier 1 by default (it yields).
+    capacity : of the demand, in its unit; None: no fragility, and no rates.
     method : of fragility.
     failed : runs that failed are "left-out", or count as "collapse".
     hazard : of the site; None: no rates.
@@ -47,9 +46,20 @@ class Question:
         """The demand that is asked for."""
         return self.demand or result.demand_name
 
-    def capacity_of(self, result: StudyResult) -> float | None:
-        """The capacity of it, if there is any."""
-        return self.capacity or CAPACITIES.get(self.demand_of(result))
+    def capacity_of(self, result: StudyResult) -> float:
+        """Return the capacity, which fragility and annual rates need.
+
+        Raises
+        ------
+        InputError : it is not given.
+        """
+        if self.capacity is None:
+            raise InputError(
+                f"what is the capacity of {self.demand_of(result)}? Fragility and annual rates "
+                "need it: --capacity, or capacity in question.toml (a pier yields at a "
+                "pier_ductility of 1)"
+            )
+        return self.capacity
 
     def curves_of(self, result: StudyResult) -> tuple[dict[Any, Fragility], Any]:
         """Curves of each temperature, and that over the climate; of one bearing.
@@ -59,8 +69,6 @@ class Question:
         InputError : no capacity is known.
         """
         capacity = self.capacity_of(result)
-        if capacity is None:
-            raise InputError(f"what is the capacity of {self.demand_of(result)}?")
         how: dict[str, Any] = {"method": self.method, "failed": self.failed}
         curves = result.fragilities(capacity, self.demand_of(result), **how)
         levels = all(isinstance(name, int | float) for name in curves)
@@ -101,6 +109,8 @@ class Question:
             raise InputError("annual rates need a hazard curve")
         curves, climate = self.curves_of(result)
         rates = result.rates(curves, self.hazard)
-        if climate is not None:
+        if isinstance(climate, Fragility):
+            rates |= result.rates({CLIMATE: climate}, self.hazard)
+        elif climate is not None:
             rates[CLIMATE] = annual_rate(climate, self.hazard)
         return curves, rates

@@ -12,7 +12,7 @@ from thermobearing.results import drawing
 from thermobearing.studies.fragility_figure import colours_of
 from thermobearing.studies.hazard import Hazard, Rate
 
-WRAPPED = 56  # letters of a note in a line
+WRAPPED = 120  # letters of a note in a line
 DECADES = 6  # of rates that are shown below the largest
 
 
@@ -37,8 +37,9 @@ def draw_rates(
     _bars(right, rates)
     right.set_title("capacity passed", fontsize=drawing.NORMAL, loc="left")
     notes = dict.fromkeys([note, *(text for rate in rates.values() for text in rate.notes)])
-    told = [textwrap.fill(text, WRAPPED) for text in notes if text]
-    drawing.say_why(left, "\n".join(told))
+    told = "\n".join(textwrap.fill(text, WRAPPED) for text in notes if text)
+    figure.supxlabel(told, x=0.02, ha="left", fontsize=drawing.SMALL, color=drawing.GREY)
+    left.tick_params(which="both", labelsize=drawing.SMALL)
     return figure
 
 
@@ -55,6 +56,8 @@ def _bars(ax: Axes, rates: Mapping[Any, Rate]) -> None:
             told = "no run\nbeyond" if rate.rate == 0.0 else "no curve"
             look: drawing.Look = {"ha": "center", "va": "bottom", "color": drawing.GREY}
             ax.text(place, 0.02, told, transform=ax.get_xaxis_transform(), fontsize=6.5, **look)
+            if rate.high > 0.0:  # an upper bound
+                ax.plot(place, rate.high, "v", color=colour, markersize=5, markerfacecolor="none")
             continue
         ax.plot(place, rate.rate, "o", color=colour, markersize=5)
         ax.vlines(place, max(rate.low, floor), rate.high, color=colour, linewidth=1.4)

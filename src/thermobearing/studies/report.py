@@ -4,17 +4,19 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from thermobearing.border.toml import to_table
 from thermobearing.cyclic.reported import heat_flow
-from thermobearing.report.generic import table_of
+from thermobearing.report.generic import column_of, table_of
 from thermobearing.report.pieces import Column, Pieces, ReportFigure, ReportTable
 from thermobearing.report.words import counted, joined, number, tidy
 from thermobearing.studies.columns import AMBIENT
 from thermobearing.studies.figures import StudyFigures
 from thermobearing.studies.hazard import Rate
 from thermobearing.studies.labels import unit_of, words_of
+from thermobearing.studies.plan_columns import about_plan
 from thermobearing.studies.question import Question
 from thermobearing.studies.result import StudyResult
 from thermobearing.studies.status import failures_of
@@ -24,6 +26,7 @@ UNKNOWN = (
     "repeated in full does."
 )
 MOST_LEVELS = 12  # that are named
+RATE_UNITS = dict.fromkeys(["rate", "rate_low", "rate_high"], "1/year") | {"return period": "year"}
 TOLD_ONCE = ["method", "capacity", "left_out", "collapsed"]  # of a table of curves, elsewhere
 CAPTIONS = {
     "demand": "Demand against temperature: median with its band, fractiles of the runs.",
@@ -58,8 +61,8 @@ def pieces_of(result: StudyResult, asked: Question | None = None) -> Pieces:
         assumptions=[
             f"Failed runs are {'left out' if asked.failed == 'left-out' else 'taken as collapse'} "
             f"wherever {words_of(demand)} is counted.",
-            "Bands are of 95 %, from a bootstrap that draws whole motions again, if nothing else "
-            "is said.",
+            "Bands are of 95 %, if nothing else is said: of fragility and rates from a studentised "
+            "bootstrap that draws whole motions again.",
             "Every run begins with a bearing that was not moved before.",
             *([heat_flow(to_table(result.study.case.analysis), [])] if hourly else []),
         ],
@@ -74,7 +77,7 @@ def pieces_of(result: StudyResult, asked: Question | None = None) -> Pieces:
 
 def question(result: StudyResult, asked: Question) -> str:
     """What was asked."""
-    demand, capacity = asked.demand_of(result), asked.capacity_of(result)
+    demand, capacity = asked.demand_of(result), asked.capacity
     told = [words_of(name) for name in result.factors]
     runs = counted(result.runs, "run")
     if capacity is None:
@@ -100,18 +103,26 @@ def answer(result: StudyResult, asked: Question) -> list[str]:
         for name, part in result.parts().items():
             curves, rates = asked.rates_of(part)
             table = part.rates_table(curves, rates)
-            row = table.iloc[-1]
-            of = f"{name}: " if name else ""
-            if not row["rate"] > 0.0:
-                found.append(f"{of}no run went beyond, or there is no curve; see the tables.")
-                continue
-            found.append(
-                f"{of}{_air(row['name'])}: passed once in {row['return_period_years']:.3g} years "
-                f"({row['rate_low']:.2g} to {row['rate_high']:.2g} a year), "
-                f"{row['over_reference']:.2f} times as often as at {_air(list(curves)[-1])} "
-                f"({row['over_low']:.2f} to {row['over_high']:.2f})."
-            )
+            row, of = table.iloc[-1], f"{name}: " if name else ""
+            told = f"{of}{_air(row['name'])}: {_period(rates[row['name']])}"
+            if row["over_reference"] > 0.0:
+                told += (
+                    f", {row['over_reference']:.2f} times as often as at {_air(list(curves)[-1])} "
+                    f"({row['over_low']:.2f} to {row['over_high']:.2f})"
+                )
+            found.append(f"{told}.")
     return found
+
+
+def _period(rate: Rate) -> str:
+    """How often a capacity is passed, in years with the band, or a bound where it was not."""
+    if np.isnan(rate.rate):
+        return "there is no curve; see the tables"
+    if rate.rate == 0.0:
+        bound = f"{1.0 / rate.high:.3g} years" if rate.high > 0.0 else "the hazard curve says"
+        return f"no run goes beyond the capacity: passed less often than once in {bound}"
+    last = f" to {1.0 / rate.low:.3g}" if rate.low > 0.0 else " or more"
+    return f"passed once in {rate.return_period:.3g} years ({1.0 / rate.high:.3g}{last})"
 
 
 def _air(name: Any) -> str:
@@ -134,7 +145,7 @@ def _cold(part: StudyResult, demand: str, asked: Question, name: str) -> str:
 
 def inputs_of(result: StudyResult) -> dict[str, ReportTable]:
     """What differs between runs, and how it was chosen."""
-    rows = []
+    rows, units = [], units_of(result)
     for name in result.factors:
         values = result.table[name]
         levels = list(values.unique())
@@ -143,7 +154,7 @@ def inputs_of(result: StudyResult) -> dict[str, ReportTable]:
             told = f"{float(values.min()):.4g} to {float(values.max()):.4g}, {len(levels)} values"
         elif len(levels) > MOST_LEVELS:
             told += f" and {len(levels) - MOST_LEVELS} more"
-        rows.append((words_of(name), unit_of(name), told))
+        rows.append((words_of(name), units[name], told))
     columns = [Column("Factor"), Column("Unit"), Column("Values in the runs")]
     design = result.study.design
     chosen = [
@@ -158,6 +169,12 @@ def inputs_of(result: StudyResult) -> dict[str, ReportTable]:
     }
 
 
+def units_of(result: StudyResult) -> dict[str, str]:
+    """Unit of each factor; "" of one without."""
+    about = about_plan(result.study, result.table[result.factors])
+    return {name: unit_of(name) or one.unit.removeprefix("1") for name, one in about.items()}
+
+
 def tables_of(result: StudyResult, asked: Question) -> dict[str, ReportTable]:
     """Failures, demand, fragility, rates, variance, worst runs."""
     demand = asked.demand_of(result)
@@ -169,15 +186,30 @@ def tables_of(result: StudyResult, asked: Question) -> dict[str, ReportTable]:
         table = result.demand(demand, failed=asked.failed)
         shares = {c: f"{100 * float(str(c)):g} %" for c in table if str(c).startswith("0.")}
         table = table.rename(columns=shares)
-        found["demand"] = _table("demand", table, f"{words_of(demand)} by temperature")
-    if result.table[result.intensity].nunique() > 1 and asked.capacity_of(result) is not None:
+        spread = ["mean", *shares.values(), "median_low", "median_high"]
+        unit = dict.fromkeys(spread, unit_of(demand))
+        caption = f"{words_of(demand)} by ambient temperature"
+        found["demand"] = _table("demand", table, caption, units=unit)
+    if result.table[result.intensity].nunique() > 1 and asked.capacity is not None:
         for name, part in result.parts().items():
             found |= _curves(part, asked, f"-{name}" if name else "", name)
     if len(result.factors) > 1:
-        found["variance"] = _table("variance", result.variance(demand), "Shares of the variance")
+        shared = result.variance(demand)
+        shared["factor"] = shared["factor"].map(words_of)
+        caption = f"Shares of the variance of the {words_of(demand)}"
+        found["variance"] = _table("variance", shared, caption, _of_indices(shared))
     worst = result.worst(by=demand).drop(columns="id")
-    found["worst"] = _table("worst", worst, "The worst runs, and one of each way to fail")
+    units = {name: unit for name, unit in units_of(result).items() if name in worst}
+    caption = "The worst runs, and one of each way to fail"
+    found["worst"] = _table("worst", worst, caption, units=units)
     return found
+
+
+def _of_indices(table: pd.DataFrame) -> str:
+    """A note where an index of Sobol' is beyond what it can be."""
+    if "total" not in table or not (table["total"] < table["first"]).any():
+        return ""
+    return "A total index below that of first order is an error of sampling: take more samples."
 
 
 def _curves(part: StudyResult, asked: Question, ending: str, name: str) -> dict[str, ReportTable]:
@@ -189,22 +221,42 @@ def _curves(part: StudyResult, asked: Question, ending: str, name: str) -> dict[
     else:
         curves, rates = asked.rates_of(part)
     table = pd.DataFrame([curve.row() for curve in curves.values()])
-    notes = [f"{_air(name)}: {curve.row()['sentence']}" for name, curve in curves.items()]
-    table = table.drop(columns=[*TOLD_ONCE, "sentence"]).rename(columns={"name": AMBIENT})
-    caption = f"Lognormal fragility by {asked.method}{of}"
-    found = {f"fragility{ending}": _table("fragility", table, caption, "; ".join(notes))}
+    said: dict[str, list[str]] = {}
+    for air, sentence in zip(curves, table["sentence"], strict=True):
+        said.setdefault(sentence, []).append(_air(air))
+    note = "; ".join(f"{joined(airs)}: {sentence}" for sentence, airs in said.items())
+    im = words_of(part.intensity)
+    medians = {end: end.replace("median", f"median {im}") for end in table if "median" in end}
+    table = table.drop(columns=[*TOLD_ONCE, "sentence"]).rename(columns={"name": AMBIENT} | medians)
+    limit = f"{asked.capacity:g} {unit_of(asked.demand_of(part))}".strip()
+    caption = f"{words_of(asked.demand_of(part))} beyond {limit}: lognormal fragility by "
+    caption += f"{asked.method}{of}"
+    units = dict.fromkeys(medians.values(), unit_of(part.intensity))
+    found = {f"fragility{ending}": _table("fragility", table, caption, note, units)}
     if rates is not None:
         rows = part.rates_table(curves, rates)
         note = "; ".join(dict.fromkeys(text for text in rows["notes"] if text))
-        rows = rows.rename(columns={"name": AMBIENT}).drop(columns=["reference", "notes"])
-        found[f"rates{ending}"] = _table("rates", rows, f"Annual rates{of}", note)
+        over = f"times that at {_air(list(curves)[-1])}"
+        heads = {"name": AMBIENT, "return_period_years": "return period", "over_reference": over}
+        heads["in_50_years"] = "probability in 50 years"
+        heads |= {"over_low": f"{over}, low", "over_high": f"{over}, high"}
+        rows = rows.drop(columns=["reference", "notes"]).rename(columns=heads)
+        found[f"rates{ending}"] = _table("rates", rows, f"Annual rates{of}", note, RATE_UNITS)
     return found
 
 
-def _table(name: str, table: pd.DataFrame, caption: str, note: str = "") -> ReportTable:
-    """A table of a document with its caption."""
+def _table(
+    name: str,
+    table: pd.DataFrame,
+    caption: str,
+    note: str = "",
+    units: Mapping[str, str] | None = None,
+) -> ReportTable:
+    """A table of a document with its caption, and units that names of columns do not say."""
     found = table_of(name, table.astype(_plain(table)))
-    return replace(found, caption=caption, note=note or found.note)
+    known = {column_of(at, table[at]).head: unit for at, unit in (units or {}).items()}
+    columns = [replace(c, unit=c.unit or known.get(c.head, "")) for c in found.columns]
+    return replace(found, caption=caption, columns=columns, note=note or found.note)
 
 
 def _plain(table: pd.DataFrame) -> dict[Any, Any]:

@@ -10,7 +10,7 @@ import pandas as pd
 from thermobearing.border.errors import InputError
 from thermobearing.border.showing import Shown
 from thermobearing.studies.classes import in_classes
-from thermobearing.studies.columns import AMBIENT, THINGS
+from thermobearing.studies.columns import AMBIENT, HOUR, THINGS, columns_of
 from thermobearing.studies.counted import OUTCOME, Failed
 from thermobearing.studies.demand import demand_against
 from thermobearing.studies.fragility import Fragility, Method, fragility_curve, fragility_curves
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from thermobearing.studies.question import Question
     from thermobearing.studies.record import Study
 
-NUMBERS = ("scale", AMBIENT, "hour")
+NUMBERS = ("scale", AMBIENT, HOUR)
 CLIMATE = "climate"
 
 
@@ -110,6 +110,11 @@ class StudyResult(Shown):
                 f"{self.failed} of {self.runs} runs failed; they are left out, or count as "
                 'collapse where failed = "collapse" says so'
             )
+        if "scale" in self.factors and not self.has_ida:
+            found.append(
+                "incremental dynamic analysis is left out: no two runs differ in intensity alone. "
+                "It needs the same draws at all intensities (`paired = true` in [design])"
+            )
         return found
 
     def one_thing(self, by: str = "") -> None:
@@ -162,6 +167,12 @@ class StudyResult(Shown):
         return ida_curves(
             self.table, demand or self.demand_name, self.intensity, self._curves(), failed=failed
         )
+
+    @property
+    def has_ida(self) -> bool:
+        """Whether some motion has runs at several intensities with all else the same."""
+        alone = MATRIX in self.table or "scale" not in self.factors
+        return not alone and bool(self.table.duplicated(list(self._curves())).any())
 
     def _curves(self) -> tuple[str, ...]:
         """Columns that tell curves of single motions apart."""
@@ -342,7 +353,8 @@ class StudyResult(Shown):
         """Share of each factor in the variance of a demand.
 
         Sobol' indices where the design has Saltelli's arrangement and one combination of levels;
-        the correlation ratio of each factor otherwise. Failed runs are left out.
+        the correlation ratio of each factor otherwise. Factors that paired draws have in common
+        have one share. Failed runs are left out.
 
         Parameters
         ----------
@@ -350,8 +362,18 @@ class StudyResult(Shown):
         """
         name = demand or self.demand_name
         if MATRIX in self.table and not self.table.duplicated([MATRIX, "sample"]).any():
-            return sobol_table(self.table, name)
-        return variance_shares(self.table, name, self.factors)
+            found = sobol_table(self.table, name)
+            return found.assign(factor=found["factor"].replace(HOUR, AMBIENT))
+        factors = [factor for factor in self.factors if factor != HOUR]
+        return variance_shares(self.table, name, factors, together=self._drawn_together())
+
+    def _drawn_together(self) -> list[str]:
+        """Factors that every combination of levels has the same draws of."""
+        if not self.study.design.paired or self.table["sample"].nunique() == self.runs:
+            return []
+        drawn = {column.name for column in columns_of(self.study) if column.drawn}
+        drawn |= {AMBIENT} if HOUR in drawn else set()
+        return [name for name in self.factors if name in drawn and name != HOUR]
 
     def worst(self, count: int = WORST, by: str | None = None) -> pd.DataFrame:
         """The worst runs, and one of each way to fail, with the command that repeats each in full.

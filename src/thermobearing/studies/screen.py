@@ -49,7 +49,10 @@ def print_worst(table: pd.DataFrame) -> None:
     """
     shown = table.drop(columns=["id", "command"])
     rows = [
-        [f"{value:.4g}" if isinstance(value, float) else str(value) for value in row]
+        [
+            "" if value != value else f"{value:.4g}" if isinstance(value, float) else str(value)
+            for value in row
+        ]
         for row in shown.itertuples(index=False, name=None)
     ]
     print_table(

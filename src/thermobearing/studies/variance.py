@@ -144,6 +144,7 @@ def variance_shares(
     demand: str,
     factors: Sequence[str],
     *,
+    together: Sequence[str] = (),
     failed: Failed = "left-out",
     level: float = LEVEL,
     samples: int = SAMPLES,
@@ -156,6 +157,8 @@ def variance_shares(
     table : of runs, of any design in which the factors were chosen independently.
     demand : column whose variance is shared out.
     factors : columns; one that is the same in all runs explains nothing.
+    together : those of them that the column `sample` draws at once: nothing tells their shares
+        apart, and they have one, with all their names.
     failed : runs that failed are "left-out"; "collapse" is refused.
     level : confidence of the bands, a share in (0, 1).
     samples, seed : of the bootstrap, which draws runs.
@@ -182,7 +185,11 @@ def variance_shares(
         raise InputError(
             f'"{demand}" of {len(values)} runs: at least {LEAST_ROWS} are needed that differ'
         )
-    codes = [_codes(column(runs.table, factor)) for factor in factors]
+    apart = [factor for factor in factors if len(together) < 2 or factor not in together]
+    codes = [_codes(column(runs.table, factor)) for factor in apart]
+    if len(apart) < len(factors):
+        apart.append(", ".join(together))
+        codes.append(np.asarray(pd.factorize(runs.table[SAMPLE])[0], dtype=np.int64))
     lot = np.arange(len(values))
     if len(values) > MOST_LOTS:  # so many lots of runs tell the spread as well as single ones
         lot = np.random.default_rng(seed).permutation(len(values)) % MOST_LOTS
@@ -193,11 +200,11 @@ def variance_shares(
     again = np.concatenate(
         [np.column_stack([_ratios(cell, weights) for cell in cells]) for weights in draw.weights()]
     )
-    whole = np.append(estimates, 1.0 - estimates.sum())
-    again = np.column_stack([again, 1.0 - again.sum(axis=1)])
+    whole = np.append(estimates, max(1.0 - estimates.sum(), 0.0))
+    again = np.column_stack([again, np.maximum(1.0 - again.sum(axis=1), 0.0)])
     # Runs drawn twice make classes look alike inside: the samples are moved to the estimate.
     low, high = percentiles(again - again.mean(axis=0) + whole, level)
-    found: dict[str, Any] = {"factor": [*factors, "together and the rest"], "share": whole}
+    found: dict[str, Any] = {"factor": [*apart, "together and the rest"], "share": whole}
     found |= {"share_low": low, "share_high": high}
     table = pd.DataFrame(found).assign(levels=[*(int(c.max()) + 1 for c in codes), 0])
     return table.assign(rows=len(values), left_out=runs.left_out)

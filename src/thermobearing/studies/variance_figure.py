@@ -39,16 +39,15 @@ def draw_variance(found: pd.DataFrame, demand: str) -> Figure:
         at = places + height * (0.5 * (len(kinds) - 1) - number)
         ax.barh(at, share, height=0.9 * height, color=KINDS[kind][1], alpha=0.85)
         ax.hlines(at, low, high, color=drawing.INK, linewidth=1.0)
-    ax.set_yticks(places, [words_of(str(name)) for name in rows["factor"]])
+    ax.set_yticks(places, [words_of(str(name)).replace(", ", ",\n") for name in rows["factor"]])
     ax.grid(False, axis="y")
     ax.axvline(0.0, color=drawing.GREY, linewidth=0.7)
-    drawing.name_axes(ax, "share of the variance [%]")
     lost, rows_ = int(found["left_out"].iloc[0]), int(found["rows"].iloc[0])
     kind = "rows of all matrices, {0} with failed runs" if "total" in found else "runs, {0} failed"
-    drawing.say_why(ax, f"{rows_} {kind.format(lost)} left out", (0.98, 0.03))
+    drawing.name_axes(ax, f"share of the variance [%], {rows_} {kind.format(lost)} left out")
     handles = [
         Line2D([], [], color=KINDS[kind][1], linewidth=5, label=KINDS[kind][0]) for kind in kinds
     ]
-    handles.append(Line2D([], [], color=drawing.INK, linewidth=1.0, label="band"))
+    handles.append(Line2D([], [], color=drawing.INK, linewidth=1.0, label="95 % band"))
     drawing.legend_below(figure, handles)
     return figure
