@@ -216,7 +216,7 @@ def run_peaks(run: Run) -> RunPeaks:
     books, ended = rows(MotionBooks, 1), books_of(bearings_of(run), len(run.lines))
     if done > 0:
         kept = _marched(run, done)[-1]
-        books, ended = kept.books, kept.bearings[0]
+        books, ended = kept.books, kept.bearings[0, :]
     return found._replace(books=books, bearings=ended)
 
 

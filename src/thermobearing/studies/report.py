@@ -226,7 +226,9 @@ def _curves(part: StudyResult, asked: Question, ending: str, name: str) -> dict[
         said.setdefault(sentence, []).append(_air(air))
     note = "; ".join(f"{joined(airs)}: {sentence}" for sentence, airs in said.items())
     im = words_of(part.intensity)
-    medians = {end: end.replace("median", f"median {im}") for end in table if "median" in end}
+    medians = {
+        end: end.replace("median", f"median {im}") for end in map(str, table) if "median" in end
+    }
     table = table.drop(columns=[*TOLD_ONCE, "sentence"]).rename(columns={"name": AMBIENT} | medians)
     limit = f"{asked.capacity:g} {unit_of(asked.demand_of(part))}".strip()
     caption = f"{words_of(asked.demand_of(part))} beyond {limit}: lognormal fragility by "
