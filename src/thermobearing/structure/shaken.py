@@ -216,7 +216,9 @@ def run_peaks(run: Run) -> RunPeaks:
     books, ended = rows(MotionBooks, 1), books_of(bearings_of(run), len(run.lines))
     if done > 0:
         kept = _marched(run, done)[-1]
-        books, ended = kept.books, kept.bearings[0, :]
+        books = kept.books
+        for line in range(len(run.lines)):
+            ended[line] = kept.bearings[0, line]
     return found._replace(books=books, bearings=ended)
 
 

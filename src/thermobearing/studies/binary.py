@@ -17,7 +17,6 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import expit, log_expit, log_ndtr, ndtr, ndtri
-from scipy.stats import chi2
 
 from thermobearing.studies.resampling import widened
 
@@ -28,6 +27,7 @@ STEADY = 1e-10  # of a standard score: the largest change of the last step
 FLAT = 1e-6  # slope of a curve that does not rise
 UNREACHED = 0.6  # dispersion that bounds a capacity that no motion reached; chosen
 ROOT_TWO_PI = 0.5 * np.log(2.0 * np.pi)
+STEEPEST = 3.0  # dispersion of an estimate over that of a bootstrap curve; chosen, as of 6 motions
 RAYS = 240  # on which the edge of a likelihood region is looked for
 BISECTIONS = 30
 
@@ -208,8 +208,7 @@ def pivoted(best: Curves, others: Curves, groups: int, level: float) -> Curves:
     the truth: median and logarithm of the dispersion are reflected so (Davison & Hinkley 1997,
     2.4 and 5.2). A bootstrap of n groups is too narrow by sqrt(n / (n - 1)), and the dispersion is
     not studentised itself: it is spread as `widened` says. A jump has no dispersion to divide by,
-    so that no ratio goes beyond what a normal sample of n has at half the share outside the band.
-    Flat curves stay as they are.
+    so that ratios end at `STEEPEST`. Flat curves stay as they are.
 
     Parameters
     ----------
@@ -220,16 +219,14 @@ def pivoted(best: Curves, others: Curves, groups: int, level: float) -> Curves:
     """
     if not (np.isfinite(best.place[0]) and 2.0 * FLAT < best.slope[0] < np.inf):
         return others
-    free = max(groups - 1.0, 1.0)
-    wider = np.sqrt(groups / free)
+    wider = np.sqrt(groups / max(groups - 1.0, 1.0))
     spread = ndtri(0.5 + 0.5 * widened(level, groups)) / ndtri(0.5 + 0.5 * level)
-    most = np.sqrt(free / chi2.ppf(0.25 * (1.0 - level), free))
     usual = np.isfinite(others.place) & (others.slope > 2.0 * FLAT)
     place, slope = others.place.copy(), others.slope.copy()
     ratio = slope[usual] / best.slope[0]
-    away = np.minimum(ratio, most) * (place[usual] - best.place[0])
+    away = np.minimum(ratio, STEEPEST) * (place[usual] - best.place[0])
     place[usual] = best.place[0] - wider * away
-    slope[usual] = best.slope[0] / np.minimum(ratio**spread, most)
+    slope[usual] = best.slope[0] / np.minimum(ratio**spread, STEEPEST)
     return Curves(place, slope, others.link)
 
 
