@@ -6,6 +6,7 @@ written); 4 a poor fit (written, the bearing marked); 130 interrupted (partial r
 Heavy imports wait until a command needs them, so that --help is quick.
 """
 
+import os
 import sys
 from pathlib import Path
 from typing import Annotated, Any
@@ -188,11 +189,20 @@ def main() -> None:
     """Entry point of the console script."""
     one_blas_thread()
     patient_streams()
+    os.environ.pop("MPLBACKEND", None)  # all is drawn without a window; a wrong one ends imports
     try:
+        epoch = os.environ.get("SOURCE_DATE_EPOCH", "0")
+        if not (epoch.isascii() and epoch.isdecimal()):
+            typer.echo(f"thermobearing: SOURCE_DATE_EPOCH={epoch}: must be whole seconds", err=True)
+            sys.exit(BAD_INPUT)
         app()
     finally:
         for stream in (sys.stdout, sys.stderr):
             stream.flush()
+        lost = getattr(sys.stdout, "lost", "")
+        if lost:
+            typer.echo(f"thermobearing: the output could not be written: {lost}", err=True)
+            sys.exit(BAD_INPUT)
 
 
 if __name__ == "__main__":

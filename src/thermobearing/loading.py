@@ -53,6 +53,8 @@ def load_result(path: str | Path) -> AnyResult:
     ...     load_result(saved).outcome
     'completed'
     """
+    if not isinstance(path, str | Path):
+        raise InputError(f"load_result(): {type(path).__name__} is no path of a result")
     if is_study(path):
         return study_result(path)
     if is_folder(Path(path) / PARTS):

@@ -30,7 +30,7 @@ ROOMS = {
 }
 COMPARED = {"cyclic", "bridge", "hybrid"}  # commands with --compare
 # What files that were edited, or are of another version, lead to where their numbers are looked up.
-UNFIT = (LookupError, TypeError, ValueError, AttributeError, AssertionError)
+UNFIT = (OSError, LookupError, TypeError, ValueError, AttributeError, AssertionError)
 
 
 class Kinds(NamedTuple):
@@ -141,8 +141,8 @@ def pieces_of(result: AnyResult, directory: Path) -> Pieces:
     ------
     InputError : its files do not fit together.
     """
-    command = str(_summary(result)["command"])
     try:
+        command = str(_summary(result)["command"])
         if command in ROOMS:
             room = import_module(f"thermobearing.{ROOMS[command]}.report")
             pieces = cast(Pieces, room.pieces_of(result))

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
+from thermobearing.border.errors import InputError
 from thermobearing.border.schema import Strict, unit_of
 from thermobearing.border.units import with_unit
 
@@ -66,3 +67,20 @@ def overridden(
         else:
             table[key] = said
     return table
+
+
+def check_workers(where: str, executor: Any = None, progress: Any = None) -> None:
+    """Refuse an executor or a callback that cannot be one, before anything is computed.
+
+    Raises
+    ------
+    InputError : an executor without `submit`, or a callback that cannot be called.
+
+    Examples
+    --------
+    >>> check_workers("example", None, print)
+    """
+    if executor is not None and not callable(getattr(executor, "submit", None)):
+        raise InputError("executor: must be one of concurrent.futures, or like it", where)
+    if progress is not None and not callable(progress):
+        raise InputError("progress: must be a function of two numbers", where)

@@ -29,6 +29,7 @@ M = TypeVar("M", bound="Strict")
 LONGEST_NAME = 200  # characters of the name of a thing
 
 SOURCED = {"value", "source", "note"}  # keys of an entry {value = ..., source = ...}
+UNION = ("float", "int", "str", "bool", "none", "list", "tuple", "function-", "constrained-")
 MOST_TOLD = 50  # faults of a file that a message holds
 OURS = {"unit", "conflict", "size"}  # types of the faults found here, not by pydantic
 
@@ -237,6 +238,8 @@ def _resolve(
         if isinstance(part, int):
             keys[-1:] = [f"{keys[-1]}[{part}]" if keys else f"[{part}]"]
             continue
+        if not models and keys and part.startswith(UNION):  # a member of a union, which is no key
+            continue
         tagged = [m for m in models if part in _tags(m)] if len(models) > 1 else []
         if tagged:
             models, owner = tagged, tagged[0]
@@ -320,6 +323,8 @@ def _sentence(model: type[BaseModel], item: ErrorDetails) -> str:
 def _tag_sentence(key: str, item: ErrorDetails) -> str:
     """A table that says by one of its keys what it is: the key is missing or unknown."""
     tag = item["ctx"]["discriminator"].strip("'")
+    if not isinstance(item["input"], dict):
+        return f"{key} = {shortened(repr(item['input']))}: must be a table"
     given = item["input"].get(tag)
     if given is None:
         return f'missing key "{key}.{tag}"'

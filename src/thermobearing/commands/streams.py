@@ -9,11 +9,13 @@ from typing import Any, TextIO
 class Patient:
     """A stream whose reader may leave: what is printed after that goes nowhere.
 
-    `thermobearing cyclic | head -1` then ends as it would have ended otherwise.
+    `thermobearing cyclic | head -1` then ends as it would have ended otherwise. Where a disk is
+    full, the results are written all the same; `lost` says why the output is not.
     """
 
     def __init__(self, stream: TextIO) -> None:
         self._stream = stream
+        self.lost = ""
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._stream, name)
@@ -22,18 +24,20 @@ class Patient:
         """Write text; its length."""
         try:
             self._stream.write(text)
-        except BrokenPipeError:
-            self._leave()
+        except OSError as error:
+            self._leave(error)
         return len(text)
 
     def flush(self) -> None:
         """Hand over what is buffered."""
         try:
             self._stream.flush()
-        except BrokenPipeError:
-            self._leave()
+        except OSError as error:
+            self._leave(error)
 
-    def _leave(self) -> None:
+    def _leave(self, error: OSError) -> None:
+        if not isinstance(error, BrokenPipeError):
+            self.lost = error.strerror or str(error)
         nowhere = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nowhere, self._stream.fileno())
         os.close(nowhere)

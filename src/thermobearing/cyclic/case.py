@@ -39,7 +39,7 @@ DEFAULT_AMBIENT = (-20.0, 0.0, 23.0)  # the three chamber temperatures of Table 
 class Analysis(ModelOptions):
     """How to compute, and what to keep."""
 
-    keep_every: Annotated[int, Field(ge=1)] = 1
+    keep_every: Annotated[int, Field(ge=1, le=1_000_000_000)] = 1
     keep: tuple[Group, ...] = ("rubber", "cells")
     histories: Histories = "thinned"  # in files (cyclic/thinning.py)
 

@@ -22,6 +22,7 @@ from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.exposure import exposed_bilinear
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
+from thermobearing.border.overrides import check_workers
 from thermobearing.climate.readers import read_air
 from thermobearing.core.types import Floats
 from thermobearing.cyclic.equivalent import bilinear_parameters
@@ -281,6 +282,7 @@ def run_earthquake(
     >>> run_earthquake(make_earthquake_case(table, "example")).runs
     12
     """
+    check_workers("run_earthquake()", executor, progress)
     tasks = build_tasks(case)
     histories: list[StructureHistory] = []
     own = None if executor else ThreadPoolExecutor(max(WORKERS, os.cpu_count() or 1))

@@ -5,6 +5,7 @@ displacements until it is satisfied; only then does the bearing move on. The wra
 two states and calls the one coupled step; it adds no physics.
 """
 
+import copy
 from collections.abc import Sequence
 from dataclasses import dataclass
 from inspect import signature
@@ -19,7 +20,9 @@ from thermobearing.bearing.exposure import Exposure
 from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing, Clock
 from thermobearing.border.errors import InputError, nearest, shortened
+from thermobearing.border.numbers import is_number
 from thermobearing.border.schema import validated
+from thermobearing.border.units import HUGEST
 from thermobearing.core.march import copy_state
 from thermobearing.core.step import step
 from thermobearing.core.types import (
@@ -231,11 +234,16 @@ class BearingElement:
 
         Raises
         ------
-        InputError : a step that takes no time, or goes back in it.
+        InputError : something else than a number, a step of no time, an air that is no air.
         """
-        if not dt > 0.0:
-            raise InputError(f"set_trial(): dt = {dt!r}: must be more than 0 s")
-        air = self._ambient if ambient is None else ambient
+        x, dt = _number("x", "mm", x), _number("dt", "s", dt)
+        if not 0.0 < dt < HUGEST:
+            raise InputError(
+                f"set_trial(): dt = {dt!r}: must be more than 0 s and below {HUGEST:g}"
+            )
+        air = self._ambient
+        if ambient is not None:
+            air = float(check_temperature(ambient, "set_trial(): ambient"))
         force, tangent, outcome = step(
             self._constants, self._work, self._committed, x, dt, air, self._trial
         )
@@ -268,8 +276,21 @@ class BearingElement:
         copy_state(self._committed, saved)
         return saved
 
+    def __copy__(self) -> Self:
+        """Return an element of its own: one that shared its states would move both."""
+        twin: Self = copy.deepcopy(self)
+        return twin
+
     def restore(self, saved: State) -> None:
-        """Continue from a state that `save` returned."""
+        """Continue from a state that `save` returned.
+
+        Raises
+        ------
+        InputError : no state, or one of another bearing.
+        """
+        own = self._committed
+        if not isinstance(saved, State) or saved.temperature.shape != own.temperature.shape:
+            raise InputError("restore(): needs a state that save() of this bearing returned")
         self._failed = ""
         copy_state(saved, self._committed)
         copy_state(saved, self._trial)
@@ -307,6 +328,17 @@ def element(
     if unknown:
         raise InputError(unknown, "element()")
     return BearingElement(bearing, ambient, **options)
+
+
+def _number(key: str, unit: str, value: Any) -> float:
+    """A number as a float; compiled code would take other types for another program."""
+    if type(value) is float:
+        return value
+    if not is_number(value):
+        raise InputError(
+            f"set_trial(): {key} = {shortened(repr(value))}: must be a number of {unit}"
+        )
+    return float(value)
 
 
 def _of_cells(key: str, temperature: Any, cells: int) -> NDArray[np.float64]:

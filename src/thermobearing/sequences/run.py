@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from thermobearing.border.errors import InputError
+from thermobearing.border.overrides import check_workers
 from thermobearing.cyclic.case import Case
 from thermobearing.cyclic.result import Result
 from thermobearing.cyclic.run import run_case
@@ -56,6 +57,8 @@ def sequence(
         case = load_sequence_case(case, **overrides)
     elif isinstance(case, dict):
         case = make_sequence_case(case, "sequence()", **overrides)
+    elif not isinstance(case, SequenceCase):
+        raise InputError("needs a file, a table or a SequenceCase", "sequence()")
     elif overrides:
         raise InputError("a finished case takes no further values", "sequence()")
     return run_sequence(case, progress=progress)
@@ -79,6 +82,7 @@ def run_sequence(case: SequenceCase, *, progress: Progress | None = None) -> Seq
     >>> run_sequence(make_sequence_case(rest, "example")).outcome
     'completed'
     """
+    check_workers("run_sequence()", progress=progress)
     found: list[Result | EarthquakeResult] = []
     state: SpecimenState | None = None
     interrupted = False

@@ -8,7 +8,9 @@ those of the machine that made it, and the names of runs depend on them.
 import hashlib
 import io
 import json
+import struct
 import zipfile
+import zlib
 from collections.abc import Sequence
 from functools import cache
 from importlib.metadata import version
@@ -17,7 +19,6 @@ from typing import Any
 
 import numpy as np
 
-from thermobearing.border.errors import InputError
 from thermobearing.border.library import data_path
 from thermobearing.border.text_file import write_whole
 from thermobearing.core.compile import cache_directory
@@ -27,6 +28,9 @@ from thermobearing.studies.recipes import Fitted, Recipe
 
 MADE = "motions.npz"  # of the directory of a study
 CACHE = "motions"  # folder beside the machine code, which is as easily made again
+# What numpy, zipfile and zlib meet in a file of which a bit was changed.
+DAMAGED: tuple[type[Exception], ...] = (OSError, ValueError, KeyError, TypeError, EOFError)
+DAMAGED += (RuntimeError, OverflowError, zipfile.BadZipFile, zlib.error, struct.error)
 ABOUT = "about"  # entry of a file with what is no array, as JSON
 
 
@@ -89,7 +93,7 @@ def read_made(path: Path) -> dict[str, Fitted]:
         with np.load(path, allow_pickle=False) as stored:
             about = json.loads(str(stored[ABOUT]))
             return {key: _fitted(stored[key], told) for key, told in about.items()}
-    except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, InputError):
+    except DAMAGED:
         return {}
 
 

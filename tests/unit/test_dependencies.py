@@ -1,0 +1,57 @@
+"""What the package imports is declared, each with the versions that it works with."""
+
+import ast
+import re
+import sys
+import tomllib
+from importlib.metadata import packages_distributions
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+# Tools of developers and openseespy, a peer of the tests, may be of any version.
+EXTRAS = [
+    text
+    for extra, some in PROJECT["optional-dependencies"].items()
+    for text in some
+    if extra != "lint" and not text.startswith("openseespy")
+]
+
+
+def plain(name: str) -> str:
+    return re.sub(r"[-_.]+", "-", name).lower()
+
+
+def declared(texts: list[str]) -> set[str]:
+    return {plain(re.split(r"[<>=!~;\[ ]", text)[0]) for text in texts}
+
+
+def imported() -> set[str]:
+    """Top-level modules that a file of the package imports, anywhere in it."""
+    found = set()
+    for path in (ROOT / "src").rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Import):
+                found |= {alias.name.split(".")[0] for alias in node.names}
+            elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
+                found.add(node.module.split(".")[0])
+    return found - set(sys.stdlib_module_names) - {"thermobearing"}
+
+
+def test_what_is_imported_is_declared() -> None:
+    """Before: markdown_it came with rich, llvmlite with numba."""
+    known = declared([*PROJECT["dependencies"], *EXTRAS])
+    owners = packages_distributions()
+    missing = {
+        name
+        for name in imported()
+        if not known & {plain(owner) for owner in owners.get(name, [name])}
+    }
+    assert not missing
+
+
+def test_every_dependency_has_an_upper_bound() -> None:
+    open_ended = [
+        text for text in [*PROJECT["dependencies"], *EXTRAS] if "<" not in text.split(";")[0]
+    ]
+    assert open_ended == []
