@@ -3,7 +3,9 @@
 import ast
 import importlib.util
 import inspect
+import re
 import shlex
+import tomllib
 import typing
 from functools import cached_property
 from pathlib import Path
@@ -20,6 +22,7 @@ ROOT = Path(__file__).parents[2]
 ITEMS = generate.coverage_items()
 COUNT = 109  # items of the first audit, whose numbers stay
 KEYS = {"item", "source", "what", "run", "ours", "says", "verdict"}
+TYPED = {"works", "partial", "outside", "later"}  # the other verdicts are those of the ledger
 OF_THE_USER = {"CASE.toml", "TEST.toml", "TEST.csv"}
 
 
@@ -115,10 +118,31 @@ def nothing_wrong(run: str) -> None:
 def test_every_item_is_there_once() -> None:
     assert [item["item"] for item in ITEMS] == list(range(1, COUNT + 1))
     for item in ITEMS:
-        assert item.keys() - {"chapter"} == KEYS, item["item"]
+        assert item.keys() - {"chapter", "ledger", "numbers"} == KEYS, item["item"]
         assert all(str(item[key]) for key in KEYS), item["item"]
         assert "|" not in "".join(str(item[key]) for key in KEYS), "it would end a cell"
         assert item["verdict"] in generate.VERDICTS, item["item"]
+
+
+def test_numbers_and_verdicts_are_those_of_the_ledger() -> None:
+    """An item with claims has no verdict of its own; typed words have no result in them."""
+    ledger = generate.load(generate.LEDGER)
+    for item in tomllib.loads(generate.COVERAGE.read_text())["items"]:
+        assert ("verdict" in item) != ("ledger" in item), item["item"]
+        assert item.get("verdict", "works") in TYPED, item["item"]
+        words = generate.NAMED.sub("", item.get("ours", ""))
+        assert not re.search(r"\d\.\d{2}|\de-?\d", words.replace("1.25 h", "")), item["item"]
+    shown = {item["item"]: item for item in ITEMS}
+    for number, name in ((14, "table-3-4-rate-sines"), (104, "6-3-3-ductility-cold")):
+        assert ledger[name]["verdict"] == shown[number]["verdict"] == "contradicted"
+        assert ledger[name]["computed"] in shown[number]["ours"]
+    assert shown[32]["verdict"] == "needs data"
+
+
+def test_the_verdict_of_an_item_is_the_worst_of_its_claims() -> None:
+    assert generate.coverage_verdict({"reproduced", "contradicted"}) == "contradicted"
+    assert generate.coverage_verdict({"trend holds", "within 1 %"}) == "undecided"
+    assert generate.coverage_verdict({"trend holds", "needs the test data"}) == "works"
 
 
 @pytest.mark.parametrize("run", sorted({i["run"] for i in ITEMS if i["verdict"] != "later"}))

@@ -12,7 +12,7 @@ from typing import Any
 from thermobearing.reproduce.claims import load_claims
 
 BASELINE = Path(__file__).with_name("ledger.json")
-KEPT = ("verdict", "words", "computed", "flips", "stands_5_per_cent_more_K_r")
+KEPT = ("verdict", "words", "computed", "printed_model", "flips", "stands_5_per_cent_more_K_r")
 
 
 def load_baseline() -> dict[str, dict[str, Any]]:

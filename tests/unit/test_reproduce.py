@@ -17,19 +17,25 @@ from thermobearing.reproduce.claims import (
 )
 from thermobearing.reproduce.flips import Variants, find_flip
 from thermobearing.reproduce.judge import (
+    CLOSE,
     CONTRADICTED,
+    ECHOES,
     FAILED,
     HOLDS,
     NEEDS,
     REPRODUCED,
+    UNDECIDED,
     Verdict,
+    of_motions,
     verdict_of,
 )
+from thermobearing.reproduce.result import Reproduction
 from thermobearing.reproduce.rows import function_of, make_row
 from thermobearing.reproduce.runs import Runs, parameters
 
 RISES = Trend(direction="rises", along="time")
 FALLS = Trend(direction="falls", along="time")
+USUALLY_RISES = Trend(direction="rises", along="time", usually=True)
 ORDER = Order(names=("a", "b", "c"))
 
 
@@ -55,7 +61,12 @@ def claim(**changes: Any) -> Claim:
         (Within(value=0.0, absolute=0.5, unit="degC"), 0.4, REPRODUCED),
         (Within(value=0.0, absolute=0.5, unit="degC"), 0.6, CONTRADICTED),
         (RISES, (1.0, 2.0, 3.0), HOLDS),
-        (RISES, (1.0, 2.0, 2.0), CONTRADICTED),
+        (RISES, (1.0, 2.0, 2.0), HOLDS),
+        (RISES, (1.0, 1.009, 1.018, 1.1), CLOSE),
+        (RISES, (1.0, 1.1, 1.08), CONTRADICTED),
+        (USUALLY_RISES, (1.0, 2.0, 3.0, 4.0, 3.0), HOLDS),
+        (USUALLY_RISES, (1.0, 2.0, 3.0, 2.0), CONTRADICTED),
+        (USUALLY_RISES, (1.0, 1.0), CLOSE),
         (FALLS, [(3.0, 2.0), (2.0, 1.0)], HOLDS),
         (FALLS, [(3.0, 2.0), (1.0, 2.0)], CONTRADICTED),
         (RISES, 1.0, FAILED),
@@ -63,7 +74,12 @@ def claim(**changes: Any) -> Claim:
         (ORDER, (3.0, 1.0, 2.0), CONTRADICTED),
         (ORDER, (3.0, 1.0), FAILED),
         (Limit(above=1.0), (1.1, 1.2), HOLDS),
-        (Limit(above=1.0), (1.1, 1.0), CONTRADICTED),
+        (Limit(above=1.0), (1.1, 1.0), HOLDS),
+        (Limit(above=1.0), 1.009, CLOSE),
+        (Limit(above=1.0), 0.995, CLOSE),
+        (Limit(above=1.0, exact=True), 0.995, CONTRADICTED),
+        (Limit(above=1.0), (1.1, 0.98), CONTRADICTED),
+        (Limit(above=0.0), -1e-9, CONTRADICTED),
         (Limit(above=1.0, below=2.0), 2.5, CONTRADICTED),
         (Limit(above=1.0), np.nan, FAILED),
         (Limit(above=1.0), (), FAILED),
@@ -80,7 +96,57 @@ def test_a_rule_gives_its_verdict(rule: Any, numbers: Any, kind: str) -> None:
 def test_words_tell_how_near_and_how_many() -> None:
     assert verdict_of(Within(value=2.0, per_cent=5.0), 2.05).words == "reproduced within 2.5 %"
     assert verdict_of(Within(value=2.0, per_cent=5.0), 5.0).words == "contradicted: 150 % away"
-    assert verdict_of(RISES, (1.0, 2.0, 1.0)).words == "contradicted: 1 of 2 steps as said"
+    assert verdict_of(RISES, (1.0, 2.0, 1.0)).words == "contradicted: 1 of 2 as said"
+    assert verdict_of(RISES, (1.0, 2.0, 2.0)).words.endswith("(1 of 2 as said, 1 within 1 %)")
+
+
+def test_a_motion_that_turns_a_verdict_decides_it_both_ways() -> None:
+    """Each row is computed on every stand-in of its spectrum, and only if it asks for a motion."""
+    yes, no, close = Verdict(HOLDS, "yes"), Verdict(CONTRADICTED, "no"), Verdict(CLOSE, "close")
+    assert of_motions(yes, [yes, no]).kind == UNDECIDED
+    assert of_motions(no, [no, yes]).kind == UNDECIDED
+    assert of_motions(yes, [close]).kind == UNDECIDED
+    assert of_motions(yes, [Verdict(FAILED, "failed"), yes]) == yes
+    assert Runs(stand_in=1).motion("jra-ii-i-3") == "jra-ii-i-1"
+    assert Runs(stand_in=2).motion("jra-ii-i-3") == "jra-ii-i-2"
+    runs = Runs()
+    assert runs.cyclic("shen-hdr-specimen", 23.0)
+    assert not runs.shaken
+    for _ in range(2):  # made, then kept
+        runs.shaken = False
+        assert runs.bridge("shen-bilinear-bridge", "jra-ii-i-1", 23.0, duration=0.1)
+        assert runs.shaken
+    other = runs.beside(moved_on=1)
+    moved = other.bridge("shen-bilinear-bridge", "jra-ii-i-1", 23.0, duration=0.1)
+    assert list(moved.table["motion"]) == ["jra-ii-i-2"]
+    assert runs.beside(moved_on=1) is other
+
+
+def test_rows_that_echo_an_input_are_marked_and_groups_counted_apart() -> None:
+    same = make_row(claim(echoes=True), Runs()).verdict
+    assert same.kind == ECHOES
+    assert same.settled
+    wrong = claim(echoes=True, rule=Within(value=1.0, per_cent=1.0))
+    assert make_row(wrong, Runs()).verdict.kind == CONTRADICTED
+    rows = [make_row(one, Runs()) for one in load_claims("misprints")[:2]]
+    found = Reproduction(None, [*rows, make_row(claim(echoes=True), Runs())])
+    assert {group: sum(counts.values()) for group, counts in found.groups.items()} == {
+        "statements": 1,
+        "misprints": 2,
+    }
+    assert found.groups["statements"][ECHOES] == 1
+    assert found.headline.startswith("Reproduction: 1 statements (1 echoes an input); 2 misprints")
+
+
+def test_every_row_has_a_verdict_on_the_model_as_printed() -> None:
+    """The published scheme warms lead by less: the same rule, another verdict."""
+    chosen = {one.id: one for one in load_claims()}
+    runs = Runs()
+    lead = make_row(chosen["fig-5-8-lead-over-rubber"], runs)
+    assert lead.verdict.kind == HOLDS
+    assert lead.printed is not None
+    assert lead.printed.kind == CONTRADICTED
+    assert make_row(chosen["eq-3-3-sign"], runs).printed is None
 
 
 @pytest.mark.parametrize(

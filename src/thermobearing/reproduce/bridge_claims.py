@@ -32,29 +32,17 @@ def by_motion(runs: Runs, bearing: str, column: str) -> Floats:
     return values if set(table["outcome"]) == {"completed"} else np.full_like(values, np.nan)
 
 
-# 6.2.3, Fig. 6.6: the layered models beside the bilinear one at 23 degC, II-I-1
+# 6.3.1, Fig. 6.9: the layered bearing compared with the bilinear one at 23 degC
 
 
-def _loops(runs: Runs, column: str) -> Floats:
-    """Of the largest loop: bilinear, HDR, LHDR."""
-    names = (BILINEAR, HDR, LHDR)
-    return np.array([abs(by_motion(runs, name, column)[II_I_1, 0]) for name in names])
-
-
-def _over_bilinear(runs: Runs, which: int) -> Numbers:
+def differences_at_23(runs: Runs) -> Numbers:
+    """Largest difference of F+-, D+-, K_eq of the HDR from the bilinear bearing, by motion."""
     columns = ("loop_F_plus_kN", "loop_F_minus_kN", "loop_D_plus_mm", "loop_D_minus_mm")
-    loops = [_loops(runs, name) for name in (*columns, "loop_K_eq_kN_mm")]
-    return tuple(float(loop[which] / loop[0]) for loop in loops)
-
-
-def hdr_over_bilinear(runs: Runs) -> Numbers:
-    """F+, F-, D+, D-, K_eq of the HDR bearing over those of the bilinear one."""
-    return _over_bilinear(runs, 1)
-
-
-def lhdr_over_bilinear(runs: Runs) -> Numbers:
-    """The same of the LHDR bearing."""
-    return _over_bilinear(runs, 2)
+    ratios = [
+        by_motion(runs, HDR, name)[:, 0] / by_motion(runs, BILINEAR, name)[:, 0]
+        for name in (*columns, "loop_K_eq_kN_mm")
+    ]
+    return told(np.abs(np.array(ratios) - 1.0).max(axis=0))
 
 
 def design_displacement(runs: Runs) -> Numbers:
@@ -173,6 +161,15 @@ def ductility_by_displacement(runs: Runs) -> Numbers:
         ductility = by_motion(runs, name, "pier_ductility")[II_I_1, -1]
         found.append(displacement / (hinge.yield_rotation * line.height) / ductility)
     return told(np.array(found))
+
+
+def ductility_at_level_1(runs: Runs) -> Numbers:
+    """Largest in motions of type I that envelop the spectrum of Level 1, HDR and LHDR."""
+    factor = printed(runs, "level_1") * runs.change.get("a_g", 1.0)
+    weak = runs.beside({"a_g": factor})
+    both = [weak.bridge(name, MOTIONS[TYPE_I], AMBIENT, keep_every=THINNED) for name in (HDR, LHDR)]
+    runs.shaken = True
+    return told(np.array([study.table["pier_ductility"].max() for study in both]))
 
 
 def yielding(runs: Runs) -> Numbers:

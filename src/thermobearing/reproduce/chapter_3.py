@@ -23,6 +23,7 @@ from thermobearing.reproduce.values import (
 G_E, H_EQ, ENERGY = "G_eq_MPa", "h_eq", "energy_kN_mm"
 NOMINAL = 1.75  # strain at which a rubber's nominal modulus is told
 COOLING = 60.0  # after a loading [s]
+PLUNGE = (0.0, 10.0, 60.0)  # of a rest, 4.4.1.2 [s]
 
 
 def first_shape_factor(runs: Runs) -> Floats:
@@ -144,19 +145,14 @@ def area_in_the_cold_lhdr(runs: Runs) -> Floats:
     return of_cycle(runs, LHDR, ENERGY, 5)
 
 
-def _share_above(runs: Runs, bearing: str, column: str) -> float:
-    cycles = all_cycles(runs, bearing, column)
-    return float((cycles[:, 0] > cycles[:, -1]).mean())
+def modulus_first_and_fifth(runs: Runs) -> Floats:
+    """G_e of first and fifth cycle, a row per strain and temperature, HDR [MPa]."""
+    return all_cycles(runs, HDR, G_E)[:, [0, -1]]
 
 
-def modulus_first_above_fifth(runs: Runs) -> float:
-    """Share of strains and temperatures where the first cycle is stiffer than the fifth, HDR."""
-    return _share_above(runs, HDR, G_E)
-
-
-def damping_first_above_fifth(runs: Runs) -> float:
-    """Share where the first cycle has more damping than the fifth, HDR."""
-    return _share_above(runs, HDR, H_EQ)
+def damping_first_and_fifth(runs: Runs) -> Floats:
+    """h_eq of first and fifth cycle, a row per strain and temperature, HDR."""
+    return all_cycles(runs, HDR, H_EQ)[:, [0, -1]]
 
 
 def first_over_second(runs: Runs) -> Floats:
@@ -251,6 +247,19 @@ def _lost(runs: Runs, bearing: str, place: str) -> Floats:
         end, time = loadings(result, run)[-2][1], result.time(run)
         values = temperature_at(result, place, run)
         found.append(values[end] - np.interp(time[end] + COOLING, time, values))
+    return np.array(found)
+
+
+def first_plunge(runs: Runs) -> Floats:
+    """Rate of fall of first and third layer in the first 10 s of a rest over that after, HDR."""
+    result = runs.cyclic(HDR)
+    found = []
+    for run in range(len(result["ambient"])):
+        end, time = loadings(result, run)[-2][1], result.time(run)
+        for place in ("rubber1", "rubber3"):
+            values = temperature_at(result, place, run)
+            fall = -np.diff(np.interp(time[end] + np.array(PLUNGE), time, values))
+            found.append(fall[0] / fall[1] * (PLUNGE[2] - PLUNGE[1]) / PLUNGE[1])
     return np.array(found)
 
 

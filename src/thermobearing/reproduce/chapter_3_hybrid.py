@@ -30,6 +30,9 @@ GRAVITY = 9.80665  # [m/s2]
 KN_PER_MASS = 1000.0  # of a mass in kN s2/mm at 1 m/s2
 HYBRID_PIER, TWO = "hybrid-pier", "hybrid-pier-two-bearings"
 DELAY = 0.005  # of the actuator: usual for a servo-hydraulic rig; not printed [s]
+SLOW = 10.0  # of the pseudo-dynamic test, 3.4.2 [mm/s]
+SHORTEST = 1e-9  # time step where the displacement stays [s]
+SMALLEST = 0.5  # strain of the half cycles that count: the smallest amplitude of Table 3.4
 MOMENTS = (5.0, 10.0, 20.0)  # of the first layer, 3.4.4 [s]
 COLDEST = -20.0
 
@@ -110,14 +113,76 @@ def hybrid_area_in_the_cold(runs: Runs) -> Floats:
     return every_hybrid(runs, "loop_energy_kN_mm")
 
 
+def _driven(runs: Runs, name: str, air: float, time: Floats, moved: Floats) -> Floats:
+    """Force of a specimen that is driven through a history of displacement [kN]."""
+    element = BearingElement(runs.bearing(name), air)
+    found = [0.0]
+    for gap, target in zip(np.diff(time), moved[1:], strict=True):
+        found.append(element.set_trial(float(target), dt=max(float(gap), SHORTEST)).force)
+        element.commit()
+    return np.asarray(np.abs(found), dtype=np.float64)
+
+
+def _at_equal_displacement(runs: Runs, name: str) -> list[list[tuple[Floats, Floats, Floats]]]:
+    """Half cycles beyond 50 % of real-time tests: |displacement|, force at both speeds; by air."""
+
+    def make() -> list[list[tuple[Floats, Floats, Floats]]]:
+        result, found = runs.hybrid(name, AMBIENT), []
+        for run, air in enumerate(AMBIENT):
+            time, moved = histories(result, run, "bearing_displacement")
+            slow = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(moved)) / SLOW)])
+            forces = [_driven(runs, name, air, each, moved) for each in (time, slow)]
+            parts = np.split(np.arange(len(moved)), np.flatnonzero(np.diff(np.sign(moved))) + 1)
+            size = runs.bearing(name).total_rubber_thickness * SMALLEST
+            far = [part for part in parts if np.abs(moved[part]).max() > size]
+            found.append([(np.abs(moved[p]), forces[0][p], forces[1][p]) for p in far])
+        return found
+
+    return runs.once(make, "equal displacement", name)
+
+
+def _force_at_equal_displacement(runs: Runs, name: str) -> Floats:
+    largest = [
+        [max(half[way].max() for half in halves) for way in (1, 2)]
+        for halves in _at_equal_displacement(runs, name)
+    ]
+    real, slow = np.array(largest).T
+    return np.asarray(real / slow)
+
+
 def hdr_force_ratio(runs: Runs) -> Floats:
-    """Force in real time over pseudo-dynamic, HDR at 0 and -20 degC."""
-    return real_over_pseudo(runs, HDR, FORCE)[1:]
+    """Force in real time over 10 mm/s at equal displacement, HDR at 0 and -20 degC."""
+    return _force_at_equal_displacement(runs, HDR)[1:]
 
 
 def lhdr_force_ratio(runs: Runs) -> Floats:
-    """Force in real time over pseudo-dynamic, LHDR at 0 and -20 degC."""
-    return real_over_pseudo(runs, LHDR, FORCE)[1:]
+    """Force in real time over 10 mm/s at equal displacement, LHDR at 0 and -20 degC."""
+    return _force_at_equal_displacement(runs, LHDR)[1:]
+
+
+def lhdr_half_cycles(runs: Runs) -> Floats:
+    """Largest force of each half cycle beyond 50 %, real time over 10 mm/s, LHDR, all airs."""
+    halves = [half for air in _at_equal_displacement(runs, LHDR) for half in air]
+    return np.array([real.max() / slow.max() for _, real, slow in halves])
+
+
+def corners(runs: Runs) -> Floats:
+    """Force at the largest displacement over the largest force: real time over 10 mm/s, LHDR."""
+    halves = [half for air in _at_equal_displacement(runs, LHDR) for half in air]
+    ends = [
+        [force[moved.argmax()] / force.max() for force in (real, slow)]
+        for moved, real, slow in halves
+    ]
+    return np.array([real / slow for real, slow in ends])
+
+
+def rise_at_the_peak(runs: Runs) -> float:
+    """Rise of the third layer at the peak of the ground's acceleration, of that to 23 degC."""
+    result = runs.hybrid(LHDR, COLDEST)
+    _, ground = histories(result, 0, "ground_acceleration")
+    _, layers = histories(result, 0, "rubber_temperature")
+    rise = layers[int(np.abs(ground).argmax()), 2] - COLDEST
+    return float(rise / (AMBIENT[0] - COLDEST))
 
 
 def hdr_strain_ratio_cold(runs: Runs) -> float:
@@ -234,11 +299,6 @@ def _at_rest(runs: Runs, name: str, airs: Sequence[float]) -> Floats:
     bearing = runs.bearing(name)
     each = [BearingElement(bearing, air).set_trial(1e-9, dt=1e6).tangent for air in airs]
     return np.array(each) * line.count / line.scale
-
-
-def initial_stiffness_of_eight(runs: Runs) -> Floats:
-    """Of eight LHDR bearings at rest, warm to cold [kN/mm]."""
-    return _at_rest(runs, LHDR, AMBIENT)
 
 
 def initial_stiffness_of_eight_hdr(runs: Runs) -> Floats:

@@ -189,14 +189,6 @@ def _rows(result: EarthquakeResult, mode: str) -> pd.DataFrame:
     return table[table["mode"] == mode].sort_values("ambient_degC", ascending=False)
 
 
-def force_real_time(runs: Runs) -> Numbers:
-    """Largest force in real time over that of the pseudo-dynamic test."""
-    result = _hybrid(runs)
-    column = "bearing_force_max_kN"
-    both = [_rows(result, mode)[column].to_numpy(dtype=float) for mode in MODES]
-    return told(both[0] / both[1])
-
-
 def _share(result: EarthquakeResult, mode: str, name: str) -> Floats:
     """Largest value of a part of the force over the largest force."""
     found = []

@@ -11,7 +11,6 @@ from thermobearing.design.rubber import Kind, damping_ratio, load_rubber, shear_
 from thermobearing.reproduce.printed import printed
 from thermobearing.reproduce.runs import AMBIENT, Runs
 from thermobearing.reproduce.values import Numbers, told
-from thermobearing.structure.model import MassModel
 from thermobearing.structure.run import prepare_structure
 
 HDR, LHDR, PIER = "shen-hdr-bridge", "shen-lhdr-bridge", "pier-p1"
@@ -107,18 +106,9 @@ def more_damping_with_lead(runs: Runs) -> Numbers:
 # The model of the bridge, Table 6.2
 
 
-def _period(runs: Runs, mass: MassModel) -> float:
-    return float(prepare_structure(runs.structure(PIER), mass).modes.periods[0])
-
-
 def first_period(runs: Runs) -> Numbers:
     """With the masses as Eq. 6.4-6.7 print them [s]."""
-    return _period(runs, "published")
-
-
-def first_period_consistent(runs: Runs) -> Numbers:
-    """With every mass of Table 6.2 wherever it moves [s]."""
-    return _period(runs, "consistent")
+    return float(prepare_structure(runs.structure(PIER), "published").modes.periods[0])
 
 
 def pier_height(runs: Runs) -> Numbers:
@@ -132,9 +122,9 @@ def pier_height(runs: Runs) -> Numbers:
 
 
 def ratios_of_moduli(runs: Runs) -> Numbers:
-    """Coefficients of G10 and of G12 over those of G8, HDR, a row each (Table A.1)."""
+    """Coefficients of G10 and G12 over 1.25 and 1.5 of those of G8, HDR (Table A.1)."""
     first, *others = (np.array(load_rubber(name).shear_modulus) for name in NAMES)
-    return [told(other / first) for other in others]
+    return [told(each / first / size) for each, size in zip(others, (1.25, 1.5), strict=True)]
 
 
 def nominal_moduli(runs: Runs) -> Numbers:

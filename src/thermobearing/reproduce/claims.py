@@ -3,6 +3,7 @@
 `data/claims/*.toml` holds them, a table a row. No verdict is in a file: each run computes it.
 """
 
+from functools import cache
 from typing import Annotated, Any, Literal
 
 from pydantic import Field
@@ -14,6 +15,8 @@ from thermobearing.border.toml import read_toml
 
 FOLDER = "claims"
 PARTS = ("chapter-3", "chapter-4", "chapter-5", "chapter-6", "conclusions", "misprints")
+# What is counted apart: results, their repetition in chapter 7, and errors of the print.
+GROUPS = {"statements": PARTS[:4], "chapter 7 repeats": PARTS[4:5], "misprints": PARTS[5:]}
 Words = Annotated[str, Field(min_length=1, max_length=600)]
 Number = Annotated[float, Field(ge=-1e12, le=1e12)]
 
@@ -34,30 +37,39 @@ class Within(Strict):
         return ["give either per_cent or absolute"] if both else []
 
 
-class Trend(Strict):
+class Comparison(Strict):
+    """Comparisons; those within the noise floor of `judge` count neither for nor against.
+
+    `usually` is for statements with "usually", "typically" or "tends": more than two thirds of
+    the comparisons are enough. `exact` is for printed numbers, which have no noise.
+    """
+
+    usually: bool = False
+    exact: bool = False
+    unit: str = ""
+
+
+class Trend(Comparison):
     """Numbers in a row (of each row, if there are several) that all rise, or all fall."""
 
     kind: Literal["trend"] = "trend"
     direction: Literal["rises", "falls"]
     along: Words  # what changes from one to the next: "23, 0, -20 degC"
-    unit: str = ""
 
 
-class Order(Strict):
+class Order(Comparison):
     """Numbers with names, the largest first."""
 
     kind: Literal["order"] = "order"
     names: Annotated[tuple[Words, ...], Field(min_length=2)]
-    unit: str = ""
 
 
-class Limit(Strict):
+class Limit(Comparison):
     """All numbers above, below, or between limits."""
 
     kind: Literal["limit"] = "limit"
     above: Number | None = None
     below: Number | None = None
-    unit: str = ""
 
     @classmethod
     def conflicts(cls, given: dict[str, Any]) -> list[str]:
@@ -86,6 +98,7 @@ class Claim(Strict):
     computed : module and function of this room, "chapter_3.first_shape_factor"; none where the
         test data would be needed.
     rule : how the numbers become a verdict.
+    echoes : whether the numbers are an input or an identity, which no result can change.
     flips : symbols of `data/claims/parameters.toml` that may flip the verdict.
     depends : why 5 % more K_r does not flip it, if it does not.
     reach : how far the parameters are changed in the search for a flip [%].
@@ -97,6 +110,7 @@ class Claim(Strict):
     statement: Words
     computed: Annotated[str, Field(pattern=r"^[a-z_0-9]+\.[a-z_0-9]+$")] | None = None
     rule: Rule
+    echoes: bool = False
     flips: tuple[str, ...] = ()
     depends: str = ""
     reach: Annotated[float, Field(ge=5, le=300)] = 50.0
@@ -116,6 +130,27 @@ class Claim(Strict):
     def needs_data(self) -> bool:
         """Whether only measurements could judge it."""
         return isinstance(self.rule, NeedsTestData)
+
+
+def group_of(name: str) -> str:
+    """Return the group that counts a claim, by its id.
+
+    Examples
+    --------
+    >>> group_of("table-3-1-s1"), group_of("7-2-size")
+    ('statements', 'chapter 7 repeats')
+    """
+    return _groups().get(name, "statements")
+
+
+@cache
+def _groups() -> dict[str, str]:
+    return {
+        claim.id: group
+        for group, parts in GROUPS.items()
+        for part in parts
+        for claim in load_claims(part)
+    }
 
 
 class _ClaimsFile(Strict):

@@ -154,16 +154,6 @@ def _real_time(runs: Runs, bearing: str, column: str) -> Floats:
     return _hybrid(runs, bearing, "rt", column) / _hybrid(runs, bearing, "pd", column)
 
 
-def stress_real_time_lhdr(runs: Runs) -> Numbers:
-    """RT over PD at 0 and -20 degC."""
-    return told(_real_time(runs, LHDR, "bearing_force_max_kN")[1:])
-
-
-def stress_real_time_hdr(runs: Runs) -> Numbers:
-    """RT over PD at 0 and -20 degC."""
-    return told(_real_time(runs, HDR, "bearing_force_max_kN")[1:])
-
-
 def hybrid_force_in_the_cold(runs: Runs) -> Numbers:
     """Largest force: HDR and LHDR, in real time [kN]."""
     return rows(

@@ -1,18 +1,23 @@
 """A rule and what was computed: the verdict."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from thermobearing.core.types import Floats
-from thermobearing.reproduce.claims import Limit, NeedsTestData, Order, Rule, Within
+from thermobearing.reproduce.claims import Comparison, Limit, NeedsTestData, Order, Rule, Within
 
-REPRODUCED, HOLDS = "reproduced", "trend holds"
-CONTRADICTED, NEEDS, FAILED = "contradicted", "needs the test data", "failed"
-VERDICTS = (REPRODUCED, HOLDS, CONTRADICTED, NEEDS, FAILED)
+REPRODUCED, ECHOES, HOLDS = "reproduced", "echoes an input", "trend holds"
+CONTRADICTED, CLOSE = "contradicted", "within 1 %"
+UNDECIDED, NEEDS = "not decidable without the motion", "needs the test data"
+FAILED = "failed"
+VERDICTS = (REPRODUCED, ECHOES, HOLDS, CONTRADICTED, CLOSE, UNDECIDED, NEEDS, FAILED)
 ROUNDING = 1e-6  # per cent, or of the unit
-SETTLED = (REPRODUCED, HOLDS)
+SETTLED = (REPRODUCED, ECHOES, HOLDS)
+NOISE = 0.01  # relative difference below which a comparison is neither for nor against
+USUALLY = 2.0 / 3.0  # more than this share is "usually", "typically", "tends"
 
 
 @dataclass(frozen=True)
@@ -21,7 +26,7 @@ class Verdict:
 
     Attributes
     ----------
-    kind : "reproduced", "trend holds", "contradicted", "needs the test data" or "failed".
+    kind : one of `VERDICTS`.
     words : the same with its number, "reproduced within 0.31 %", or the reason.
     """
 
@@ -62,14 +67,37 @@ def verdict_of(rule: Rule, computed: ArrayLike) -> Verdict:
     if isinstance(rule, Within):
         return _near(rule, numbers)
     if isinstance(rule, Limit):
-        return _between(rule, numbers)
+        return _compared(rule, _margins(rule, numbers), numbers)
     if numbers.ndim == 0 or numbers.shape[-1] < 2:
         return Verdict(FAILED, "failed: one number has no order")
     if isinstance(rule, Order) and numbers.shape[-1] != len(rule.names):
         return Verdict(FAILED, f"failed: {numbers.shape[-1]} numbers, {len(rule.names)} names")
     falls = isinstance(rule, Order) or rule.direction == "falls"
     steps = np.diff(numbers, axis=-1) * (-1.0 if falls else 1.0)
-    return _told(int((steps > 0.0).sum()), steps.size, "steps")
+    size = np.maximum(np.abs(numbers[..., 1:]), np.abs(numbers[..., :-1]))
+    return _compared(rule, _relative(steps, size), numbers)
+
+
+def of_motions(verdict: Verdict, others: Sequence[Verdict]) -> Verdict:
+    """Return the verdict on one stand-in, or that the motion decides.
+
+    Parameters
+    ----------
+    verdict : on the chosen stand-ins.
+    others : on others of the same spectra; those that failed are not counted.
+
+    Examples
+    --------
+    >>> yes, no = Verdict(HOLDS, "trend holds"), Verdict(CONTRADICTED, "contradicted: 0.9")
+    >>> of_motions(no, [no, yes]).words
+    'not decidable without the motion: contradicted: 0.9; trend holds with another stand-in'
+    """
+    for other in others:
+        same = (other.settled, other.kind == CLOSE) == (verdict.settled, verdict.kind == CLOSE)
+        if not same and other.kind != FAILED:
+            words = f"{UNDECIDED}: {verdict.words}; {other.words} with another stand-in"
+            return Verdict(UNDECIDED, words)
+    return verdict
 
 
 def _near(rule: Within, numbers: Floats) -> Verdict:
@@ -87,19 +115,35 @@ def _near(rule: Within, numbers: Floats) -> Verdict:
     return Verdict(CONTRADICTED, f"contradicted: {_size(far)} {unit}".rstrip() + " away")
 
 
-def _between(rule: Limit, numbers: Floats) -> Verdict:
-    low = -np.inf if rule.above is None else rule.above
-    high = np.inf if rule.below is None else rule.below
-    inside = (numbers > low) & (numbers < high)
-    if numbers.size == 1 and not inside.all():
-        return Verdict(CONTRADICTED, f"contradicted: {numbers.item():.4g} {rule.unit}".rstrip())
-    return _told(int(inside.sum()), inside.size, "numbers")
+def _relative(gaps: Floats, sizes: Floats) -> Floats:
+    return np.divide(gaps, sizes, out=np.zeros_like(gaps), where=sizes > 0.0)
 
 
-def _told(good: int, total: int, what: str) -> Verdict:
-    if good == total:
-        return Verdict(HOLDS, "trend holds")
-    return Verdict(CONTRADICTED, f"contradicted: {good} of {total} {what} as said")
+def _margins(rule: Limit, numbers: Floats) -> Floats:
+    """How far inside the limits each number is, of the larger of it and the limit."""
+    sides = [(rule.above, 1.0), (rule.below, -1.0)]
+    found = [
+        _relative(sign * (numbers - limit), np.maximum(np.abs(numbers), abs(limit)))
+        for limit, sign in sides
+        if limit is not None
+    ]
+    return np.asarray(np.min(found, axis=0))
+
+
+def _compared(rule: Comparison, margins: Floats, numbers: Floats) -> Verdict:
+    """Of relative differences that are positive where the statement holds."""
+    noise = 0.0 if rule.exact else NOISE
+    total, good, bad = margins.size, int((margins > noise).sum()), int((margins < -noise).sum())
+    same = total - good - bad
+    beside = f", {same} within 1 %" if same else ""
+    told = f"{good} of {total} as said{beside}"
+    if bad and not (rule.usually and good > USUALLY * (good + bad)):
+        if numbers.size == 1:
+            told = f"{numbers.item():.4g} {rule.unit}".rstrip()
+        return Verdict(CONTRADICTED, f"{CONTRADICTED}: {told}")
+    if 2 * good < total:
+        return Verdict(CLOSE, f"{CLOSE}: too close to tell ({told})")
+    return Verdict(HOLDS, HOLDS + (f" ({told})" if good < total else ""))
 
 
 def _size(value: float) -> str:

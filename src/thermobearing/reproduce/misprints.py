@@ -13,9 +13,8 @@ from thermobearing.model.options import ModelOptions, build_model
 from thermobearing.model.stack import build_stack
 from thermobearing.reproduce.chapter_5 import LHDR
 from thermobearing.reproduce.runs import Runs, cycles_of
-from thermobearing.reproduce.values import Numbers, told
+from thermobearing.reproduce.values import Numbers
 from thermobearing.structure.matrices import build_matrices
-from thermobearing.structure.run import prepare_structure
 
 HDR, PIER = "shen-hdr-specimen", "pier-p1"
 DT = 0.005  # of the equations typed here [s]
@@ -257,15 +256,3 @@ def dashpots_6_5(runs: Runs) -> Numbers:
     signed: Floats = np.outer(np.abs(unit), unit)
     values = np.linalg.eigvalsh(0.5 * (signed + signed.T))
     return float(values[0] / values[-1])
-
-
-def masses_6_6(runs: Runs) -> Numbers:
-    """Mass that the ground pushes in Eq. 6.4-6.7 over that of Table 6.2."""
-    structure = runs.structure(PIER)
-    pushed = float(-build_matrices(structure, "published").load[:2].sum())
-    return pushed / sum(item.mass for item in structure.masses)
-
-
-def rayleigh_6_2_3(runs: Runs) -> Numbers:
-    """Damping ratios of modes 3 and 4 where 1 and 2 have those of 6.2.3."""
-    return told(prepare_structure(runs.structure(PIER), "consistent", "source").ratios[2:])

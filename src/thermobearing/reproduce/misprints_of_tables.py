@@ -1,14 +1,11 @@
 """What tables and words of the print have wrong, computed: functions of `misprints.toml`."""
 
 import math
-from typing import Any
 
 from thermobearing.bearing.model import Bearing
-from thermobearing.bearing.new import new_bearing
-from thermobearing.bearing.scaling import compound_of
 from thermobearing.cyclic.equivalent import isothermal_cycle
 from thermobearing.design.rubber import load_rubber
-from thermobearing.reproduce.chapter_6 import GRAVITY, HDR, LHDR, NOMINAL
+from thermobearing.reproduce.chapter_6 import GRAVITY, HDR, NOMINAL
 from thermobearing.reproduce.printed import printed
 from thermobearing.reproduce.runs import AMBIENT, Runs
 from thermobearing.reproduce.values import Numbers
@@ -23,11 +20,6 @@ def equivalent_stiffness_6_3(runs: Runs) -> Numbers:
     return (printed(runs, "Q_d") + printed(runs, "K_2") * displacement) / displacement
 
 
-def yield_point_6_3(runs: Runs) -> Numbers:
-    """K_1 u_y of Table 6.3 [kN]."""
-    return printed(runs, "K_1") * printed(runs, "u_y")
-
-
 def stiffness_6_4(runs: Runs) -> Numbers:
     """K_eq at 178 mm of the HDR bridge bearing with K_r as Table 6.4 prints it [N/mm]."""
     bearing = runs.bearing(HDR)
@@ -35,18 +27,6 @@ def stiffness_6_4(runs: Runs) -> Numbers:
     soft = bearing.model_copy(update={"hysteresis": bearing.hysteresis.model_copy(update=law)})
     strain = printed(runs, "u_B") / bearing.total_rubber_thickness
     return 1e3 * isothermal_cycle(soft, strain).stiffness_kN_mm
-
-
-def coefficients_in_order(runs: Runs) -> Numbers:
-    """|n_T| and |m_T| of Tables 4.2, 5.2, 6.4 (HDR, LHDR), a row each."""
-    laws = [runs.bearing(name).hysteresis for name in (*SPECIMENS, HDR, LHDR)]
-    return [
-        (
-            abs(law.hysteretic_temperature_coefficient),
-            abs(law.elastic_temperature_coefficient),
-        )
-        for law in laws
-    ]
 
 
 def _swapped(bearing: Bearing) -> Bearing:
@@ -62,27 +42,6 @@ def damping_of_swapped(runs: Runs) -> Numbers:
     """h_eq of the HDR bridge bearing with m_T and n_T exchanged, 175 %, no heating."""
     bearing = _swapped(runs.bearing(HDR))
     return tuple(isothermal_cycle(bearing, NOMINAL, temperature=at).h_eq for at in AMBIENT)
-
-
-def compounds_of_6_4(runs: Runs) -> Numbers:
-    """Table 6.4 over the specimens' compounds at the size of Table 6.1: K_r twice, K_l."""
-    sizes: dict[str, Any] = {
-        "layers": "6x17mm",
-        "shim": "6.4 mm",
-        "plan": "480x480mm",
-        "end_plate": "50 mm",
-    }
-    hdr = new_bearing("of the specimen", compound_of(runs.bearing(SPECIMENS[0])), **sizes)
-    cores: dict[str, Any] = {"lead": "50 mm", "cores": 4, "sealing_plate": "50 mm"}
-    lhdr = new_bearing("of the specimen", compound_of(runs.bearing(SPECIMENS[1])), **sizes, **cores)
-    printed_hdr, printed_lhdr = runs.bearing(HDR), runs.bearing(LHDR)
-    assert lhdr.lead is not None
-    assert printed_lhdr.lead is not None
-    return (
-        printed_hdr.hysteresis.layer_stiffness / hdr.hysteresis.layer_stiffness,
-        printed_lhdr.hysteresis.layer_stiffness / lhdr.hysteresis.layer_stiffness,
-        printed_lhdr.lead.stiffness / lhdr.lead.stiffness,
-    )
 
 
 def damping_of_g12(runs: Runs) -> Numbers:
@@ -120,13 +79,6 @@ def stress_on_two(runs: Runs) -> Numbers:
 def stress_on_eight(runs: Runs) -> Numbers:
     """On the eight of the bridge [MPa]."""
     return _stress(runs, printed(runs, "bearings_of_the_bridge"))
-
-
-def shape_factor_of_lhdr(runs: Runs) -> Numbers:
-    """First shape factor of the LHDR specimen with the area that its rubber has."""
-    bearing = runs.bearing(SPECIMENS[1])
-    free = bearing.geometry.plan.perimeter * bearing.geometry.rubber_thickness
-    return (bearing.area - bearing.lead_area) / free
 
 
 def piers_of_six_spans(runs: Runs) -> Numbers:

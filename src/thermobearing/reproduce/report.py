@@ -5,7 +5,7 @@ import pandas as pd
 from thermobearing.report.identity import identity_of
 from thermobearing.report.pieces import Column, Pieces, ReportFigure, ReportTable
 from thermobearing.reproduce.claims import PARTS
-from thermobearing.reproduce.judge import CONTRADICTED, HOLDS, NEEDS, REPRODUCED
+from thermobearing.reproduce.judge import VERDICTS
 from thermobearing.reproduce.report_tables import (
     FUNCTIONS,
     claims_tables,
@@ -39,11 +39,11 @@ def pieces_of(saved: SavedResult) -> Pieces:
     saved : the directory, read back.
     """
     told = saved.summary
-    counts: dict[str, int] = told["counts"]
+    groups: dict[str, dict[str, int]] = told["groups"]
     rows = saved["ledger"]
     ledger = rows.astype(object).where(rows.notna(), "").set_index("id")
     claims = {part: claims_tables(ledger, part) for part in PARTS}
-    tables = {"counts": _counts(counts)}
+    tables = {"counts": _counts(groups)}
     tables |= {part: table for part, table in claims.items() if table is not None}
     tables |= {
         str(name): table_of(str(name), pd.read_csv(saved.path / TABLES / f"{name}.csv"))
@@ -54,7 +54,7 @@ def pieces_of(saved: SavedResult) -> Pieces:
         command="reproduce",
         title="The source again: tables, figures and claims",
         question=QUESTION,
-        answer=_answer(counts, int(told["claims"])),
+        answer=_answer(groups),
         tables=tables,
         figures=_figures(saved),
         validity_unknown=UNJUDGED,
@@ -66,19 +66,19 @@ def pieces_of(saved: SavedResult) -> Pieces:
     )
 
 
-def _answer(counts: dict[str, int], total: int) -> list[str]:
-    holds = counts[REPRODUCED] + counts[HOLDS]
+def _answer(groups: dict[str, dict[str, int]]) -> list[str]:
     return [
-        f"Of {total} claims {holds} hold: {counts[REPRODUCED]} numbers are reproduced and "
-        f"{counts[HOLDS]} trends hold.",
-        f"{counts[CONTRADICTED]} are contradicted by what its own data and equations give.",
-        f"{counts[NEEDS]} can be judged by its measurements only, which are not public.",
+        f"Of {sum(counts.values())} {group}, "
+        + ", ".join(f"{number} {kind}" for kind, number in counts.items() if number)
+        + "."
+        for group, counts in groups.items()
     ]
 
 
-def _counts(counts: dict[str, int]) -> ReportTable:
-    columns = [Column("Verdict"), Column("Claims", form="d")]
-    return ReportTable("Claims by verdict", columns, [list(item) for item in counts.items()])
+def _counts(groups: dict[str, dict[str, int]]) -> ReportTable:
+    columns = [Column("Verdict"), *(Column(group.capitalize(), form="d") for group in groups)]
+    rows = [[name, *(counts[name] for counts in groups.values())] for name in VERDICTS]
+    return ReportTable("Claims by verdict", columns, rows)
 
 
 def _figures(saved: SavedResult) -> dict[str, ReportFigure]:

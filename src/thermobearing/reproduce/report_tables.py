@@ -15,7 +15,10 @@ from thermobearing.reproduce.tables import printed_tables
 FUNCTIONS = "functions"
 BEST = 12  # sets of choices that are shown
 CHANGE = "_change_percent"
-HEADS = ("Place", "Statement", "Computed", "Verdict", "What flips it", "Figure", "Function")
+HEADS = (
+    *("Place", "Statement", "Computed", "Verdict", "Model as printed"),
+    *("What flips it", "Figure", "Function"),
+)
 OF_SOURCE = (
     *(Column("Quantity"), Column("Of"), Column("Unit"), Column("Printed", form=".6g")),
     *(Column("Here", form=".6g"), Column("Difference", "%", ".2f"), Column("By"), Column("Note")),
@@ -63,7 +66,8 @@ def _claim_row(claim: Claim, ledger: pd.DataFrame) -> list[Any]:
     flip = "; ".join(filter(None, (told["smallest_flip"], told["why"])))
     figure = claim.figure or ""
     return [
-        *(told["place"], told["statement"], told["computed"], told["words"], flip),
+        *(told["place"], told["statement"], told["computed"], told["words"]),
+        *(told["printed_model"], flip),
         Link(figure_words(figure), figure) if figure else "",
         Link(told["function"], FUNCTIONS) if told["function"] else "",
     ]

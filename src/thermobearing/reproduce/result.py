@@ -10,6 +10,7 @@ import pandas as pd
 
 from thermobearing import __version__
 from thermobearing.border.showing import Shown
+from thermobearing.reproduce.claims import GROUPS, group_of
 from thermobearing.reproduce.judge import FAILED, VERDICTS
 from thermobearing.reproduce.rows import Row
 from thermobearing.reproduce.told import computed_words, rule_words
@@ -42,10 +43,23 @@ class Reproduction(Shown):
         return {name: kinds.count(name) for name in VERDICTS}
 
     @property
+    def groups(self) -> dict[str, dict[str, int]]:
+        """Rows by verdict of each group of claims: statements, repeats, misprints."""
+        found = {group: dict.fromkeys(VERDICTS, 0) for group in GROUPS}
+        for row in self.rows:
+            found[group_of(row.claim.id)][row.verdict.kind] += 1
+        return {group: counts for group, counts in found.items() if any(counts.values())}
+
+    @property
     def headline(self) -> str:
         """What it is, in a line."""
-        told = ", ".join(f"{count} {name}" for name, count in self.counts.items() if count)
-        return f"Reproduction: {len(self.rows)} claims: {told}"
+        parts = [
+            f"{sum(counts.values())} {group} ("
+            + ", ".join(f"{count} {name}" for name, count in counts.items() if count)
+            + ")"
+            for group, counts in self.groups.items()
+        ]
+        return "Reproduction: " + "; ".join(parts)
 
     def show(self) -> None:
         """Print the tables that the command prints."""
@@ -72,7 +86,7 @@ class Reproduction(Shown):
 
     @cached_property
     def ledger(self) -> pd.DataFrame:
-        """One row per claim: place, statement, verdict, computed, rule, smallest flip, figure."""
+        """One row per claim: place, statement, verdict, computed, printed model, rule, flips."""
         return pd.DataFrame([self._told(row) for row in self.rows])
 
     def _told(self, row: Row) -> dict[str, Any]:
@@ -84,6 +98,7 @@ class Reproduction(Shown):
             "verdict": row.verdict.kind,
             "words": row.verdict.words,
             "computed": computed_words(claim, row.computed),
+            "printed_model": row.printed.words if row.printed else "",
             "rule": rule_words(claim.rule),
             "smallest_flip": row.flip_words,
             "flips": "; ".join(flip.words for flip in row.flips),
@@ -107,6 +122,7 @@ class Reproduction(Shown):
             "chapter": self.chapter,
             "claims": len(self.rows),
             "counts": self.counts,
+            "groups": self.groups,
             "broken": self.broken,
             "warnings": [f"{name}: {why}" for name, why in self.broken.items()],
             "figures": {item.name: item.caption for item in self.figures if item.image},

@@ -4,17 +4,24 @@ A row that breaks is a row with its reason: nothing that is wrong with one claim
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import import_module
 from typing import Any
 
 import numpy as np
 
 from thermobearing.border.errors import InputError
-from thermobearing.reproduce.claims import Claim
+from thermobearing.reproduce.claims import Claim, group_of
 from thermobearing.reproduce.flips import Flip, Variants, all_flips, stands_more_stiffness
-from thermobearing.reproduce.judge import FAILED, Verdict, verdict_of
-from thermobearing.reproduce.runs import Runs
+from thermobearing.reproduce.judge import (
+    ECHOES,
+    FAILED,
+    REPRODUCED,
+    Verdict,
+    of_motions,
+    verdict_of,
+)
+from thermobearing.reproduce.runs import PRINTED, WAVES, Runs
 from thermobearing.reproduce.told import reason
 
 ROOM = "thermobearing.reproduce"
@@ -31,6 +38,7 @@ class Row:
     computed : the numbers; none if there are none.
     flips : smallest changes that flip a verdict that holds.
     stiffer : whether a verdict that holds stands 5 % more K_r; None for others.
+    printed : verdict on the model as printed; None for misprints and where test data are needed.
     """
 
     claim: Claim
@@ -38,6 +46,7 @@ class Row:
     computed: Any = None
     flips: tuple[Flip, ...] = ()
     stiffer: bool | None = None
+    printed: Verdict | None = None
 
     @property
     def smallest(self) -> Flip | None:
@@ -100,17 +109,31 @@ def make_row(claim: Claim, runs: Runs, variants: Variants | None = None) -> Row:
 
 def _made(claim: Claim, runs: Runs, variants: Variants | None) -> Row:
     function = function_of(claim)
-    computed = np.asarray(function(runs), dtype=float)
 
     def judged(changed: Runs) -> Verdict:
         return verdict_of(claim.rule, function(changed))
 
+    runs.shaken = False
+    computed = np.asarray(function(runs), dtype=float)
     verdict = verdict_of(claim.rule, computed)
+    if runs.shaken and verdict.kind != FAILED:
+        verdict = of_motions(verdict, [judged(runs.beside(moved_on=k)) for k in range(1, WAVES)])
+    if claim.echoes and verdict.kind == REPRODUCED:
+        verdict = Verdict(ECHOES, f"{ECHOES}: {verdict.words}")
+    row = Row(claim, verdict, computed.tolist(), printed=_as_printed(claim, judged, runs))
     if variants is None or not verdict.settled:
-        return Row(claim, verdict, computed.tolist())
+        return row
     stiffer = stands_more_stiffness(judged, variants)
     if stiffer and not claim.depends:
         verdict = Verdict(FAILED, "failed: stands 5 % more K_r and does not say why")
-    return Row(
-        claim, verdict, computed.tolist(), tuple(all_flips(claim, judged, variants)), stiffer
-    )
+    flips = tuple(all_flips(claim, judged, variants))
+    return replace(row, verdict=verdict, flips=flips, stiffer=stiffer)
+
+
+def _as_printed(claim: Claim, judged: Callable[[Runs], Verdict], runs: Runs) -> Verdict | None:
+    if group_of(claim.id) == "misprints":
+        return None
+    try:
+        return judged(runs.beside(**PRINTED))
+    except Exception as error:  # an analysis that has no printed scheme
+        return Verdict(FAILED, reason(error))

@@ -22,6 +22,8 @@ from thermobearing.structure.model import Structure, load_structure
 
 T = TypeVar("T")
 AMBIENT = (23.0, 0.0, -20.0)  # of all tests and studies of the source, warm to cold [degC]
+WAVES = 3  # built-in motions of each type and ground
+PRINTED: dict[str, Any] = {"scheme": "published", "integrator": "euler"}
 PART = re.compile(r"([a-z_]+)(?:\[(\d+)\])?")
 
 
@@ -58,7 +60,13 @@ class Runs:
         structure and motion that has it.
     light : cyclic tests without the temperatures of every cell, unless `keep` asks for them: many
         changes are to be kept at once.
+    stand_in : how many places the waves of a type and ground are moved on: 1 takes 2 for 1, 3 for
+        2, 1 for 3. They have the same spectrum.
     options : for every simulation, scheme="published".
+
+    Attributes
+    ----------
+    shaken : whether a motion was asked for since this was last set to False.
 
     Examples
     --------
@@ -68,16 +76,33 @@ class Runs:
     """
 
     def __init__(
-        self, change: Mapping[str, float] | None = None, *, light: bool = False, **options: Any
+        self,
+        change: Mapping[str, float] | None = None,
+        *,
+        light: bool = False,
+        stand_in: int = 0,
+        **options: Any,
     ) -> None:
         self.change = dict(change or {})
-        self.light = light
+        self.light, self.stand_in, self.shaken = light, stand_in, False
         self.options = options
         known = parameters()
         wrong = [name for name in self.change if name not in known]
         if wrong:
             raise InputError([f'no parameter "{k}"{nearest(k, known)}' for k in wrong], "Runs()")
-        self._kept: dict[str, Any] = {}
+        self._kept: dict[str, tuple[Any, bool]] = {}
+
+    def beside(
+        self, change: Mapping[str, float] | None = None, *, moved_on: int = 0, **options: Any
+    ) -> "Runs":
+        """Return the same simulations with other changes, stand-ins or options, made once."""
+
+        def make() -> Runs:
+            stand_in = self.stand_in + moved_on
+            changes = self.change | dict(change or {})
+            return Runs(changes, light=True, stand_in=stand_in, **self.options | options)
+
+        return self.once(make, "beside", change, moved_on, options)
 
     def bearing(self, name: str) -> Bearing:
         """A bearing of the library with the changes."""
@@ -100,7 +125,9 @@ class Runs:
 
     def motion(self, name: str) -> Any:
         """A built-in motion with the changes."""
-        load_motion(name)
+        self.shaken = True
+        start, _, wave = load_motion(name).name.rpartition("-")
+        name = f"{start}-{(int(wave) - 1 + self.stand_in) % WAVES + 1}"
         factor = 1.0
         for symbol, own in self.change.items():
             factor *= own if parameters()[symbol].of == "motion" else 1.0
@@ -175,8 +202,12 @@ class Runs:
         """What `make` gives, made once for these words."""
         key = repr(words)
         if key not in self._kept:
-            self._kept[key] = make()
-        found: T = self._kept[key]
+            before, self.shaken = self.shaken, False
+            self._kept[key] = make(), self.shaken
+            self.shaken = before
+        found: T
+        found, shaken = self._kept[key]
+        self.shaken |= shaken
         return found
 
 

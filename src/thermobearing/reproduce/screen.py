@@ -1,6 +1,7 @@
 """A reproduction on the terminal: counts, and what does not hold."""
 
-from thermobearing.reproduce.judge import CONTRADICTED, FAILED
+from thermobearing.reproduce.claims import group_of
+from thermobearing.reproduce.judge import CONTRADICTED, FAILED, VERDICTS
 from thermobearing.reproduce.result import Reproduction
 from thermobearing.results.screen import print_table, print_warnings, say
 
@@ -8,18 +9,21 @@ LONGEST = 70  # letters of a statement
 
 
 def print_reproduction(found: Reproduction) -> None:
-    """Counts by verdict, the rows that are contradicted, and what broke.
+    """Print counts by verdict, the statements that are contradicted, and what broke.
 
     Parameters
     ----------
     found : from `reproduce_source`.
     """
-    rows = [(name, str(count)) for name, count in found.counts.items()]
-    print_table(("verdict", "claims"), [*rows, ("all", str(len(found.rows)))])
+    groups = found.groups
+    kinds = [(name, [str(counts[name]) for counts in groups.values()]) for name in VERDICTS]
+    sums = [str(sum(counts.values())) for counts in groups.values()]
+    rows = [(name, *numbers) for name, numbers in [*kinds, ("all", sums)] if set(numbers) != {"0"}]
+    print_table(("verdict", *groups), rows)
     against = [
         (row.claim.place, _short(row.claim.statement), row.verdict.words)
         for row in found.rows
-        if row.verdict.kind == CONTRADICTED
+        if row.verdict.kind == CONTRADICTED and group_of(row.claim.id) != "misprints"
     ]
     if against:
         print_table(("place", "statement", "verdict"), against, title="contradicted", keys=2)

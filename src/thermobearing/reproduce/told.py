@@ -65,7 +65,9 @@ def rule_words(rule: Rule) -> str:
     if isinstance(rule, Limit):
         sides = (("above", rule.above), ("below", rule.below))
         told = " and ".join(f"{n} {number_words(v)}" for n, v in sides if v is not None)
-        return f"{told} {rule.unit}".strip()
-    if isinstance(rule, Order):
-        return " > ".join(rule.names)
-    return f"{rule.direction}: {rule.along}"
+        told = f"{told} {rule.unit}".strip()
+    elif isinstance(rule, Order):
+        told = " > ".join(rule.names)
+    else:
+        told = f"{rule.direction}: {rule.along}"
+    return f"usually {told}" if rule.usually else told
