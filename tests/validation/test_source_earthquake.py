@@ -29,7 +29,6 @@ REAL = {
 # on every motion.
 CAPPED = {"more force"}
 EXCEPTIONS: dict[tuple[str, str], set[str]] = {
-    ("jra-ii-i-2", "shen-hdr-bridge"): CAPPED,
     ("Takatori", "shen-hdr-bridge"): CAPPED,
     ("Takatori", "shen-lhdr-bridge"): CAPPED,
     ("El Centro", "shen-hdr-bridge"): CAPPED,
