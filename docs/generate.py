@@ -162,7 +162,8 @@ def coverage_items() -> list[dict[str, Any]]:
         if missing:
             raise ValueError(f"coverage.toml, item {item['item']}: no claim or value {missing}")
         words = NAMED.sub(lambda found: measured[found[1]], item.get("ours", ""))
-        told = [f"{ledger[name]['computed']} ({ledger[name]['verdict']})" for name in judged]
+        rows = [(ledger[name]["computed"], f"({ledger[name]['verdict']})") for name in judged]
+        told = [" ".join(filter(None, row)) for row in rows]
         told += [ledger[name]["computed"] for name in numbers]
         item["ours"] = ": ".join(filter(None, (words, "; ".join(told))))
         if judged:

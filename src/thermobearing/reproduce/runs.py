@@ -64,10 +64,6 @@ class Runs:
         2, 1 for 3. They have the same spectrum.
     options : for every simulation, scheme="published".
 
-    Attributes
-    ----------
-    shaken : whether a motion was asked for since this was last set to False.
-
     Examples
     --------
     >>> stiff = Runs(change={"K_r": 1.05}).bearing("shen-hdr-specimen")
@@ -84,7 +80,8 @@ class Runs:
         **options: Any,
     ) -> None:
         self.change = dict(change or {})
-        self.light, self.stand_in, self.shaken = light, stand_in, False
+        self.light, self.stand_in = light, stand_in
+        self.shaken = False  # whether a motion was asked for since this was last set so
         self.options = options
         known = parameters()
         wrong = [name for name in self.change if name not in known]
