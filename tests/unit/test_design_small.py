@@ -1,5 +1,6 @@
 """Small errors of designs that went unseen once."""
 
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -7,6 +8,7 @@ from numpy.testing import assert_allclose
 
 import thermobearing as tb
 from tests.regression.cases import INPUTS
+from tests.unit.inputs import command, summary, write_toml
 from thermobearing.design.bounds import first_motions
 from thermobearing.design.case import LineGroup, bearing_weight, make_design_case, settle_groups
 from thermobearing.design.rubber import checked_strain, load_rubber
@@ -82,6 +84,22 @@ def test_a_design_of_several_lines_is_judged_on_the_bridge() -> None:
     parts |= {"masses": [deck.model_copy(update={"mass": 0.1}), mass_of_b], "springs": ()}
     pier = case.structure.model_copy(update=parts | {"bearings": case.structure.bearings[1:]})
     assert run_design(bridge(structure=pier)).last.found > 1.04 * on_b.found
+
+
+def test_lines_of_a_group_on_the_command_line_get_one_size(tmp_path: Path) -> None:
+    table = {"tolerance": 0.1, "dt": "10 ms", "equal": [], "ambient": []}
+    case = write_toml(tmp_path / "case.toml", table)
+    words = ("--structure", INPUTS / "two-piers.toml", "--motion", "jra-i-i-1", "--no-figures")
+    done = command("design", case, *words, "--group", "on B, on A", "-o", tmp_path / "one", "-q")
+    assert done.exit_code == 0, done.output
+    told = summary(tmp_path / "one")
+    assert {turn["group"] for turn in told["rounds"]} == {"on B, on A"}
+    assert isinstance(told["bearing"], str)  # of all lines
+    parts = {(check["what"], check["part"]) for check in told["checks"]}
+    assert {part for what, part in parts if what == "pier ductility"} == {"B"}
+    refused = command("design", case, *words, "--group", "on C", "-o", tmp_path / "no")
+    assert refused.exit_code == 2
+    assert '"on B"?' in refused.output
 
 
 def test_limits_and_tests_hold_at_every_temperature() -> None:

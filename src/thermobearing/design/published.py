@@ -11,7 +11,7 @@ from thermobearing.border.library import data_path
 from thermobearing.border.schema import Strict, validated
 from thermobearing.border.toml import read_toml
 
-FOOTNOTE = "*: from memory or chosen; no printed source of it was read"
+FOOTNOTE = "*: from memory or chosen, no source read"
 
 
 class Cited(Protocol):
