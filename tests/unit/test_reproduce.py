@@ -187,6 +187,8 @@ def test_changes_reach_every_bearing_and_structure() -> None:
     masses = [one.structure("hybrid-pier").masses[0].mass for one in (plain, runs)]
     assert masses[1] == pytest.approx(2.0 * masses[0])
     assert Runs({"a_g": 1.2}).motion("jra-i-i-1")["factor"] == 1.2
+    rocking = Runs({"k_theta3": 10.0}).structure("hybrid-pier")  # it has no such spring
+    assert rocking == plain.structure("hybrid-pier")
     assert plain.motion("jra-i-i-1") == "jra-i-i-1"
     with pytest.raises(InputError, match=r'no parameter "sigma_y".*sigma_Y'):
         Runs({"sigma_y": 1.0})

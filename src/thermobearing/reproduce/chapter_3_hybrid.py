@@ -195,6 +195,11 @@ def hdr_rise_ratio(runs: Runs) -> Floats:
     return rise_ratios(runs, HDR, "inner_layer")
 
 
+def hdr_rise_ratio_outer(runs: Runs) -> Floats:
+    """Rise of the outer layer in real time over pseudo-dynamic, HDR."""
+    return rise_ratios(runs, HDR, "outer_layer")
+
+
 def lead_rise_ratio(runs: Runs) -> Floats:
     """Rise of the lead in real time over pseudo-dynamic."""
     return rise_ratios(runs, LHDR, "lead")

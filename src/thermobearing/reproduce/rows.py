@@ -97,7 +97,7 @@ def make_row(claim: Claim, runs: Runs, variants: Variants | None = None) -> Row:
     --------
     >>> from thermobearing.reproduce.claims import load_claims
     >>> make_row(load_claims("chapter-3")[0], Runs()).verdict.kind
-    'reproduced'
+    'echoes an input'
     """
     if claim.needs_data:
         return Row(claim, verdict_of(claim.rule, ()))

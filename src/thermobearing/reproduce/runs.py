@@ -230,7 +230,8 @@ def _multiply(data: dict[str, Any], key: str, factor: float) -> bool:
         found = PART.fullmatch(part)
         table = table.get(found.group(1)) if found else None
         if table is not None and found and found.group(2) is not None:
-            table = table[int(found.group(2))]
+            place = int(found.group(2))
+            table = table[place] if place < len(table) else None
         if table is None:
             return False
     if table.get(last) is None:
