@@ -183,7 +183,7 @@ def test_every_figure_tells_of_failed_runs() -> None:
 
 @cache
 def drawn(**design: Any) -> StudyResult:
-    """Three motions at two intensities, stiffness, strain and temperature drawn for each run."""
+    """Three motions at three intensities, stiffness, strain and temperature drawn for each run."""
     factors = {
         "bearing": "shen-hdr-bridge",
         "motion": MOTIONS[:3],
@@ -222,7 +222,7 @@ def test_paired_draws_have_one_share_of_the_variance() -> None:
     """
     found = drawn(paired=True).variance().set_index("factor")["share"]
     both = "ambient_degC, bearing.K_r, bearing.m_T"
-    assert list(found.index) == ["motion", "scale", both, "together and the rest"]
+    assert list(found.index) == ["motion", "PGA_m_s2", both, "together and the rest"]
     assert found["together and the rest"] >= 0.0
     assert found.sum() == pytest.approx(1.0)
     alone = drawn(paired=False).variance()["factor"].tolist()

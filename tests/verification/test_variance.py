@@ -107,6 +107,16 @@ def test_correlation_ratio_of_draws_has_no_bias_and_holds_the_truth() -> None:
     assert held.min() / times > tolerances.LEAST_COVERAGE_OF_RATIOS
 
 
+def test_runs_without_a_number_are_one_class() -> None:
+    """Half the runs have it; the demand follows their order, of which the number knows nothing."""
+    number = np.where(np.arange(400) < 200, np.random.default_rng(9).random(400), np.nan)
+    drift = np.tile(np.arange(200.0), 2)
+    table = pd.DataFrame({"number": number, "few": np.round(3.0 * number), "drift": drift})
+    found = variance_shares(table, "drift", ["number", "few"], samples=50)
+    assert np.abs(found["share"][:2]).max() < 0.1
+    assert found["levels"].tolist() == [15, 5, 0]
+
+
 def test_many_draws_of_a_number_have_many_classes() -> None:
     """A straight line of 2000 draws: 44 classes leave about one part in 44^2 inside."""
     x = np.random.default_rng(8).random(2000)

@@ -29,7 +29,8 @@ def figures(
     directory: Directory,
     demand: Demand = None,
     capacity: Annotated[
-        float | None, typer.Option(help="Of the demand, in the unit of its column.")
+        float | None,
+        typer.Option(help="Of the demand, in the unit of its column; fragility needs it."),
     ] = None,
     hazard: Annotated[
         str | None, typer.Option(help="Hazard curve of the site: a file.", metavar="FILE")

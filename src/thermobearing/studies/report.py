@@ -105,7 +105,7 @@ def answer(result: StudyResult, asked: Question) -> list[str]:
             table = part.rates_table(curves, rates)
             row, of = table.iloc[-1], f"{name}: " if name else ""
             told = f"{of}{_air(row['name'])}: {_period(rates[row['name']])}"
-            if row["over_reference"] > 0.0:
+            if 0.0 < row["over_reference"] < np.inf:
                 told += (
                     f", {row['over_reference']:.2f} times as often as at {_air(list(curves)[-1])} "
                     f"({row['over_low']:.2f} to {row['over_high']:.2f})"

@@ -365,6 +365,8 @@ class StudyResult(Shown):
             found = sobol_table(self.table, name)
             return found.assign(factor=found["factor"].replace(HOUR, AMBIENT))
         factors = [factor for factor in self.factors if factor != HOUR]
+        if self.study.factors.scale.of == "intensity":  # of which the scale follows by the motion
+            factors = [self.intensity if factor == "scale" else factor for factor in factors]
         return variance_shares(self.table, name, factors, together=self._drawn_together())
 
     def _drawn_together(self) -> list[str]:

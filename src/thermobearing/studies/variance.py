@@ -221,13 +221,18 @@ def _runs(table: pd.DataFrame, demand: str, failed: Failed, level: float) -> Cou
 def _codes(values: list[Any]) -> NDArray[np.int64]:
     """Class of each run: its level, or for many numbers one of classes of equally many runs.
 
-    As many classes as each has runs, so that little of a slope is left inside of them.
+    As many classes as each has runs, so that little of a slope is left inside of them. Runs
+    without the number are a class by themselves.
     """
-    codes, different = pd.factorize(np.asarray(values, dtype=object))
+    codes, different = pd.factorize(np.asarray(values, dtype=object), use_na_sentinel=False)
     if len(different) <= MOST_LEVELS or not all(isinstance(v, int | float) for v in different):
         return np.asarray(codes, dtype=np.int64)
-    classes = min(int(np.sqrt(len(values))), MOST_CLASSES)
-    return equal_classes(np.asarray(values, dtype=float), classes)
+    found = np.asarray(values, dtype=float)
+    known = ~np.isnan(found)
+    codes = np.zeros(len(found), dtype=np.int64)
+    classes = min(int(np.sqrt(known.sum())), MOST_CLASSES)
+    codes[known] = equal_classes(found[known], classes) + int(not known.all())
+    return codes
 
 
 def _cells(
