@@ -32,6 +32,7 @@ class Question:
     temperatures : hourly weather of the site, which the rubber of each bearing follows; or
         temperatures of the rubber at equally probable times [degC]. None: no climate but that of
         the study.
+    _followed : temperatures of the rubber that were found already, by bearing.
     """
 
     demand: str | None = None
