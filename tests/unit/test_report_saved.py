@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import thermobearing as tb
+from tests.regression.cases import INPUTS
 from tests.unit.report_words import assert_well_formed, numbers_in
 from thermobearing.design import report as design_report
 from thermobearing.design.case import make_design_case
@@ -187,6 +188,24 @@ def test_design(tmp_path) -> None:
     assert strain.value == pytest.approx(100.0 * design.checks[0].value)
     assert (strain.unit, strain.limit, strain.verdict) == ("%", 250.0, PASSED)
     assert len(pieces.tables["rounds"].rows) == len(design.rounds)
+
+
+def test_design_of_several_lines(tmp_path) -> None:
+    table = {"structure": "two-piers.toml", "dt": "10 ms", "ambient": ["-20 degC"]}
+    case = make_design_case(table, "example", INPUTS, motions=["jra-i-i-1"], tolerance=0.1)
+    design = run_design(case, templates=[tb.load_bearing("shen-hdr-bridge")])
+    pieces = design_report.pieces_of(loaded(design.save(tmp_path / "out")))
+    assert_well_formed(pieces)
+    arranged(pieces)
+    for name, turn in zip(["on A", "on B"], design.taken, strict=True):
+        assert f"for {name}, G8-{turn.size.side:g}" in pieces.answer[0]
+    named = [check.what for check in pieces.checks]
+    assert {"shear strain, on A", "shear strain, on B", "pier ductility, B"} <= set(named)
+    cold = design.temperatures
+    rows = pieces.tables["temperatures"].rows
+    assert [row[:3] for row in rows] == cold[["bearing", "group", "ambient_degC"]].values.tolist()
+    assert {row[1] for row in pieces.tables["rounds"].rows} == {"on A", "on B"}
+    assert len(design.plot.rounds().axes) == len(design.plot.equal().axes) == 2
 
 
 def test_motion(tmp_path) -> None:

@@ -35,6 +35,9 @@ DATA: dict[str, tuple[set[str], type[Strict] | None]] = {
     "choices and statements": ({"choice"}, None),
     "code of others": ({"plotly"}, None),
     "usual units": ({"factors"}, None),
+    "limits of piers": ({"ductility", "drift"}, None),
+    "surroundings in the weather": ({"upper_face", "lower_face"}, None),
+    "figures of Shen (2023)": ({"figures"}, None),
 }
 
 

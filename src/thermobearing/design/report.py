@@ -181,7 +181,8 @@ def tables_of(saved: SavedResult) -> dict[str, ReportTable]:
         told = [name for name in TEMPERATURES if name in summary["temperatures"][0]]
         columns = [Column("Bearing"), *lines, Column("Ambient", "°C", "g")]
         columns += [TEMPERATURES[name][0] for name in told]
-        columns += [*([Column("of pier")] if group else []), Column("Verdict"), Column("Fails")]
+        columns += [Column("Governing pier")] if group else []
+        columns += [Column("Verdict"), Column("Fails")]
         before = ["bearing", *group, "ambient_degC"]
         after = [*(["pier"] if group else []), "verdict", "fails"]
         rows = [
