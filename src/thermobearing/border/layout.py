@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from thermobearing.border.errors import InputError, shortened
-from thermobearing.border.sheets import LONGEST_NUMBER, Row, Sheet, Told, is_numeric
+from thermobearing.border.sheets import LONGEST_NUMBER, NOT_FINITE, Row, Sheet, Told, is_numeric
 from thermobearing.border.titles import is_called, measured_in, name_and_unit
 from thermobearing.border.units import HUGEST
 
@@ -74,18 +74,24 @@ class Table:
         plain = self.sheet.plain
         for i, (line, row) in enumerate(self.rows):
             try:
-                values[i] = _number(plain(row[column]) if column < len(row) else "")
+                values[i] = number_of(plain(row[column]) if column < len(row) else "")
             except InputError as error:
                 raise InputError(error.lines(f"line {line}, {self.titles[column]}")) from None
         return values * scale + offset
 
 
-def _number(text: str) -> float:
-    """A finite float; Python would also take "1_0" and "nan"."""
+def number_of(text: str) -> float:
+    """Return a finite float; Python would also take "1_0" and "nan".
+
+    Raises
+    ------
+    InputError : no number, none that is finite, or one that is too large.
+    """
     try:
         value = float(text.replace("_", "x").replace("D", "E").replace("d", "e"))
     except ValueError:
-        raise InputError(f'"{shortened(text)}" is not a number') from None
+        finite = "finite " if text.strip().lstrip("+-").lower() in NOT_FINITE else ""
+        raise InputError(f'"{shortened(text)}" is not a {finite}number') from None
     if not math.isfinite(value):
         raise InputError(f'"{shortened(text)}" is not a finite number')
     if abs(value) > HUGEST:

@@ -1,14 +1,13 @@
 """What the readers share: text into numbers, checks of unit, size and time steps."""
 
-import math
 import re
 from dataclasses import dataclass
 
 import numpy as np
 
 from thermobearing.border.errors import InputError, shortened
+from thermobearing.border.layout import number_of
 from thermobearing.border.sheets import NOT_FINITE
-from thermobearing.border.units import HUGEST
 from thermobearing.core.types import Floats
 from thermobearing.motions.record import ACCELERATION_UNITS, MM_S2_PER_GAL
 
@@ -63,15 +62,7 @@ def number(cell: str) -> float:
     text = cell.strip()
     if not text:
         raise InputError("a number is missing (a gap in the record)")
-    if not NUMBER.fullmatch(text):
-        what = "is not a finite number" if is_not_finite(text) else "is not a number"
-        raise InputError(f'"{shortened(text)}" {what}')
-    value = float(text.replace("D", "E").replace("d", "e"))
-    if not math.isfinite(value):
-        raise InputError(f'"{shortened(text)}" is not a finite number')
-    if abs(value) > HUGEST:
-        raise InputError(f'"{shortened(text)}" is too large, more than {HUGEST:g}')
-    return value
+    return number_of(text)
 
 
 def is_not_finite(text: str) -> bool:
