@@ -36,24 +36,6 @@ VERDICTS = {
     "later": "comes later",
 }
 
-# How a row of docs/reproduction.md is to be read.
-READING = (
-    "* *Statements* are of chapters 3 to 6; what chapter 7 repeats of them and what the print has "
-    "wrong (a row says what would be true if the print were) are counted apart.",
-    "* *Not decidable without the motion*: the accelerograms are not free to ship, and another "
-    "stand-in of the same spectrum (waves 2, 3 and 3, 1 for 1, 2) turns the verdict, either way.",
-    "* *Within 1 %*: comparisons closer than 1 % count neither for nor against; fewer than half of "
-    "them are as said, and none is against.",
-    '* *Usually*: of statements with "usually", "typically" or "tends" more than two thirds of the '
-    "comparisons beyond 1 % must be as said; of all others every one.",
-    "* *Echoes an input*: the number is an input or an identity, which no result can change.",
-    "* *As printed*: the verdict on the printed model (`scheme = published`, `integrator = "
-    "euler`) with the same motions.",
-    "* *Flips*: the smallest changes of a parameter (symbols of `data/claims/parameters.toml`) "
-    "that turn a verdict that holds, found by the program; *none*: none within reach. A claim that "
-    "5 % more K_r does not flip says why.",
-)
-
 # Rows of the README, by the names that tests and benches give their numbers; few, since
 # docs/verification.md has all.
 IN_README = (
@@ -246,6 +228,7 @@ def reproduction_text() -> str:
     from thermobearing.reproduce.claims import GROUPS, PARTS, load_claims
     from thermobearing.reproduce.files import CHAPTERS
     from thermobearing.reproduce.judge import ECHOES
+    from thermobearing.reproduce.report import READING
     from thermobearing.reproduce.told import rule_words
 
     ledger = load(LEDGER)
@@ -264,7 +247,7 @@ def reproduction_text() -> str:
         "(`tests/reproduce/ledger.json`); do not edit. `thermobearing reproduce` (`make "
         "reproduce`) makes the ledger, with every figure and table, from data files and code "
         "alone. Every verdict is computed at every run from the rule in its row.",
-        "\n".join(READING),
+        "\n".join(f"* {text}" for text in READING),
         table(["", *kinds], counts),
     ]
     for part, found in claims.items():

@@ -77,7 +77,7 @@ def index_text(found: Reproduction) -> str:
 
     known = {row.claim.id: row for row in found.rows}
     drawn = {item.name for item in found.figures if item.image is not None}
-    lines = ["# The source again", "", found.headline + ".", ""]
+    lines = ["# Reproduction of Shen (2023)", "", found.headline + ".", ""]
     for part, title in CHAPTERS.items():
         rows = [known[claim.id] for claim in load_claims(part) if claim.id in known]
         if not rows:

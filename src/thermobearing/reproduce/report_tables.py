@@ -16,8 +16,8 @@ FUNCTIONS = "functions"
 BEST = 12  # sets of choices that are shown
 CHANGE = "_change_percent"
 HEADS = (
-    *("Place", "Statement", "Computed", "Verdict", "Model as printed"),
-    *("What flips it", "Figure", "Function"),
+    *("Place", "Statement", "Computed", "Verdict", "As printed"),
+    *("Flips", "Figure", "Function"),
 )
 OF_SOURCE = (
     *(Column("Quantity"), Column("Of"), Column("Unit"), Column("Printed", form=".6g")),
