@@ -299,4 +299,6 @@ def test_none_beyond_is_bounded_as_by_clopper_and_pearson() -> None:
     rate = annual_rate(ClimateFragility({20.0: found}, np.ones(1)), site)
     assert (rate.rate, rate.groups) == (0.0, 12)
     median = found.row()["median_low"]
+    assert found.row()["median_high"] == np.inf
+    assert np.isnan([found.row()["dispersion_low"], found.row()["dispersion_high"]]).all()
     assert rate.high == pytest.approx(closed_form(median, 0.6, 1.0, 2.0), rel=0.01)

@@ -145,7 +145,7 @@ class Fragility:
             "median_high": float(high[0]) if high[0] < np.exp(700.0) else np.inf,
             "dispersion": self.dispersion,
             "dispersion_low": float(least[0]),
-            "dispersion_high": float(most[0]) if most[0] < flat else np.inf,
+            "dispersion_high": np.inf if most[0] >= flat else float(most[0]),
             "runs": self.runs,
             "beyond": int(self.counts["beyond"].sum()),
             "left_out": self.left_out,

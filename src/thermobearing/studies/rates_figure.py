@@ -53,7 +53,7 @@ def _bars(ax: Axes, rates: Mapping[Any, Rate]) -> None:
     for place, name in enumerate(names):
         rate, colour = rates[name], warm.get(name, drawing.INK)
         if not rate.rate > 0.0:
-            told = "no run\nbeyond" if rate.rate == 0.0 else "no curve"
+            told = "no run beyond,\nupper bound" if rate.rate == 0.0 else "no curve"
             look: drawing.Look = {"ha": "center", "va": "bottom", "color": drawing.GREY}
             ax.text(place, 0.02, told, transform=ax.get_xaxis_transform(), fontsize=6.5, **look)
             if rate.high > 0.0:  # an upper bound
