@@ -14,12 +14,14 @@ from matplotlib.figure import Figure
 
 from thermobearing.climate import Hourly, generate_weather
 from thermobearing.earthquake.soaking import bearing_weather
+from thermobearing.model.outcomes import PIER_BEYOND_LIMIT
 from thermobearing.results import drawing
 from thermobearing.studies import load_study, run_study
-from thermobearing.studies.counted import counted
+from thermobearing.studies.counted import OUTCOME, counted
 from thermobearing.studies.fragility import Fragility, fragility_curves
 from thermobearing.studies.hazard import Hazard, Rate, annual_rate, ratio
 from thermobearing.studies.mixture import ClimateFragility, shares_of_time
+from thermobearing.studies.peaks import COMPLETED
 from thermobearing.studies.store import Store
 
 STUDIES = {"hours": "cold-town", "levels": "cold-town-levels"}
@@ -41,6 +43,13 @@ class Limit(NamedTuple):
     demand: str
     capacity: float
     failed: Any
+
+    def rows(self, table: pd.DataFrame, bearing: str) -> pd.DataFrame:
+        """Runs of a bearing; those whose pier went beyond its limits have the bearing's strain."""
+        mine = table[table["bearing"] == bearing].reset_index(drop=True)
+        if self.demand.startswith("bearing_"):
+            mine = mine.replace({OUTCOME: {PIER_BEYOND_LIMIT: COMPLETED}})
+        return mine
 
 
 # A bearing that tears has gone beyond 250 %; of the pier below it nothing is known.
@@ -79,11 +88,10 @@ def answers(runs: dict[str, pd.DataFrame], warmth: dict[str, Any]) -> dict[tuple
     """By bearing and limit."""
     found = {}
     for bearing in BEARINGS:
-        levels = runs["levels"][runs["levels"]["bearing"] == bearing]
         for limit in LIMITS:
             asked = (limit.demand, limit.capacity, INTENSITY)
             curves = fragility_curves(
-                levels.reset_index(drop=True),
+                limit.rows(runs["levels"], bearing),
                 *asked,
                 "ambient_degC",
                 method="ida",
@@ -107,7 +115,8 @@ def rates_table(found: dict[tuple[str, str], Answer]) -> list[str]:
             rates = answer.rates()
             cells = [_years(rates[name]) for name in ("23 degC", "climate", "-20 degC")]
             times = ratio(rates["climate"], rates["23 degC"])
-            said = f"{times[0]:.2f} ({times[1]:.2f} to {times[2]:.2f})"
+            high = f"to {times[2]:.2f}" if np.isfinite(times[2]) else "or more"
+            said = f"{times[0]:.2f} ({times[1]:.2f} {high})"
             rows.append(f"| {limit.told}, {told} | {' | '.join(cells)} | {said} |")
     return rows
 
@@ -135,7 +144,7 @@ def parts_table(found: dict[tuple[str, str], Answer]) -> list[str]:
 
 def shares_beyond(table: pd.DataFrame, bearing: str, limit: Limit) -> pd.Series:
     """Share of the runs that go beyond, at each intensity."""
-    mine = counted(table[table["bearing"] == bearing], limit.demand, limit.failed)
+    mine = counted(limit.rows(table, bearing), limit.demand, limit.failed)
     beyond = pd.Series(mine.demand > limit.capacity)
     return beyond.groupby(mine.table[INTENSITY].to_numpy()).mean()
 
@@ -245,7 +254,7 @@ def draw_rates(found: dict[tuple[str, str], Answer]) -> Figure:
         ax.set_xticks(range(len(BEARINGS)), list(BEARINGS.values()), fontsize=drawing.SMALL)
         ax.set_title(limit.told, fontsize=drawing.NORMAL, loc="left")
         drawing.name_axes(ax, "", "times in a thousand years")
-    axes[0].legend(frameon=False, fontsize=drawing.SMALL)
+    axes[0].legend(frameon=False, fontsize=drawing.SMALL, loc="upper left")
     return figure
 
 
