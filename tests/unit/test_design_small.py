@@ -56,6 +56,9 @@ def test_lines_of_one_count_and_support_are_a_group() -> None:
     ):
         with pytest.raises(tb.InputError, match=said):
             settle_groups(given, viaduct, "test")
+    for group, key in (({"lines": []}, "lines"), ({"lines": ["on A"], "name": "a\nb"}, "name")):
+        with pytest.raises(tb.InputError, match=rf"line_groups\[0\]\.{key}"):
+            bridge(line_groups=[group])
 
 
 def test_a_design_of_several_lines_is_judged_on_the_bridge() -> None:

@@ -8,7 +8,7 @@ from pydantic import Field, field_validator
 
 from thermobearing.border.errors import InputError, nearest
 from thermobearing.border.overrides import overridden
-from thermobearing.border.schema import Strict, in_unit, validated
+from thermobearing.border.schema import OneLine, Strict, in_unit, validated
 from thermobearing.border.toml import to_toml
 from thermobearing.cyclic.case import Temperature, each_once
 from thermobearing.design.peaks import PeakRule
@@ -35,7 +35,7 @@ class LineGroup(Strict):
     """
 
     lines: Annotated[list[Name], Field(min_length=1, max_length=8)]
-    name: Annotated[str, Field(max_length=200)] = ""
+    name: Annotated[str, Field(max_length=600), OneLine] = ""
     weight: Weight | None = None
 
 
