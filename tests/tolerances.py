@@ -100,6 +100,7 @@ NOISY_CROSSING = 0.01  # of the period: 1 % of noise over the slope 2 pi, some f
 CLOCK_FORCE = 1e-9  # of the peak: time steps taken from differences of the clock
 CUT = 1e-12  # of the largest: a history cut in two, sums of energies begun anew; 1e-15 measured
 STILL = 1e-3  # mm: a shaking of 1e-6 of the motion, and roundings of a force in balance
+UNLOADED = 1e-6  # kN: a root found to 1e-12 mm, of 20 kN/mm
 
 # --- Whole of Table 3.4 ------------------------------------------------------------------
 STEP_HALVING = 1e-3  # per-cycle G_e and h_eq, as the specification asks from 10 ms on

@@ -58,7 +58,7 @@ def test_progress_of_a_sequence_counts_from_one(monkeypatch: Any) -> None:
     ended = SimpleNamespace(outcome="completed")
     monkeypatch.setattr(sequences, "_run_part", lambda _: (ended, None))
     monkeypatch.setattr(sequences, "SequenceResult", lambda *_, **__: ended)
-    case: Any = SimpleNamespace(parts=[1, 2], whole_part=lambda *_: None)
+    case: Any = SimpleNamespace(parts=[1, 2], whole_part=lambda *_: None, between="as-left")
     calls: list[tuple[int, int]] = []
     sequences.run_sequence(case, progress=lambda *count: calls.append(count))
     assert calls == [(1, 2), (2, 2)]

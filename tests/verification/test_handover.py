@@ -175,7 +175,8 @@ def test_a_test_goes_on_from_a_hybrid_one_as_in_a_sequence(tmp_path: Path) -> No
     ]
     cyclic = {"part": "cyclic", "dt": "30 ms", "steps": steps}
     parts = [{"part": "hybrid", "duration": "4 s"}, cyclic, {"part": "hybrid", "duration": "3 s"}]
-    wanted = tb.sequence({"bearing": LHDR, "ambient": "-20 degC", "parts": parts})
+    table = {"bearing": LHDR, "ambient": "-20 degC", "parts": parts, "between": "as-left"}
+    wanted = tb.sequence(table)
     first = tb.hybrid(LHDR, ambient=-20, duration=4, keep_every=1)
     first.save(tmp_path / "first", figures=False)
     second = tb.run(LHDR, SHORT, -20.0, initial=tmp_path / "first")

@@ -20,7 +20,7 @@ DT = "30 ms"
 
 
 def case_of(*parts: dict[str, Any], **table: Any) -> SequenceCase:
-    usual = {"bearing": "shen-lhdr-specimen", "ambient": "-20 degC"}
+    usual = {"bearing": "shen-lhdr-specimen", "ambient": "-20 degC", "between": "as-left"}
     return make_sequence_case({**usual, **table, "parts": list(parts)}, "test")
 
 
@@ -89,6 +89,42 @@ def test_the_force_at_rest_moves_no_structure(method: str) -> None:
     assert abs(energy["thermal_residual"]) < tol.ENERGY_BOOKS
     if method == "average-acceleration":
         assert abs(energy["structure_residual"]) < tol.STRUCTURE_BOOKS
+
+
+def test_unloaded_specimens_start_from_zero() -> None:
+    """Before the second test the specimen of lead held -57 kN; the elastic law stays where it is.
+
+    The test is the one of a history moved by where the specimen was unloaded to.
+    """
+    case = case_of(cyclic(LOADED), cyclic(SINE), between="unloaded")
+    found = run_sequence(case)
+    table = found.table
+    assert abs(table["force_start_kN"][1]) < tol.UNLOADED
+    assert table["displacement_start_mm"][1] == 0.0
+    assert table["force_end_kN"][0] > 100.0
+    state = found.parts[1].dataset
+    zero = float(state[PREFIX + "displacement"][0])  # the cycle ends at the zero of instruments
+    assert 1.0 < zero < 24.0
+    # A loop around it: its mean force is the elastic one of the rubber there.
+    loop = found.history(1)
+    assert loop["displacement_mm"].max() == pytest.approx(45.0)
+    assert loop["force_kN"].max() > -loop["force_kN"].min()
+    left = run_sequence(case_of(cyclic(LOADED), cyclic(BACK, SINE)))
+    assert abs(left.table["force_start_kN"][1]) > 100.0
+
+
+@pytest.mark.thorough
+def test_a_second_hybrid_test_is_that_of_a_specimen_without_force() -> None:
+    """Second over first peak: an offset of force made it 1.05, without it 0.996."""
+    steps = [BACK, SINE | {"strain": 2.5, "count": 5, "closing_strain": 0.1}]
+    rest = {"part": "rest", "duration": "1.25 h"}
+    first = {"part": "hybrid", "duration": "20 s"}
+    for between, ratio, start in (("unloaded", 0.996, 0.0), ("as-left", 1.05, 56.0)):
+        parts = (first, rest, cyclic(*steps, dt="5 ms"), rest, first)
+        table = run_sequence(case_of(*parts, between=between)).table
+        peaks = np.maximum(table["force_max_kN"], -table["force_min_kN"])
+        assert peaks.iloc[-1] / peaks.iloc[0] == pytest.approx(ratio, abs=0.01)
+        assert table["force_start_kN"].iloc[-1] == pytest.approx(start, abs=0.5)
 
 
 def test_history_matters() -> None:

@@ -125,7 +125,7 @@ class Case(Strict):
     @property
     def starts_at(self) -> float:
         """Displacement at the start [mm]."""
-        return 0.0 if self.initial_state is None else self.initial_state.at
+        return 0.0 if self.initial_state is None else self.initial_state.reads
 
     def _misfits_of_state(self) -> list[str]:
         """Whether the bearing can begin at the state that is given."""

@@ -8,6 +8,7 @@ in results/.
 """
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -212,13 +213,15 @@ def run_case(
             progress(done, total)
 
     histories: list[History] = []
+    zero = (case.initial_state and case.initial_state.zero) or 0.0  # of the instruments
+    moved = [replace(one, x=one.x + zero) for one in segments] if zero else segments
     for climate in climates:
         begin = None
         if case.initial_state is not None:
             begin = begun_from(case.initial_state, model.constants, case.initial_lead)
         history = run_segments(
             model.constants,
-            segments,
+            moved,
             climate,
             initial_temperatures(case, len(model.constants.cells.capacity), climate.at(0.0)),
             initial_lead=case.initial_lead,
@@ -227,6 +230,7 @@ def run_case(
             groups=case.analysis.keep,
             progress=report,
         )
+        history.rows.books["displacement"][:] -= zero
         histories.append(history)
         if history.outcome == INTERRUPTED:
             break

@@ -109,6 +109,8 @@ def run_task(task: Task) -> StructureHistory:
         delay=0.0 if lab is None else lab.delay,
         keep_cells="cells" in case.analysis.keep,
     )
+    if case.initial_state is not None and case.initial_state.zero:
+        history.rows.bearings["displacement"][:] -= case.initial_state.zero
     if history.outcome != "completed":
         return history
     moved = [largest(history.bearing(b)["displacement"]) for b in range(len(task.lines))]

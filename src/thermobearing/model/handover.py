@@ -94,6 +94,7 @@ class SpecimenState(Strict):
     displacement, force : of the bearing [mm], [kN].
     rubber_force, lead_force, viscous_force : shares of the force [kN].
     recoverable : energy the bearing would give back [kN mm].
+    zero : displacement [mm] at which the instruments of the next test read zero; 0 by default.
 
     Either all of them or, as results before 0.2 have them, temperatures alone.
     """
@@ -116,6 +117,7 @@ class SpecimenState(Strict):
     viscous_force: Force | None = None
     recoverable: Energy | None = None
     lead_terms: Annotated[list[Excess], Many] | None = None
+    zero: Length | None = None
 
     @classmethod
     def conflicts(cls, given: dict[str, Any]) -> list[str]:
@@ -134,6 +136,11 @@ class SpecimenState(Strict):
     def at(self) -> float:
         """Displacement of the bearing [mm]."""
         return self.displacement or 0.0
+
+    @property
+    def reads(self) -> float:
+        """Displacement that the instruments of the next test read [mm]."""
+        return self.at - (self.zero or 0.0)
 
 
 def memory_of(state: State) -> dict[str, Any]:

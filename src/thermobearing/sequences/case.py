@@ -113,6 +113,9 @@ class SequenceCase(Strict):
     ambient : temperature of the air [degC], in [-100, 100]; a part may have its own. The specimen
         starts at that of the first part.
     parts : each a table with `part`, "hybrid", "cyclic" or "rest"; at most 50.
+    between : what the rig does after each part: "unloaded" (default), it returns to zero force and
+        the instruments are zeroed there, so that the next part starts from zero; "as-left", it
+        holds the specimen where it is, with its force.
     rig : limits of the rig that is to do them.
     analysis : how to model the specimen.
     """
@@ -125,6 +128,7 @@ class SequenceCase(Strict):
         list[Annotated[AnyPart, Field(discriminator="part")]],
         Field(min_length=1, max_length=MOST_PARTS),
     ]
+    between: Literal["unloaded", "as-left"] = "unloaded"
     rig: Rig | None = None
     analysis: SequenceAnalysis = SequenceAnalysis()
 
@@ -169,20 +173,20 @@ class SequenceCase(Strict):
         for number, part in enumerate(self.parts):
             if isinstance(part, HybridPart):
                 found += [f"parts[{number}]: {text}" for text in self._hybrid_faults(number)]
-                known = False
+                known = self.between == "unloaded"
                 continue
             test = part.test()
             moving = [step for step in test.steps if not isinstance(step, Rest)]
             if not known and moving and not isinstance(moving[0], Ramp):
                 found.append(
                     f"parts[{number}]: a hybrid test ends where it ends; begin with a ramp, such "
-                    'as { step = "ramp", to = "0 mm", speed = "1 mm/s" }'
+                    'as { step = "ramp", to = "0 mm", speed = "1 mm/s" }, or leave out between'
                 )
                 known = True
             faults, steps = survey(test, rubber, at)
             found += [f"parts[{number}].{text}" for text in faults]
             known, total = known or bool(moving), total + steps
-            at = end_of(test, rubber, at)
+            at = 0.0 if self.between == "unloaded" else end_of(test, rubber, at)
         cells = len(self.analysis.build_stack(self.bearing).part)
         return found or too_much(total, cells, total / self.analysis.keep_every * 3 * cells)
 

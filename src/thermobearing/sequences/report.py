@@ -47,6 +47,12 @@ from thermobearing.sequences.case import SequenceAnalysis
 from thermobearing.sequences.result import SequenceResult
 from thermobearing.structure.report import structure_table
 
+BETWEEN = {  # the rig, after each part
+    "unloaded": "After each part the specimen is unloaded to zero force and its instruments are zeroed "
+    "there; neither Z nor the force of lead relaxes in a rest.",
+    "as-left": "After each part the specimen is held where it is, with its force: neither Z nor the "
+    "force of lead relaxes in a rest, so that the next part begins with an offset.",
+}
 Case = Mapping[str, Any]
 KJ = 1e-3
 PART = Column("Part")
@@ -85,8 +91,8 @@ def pieces_of(result: SequenceResult) -> Pieces:
         validity_unknown=unknown,
         books=books_table(result) if parts else None,
         assumptions=[
-            "One specimen goes through all parts: each begins with the temperatures, the forces "
-            "and the memory of rubber and lead that the one before left.",
+            "One specimen goes through all parts: each begins with the temperatures and the memory of "
+            f"rubber and lead that the one before left. {BETWEEN[case.get('between', 'as-left')]}",
             "Hybrid parts begin with the structure straight, at rest and in balance.",
             *model_assumptions(case["analysis"], [case["bearing"]]),
         ],

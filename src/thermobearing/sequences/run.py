@@ -4,9 +4,13 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from scipy.optimize import brentq
+
 from thermobearing.border.errors import InputError
 from thermobearing.border.overrides import check_workers
 from thermobearing.cyclic.case import Case
+from thermobearing.cyclic.equivalent import bilinear_parameters
 from thermobearing.cyclic.result import Result
 from thermobearing.cyclic.run import run_case
 from thermobearing.cyclic.start import final_state
@@ -15,11 +19,16 @@ from thermobearing.earthquake.ends import end_of
 from thermobearing.earthquake.label import label_study
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.earthquake.run import build_tasks, run_task
-from thermobearing.model.handover import SpecimenState
+from thermobearing.model.element import BearingElement
+from thermobearing.model.handover import SpecimenState, memory_of, specimen_state
+from thermobearing.model.options import build_model
 from thermobearing.sequences.case import SequenceCase, load_sequence_case, make_sequence_case
 from thermobearing.sequences.result import SequenceResult
 
 Progress = Callable[[int, int], None]
+UNLOADING = 1.0  # speed of the actuator [mm/s]
+PIECES = 20  # steps of unloading
+NEAREST, FARTHEST = 0.1, 1e3  # how far it may unload [mm]
 
 
 def sequence(
@@ -94,9 +103,54 @@ def run_sequence(case: SequenceCase, *, progress: Progress | None = None) -> Seq
                 progress(number + 1, len(case.parts))
             if result.outcome != "completed":
                 break
+            if case.between == "unloaded" and number + 1 < len(case.parts):
+                state = unloaded(case, number, state)
     except KeyboardInterrupt:
         interrupted = True
     return SequenceResult(case, found, interrupted=interrupted)
+
+
+def unloaded(case: SequenceCase, number: int, state: SpecimenState) -> SpecimenState:
+    """Return the specimen unloaded to zero force after a part, with its instruments zeroed there.
+
+    The actuator moves it at UNLOADING; nothing of that is in the results of the parts.
+    """
+    part = case.parts[number]
+    air = case.ambient if part.ambient is None else part.ambient
+    element = build_element(case, air, state)
+    start, dt = state.at, 1.0
+
+    def force(x: float) -> float:
+        return element.set_trial(x, dt, air).force
+
+    way, far = -np.sign(force(start)), NEAREST
+    if not way:
+        return state.model_copy(update={"zero": start})
+    while force(start + way * far) * way < 0.0:
+        far *= 2.0
+        if far > FARTHEST:
+            raise InputError(
+                f"{case.label(number)}: no displacement within {FARTHEST:g} mm unloads the "
+                'specimen; give between = "as-left"'
+            )
+    end = brentq(force, start, start + way * far, xtol=1e-9)
+    dt = max(abs(end - start) / UNLOADING / PIECES, 1e-3)
+    for piece in range(1, PIECES):
+        element.set_trial(start + (end - start) * piece / PIECES, dt, air)
+        element.commit()
+    at = start + (end - start) * (PIECES - 1) / PIECES
+    end = brentq(force, at, start + 2.0 * (end - start), xtol=1e-12)
+    element.set_trial(end, dt, air)
+    element.commit()
+    left, lead = element.state, state.lead_temperature is not None
+    warm = float(left.books[0].lead_temperature) if lead else float("nan")
+    return specimen_state(left.temperature, warm, memory_of(left)).model_copy(update={"zero": end})
+
+
+def build_element(case: SequenceCase, air: float, state: SpecimenState) -> BearingElement:
+    """Return the specimen where a part left it, modelled as in every part."""
+    constants = build_model(case.bearing, case.analysis, backbone=bilinear_parameters).constants
+    return BearingElement.from_constants(constants, air, initial=state)
 
 
 def _run_part(case: Case | EarthquakeCase) -> tuple[Result | EarthquakeResult, SpecimenState]:
