@@ -8,7 +8,8 @@ BEARING = (
     "heat_lost_ends",
     "heat_lost_sides",
 )
-STRUCTURE = ("input", "kinetic", "damping", "springs", "hinges", "bearings")
+# Of the actuator: in a laboratory only.
+STRUCTURE = ("input", "kinetic", "damping", "springs", "hinges", "bearings", "actuator")
 COLUMNS = {  # of the table: name in the dataset, factor
     "bearing_strain_max": ("bearing_strain_max", 1.0),
     "bearing_force_max_kN": ("bearing_force_max", 1.0),

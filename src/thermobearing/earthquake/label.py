@@ -77,7 +77,10 @@ def label_study(
     parts_data, parts_coords = label_parts(tasks, histories, padded, length)
     data |= parts_data
     known = {name: long_name for name, _, long_name in HISTORIES}
-    for name, unit_name in (UNITS | LOOP_UNITS).items():
+    units = UNITS | LOOP_UNITS
+    if case.laboratory is not None:
+        units = units | {"energy_actuator": "kN mm"}
+    for name, unit_name in units.items():
         values = np.array([row[name] for row in numbers], dtype=None if unit_name else str)
         data[name] = (("run",), values, {"units": unit_name, "long_name": meaning_of(name, known)})
     data |= labelled_ends(tasks, histories)

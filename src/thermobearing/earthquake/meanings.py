@@ -9,6 +9,7 @@ from thermobearing.structure.types import MotionBooks
 
 OWN: Final = {
     "outcome": "what ended the run",
+    "energy_actuator": "work that delay and force error of the actuator take, at the end",
     "bearing_energy_end": "work done on one bearing at the end",
     "pier_displacement_residual": "displacement of the pier top relative to its base at the end",
     "steps": "steps of the run",

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from thermobearing.earthquake.columns import STRUCTURE
 from thermobearing.earthquake.governing import governing_runs
 from thermobearing.earthquake.modes import has_both, modes_table
 from thermobearing.earthquake.result import EarthquakeResult
@@ -321,10 +322,10 @@ def _books(result: EarthquakeResult, heads: dict[str, str], residuals: dict[str,
 
 def books_table(result: EarthquakeResult) -> ReportTable:
     """Energy books of the structure at the end of each run."""
-    names = ("input", "kinetic", "damping", "springs", "hinges", "bearings")
+    names = [name for name in STRUCTURE if f"energy_{name}" in result.dataset]
     heads = {name: name.capitalize() for name in names}
     columns, rows, keys = _books(result, heads, {"structure_residual": "Residual"})
-    note = "Input = kinetic + damping + springs + hinges + bearings (all of them); the residual is "
+    note = f"Input = {' + '.join(names[1:])} (all bearings); the residual is "
     note += "relative to the input. Books of one bearing stand in their own table."
     return ReportTable("Energy books of the structure", columns, rows, keys, note=note)
 

@@ -95,9 +95,6 @@ def run_task(task: Task) -> StructureHistory:
     """One run; never raises for a failed analysis."""
     case, shaking = task.case, task.shaking
     lab, steps = case.laboratory, len(shaking.ground) - 1
-    noise = None
-    if lab is not None and lab.force_noise > 0.0:
-        noise = lab.force_noise * np.random.default_rng(lab.seed).standard_normal(steps)
     history = run_structure(
         task.prepared,
         lines_to_shake(task),
@@ -105,7 +102,7 @@ def run_task(task: Task) -> StructureHistory:
         shaking.dt,
         np.full(steps, task.ambient),
         method=case.analysis.method,
-        noise=noise,
+        noise=task.noise,
         delay=0.0 if lab is None else lab.delay,
         keep_cells="cells" in case.analysis.keep,
     )

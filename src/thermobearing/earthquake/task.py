@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from functools import cached_property
 
+import numpy as np
+
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.core.types import Constants, Floats
@@ -75,6 +77,14 @@ class Task:
     def told_line(self) -> int:
         """Number of the line that histories and the table of peaks are about."""
         return self.case.told_line
+
+    @cached_property
+    def noise(self) -> Floats | None:
+        """Error of the measured force in each step [kN]; None without one."""
+        lab, steps = self.case.laboratory, len(self.shaking.ground) - 1
+        if lab is None or lab.force_noise <= 0.0:
+            return None
+        return lab.force_noise * np.random.default_rng(lab.seed).standard_normal(steps)
 
     @property
     def told(self) -> OneLine:

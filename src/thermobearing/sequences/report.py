@@ -48,10 +48,10 @@ from thermobearing.sequences.result import SequenceResult
 from thermobearing.structure.report import structure_table
 
 BETWEEN = {  # the rig, after each part
-    "unloaded": "After each part the specimen is unloaded to zero force and its instruments are zeroed "
-    "there; neither Z nor the force of lead relaxes in a rest.",
-    "as-left": "After each part the specimen is held where it is, with its force: neither Z nor the "
-    "force of lead relaxes in a rest, so that the next part begins with an offset.",
+    "unloaded": "After each part the specimen is unloaded to zero force and its instruments are "
+    "zeroed there; neither Z nor the force of lead relaxes in a rest.",
+    "as-left": "After each part the specimen is held where it is, with its force: neither Z nor "
+    "the force of lead relaxes in a rest, so that the next part begins with an offset.",
 }
 Case = Mapping[str, Any]
 KJ = 1e-3
@@ -91,8 +91,9 @@ def pieces_of(result: SequenceResult) -> Pieces:
         validity_unknown=unknown,
         books=books_table(result) if parts else None,
         assumptions=[
-            "One specimen goes through all parts: each begins with the temperatures and the memory of "
-            f"rubber and lead that the one before left. {BETWEEN[case.get('between', 'as-left')]}",
+            "One specimen goes through all parts: each begins with the temperatures and the memory "
+            "of rubber and lead that the one before left.",
+            BETWEEN[str(case["between"])],
             "Hybrid parts begin with the structure straight, at rest and in balance.",
             *model_assumptions(case["analysis"], [case["bearing"]]),
         ],
