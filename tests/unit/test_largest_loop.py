@@ -111,3 +111,21 @@ def test_noise_does_not_choose_between_equal_excursions() -> None:
     assert find_largest_loop(d) == (399, 600)
     assert find_largest_loop(d, 0.01) == (0, 200)
     assert find_largest_loop(-d, 0.01) == (0, 200)
+
+
+def test_an_excursion_that_comes_to_rest_beside_zero_ends_there() -> None:
+    """A bearing that stays at -1.35 after -7.6; before, it had no largest loop."""
+    first = 3.7 * np.sin(np.linspace(0.0, np.pi, 200))
+    angle = np.linspace(0.0, 1.5 * np.pi, 200)
+    second = -1.35 * (1.0 - np.cos(angle)) / 2.0 - 6.6 * np.sin(np.clip(angle, 0.0, np.pi))
+    d = np.concatenate([first, second[second < 0.0], np.full(100, second[-1])])
+    loop = largest_loop(d, 2.0 * d, **PLAN)
+    assert loop is not None
+    assert loop.first == 0
+    assert loop.measures.stiffness_kN_mm == pytest.approx(2.0)
+    assert loop.measures.displacement_max_mm == pytest.approx(3.7, rel=1e-3)
+    assert loop.measures.displacement_min_mm == d.min()
+    # Still moving where it is cut off, or at rest far from zero: none.
+    assert largest_loop(d[:330], 2.0 * d[:330], **PLAN) is None
+    far = np.where(np.arange(len(d)) > d.argmin(), np.minimum(d, 0.6 * d.min()), d)
+    assert largest_loop(far, far, **PLAN) is None

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import thermobearing as tb
 from thermobearing.border.errors import InputError
 from thermobearing.border.numbers import LARGEST, is_number, number_list
 
@@ -29,3 +30,28 @@ def test_lists_of_numbers() -> None:
     ):  # fmt: skip
         with pytest.raises(InputError, match=words):
             number_list(values, "x")
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        np.ma.array([0.0, 1.0, 2.0], mask=[False, True, False]),
+        [0.0, np.ma.masked, 2.0],
+        np.array([0.0, 1.0 + 1.0j, 2.0]),
+        [0.0, 1.0 + 0.0j, 2.0],
+    ],
+)
+def test_masked_and_complex_numbers_are_refused(values: Any) -> None:
+    """Before, hidden values and real parts were taken without a word."""
+    time = [0.0, 0.5, 1.0]
+    for use in (
+        lambda: tb.run("shen-hdr-specimen", history=(time, values)),
+        lambda: tb.run("shen-hdr-specimen", history=(values, time)),
+        lambda: tb.motions.motion_from_arrays(values, unit="m/s2", dt=0.01),
+        lambda: tb.Ambient.series(time, values),
+        lambda: tb.element("shen-hdr-specimen", initial=values),
+    ):
+        with pytest.raises(tb.InputError, match=r"masked|complex"):
+            use()
+    whole = np.ma.array([0.0, 1.0, 2.0])  # nothing hidden
+    assert tb.motions.motion_from_arrays(whole, unit="m/s2", dt=0.01).pga == 2000.0

@@ -22,6 +22,7 @@ from thermobearing.earthquake.run import build_device
 from thermobearing.identify.forward import ForwardModel
 from thermobearing.identify.parameters import parameter_set
 from thermobearing.identify.synthetic import forgotten, synthetic_record
+from thermobearing.model.earlier import models_that_fit
 from thermobearing.model.options import EndFace, ModelOptions, build_model
 
 HDR = "shen-hdr-bridge"
@@ -213,3 +214,16 @@ def test_earlier_models_in_an_earthquake() -> None:
     assert hottest["bilinear"] == -20.0
     with pytest.raises(tb.InputError, match=r'analysis\.model = "lead-alone": needs .*lead'):
         tb.bridge(model="lead-alone", **common)
+
+
+def test_earlier_models_go_with_the_published_scheme() -> None:
+    """Before, refused; a lone cell of lead and rubber ran away with the published exchange."""
+    test = tb.cyclic_test(strain=[1.75], cycles=2, wave="sine")
+    for model in models_that_fit(tb.load_bearing("shen-lhdr-specimen")):
+        pair = [
+            tb.run("shen-lhdr-specimen", test, 0.0, model=model, scheme=scheme)
+            for scheme in ("conservative", "published")
+        ]
+        assert [one.outcome for one in pair] == ["completed"] * 2, model
+        own, printed = (float(np.abs(one["force"].values).max()) for one in pair)
+        assert printed == pytest.approx(own, rel=0.01), model

@@ -10,7 +10,7 @@ from thermobearing.border.encodings import LARGEST_FILE
 from thermobearing.border.errors import InputError, read_bytes
 from thermobearing.border.guess import guessed_air
 from thermobearing.border.layout import Layout
-from thermobearing.border.numbers import is_number
+from thermobearing.border.numbers import is_number, refuse_hidden
 from thermobearing.border.sheets import Told, read_sheets
 from thermobearing.border.tables import Columns, columns_of, usable_table
 
@@ -40,6 +40,8 @@ class Ambient:
     @classmethod
     def series(cls, time: Floats, temperature: Floats, where: str = "ambient series") -> "Ambient":
         """A series; InputError unless times increase and temperatures are plausible."""
+        for values in (time, temperature):
+            refuse_hidden(values, where)
         try:
             time, temperature = np.asarray(time, float), np.asarray(temperature, float)
         except (TypeError, ValueError, OverflowError):

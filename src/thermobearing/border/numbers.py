@@ -39,6 +39,32 @@ def one_or_several(given: Any) -> list[Any]:
     return [given]
 
 
+def refuse_hidden(values: Any, what: str) -> None:
+    """Refuse what numpy would silently take apart: masked values, and imaginary parts.
+
+    Parameters
+    ----------
+    values : array or list.
+    what : it is called, for the message.
+
+    Raises
+    ------
+    InputError : values are masked, or complex.
+
+    Examples
+    --------
+    >>> refuse_hidden(np.ma.array([1.0, 2.0]), "force")
+    >>> refuse_hidden([1.0, 2.0 + 1.0j], "force")
+    Traceback (most recent call last):
+    thermobearing.border.errors.InputError: force: the numbers are complex; give their real part...
+    """
+    listed = values if isinstance(values, list | tuple) else ()
+    if np.ma.is_masked(values) or any(value is np.ma.masked for value in listed):
+        raise InputError(f"{what}: values are masked; fill them, or cut the record there")
+    if np.iscomplexobj(values) or any(isinstance(value, complex) for value in listed):
+        raise InputError(f"{what}: the numbers are complex; give their real part if it is meant")
+
+
 def number_list(values: Any, what: str) -> Floats:
     """A list of finite numbers as an array; one number counts as a list of one.
 
@@ -56,6 +82,7 @@ def number_list(values: Any, what: str) -> Floats:
     >>> number_list([1, 2.5], "periods").tolist()
     [1.0, 2.5]
     """
+    refuse_hidden(values, what)
     try:
         found = np.atleast_1d(np.asarray(values, dtype=np.float64))
     except (TypeError, ValueError, OverflowError):

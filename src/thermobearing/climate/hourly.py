@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from thermobearing.bearing.ambient import COLDEST, HOTTEST, Ambient
 from thermobearing.border.errors import InputError
-from thermobearing.border.numbers import is_number
+from thermobearing.border.numbers import is_number, refuse_hidden
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -51,6 +51,7 @@ class Hourly:
     assumptions: tuple[str, ...] = field(default=())
 
     def __post_init__(self) -> None:
+        refuse_hidden(self.temperature, self.name)
         try:
             values = np.array(self.temperature, dtype=np.float64)
         except (TypeError, ValueError, OverflowError):

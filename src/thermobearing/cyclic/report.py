@@ -4,6 +4,8 @@ import tomllib
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
+
 from thermobearing.cyclic.case import Analysis
 from thermobearing.cyclic.files import written_part
 from thermobearing.cyclic.report_plots import figures_of
@@ -38,7 +40,7 @@ from thermobearing.report.limits import (
 )
 from thermobearing.report.pieces import Check, Pieces, ReportTable
 from thermobearing.report.words import change, degrees, joined, number, percent, quantity, tidy
-from thermobearing.results.ranges import parted
+from thermobearing.results.ranges import parted, ring_note
 
 Case = Mapping[str, Any]
 
@@ -64,6 +66,8 @@ def pieces_of(result: Result) -> Pieces:
     given = case["bearing"].get("tested_range") is not None
     checks = checks_of(result, case)
     quality, poor = quality_of(result, case)
+    lead = result["lead_temperature"].values if result.has_lead else np.zeros((1, 1))
+    ring = ring_note(float(np.nanmax(lead - lead[:, :1])))
     within = [tidy(text) for text in validity] if given else []
     unknown = "" if given else " ".join(map(tidy, validity))
     return Pieces(
@@ -75,7 +79,7 @@ def pieces_of(result: Result) -> Pieces:
         tables=tables_of(result) | {"quality": quality},
         figures=figures_of(result),
         checks=checks,
-        validity=within,
+        validity=[*within, tidy(f"{ring[:1].upper()}{ring[1:]}")] if ring else within,
         validity_unknown=unknown,
         books=books_table(result),
         assumptions=[*_start(case), *model_assumptions(case["analysis"], [case["bearing"]])],

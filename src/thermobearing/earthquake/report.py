@@ -33,7 +33,7 @@ from thermobearing.report.words import (
     plain,
     tidy,
 )
-from thermobearing.results.ranges import parted, rate_note
+from thermobearing.results.ranges import parted, rate_note, ring_note
 
 Case = Mapping[str, Any]
 # Of the input: with average acceleration the books close but for rounding; other methods are off by
@@ -64,6 +64,7 @@ def pieces_of(result: EarthquakeResult) -> Pieces:
     unknown = "" if given else " ".join(map(tidy, found))
     checks = checks_of(result, case)
     rate = rate_note(result.tested_range.to_dict("records"))
+    ring = ring_note(lead_rise(result))
     quality, poor = quality_of(result, case)
     command = str(attrs["command"])
     return Pieces(
@@ -75,7 +76,7 @@ def pieces_of(result: EarthquakeResult) -> Pieces:
         tables=tables_of(result) | {"quality": quality} if result.runs else {},
         figures=figures_of(result),
         checks=checks,
-        validity=[*validity, tidy(f"{rate[:1].upper()}{rate[1:]}")] if rate else validity,
+        validity=[*validity, *(tidy(f"{n[:1].upper()}{n[1:]}") for n in (rate, ring) if n)],
         validity_unknown=unknown,
         books=books_table(result) if result.runs else None,
         assumptions=assumptions(result, case),
@@ -93,6 +94,13 @@ def answer(result: EarthquakeResult, told: str) -> list[str]:
     if not result.runs:
         return [f"No run was finished ({result.outcome}): {tidy(result.sentence)}"]
     return [*early_words(result), _governing(result), _cold(result), told]
+
+
+def lead_rise(result: EarthquakeResult) -> float:
+    """Return the largest rise of the lead in any run and line [K]; 0 without lead."""
+    own = [result.rises(run)["lead"] for run in range(result.runs)]
+    rises = result.lines["lead_rise_K"].tolist() if len(result.lines) else own
+    return max((float(rise) for rise in rises if rise == rise), default=0.0)
 
 
 def early_words(result: EarthquakeResult) -> list[str]:

@@ -85,6 +85,7 @@ def lumped(constants: Constants, stack: Stack) -> Constants:
     return constants._replace(
         cells=cells,
         layer_cells=one_cell(layers),
+        lead=constants.lead._replace(published=False),  # its slips are of layered cells
         lead_cells=touching,
         source_rise=1.0 / capacity,
         side_implicit=True,

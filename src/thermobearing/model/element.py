@@ -20,7 +20,7 @@ from thermobearing.bearing.exposure import Exposure
 from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing, Clock
 from thermobearing.border.errors import InputError, nearest, shortened
-from thermobearing.border.numbers import is_number
+from thermobearing.border.numbers import is_number, refuse_hidden
 from thermobearing.border.schema import validated
 from thermobearing.border.units import HUGEST
 from thermobearing.core.march import copy_state
@@ -343,6 +343,7 @@ def _number(key: str, unit: str, value: Any) -> float:
 
 def _of_cells(key: str, temperature: Any, cells: int) -> NDArray[np.float64]:
     """Temperature of each cell [degC]."""
+    refuse_hidden(temperature, key)
     try:
         given = np.asarray(temperature, dtype=np.float64)
     except (TypeError, ValueError):

@@ -135,8 +135,6 @@ class ModelOptions(Strict):
         alike = self.upper_face == self.lower_face
         if self.stack == "half" and not alike:
             raise ValueError('stack "half" needs both faces alike; use "auto" or "full"')
-        if self.model != "multi-layer" and self.scheme == "published":
-            raise ValueError('an earlier model goes with scheme "conservative" only')
         if needs_full_stack(self.model) and self.stack == "half":
             raise ValueError(f'model "{self.model}" has one cell for all layers; use stack "auto"')
         behind = self.upper_face.heat_capacity or self.lower_face.heat_capacity

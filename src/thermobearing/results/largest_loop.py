@@ -4,7 +4,8 @@ The excursion that holds the largest |displacement|, and of its neighbours on th
 one that reaches farther (the later of equal ones), make the largest loop. It begins at the last
 zero displacement before the peak of the first excursion and ends at the first one after the
 peak of the second. An excursion that the history does not bring back to zero is not closed, and
-belongs to no loop; one within 2 % of the largest displacement is none.
+belongs to no loop; one within 2 % of the largest displacement is none. One that comes to
+rest beside zero, nearer than half the largest displacement, ends where it first comes there.
 """
 
 from dataclasses import dataclass
@@ -16,6 +17,8 @@ from numpy.typing import NDArray
 from thermobearing.results.metrics import FEWEST_POINTS, CycleMeasures, measure_cycle
 
 Floats = NDArray[np.float64]
+RESTING = 0.1  # of a history, at its end: it is at rest there if it moves less than NOISE
+LEFT = 0.5  # of the largest displacement: as far beside zero an excursion may come to rest
 NOISE = 0.02  # of the largest displacement: excursions within it are none
 
 
@@ -55,7 +58,8 @@ def find_largest_loop(displacement: Floats, alike: float = 0.0) -> tuple[int, in
     end = first + int(other.argmax()) if other.any() else len(d)
     peak = first + int(ways[first:end].argmax()) if alike else int(ways.argmax())
     e = d / d[peak]  # 1 at the peak
-    after, before = _look_from(e[peak:]), _look_from(e[peak::-1])
+    rests = not alike and np.ptp(e[-max(2, int(RESTING * len(e))) :]) < NOISE
+    after, before = _look_from(e[peak:], LEFT if rests else NOISE), _look_from(e[peak::-1])
     if after.own_end is None or before.own_end is None:
         return None
     if after.next_end is not None and (before.next_end is None or after.depth >= before.depth):
@@ -73,9 +77,9 @@ class _Side(NamedTuple):
     next_end: int | None
 
 
-def _look_from(e: Floats) -> _Side:
+def _look_from(e: Floats, left: float = NOISE) -> _Side:
     """Along a history that begins at its peak, 1; the next excursion is that beyond -NOISE."""
-    own_end = _back_at_zero(e)
+    own_end = _back_at_zero(e, left)
     beyond = e < -NOISE
     first = int(beyond.argmax())
     if not beyond[first]:
@@ -83,17 +87,15 @@ def _look_from(e: Floats) -> _Side:
     back = e[first:] > NOISE
     stop = first + int(back.argmax()) if back.any() else len(e)
     deepest = first + int(e[first:stop].argmin())
-    end = _back_at_zero(-e[deepest:])
+    end = _back_at_zero(-e[deepest:], left)
     return _Side(own_end, float(-e[deepest]), None if end is None else deepest + end)
 
 
-def _back_at_zero(e: Floats) -> int | None:
-    """First point at or past zero of an excursion; the last point if it is next to zero."""
-    past = e <= 0.0
+def _back_at_zero(e: Floats, left: float) -> int | None:
+    """First point at or past zero of an excursion, or at its end if that is less than `left`."""
+    past = e <= max(0.0, e[-1] if e[-1] <= left else 0.0)
     first = int(past.argmax())
-    if past[first]:
-        return first
-    return len(e) - 1 if e[-1] <= NOISE else None
+    return first if past[first] else None
 
 
 def largest_loop(
