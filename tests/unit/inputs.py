@@ -129,38 +129,3 @@ def content(directory: Path) -> dict[str, bytes]:
 
 
 # The bearing of the real test in the shared data: 156 mm of rubber is known, the rest assumed.
-GALLARDO = """
-name = "gallardo-assumed"
-kind = "HDR"
-[geometry]
-rubber_layers = 26
-rubber_thickness = "6 mm"
-shim_thickness = "3 mm"
-end_plate_thickness = "25 mm"
-[geometry.plan]
-shape = "circular"
-diameter = "550 mm"
-[materials]
-side_film = "11.6 W/(m^2 K)"
-[materials.rubber]
-conductivity = "0.31 W/(m K)"
-specific_heat = "1732 J/(kg K)"
-density = "1146 kg/m^3"
-[materials.steel]
-conductivity = "38.76 W/(m K)"
-specific_heat = "432 J/(kg K)"
-density = "7740 kg/m^3"
-[hysteresis]
-post_yield_ratio = 0.266
-layer_stiffness = "30 kN/mm"
-shape = -0.8
-yield_displacement = "1.5 mm"
-hardening = 0.2
-elastic_temperature_coefficient = -0.914
-hysteretic_temperature_coefficient = -2.189
-reference_temperature = "23 degC"
-[cells]
-end_plate = 10
-rubber = 2
-shim = 1
-"""

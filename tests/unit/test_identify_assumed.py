@@ -1,5 +1,8 @@
 """What a fit assumes: its uncertainty is carried on, and the tests may contradict it."""
 
+from dataclasses import replace
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -13,9 +16,14 @@ from thermobearing.identify.assumed import (
     shifted,
     usual_groups,
 )
-from thermobearing.identify.kinds import BY_KEY
+from thermobearing.identify.kinds import BY_KEY, N_T
 from thermobearing.identify.linear import Linear
 from thermobearing.identify.parameters import default_free
+from thermobearing.identify.record import TestRecord, load_test
+from thermobearing.identify.run import identify_bearing
+from thermobearing.identify.synthetic import synthetic_record
+from thermobearing.identify.treatment import to_be_treated
+from thermobearing.identify.uncertainty import Uncertainty
 
 HDR, LHDR, LRB = (
     tb.load_bearing(name) for name in ("shen-hdr-specimen", "shen-lhdr-specimen", "lrb-example")
@@ -84,6 +92,53 @@ def test_exactly_known_is_not_assumed() -> None:
     assert heat.relative == 0.02
 
 
+SMALL = tb.cyclic_test(strain=[0.5, 1.5], cycles=2, rest=None)
+
+
+@pytest.fixture(scope="module")
+def pair() -> list[TestRecord]:
+    return [synthetic_record(HDR, at, SMALL, noise=0.005, sampling=20.0) for at in (-20.0, 23.0)]
+
+
+def fitted(records: list[TestRecord]) -> Uncertainty:
+    found = identify_bearing(records, HDR, free=["K_r", "m_T", "n_T"], starts=1, blind=False)
+    return found.uncertainty
+
+
+def test_the_ambient_temperature_of_a_test_is_uncertain(pair: list[TestRecord]) -> None:
+    """n_T comes from the difference of two temperatures, each known to 0.5 K by default."""
+    exact = [replace(record, ambient_uncertainty=0.0) for record in pair]
+    usual, known = fitted(pair).estimates[N_T], fitted(exact).estimates[N_T]
+    more = np.sqrt(usual.stderr**2 - known.stderr**2)
+    assert more == pytest.approx(0.5 * np.sqrt(2.0) / 43.0 * abs(usual.value), rel=0.1)
+    # Three degrees of freedom: that part of the interval has Student's 3.18 in place of 1.96.
+    assert usual.upper - usual.value > 2.8 * usual.stderr
+    assert known.upper - known.value < 2.5 * known.stderr
+
+
+def test_a_zero_of_the_force_is_fitted(pair: list[TestRecord]) -> None:
+    """A load cell that is off by 1 % moves no parameter, and widens no standard error."""
+    off = [replace(record, force=record.force + 0.01 * record.peak_force) for record in pair]
+    right, wrong = fitted(pair).estimates, fitted(off).estimates
+    for key, item in right.items():
+        assert abs(wrong[key].value - item.value) < 0.1 * item.stderr_of_tests
+        assert wrong[key].stderr_of_tests == pytest.approx(item.stderr_of_tests, rel=0.1)
+
+
+def test_the_uncertainty_of_ambient_temperatures_is_read(tmp_path: Path) -> None:
+    file = tmp_path / "cold.csv"
+    file.write_text("time_s,displacement_mm,force_kN\n0,0,0\n1,5,9\n2,0,-1\n")
+    assert load_test(file).ambient_uncertainty is None
+    file.with_suffix(".toml").write_text('ambient = "-20 degC"\nambient_uncertainty = "0.2 K"')
+    record = load_test(file)
+    assert record.ambient_uncertainty == 0.2
+    assert to_be_treated([record], False, "", 0.1)[0].ambient_uncertainty == 0.1
+    with pytest.raises(tb.InputError, match="0 to 20 K"):
+        to_be_treated([record], False, "", 21.0)
+    (air,) = (g for g in chosen_groups({"ambient": 0.3}) if g.keys == ["ambient"])
+    assert (air.absolute, air.relative) == (0.3, None)
+
+
 def linear(residuals: np.ndarray, jacobian: np.ndarray) -> Linear:
     n, p = jacobian.shape
     inside = np.ones(p, dtype=bool)
@@ -106,7 +161,7 @@ def test_an_unseen_number_carries_its_whole_uncertainty() -> None:
     )
     assert found.shifts == pytest.approx(np.array([[3.0], [0.0]]), abs=1e-12)
     assert found.spread == pytest.approx(np.ones((1, 1)))
-    assert found.covariance == pytest.approx(np.diag([9.0, 0.0]), abs=1e-9)
+    assert found.covariance() == pytest.approx(np.diag([9.0, 0.0]), abs=1e-9)
     assert found.told[0].stderr == np.inf
 
 

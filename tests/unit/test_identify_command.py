@@ -188,7 +188,7 @@ def test_chosen_bounds_hold(name: str, blind: bool) -> None:
     assert (item.parameter.lower, item.parameter.upper) == (35.0, 60.0)
     assert item.at_bound
     assert 35.0 <= item.value < 36.0
-    assert any("ended at a bound" in text for text in found.warnings)
+    assert any("at its bound" in text for text in found.warnings)
 
 
 def test_laplace_samples_have_the_covariance(found: Identification) -> None:

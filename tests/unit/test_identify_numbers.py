@@ -31,7 +31,7 @@ from thermobearing.identify.parameters import Parameter, ParameterSet, parameter
 from thermobearing.identify.problem import LOST, Problem, robust_weights, sample_weights
 from thermobearing.identify.record import TestRecord, record_from_arrays
 from thermobearing.identify.start import _with_temperature
-from thermobearing.identify.uncertainty import _remedy, estimate
+from thermobearing.identify.uncertainty import estimate, remedy
 
 HDR = tb.load_bearing("shen-hdr-specimen")
 POINTS = 200  # of a cycle
@@ -240,7 +240,7 @@ def test_both_bounds_are_noticed(place: float) -> None:
     found = estimate(problem, np.array([best[0], place]), [])
     assert found.estimates[HARDENING].at_bound
     assert not found.estimates[K_R].at_bound
-    assert any("ended at a bound" in text for text in found.warnings)
+    assert any("at its bound" in text for text in found.warnings)
 
 
 def test_remedies_belong_to_their_parameters() -> None:
@@ -248,7 +248,7 @@ def test_remedies_belong_to_their_parameters() -> None:
         ({M_T}, "ambient temperatures"), ({C_V}, "loading speeds"), ({K_V}, "loading speeds"),
         ({HARDENING}, "several amplitudes"), ({SHAPE}, "small strain"), ({"x"}, "other tests"),
     ):  # fmt: skip
-        assert words in _remedy(keys)
+        assert words in remedy(keys)
 
 
 @pytest.mark.parametrize("transform", ["log", "log1p", "linear"])

@@ -11,8 +11,10 @@ from typer.testing import CliRunner
 import thermobearing as tb
 from thermobearing.cli import app
 from thermobearing.commands.common import POOR_FIT
+from thermobearing.identify.kinds import M_T
 from thermobearing.identify.parameters import parameter_set, with_values
 from thermobearing.identify.record import TestRecord
+from thermobearing.identify.report_tables import grade
 from thermobearing.identify.result import Identification
 from thermobearing.identify.run import identify_bearing
 from thermobearing.identify.synthetic import synthetic_record
@@ -64,6 +66,36 @@ def test_a_parameter_at_its_bound_is_a_poor_fit(record: TestRecord) -> None:
     found = identify_bearing(record, HDR, free=["K_r"], bounds={"K_r": (10.0, 30.0)}, starts=1)
     assert found.fits[0].R2 > 0.98
     assert found.poor == ["K_r = 30 kN/mm at its bound"]
+
+
+def test_a_parameter_near_its_bound_is_not_determined(record: TestRecord) -> None:
+    """Within 5 % of the range: the bound, not the test, may have given it. The truth is 30.7."""
+    for upper, outcome in ((31.0, "poor_fit"), (40.0, "completed")):
+        found = identify_bearing(record, HDR, free=["K_r"], bounds={"K_r": (10, upper)}, starts=1)
+        (item,) = found.uncertainty.estimates.values()
+        assert not item.at_bound
+        assert found.outcome == outcome
+        assert item.determined is (outcome == "completed")
+        told = found.summary()["parameters"]["hysteresis.layer_stiffness"]
+        assert (grade(told) == "no") is (outcome == "poor_fit")
+
+
+def test_temperature_coefficients_are_held_at_one_temperature(record: TestRecord) -> None:
+    found = identify_bearing(record, HDR, free=["K_r", "m_T", "n_T = 2.4 * m_T"], starts=1)
+    assert set(found.uncertainty.estimates) == {"hysteresis.layer_stiffness"}
+    assert found.bearing.hysteresis.elastic_temperature_coefficient == -0.914
+    assert any("m_T and n_T held" in text for text in found.warnings)
+    with pytest.raises(tb.InputError, match="one-temperature"):
+        identify_bearing(record, HDR, free=["m_T"], starts=1)
+    forced = identify_bearing(record, HDR, free=["m_T"], starts=1, one_temperature=True)
+    assert set(forced.uncertainty.estimates) == {M_T}
+
+
+def test_the_fitted_bearing_is_checked_for_plausibility(record: TestRecord) -> None:
+    """The sign of a temperature coefficient of the starting bearing, which the test cannot tell."""
+    found = identify_bearing(record, with_values(HDR, {M_T: 1.0}), free=["K_r"], starts=1)
+    assert any(M_T in text for text in found.warnings)
+    assert found.outcome == "completed"
 
 
 @pytest.mark.parametrize(("key", "value"), [("b", 0.0), ("alpha_0", 1.0), ("s", -0.98)])

@@ -60,6 +60,7 @@ class Sidecar(Strict):
     name: Annotated[str, OneLine] = ""
     bearing: str | None = None
     ambient: Temperature | None = None
+    ambient_uncertainty: Annotated[float, in_unit("K"), Field(ge=0, le=20)] | None = None
     lines_before: Annotated[int, Field(ge=0, le=1000)] = 0
     lines_after: Annotated[int, Field(ge=0, le=1000)] = 0
     separator: Word | None = None

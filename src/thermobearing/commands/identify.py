@@ -46,6 +46,14 @@ Spreads = Annotated[
         rich_help_panel=INPUT,
     ),
 ]
+AmbientUncertainty = Annotated[
+    float | None,
+    typer.Option(
+        help="Standard uncertainty of the ambient temperature of every test [K]; 0.5 by default.",
+        metavar="KELVIN",
+        rich_help_panel=INPUT,
+    ),
+]
 Method = Annotated[
     str,
     typer.Option(
@@ -90,6 +98,13 @@ AcceptPoor = Annotated[
     bool,
     typer.Option("--accept-poor", help="Write the bearing of a poor fit (status 4) unmarked."),
 ]
+OneTemperature = Annotated[
+    bool,
+    typer.Option(
+        help="Free m_T and n_T of --free though all tests are at one temperature.",
+        rich_help_panel=INPUT,
+    ),
+]
 HeldOut = Annotated[
     list[Path] | None,
     typer.Option(help="Test to judge the fit by, not fitted; may be repeated.", metavar="FILE"),
@@ -122,6 +137,7 @@ def identify(
     start: Start = None,
     free: Free = None,
     assumed: Spreads = None,
+    ambient_uncertainty: AmbientUncertainty = None,
     method: Method = "least-squares",
     polish: Polish = True,
     seed: Annotated[int, typer.Option(help="Of all random numbers.", rich_help_panel=SEARCH)] = 0,
@@ -141,6 +157,7 @@ def identify(
     despike: Despike = False,
     detrend: Detrend = "",
     accept_poor: AcceptPoor = False,
+    one_temperature: OneTemperature = False,
     output: Output = None,
     force: Force = False,
     no_figures: NoFigures = False,
@@ -154,7 +171,7 @@ def identify(
 
     held = hold_out or []
     records, bearing, target = _read([*tests, *held], start, check, output, force)
-    records = to_be_treated(records, despike, detrend)
+    records = to_be_treated(records, despike, detrend, ambient_uncertainty)
     if check or bearing is None or target is None:
         return _look_over(records, bearing, target, force, no_figures, as_json, quiet, documents)
     if posterior:
@@ -164,7 +181,7 @@ def identify(
         "free": [name.strip() for name in free.split(",")] if free is not None else None,
         **{"method": method, "seed": seed, "starts": starts, "evaluations": evaluations},
         **{"loss": loss, "temperatures": temperatures, "blind": not from_start, "polish": polish},
-        "accept_poor": accept_poor,
+        **{"accept_poor": accept_poor, "one_temperature": one_temperature},
         "assumed": numbers_by_name(assumed or [], "--assumed", "KEY=NUMBER, such as sigma_Y=0.1"),
     }
     if held or folds is not None or limit:

@@ -17,9 +17,8 @@ POOR = 0.98  # coefficient of determination below which the fit is called poor
 UNUSABLE = 0.9  # below it a fit is no bearing: forces that are all off by 31 % have this R2
 FIRST_CYCLE = 0.04  # of the peak force: first cycles stiffer than later ones by this are told
 AVERAGED = (
-    "the fitted values are averages that belong to neither, and warnings of heat or conduction may "
-    "come from it; first_cycle_weight = 0 in the sidecar fits the later ones, a table scragging in "
-    "the bearing and its parameters in --free (a_v, c_d, l_r; b_s, gamma_s) fit both"
+    "the fitted values are averages of both. Set first_cycle_weight = 0 in the sidecar to fit the "
+    "later cycles, or give the bearing a table scragging to fit both"
 )
 LATER = "they had no weight; the bearing is that of the later ones, and too soft in a first cycle"
 ENERGY = 0.15  # error of a cycle's energy that is told
@@ -70,23 +69,27 @@ class RecordFit:
         }
 
     @property
-    def warnings(self) -> list[str]:
-        """What the residuals say of the law itself, in words."""
-        said, name = [], self.record.name
-        if self.R2 < POOR:
-            said.append(f"{name}: R2 = {self.R2:.3f} is poor for this law, NRMSE {self.NRMSE:.1%}")
+    def virgin(self) -> str:
+        """A sentence where first cycles are stronger than heating explains; "" elsewhere."""
         first = [c.force_max_error for c in self.cycles if c.number == 1]
         later = [c.force_max_error for c in self.cycles if c.number > 1]
-        if first and later:
-            stiffer = float(np.mean(later)) - float(np.mean(first))
-            if stiffer > FIRST_CYCLE:
-                text = (
-                    f"{name}: first cycles are {stiffer:.0%} stronger in the test than later ones "
-                    "beyond what heating explains (scragging): "
-                )
-                said.append(text + (AVERAGED if self.record.first_cycle_weight else LATER))
+        stiffer = float(np.mean(later)) - float(np.mean(first)) if first and later else 0.0
+        if stiffer <= FIRST_CYCLE:
+            return ""
+        return (
+            f"{self.record.name}: first cycles are {stiffer:.0%} stronger in the test than later "
+            "ones beyond what heating explains (scragging); "
+            f"{AVERAGED if self.record.first_cycle_weight else LATER}"
+        )
+
+    @property
+    def warnings(self) -> list[str]:
+        """What the residuals say of the law itself, in words; of virgin rubber that alone."""
+        said, name = [self.virgin] if self.virgin else [], self.record.name
+        if self.R2 < POOR:
+            said.append(f"{name}: R2 = {self.R2:.3f} is poor for this law, NRMSE {self.NRMSE:.1%}")
         worst = max((abs(c.energy_error) for c in self.cycles), default=0.0)
-        if worst > ENERGY:
+        if worst > ENERGY and not self.virgin:
             said.append(f"{name}: the energy of a cycle is off by up to {worst:.0%}")
         return said
 

@@ -5,23 +5,26 @@ columns of derivatives that they make carry it into the identified ones (uncerta
 when the tests ask for another value than the file has.
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError, nearest
 from thermobearing.border.library import data_path
 from thermobearing.border.schema import Strict, validated
 from thermobearing.border.toml import read_toml
+from thermobearing.identify.forward import dead_band, turning_points
 from thermobearing.identify.kinds import ALPHA, D_Y, HARDENING, N_T, SHAPE
 from thermobearing.identify.linear import Linear
+from thermobearing.identify.noise import noise_of
 from thermobearing.identify.problem import Problem
+from thermobearing.identify.record import TestRecord
 
 Floats = NDArray[np.float64]
 
@@ -29,6 +32,9 @@ PART = 0.25  # of a standard uncertainty: the step of a derivative
 LARGEST_SPREAD = 2.0  # relative standard uncertainty
 SURE, BEYOND = 5.0, 3.0  # standard errors of the tests, of tests and source together
 CLEAR = 2.0  # standard errors between a determined number and its bounds
+NORMAL = 10**6  # degrees of freedom with which Student's distribution is the normal one
+AMBIENT = "ambient"
+OF_TESTS = (AMBIENT, "turns", "force")  # keys of the tests, not of the bearing
 UNSEEN = 1e-3  # of the variance: numbers that move the residuals less are not seen by the tests
 OF_YIELDING = {ALPHA, SHAPE, D_Y, HARDENING, N_T}  # linear rubber has none of them
 
@@ -42,6 +48,9 @@ class Group(Strict):
     keys : dotted keys of a bearing.
     relative, absolute : standard uncertainty, one of them, >= 0; absolute in the unit of the key.
     source, note : where the uncertainty comes from.
+    unit : of `absolute`; empty where the key says it.
+    freedom : degrees of freedom of the uncertainty, > 0 (JCGM 100:2008, G.4.2: how well it is known
+        itself); by default so many that errors count as normal.
     cause : what else makes tests ask for another value, in words.
     """
 
@@ -51,6 +60,8 @@ class Group(Strict):
     absolute: float | None = None
     source: str
     note: str = ""
+    unit: str = ""
+    freedom: float = Field(default=NORMAL, gt=0.0)
     cause: str = ""
 
     @model_validator(mode="after")
@@ -92,7 +103,8 @@ def chosen_groups(given: Mapping[str, float] | None) -> tuple[Group, ...]:
 
     Parameters
     ----------
-    given : relative standard uncertainty in [0, 2] by the name of a group or a key of one.
+    given : relative standard uncertainty in [0, 2] by the name of a group or a key of one; that of
+        "ambient" in K.
 
     Returns
     -------
@@ -120,7 +132,9 @@ def chosen_groups(given: Mapping[str, float] | None) -> tuple[Group, ...]:
                 f"assumed: {name} = {value!r} must be a relative standard uncertainty, "
                 f"0 to {LARGEST_SPREAD:g}"
             )
-        change = {"relative": float(value), "absolute": None, "source": "given", "note": ""}
+        which = "absolute" if groups[places[0]].keys == [AMBIENT] else "relative"
+        change: dict[str, Any] = {"relative": None, "absolute": None, which: float(value)}
+        change |= {"source": "given", "note": ""}
         groups[places[0]] = groups[places[0]].model_copy(update=change)
     return tuple(groups)
 
@@ -234,13 +248,49 @@ def assumed_of(
     bearing = problem.pset.bearing(cube)
     here = np.concatenate(problem.parts(cube, fine=fine))
     kept, columns = [], []
-    for group in groups_of(bearing, identified, groups):
-        moved = problem.residuals_of(shifted(bearing, group, PART), fine=fine)
-        if moved is not None:
+
+    def add(group: Group, bearing: Bearing, records: Sequence[TestRecord], part: float) -> None:
+        moved = problem.parts_of(bearing, records, fine=fine)
+        column = np.zeros(0) if moved is None else (np.concatenate(moved) - here) / part
+        if column.any():
             kept.append(group)
-            columns.append((moved - here) / PART)
+            columns.append(column)
+
+    for group in groups_of(bearing, identified, groups):
+        add(group, shifted(bearing, group, PART), problem.records, PART)
+    for group, records in _other_tests(problem.records, groups):
+        add(group, bearing, records, 1.0)
     shape = (len(here), len(kept))
     return Assumed(tuple(kept), np.array(columns).T if columns else np.zeros(shape))
+
+
+def _other_tests(
+    records: Sequence[TestRecord], groups: Sequence[Group]
+) -> Iterator[tuple[Group, list[TestRecord]]]:
+    """The tests, off by one standard uncertainty of each thing measured that shifts a whole test.
+
+    Tests at the same temperature share its error: they had one chamber and thermometer.
+    """
+    if not groups:  # everything is known exactly
+        return
+    by_key = {group.keys[0]: group for group in groups}
+    air, turns, scale = (by_key[key] for key in OF_TESTS)
+    known = [record.ambient_uncertainty for record in records]
+    steps = [air.step(0.0) if u is None else u for u in known]
+    for ambient in dict.fromkeys(record.ambient for record in records):
+        off = [u if r.ambient == ambient else 0.0 for r, u in zip(records, steps, strict=True)]
+        update = {"name": f"{air.name} of {ambient:.4g} degC", "absolute": max(off)}
+        warmer = [replace(r, ambient=r.ambient + u) for r, u in zip(records, off, strict=True)]
+        yield air.model_copy(update=update), warmer
+    yield turns, [replace(r, displacement=_drawn_in(r.displacement, turns)) for r in records]
+    yield scale, [replace(r, force=(1.0 + scale.step(1.0)) * r.force) for r in records]
+
+
+def _drawn_in(x: Floats, group: Group) -> Floats:
+    """A displacement whose turns are less far out by the uncertainty that its noise gives them."""
+    turns, less = turning_points(x, dead_band(x))[1:-1], x.copy()
+    less[turns] -= group.step(noise_of(x)) * np.sign(x[turns] - x[turns - 1])
+    return less
 
 
 @dataclass(frozen=True)
@@ -273,6 +323,7 @@ class Told:
             "keys": self.group.keys,
             "relative_uncertainty": self.group.relative,
             "absolute_uncertainty": self.group.absolute,
+            "unit": self.group.unit,
             "source": ", ".join(filter(None, (self.group.source, self.group.note))),
             "tests_ask_for_sigmas": self.sigmas,
             "stderr_of_that": self.stderr if np.isfinite(self.stderr) else None,
@@ -295,10 +346,19 @@ class Carried:
     shifts: Floats
     spread: Floats
 
-    @property
-    def covariance(self) -> Floats:
-        """Of the parameters inside, by the assumed numbers, in the unit cube."""
-        return np.asarray(self.shifts @ self.spread @ self.shifts.T)
+    def covariance(self, factors: Floats | float = 1.0) -> Floats:
+        """Return that of the parameters inside, by the assumed numbers, in the unit cube.
+
+        Parameters
+        ----------
+        factors : on the uncertainty of each group.
+
+        Returns
+        -------
+        ndarray : [parameter inside, parameter inside]
+        """
+        shifts = self.shifts * factors
+        return np.asarray(shifts @ self.spread @ shifts.T)
 
 
 def carried(linear: Linear, assumed: Assumed) -> Carried:

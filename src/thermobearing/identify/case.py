@@ -42,6 +42,7 @@ class IdentifyCase:
     assumed : relative standard uncertainties of what is not identified, by key or symbol; None
         for the usual ones.
     accept_poor : a poor fit counts as one, and its bearing is written to be used.
+    one_temperature : free m_T and n_T, if `free` has them, though all tests are at one temperature.
     """
 
     records: list[TestRecord]
@@ -58,6 +59,7 @@ class IdentifyCase:
     evaluations: int = SEARCH
     assumed: Mapping[str, float] | None = None
     accept_poor: bool = False
+    one_temperature: bool = False
 
 
 def make_identify_case(

@@ -55,18 +55,18 @@ class Panel:
 
 def _panel(fit: RecordFit, prediction: Prediction, bearing: Bearing) -> Panel:
     record = fit.record
-    found = loops_of(record, prediction.force)
-    loops = [loop for loop in found if loop.last - loop.first + 1 >= FEWEST_POINTS]
-    test, model = (
-        [_measures(record, force, loop, bearing) for loop in loops]
-        for force in (record.force, prediction.force)
-    )
+    found = zip(loops_of(record, prediction.force), fit.cycles, strict=True)
+    pairs = [(loop, e) for loop, e in found if loop.last - loop.first + 1 >= FEWEST_POINTS]
+    model = [_measures(record, prediction.force, loop, bearing) for loop, _ in pairs]
     return Panel(
         title=f"{record.name}, {drawing.degrees(record.ambient)}, R² = {fit.R2:.4f}",
         record=record,
         model=prediction.force,
-        loops=loops,
-        test_measures=test,
+        loops=[loop for loop, _ in pairs],
+        test_measures=[
+            {name: value / (1.0 + getattr(errors, name)) for name, value in cycle.items()}
+            for cycle, (_, errors) in zip(model, pairs, strict=True)
+        ],
         model_measures=model,
         errors=fit.cycles,
     )
@@ -83,7 +83,7 @@ def _draw_loops(ax: Axes, panel: Panel, colour: str) -> None:
 
 
 def _measures(record: TestRecord, force: Floats, loop: Loop, bearing: Bearing) -> dict[str, float]:
-    """What is shown of a cycle, by name of its error; as `measure` has it, with its full peaks."""
+    """Return what is shown of a cycle of the model, by name of its error, as `measure` has it."""
     rows = slice(loop.first, loop.last + 1)
     size = {"area": bearing.area, "total_rubber_thickness": bearing.total_rubber_thickness}
     found = measure_cycle(record.displacement[rows], force[rows], slope=False, **size)
@@ -229,9 +229,10 @@ class IdentificationFigures:
         return figure
 
     def cycles(self) -> Figure:
-        """Measures of each cycle: test as a broad band, model as a line, a colour a record.
+        """Draw the measures of each cycle: the test as a broad band, the model as a line.
 
-        Titles have the errors of the table, whose peaks are those of a short running mean.
+        The model's are those of its own force; the test's are as far from them as the table says,
+        by a short running mean of both: extremes of noisy samples are too large.
         """
         figure, axes = drawing.panels(2, 2, (10.0, 6.4), self._title("test and model, each cycle"))
         colours = drawing.ordered_colours(len(self._panels), "viridis")

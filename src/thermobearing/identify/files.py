@@ -262,8 +262,8 @@ def _sources(found: Identification) -> dict[str, str]:
 
 def _error_of(item: Estimate) -> str:
     """Standard error of a parameter of the specimen, with the part of it that has no size."""
-    if item.at_bound:
-        return "at its bound"
+    if not item.determined:
+        return f"not determined, {item.where}"
     said = f"standard error {item.stderr:.2g} {item.parameter.kind.unit}".rstrip()
     return f"{said} ({abs(item.stderr / item.value):.1%})" if item.value else said
 

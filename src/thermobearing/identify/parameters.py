@@ -16,6 +16,7 @@ from thermobearing.border.schema import validated
 from thermobearing.border.units import HUGEST
 from thermobearing.identify.kinds import (
     ALPHA,
+    BY_KEY,
     C_V,
     D_Y,
     HARDENING,
@@ -35,6 +36,7 @@ from thermobearing.identify.kinds import (
 )
 
 Floats = NDArray[np.float64]
+SPAN = 10.0  # between ambient temperatures that tell anything of m_T and n_T [K]
 TIE = re.compile(r"([^=]+)=(?:([^=*]+)\*)?([^=*]+)")
 
 
@@ -280,6 +282,32 @@ def available(bearing: Bearing) -> list[Kind]:
     return [k for k in KINDS if getattr(bearing, k.key.split(".")[0]) is not None]
 
 
+def at_one_temperature(ambients: Iterable[float]) -> bool:
+    """Return whether the ambient temperatures of tests are too alike to tell m_T and n_T [degC]."""
+    return float(np.ptp(list(ambients))) < SPAN
+
+
+def split_at_one_temperature(free: Sequence[str]) -> tuple[list[str], list[str]]:
+    """Separate the temperature coefficients from the other free parameters.
+
+    Parameters
+    ----------
+    free : keys, symbols and ties.
+
+    Returns
+    -------
+    the others, and symbols of the temperature coefficients, free or tied.
+
+    Examples
+    --------
+    >>> split_at_one_temperature(["K_r", "m_T", "n_T = 2.4 * m_T"])
+    (['K_r'], ['m_T', 'n_T'])
+    """
+    keys = {name: full_key(name.split("=")[0], "free: ") for name in free}
+    warm = [name for name in free if keys[name] in (M_T, N_T)]
+    return [name for name in free if name not in warm], [BY_KEY[keys[n]].symbol for n in warm]
+
+
 def default_free(bearing: Bearing, ambients: Iterable[float]) -> list[str]:
     """Keys that are free unless the tests tell nothing of them; see sensitivity.py.
 
@@ -303,10 +331,9 @@ def default_free(bearing: Bearing, ambients: Iterable[float]) -> list[str]:
     >>> default_free(load_bearing("lrb-example"), [23.0])
     ['hysteresis.layer_stiffness', 'lead.stiffness', 'lead.yield_stress']
     """
-    at = list(ambients)
     linear = bearing.hysteresis.post_yield_ratio == 1.0
     rubber = [K_R] if linear else [ALPHA, K_R, SHAPE, D_Y, HARDENING]
-    warm = ([M_T] if linear else [M_T, N_T]) if max(at) - min(at) >= 10.0 else []
+    warm = [] if at_one_temperature(ambients) else [M_T] if linear else [M_T, N_T]
     lead = [K_L, SIGMA_Y] if bearing.lead is not None else []
     rate = [K_V, C_V] if bearing.rate is not None else []
     virgin = VIRGIN if bearing.scragging is not None else ()

@@ -129,32 +129,36 @@ class Problem:
         return found
 
     def _weighted(self, record: TestRecord, weight: Floats, predicted: Prediction) -> Floats:
-        rows = [weight * (predicted.force - record.force) / record.peak_force]
+        off = (predicted.force - record.force) / record.peak_force
+        rows = [weight * (off - np.average(off, weights=weight**2 + 1e-300))]
         if self.temperatures:
             for title, measured in record.temperatures.items():
                 off = predicted.temperatures[title] - measured
                 rows.append(np.sqrt(record.weight) * KELVIN_AS / KELVIN * off)
         return np.concatenate(rows)
 
-    def residuals_of(self, bearing: Bearing, *, fine: bool = True) -> Floats | None:
-        """All residuals of another bearing, whose materials may differ too.
+    def parts_of(
+        self, bearing: Bearing, moved: Sequence[TestRecord], *, fine: bool = True
+    ) -> list[Floats] | None:
+        """Return the weighted residuals of another bearing in tests that were done otherwise.
 
         Parameters
         ----------
-        bearing : of the same layers.
+        bearing : of the same layers; its materials may differ too.
+        moved : the records with other forces, displacements or ambient temperatures.
         fine : a step of the model at every sample.
 
         Returns
         -------
-        ndarray, or None where the model does not get through.
+        list of ndarray, one for each record, or None where the model fails.
         """
         found = []
-        for record, weight in zip(self.records, self.weights, strict=True):
-            predicted = ForwardModel(record, bearing, fine=fine).run(bearing)
+        for other, weight in zip(moved, self.weights, strict=True):
+            predicted = ForwardModel(other, bearing, fine=fine).run(bearing)
             if predicted is None:
                 return None
-            found.append(self._weighted(record, weight, predicted))
-        return np.concatenate(found)
+            found.append(self._weighted(other, weight, predicted))
+        return found
 
     def residuals(self, cube: Floats, *, fine: bool = False) -> Floats:
         """All residuals in one vector.

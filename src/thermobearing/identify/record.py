@@ -45,6 +45,7 @@ class TestRecord:
     rubber_thickness : total of the bearing [mm], as displacement over a column of strains says it.
     despike : take spikes out before a fit.
     detrend : whose drift to take out before a fit: "force", "displacement", "both", or "".
+    ambient_uncertainty : standard uncertainty of `ambient` [K], >= 0; None for the usual 0.5 K.
     """
 
     __test__ = False  # not a test for pytest
@@ -67,6 +68,7 @@ class TestRecord:
     despike: bool = False
     detrend: str = ""
     rubber_thickness: float | None = None
+    ambient_uncertainty: float | None = None
 
     @property
     def peak_force(self) -> float:
@@ -180,6 +182,7 @@ def record_of(readings: Readings) -> TestRecord:
         cycle_balance=sidecar.cycle_balance,
         despike=sidecar.despike,
         detrend=sidecar.detrend,
+        ambient_uncertainty=sidecar.ambient_uncertainty,
         assumptions=tuple(dict.fromkeys(assumptions)),
         bearing=str(readings.file.parent / where) if inside and where else sidecar.bearing,
         unused=tuple(readings.unused),

@@ -9,6 +9,7 @@ from thermobearing.border.toml import read_toml, split_sources
 from thermobearing.cyclic.reported import bearing_tables, bearing_words, model_assumptions
 from thermobearing.identify.report_tables import (
     AT_BOUND,
+    NOT,
     POORLY,
     checks_table,
     cycles_table,
@@ -160,7 +161,9 @@ def answer(summary: Summary, checks: list[Check]) -> list[str]:
         f"by up to {percent(worst['G_eq'], 1)}, h_eq {percent(worst['h_eq'], 1)}, energy "
         f"{percent(worst['energy'], 1)}."
     )
-    weak = [p["symbol"] for p in summary["parameters"].values() if grade(p) in (POORLY, AT_BOUND)]
+    weak = [
+        p["symbol"] for p in summary["parameters"].values() if grade(p) in (POORLY, AT_BOUND, NOT)
+    ]
     errors = [relative_error(p) for p in summary["parameters"].values()]
     known = (
         f"Poorly determined by these tests: {joined(weak)}"

@@ -14,7 +14,7 @@ from thermobearing.results.saved import SavedResult
 Record = Mapping[str, Any]
 TEST = Column("Test")
 STRONG = 0.9  # correlation that is told
-AT_BOUND, POORLY = "at its bound", "poorly"
+AT_BOUND, POORLY, NOT = "at its bound", "poorly", "no"
 MOST_ROWS = 200
 AMBIENT = Column("Ambient", "°C", "g")
 
@@ -145,7 +145,7 @@ def parameters_table(summary: Mapping[str, Any]) -> ReportTable:
 
 def relative_error(item: Mapping[str, Any]) -> float:
     """Standard error over the estimate; infinite where it is not known."""
-    if item["at_bound"] or item["stderr"] is None:
+    if not item.get("determined", not item["at_bound"]) or item["stderr"] is None:
         return float("inf")
     return float(item["stderr"]) / max(abs(float(item["value"])), 1e-12)
 
@@ -154,6 +154,8 @@ def grade(item: Mapping[str, Any]) -> str:
     """How well the tests know a parameter."""
     if item["at_bound"]:
         return AT_BOUND
+    if not item.get("determined", True):
+        return NOT
     if relative_error(item) > POOR:
         return POORLY
     return "well" if item["well_determined"] else "yes"
@@ -326,10 +328,9 @@ def undetermined_table(summary: Mapping[str, Any]) -> ReportTable | None:
     columns = (Column("What"), Column("Known how well"), Column("Why, or source"))
     rows = []
     for item in summary["parameters"].values():
-        if grade(item) in (AT_BOUND, POORLY):
-            spread = (
-                "at its bound" if item["at_bound"] else f"± {item['stderr']:.2g} {item['unit']}"
-            )
+        if grade(item) in (AT_BOUND, NOT, POORLY):
+            near = {AT_BOUND: AT_BOUND, NOT: "near its bound"}.get(grade(item))
+            spread = near or f"± {item['stderr']:.2g} {item['unit']}"
             rows.append((item["symbol"], spread.strip(), "free, and hardly told by the tests"))
     rows += [
         (name_of(key), "not free", _why(item))
@@ -339,6 +340,7 @@ def undetermined_table(summary: Mapping[str, Any]) -> ReportTable | None:
     for item in summary["assumed"]:
         share, size = item["relative_uncertainty"], item["absolute_uncertainty"]
         spread = f"± {100.0 * share:.3g} %" if share is not None else f"± {size:g}"
+        spread = f"{spread} {item.get('unit', '')}".strip()
         rows.append((item["name"], spread, item["source"]))
     return ReportTable("What the tests do not determine", columns, rows) if rows else None
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 import thermobearing
 from thermobearing.bearing.model import Bearing
+from thermobearing.bearing.plausible import implausible
 from thermobearing.bearing.validity import Validity
 from thermobearing.border.showing import Shown
 from thermobearing.identify.agreement import UNUSABLE, RecordFit, fit_of_record
@@ -162,7 +163,7 @@ class Identification(Shown):
             if item.lost:
                 kind = item.parameter.kind
                 said.append(
-                    f"{kind.symbol} = {item.value:.4g} {kind.unit}".strip() + " at its bound"
+                    f"{kind.symbol} = {item.value:.4g} {kind.unit}".strip() + f" {item.where}"
                 )
         return said
 
@@ -198,8 +199,11 @@ class Identification(Shown):
     def warnings(self) -> list[str]:
         """Everything a reader of the numbers must know."""
         said = [f.sentence for check in self.checks for f in check.findings if f.level != "note"]
+        said = [warning for fit in self.fits for warning in fit.warnings] + said
+        if not any(fit.virgin for fit in self.fits):  # which is the cause of the misfit
+            said = self.uncertainty.misfit + said
         said += self.uncertainty.warnings
-        said += [warning for fit in self.fits for warning in fit.warnings]
+        said += [f"the fitted bearing has {sentence}" for sentence in implausible(self.bearing)]
         if self.poor:
             said.append(f"a poor fit: {'; '.join(self.poor)}")
         if self.outcome == "not_converged":
@@ -297,6 +301,7 @@ def _estimate_summary(item: Estimate, start: float | None) -> dict[str, Any]:
         "lower": item.lower,
         "upper": item.upper,
         "at_bound": item.at_bound,
+        "determined": item.determined,
         "well_determined": item.well_determined,
         "start": start,
         "bounds": [item.parameter.lower, item.parameter.upper],

@@ -9,6 +9,7 @@ search in search.py.
 
 import time
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -28,7 +29,13 @@ from thermobearing.identify.case import (
 )
 from thermobearing.identify.checks import CheckReport, check_test
 from thermobearing.identify.forward import ForwardModel
-from thermobearing.identify.parameters import ParameterSet, parameter_set
+from thermobearing.identify.kinds import M_T
+from thermobearing.identify.parameters import (
+    ParameterSet,
+    at_one_temperature,
+    parameter_set,
+    split_at_one_temperature,
+)
 from thermobearing.identify.problem import Problem
 from thermobearing.identify.record import TestRecord
 from thermobearing.identify.result import Identification
@@ -42,7 +49,7 @@ from thermobearing.identify.sensitivity import (
 )
 from thermobearing.identify.start import loop_start
 from thermobearing.identify.tested import range_of_tests
-from thermobearing.identify.uncertainty import estimate
+from thermobearing.identify.uncertainty import estimate, remedy
 
 Floats = NDArray[np.float64]
 
@@ -63,6 +70,7 @@ def identify_bearing(
     evaluations: int = SEARCH,
     assumed: Mapping[str, float] | None = None,
     accept_poor: bool = False,
+    one_temperature: bool = False,
 ) -> Identification:
     """Parameters of a bearing from its tests.
 
@@ -85,7 +93,9 @@ def identify_bearing(
     evaluations : budget of krill herd or differential evolution, 1 to a million.
     assumed : relative standard uncertainty, 0 to 2, of what is not identified, by dotted key or
         symbol: {"materials.side_film": 0.1}; 0 is known exactly. Others keep the usual ones.
-    accept_poor : let a poor fit (R2 below 0.9, a parameter at its bound) count as a fit.
+    accept_poor : let a poor fit (R2 below 0.9, a parameter near its bound) count as a fit.
+    one_temperature : free m_T and n_T, if `free` has them, though the ambient temperatures of the
+        tests differ by less than 10 K; without it they are held, with a warning.
 
     Returns
     -------
@@ -122,6 +132,7 @@ def identify_bearing(
         evaluations=evaluations,
         assumed=assumed,
         accept_poor=accept_poor,
+        one_temperature=one_temperature,
     )
     return run_identify(case)
 
@@ -159,6 +170,7 @@ def run_identify(case: IdentifyCase) -> Identification:
     if refused:
         raise InputError(refused)
     records, left_out = _to_fit(checks)
+    case, held = _without_temperature_law(case)
     problem, start, sensitivity = _problem(case, records, left_out)
     cube, converged = search(problem, case), True
     if case.free is None:
@@ -170,6 +182,7 @@ def run_identify(case: IdentifyCase) -> Identification:
         raise InputError("the model does not get through these tests with any parameters tried")
     covered = range_of_tests(records, predictions, base.total_rubber_thickness)
     uncertainty = estimate(problem, cube, chosen_groups(case.assumed))
+    uncertainty.warnings[:0] = held
     return Identification(
         bearing=problem.pset.checked(cube).model_copy(update={"tested_range": covered}),
         pset=problem.pset,
@@ -199,6 +212,24 @@ def _inputs(case: IdentifyCase) -> dict[str, Any]:
     told["bounds"] = {key: list(ends) for key, ends in (case.bounds or {}).items()}
     told["assumed"] = dict(case.assumed or {})
     return told
+
+
+def _without_temperature_law(case: IdentifyCase) -> tuple[IdentifyCase, list[str]]:
+    """A case whose tests can tell what is free, and a sentence on what is therefore held."""
+    ambients = [record.ambient for record in case.records]
+    if case.free is None or case.one_temperature or not at_one_temperature(ambients):
+        return case, []
+    others, held = split_at_one_temperature(case.free)
+    if not held:
+        return case, []
+    why = (
+        f"{' and '.join(held)} held at the value of {case.bearing.name}: the tests are at "
+        f"{ambients[0]:g} degC only; {remedy({M_T})}. --one-temperature (one_temperature=True) "
+        "frees them all the same"
+    )
+    if not others:
+        raise InputError(f"free: nothing else is free; {why}")
+    return replace(case, free=others), [why]
 
 
 def _to_fit(checks: Sequence[CheckReport]) -> tuple[list[TestRecord], list[NDArray[np.bool_]]]:

@@ -94,7 +94,7 @@ def print_thermocouples(rows: list[dict[str, Any]], title: str) -> None:
 def _print_parameters(found: Identification) -> None:
     rows = []
     for item in found.uncertainty.estimates.values():
-        error = "at its bound" if item.at_bound else f"{item.stderr:.2g}"
+        error = f"{item.stderr:.2g}" if item.determined else item.where
         interval = f"{item.lower:.4g} to {item.upper:.4g}"
         kind = item.parameter.kind
         rows.append((kind.symbol, kind.unit, f"{item.value:.4g}", error, interval))

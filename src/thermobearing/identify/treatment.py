@@ -129,14 +129,18 @@ def detrended(record: TestRecord) -> list[str]:
     return [name for name in UNITS if record.detrend in (name, "both")]
 
 
-def to_be_treated(records: list[TestRecord], despike: bool, detrend: str) -> list[TestRecord]:
-    """Records with treatments besides those that their sidecars ask for.
+def to_be_treated(
+    records: list[TestRecord], despike: bool, detrend: str, ambient_uncertainty: float | None = None
+) -> list[TestRecord]:
+    """Return the records with treatments besides those that their sidecars ask for.
 
     Parameters
     ----------
     records : tests.
     despike : take spikes out.
     detrend : "force", "displacement", "both", or "" for what the sidecars say.
+    ambient_uncertainty : standard uncertainty of all ambient temperatures [K], 0 to 20; None for
+        what the sidecars say.
 
     Returns
     -------
@@ -144,7 +148,7 @@ def to_be_treated(records: list[TestRecord], despike: bool, detrend: str) -> lis
 
     Raises
     ------
-    InputError : another word.
+    InputError : another word, or a number out of range.
 
     Examples
     --------
@@ -155,6 +159,10 @@ def to_be_treated(records: list[TestRecord], despike: bool, detrend: str) -> lis
     """
     if detrend not in ("", *UNITS, "both"):
         raise InputError(f'detrend = "{detrend}"{nearest(detrend, [*UNITS, "both"])}')
+    if ambient_uncertainty is not None:
+        if not 0.0 <= ambient_uncertainty <= 20.0:
+            raise InputError(f"ambient_uncertainty = {ambient_uncertainty} K: must be 0 to 20 K")
+        records = [replace(r, ambient_uncertainty=ambient_uncertainty) for r in records]
     return [replace(r, despike=r.despike or despike, detrend=detrend or r.detrend) for r in records]
 
 

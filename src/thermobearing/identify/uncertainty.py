@@ -10,26 +10,34 @@ import numpy as np
 from numpy.typing import NDArray
 
 from thermobearing.identify import kinds
-from thermobearing.identify.assumed import Carried, Group, assumed_of, carried, usual_groups
+from thermobearing.identify.assumed import (
+    Carried,
+    Group,
+    Told,
+    assumed_of,
+    carried,
+    usual_groups,
+)
 from thermobearing.identify.forward import turning_points
 from thermobearing.identify.linear import AT_BOUND, BLOCK_TURN, linearised
-from thermobearing.identify.parameters import Parameter
+from thermobearing.identify.parameters import Parameter, at_one_temperature
 from thermobearing.identify.problem import Problem
 from thermobearing.identify.record import TestRecord
 
 Floats = NDArray[np.float64]
 
 WELL = 0.01  # relative standard error of a well determined parameter: three are within 3 %
+NEAR_BOUND = 0.05  # of the range of the search: nearer to a bound no parameter is determined
 POOR = 0.1  # relative standard error of a poorly determined one
 LEAST = 0.1  # m_T, n_T, b and s may be zero: errors are relative to this at least
 LEVEL = 0.95
-NORMAL = 10**6  # degrees of freedom with which Student's distribution is the normal one
 CORRELATED = 0.95
 NEGLIGIBLE = 1e-3  # of the peak force: smaller residuals are no matter for a warning
 ALIKE = 0.2  # effective over actual samples, below which residuals are not noise
 TEMPERATURE_SPAN = 15.0  # K between tests that fix a temperature coefficient
 # Entropy stiffens warm rubber by T/T_0, a third in 100 K; no more.
 ENTROPIC = 0.35
+MOST_CAUSES = 3  # that are named
 AS_LIKELY = 0.7  # of what the likeliest cause explains
 MUCH = 0.1  # of the squared misfit, which one more free parameter would take away ...
 SURELY = 3.0  # ... and by so many standard errors
@@ -60,16 +68,26 @@ class Estimate:
 
     @property
     def lost(self) -> bool:
-        """Whether it ended at a bound that is not an end of the law itself, as b = 0 is."""
+        """Whether it ended near a bound that is not an end of the law itself, as b = 0 is."""
         u, key = self.parameter.place(self.value), self.parameter.kind.key
         end = self.parameter.lower if u < 0.5 else self.parameter.upper
-        return self.at_bound and (key, end) not in kinds.ENDS
+        return min(u, 1.0 - u) < NEAR_BOUND and (key, end) not in kinds.ENDS
+
+    @property
+    def determined(self) -> bool:
+        """Whether the tests, and not a bound of the search, gave the value."""
+        return not (self.at_bound or self.lost)
+
+    @property
+    def where(self) -> str:
+        """Return how near to a bound it ended, in words."""
+        return "at its bound" if self.at_bound else f"within {NEAR_BOUND:.0%} of its bound"
 
     @property
     def relative_error(self) -> float:
-        """Standard error over the value; infinite at a bound."""
+        """Standard error over the value; infinite where it is not determined."""
         least = 0.0 if self.parameter.kind.transform == "log" else LEAST
-        known = not self.at_bound and np.isfinite(self.stderr)
+        known = self.determined and np.isfinite(self.stderr)
         return self.stderr / max(abs(self.value), least) if known else float("inf")
 
     @property
@@ -92,6 +110,7 @@ class Uncertainty:
     samples, effective_samples : how many, and how many independent ones they are worth.
     rms : root mean square of the residuals, relative to the peak force.
     warnings : in words.
+    misfit : likely causes of residuals that are no noise, in words.
     """
 
     estimates: dict[str, Estimate]
@@ -103,6 +122,7 @@ class Uncertainty:
     effective_samples: float
     rms: float
     warnings: list[str] = field(default_factory=list)
+    misfit: list[str] = field(default_factory=list)
 
 
 def effective_samples(residuals: Floats) -> float:
@@ -167,12 +187,16 @@ def estimate(problem: Problem, cube: Floats, groups: Sequence[Group] | None = No
     inside = np.ix_(linear.inside, linear.inside)
     of_tests, covariance = np.zeros((2, len(cube), len(cube)))
     of_tests[inside] = linear.covariance()
-    covariance[inside] = of_tests[inside] + assumed.covariance
-    wide = _wide(int(linear.blocks.max()) + 1 - len(cube)), _wide(NORMAL)
+    covariance[inside] = of_tests[inside] + assumed.covariance()
+    half = np.zeros(len(cube))  # of the intervals: each part with its own degrees of freedom
+    wide = np.array([_wide(item.group.freedom) for item in assumed.told])
+    half[linear.inside] = np.diag(assumed.covariance(wide))
+    half += _wide(int(linear.blocks.max()) + 1 - len(cube)) ** 2 * np.diag(of_tests)
     estimates = {}
     for i, parameter in enumerate(problem.pset.free):
+        variances = float(of_tests[i, i]), float(covariance[i, i])
         estimates[parameter.kind.key] = _estimate(
-            parameter, float(cube[i]), float(of_tests[i, i]), float(covariance[i, i]), wide
+            parameter, float(cube[i]), *variances, float(np.sqrt(half[i]))
         )
     found = Uncertainty(
         estimates=estimates,
@@ -185,6 +209,7 @@ def estimate(problem: Problem, cube: Floats, groups: Sequence[Group] | None = No
         rms=float(np.sqrt(np.mean(linear.residuals**2))),
     )
     found.warnings.extend(_warnings(problem, found))
+    found.misfit.extend(_misfit(problem, found))
     return found
 
 
@@ -194,7 +219,7 @@ def _correlation(covariance: Floats) -> Floats:
     return np.asarray(covariance / np.outer(safe, safe))
 
 
-def _wide(freedom: int) -> float:
+def _wide(freedom: float) -> float:
     """Standard errors in a 95 % interval, by Student's distribution."""
     from scipy.stats import t as student
 
@@ -202,12 +227,11 @@ def _wide(freedom: int) -> float:
 
 
 def _estimate(
-    parameter: Parameter, u: float, of_tests: float, whole: float, wide: tuple[float, float]
+    parameter: Parameter, u: float, of_tests: float, whole: float, half: float
 ) -> Estimate:
-    """At a place in the unit cube, from variances there; what is assumed is normal."""
+    """At a place in the unit cube, from the variances and half the 95 % interval there."""
     bound = not AT_BOUND < u < 1.0 - AT_BOUND
     slope = parameter.slope(u) if not bound else float("nan")
-    half = float(np.sqrt(wide[0] ** 2 * of_tests + wide[1] ** 2 * (whole - of_tests)))
     return Estimate(
         parameter=parameter,
         value=parameter.at(u),
@@ -219,7 +243,8 @@ def _estimate(
     )
 
 
-def _remedy(keys: set[str]) -> str:
+def remedy(keys: set[str]) -> str:
+    """Return what tests would fix parameters, given by their dotted keys."""
     for known, words in kinds.REMEDIES:
         if keys & known:
             return words
@@ -228,15 +253,15 @@ def _remedy(keys: set[str]) -> str:
 
 def _warnings(problem: Problem, found: Uncertainty) -> list[str]:
     """Bounds reached, weak and entangled parameters, and tests too alike, in words."""
-    said = [*_test_warnings(problem), *_likely_causes(found)]
+    said = [*_test_warnings(problem), *_exchanged(found)]
     for key, item in found.estimates.items():
         symbol, unit = item.parameter.kind.symbol, item.parameter.kind.unit
         shown = f"{symbol} = {item.value:.4g} {unit}".strip()
-        if item.at_bound:
-            said.append(f"{shown} ended at a bound: {_remedy({key})}")
+        if not item.determined:
+            said.append(f"{shown} is not determined, it ended {item.where}: {remedy({key})}")
         elif item.relative_error > POOR:
             said.append(
-                f"{shown} is poorly determined (standard error {item.stderr:.2g}): {_remedy({key})}"
+                f"{shown} is poorly determined (standard error {item.stderr:.2g}): {remedy({key})}"
             )
     keys = list(found.estimates)
     for i, j in zip(*np.triu_indices(len(keys), 1), strict=True):
@@ -247,49 +272,55 @@ def _warnings(problem: Problem, found: Uncertainty) -> list[str]:
             if weak:
                 said.append(
                     f"{a} and {b} are entangled (correlation {rho:.2f}): only a combination of "
-                    f"them is known; {_remedy({keys[i], keys[j]})}"
+                    f"them is known; {remedy({keys[i], keys[j]})}"
                 )
-    if found.rms > NEGLIGIBLE and found.effective_samples < ALIKE * found.samples:
-        said.append(
-            "the residuals are not noise: they repeat themselves from sample to sample "
-            f"({found.samples} samples are worth {found.effective_samples:.0f} independent ones), "
-            "so the law misses something or the force was filtered; standard errors say how well "
-            "the tests fix the numbers of this law, not that the law is right"
-        )
     return said
 
 
-def _likely_causes(found: Uncertainty) -> list[str]:
-    """What looks like a slip in the tests or the file, not like rubber."""
-    said = []
+def _exchanged(found: Uncertainty) -> list[str]:
+    """Temperature coefficients that no rubber has."""
     warm = [found.estimates[k] for k in (kinds.M_T, kinds.N_T) if k in found.estimates]
-    if warm and all(item.lower > ENTROPIC for item in warm):
-        shown = " and ".join(f"{e.parameter.kind.symbol} = {e.value:.2f}" for e in warm)
-        said.append(
-            f"{shown} would be rubber that stiffens as it warms: are the ambient temperatures of "
-            "the tests swapped?"
-        )
+    if not warm or not all(item.lower > ENTROPIC for item in warm):
+        return []
+    shown = " and ".join(f"{e.parameter.kind.symbol} = {e.value:.2f}" for e in warm)
+    return [
+        f"{shown} would be rubber that stiffens as it warms: are the ambient temperatures of "
+        "the tests swapped?"
+    ]
+
+
+def _misfit(problem: Problem, found: Uncertainty) -> list[str]:
+    """What residuals that are no noise may come from: first what the tests contradict."""
     if found.rms <= NEGLIGIBLE:  # the model met the tests: there is no misfit to explain
-        return said
+        return []
     told = sorted(found.assumed.told, key=lambda item: -item.explained)
+    if at_one_temperature(record.ambient for record in problem.records):
+        told = [item for item in told if item.group.keys[0] not in (kinds.M_T, kinds.N_T)]
+    said = []
     if told and told[0].contradicted:
         worst = told[0]
         alike = [t for t in told if t.contradicted and t.explained > AS_LIKELY * worst.explained]
         causes = [item.group.cause or f"the value of {item.group.name}" for item in alike]
         said.append(
-            f"the tests ask for {'more' if worst.sigmas > 0.0 else 'less'} {worst.group.name} than "
-            f"the file has, by {abs(worst.sigmas):.0f} times its uncertainty; likely causes: "
-            f"{'; or '.join(causes)}"
+            f"likely {'; or '.join(causes[:MOST_CAUSES])}: the tests ask for "
+            f"{'more' if worst.sigmas > 0.0 else 'less'} {worst.group.name} than was assumed, by "
+            f"{abs(worst.sigmas):.0f} times its uncertainty"
         )
-    said += _to_free(found)
+    said += _to_free(told, found)
+    if not said and found.effective_samples < ALIKE * found.samples:
+        said.append(
+            f"the residuals are not noise ({found.samples} samples are worth "
+            f"{found.effective_samples:.0f} independent ones): the law misses something, or the "
+            "force was filtered; standard errors are those of the numbers of this law"
+        )
     return said
 
 
-def _to_free(found: Uncertainty) -> list[str]:
+def _to_free(told: Sequence[Told], found: Uncertainty) -> list[str]:
     """Parameters that were held, and whose freedom would take much of the misfit away."""
     held = [
         item
-        for item in found.assumed.told
+        for item in told
         if item.group.keys[0] in kinds.BY_KEY
         and item.explained > MUCH
         and abs(item.sigmas) > SURELY * item.stderr
@@ -316,14 +347,14 @@ def _test_warnings(problem: Problem) -> list[str]:
             span += f" to {max(ambients):g}"
         said.append(
             f"m_T and n_T were fitted to tests at {span} degC only, mostly from self-heating: "
-            f"{_remedy({kinds.M_T})}"
+            f"{remedy({kinds.M_T})}"
         )
     if free & {kinds.C_V, kinds.K_V}:
         speeds = [s for record in problem.records for s in _speeds(record)]
         if max(speeds) < SPEED_SPAN * min(speeds):
             said.append(
                 f"c_v and K_v were fitted to mean speeds of {min(speeds):.3g} to "
-                f"{max(speeds):.3g} mm/s only: {_remedy({kinds.C_V})}"
+                f"{max(speeds):.3g} mm/s only: {remedy({kinds.C_V})}"
             )
     return said
 

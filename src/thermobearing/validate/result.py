@@ -48,8 +48,8 @@ class Comparison:
     loops : full cycles.
     largest : the loop that holds the largest displacement, one of `loops` or not; None where none
         does.
-    temperature_errors : RE of Eq. 4.39 in time, by thermocouple; nan where the test has not yet
-        warmed by a twentieth of its largest rise.
+    temperature_errors : error of the temperature rise in time over the largest rise of the test,
+        by thermocouple.
     outcome : of the model's run, as of a cyclic test.
     asked : what the test asks of the range that the bearing was tested in, rows of `compared`.
     rubber : total thickness of the bearing [mm]; 0 where nobody said it.
@@ -76,8 +76,8 @@ class Comparison:
             found[name] = _worst([loop.ratios[name] - 1.0 for loop in self.loops])
         sides = [loop.ratios[side] - 1.0 for loop in self.loops for side in ("F+", "F-")]
         found["force"] = _worst(sides)
-        warm = [values[np.isfinite(values)] for values in self.temperature_errors.values()]
-        found["temperature"] = _worst(np.concatenate([*warm, np.zeros(0)]).tolist())
+        warm = [np.zeros(0), *self.temperature_errors.values()]
+        found["temperature"] = _worst(np.concatenate(warm).tolist())
         found["NRMSE"] = self.NRMSE
         return found
 

@@ -37,7 +37,6 @@ from thermobearing.validate.result import Comparison, Validation
 
 Floats = NDArray[np.float64]
 
-RISEN = 0.05  # of the largest rise: before, the relative error of Eq. 4.39 means nothing
 ASSUMED = ("assumed", "rubber")  # checks whose warnings a comparison repeats
 NOT_NEEDED = ("cycles", "sampling")  # checks of a fit that any history may fail
 
@@ -193,7 +192,10 @@ def _comparison(bearing: Bearing, model: Model, record: TestRecord) -> Compariso
 
 
 def rise_errors(record: TestRecord, found: Prediction) -> dict[str, Floats]:
-    """(rise of the model - rise of the test) / rise of the test, in time (Eq. 4.39 with its sign).
+    """Return the error of the temperature rise in time, relative to the largest rise of the test.
+
+    Eq. 4.39 with its sign, but its denominator is not the rise so far: half a kelvin at the start
+    of a test would be an error of 50 %.
 
     Parameters
     ----------
@@ -202,15 +204,11 @@ def rise_errors(record: TestRecord, found: Prediction) -> dict[str, Floats]:
 
     Returns
     -------
-    dict : by thermocouple, [sample]; nan while the test has risen by less than a twentieth of its
-        largest rise.
+    dict : by thermocouple, [sample]; without those that do not rise.
     """
-    errors = {}
-    for title, values in record.temperatures.items():
-        rise = values - values[0]
-        seen = rise > RISEN * float(rise.max())
-        modelled = found.temperatures[title] - found.temperatures[title][0]
-        error = np.full(len(rise), np.nan)
-        error[seen] = modelled[seen] / rise[seen] - 1.0
-        errors[title] = error
-    return errors
+    rises = {title: values - values[0] for title, values in record.temperatures.items()}
+    return {
+        title: (found.temperatures[title] - found.temperatures[title][0] - rise) / rise.max()
+        for title, rise in rises.items()
+        if rise.max() > 0.0
+    }
