@@ -12,7 +12,7 @@ from tests import tolerances as tol
 from thermobearing.core.hardening import clear, force_and_tangent
 from thermobearing.core.hysteresis import euler_increment, exact_increment
 from thermobearing.core.lead import core_force, core_heat
-from thermobearing.core.records import filled
+from thermobearing.core.records import rows
 from thermobearing.core.step import recoverable_energy
 from thermobearing.core.types import HEAT_FROM_DISSIPATION, HEAT_FROM_WORK, Layer
 from thermobearing.core.viscous import maxwell
@@ -203,7 +203,8 @@ def test_bound_of_the_margin_is_on_the_safe_side() -> None:
         b = RUBBER.hardening
         tangent = ke + kh * ((1.0 + b * s * s) * slope + min(2.0 * b * s * after, 0.0))
         enough = s * after >= 0.0 or tangent >= RUBBER.sharing_start * ke
-        layer = filled(Layer, d=d, z=z, stored=0.0, farthest=0.0, virgin=1.0)[0]
+        layer = rows(Layer, 1)[0]
+        layer.d, layer.z = d, z
         let = clear(RUBBER, ke, kh, layer, step)
         assert enough or not let
         passed, healthy = passed + let, healthy + enough

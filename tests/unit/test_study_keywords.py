@@ -26,6 +26,7 @@ VALUES: dict[str, Any] = {
     "scheme": "published",
     "integrator": "euler",
     "hardening": "monotone",
+    "small_loops": "closed",
     "heat_source": "dissipation",
     "lead_ends": "finite-plate",
     "clock": "lead",

@@ -18,6 +18,7 @@ from thermobearing.bearing.model import (
     Clock,
     Materials,
     Scragging,
+    SmallLoops,
     TemperatureCoefficient,
 )
 from thermobearing.bearing.temperature import TemperatureLaw
@@ -45,6 +46,7 @@ class CompoundRubber(Strict):
     elastic_temperature_coefficient: TemperatureCoefficient  # m_T
     hysteretic_temperature_coefficient: TemperatureCoefficient  # n_T
     reference_temperature: Annotated[float, in_unit("degC"), Field(ge=-100, le=100)]
+    small_loops: SmallLoops | None = None
 
 
 class CompoundLead(Strict):

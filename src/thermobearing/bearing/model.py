@@ -159,8 +159,15 @@ class Materials(Strict):
     side_film: Annotated[float, in_unit("W/(m^2 K)"), Field(ge=0, le=1e5)]  # air 5 to 100
 
 
+SmallLoops = Literal["published", "closed"]
+
+
 class RubberHysteresis(Strict):
-    """Identified parameters of ONE rubber layer (Eq. 4.34-4.37; symbols of Table 4.2)."""
+    """Identified parameters of ONE rubber layer (Eq. 4.34-4.37; symbols of Table 4.2).
+
+    `small_loops` is the law that they were identified with (core/hysteresis.py); by default the
+    published one.
+    """
 
     post_yield_ratio: Annotated[float, Field(ge=1e-3, le=1)]  # alpha_0; 1 is linear rubber
     layer_stiffness: Stiffness  # K_r
@@ -170,6 +177,7 @@ class RubberHysteresis(Strict):
     elastic_temperature_coefficient: TemperatureCoefficient  # m_T
     hysteretic_temperature_coefficient: TemperatureCoefficient  # n_T
     reference_temperature: Annotated[float, in_unit("degC"), Field(ge=-100, le=100)]
+    small_loops: SmallLoops | None = None
 
 
 class Scragging(Strict):

@@ -31,6 +31,7 @@ WITHOUT_SIZE = (
     "elastic_temperature_coefficient",
     "hysteretic_temperature_coefficient",
     "reference_temperature",
+    "small_loops",
 )
 OF_LEAD = ("yield_stress", "softening", "reference_temperature", "surface_ratio", "clock")
 COPIED = ("materials", "temperature_law", "tested_range", "scragging")

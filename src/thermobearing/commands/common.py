@@ -69,6 +69,14 @@ RigName = Annotated[
 FixedBase = Annotated[
     bool, typer.Option("--fixed-base", help="Leave out the springs of the foundation.")
 ]
+SmallLoops = Annotated[
+    str | None,
+    typer.Option(
+        "--small-loops",
+        help="Of the rubber: published (open) or closed; by default as the bearing says.",
+        rich_help_panel=MODEL,
+    ),
+]
 EarlierModel = Annotated[
     str | None,
     typer.Option("--model", help="An earlier model, see docs/theory.md.", rich_help_panel=MODEL),

@@ -39,7 +39,7 @@ KERNELS = (
     "motions/spectrum.py",
 )
 
-ROOM = 20_000_000  # for the machine code of all kernels, and some more [bytes]
+ROOM = 25_000_000  # for the machine code of all kernels, and some more [bytes]
 
 OPTIONS: Any = {
     "error_model": "numpy",

@@ -12,10 +12,9 @@ at least `sharing_start` ke, and w stays 0.
 import math
 
 from thermobearing.core.compile import compiled
-from thermobearing.core.hysteresis import euler_increment, exact_increment
+from thermobearing.core.hysteresis import advance
 from thermobearing.core.lanes.choose import all_lanes, any_lane, no, select
-from thermobearing.core.records import Rows
-from thermobearing.core.types import EULER, Layer, LayerWork, Rubber
+from thermobearing.core.types import EULER, Layer, LayerWork, Rubber, State
 
 
 @compiled
@@ -50,13 +49,15 @@ def force_and_tangent(
 def clear(rubber: Rubber, ke: float, kh: float, layer: Layer, step: float) -> bool:
     """Whether the margin is surely above `sharing_start`: a bound on Z, without the closed form.
 
-    |Z| unloads fastest at the start and loads by at most 1; the margin falls with Z against d.
+    |Z| unloads fastest at the start, or where an inner branch starts, and loads by at most 1; the
+    margin falls with Z against d.
     """
     d, d_y = layer.d + step, rubber.yield_displacement
     crosses = d * layer.d <= 0.0
     if rubber.integrator == EULER or all_lanes(crosses):
         return False
-    steepest = max(1.0, 1.0 + rubber.unloading_curvature * layer.z * layer.z)
+    largest = max(abs(layer.z), layer.amplitude)
+    steepest = max(1.0, 1.0 + rubber.unloading_curvature * largest * largest)
     against = steepest * abs(step) - math.copysign(layer.z, layer.z * d)
     away, too_far = against <= 0.0, against >= d_y
     if all_lanes(away):
@@ -70,14 +71,16 @@ def clear(rubber: Rubber, ke: float, kh: float, layer: Layer, step: float) -> bo
 
 
 @compiled
-def margin(rubber: Rubber, ke: float, kh: float, layer: Layer, step: float) -> tuple[float, float]:
+def margin(
+    rubber: Rubber, ke: float, kh: float, old: State, j: int, step: float
+) -> tuple[float, float]:
     """Layer tangent / ke at w = 0 after the increment `step`, and its derivative [1/mm].
 
     Z' is that of motion towards larger |Z| whichever way the layer moves, so that the margin is
     a function of d and Z alone and does not jump where the motion turns. 1 where d and Z have
     one sign: hardening only stiffens there.
     """
-    b, d_y = rubber.hardening, rubber.yield_displacement
+    b, d_y, layer = rubber.hardening, rubber.yield_displacement, old.layers[j]
     sigma = select(step >= 0.0, 1.0, -1.0)
     loading = (sigma * layer.d >= 0.0) & (sigma * layer.z >= 0.0)
     d = layer.d + step
@@ -88,10 +91,7 @@ def margin(rubber: Rubber, ke: float, kh: float, layer: Layer, step: float) -> t
     stiffens = stiffens | clear(rubber, ke, kh, layer, step)
     if all_lanes(stiffens):
         return 1.0, 0.0
-    if rubber.integrator == EULER:
-        z, by = euler_increment(layer.z, step, d_y, rubber.unloading_curvature)
-    else:
-        z, by = exact_increment(layer.z, step, d_y, rubber.unloading_curvature)
+    z, by = advance(rubber, old, j, d, step)
     stiffens = stiffens | (d * z >= 0.0)
     if all_lanes(stiffens):
         return 1.0, 0.0
@@ -104,13 +104,13 @@ def margin(rubber: Rubber, ke: float, kh: float, layer: Layer, step: float) -> t
 
 
 @compiled
-def weight(rubber: Rubber, old: Rows[Layer], work: LayerWork, step: float) -> tuple[float, float]:
+def weight(rubber: Rubber, old: State, work: LayerWork, step: float) -> tuple[float, float]:
     """w, and its derivative by the increment `step` of all layers [1/mm]."""
     smallest, rate = 1.0, 0.0
     if rubber.monotone:
         return 0.0, 0.0
-    for j in range(len(old)):
-        value, by = margin(rubber, work.elastic[j], work.hysteretic[j], old[j], step)
+    for j in range(len(work.trial)):
+        value, by = margin(rubber, work.elastic[j], work.hysteretic[j], old, j, step)
         less = value < smallest
         smallest, rate = select(less, value, smallest), select(less, by, rate)
     width = rubber.sharing_start - rubber.sharing_full

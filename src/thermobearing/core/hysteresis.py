@@ -9,12 +9,24 @@ With sigma the sign of the motion, u = sigma Z and e = |dd| this is the autonomo
 
 where c > 0 (s < 1) gives a tangent, c = 0 a straight line, c < 0 (s > 1) a tanh. Both are
 solved in closed form, so an increment of any size is exact while the motion keeps its sign.
+
+**Small loops.** With s < 0 unloading is much steeper than reloading, so that a small reversal does
+not come back to where it began. Where small loops close, a layer remembers its turning points
+(d_i, Z_i), i = 1..n. The first of them, with the amplitude Z_P = |Z_1|, begins an outer branch,
+which is that of the law above. A reversal inside of it begins an inner branch, the reflection of
+the outer one: the same equation about the centre Z_n + sigma Z_P in place of zero. It ends at the
+last turning point but one (d_{n-1}, Z_{n-1}), where the branch before goes on and both points are
+forgotten. On steady loops there are no inner branches, and the law is the published one.
 """
 
 import math
 
 from thermobearing.core.compile import compiled
-from thermobearing.core.lanes.choose import any_lane, select
+from thermobearing.core.lanes.choose import all_lanes, any_lane, no, select
+from thermobearing.core.records import Rows
+from thermobearing.core.types import DEPTH, EULER, Layer, Rubber, State, Turn
+
+NO_MOTION = 1e-12  # displacement, relative to d_y, too small for its direction to matter
 
 
 @compiled
@@ -89,3 +101,134 @@ def euler_increment(
     u = select(increment >= 0.0, z, -z)
     slope = hysteretic_slope(u, d_y, curvature)
     return z + slope * increment, slope
+
+
+@compiled
+def entry(layer: Layer, turns: Rows[Turn], sigma: float) -> tuple[bool, float, float, float, float]:
+    """Find the branch on which a layer sets out in the direction sigma.
+
+    Returns whether it reverses, how many turning points are remembered then, the centre of the
+    branch, and d and Z where it ends if it is an inner one.
+    """
+    back = layer.heading * sigma < 0.0
+    outer = (layer.turns < 2.0) & (-sigma * layer.z >= layer.amplitude)
+    known = select(back, select(outer, 1.0, layer.turns + 1.0), layer.turns)
+    turned = select(back, layer.z, turns[0].z)
+    centre = select(known > 1.0, turned + sigma * layer.amplitude, 0.0)
+    to_d, to_z = select(back, turns[0].d, turns[1].d), select(back, turns[0].z, turns[1].z)
+    return back, known, centre, to_d, to_z
+
+
+@compiled
+def branch(
+    layer: Layer, turns: Rows[Turn], d: float, sigma: float
+) -> tuple[float, float, float, float, float]:
+    """Find the branch on which a layer is at d after a motion in the direction sigma.
+
+    Returns displacement and Z where the motion came to that branch, its centre, how many turning
+    points are left, and where the branch ends if it is an inner one.
+    """
+    x, z = layer.d, layer.z
+    plain = (layer.turns < 2.0) & (layer.heading * sigma >= 0.0)
+    if all_lanes(plain):
+        return x, z, 0.0, layer.turns, d
+    back, left, centre, to_d, to_z = entry(layer, turns, sigma)
+    reached = (left > 1.0) & (sigma * (d - to_d) >= 0.0)
+    k = 0
+    while any_lane(reached):
+        x, z = select(reached, to_d, x), select(reached, to_z, z)
+        left = select(reached, left - 2.0, left)
+        k += 2
+        turned = select(back, turns[k - 1].z, turns[k].z)
+        inner = select(left > 1.0, turned + sigma * layer.amplitude, 0.0)
+        centre = select(reached, inner, centre)
+        to_d = select(reached, select(back, turns[k].d, turns[k + 1].d), to_d)
+        to_z = select(reached, select(back, turns[k].z, turns[k + 1].z), to_z)
+        reached = reached & (left > 1.0) & (sigma * (d - to_d) >= 0.0)
+    return x, z, centre, left, to_d
+
+
+@compiled
+def advance(rubber: Rubber, old: State, j: int, d: float, moved: float) -> tuple[float, float]:
+    """Z and dZ/dd of layer j after a monotone motion to d, by `moved`."""
+    d_y, curvature = rubber.yield_displacement, rubber.unloading_curvature
+    layer = old.layers[j]
+    z, centre, sigma = layer.z, 0.0, 1.0
+    if rubber.integrator == EULER:
+        return euler_increment(z, moved, d_y, curvature)
+    if rubber.closed_loops:
+        sigma = select(moved >= 0.0, 1.0, -1.0)
+        x, z, centre, _, _ = branch(layer, old.turns[j], d, sigma)
+        z, moved = sigma * (z - centre), abs(d - x)
+    z, slope = exact_increment(z, moved, d_y, curvature)
+    if rubber.closed_loops:
+        z = centre + sigma * z
+    return z, slope
+
+
+@compiled
+def way_from_zero(u: float, d_y: float, curvature: float) -> float:
+    """Path of a motion from u = 0 to u, the inverse of `exact_increment`; u < 0 lies behind."""
+    loading = d_y * math.atanh(min(max(u, 0.0) / d_y, 1.0))
+    behind = min(u, 0.0)
+    if any_lane(curvature > 0.0):
+        k = math.sqrt(curvature)
+        behind = math.atan(k * behind) / k
+    elif any_lane(curvature < 0.0):
+        k = math.sqrt(-curvature)
+        behind = math.atanh(k * behind) / k
+    return loading + behind
+
+
+@compiled
+def forget(turns: Rows[Turn], full: bool, amplitude: float, d_y: float, curvature: float) -> None:
+    """Drop the two oldest inner turning points of DEPTH + 1.
+
+    The outermost moves to where the next inner branch comes to its Z, so that nothing jumps there.
+    """
+    outermost, inner = turns[DEPTH], turns[DEPTH - 3]
+    sigma = select(outermost.d >= inner.d, 1.0, -1.0)
+    u = sigma * (outermost.z - inner.z) - amplitude
+    path = way_from_zero(u, d_y, curvature) - way_from_zero(-amplitude, d_y, curvature)
+    d = inner.d + sigma * min(path, abs(outermost.d - inner.d))
+    turns[DEPTH - 2].d = select(full, d, turns[DEPTH - 2].d)
+    turns[DEPTH - 2].z = select(full, outermost.z, turns[DEPTH - 2].z)
+
+
+@compiled
+def remember(rubber: Rubber, old: State, new: State, j: int) -> None:
+    """Turning points of layer j after a step, once it is accepted."""
+    layer, after, past, turns = old.layers[j], new.layers[j], old.turns[j], new.turns[j]
+    d_y, moved = rubber.yield_displacement, after.d - layer.d
+    sigma = select(moved >= 0.0, 1.0, -1.0)
+    rests = abs(moved) <= NO_MOTION * d_y  # what is left is rounding, not a reversal
+    after.heading = select(rests, layer.heading, sigma)
+    after.turns, after.amplitude = layer.turns, layer.amplitude
+    plain = (layer.turns < 2.0) & (layer.heading * sigma >= 0.0)
+    if all_lanes(plain):
+        turns[0].d, turns[0].z = past[0].d, past[0].z
+        return
+    back, known, _, _, _ = entry(layer, past, sigma)
+    left = branch(layer, past, after.d, sigma)[3]
+    still = back & rests
+    back = back & no(still)
+    known, left = select(still, layer.turns, known), select(still, layer.turns, left)
+    outer = back & (known == 1.0)
+    amplitude = select(left == 0.0, 0.0, select(outer, abs(layer.z), layer.amplitude))
+    for k in range(DEPTH + 1):
+        if all_lanes(known <= k):
+            break
+        turns[k].d = select(back, layer.d if k == 0 else past[k - 1].d, past[k].d)
+        turns[k].z = select(back, layer.z if k == 0 else past[k - 1].z, past[k].z)
+    drop = known > left
+    while any_lane(drop):
+        for k in range(DEPTH):
+            turns[k].d = select(drop, turns[k + 2].d, turns[k].d)
+            turns[k].z = select(drop, turns[k + 2].z, turns[k].z)
+        known = select(drop, known - 2.0, known)
+        drop = known > left
+    full = left > DEPTH
+    if any_lane(full):
+        forget(turns, full, amplitude, d_y, rubber.unloading_curvature)
+    after.turns = select(full, left - 2.0, left)
+    after.amplitude = amplitude

@@ -12,6 +12,8 @@ def copy_state(source: State, target: State) -> None:
     """Overwrite `target` with `source`."""
     for j in range(len(source.layers)):
         target.layers[j] = source.layers[j]
+        for k in range(source.turns.shape[1]):
+            target.turns[j, k] = source.turns[j, k]
     for i in range(len(source.temperature)):
         target.temperature[i] = source.temperature[i]
     target.branches[0] = source.branches[0]

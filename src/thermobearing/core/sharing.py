@@ -26,12 +26,11 @@ import math
 
 from thermobearing.core.compile import compiled
 from thermobearing.core.hardening import force_and_tangent, weight
-from thermobearing.core.hysteresis import euler_increment, exact_increment, hysteretic_slope
+from thermobearing.core.hysteresis import NO_MOTION, advance, branch, entry, hysteretic_slope
 from thermobearing.core.lanes.choose import all_lanes, any_lane, no, select
 from thermobearing.core.records import Floats, Rows
 from thermobearing.core.types import (
     COMPLETED,
-    EULER,
     EULER_UNSTABLE,
     NOT_CONVERGED,
     NOT_FINITE,
@@ -39,53 +38,46 @@ from thermobearing.core.types import (
     Layer,
     LayerWork,
     Rubber,
+    State,
 )
 
 PLAIN_NEWTON = 10  # iterations before each Newton step is searched along its line
 ALL_NEWTON = 60
 LINE_SEARCH = 30
 LAST_CORRECTION = 1e-6  # relative force difference that one more correction squares away
-NO_MOTION = 1e-12  # correction, relative to d_y, too small for its direction to matter
 EULER_LIMIT = 4.0  # |Z| / d_y beyond which explicit Euler has clearly lost its way
 
 
 @compiled
 def layer_law(
     rubber: Rubber,
-    ke: float,
-    kh: float,
-    d_old: float,
-    z_old: float,
+    old: State,
+    work: LayerWork,
+    j: int,
     d: float,
     mean: float,
     w: float,
 ) -> tuple[float, float, float, float]:
-    """Force [kN], tangent [kN/mm], Z [mm] and dZ/dd of one layer at displacement d (Eq. 4.34)."""
-    d_y, curvature = rubber.yield_displacement, rubber.unloading_curvature
-    if rubber.integrator == EULER:
-        z, slope = euler_increment(z_old, d - d_old, d_y, curvature)
-    else:
-        z, slope = exact_increment(z_old, d - d_old, d_y, curvature)
+    """Force [kN], tangent [kN/mm], Z [mm] and dZ/dd of layer j at displacement d (Eq. 4.34)."""
+    z, slope = advance(rubber, old, j, d, d - old.layers[j].d)
+    ke, kh = work.elastic[j], work.hysteretic[j]
     force, tangent = force_and_tangent(rubber, ke, kh, d, z, slope, mean, w)
     return force, tangent, z, slope
 
 
 @compiled
 def evaluate(
-    rubber: Rubber, old: Rows[Layer], work: LayerWork, mean: float, w: float, new: Rows[Layer]
+    rubber: Rubber, old: State, work: LayerWork, mean: float, w: float, new: Rows[Layer]
 ) -> float:
     """Forces and tangents of all layers at the trial, their Z into `new`; min tangent / ke."""
     smallest = math.inf
-    for j in range(len(old)):
-        ke = work.elastic[j]
-        force, tangent, z, slope = layer_law(
-            rubber, ke, work.hysteretic[j], old[j].d, old[j].z, work.trial[j], mean, w
-        )
+    for j in range(len(new)):
+        force, tangent, z, slope = layer_law(rubber, old, work, j, work.trial[j], mean, w)
         work.force[j] = force
         work.tangent[j] = tangent
         work.slope[j] = slope
         new[j].z = z
-        smallest = min(smallest, tangent / ke)
+        smallest = min(smallest, tangent / work.elastic[j])
     return smallest
 
 
@@ -93,7 +85,7 @@ def evaluate(
 def line_slope(
     rubber: Rubber,
     multiplicity: Floats,
-    old: Rows[Layer],
+    old: State,
     work: LayerWork,
     mean: float,
     w: float,
@@ -101,11 +93,9 @@ def line_slope(
 ) -> float:
     """Slope, along the Newton direction, of the convex energy that sharing minimises."""
     slope = 0.0
-    for j in range(len(old)):
+    for j in range(len(multiplicity)):
         d = work.trial[j] + a * work.direction[j]
-        force, _, _, _ = layer_law(
-            rubber, work.elastic[j], work.hysteretic[j], old[j].d, old[j].z, d, mean, w
-        )
+        force, _, _, _ = layer_law(rubber, old, work, j, d, mean, w)
         slope += multiplicity[j] * force * work.direction[j]
     return slope
 
@@ -114,7 +104,7 @@ def line_slope(
 def search(
     rubber: Rubber,
     multiplicity: Floats,
-    old: Rows[Layer],
+    old: State,
     work: LayerWork,
     mean: float,
     w: float,
@@ -180,13 +170,22 @@ def force_by_weight(
 
 
 @compiled
-def reverses(old: Rows[Layer], work: LayerWork, d_y: float) -> bool:
-    """Whether the Newton correction turns a layer's increment round, where dZ/dd jumps."""
+def kinks(rubber: Rubber, old: State, work: LayerWork) -> bool:
+    """Whether the Newton correction takes a layer to where dZ/dd jumps.
+
+    It does where the increment turns round, and where an inner branch ends.
+    """
     found = False
-    for j in range(len(old)):
-        moved, by = work.trial[j] - old[j].d, work.direction[j]
-        ahead = select(moved >= 0.0, by, -by)
-        found = found | ((abs(moved) + ahead < 0.0) & (abs(by) > NO_MOTION * d_y))
+    for j in range(len(work.trial)):
+        moved, by = work.trial[j] - old.layers[j].d, work.direction[j]
+        sigma = select(moved >= 0.0, 1.0, -1.0)
+        jumps = abs(moved) + sigma * by < 0.0
+        if rubber.closed_loops:
+            d = work.trial[j]
+            x, _, _, left, end = branch(old.layers[j], old.turns[j], d, sigma)
+            ends = (left > 1.0) & (sigma * (d + by - end) >= 0.0)
+            jumps = jumps | ends | (sigma * (d + by - x) < 0.0)
+        found = found | (jumps & (abs(by) > NO_MOTION * rubber.yield_displacement))
     return found
 
 
@@ -202,7 +201,7 @@ def correct(work: LayerWork, new: Rows[Layer]) -> None:
 def newton(
     rubber: Rubber,
     multiplicity: Floats,
-    old: Rows[Layer],
+    old: State,
     work: LayerWork,
     x: float,
     w: float,
@@ -223,14 +222,14 @@ def newton(
         lost = no(math.isfinite(force + apart))
         done = apart <= LAST_CORRECTION * (abs(force) + floor)
         if any_lane(done):
-            done = done & no(reverses(old, work, rubber.yield_displacement))
+            done = done & no(kinks(rubber, old, work))
         if all_lanes(done | lost):
             correct(work, new)
             return force, tangent, smallest, select(lost, NOT_FINITE, COMPLETED)
         a = 1.0
         if iteration >= PLAIN_NEWTON:
             a = search(rubber, multiplicity, old, work, mean, w)
-        for j in range(len(old)):
+        for j in range(len(new)):
             ahead = work.trial[j] + a * work.direction[j]
             work.trial[j] = select(done, work.trial[j], ahead)
         smallest = evaluate(rubber, old, work, mean, w, new)
@@ -239,9 +238,7 @@ def newton(
 
 
 @compiled
-def start_tangents(
-    rubber: Rubber, old: Rows[Layer], work: LayerWork, mean: float, step: float
-) -> bool:
+def start_tangents(rubber: Rubber, old: State, work: LayerWork, mean: float, step: float) -> bool:
     """Forces and tangents of all layers at the start, in the direction of motion.
 
     Returns whether they may be trusted: no tangent is below the margin and the step is short.
@@ -249,9 +246,12 @@ def start_tangents(
     sigma = select(step >= 0.0, 1.0, -1.0)
     d_y = rubber.yield_displacement
     healthy = abs(step) < d_y
-    for j in range(len(old)):
-        d, z = old[j].d, old[j].z
-        slope = hysteretic_slope(sigma * z, d_y, rubber.unloading_curvature)
+    for j in range(len(work.trial)):
+        d, z = old.layers[j].d, old.layers[j].z
+        centre = 0.0
+        if rubber.closed_loops:
+            centre = entry(old.layers[j], old.turns[j], sigma)[2]
+        slope = hysteretic_slope(sigma * (z - centre), d_y, rubber.unloading_curvature)
         force, tangent = force_and_tangent(
             rubber, work.elastic[j], work.hysteretic[j], d, z, slope, mean, 0.0
         )
@@ -266,7 +266,7 @@ def start_tangents(
 def first_trial(
     rubber: Rubber,
     multiplicity: Floats,
-    old: Rows[Layer],
+    old: State,
     work: LayerWork,
     x: float,
     step: float,
@@ -284,19 +284,19 @@ def first_trial(
         uniform = uniform | no(healthy)
         if not all_lanes(uniform):
             common_force(rubber, multiplicity, work, new, x, 0.0)
-            for j in range(len(old)):
+            for j in range(len(new)):
                 ahead = work.trial[j] + work.direction[j]
-                work.trial[j] = select(uniform, old[j].d + step, ahead)
+                work.trial[j] = select(uniform, old.layers[j].d + step, ahead)
             return
-    for j in range(len(old)):
-        work.trial[j] = old[j].d + step
+    for j in range(len(new)):
+        work.trial[j] = old.layers[j].d + step
 
 
 @compiled
 def solved(
     rubber: Rubber,
     multiplicity: Floats,
-    old: Rows[Layer],
+    old: State,
     work: LayerWork,
     x: float,
     step: float,
@@ -325,7 +325,7 @@ def largest_mismatch(rubber: Rubber, work: LayerWork, new: Rows[Layer], force: f
 def share(
     rubber: Rubber,
     multiplicity: Floats,
-    old: Rows[Layer],
+    old: State,
     work: LayerWork,
     x_old: float,
     x: float,
@@ -351,7 +351,7 @@ def share(
     if all_lanes(outcome != COMPLETED):
         return force, tangent, 0.0, w, outcome
     lost = False
-    for j in range(len(old)):
+    for j in range(len(new)):
         new[j].d = work.trial[j]
         lost = lost | (abs(new[j].z) > EULER_LIMIT * rubber.yield_displacement)
     outcome = select((outcome == COMPLETED) & lost, EULER_UNSTABLE, outcome)

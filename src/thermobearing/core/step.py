@@ -15,6 +15,7 @@ import math
 from thermobearing.core.compile import compiled
 from thermobearing.core.hardening import strain_factor
 from thermobearing.core.heat import eliminate, factor, substitute
+from thermobearing.core.hysteresis import remember
 from thermobearing.core.lanes.choose import all_lanes, any_lane, no, select
 from thermobearing.core.lead import core_force, lead_step
 from thermobearing.core.lead_ends import factor_ports
@@ -266,7 +267,7 @@ def move(
     rubber = constants.rubber
     old, books = state.books[0], new.books[0]
     rubber_force, tangent, mismatch, w, outcome = share(
-        rubber, constants.multiplicity, state.layers, work.layers, old.displacement, x, new.layers
+        rubber, constants.multiplicity, state, work.layers, old.displacement, x, new.layers
     )
     failed = has_failed(outcome)
     if all_lanes(failed):
@@ -291,13 +292,16 @@ def move(
 def settle(
     constants: Constants, work: Workspace, state: State, dt: float, ambient: float, new: State
 ) -> int:
-    """Thermal part of a step, after the last `move`: wear, heat, temperatures, energy books.
+    """Thermal part of a step, after the last `move`: memory, heat, temperatures, energy books.
 
     Returns COMPLETED, NOT_FINITE or TEMPERATURE_RUNAWAY.
     """
     old, books = state.books[0], new.books[0]
     if constants.rubber.virgin:
         wear(constants.rubber, state.layers, new.layers)
+    if constants.rubber.closed_loops:
+        for j in range(len(new.layers)):
+            remember(constants.rubber, state, new, j)
     x, force = books.displacement, books.force
     books.clock = old.clock + dt
     books.work_in = old.work_in + 0.5 * (old.force + force) * (x - old.displacement)

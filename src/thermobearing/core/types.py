@@ -6,7 +6,7 @@ thing stands in one row (`records.py`), since every array handed to a compiled f
 nanoseconds; what long loops run through, cells and scratch, stands in columns (measured).
 """
 
-from typing import Annotated, Final, NamedTuple
+from typing import Annotated, Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +30,8 @@ NOT_CONVERGED: Final = 2
 NOT_FINITE: Final = 3
 EULER_UNSTABLE: Final = 4
 TEMPERATURE_RUNAWAY: Final = 5
+
+DEPTH: Final = 12  # turning points that a layer remembers where small loops close
 
 NEVER_MOVED: Final = 1e30  # Branches.idle of a virgin bearing: the first motion starts the clock
 
@@ -105,6 +107,16 @@ class Layer:
     stored: float  # recoverable energy of one layer [kN mm]
     farthest: float  # largest |d_j| so far [mm]
     virgin: float  # share of the virgin stiffness that is left, 1 to 0
+    turns: float  # turning points that are remembered, 0 to DEPTH (core/hysteresis.py)
+    amplitude: float  # |Z| of the outermost of them [mm]; 0 without one
+    heading: float  # sign of the last motion; 0 before it
+
+
+class Turn:
+    """A turning point of a rubber layer."""
+
+    d: float  # [mm]
+    z: float  # [mm]
 
 
 class Branches:
@@ -194,6 +206,7 @@ class Rubber(NamedTuple):
     yield_displacement: float  # d_y [mm]
     unloading_curvature: float  # beta - gamma = (1 - s) / ((1 + s) d_y^2) [1/mm2]
     integrator: int  # EXACT or EULER
+    closed_loops: bool  # whether small loops close; the published law leaves them open
     virgin: bool  # whether the rubber is stiffer before it has worked (core/scragging.py)
     scragging_amplitude: float  # b
     scragging_displacement: float  # gamma t_r [mm]
@@ -259,6 +272,7 @@ class State(NamedTuple):
     """Everything that does change. `new_state` makes one, `copy_state` saves one."""
 
     layers: Rows[Layer]  # [L]
+    turns: Any  # Rows[Turn], [L, DEPTH + 2], the newest first; [L, 0] where small loops stay open
     temperature: Floats  # [n] cell temperatures [degC]
     branches: Rows[Branches]  # [1]
     ends: Floats  # [K] the terms y of Constants.lead_modes [K]
@@ -316,6 +330,7 @@ def new_state(
     layers = len(constants.multiplicity)
     state = State(
         layers=rows(Layer, layers),
+        turns=rows(Turn, layers, DEPTH + 2 if constants.rubber.closed_loops else 0),
         temperature=np.array(temperature, dtype=np.float64),
         branches=rows(Branches, 1),
         ends=np.zeros(len(constants.lead_modes)),

@@ -86,7 +86,12 @@ def analysis_table(
     known : sources of defaults, by dotted key.
     """
     usual = flat(to_table(defaults))
-    settled = {"heat_source", "lead_ends", "clock"}  # depend on the bearing where not given
+    settled = {
+        "small_loops",
+        "heat_source",
+        "lead_ends",
+        "clock",
+    }  # depend on the bearing where not given
     sources = {
         key: (known or {}).get(key, DEFAULT)
         if usual.get(key, value if key in settled else None) == value
@@ -143,6 +148,14 @@ def model_assumptions(analysis: Table, bearings: Sequence[Table]) -> list[str]:
     found += [_virgin(layered), _exposure(analysis, bearings)]
     if analysis.get("hardening") == "monotone":
         found.append("Strain hardening is monotone: unloading never goes up.")
+    laws = [analysis.get("small_loops") or t["hysteresis"].get("small_loops") for t in layered]
+    if "closed" in laws:
+        found.append("Small loops close: rubber returns to the point where a small reversal began.")
+    if set(laws) != {"closed"}:
+        found.append(
+            "Small loops follow the published law and stay open: after a small reversal the force "
+            "remains below that of uninterrupted loading."
+        )
     return found
 
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from thermobearing.bearing.ambient import Ambient
 from thermobearing.bearing.exposure import Exposure
-from thermobearing.bearing.model import Bearing, Clock
+from thermobearing.bearing.model import Bearing, Clock, SmallLoops
 from thermobearing.border.errors import InputError
 from thermobearing.climate.readers import read_air
 from thermobearing.cyclic.case import Case, Group, Histories, make_case
@@ -49,6 +49,7 @@ def run(
     scheme: Scheme | None = None,
     integrator: Integrator | None = None,
     hardening: Hardening | None = None,
+    small_loops: SmallLoops | None = None,
     heat_source: HeatSource | None = None,
     lead_ends: LeadEnds | None = None,
     clock: Clock | None = None,
@@ -81,6 +82,9 @@ def run(
     scheme : "conservative" (default) or "published" heat scheme.
     integrator : "exact" (default) or "euler" integration of Z.
     hardening : "printed" (default, Eq. 4.34), or "monotone": unloading that never goes up.
+    small_loops : "published" (Eq. 4.35), after which a small reversal does not come back to the
+        force where it began, or "closed": it does. By default that of the bearing, "published"
+        unless it says otherwise.
     heat_source : "work" (Eq. 4.22) or "dissipation"; by default that of the bearing, dissipation
         for natural rubber (LRB), else work.
     lead_ends : how lead passes heat to steel: "finite-plate" (default) or "half-space"
@@ -134,6 +138,7 @@ def run(
         "scheme": scheme,
         "integrator": integrator,
         "hardening": hardening,
+        "small_loops": small_loops,
         "heat_source": heat_source,
         "lead_ends": lead_ends,
         "clock": clock,

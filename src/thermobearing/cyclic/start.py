@@ -13,7 +13,7 @@ from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
 from thermobearing.border.toml import to_table
-from thermobearing.model.handover import MEMORY, PREFIX, SpecimenState, specimen_state
+from thermobearing.model.handover import MEMORY, OF_LOOPS, PREFIX, SpecimenState, specimen_state
 from thermobearing.results.reading import read_dataset
 
 if TYPE_CHECKING:
@@ -123,6 +123,8 @@ def final_state(data: xr.Dataset, ambient: list[float], bearing: str = "") -> Sp
             key: _there(data[PREFIX + key].values[run]) if PREFIX + key in data else []
             for key in MEMORY
         }
+        turns = {key: data[PREFIX + key].values[run] for key in OF_LOOPS if PREFIX + key in data}
+        memory |= {key: _there(values) for key, values in turns.items()}
     return specimen_state(
         _there(data["final_temperature"].values[run]),
         float(data["final_lead_temperature"].values[run]),

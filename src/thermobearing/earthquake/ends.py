@@ -7,6 +7,7 @@ import numpy as np
 
 from thermobearing.model.handover import (
     MEMORY,
+    OF_LOOPS,
     PREFIX,
     SpecimenState,
     attributes_of,
@@ -56,14 +57,15 @@ def labelled_ends(tasks: Sequence["Task"], histories: Sequence[StructureHistory]
         found = {"final_temperature": end.temperature, "final_lead_temperature": lead}
         ends.append(found | memory_of(end) if has_heat else {})
     dims = {"final_temperature": "cell", "final_lead_temperature": None}
-    dims |= {key: dimension_of(key) for key in MEMORY}
+    memory = [*MEMORY, *(key for key in OF_LOOPS if any(key in end for end in ends))]
+    dims |= {key: dimension_of(key) for key in memory}
     data: dict[str, Any] = {}
     for key, dimension in dims.items():
         parts = [np.atleast_1d(end.get(key, np.nan)) for end in ends]
         whole = np.full((len(parts), max(len(part) for part in parts)), np.nan)
         for row, part in zip(whole, parts, strict=True):
             row[: len(part)] = part
-        name, about = (PREFIX + key, attributes_of(key)) if key in MEMORY else (key, ENDS[key])
+        name, about = (PREFIX + key, attributes_of(key)) if key in memory else (key, ENDS[key])
         if dimension is None:
             data[name] = (("run",), whole[:, 0], about)
         elif whole.size:

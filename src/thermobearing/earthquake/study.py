@@ -7,7 +7,7 @@ from typing import Any, TypeAlias, TypedDict, TypeVar, Unpack
 
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.exposure import Exposure
-from thermobearing.bearing.model import Bearing, Clock
+from thermobearing.bearing.model import Bearing, Clock, SmallLoops
 from thermobearing.border.errors import InputError, nearest
 from thermobearing.cyclic.rig import Rig
 from thermobearing.cyclic.start import Earlier
@@ -43,6 +43,7 @@ class StudyOptions(TypedDict, total=False):
     scheme: Scheme | None
     integrator: Integrator | None
     hardening: Hardening | None
+    small_loops: SmallLoops | None
     heat_source: HeatSource | None
     lead_ends: LeadEnds | None
     clock: Clock | None
@@ -93,6 +94,9 @@ def bridge(
     scheme : "conservative" (default) or "published" heat scheme.
     integrator : "exact" (default) or "euler" integration of Z.
     hardening : "printed" (default, Eq. 4.34), or "monotone": unloading that never goes up.
+    small_loops : "published" (Eq. 4.35), after which a small reversal does not come back to the
+        force where it began, or "closed": it does. By default that of the bearing, "published"
+        unless it says otherwise.
     heat_source : "work" (Eq. 4.22) or "dissipation"; by default dissipation for natural rubber
         (LRB), which gives its elastic work back, and work for the others.
     lead_ends : how lead passes heat to steel: "finite-plate" (default) or "half-space"
@@ -163,8 +167,8 @@ def hybrid(
         of the actuator, `force_noise` (standard deviation of the measured force) and its
         `seed`; numbers as text with their unit.
     fixed_base, lines, weather, duration, dt, mass, damping, scheme, integrator : as of `bridge`.
-    hardening, heat_source, lead_ends, clock, upper_face, lower_face : as of `bridge`.
-    side, stack, model, exposure : as of `bridge`.
+    hardening, small_loops, heat_source, lead_ends, clock : as of `bridge`.
+    upper_face, lower_face, side, stack, model, exposure : as of `bridge`.
     keep, keep_every, initial_state, initial_result, rig : as of `bridge`.
     executor, progress, options : as of `bridge`.
 

@@ -5,7 +5,7 @@ from typing import Literal
 import numpy as np
 
 from thermobearing.bearing.exposure import exposed
-from thermobearing.bearing.model import Bearing, Clock, LeadCores
+from thermobearing.bearing.model import Bearing, Clock, LeadCores, SmallLoops
 from thermobearing.core.records import Floats, filled
 from thermobearing.core.types import (
     EULER,
@@ -52,6 +52,7 @@ def build_constants(
     heat_source: HeatSource = "work",
     lead_ends: LeadEnds = "half-space",
     hardening: Hardening = "printed",
+    small_loops: SmallLoops = "published",
     clock: Clock | None = None,
 ) -> Constants:
     """The numbers one coupled step needs, from a bearing and its stack.
@@ -67,7 +68,12 @@ def build_constants(
         network = lead_network(bearing, stack, upper, lower)
     upper_middle, lower_middle = stack.middles()
     return Constants(
-        rubber=_rubber(bearing, integrator, monotone=hardening == "monotone"),
+        rubber=_rubber(
+            bearing,
+            integrator,
+            monotone=hardening == "monotone",
+            closed_loops=small_loops == "closed",
+        ),
         lead=lead,
         viscous=_viscous(bearing, heats=scheme != "published"),
         law=law_pieces(bearing.temperature_law),
@@ -108,12 +114,15 @@ def with_parameters(constants: Constants, bearing: Bearing, stack: Stack) -> Con
     For identification, where only those change from one evaluation to the next. The bearing
     must have the geometry and materials that `constants` and `stack` were built from.
     """
-    integrator: Integrator = "euler" if constants.rubber.integrator == EULER else "exact"
+    rubber = constants.rubber
+    integrator: Integrator = "euler" if rubber.integrator == EULER else "exact"
     bearing = exposed(bearing)
     lead, _, _ = _lead(bearing, stack, published=constants.lead.published)
     lead = lead._replace(clock_rate=constants.lead.clock_rate)  # whatever clock was chosen
     return constants._replace(
-        rubber=_rubber(bearing, integrator, monotone=constants.rubber.monotone),
+        rubber=_rubber(
+            bearing, integrator, monotone=rubber.monotone, closed_loops=rubber.closed_loops
+        ),
         lead=lead,
         viscous=_viscous(bearing, heats=constants.viscous.heats),
     )
@@ -168,7 +177,9 @@ def _viscous(bearing: Bearing, *, heats: bool) -> Viscous:
     return Viscous(bearing.rate.stiffness, bearing.rate.damping / bearing.rate.stiffness, heats)
 
 
-def _rubber(bearing: Bearing, integrator: Integrator, *, monotone: bool) -> Rubber:
+def _rubber(
+    bearing: Bearing, integrator: Integrator, *, monotone: bool, closed_loops: bool
+) -> Rubber:
     """Numbers of one rubber layer (Eq. 4.34-4.37)."""
     h, virgin = bearing.hysteresis, bearing.scragging
     return Rubber(
@@ -183,6 +194,7 @@ def _rubber(bearing: Bearing, integrator: Integrator, *, monotone: bool) -> Rubb
         yield_displacement=h.yield_displacement,
         unloading_curvature=(1.0 - h.shape) / ((1.0 + h.shape) * h.yield_displacement**2),
         integrator=EULER if integrator == "euler" else EXACT,
+        closed_loops=closed_loops,
         virgin=virgin is not None,
         scragging_amplitude=virgin.amplitude if virgin else 0.0,
         scragging_displacement=(virgin.strain if virgin else 1.0)

@@ -213,6 +213,7 @@ def _backbone_rubber(count: float, parameters: BilinearParameters) -> Rubber:
         yield_displacement=1.0,
         unloading_curvature=0.0,
         integrator=EXACT,
+        closed_loops=False,
         virgin=False,
         scragging_amplitude=0.0,
         scragging_displacement=1.0,

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from thermobearing.bearing.ambient import check_temperature
 from thermobearing.bearing.exposure import Exposure
 from thermobearing.bearing.library import as_bearing
-from thermobearing.bearing.model import Bearing, Clock
+from thermobearing.bearing.model import Bearing, Clock, SmallLoops
 from thermobearing.border.errors import InputError, nearest, shortened
 from thermobearing.border.numbers import is_number, refuse_hidden
 from thermobearing.border.schema import validated
@@ -74,6 +74,9 @@ class BearingElement:
     scheme : "conservative" (default) or "published" heat scheme.
     integrator : "exact" (default) or "euler" integration of Z.
     hardening : "printed" (default, Eq. 4.34), or "monotone": unloading that never goes up.
+    small_loops : "published" (Eq. 4.35), after which a small reversal does not come back to the
+        force where it began, or "closed": it does. By default that of the bearing, "published"
+        unless it says otherwise.
     heat_source : "work" (Eq. 4.22) or "dissipation"; by default dissipation for natural rubber
         (LRB), which gives its elastic work back, and work for the others.
     lead_ends : how lead passes heat to steel: "finite-plate" (default) or "half-space"
@@ -112,6 +115,7 @@ class BearingElement:
         scheme: Scheme | None = None,
         integrator: Integrator | None = None,
         hardening: Hardening | None = None,
+        small_loops: SmallLoops | None = None,
         heat_source: HeatSource | None = None,
         lead_ends: LeadEnds | None = None,
         clock: Clock | None = None,
@@ -127,6 +131,7 @@ class BearingElement:
             "scheme": scheme,
             "integrator": integrator,
             "hardening": hardening,
+            "small_loops": small_loops,
             "heat_source": heat_source,
             "lead_ends": lead_ends,
             "clock": clock,

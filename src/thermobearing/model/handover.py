@@ -15,7 +15,7 @@ from pydantic import Field
 from thermobearing.border.errors import InputError
 from thermobearing.border.schema import Strict, in_unit, unit_of
 from thermobearing.core.records import Floats
-from thermobearing.core.types import NEVER_MOVED, Constants, State, new_state
+from thermobearing.core.types import DEPTH, NEVER_MOVED, Constants, State, new_state
 
 # What a run may leave behind, beyond the limits of core/types.Limits and of the protocol.
 MOST = 100_000  # layers, cells or terms
@@ -55,8 +55,12 @@ BOOKS = {
         "recoverable",
     )
 }
+# Turning points of each layer, the newest first, filled up with zeros; where small loops close.
+TURNS = {"turn_displacement": "d", "turn_hysteretic": "z"}
+COUNT = "layer_turns"
 ENDS = "lead_terms"
 MEMORY = (*LAYERS, *BRANCHES, *BOOKS, ENDS)
+OF_LOOPS = (COUNT, *TURNS)
 PREFIX = "state_"  # of the variables in a dataset
 MEANINGS = {
     "layer_displacement": "shear displacement of each modelled rubber layer at the end",
@@ -74,6 +78,9 @@ MEANINGS = {
     "lead_force": "share of the lead cores in it",
     "viscous_force": "share of the rate-dependent branch in it",
     "recoverable": "recoverable energy at the end",
+    COUNT: "turning points that the layer remembers",
+    "turn_displacement": f"where they are, the newest first, {DEPTH} of each layer",
+    "turn_hysteretic": "Z there",
     ENDS: "excess temperatures of the terms of what leads heat out of the lead",
 }
 
@@ -91,12 +98,16 @@ class SpecimenState(Strict):
     core_force, maxwell_force : of one core, of the rate-dependent branch [kN].
     moving_for, resting_for : clock of the lead [s].
     lead_terms : excess temperatures of the terms of the lead's ends [K].
+    layer_turns : turning points that each layer remembers, 0 to 12, where small loops close.
+    turn_displacement, turn_hysteretic : d and Z there [mm], the newest first and filled up with
+        zeros, 12 of each layer.
     displacement, force : of the bearing [mm], [kN].
     rubber_force, lead_force, viscous_force : shares of the force [kN].
     recoverable : energy the bearing would give back [kN mm].
     zero : displacement [mm] at which the instruments of the next test read zero; 0 by default.
 
-    Either all of them or, as results before 0.2 have them, temperatures alone.
+    Either all of them, turning points and `zero` apart, or, as results before 0.2 have them,
+    temperatures alone. Without turning points a run with closed small loops begins with none.
     """
 
     temperature: Annotated[list[Degrees], Field(min_length=1, max_length=MOST)]
@@ -118,12 +129,20 @@ class SpecimenState(Strict):
     recoverable: Energy | None = None
     lead_terms: Annotated[list[Excess], Many] | None = None
     zero: Length | None = None
+    layer_turns: Annotated[list[Annotated[int, Field(ge=0, le=DEPTH)]], Many] | None = None
+    turn_displacement: Annotated[list[Length], Many] | None = None
+    turn_hysteretic: Annotated[list[Length], Many] | None = None
 
     @classmethod
     def conflicts(cls, given: dict[str, Any]) -> list[str]:
         """The whole memory, or temperatures alone."""
         lacking = [name for name in MEMORY if name not in given]
-        if not lacking or len(lacking) == len(MEMORY):
+        turns = [name for name in OF_LOOPS if name not in given]
+        if len(lacking) == len(MEMORY):
+            lacking = []
+        if 0 < len(turns) < len(OF_LOOPS):
+            lacking += turns
+        if not lacking:
             return []
         return [f"a part of the state is missing: {', '.join(lacking)}"]
 
@@ -148,6 +167,10 @@ def memory_of(state: State) -> dict[str, Any]:
     found: dict[str, Any] = {key: state.layers[name].copy() for key, name in LAYERS.items()}
     found |= {key: float(state.branches[name][0]) for key, name in BRANCHES.items()}
     found |= {key: float(state.books[name][0]) for key, name in BOOKS.items()}
+    if state.turns.shape[1]:
+        found[COUNT] = state.layers["turns"].astype(int)
+        used = np.arange(DEPTH) < found[COUNT][:, np.newaxis]
+        found |= {key: (used * state.turns[name][:, :DEPTH]).ravel() for key, name in TURNS.items()}
     return found | {ENDS: state.ends.copy()}
 
 
@@ -188,18 +211,31 @@ def begun_from(given: SpecimenState, constants: Constants, lead: float | None = 
         for key, name in BOOKS.items():
             state.books[name] = getattr(given, key)
         state.ends[:] = given.lead_terms
+        state.layers["heading"] = np.sign(state.layers["z"])  # as after a first loading
+    if given.layer_turns is not None and constants.rubber.closed_loops:
+        state.layers["turns"] = given.layer_turns
+        for key, name in TURNS.items():
+            state.turns[name][:, :DEPTH] = np.reshape(getattr(given, key), (-1, DEPTH))
+        for j, count in enumerate(given.layer_turns):
+            outermost = state.turns["z"][j, count - 1] if count else 0.0
+            state.layers["amplitude"][j] = abs(outermost)
+            if count:
+                state.layers["heading"][j] = np.sign(state.layers["d"][j] - state.turns["d"][j, 0])
     return state
 
 
 def misfit(given: SpecimenState, constants: Constants) -> str:
     """Why a bearing cannot begin there; empty if it can."""
+    layer_count = len(constants.multiplicity)
     counts = [("temperatures", "cells", len(given.temperature), len(constants.cells.capacity))]
     if given.whole:
-        layers = [
-            ("layers", "modelled layers", n, len(constants.multiplicity)) for n in sizes(given)
-        ]
+        layers = [("layers", "modelled layers", n, layer_count) for n in sizes(given)]
         terms = len(given.lead_terms or [])
         counts += [*layers, ("lead_terms", "terms of lead", terms, len(constants.lead_modes))]
+    if given.layer_turns is not None:
+        counts.append(("layer_turns", "modelled layers", len(given.layer_turns), layer_count))
+        room = DEPTH * layer_count
+        counts += [(key, "turning points", len(getattr(given, key)), room) for key in TURNS]
     for what, there, found, wanted in counts:
         if found != wanted:
             return (
@@ -208,7 +244,8 @@ def misfit(given: SpecimenState, constants: Constants) -> str:
             )
     if given.whole:
         moved = np.array(given.layer_displacement)
-        z, yields = np.abs(given.layer_hysteretic or 0.0), constants.rubber.yield_displacement
+        z = np.abs([*(given.layer_hysteretic or [0.0]), *(given.turn_hysteretic or [])])
+        yields = constants.rubber.yield_displacement
         if z.max() > PASSED * yields:
             return f"layer_hysteretic reaches {z.max():g} mm; it ends at d_y = {yields:g} mm"
         scale = max(1.0, float(constants.multiplicity @ np.abs(moved)))
@@ -224,7 +261,9 @@ def sizes(given: SpecimenState) -> list[int]:
 
 def dimension_of(key: str) -> str | None:
     """The dimension of a part of the memory in a dataset; None for a single number."""
-    return "layer" if key in LAYERS else "lead_term" if key == ENDS else None
+    if key in TURNS:
+        return "turn"
+    return "layer" if key in LAYERS or key == COUNT else "lead_term" if key == ENDS else None
 
 
 def attributes_of(key: str) -> dict[str, str]:

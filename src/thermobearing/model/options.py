@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, model_validator
 
 from thermobearing.bearing.exposure import TWICE, Exposure, exposed
-from thermobearing.bearing.model import Bearing, Clock
+from thermobearing.bearing.model import Bearing, Clock, SmallLoops
 from thermobearing.border.errors import InputError
 from thermobearing.border.library import data_path
 from thermobearing.border.schema import Strict, in_unit
@@ -101,6 +101,9 @@ class ModelOptions(Strict):
     integrator : "exact" (default) or "euler" integration of Z.
     hardening : "printed" (default, Eq. 4.34), or "monotone": the same where d and Z have one sign,
         the whole loading branch, and unloading that never goes up (core/hardening.py).
+    small_loops : "published" (Eq. 4.35), after which a small reversal does not come back to the
+        force where it began, or "closed": it does (core/hysteresis.py). None for that of the
+        bearing, which is the published law unless it says otherwise.
     heat_source : "work" (Eq. 4.22) or "dissipation"; None for that of the bearing, see
         `default_heat_source`.
     lead_ends : how lead passes heat to steel: "finite-plate" (default: plates of finite
@@ -121,6 +124,7 @@ class ModelOptions(Strict):
     scheme: Scheme = "conservative"
     integrator: Integrator = "exact"
     hardening: Hardening = "printed"
+    small_loops: SmallLoops | None = None
     heat_source: HeatSource | None = None
     lead_ends: LeadEnds | None = None
     clock: Clock | None = None
@@ -164,6 +168,8 @@ class ModelOptions(Strict):
         found = []
         if self.exposure is not None and bearing.exposure is not None:
             found.append(f"exposure: {TWICE}")
+        if self._small_loops(bearing) == "closed" and self.integrator == "euler":
+            found.append('small_loops = "closed": needs integrator = "exact", not "euler"')
         if bearing.lead is None:
             asked = [
                 ("model", self.model, self.model == "lead-alone"),
@@ -181,6 +187,10 @@ class ModelOptions(Strict):
             way = 'take lead_ends = "half-space" or scheme = "published", or ' if finite else ""
             found.append(f'clock = "{self.clock}": {why} has no clock; {way}leave it out')
         return found
+
+    def _small_loops(self, bearing: Bearing) -> SmallLoops | None:
+        """As asked for, else as of the bearing."""
+        return self.small_loops or bearing.hysteresis.small_loops
 
     def _lead_ends(self, bearing: Bearing) -> LeadEnds:
         """As asked for, where there is a choice."""
@@ -202,6 +212,7 @@ class ModelOptions(Strict):
         elif self._has_clock(bearing):
             clock = lead_clock(lead, published=self.scheme == "published", asked=clock)
         filled = {
+            "small_loops": self._small_loops(bearing),
             "heat_source": self.heat_source or default_heat_source(bearing),
             "lead_ends": self._lead_ends(bearing),
             "clock": clock,
@@ -292,6 +303,7 @@ def build_model(
         heat_source=options.heat_source or default_heat_source(bearing),
         lead_ends=options.lead_ends or "half-space",
         hardening=options.hardening,
+        small_loops=options.small_loops or "published",
         clock=options.clock,
     )
     if options.model == "bilinear" and backbone is None:

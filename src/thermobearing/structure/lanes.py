@@ -66,6 +66,7 @@ def shape_of(constants: Constants) -> Any:
         constants.side_implicit,
         constants.heat_source,
         rubber.monotone,
+        rubber.closed_loops,
         rubber.integrator,
         rubber.virgin,
         constants.lead.published,

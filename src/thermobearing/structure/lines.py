@@ -46,6 +46,7 @@ def state_of(states: Any, m: int) -> State:
     """Where the bearing of one line is; not a copy."""
     return State(
         states.layers[m],
+        states.turns[m],
         states.temperature[m],
         states.branches[m],
         states.ends[m],

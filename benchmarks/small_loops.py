@@ -1,0 +1,60 @@
+"""What closing small loops changes on pier P1: `python -m benchmarks.small_loops`.
+
+Prints the table of docs/theory.md, "Small loops": every motion, HDR and LHDR, 23 and -20 degC, the
+published law and small loops that close. `--motion NAME/FILE` takes other motions.
+"""
+
+import argparse
+from collections.abc import Sequence
+
+import numpy as np
+
+import thermobearing as tb
+
+MOTIONS = ("jra-i-i-1", "jra-i-i-2", "jra-ii-i-1", "jra-ii-i-2", "jra-ii-i-3")
+BEARINGS = ("shen-hdr-bridge", "shen-lhdr-bridge")
+AMBIENT = (23.0, -20.0)  # [degC]
+CHANGES = {  # column -> title, whether the change is relative, unit
+    "bearing_strain_max": ("bearing strain", "%"),
+    "bearing_force_max_kN": ("bearing force", "%"),
+    "pier_ductility": ("pier ductility", ""),
+    "bearing_energy_kN_mm": ("energy of the bearings", "%"),
+    "rise": ("rise of the innermost layer", "K"),
+}
+
+
+def changes(motions: Sequence[str]) -> dict[str, np.ndarray]:
+    """Change of each measure by closing small loops, by column; rows are runs."""
+    found = {}
+    for law in ("published", "closed"):
+        study = tb.bridge(BEARINGS, motions, AMBIENT, small_loops=law)
+        warmest = study.dataset["rubber_temperature"].max("step").values[:, -1]
+        table = study.table
+        found[law] = table.assign(rise=warmest - table["ambient_degC"])
+    published, closed = found["published"], found["closed"]
+    result = {}
+    for name, (_, unit) in CHANGES.items():
+        old, new = published[name].to_numpy(float), closed[name].to_numpy(float)
+        result[name] = 100.0 * (new / old - 1.0) if unit == "%" else new - old
+    runs = published[["bearing", "motion", "ambient_degC"]].astype(str).agg(", ".join, axis=1)
+    return {"run": runs.to_numpy(), **result}
+
+
+def main() -> None:
+    """Print the range of each change, with the runs at its ends, and all runs."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.small_loops", description=__doc__)
+    parser.add_argument("--motion", action="append", help="name or file; may be repeated")
+    found = changes(parser.parse_args().motion or MOTIONS)
+    print("| by closing small loops | least | most |\n|---|---|---|")
+    for name, (title, unit) in CHANGES.items():
+        ends = [int(np.argmin(found[name])), int(np.argmax(found[name]))]
+        cells = [f"{found[name][k]:+.3g} {unit} ({found['run'][k]})" for k in ends]
+        print(f"| {title} | " + " | ".join(cells) + " |")
+    heads = [f"{title} {unit}".strip() for title, unit in CHANGES.values()]
+    print("\n| run | " + " | ".join(heads) + " |\n" + "|---" * (len(heads) + 1) + "|")
+    for k, run in enumerate(found["run"]):
+        print(f"| {run} | " + " | ".join(f"{found[name][k]:+.3g}" for name in CHANGES) + " |")
+
+
+if __name__ == "__main__":
+    main()
