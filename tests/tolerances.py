@@ -307,4 +307,4 @@ RATIO_IN_CLASSES = 0.03  # twelve classes of a normal number lose some of its ta
 QUADRATURE_OF_TAILS = 2e-3  # 10^5 classes of equal probability lose some of the tails
 
 # --- Cold town ---------------------------------------------------------------------------------
-LEVEL_FOR_AN_HOUR = 5e-3  # of a peak: 4.5e-3 measured; layers differ by 2 K, levels by 5 K
+LEVEL_FOR_AN_HOUR = 5e-3  # of a peak: 2e-3 measured; layers differ by 2 K, levels by 3 K

@@ -44,7 +44,7 @@ def test_hours_with_their_weather_are_as_the_levels_of_the_temperature(measured:
 
     By the temperature of the air of single hours it would be wrong by 10 %.
     """
-    ambient = [f"{degrees} degC" for degrees in range(-30, 31, 5)]
+    ambient = [f"{degrees} degC" for degrees in range(-30, 31, 3)]
     rows, levels = cold_town("cold-town-levels", ambient=ambient)
     air = [row["rubber_degC"] for row in rows]
     np.testing.assert_allclose(air, [row["ambient_degC"] for row in rows], atol=tol.MEAN)
