@@ -43,11 +43,6 @@ def _of_both(runs: Runs, column: str, cycle: int = 5) -> Floats:
 # 7.1, chapter 3 (1): cyclic loading
 
 
-def stress_in_the_cold(runs: Runs) -> Numbers:
-    """Largest stress of the fifth cycle at each amplitude, HDR then LHDR [MPa]."""
-    return rows(_of_both(runs, "stress_max_MPa"))
-
-
 def energy_in_the_cold(runs: Runs) -> Numbers:
     """Area of the fifth loop at each amplitude, HDR then LHDR [kN mm]."""
     return rows(_of_both(runs, "energy_kN_mm"))
@@ -81,44 +76,7 @@ def damping_first_and_fifth(runs: Runs) -> Numbers:
     return rows(np.column_stack([first, fifth]))
 
 
-def modulus_by_amplitude(runs: Runs) -> Numbers:
-    """G_e of the fifth cycle from 250 down to 50 %, HDR then LHDR, a row a temperature [MPa]."""
-    both = [_measure(runs, name, "G_eq_MPa")[:, ::-1] for name in (HDR, LHDR)]
-    return rows(np.concatenate(both))
-
-
-def stress_of_both(runs: Runs) -> Numbers:
-    """Largest stresses of LHDR and HDR in the first cycle of 250 %, a row a temperature [MPa]."""
-    both = [_measure(runs, name, "stress_max_MPa", 1)[:, -1] for name in (LHDR, HDR)]
-    return rows(np.column_stack(both))
-
-
-def energy_of_both(runs: Runs) -> Numbers:
-    """Energy of LHDR and HDR in the fifth cycle, all amplitudes and temperatures [kN mm]."""
-    both = [_measure(runs, name, "energy_kN_mm").ravel() for name in (LHDR, HDR)]
-    return rows(np.column_stack(both))
-
-
 # 7.1, chapter 3 (2): temperatures of the cyclic tests
-
-
-def _rise(runs: Runs, bearing: str, column: str) -> Floats:
-    """At the end of the fifth cycle of 250 %, warm to cold [K]."""
-    return np.asarray(_measure(runs, bearing, column)[:, -1] - np.array(AMBIENT))
-
-
-def third_over_first(runs: Runs) -> Numbers:
-    """Rises of third and first layer, HDR then LHDR [K]."""
-    parts = [
-        np.column_stack([_rise(runs, name, f"rubber{k}_degC") for k in (3, 1)])
-        for name in (HDR, LHDR)
-    ]
-    return rows(np.concatenate(parts))
-
-
-def lead_over_rubber(runs: Runs) -> Numbers:
-    """Rise of the lead over that of the third layer, LHDR."""
-    return told(_rise(runs, LHDR, "lead_degC") / _rise(runs, LHDR, "rubber3_degC"))
 
 
 def lead_falls_in_rest(runs: Runs) -> Numbers:
@@ -131,56 +89,6 @@ def lead_falls_in_rest(runs: Runs) -> Numbers:
         time, lead = result.time(run), result["lead_temperature"].values[run] - air
         end = float(time[int(np.argmax(lead))])
         found.append(told(np.interp([end, end + 60.0, end + 600.0], time, lead)))
-    return found
-
-
-def rubber_of_both(runs: Runs) -> Numbers:
-    """Rises of the third layer in the LHDR and in the HDR bearing, a row a temperature [K]."""
-    both = [_rise(runs, name, "rubber3_degC") for name in (LHDR, HDR)]
-    return rows(np.column_stack(both))
-
-
-# 7.1, chapter 3 (3) and (4): hybrid simulation
-
-
-def _hybrid(runs: Runs, bearing: str, mode: str, column: str) -> Floats:
-    """Of one kind of test, warm to cold."""
-    table = runs.hybrid(bearing, AMBIENT, ("rt", "pd")).table
-    return np.asarray(table[table["mode"] == mode][column], dtype=float)
-
-
-def _real_time(runs: Runs, bearing: str, column: str) -> Floats:
-    """Real time over pseudo-dynamic."""
-    return _hybrid(runs, bearing, "rt", column) / _hybrid(runs, bearing, "pd", column)
-
-
-def hybrid_force_in_the_cold(runs: Runs) -> Numbers:
-    """Largest force: HDR and LHDR, in real time [kN]."""
-    return rows(
-        np.array([_hybrid(runs, name, "rt", "bearing_force_max_kN") for name in (HDR, LHDR)])
-    )
-
-
-def energy_real_time(runs: Runs) -> Numbers:
-    """RT over PD: HDR at 23 and 0 degC, LHDR at all three."""
-    hdr, lhdr = (_real_time(runs, name, "bearing_energy_kN_mm") for name in (HDR, LHDR))
-    return told(np.concatenate([hdr[:2], lhdr]))
-
-
-def energy_real_time_hdr_cold(runs: Runs) -> Numbers:
-    """RT over PD: HDR at -20 degC."""
-    return float(_real_time(runs, HDR, "bearing_energy_kN_mm")[2])
-
-
-def hybrid_layers(runs: Runs) -> Numbers:
-    """Rises of third and first layer at the end, HDR then LHDR, real time [K]."""
-    found: list[tuple[float, ...]] = []
-    for name in (HDR, LHDR):
-        result = runs.hybrid(name, AMBIENT, ("rt", "pd"))
-        for run in result.table.index[result.table["mode"] == "rt"]:
-            known = np.isfinite(result["time"].values[run])
-            rubber = result["rubber_temperature"].values[run][known][-1]
-            found.append((float(rubber[INNERMOST]), float(rubber[0])))
     return found
 
 
