@@ -99,7 +99,7 @@ def answer(result: EarthquakeResult, told: str) -> list[str]:
 def lead_rise(result: EarthquakeResult) -> float:
     """Return the largest rise of the lead in any run and line [K]; 0 without lead."""
     own = [result.rises(run)["lead"] for run in range(result.runs)]
-    rises = result.lines["lead_rise_K"].tolist() if len(result.lines) else own
+    rises = result.lines["lead_rise_K"].tolist() if "lead_rise_K" in result.lines else own
     return max((float(rise) for rise in rises if rise == rise), default=0.0)
 
 
@@ -194,7 +194,7 @@ def _heating(result: EarthquakeResult) -> str:
     for run, name in enumerate(result.run_names):
         for place, rise in result.rises(run).items():
             found["lead" if place == "lead" else "rubber"].append((rise, name))
-    if len(result.lines):
+    if "lead_rise_K" in result.lines:  # earlier results have none
         names = np.repeat(result.run_names, len(result.lines) // result.runs)
         lines = [_named("line", line) for line in result.lines["line"]]
         where = [f"{run}, {line}" for run, line in zip(names, lines, strict=True)]
