@@ -1,15 +1,18 @@
 """What closing small loops changes on pier P1: `python -m benchmarks.small_loops`.
 
 Prints the table of docs/theory.md, "Small loops": every motion, HDR and LHDR, 23 and -20 degC, the
-published law and small loops that close. `--motion NAME/FILE` takes other motions.
+published law and small loops that close. `--motion NAME/FILE` takes other motions; `--figure FILE`
+draws nested loops of one bearing instead.
 """
 
 import argparse
 from collections.abc import Sequence
 
 import numpy as np
+from matplotlib.figure import Figure
 
 import thermobearing as tb
+from thermobearing.results import drawing
 
 MOTIONS = ("jra-i-i-1", "jra-i-i-2", "jra-ii-i-1", "jra-ii-i-2", "jra-ii-i-3")
 BEARINGS = ("shen-hdr-bridge", "shen-lhdr-bridge")
@@ -21,6 +24,27 @@ CHANGES = {  # column -> title, whether the change is relative, unit
     "bearing_energy_kN_mm": ("energy of the bearings", "%"),
     "rise": ("rise of the innermost layer", "K"),
 }
+
+
+NESTED = (140.0, 90.0, 120.0, 105.0, 115.0, 110.0, 120.0, 90.0, 140.0, 170.0)  # [mm]
+
+
+def draw() -> Figure:
+    """Draw nested loops of the HDR bridge bearing by both laws."""
+    title = "shen-hdr-bridge, 23 degC: nested loops of 140 to 110 mm"
+    figure, axes = drawing.panels(1, 2, (9.0, 4.2), title)
+    steps = [np.arange(a, b, np.sign(b - a)) for a, b in zip((0.0, *NESTED), NESTED, strict=False)]
+    for ax, law in zip(axes, ("published", "closed"), strict=True):
+        for path, look in ((np.concatenate([*steps, NESTED[-1:]]), "-"), (np.arange(171.0), ":")):
+            element, force = tb.element("shen-hdr-bridge", 23, small_loops=law), []
+            for x in path:
+                force.append(element.set_trial(float(x), 0.01).force)
+                element.commit()
+            label = "with reversals" if look == "-" else "without"
+            ax.plot(path, force, look, color="C0" if look == "-" else drawing.GREY, label=label)
+        ax.legend(loc="upper left", frameon=False)
+        drawing.name_axes(ax, "displacement, mm", "force, kN", f'small_loops = "{law}"')
+    return figure
 
 
 def changes(motions: Sequence[str]) -> dict[str, np.ndarray]:
@@ -44,7 +68,12 @@ def main() -> None:
     """Print the range of each change, with the runs at its ends, and all runs."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.small_loops", description=__doc__)
     parser.add_argument("--motion", action="append", help="name or file; may be repeated")
-    found = changes(parser.parse_args().motion or MOTIONS)
+    parser.add_argument("--figure", help="draw nested loops into this file")
+    given = parser.parse_args()
+    if given.figure:
+        drawing.save_figure(draw(), given.figure, dpi=110)
+        return
+    found = changes(given.motion or MOTIONS)
     print("| by closing small loops | least | most |\n|---|---|---|")
     for name, (title, unit) in CHANGES.items():
         ends = [int(np.argmin(found[name])), int(np.argmax(found[name]))]

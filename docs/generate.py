@@ -338,6 +338,8 @@ def main() -> None:
         cold_town()
         draw()
         subprocess.run([sys.executable, str(DOCS / "contact.py")], check=True)
+        loops = ["-m", "benchmarks.small_loops", "--figure", str(DOCS / "figures/small_loops.png")]
+        subprocess.run([sys.executable, *loops], check=True, cwd=DOCS.parent)
         for name in ("opensees_lead", "opensees_pier", "takeda"):
             figure = ["-m", f"benchmarks.{name}_figure", str(DOCS / f"figures/{name}.png")]
             subprocess.run([sys.executable, *figure], check=True, cwd=DOCS.parent)
