@@ -82,7 +82,7 @@ def test_checks_and_validity(study: EarthquakeResult, pieces: Pieces) -> None:
     assert "shen-lhdr-bridge: strain rate" not in told
     rows = study.tested_range
     mine = rows[(rows["limit"] == "strain_rate") & rows["run"].str.startswith("shen-lhdr")]
-    (note,) = [text for text in pieces.validity if "train rate" in text]
+    (note,) = [text for text in pieces.notes if "train rate" in text]
     assert f"{mine['asked'].max():.3g}/s" in note
     assert not any("strain rate" in text for text in study.warnings)
     cold = [check for check in pieces.checks if check.lower and "bilinear" in check.what]

@@ -88,7 +88,8 @@ def design_pieces(saved: SavedResult) -> Pieces:
         tables=tables_of(saved),
         figures=saved_figures(saved, CAPTIONS),
         checks=checks,
-        validity=[*validity, tidy(f"{rate[:1].upper()}{rate[1:]}")] if rate else validity,
+        validity=validity,
+        notes=[tidy(f"{rate[:1].upper()}{rate[1:]}")] if rate else [],
         validity_unknown=unknown,
         assumptions=[
             "The rounds run with a bilinear bearing, blind to temperature and rate; layered "

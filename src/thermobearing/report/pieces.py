@@ -202,6 +202,7 @@ class Pieces:
     validity : sentences on what left the range that the parameters were identified in; empty:
         nothing did, or `validity_unknown`.
     validity_unknown : why there is no verdict on it; "" where there is one.
+    notes : sentences on validity that are no warnings, such as of strain rates in earthquakes.
     books : table of the energy books; None where nothing moves.
     assumptions : sentences.
     warnings : sentences; those of the result.
@@ -218,6 +219,7 @@ class Pieces:
     checks: Sequence[Check] = ()
     validity: Sequence[str] = ()
     validity_unknown: str = ""
+    notes: Sequence[str] = ()
     books: ReportTable | None = None
     assumptions: Sequence[str] = ()
     warnings: Sequence[str] = ()

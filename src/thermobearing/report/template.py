@@ -36,6 +36,9 @@ from thermobearing.report.pieces import (
 PLACEHOLDER = re.compile(r"\{\{\s*(\w+)(?:\s+([\w.-]+)(\?)?)?\s*\}\}")
 HEADING = re.compile(r"(#{1,3})\s+(.+)")
 DEFAULTS = data_path("reports")
+BUT_FOR_NOTES = (
+    "But for the following, nothing left the range that the parameters were identified in."
+)
 VALID = "Nothing left the range that the parameters were identified in."
 
 
@@ -147,9 +150,12 @@ def _block(word: str, name: str, piece: object) -> Block:
 
 
 def _validity(pieces: Pieces) -> list[Block]:
+    notes = _listed(pieces.notes)
     if pieces.validity_unknown:
-        return [Paragraph(pieces.validity_unknown, "warning")]
-    return [Bullets(pieces.validity, "warning")] if pieces.validity else [Paragraph(VALID)]
+        return [Paragraph(pieces.validity_unknown, "warning"), *notes]
+    if pieces.validity:
+        return [Bullets(pieces.validity, "warning"), *notes]
+    return [Paragraph(BUT_FOR_NOTES if notes else VALID), *notes]
 
 
 def _identity(pieces: Pieces) -> list[Block]:

@@ -96,7 +96,7 @@ def _front(book: Any, pieces: Pieces, names: set[str]) -> None:
         ("Asked", [pieces.question]),
         ("Answer", pieces.answer),
     ]
-    told += [("Validity", [*pieces.validity, pieces.validity_unknown])]
+    told += [("Validity", [*pieces.validity, pieces.validity_unknown, *pieces.notes])]
     told += [("Warning", pieces.warnings), ("Assumed", pieces.assumptions)]
     rows = [(word, plain(text)) for word, texts in told for text in texts if text]
     rows += list(pieces.identity.items())
