@@ -92,11 +92,14 @@ def _fitted(bearing: Bearing, beside: Path) -> Bearing:
         return bearing
     other = compound_of(bearing).rubber
     for key, value in compound_of(fitted).rubber:
-        if abs(getattr(other, key) - value) > ALIKE * abs(value):
+        mine = getattr(other, key)
+        number = isinstance(mine, float) and isinstance(value, float)
+        if abs(mine - value) > ALIKE * abs(value) if number else mine != value:
+            shown, wanted = (f"{v:.6g}" if number else str(v) for v in (mine, value))
             raise InputError(
                 f"{bearing.name} has another size than {fitted.name}, whose samples these are, "
-                f"and is not made of its compound: {key} is {getattr(other, key):.6g}, not "
-                f"{value:.6g}; make it with thermobearing new --compound {beside}",
+                f"and is not made of its compound: {key} is {shown}, not {wanted}; make it with "
+                f"thermobearing new --compound {beside}",
                 str(beside.with_name(SAMPLES)),
             )
     return fitted
