@@ -176,7 +176,7 @@ def shakes(dt: float = 0.01, duration: float = 12.0) -> list[Run]:
         constants = bearings[number % 2]
         air = -25.0 + 2.5 * number
         line = Line(constants, np.full(len(constants.cells.capacity), air))
-        shaken = (0.8 + 0.06 * number) * ground
+        shaken = (0.8 + 0.1 * number) * ground
         found.append(Run(prepared, [line], shaken, dt, air))
     return found
 
@@ -319,7 +319,7 @@ def test_what_leaves_the_lockstep_is_run_alone() -> None:
     spoilt = ground.copy()
     spoilt[100] = np.nan
     runs = []
-    for shaken in (0.3 * ground, 9.0 * ground, spoilt, 0.2 * ground):
+    for shaken in (0.1 * ground, 9.0 * ground, spoilt, 0.05 * ground):
         line = Line(constants, np.full(len(constants.cells.capacity), -30.0))
         runs.append(Run(prepared, [line], shaken, 0.05, -30.0))
     found = run_lanes(runs)
