@@ -177,3 +177,19 @@ def test_a_motion_in_a_workbook(tmp_path: Path) -> None:
         book.active.append([0.01 * k, float(a)])
     book.save(tmp_path / "wave.xlsx")
     assert_allclose(tb.load_motion(tmp_path / "wave.xlsx").acceleration, 10.0 * values, rtol=1e-12)
+
+
+def test_a_guessed_place_that_the_bearing_does_not_have_is_not_used(tmp_path: Path) -> None:
+    """A title with "core" is no lead in a bearing without; a sidecar that says so is refused."""
+    file = laboratory(tmp_path / "lab.csv")
+    lines = file.read_text(encoding="cp1252").splitlines()
+    more = [f"{lines[0]};core [degC];rubber 9 [degC];layer 2 [degC]"]
+    file.write_text("\n".join(more + [f"{line};-19;-19;-19" for line in lines[1:]]))
+    record = load_test(file)
+    assert len(record.places) == 3
+    assert record.of_bearing(tb.load_bearing(BEARING)).places == {"layer 2 [degC]": "rubber 2"}
+    found = tb.validate.validate(BEARING, file)
+    assert list(found.thermocouples["thermocouple"]) == ["layer 2 [degC]"]
+    file.with_suffix(".toml").write_text('[thermocouples]\n"core [degC]" = "lead"\n')
+    with pytest.raises(tb.InputError, match="no lead"):
+        tb.validate.validate(BEARING, file)

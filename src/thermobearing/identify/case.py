@@ -94,10 +94,10 @@ def make_identify_case(
     several = [records] if isinstance(records, TestRecord | str | Path) else list(records)
     if not several:
         raise InputError("give at least one test")
+    base = as_bearing(bearing)
+    found = [item if isinstance(item, TestRecord) else load_test(item) for item in several]
     case = IdentifyCase(
-        records=[item if isinstance(item, TestRecord) else load_test(item) for item in several],
-        bearing=as_bearing(bearing),
-        **options,
+        records=[record.of_bearing(base) for record in found], bearing=base, **options
     )
     if exposure_of(case.bearing, None) is not None:
         raise InputError(

@@ -4,13 +4,14 @@
 border/sidecar.py. What had to be assumed (clock, ambient temperature) is written down.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from thermobearing.bearing.ambient import check_temperature
+from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
 from thermobearing.border.numbers import number_list
 from thermobearing.border.sidecar import Readings, read_laboratory
@@ -43,6 +44,7 @@ class TestRecord:
     bearing : name or file of the bearing, if the sidecar gave one.
     unused : titles of the file's columns that nothing was made of.
     rubber_thickness : total of the bearing [mm], as displacement over a column of strains says it.
+    guessed_places : thermocouples whose place was read from their title, not from a sidecar.
     despike : take spikes out before a fit.
     detrend : whose drift to take out before a fit: "force", "displacement", "both", or "".
     ambient_uncertainty : standard uncertainty of `ambient` [K], >= 0; None for the usual 0.5 K.
@@ -69,6 +71,26 @@ class TestRecord:
     detrend: str = ""
     rubber_thickness: float | None = None
     ambient_uncertainty: float | None = None
+    guessed_places: tuple[str, ...] = ()
+
+    def of_bearing(self, bearing: Bearing) -> "TestRecord":
+        """Return the test without guessed places that a bearing does not have.
+
+        Parameters
+        ----------
+        bearing : with lead or without, of so many rubber layers.
+        """
+        layers = [f"rubber {k + 1}" for k in range(bearing.geometry.rubber_layers)]
+        held = {*layers, "lead"} if bearing.lead is not None else set(layers)
+        lost = {title for title in self.guessed_places if self.places.get(title) not in held}
+        if not lost:
+            return self
+        return replace(
+            self,
+            places={title: place for title, place in self.places.items() if title not in lost},
+            temperatures={t: values for t, values in self.temperatures.items() if t not in lost},
+            unused=(*self.unused, *sorted(lost - set(self.unused))),
+        )
 
     @property
     def peak_force(self) -> float:
@@ -187,6 +209,11 @@ def record_of(readings: Readings) -> TestRecord:
         bearing=str(readings.file.parent / where) if inside and where else sidecar.bearing,
         unused=tuple(readings.unused),
         rubber_thickness=thickness,
+        guessed_places=tuple(
+            title
+            for title in sidecar.thermocouples
+            if title not in readings.given.get("thermocouples", {})
+        ),
     )
 
 

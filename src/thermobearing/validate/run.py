@@ -162,7 +162,7 @@ def refuse_unusable(records: Sequence[TestRecord], bearing: Bearing) -> list[str
 
 
 def _comparison(bearing: Bearing, model: Model, record: TestRecord) -> Comparison:
-    options = ModelOptions(model=model)
+    options, record = ModelOptions(model=model), record.of_bearing(bearing)
     forward = ForwardModel(record, bearing, fine=True, options=options)
     found = forward.run_as_built()
     lead = found.lead if found else None
