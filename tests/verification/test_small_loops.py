@@ -128,8 +128,8 @@ def test_an_increment_cut_in_three_is_the_same(measured: Recorder) -> None:
         whole, thirds = Law(shape).along(path), Law(shape).along(fine)[2::3]
         worst = max(worst, np.abs(whole - thirds).max() / D_Y)
         assert np.abs(thirds).max() <= D_Y * (1.0 + tol.BOUND_ROUNDING)
-    measured("closed loops, increments cut in three, of d_y", worst, "1e-13")
-    assert worst < 1e-13
+    measured("closed loops, increments cut in three, of d_y", worst, "1e-14")
+    assert worst < 1e-14
 
 
 @pytest.mark.parametrize("shape", SHAPES)
