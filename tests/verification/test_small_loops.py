@@ -148,7 +148,7 @@ def test_tangent_is_the_derivative(shape: float) -> None:
 @pytest.mark.parametrize("end", [-30.0, 30.0])
 @pytest.mark.parametrize("ratio", [0.94, 0.8])
 def test_more_reversals_than_are_remembered_leave_no_jump(ratio: float, end: float) -> None:
-    """A full memory moves its outermost point so that Z is continuous (else it falls by 0.8 d_y)."""
+    """The outermost point of a full memory moves, so that Z is continuous (else by 0.8 d_y)."""
     law = Law()
     law.along(decaying(ratio, 3 * DEPTH))
     assert 0 < law.turns <= DEPTH
