@@ -1,6 +1,8 @@
 """A fit in Python to the end: a band of prediction, and no causes for a misfit that is none."""
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -33,8 +35,8 @@ def test_no_cause_is_named_for_no_misfit(exact: tb.identify.Identification) -> N
     told = tuple(replace(item, explained=0.9, sigmas=50.0, stderr=1.0) for item in assumed.told)
     found = replace(exact.uncertainty, assumed=replace(assumed, told=told))
     assert found.rms < uncertainty.NEGLIGIBLE
-    assert uncertainty._likely_causes(found) == []
+    tests: Any = SimpleNamespace(records=[SimpleNamespace(ambient=t) for t in (23.0, -20.0)])
+    assert uncertainty._misfit(tests, found) == []
     large = replace(found, rms=2.0 * uncertainty.NEGLIGIBLE)
-    said = " ".join(uncertainty._likely_causes(large))
+    said = " ".join(uncertainty._misfit(tests, large))
     assert "the tests ask for" in said
-    assert "squared misfit" in said

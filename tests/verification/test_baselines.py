@@ -128,7 +128,5 @@ def test_a_model_that_ended_early_is_compared_as_far_as_it_got() -> None:
 def test_an_earlier_model_refuses_what_it_cannot_do() -> None:
     with pytest.raises(tb.InputError, match="lead"):
         tb.run(HDR, TEST, model="lead-alone")
-    with pytest.raises(tb.InputError, match="conservative"):
-        tb.run(HDR, TEST, model="adiabatic", scheme="published")
     with pytest.raises(tb.InputError, match="did you mean"):
         tb.run(HDR, TEST, model="adiabatik")

@@ -388,8 +388,11 @@ def carried(linear: Linear, assumed: Assumed) -> Carried:
     left_over = linear.residuals + apart @ wanted
     meat = linear.meat(apart, left_over) + np.diag(np.diag(inner)) * np.mean(left_over**2)
     against = np.linalg.pinv(meat, rcond=1e-10, hermitian=True)
-    posterior = np.linalg.inv(np.eye(len(wanted)) + inner @ against @ inner)
-    mean = posterior @ inner @ against @ inner @ wanted
+    # By eigenvalues: exact tests know nearly everything, and an inverse would not stay positive.
+    known, axes = np.linalg.eigh(inner @ against @ inner)
+    known = np.maximum(known, 0.0)
+    posterior = (axes / (1.0 + known)) @ axes.T
+    mean = axes @ (known / (1.0 + known) * (axes.T @ wanted))
     return Carried(tuple(told), shifts, posterior + np.outer(mean, mean))
 
 
