@@ -15,8 +15,8 @@ import pandas as pd
 
 import thermobearing as tb
 from thermobearing.cyclic.protocol import Wave
+from thermobearing.identify.fit.synthetic import synthetic_record
 from thermobearing.identify.run import identify_bearing
-from thermobearing.identify.synthetic import synthetic_record
 from thermobearing.results import drawing
 
 AMBIENTS = (23.0, 0.0, -20.0)

@@ -17,12 +17,12 @@ from thermobearing.earthquake.soaking import bearing_weather
 from thermobearing.model.outcomes import PIER_BEYOND_LIMIT
 from thermobearing.results import drawing
 from thermobearing.studies import load_study, run_study
-from thermobearing.studies.counted import OUTCOME, counted
-from thermobearing.studies.fragility import Fragility, fragility_curves
-from thermobearing.studies.hazard import Hazard, Rate, annual_rate, ratio
-from thermobearing.studies.mixture import ClimateFragility, shares_of_time
-from thermobearing.studies.peaks import COMPLETED
-from thermobearing.studies.store import Store
+from thermobearing.studies.run.demand_parameters import COMPLETED
+from thermobearing.studies.statistics.failed_runs import OUTCOME, counted
+from thermobearing.studies.statistics.fragility import Fragility, fragility_curves
+from thermobearing.studies.statistics.hazard import Hazard, Rate, annual_rate, ratio
+from thermobearing.studies.statistics.mixture import ClimateFragility, shares_of_time
+from thermobearing.studies.store.directory import Store
 
 STUDIES = {"hours": "cold-town", "levels": "cold-town-levels"}
 INTENSITY, WARM, COLD = "Sa_m_s2", 23.0, -20.0

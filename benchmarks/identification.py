@@ -9,14 +9,13 @@ from numpy.typing import NDArray
 
 import thermobearing as tb
 from benchmarks.rows import Row, at_least, at_most, plain
-from thermobearing.identify.assumed import groups_of, shifted, usual_groups
-from thermobearing.identify.kinds import SHAPE
-from thermobearing.identify.krill import krill_herd
-from thermobearing.identify.parameters import default_free, with_values
-from thermobearing.identify.record import TestRecord
+from thermobearing.identify.fit.parameters import SHAPE, default_free, with_values
+from thermobearing.identify.fit.search import krill_herd
+from thermobearing.identify.fit.synthetic import forgotten, synthetic_record
+from thermobearing.identify.records.record import TestRecord
 from thermobearing.identify.result import Identification
 from thermobearing.identify.run import identify_bearing
-from thermobearing.identify.synthetic import forgotten, synthetic_record
+from thermobearing.identify.uncertainty.assumed import assumed_groups, shifted, usual_groups
 
 Floats = NDArray[np.float64]
 
@@ -165,7 +164,7 @@ def chamber_off(kind: str, kelvin: float) -> Row:
 def with_another_file(bearing: tb.bearing.Bearing, seed: int) -> tb.bearing.Bearing:
     """A bearing whose numbers that a fit takes from the file are off, by chance."""
     rng = np.random.default_rng(seed)
-    for group in groups_of(bearing, default_free(bearing, AMBIENTS), usual_groups()):
+    for group in assumed_groups(bearing, default_free(bearing, AMBIENTS), usual_groups()):
         off = float(np.clip(rng.normal(), -2.4, 2.4))
         bearing = shifted(bearing, group, abs(off) if group.name == "E2" else off)
     return bearing

@@ -17,10 +17,9 @@ from thermobearing.core.records import rows as records
 from thermobearing.core.types import Books, Constants, Kept, Path, new_state, new_workspace
 from thermobearing.model.constants import build_constants
 from thermobearing.model.stack import Face, build_stack
-from thermobearing.structure.lanes import run_lanes, with_shared_cells
+from thermobearing.structure.lanes import Run, RunPeaks, run_lanes, run_peaks, with_shared_cells
 from thermobearing.structure.model import load_structure
 from thermobearing.structure.run import Line, prepare_structure
-from thermobearing.structure.shaken import Run, RunPeaks, run_peaks
 
 REPEATS, STEPS, STEP = 12, 4000, 0.005
 RATIO, MINUTES = 4.0, 6.0

@@ -6,7 +6,7 @@ from tests.verification.softened import (
     PERIOD,
     SLOW,
     continuity,
-    cycles_of,
+    full_cycles,
     halving_errors,
     moved_by_a_parameter,
 )
@@ -52,7 +52,7 @@ def _case(name: str, temperature: float, strain: float, period: float) -> list[R
         found.append(
             at_most(f"tangent error, 90 % of those steps, {what}", error, SOFTENED_TANGENT)
         )
-    books = cycles_of(bearing, temperature, strain, 5e-3, period=period).books
+    books = full_cycles(bearing, temperature, strain, 5e-3, period=period).books
     apart = float(books["layer_force_mismatch"].max())
     note = f"of {abs(books['force']).max():.0f} kN"
     found.append(plain(f"layer law from the force at most, {given}", apart, "kN", note))

@@ -8,8 +8,7 @@ import numpy as np
 import thermobearing as tb
 from thermobearing.bearing.ambient import Ambient
 from thermobearing.core.types import Constants
-from thermobearing.cyclic.history import History, run_segments
-from thermobearing.cyclic.segments import Segment, build_segments
+from thermobearing.cyclic.history import History, Segment, build_segments, run_segments
 from thermobearing.model.constants import LeadEnds, build_constants
 from thermobearing.model.stack import Face, build_stack
 

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 
 import thermobearing.structure.lanes as lanes
+import thermobearing.structure.lanes as shaken
 import thermobearing.structure.run as structure
-import thermobearing.structure.shaken as shaken
 from benchmarks.rows import Row, at_most, failed
 from thermobearing.border.threads import one_blas_thread
 from thermobearing.studies import Study, make_study, run_study
@@ -61,7 +61,7 @@ def measured(way: str) -> dict[str, float]:
     return {"whole": whole, "kernel": spent[0], "peak": peak}
 
 
-def rows_of(way: str) -> list[Row]:
+def list_rows(way: str) -> list[Row]:
     """In a process of its own, whose memory nobody else had."""
     what = f"pier P1, 40 s, LHDR, {WAYS[way]} runs {way}, one process"
     command = [sys.executable, "-m", "benchmarks.study", way]
@@ -80,7 +80,7 @@ def rows_of(way: str) -> list[Row]:
 
 def rows() -> list[Row]:
     """One by one and in lockstep."""
-    return [row for way in WAYS for row in rows_of(way)]
+    return [row for way in WAYS for row in list_rows(way)]
 
 
 if __name__ == "__main__":

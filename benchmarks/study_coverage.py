@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 from scipy.stats import norm
 
-from thermobearing.studies.fragility import fragility_curve
+from thermobearing.studies.statistics.fragility import fragility_curve
 
 TIMES, SAMPLES = 600, 299
 LEVELS = np.array([0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0])

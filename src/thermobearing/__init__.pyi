@@ -24,10 +24,10 @@ from .cyclic.case import load_case as load_case
 from .cyclic.protocol import cyclic_test as cyclic_test
 from .cyclic.run import run as run
 from .design.factors import temperature_factors as temperature_factors
-from .earthquake.grid import sweep as sweep
 from .earthquake.study import bridge as bridge
 from .earthquake.study import hybrid as hybrid
-from .identify.record import load_test as load_test
+from .earthquake.study import sweep as sweep
+from .identify.records.record import load_test as load_test
 from .identify.run import identify_bearing as identify_bearing
 from .loading import load_result as load_result
 from .model.element import BearingElement as BearingElement
@@ -35,6 +35,6 @@ from .model.element import element as element
 from .motions.library import load_motion as load_motion
 from .reporting import make_report as make_report
 from .sequences.run import sequence as sequence
-from .studies.whole import study as study
+from .studies.run.engine import study as study
 
 __version__: str

@@ -15,7 +15,9 @@ import typer
 
 import thermobearing
 from thermobearing.border.threads import one_blas_thread
-from thermobearing.commands import cyclic, design, earthquake, factors, sequence
+from thermobearing.commands import cyclic, design, earthquake
+from thermobearing.commands import cyclic as sequence
+from thermobearing.commands import design as factors
 from thermobearing.commands.common import (
     ANALYSES,
     BAD_INPUT,
@@ -23,21 +25,19 @@ from thermobearing.commands.common import (
     LABORATORY,
     OFFICE,
     AsJson,
+    Command,
+    Group,
     echo_json,
+    patient_streams,
     reported,
 )
-from thermobearing.commands.help import Command, Group
-from thermobearing.commands.identify import identify
-from thermobearing.commands.intake import intake
-from thermobearing.commands.measure import measure
+from thermobearing.commands.earthquake import app as structures
+from thermobearing.commands.identify import identify, validate
+from thermobearing.commands.intake import intake, measure
 from thermobearing.commands.motions import app as motions
 from thermobearing.commands.new import new
-from thermobearing.commands.report import report
-from thermobearing.commands.reproduce import reproduce
-from thermobearing.commands.streams import patient_streams
-from thermobearing.commands.structures import app as structures
+from thermobearing.commands.report import report, reproduce
 from thermobearing.commands.study import app as study
-from thermobearing.commands.validate import validate
 
 
 class _Commands(Group):
@@ -93,7 +93,7 @@ def list_(as_json: AsJson = False) -> int:
     from thermobearing.bearing.bilinear import list_bilinear, load_bilinear
     from thermobearing.bearing.compound import list_compounds, load_compound
     from thermobearing.bearing.library import list_bearings, load_bearing
-    from thermobearing.cyclic.rig import RIGS, load_rig
+    from thermobearing.cyclic.case import RIGS, load_rig
     from thermobearing.motions.library import list_motions
     from thermobearing.structure.model import list_structures, load_structure
 

@@ -5,12 +5,12 @@ from typing import Any
 
 import pandas as pd
 
-from thermobearing.cyclic.files import history_columns, written_part
+from thermobearing.cyclic.output import history_columns, written_part
 from thermobearing.cyclic.result import Result
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.loading import AnyResult
-from thermobearing.report.generic import MOST_ROWS, words
 from thermobearing.report.pieces import Column
+from thermobearing.report.saved import MOST_ROWS, words
 from thermobearing.report.workbook import History
 from thermobearing.results.saved import SavedResult
 from thermobearing.studies.result import StudyResult
@@ -18,7 +18,7 @@ from thermobearing.studies.result import StudyResult
 AMBIENT = "Ambient [°C]"
 
 
-def histories_of(result: AnyResult) -> dict[str, History]:
+def histories_by_run(result: AnyResult) -> dict[str, History]:
     """Histories by the name of their run.
 
     Parameters

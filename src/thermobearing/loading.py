@@ -8,16 +8,15 @@ from thermobearing.bearing.library import load_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError, is_file, is_folder
 from thermobearing.border.toml import read_toml
-from thermobearing.cyclic.files import load_cyclic
+from thermobearing.cyclic.output import load_cyclic
 from thermobearing.cyclic.result import Result
-from thermobearing.earthquake.files import load_study
+from thermobearing.earthquake.output import load_study
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.results.directory import BEARINGS, DATASET, IDENTIFIED, PARTS
-from thermobearing.results.reading import read_dataset
-from thermobearing.results.saved import SavedResult, is_saved, read_saved
-from thermobearing.sequences.files import load_sequence
+from thermobearing.results.saved import SavedResult, is_saved, read_dataset, read_saved
+from thermobearing.sequences.output import load_sequence
 from thermobearing.sequences.result import SequenceResult
-from thermobearing.studies.files import is_study, study_result
+from thermobearing.studies.output import is_study, study_result
 from thermobearing.studies.result import StudyResult
 
 POOR_FIT = "poor_fit"
@@ -72,10 +71,10 @@ def _with_bearings(found: SavedResult) -> SavedResult:
     files = [found.path / IDENTIFIED, *sorted((found.path / BEARINGS).glob("*.toml"))]
     if found.outcome == POOR_FIT:  # its file is marked, and does not load
         files = files[1:]
-    loaded = [_bearing_of(file) for file in files if is_file(file)]
+    loaded = [_read_bearing(file) for file in files if is_file(file)]
     return replace(found, bearings={bearing.name: bearing for bearing in loaded})
 
 
-def _bearing_of(file: Path) -> Bearing | BilinearBearing:
+def _read_bearing(file: Path) -> Bearing | BilinearBearing:
     kind = read_toml(file).get("kind")
     return load_bilinear(file) if kind == "bilinear" else load_bearing(file)

@@ -9,12 +9,11 @@ from typing import Any, NamedTuple, cast
 
 from thermobearing.border.errors import InputError, is_file
 from thermobearing.border.schema import validated
-from thermobearing.histories import histories_of
+from thermobearing.histories import histories_by_run
 from thermobearing.loading import AnyResult, load_result
-from thermobearing.report.comparison import comparison_of
 from thermobearing.report.files import check_place, put_files, report_files, title_files
-from thermobearing.report.generic import pieces_of_saved
 from thermobearing.report.pieces import Pieces
+from thermobearing.report.saved import comparison_pieces, pieces_of_saved
 from thermobearing.report.title import TitleBlock, read_title
 from thermobearing.report.workbook import workbook_bytes
 from thermobearing.results.directory import COMPARISON, SUMMARY, TITLE, WORKBOOK
@@ -98,20 +97,20 @@ def make_documents(
     template: Path | None = None,
 ) -> list[Path]:
     """As `make_report`; the workbook may be asked for alone."""
-    place = _place_of(result, directory)
+    place = _report_place(result, directory)
     check_place(place)
-    block = (title or TitleBlock()).over(kept_title(place))
+    block = (title or TitleBlock()).over(_kept_title(place))
     loaded = load_result(result) if isinstance(result, str | Path) else result
-    pieces = pieces_of(loaded, place)
+    pieces = build_pieces(loaded, place)
     content = title_files(block)
     if kinds.html:
         content |= report_files(pieces, block, template, pdf=kinds.pdf)
     if kinds.workbook:
-        content[WORKBOOK] = workbook_bytes(pieces, histories_of(loaded))
+        content[WORKBOOK] = workbook_bytes(pieces, histories_by_run(loaded))
     return put_files(place, content)
 
 
-def _place_of(result: AnyResult | str | Path, directory: str | Path | None) -> Path:
+def _report_place(result: AnyResult | str | Path, directory: str | Path | None) -> Path:
     """The directory that documents go into."""
     if directory is not None:
         return Path(directory)
@@ -123,13 +122,13 @@ def _place_of(result: AnyResult | str | Path, directory: str | Path | None) -> P
     return path.parent if is_file(path) else path  # result.nc of a directory stands for it
 
 
-def kept_title(directory: Path) -> TitleBlock:
+def _kept_title(directory: Path) -> TitleBlock:
     """The title block that a result directory keeps."""
     file = directory / TITLE
     return read_title(file if is_file(file) else None)
 
 
-def pieces_of(result: AnyResult, directory: Path) -> Pieces:
+def build_pieces(result: AnyResult, directory: Path) -> Pieces:
     """What a result has to say, in the words of its analysis.
 
     Parameters
@@ -145,7 +144,7 @@ def pieces_of(result: AnyResult, directory: Path) -> Pieces:
         command = str(_summary(result)["command"])
         if command in ROOMS:
             room = import_module(f"thermobearing.{ROOMS[command]}.report")
-            pieces = cast(Pieces, room.pieces_of(result))
+            pieces = cast(Pieces, room.build_pieces(result))
         else:
             pieces = pieces_of_saved(cast(SavedResult, result))
         if command in COMPARED:
@@ -166,7 +165,7 @@ def _with_comparison(pieces: Pieces, directory: Path) -> Pieces:
     """With the earlier models that `--compare` left beside the result."""
     if not is_file(directory / COMPARISON):
         return pieces
-    table, figures = comparison_of(directory)
+    table, figures = comparison_pieces(directory)
     return replace(
         pieces,
         tables={**pieces.tables, "comparison": table},

@@ -8,12 +8,11 @@ from pathlib import Path
 import thermobearing as tb
 from tests.unit.inputs import command
 from thermobearing.cyclic.case import make_case
-from thermobearing.cyclic.compare import compare_models
-from thermobearing.cyclic.files import save_result
-from thermobearing.cyclic.run import run_case
+from thermobearing.cyclic.output import save_result
+from thermobearing.cyclic.run import compare_models, run_case
 from thermobearing.design.case import make_design_case
 from thermobearing.design.run import run_bounds, run_design, run_factors
-from thermobearing.identify.files import save_checks
+from thermobearing.identify.output import save_checks
 from thermobearing.motions.library import load_motion
 from thermobearing.motions.run import examine_motion
 from thermobearing.reproduce.run import reproduce_source

@@ -18,7 +18,7 @@ from tests.tolerances import (
     STEPPER_FORCE,
     STEPPER_TEMPERATURE,
 )
-from thermobearing.cyclic.segments import build_segments
+from thermobearing.cyclic.history import build_segments
 
 
 @dataclass(frozen=True)

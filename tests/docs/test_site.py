@@ -82,7 +82,7 @@ def test_every_block_of_a_page_runs(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "100")
-    monkeypatch.setattr("thermobearing.earthquake.files._write_histories", no_histories)
+    monkeypatch.setattr("thermobearing.earthquake.output._write_histories", no_histories)
     run(path, {"__name__": "page"})
 
 
@@ -101,11 +101,11 @@ def test_an_example_draws(path: Path, tmp_path: Path, monkeypatch: pytest.Monkey
     drawn = 0
     with contextlib.redirect_stdout(io.StringIO()):
         for part in lines:
-            drawn += isinstance(value_of(part, path.name, names), Figure)
+            drawn += isinstance(dotted_value(part, path.name, names), Figure)
     assert drawn >= 1
 
 
-def value_of(text: str, name: str, names: dict[str, Any]) -> Any:
+def dotted_value(text: str, name: str, names: dict[str, Any]) -> Any:
     """The value of the last line of a part, as a notebook shows it; None without one."""
     *body, last = ast.parse(text).body
     exec(compile(ast.Module(body, []), name, "exec"), names)

@@ -21,13 +21,12 @@ from thermobearing.commands.check import check_file
 from thermobearing.cyclic.case import load_case, make_case
 from thermobearing.cyclic.protocol import survey
 from thermobearing.design.case import load_design_case, make_design_case
-from thermobearing.design.factors import temperature_factors
-from thermobearing.design.scale import scaled_bearing
+from thermobearing.design.factors import scaled_bearing, temperature_factors
 from thermobearing.earthquake.case import load_earthquake_case, make_earthquake_case
 from thermobearing.identify.case import make_identify_case
-from thermobearing.identify.checks import check_test
-from thermobearing.identify.parameters import parameter_set
-from thermobearing.identify.record import TestRecord, load_test, record_from_arrays
+from thermobearing.identify.fit.parameters import parameter_set
+from thermobearing.identify.records.checks import check_test
+from thermobearing.identify.records.record import TestRecord, load_test, record_from_arrays
 from thermobearing.motions import process
 from thermobearing.motions.jra import standard_spectrum
 from thermobearing.motions.measures import measure_motion

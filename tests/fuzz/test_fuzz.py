@@ -15,7 +15,7 @@ import pytest
 from hypothesis import HealthCheck, Phase, given, seed, settings
 
 import thermobearing.cyclic.protocol
-import thermobearing.identify.search
+import thermobearing.identify.fit.search
 import thermobearing.model.effort
 import thermobearing.motions.matching
 from tests.fuzz import conftest
@@ -34,8 +34,8 @@ LIMITS: list[tuple[Any, str, float]] = [
     (thermobearing.model.effort, "MAX_KEPT", 1e6),
     (thermobearing.cyclic.protocol, "MAX_STEPS", 20_000),
     (thermobearing.motions.matching, "MOST_ROUNDS", 2),
-    (thermobearing.identify.search, "MOST_STEPS", 2),
-    (thermobearing.identify.search, "POLISH_STEPS", 2),
+    (thermobearing.identify.fit.search, "MOST_STEPS", 2),
+    (thermobearing.identify.fit.search, "POLISH_STEPS", 2),
 ]
 
 

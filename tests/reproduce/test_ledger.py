@@ -10,10 +10,17 @@ from typing import Any
 import pytest
 
 from tests.reproduce.baseline import load_baseline
-from thermobearing.reproduce.claims import Claim, load_claims
-from thermobearing.reproduce.flips import Variants, last_that_stands
-from thermobearing.reproduce.judge import FAILED, SETTLED, verdict_of
-from thermobearing.reproduce.rows import function_of, make_row
+from thermobearing.reproduce.claims import (
+    FAILED,
+    SETTLED,
+    Claim,
+    Variants,
+    claim_function,
+    last_that_stands,
+    load_claims,
+    make_row,
+    verdict_of,
+)
 from thermobearing.reproduce.runs import Runs
 
 CLAIMS = {claim.id: claim for claim in load_claims()}
@@ -56,7 +63,7 @@ def test_every_verdict_is_as_listed() -> None:
 
 
 def settled(claim: Claim, parameter: str, change: float) -> bool:
-    computed = function_of(claim)(variants().runs(parameter, change))
+    computed = claim_function(claim)(variants().runs(parameter, change))
     return verdict_of(claim.rule, computed).settled
 
 

@@ -9,11 +9,11 @@ import pandas as pd
 import pytest
 
 import thermobearing as tb
-from thermobearing.bearing.changed import changed_bearing
+from thermobearing.bearing.library import changed_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.text_file import file_names
 from thermobearing.cyclic.result import Result
-from thermobearing.design.bilinear import BoundModel, opensees_text
+from thermobearing.design.bounds import BoundModel, opensees_text
 from thermobearing.model.earlier import BilinearParameters
 from thermobearing.results.writing import json_line, without_formulas
 
@@ -54,7 +54,7 @@ def test_a_name_is_one_printable_line(name: str) -> None:
 
 @pytest.mark.parametrize("what", ["structure", "motion", "test", "rig"])
 def test_names_of_other_things_are_lines(what: str) -> None:
-    from thermobearing.earthquake.motion import Motion
+    from thermobearing.earthquake.inputs import Motion
 
     name = "x\nimport os"
     make: dict[str, Any] = {

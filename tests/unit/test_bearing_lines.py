@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from tests import tolerances as tol
 from tests.verification.structures import ground_of, linear_bearing, real_bearing, shaken
 from thermobearing.core.types import Floats
-from thermobearing.structure.lines import build_bearings
+from thermobearing.structure.forces import build_bearings
 from thermobearing.structure.model import Structure, load_structure
 from thermobearing.structure.newmark import newmark_march
 from thermobearing.structure.run import Line, StructureHistory, prepare_structure, run_structure

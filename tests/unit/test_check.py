@@ -14,11 +14,10 @@ from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.bearing.plausible import implausible, usual_values
 from thermobearing.border.library import data_path
-from thermobearing.border.schema import unit_of
+from thermobearing.border.schema import find_unit
 from thermobearing.border.toml import to_toml
 from thermobearing.cli import app
-from thermobearing.commands.check import KINDS, check_file
-from thermobearing.commands.check_data import DATA
+from thermobearing.commands.check import DATA, KINDS, check_file
 
 SHIPPED = sorted(data_path().rglob("*.toml"))
 INPUTS = Path(__file__).parents[1] / "regression" / "inputs"
@@ -180,7 +179,7 @@ def test_usual_values_have_the_units_of_their_keys() -> None:
             annotation = model.model_fields[table].annotation
             parts = getattr(annotation, "__args__", (annotation,))
             model = next(part for part in parts if hasattr(part, "model_fields"))
-        assert (unit_of(model, name) or "") == usual.unit, usual.key
+        assert (find_unit(model, name) or "") == usual.unit, usual.key
 
 
 def test_what_a_bearing_was_tested_at_is_a_fact() -> None:

@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 import thermobearing as tb
 from tests import tolerances as tol
 from thermobearing.bearing.compound import Compound, as_compound, compound_from_table
-from thermobearing.bearing.scaling import cores_of, resized
+from thermobearing.bearing.scaling import lead_cores, resized
 from thermobearing.border.toml import sourced_toml, to_table
 from thermobearing.cli import app
 from thermobearing.commands.check import check_file
@@ -39,7 +39,7 @@ def test_a_bearing_of_its_own_compound_and_size_is_itself(name: str) -> None:
     compound = tb.bearing.compound_of(bearing)
     assert resized(bearing, bearing.geometry).hysteresis == bearing.hysteresis
     again = tb.bearing.bearing_of(
-        compound, name, bearing.geometry, cores_of(bearing), cells=bearing.cells
+        compound, name, bearing.geometry, lead_cores(bearing), cells=bearing.cells
     )
     assert again.kind == bearing.kind
     before, after = (to_table(item) for item in (bearing, again))

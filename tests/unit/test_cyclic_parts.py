@@ -12,13 +12,11 @@ import thermobearing as tb
 from tests import tolerances as tol
 from thermobearing.core.types import COMPLETED
 from thermobearing.cyclic import history
-from thermobearing.cyclic.case import make_case
+from thermobearing.cyclic.case import final_state, initial_temperatures, make_case
 from thermobearing.cyclic.comparison import _temperatures
+from thermobearing.cyclic.dataset import collect_warnings
 from thermobearing.cyclic.equivalent import bilinear_parameters, isothermal_cycle
-from thermobearing.cyclic.history import kept_steps, run_segments
-from thermobearing.cyclic.label import warnings_of
-from thermobearing.cyclic.segments import Segment, build_segments
-from thermobearing.cyclic.start import final_state, initial_temperatures
+from thermobearing.cyclic.history import Segment, build_segments, kept_steps, run_segments
 from thermobearing.model.options import build_model
 
 HDR = tb.load_bearing("shen-hdr-specimen")
@@ -43,7 +41,7 @@ def test_coarse_steps_are_told_where_a_layer_moves_by_its_yield_displacement(
     case = make_case({}, "test", bearing=HDR)
     far = sign * part * LAYERS * YIELD
     for segments in ([moved([far])], [moved([0.2 * far]), moved([0.1 * far, 1.1 * far])]):
-        said = warnings_of(case, segments, [COLD])
+        said = collect_warnings(case, segments, [COLD])
         assert len(said) == int(told)
         if told:
             assert f"up to {part * YIELD:.3g} mm" in said[0]
@@ -52,8 +50,8 @@ def test_coarse_steps_are_told_where_a_layer_moves_by_its_yield_displacement(
 def test_a_series_given_in_python_is_warned_of() -> None:
     case = make_case({}, "test", bearing=HDR)
     series = tb.Ambient.series(np.array([0.0, 10.0]), np.array([0.0, 5.0]))
-    assert "given in Python" in warnings_of(case, [moved([0.1])], [series])[0]
-    assert warnings_of(case, [moved([0.1])], [COLD]) == []
+    assert "given in Python" in collect_warnings(case, [moved([0.1])], [series])[0]
+    assert collect_warnings(case, [moved([0.1])], [COLD]) == []
 
 
 def earlier() -> Any:

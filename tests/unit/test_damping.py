@@ -15,7 +15,7 @@ from tests.verification.test_structures import residual
 from thermobearing.border.errors import InputError
 from thermobearing.earthquake.case import make_earthquake_case
 from thermobearing.earthquake.result import LARGEST_DAMPING_SHARE
-from thermobearing.structure.damping import bare_modes, ratios_of
+from thermobearing.structure.damping import bare_modes, mode_damping
 from thermobearing.structure.model import Damping, DampingKind, Structure, load_structure
 from thermobearing.structure.run import Prepared, prepare_structure
 
@@ -36,7 +36,7 @@ def without_ratio(structure: Structure) -> Structure:
 def bare_ratios(prepared: Prepared) -> np.ndarray:
     """Ratios of the modes without the bearings."""
     modes = bare_modes(prepared.structure, prepared.matrices)
-    return ratios_of(prepared.damping, modes)
+    return mode_damping(prepared.damping, modes)
 
 
 @pytest.mark.parametrize("kind", OWN)

@@ -11,13 +11,21 @@ from numpy.testing import assert_allclose
 
 import thermobearing as tb
 from tests import tolerances as tol
-from thermobearing.design import bounds, equal, run
-from thermobearing.design.bilinear import bound_models, bounds_table, opensees_text
+from thermobearing.design import bounds, run
+from thermobearing.design import sizing as equal
+from thermobearing.design.bounds import bound_models, bounds_table, opensees_text
 from thermobearing.design.case import make_design_case
 from thermobearing.design.result import Design
-from thermobearing.design.rounds import Round, Search, two_sizes
 from thermobearing.design.rubber import damping_ratio, equivalent_stiffness, load_rubber
-from thermobearing.design.sizing import Check, Size, SizingRules, size_bearing
+from thermobearing.design.sizing import (
+    Check,
+    Round,
+    Search,
+    Size,
+    SizingRules,
+    size_bearing,
+    two_sizes,
+)
 from thermobearing.model.earlier import BilinearParameters
 
 LHDR = tb.load_bearing("shen-lhdr-bridge")

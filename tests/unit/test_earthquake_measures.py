@@ -11,7 +11,7 @@ import thermobearing as tb
 from tests import tolerances as tol
 from thermobearing.earthquake.modes import modes_table
 from thermobearing.model.options import build_model
-from thermobearing.results.largest_loop import largest_loop
+from thermobearing.results.metrics import largest_loop
 from thermobearing.structure.matrices import mean_height
 from thermobearing.structure.model import load_structure
 from thermobearing.structure.run import Line, prepare_structure, run_structure

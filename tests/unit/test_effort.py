@@ -10,9 +10,9 @@ import thermobearing as tb
 from tests.unit.inputs import SPECIMEN, assert_told
 from tests.verification.structures import real_bearing, shaken
 from thermobearing.cyclic.equivalent import MOST_STEPS, isothermal_cycle
+from thermobearing.cyclic.history import build_segments
 from thermobearing.cyclic.protocol import MAX_CYCLES, survey
-from thermobearing.cyclic.segments import build_segments
-from thermobearing.identify.synthetic import synthetic_record
+from thermobearing.identify.fit.synthetic import synthetic_record
 from thermobearing.model.effort import MAX_CELL_STEPS, MAX_KEPT, MAX_STEPS, study_too_much, too_much
 from thermobearing.structure import newmark
 

@@ -18,7 +18,7 @@ from thermobearing.cli import app
 from thermobearing.core.types import Rubber
 from thermobearing.cyclic.case import load_case
 from thermobearing.cyclic.equivalent import bilinear_parameters
-from thermobearing.identify.forward import ForwardModel
+from thermobearing.identify.fit.forward import ForwardModel
 from thermobearing.model.earlier import isothermal
 from thermobearing.model.options import ModelOptions, build_model
 

@@ -10,7 +10,9 @@ from numpy.testing import assert_allclose
 
 import thermobearing as tb
 from tests import tolerances as tol
-from thermobearing.design import bounds, equal, factors, run, scale
+from thermobearing.design import bounds, factors, run
+from thermobearing.design import factors as scale
+from thermobearing.design import sizing as equal
 
 LHDR = tb.load_bearing("shen-lhdr-bridge")
 

@@ -11,8 +11,7 @@ from numpy.testing import assert_allclose
 
 import thermobearing as tb
 from tests.conftest import COARSE
-from thermobearing.cyclic.figures import NothingToDrawError
-from thermobearing.cyclic.time_axis import TimeAxis
+from thermobearing.cyclic.figures import NothingToDrawError, TimeAxis
 from thermobearing.results.drawing import ambient_colours, thin, thin_loops
 
 BEARING = "shen-hdr-specimen"

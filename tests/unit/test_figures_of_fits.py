@@ -7,7 +7,7 @@ import pytest
 
 import thermobearing as tb
 from thermobearing.design.run import run_bounds, run_factors
-from thermobearing.identify.posterior import forecast
+from thermobearing.identify.uncertainty.posterior import forecast
 
 HDR = tb.load_bearing("shen-hdr-specimen")
 

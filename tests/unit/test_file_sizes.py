@@ -11,7 +11,7 @@ from PIL import Image
 
 import thermobearing as tb
 from tests import tolerances as tol
-from thermobearing.cyclic.files import save_result
+from thermobearing.cyclic.output import save_result
 from thermobearing.results.drawing import DPI, save_figure
 from thermobearing.results.writing import write_dataset
 

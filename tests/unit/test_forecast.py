@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import thermobearing as tb
-from thermobearing.identify import uncertainty
+from thermobearing.identify.uncertainty import covariance as uncertainty
 
 BEARING = "shen-hdr-specimen"
 SHORT = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)

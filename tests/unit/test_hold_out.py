@@ -11,9 +11,8 @@ import pytest
 
 import thermobearing as tb
 from tests.unit.inputs import command
-from thermobearing.identify.record import TestRecord
-from thermobearing.validate.held_out_result import CrossValidation
-from thermobearing.validate.hold_out import cross_validate, make_hold_out_case
+from thermobearing.identify.records.record import TestRecord
+from thermobearing.validate.hold_out import CrossValidation, cross_validate, make_hold_out_case
 from thermobearing.validate.result import BEYOND, WITHIN
 
 HDR = "shen-hdr-specimen"
@@ -97,7 +96,7 @@ def test_parameters_by_fold(folded: CrossValidation) -> None:
     assert table.index.tolist() == [0, 1, 2, 3, 4, 5]
     assert table["tests"].tolist() == [5, 4, 4, 4, 4, 4]
     held = (item.record for item in folded.held_out.comparisons)
-    without_it = folded.fold_of(next(record for record in held if record.name == "fault"))
+    without_it = folded.find_fold(next(record for record in held if record.name == "fault"))
     assert table["K_r"][without_it] == pytest.approx(30.738, rel=0.01)
     others = table["K_r"].drop([0, without_it])
     assert (others > 31.5).all()

@@ -23,12 +23,11 @@ from thermobearing.border.toml import DEEPEST
 from thermobearing.border.units import parse_quantity
 from thermobearing.commands.check import check_file
 from thermobearing.design.case import load_design_case
-from thermobearing.design.factors import chosen_cycles, temperature_factors
-from thermobearing.design.scale import scaled_bearing
+from thermobearing.design.factors import chosen_cycles, scaled_bearing, temperature_factors
 from thermobearing.earthquake.case import load_earthquake_case, make_earthquake_case
 from thermobearing.identify.case import make_identify_case
-from thermobearing.identify.parameters import parameter_set
-from thermobearing.identify.record import load_test, record_from_arrays
+from thermobearing.identify.fit.parameters import parameter_set
+from thermobearing.identify.records.record import load_test, record_from_arrays
 from thermobearing.motions.jra import standard_spectrum
 from thermobearing.motions.library import load_motion
 from thermobearing.motions.spectrum import response_spectrum

@@ -8,22 +8,21 @@ import pytest
 
 import thermobearing as tb
 from thermobearing.bearing.model import Bearing
-from thermobearing.identify.assumed import (
+from thermobearing.identify.fit.parameters import BY_KEY, N_T, default_free
+from thermobearing.identify.fit.problem import Linear
+from thermobearing.identify.fit.synthetic import synthetic_record
+from thermobearing.identify.records.record import TestRecord, load_test
+from thermobearing.identify.records.treatment import to_be_treated
+from thermobearing.identify.run import identify_bearing
+from thermobearing.identify.uncertainty.assumed import (
     Assumed,
+    assumed_groups,
     carried,
     chosen_groups,
-    groups_of,
     shifted,
     usual_groups,
 )
-from thermobearing.identify.kinds import BY_KEY, N_T
-from thermobearing.identify.linear import Linear
-from thermobearing.identify.parameters import default_free
-from thermobearing.identify.record import TestRecord, load_test
-from thermobearing.identify.run import identify_bearing
-from thermobearing.identify.synthetic import synthetic_record
-from thermobearing.identify.treatment import to_be_treated
-from thermobearing.identify.uncertainty import Uncertainty
+from thermobearing.identify.uncertainty.covariance import Uncertainty
 
 HDR, LHDR, LRB = (
     tb.load_bearing(name) for name in ("shen-hdr-specimen", "shen-lhdr-specimen", "lrb-example")
@@ -31,7 +30,7 @@ HDR, LHDR, LRB = (
 
 
 def names(bearing: Bearing, free: list[str]) -> list[str]:
-    return [group.name for group in groups_of(bearing, free, usual_groups())]
+    return [group.name for group in assumed_groups(bearing, free, usual_groups())]
 
 
 def test_groups_are_what_the_bearing_has_and_the_fit_has_not() -> None:
@@ -87,7 +86,7 @@ def test_uncertainties_that_cannot_be(given: dict[str, float], pieces: list[str]
 
 def test_exactly_known_is_not_assumed() -> None:
     groups = chosen_groups({"sigma_Y": 0.0, "materials.rubber.conductivity": 0.02})
-    assert "sigma_Y" not in [g.name for g in groups_of(LHDR, [], groups)]
+    assert "sigma_Y" not in [g.name for g in assumed_groups(LHDR, [], groups)]
     (heat,) = (g for g in groups if g.name == "conduction of heat")
     assert heat.relative == 0.02
 

@@ -8,10 +8,10 @@ import pytest
 
 import thermobearing as tb
 from thermobearing.border.errors import InputError
-from thermobearing.identify.checks import CheckReport, check_test
-from thermobearing.identify.record import TestRecord, record_from_arrays
+from thermobearing.identify.fit.synthetic import synthetic_record
+from thermobearing.identify.records.checks import CheckReport, check_test
+from thermobearing.identify.records.record import TestRecord, record_from_arrays
 from thermobearing.identify.run import identify_bearing
-from thermobearing.identify.synthetic import synthetic_record
 
 BEARING = tb.load_bearing("shen-hdr-specimen")
 

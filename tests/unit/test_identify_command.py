@@ -13,19 +13,19 @@ import thermobearing as tb
 from tests import tolerances as tol
 from thermobearing.border.errors import InputError
 from thermobearing.cli import app
-from thermobearing.identify.forward import ForwardModel
-from thermobearing.identify.posterior import (
+from thermobearing.identify.fit.forward import ForwardModel
+from thermobearing.identify.fit.synthetic import synthetic_record
+from thermobearing.identify.output import print_identification
+from thermobearing.identify.records.record import TestRecord
+from thermobearing.identify.result import Identification
+from thermobearing.identify.run import identify_bearing
+from thermobearing.identify.uncertainty.posterior import (
     forecast,
     laplace_samples,
     posterior_effort,
     posterior_samples,
     predictive_band,
 )
-from thermobearing.identify.record import TestRecord
-from thermobearing.identify.result import Identification
-from thermobearing.identify.run import identify_bearing
-from thermobearing.identify.screen import print_identification
-from thermobearing.identify.synthetic import synthetic_record
 
 HDR = tb.load_bearing("shen-hdr-specimen")
 SHORT = tb.cyclic_test(strain=[0.5, 2.0], cycles=2, rest=600.0)
@@ -230,7 +230,7 @@ def test_what_a_posterior_takes_is_told_before(
     assert 0.6 * runs < used <= runs  # those beyond a bound are not run
     monkeypatch.setattr("thermobearing.identify.run.run_identify", lambda case: found)
     monkeypatch.setattr(
-        "thermobearing.identify.posterior.posterior_samples",
+        "thermobearing.identify.uncertainty.posterior.posterior_samples",
         lambda given, seed: laplace_samples(given, 50, seed=seed),
     )
     write(tmp_path, found.records[0], "cold")

@@ -11,11 +11,9 @@ from scipy.stats import t as student
 
 import thermobearing as tb
 from tests import tolerances as tol
-from thermobearing.identify import search
-from thermobearing.identify.agreement import determination, fit_of_record
-from thermobearing.identify.cycles import cycles_of, measures_of
-from thermobearing.identify.forward import ForwardModel, Prediction, _pause
-from thermobearing.identify.kinds import (
+from thermobearing.identify.fit import search as search
+from thermobearing.identify.fit.forward import ForwardModel, Prediction, _pause
+from thermobearing.identify.fit.parameters import (
     BY_KEY,
     C_V,
     HARDENING,
@@ -24,14 +22,23 @@ from thermobearing.identify.kinds import (
     M_T,
     SHAPE,
     Kind,
+    Parameter,
+    ParameterSet,
+    parameter_set,
 )
-from thermobearing.identify.krill import krill_herd
-from thermobearing.identify.linear import half_cycles
-from thermobearing.identify.parameters import Parameter, ParameterSet, parameter_set
-from thermobearing.identify.problem import LOST, Problem, robust_weights, sample_weights
-from thermobearing.identify.record import TestRecord, record_from_arrays
-from thermobearing.identify.start import _with_temperature
-from thermobearing.identify.uncertainty import estimate, remedy
+from thermobearing.identify.fit.problem import (
+    LOST,
+    Problem,
+    half_cycles,
+    robust_weights,
+    sample_weights,
+)
+from thermobearing.identify.fit.search import krill_herd
+from thermobearing.identify.fit.start import _with_temperature
+from thermobearing.identify.records.cycles import compute_measures, full_cycles
+from thermobearing.identify.records.record import TestRecord, record_from_arrays
+from thermobearing.identify.uncertainty.agreement import determination, fit_of_record
+from thermobearing.identify.uncertainty.covariance import estimate, remedy
 
 HDR = tb.load_bearing("shen-hdr-specimen")
 POINTS = 200  # of a cycle
@@ -54,12 +61,12 @@ def rows(record: TestRecord, cycle: int) -> slice:
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_cycles_are_counted_within_their_amplitude(sign: float) -> None:
-    cycles = cycles_of(sines(sign=sign))
+    cycles = full_cycles(sines(sign=sign))
     assert [c.closing for c in cycles] == [False, False, False, True, False, False]
     assert [c.number for c in cycles if not c.closing] == [1, 2, 1, 1, 2]
     assert_allclose([c.amplitude for c in cycles], AMPLITUDES, rtol=tol.LOOP)
     force = sines(sign=sign).force
-    measures = measures_of(sines(sign=sign), force, HDR.area, HDR.total_rubber_thickness)
+    measures = compute_measures(sines(sign=sign), force, HDR.area, HDR.total_rubber_thickness)
     assert_allclose([m.amplitude_mm for m in measures], AMPLITUDES, rtol=tol.LOOP)
 
 

@@ -10,14 +10,13 @@ import thermobearing as tb
 from tests import tolerances as tol
 from tests.conftest import Recorder
 from thermobearing.border.errors import InputError
-from thermobearing.identify.forward import ForwardModel, turning_points
-from thermobearing.identify.kinds import KINDS, full_key
-from thermobearing.identify.krill import krill_herd
-from thermobearing.identify.parameters import parameter_set
-from thermobearing.identify.problem import Problem
-from thermobearing.identify.start import loop_start
-from thermobearing.identify.synthetic import forgotten, synthetic_record
-from thermobearing.identify.uncertainty import effective_samples
+from thermobearing.identify.fit.forward import ForwardModel, turning_points
+from thermobearing.identify.fit.parameters import KINDS, full_key, parameter_set
+from thermobearing.identify.fit.problem import Problem
+from thermobearing.identify.fit.search import krill_herd
+from thermobearing.identify.fit.start import loop_start
+from thermobearing.identify.fit.synthetic import forgotten, synthetic_record
+from thermobearing.identify.uncertainty.covariance import effective_samples
 
 HDR, LHDR = tb.load_bearing("shen-hdr-specimen"), tb.load_bearing("shen-lhdr-specimen")
 SHORT = tb.cyclic_test(strain=[0.5, 2.5], cycles=2, rest=600.0)

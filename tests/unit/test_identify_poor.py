@@ -11,13 +11,12 @@ from typer.testing import CliRunner
 import thermobearing as tb
 from thermobearing.cli import app
 from thermobearing.commands.common import POOR_FIT
-from thermobearing.identify.kinds import M_T
-from thermobearing.identify.parameters import parameter_set, with_values
-from thermobearing.identify.record import TestRecord
-from thermobearing.identify.report_tables import grade
+from thermobearing.identify.fit.parameters import M_T, parameter_set, with_values
+from thermobearing.identify.fit.synthetic import synthetic_record
+from thermobearing.identify.records.record import TestRecord
+from thermobearing.identify.report import grade
 from thermobearing.identify.result import Identification
 from thermobearing.identify.run import identify_bearing
-from thermobearing.identify.synthetic import synthetic_record
 
 HDR = tb.load_bearing("shen-hdr-specimen")
 SHORT = tb.cyclic_test(strain=[1.0], cycles=2, rest=None, closing_strain=None)

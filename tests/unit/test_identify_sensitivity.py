@@ -5,20 +5,31 @@ import pytest
 
 import thermobearing as tb
 from thermobearing.bearing.model import Bearing
-from thermobearing.identify.assumed import usual_groups
-from thermobearing.identify.kinds import ALIASES, BY_KEY, E2, HARDENING, K_R, M_T, N_T, SIGMA_Y
-from thermobearing.identify.parameters import default_free, parameter_set, with_values
-from thermobearing.identify.problem import Problem
-from thermobearing.identify.record import TestRecord
-from thermobearing.identify.run import identify_bearing
-from thermobearing.identify.sensitivity import (
+from thermobearing.identify.fit.parameters import (
+    ALIASES,
+    BY_KEY,
+    E2,
+    HARDENING,
+    K_R,
+    M_T,
+    N_T,
+    SIGMA_Y,
+    default_free,
+    parameter_set,
+    with_values,
+)
+from thermobearing.identify.fit.problem import Problem
+from thermobearing.identify.fit.start import (
     BETTER,
     Sensitivity,
     candidates,
     sensitivities,
     without_needless,
 )
-from thermobearing.identify.synthetic import forgotten, synthetic_record
+from thermobearing.identify.fit.synthetic import forgotten, synthetic_record
+from thermobearing.identify.records.record import TestRecord
+from thermobearing.identify.run import identify_bearing
+from thermobearing.identify.uncertainty.assumed import usual_groups
 
 HDR, LHDR, LRB = (
     tb.load_bearing(name) for name in ("shen-hdr-specimen", "shen-lhdr-specimen", "lrb-example")

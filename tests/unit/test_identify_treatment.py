@@ -6,15 +6,14 @@ import numpy as np
 import pytest
 
 import thermobearing as tb
-from thermobearing.identify.check_figure import check_figure
-from thermobearing.identify.checks import CheckReport, check_test
-from thermobearing.identify.forward import ForwardModel
-from thermobearing.identify.noise import noise_of, spikes_of
-from thermobearing.identify.record import TestRecord
-from thermobearing.identify.rests import rests_of, thinned
+from thermobearing.identify.figures import check_figure
+from thermobearing.identify.fit.forward import ForwardModel
+from thermobearing.identify.fit.synthetic import synthetic_record
+from thermobearing.identify.records.checks import CheckReport, check_test
+from thermobearing.identify.records.noise import estimate_noise, find_spikes
+from thermobearing.identify.records.record import TestRecord
+from thermobearing.identify.records.treatment import find_rests, thinned, to_be_treated, treat
 from thermobearing.identify.run import identify_bearing
-from thermobearing.identify.synthetic import synthetic_record
-from thermobearing.identify.treatment import to_be_treated, treat
 
 HDR = tb.load_bearing("shen-hdr-specimen")
 TEST = tb.cyclic_test(strain=[0.5, 1.5], cycles=3, rest=300.0)
@@ -54,12 +53,12 @@ def test_noise_is_measured_beside_the_motion(points: int) -> None:
     t = np.arange(10 * points) / points
     motion = 50.0 * np.sin(2.0 * np.pi * t)
     noisy = motion + np.random.default_rng(0).normal(0.0, 0.05, len(t))
-    assert noise_of(noisy) == pytest.approx(0.05, rel=0.15)
-    assert noise_of(motion) < 1e-4
+    assert estimate_noise(noisy) == pytest.approx(0.05, rel=0.15)
+    assert estimate_noise(motion) < 1e-4
 
 
 def test_rests_are_where_nothing_moves(record: TestRecord) -> None:
-    (rest,) = rests_of(record)
+    (rest,) = find_rests(record)
     begin, end = record.time[rest[0]], record.time[rest[1]]
     clean = synthetic_record(HDR, 23.0, TEST, noise=0.0)
     moved = np.flatnonzero(np.abs(np.diff(clean.displacement)) > 1e-9)
@@ -73,14 +72,14 @@ def test_slow_turns_are_no_rests(period: float) -> None:
     t = np.linspace(0.0, 4.0, 4001) * period
     x = 50.0 * np.sin(2.0 * np.pi * t / period)
     x = x + np.random.default_rng(0).normal(0.0, JITTER, len(t))
-    assert rests_of(tb.identify.record_from_arrays(t, x, 2.0 * x, 23.0)) == []
+    assert find_rests(tb.identify.record_from_arrays(t, x, 2.0 * x, 23.0)) == []
 
 
 def test_a_slow_creep_is_not_held_as_one_rest() -> None:
     t = np.linspace(0.0, 1000.0, 10001)
     x = np.where(t < 20.0, 50.0 * np.sin(np.pi * t / 5.0), 0.005 * (t - 20.0))
     record = tb.identify.record_from_arrays(t, x, 2.0 * x, 23.0)
-    assert all(np.ptp(x[a : b + 1]) <= 0.004 * 50.0 + 1e-9 for a, b in rests_of(record))
+    assert all(np.ptp(x[a : b + 1]) <= 0.004 * 50.0 + 1e-9 for a, b in find_rests(record))
 
 
 def test_a_fit_sees_a_rest_as_a_gap(record: TestRecord) -> None:
@@ -98,7 +97,7 @@ def test_a_fit_sees_a_rest_as_a_gap(record: TestRecord) -> None:
 def test_thermocouples_of_a_rest_are_kept(record: TestRecord) -> None:
     """Cooling is what a rest tells."""
     cooling = replace(record, temperatures={"T": 23.0 + 9.0 * np.exp(-record.time / 100.0)})
-    rests = rests_of(record)
+    rests = find_rests(record)
     short, kept, resting = thinned(cooling, rests)
     assert 15 <= int(resting.sum()) <= 20
     assert np.abs(short.temperatures["T"] - cooling.temperatures["T"][kept]).max() < 0.5
@@ -116,7 +115,7 @@ def test_jitter_does_not_walk_the_force_down(fine: bool) -> None:
     loading = np.abs(np.gradient(clean.displacement)) > 0.5
     off = np.abs(forces[0] - forces[1]).max(where=loading, initial=0.0)
     assert off < 0.03 * clean.peak_force
-    ((first, last),) = rests_of(noisy)
+    ((first, last),) = find_rests(noisy)
     middle = slice(first + 20, last - 20)
     assert np.ptp(forces[0][middle]) < 0.01 * clean.peak_force
 
@@ -202,4 +201,4 @@ def test_detrend_takes_known_words_only(record: TestRecord) -> None:
 
 
 def test_a_flat_signal_has_no_spikes() -> None:
-    assert not spikes_of(np.ones(50)).any()
+    assert not find_spikes(np.ones(50)).any()

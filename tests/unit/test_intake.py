@@ -12,8 +12,8 @@ from typer.testing import CliRunner
 import thermobearing as tb
 from tests import tolerances as tol
 from thermobearing.cli import app
-from thermobearing.identify.record import load_test
-from thermobearing.intake.figures import time_axis
+from thermobearing.identify.records.record import load_test
+from thermobearing.intake.output import time_axis
 
 BEARING = "shen-hdr-specimen"
 Floats = NDArray[np.float64]

@@ -13,7 +13,6 @@ from typing import Any
 import pytest
 
 import thermobearing.results.directory as directory
-import thermobearing.results.swap as swap
 from tests.unit.inputs import content, cyclic, quick_case, summary
 from thermobearing.border.errors import OutputError
 from thermobearing.results.directory import write_directory
@@ -22,6 +21,7 @@ pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork, as 
 MOMENTS = 50  # at least
 TraceFunction = Callable[[FrameType, str, Any], Any]
 NO_FILES = ("os.kill", "os.putenv", "os.unsetenv")
+NEW_SIBLING, PUT_IN_PLACE = directory.new_sibling, directory.put_in_place
 EARLIER, LATER = 23.0, 5.0  # ambient temperatures that tell two results apart
 
 
@@ -51,12 +51,12 @@ def killed(action: Callable[[], object], moment: int) -> bool:
             return line
 
         def call(frame: FrameType, _: str, __: object) -> TraceFunction | None:
-            return line if frame.f_code.co_filename == swap.__file__ else None
+            return line if frame.f_code.co_filename == directory.__file__ else None
 
         @contextmanager
         def sibling(final: Path) -> Iterator[Path]:
             sys.settrace(call)
-            with swap.new_sibling(final) as partial:
+            with NEW_SIBLING(final) as partial:
                 sys.settrace(None)
                 try:
                     yield partial
@@ -66,7 +66,7 @@ def killed(action: Callable[[], object], moment: int) -> bool:
 
         def put(*given: Any) -> None:
             sys.settrace(call)
-            swap.put_in_place(*given)
+            PUT_IN_PLACE(*given)
             sys.settrace(None)
 
         # Lines are looked at inside of these two alone: a trace of the whole run takes as long
@@ -113,7 +113,7 @@ def test_killed_between_two_renames(
 ) -> None:
     """Every single event of the swap, also where the system cannot swap in one step."""
     if not exchange:
-        monkeypatch.setattr(swap, "_exchange", lambda *_: False)
+        monkeypatch.setattr(directory, "_exchange", lambda *_: False)
     out = tmp_path / "out"
     write_directory(out, filled)
 

@@ -29,12 +29,12 @@ TEST = tb.cyclic.CyclicTest(dt=0.02, steps=STEPS)
 FACE = tb.model.EndFace(film=20.0)
 
 
-def numbers_of(model: BaseModel, key: str = "") -> Iterator[tuple[str, float | int]]:
+def list_numbers(model: BaseModel, key: str = "") -> Iterator[tuple[str, float | int]]:
     """Dotted keys and values of every number in a model."""
     for name in type(model).model_fields:
         value, dotted = getattr(model, name), f"{key}.{name}" if key else name
         if isinstance(value, BaseModel):
-            yield from numbers_of(value, dotted)
+            yield from list_numbers(value, dotted)
         elif isinstance(value, int | float) and not isinstance(value, bool):
             yield dotted, value
 
@@ -102,7 +102,7 @@ OF_LEAD = ("lead", "rate", "materials.lead", "geometry.sealing", "cells.sealing"
 KEYS = [
     pytest.param(shape, key, id=f"{shape}-{key}")
     for shape, bearing in PLANS.items()
-    for key, _ in numbers_of(bearing)
+    for key, _ in list_numbers(bearing)
     if key.startswith("geometry.plan")
     or (shape == "square" and not key.startswith((*OF_LEAD, OF_RANGE)))
     or (shape == "virgin" and key.startswith("scragging"))

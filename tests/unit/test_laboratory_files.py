@@ -12,10 +12,10 @@ from tests import tolerances as tol
 from thermobearing.border.layout import Layout
 from thermobearing.border.sheets import read_sheets
 from thermobearing.border.sidecar import read_laboratory
-from thermobearing.border.stamps import seconds_of
-from thermobearing.border.tables import columns_of, usable_table
+from thermobearing.border.stamps import elapsed_seconds
+from thermobearing.border.tables import list_columns, usable_table
 from thermobearing.border.titles import name_and_unit
-from thermobearing.identify.record import load_test
+from thermobearing.identify.records.record import load_test
 
 PLAIN = "time_s,displacement_mm,force_kN\n0,0,0\n0.5,1.25,3\n1,-1250,-3.5\n"
 VALUES = {
@@ -123,12 +123,12 @@ STAMPS = {
 
 @pytest.mark.parametrize("kind", STAMPS)
 def test_time_stamps(kind: str) -> None:
-    assert_allclose(seconds_of(STAMPS[kind]), [0.0, 0.5, 1.75], atol=tol.CONVERSION * 1e5)
+    assert_allclose(elapsed_seconds(STAMPS[kind]), [0.0, 0.5, 1.75], atol=tol.CONVERSION * 1e5)
 
 
 def test_day_and_month_are_in_the_order_that_makes_the_record_short() -> None:
-    assert seconds_of(["01/02/2024 12:00", "02/02/2024 12:00"])[-1] == 86400.0
-    assert seconds_of(["02/01/2024 12:00", "02/02/2024 12:00"])[-1] == 86400.0
+    assert elapsed_seconds(["01/02/2024 12:00", "02/02/2024 12:00"])[-1] == 86400.0
+    assert elapsed_seconds(["02/01/2024 12:00", "02/02/2024 12:00"])[-1] == 86400.0
 
 
 def test_stamps_coarser_than_the_sampling_are_spread(tmp_path: Path) -> None:
@@ -221,7 +221,7 @@ def test_encoding_is_found(tmp_path: Path, encoding: str) -> None:
     text = f"time_s;displacement_mm;force_kN;{title}\n0;0;0;1\n1;1;1;1\n"
     wanted = {"time": "s", "force": "kN"}
     (sheet,) = read_sheets(lies(tmp_path, text.encode(encoding)))
-    found = columns_of(usable_table(sheet, Layout()), wanted, (), Layout())
+    found = list_columns(usable_table(sheet, Layout()), wanted, (), Layout())
     assert found.unused == ["displacement_mm", title]
 
 

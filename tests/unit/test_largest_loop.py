@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tests import tolerances as tol
-from thermobearing.results.largest_loop import find_largest_loop, largest_loop
+from thermobearing.results.metrics import find_largest_loop, largest_loop
 
 PLAN = {"area": 1e4, "total_rubber_thickness": 20.0}
 

@@ -12,8 +12,7 @@ import thermobearing as tb
 from tests.unit.inputs import SPECIMEN, assert_told, changed_table, specimen_table
 from thermobearing.bearing.bilinear import BilinearBearing, list_bilinear, load_bilinear
 from thermobearing.bearing.library import bearing_from_table
-from thermobearing.bearing.model import Bearing
-from thermobearing.bearing.validity import Validity
+from thermobearing.bearing.model import Bearing, Validity
 from thermobearing.border.schema import Strict, validated
 from thermobearing.cyclic.case import Case
 from thermobearing.design.case import DesignCase

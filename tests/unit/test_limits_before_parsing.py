@@ -13,8 +13,8 @@ import thermobearing as tb
 from thermobearing.border import sheets
 from thermobearing.border.sheets import MOST_ROWS, is_numeric, is_stamp
 from thermobearing.border.toml import read_toml
-from thermobearing.identify.record import load_test
-from thermobearing.results import swap
+from thermobearing.identify.records.record import load_test
+from thermobearing.results import directory as swap
 
 SOON = 15.0  # [s] on a busy machine; each of them took more than a minute
 HEAD = "time_s,displacement_mm,force_kN\n"

@@ -16,16 +16,21 @@ from thermobearing.border.schema import validated
 from thermobearing.border.toml import to_toml
 from thermobearing.design.bounds import DEMANDS, bounds_study, least_safe, paragraph
 from thermobearing.earthquake.case import make_earthquake_case
-from thermobearing.earthquake.columns import COLUMNS
-from thermobearing.earthquake.governing import governing_runs
-from thermobearing.earthquake.report import pieces_of
+from thermobearing.earthquake.measures import COLUMNS
+from thermobearing.earthquake.parts import governing_runs
+from thermobearing.earthquake.report import build_pieces
 from thermobearing.earthquake.run import build_tasks, judged
 from thermobearing.structure.matrices import coordinates
-from thermobearing.structure.model import Structure, load_structure
-from thermobearing.structure.parts import fixed_base, piers_of, reported_line
-from thermobearing.structure.plausible import implausible_structure
+from thermobearing.structure.model import (
+    Structure,
+    fixed_base,
+    list_piers,
+    load_structure,
+    reported_line,
+)
+from thermobearing.structure.result import implausible_structure
 from thermobearing.studies import plan, run_shard
-from thermobearing.studies.counted import counted
+from thermobearing.studies.statistics.failed_runs import counted
 
 MOTION: dict[str, Any] = {"motion": "jra-ii-i-1", "duration": 6.0}
 
@@ -101,7 +106,7 @@ def test_the_table_holds_the_governing_values(study: tb.earthquake.EarthquakeRes
 
 def test_the_document_is_about_all_lines(study: tb.earthquake.EarthquakeResult) -> None:
     """Answer, first table and peaks; before: 155 kN of the line of the report."""
-    pieces = pieces_of(study)
+    pieces = build_pieces(study)
     force = study.lines["force_max_kN"].max()
     assert f"{force:.4g} kN (" in pieces.answer[0]
     assert "23 °C, line on A)" in pieces.answer[0]
@@ -207,7 +212,7 @@ def case_of(structure: dict[str, Any], **more: Any) -> Any:
 def test_files_say_every_line_and_pier(
     study: tb.earthquake.EarthquakeResult, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    from thermobearing.earthquake.screen import print_study
+    from thermobearing.earthquake.output import print_study
 
     folder = study.save(tmp_path / "out", figures=False)
     assert list(pd.read_csv(folder / "lines.csv")["line"]) == ["on A", "on B"]
@@ -315,7 +320,7 @@ def test_the_line_of_the_report_may_be_said() -> None:
     assert reported_line(bridge_of(table)) == 1
     table["report"]["line"] = "on A"
     assert reported_line(bridge_of(table)) == 0
-    piers = piers_of(bridge_of(table))
+    piers = list_piers(bridge_of(table))
     assert [(pier.name, pier.base, pier.top, pier.hinge) for pier in piers] == [
         ("B", "ground", 10000.0, 0),
         ("A", "ground", 10000.0, None),

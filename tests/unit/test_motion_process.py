@@ -26,8 +26,8 @@ from thermobearing.motions.process import (
 from thermobearing.motions.record import (
     GroundMotion,
     acceleration_unit,
-    displacement_of,
-    velocity_of,
+    integrate_displacement,
+    integrate_velocity,
 )
 from thermobearing.motions.spectrum import response_spectrum
 
@@ -44,8 +44,8 @@ def sine(frequency: float) -> GroundMotion:
 def test_quiet_end_for_any_motion(seed: int, count: int, dt: float) -> None:
     values = 1000.0 * np.random.default_rng(seed).standard_normal(count)
     quiet = with_quiet_end(values, dt)
-    assert abs(velocity_of(quiet, dt)[-1]) < tol.QUIET_END
-    assert abs(displacement_of(quiet, dt)[-1]) < tol.QUIET_END
+    assert abs(integrate_velocity(quiet, dt)[-1]) < tol.QUIET_END
+    assert abs(integrate_displacement(quiet, dt)[-1]) < tol.QUIET_END
     assert quiet[0] == pytest.approx(values[0])
     assert_allclose(with_quiet_end(quiet, dt), quiet, atol=1e-6)
 

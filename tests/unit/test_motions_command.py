@@ -13,9 +13,9 @@ import thermobearing.motions.run as story
 from tests import tolerances as tol
 from tests.conftest import COARSE
 from tests.unit.inputs import command, content, last_line, summary
-from thermobearing.motions.figures import motion_figure, spectrum_figure
 from thermobearing.motions.jra import standard_spectrum
 from thermobearing.motions.library import list_motions, load_motion
+from thermobearing.motions.output import motion_figure, spectrum_figure
 
 NAMES = {"motion.csv", "spectrum.csv", "summary.json"}
 FIGURES = {f"figures/{name}.{kind}" for name in ("motion", "spectrum") for kind in ("png", "svg")}

@@ -9,7 +9,7 @@ from tests import tolerances as tol
 from thermobearing.core.types import Floats
 from thermobearing.motions.library import list_motions, load_motion
 from thermobearing.motions.phases import Pulse, near_fault, phases
-from thermobearing.motions.record import GroundMotion, velocity_of
+from thermobearing.motions.record import GroundMotion, integrate_velocity
 
 NAME = "jra-ii-ii-1"
 OWN = near_fault()[NAME]
@@ -63,7 +63,7 @@ def test_pulse_by_hand(cycles: float, phase: float) -> None:
     assert not pulse.acceleration(beside).any()
     dt = 1e-3
     time = np.arange(10_001) * dt
-    velocity = velocity_of(pulse.acceleration(time), dt)
+    velocity = integrate_velocity(pulse.acceleration(time), dt)
     assert_allclose(velocity, pulse.velocity(time), atol=tol.PULSE_INTEGRAL)
 
 

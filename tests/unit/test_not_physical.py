@@ -13,9 +13,14 @@ from tests.unit.inputs import changed_table, cyclic, last_line, quick_case, spec
 from tests.verification.models import assembled, specimen
 from thermobearing.bearing.library import bearing_from_table
 from thermobearing.core.types import new_state
-from thermobearing.model.limits import temperature_limits
-from thermobearing.model.outcomes import NOT_PHYSICAL, SENTENCES
-from thermobearing.model.physical import LEAST, MISSING, is_physical
+from thermobearing.model.outcomes import (
+    LEAST,
+    MISSING,
+    NOT_PHYSICAL,
+    SENTENCES,
+    is_physical,
+    temperature_limits,
+)
 
 LIMITS = temperature_limits()
 FAST = tb.cyclic.CyclicTest(
@@ -27,7 +32,7 @@ def test_lead_does_not_heat_beyond_its_melting_point() -> None:
     """Without softening a core goes on heating; what was computed until it melts is kept."""
     table = tb.load_bearing("shen-lhdr-specimen").model_dump()
     table["lead"]["softening"] = 0.0
-    result = tb.run(bearing_from_table(table_of(table), "lead"), FAST, ambient=23.0)
+    result = tb.run(bearing_from_table(make_table(table), "lead"), FAST, ambient=23.0)
     assert result.outcome == "temperature_runaway"
     hottest = float(result["lead_temperature"].max())
     assert 0.95 * LIMITS.lead_melts < hottest <= LIMITS.lead_melts
@@ -48,7 +53,7 @@ def test_rubber_does_not_heat_beyond_its_decomposition() -> None:
     assert "decomposes" in SENTENCES[result.outcome]
 
 
-def table_of(dump: dict[str, Any]) -> dict[str, Any]:
+def make_table(dump: dict[str, Any]) -> dict[str, Any]:
     """A dumped bearing as a table with units, for `bearing_from_table`."""
     from thermobearing.bearing.model import Bearing
     from thermobearing.border.schema import validated
@@ -96,7 +101,7 @@ def test_a_run_that_is_not_physical_says_so(
 ) -> None:
     """A typed outcome, exit status 3, and what was computed until then; here steel melts early."""
     early = LIMITS.model_copy(update={"steel_melts": 20.0})
-    monkeypatch.setattr("thermobearing.model.physical.temperature_limits", lambda: early)
+    monkeypatch.setattr("thermobearing.model.outcomes.temperature_limits", lambda: early)
     case = quick_case(tmp_path / "case.toml", ambient="23 degC")
     done = cyclic(case, "-o", tmp_path / "out", "--json")
     said = last_line(done)

@@ -7,7 +7,7 @@ import pytest
 
 import thermobearing as tb
 from thermobearing.border.errors import InputError
-from thermobearing.border.numbers import LARGEST, is_number, number_list
+from thermobearing.border.units import LARGEST, is_number, number_list
 
 
 @pytest.mark.parametrize("value", [0, -3, 2.5, np.float64(1.0), np.int64(7), float("inf"), LARGEST])

@@ -19,9 +19,9 @@ from thermobearing.cyclic.case import make_case, to_table
 from thermobearing.cyclic.equivalent import bilinear_parameters, isothermal_cycle
 from thermobearing.earthquake.case import make_earthquake_case
 from thermobearing.earthquake.run import build_device
-from thermobearing.identify.forward import ForwardModel
-from thermobearing.identify.parameters import parameter_set
-from thermobearing.identify.synthetic import forgotten, synthetic_record
+from thermobearing.identify.fit.forward import ForwardModel
+from thermobearing.identify.fit.parameters import parameter_set
+from thermobearing.identify.fit.synthetic import forgotten, synthetic_record
 from thermobearing.model.earlier import models_that_fit
 from thermobearing.model.options import EndFace, ModelOptions, build_model
 

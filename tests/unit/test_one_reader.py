@@ -13,7 +13,7 @@ import thermobearing as tb
 from tests import tolerances as tol
 from tests.unit.inputs import steps_case
 from thermobearing.cli import app
-from thermobearing.identify.record import load_test
+from thermobearing.identify.records.record import load_test
 
 BEARING = "shen-hdr-specimen"
 TURN = np.linspace(0.0, 4.0 * np.pi, 401)

@@ -13,7 +13,7 @@ from thermobearing.design.case import make_design_case
 from thermobearing.design.peaks import coldest_sentences, combined, envelope, few_motions, judged
 from thermobearing.design.run import at_every_air, one_turn, run_bounds
 from thermobearing.design.sizing import Check
-from thermobearing.earthquake.motion import Motion
+from thermobearing.earthquake.inputs import Motion
 
 THREE = ["jra-ii-i-1", "jra-ii-i-2", "jra-ii-i-3"]
 LIMITS = [

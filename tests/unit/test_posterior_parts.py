@@ -10,8 +10,8 @@ from numpy.testing import assert_allclose
 
 from tests import tolerances as tol
 from tests.unit.test_identify_numbers import sines
-from thermobearing.identify import posterior
-from thermobearing.identify.forward import Prediction
+from thermobearing.identify.fit.forward import Prediction
+from thermobearing.identify.uncertainty import posterior as posterior
 
 
 def fit_with(problem: Any, cube: np.ndarray, **uncertainty: Any) -> Any:

@@ -5,7 +5,7 @@ import io
 import pytest
 from rich.console import Console
 
-from thermobearing.commands.progress import Rate, progress_bar
+from thermobearing.commands.common import Rate, progress_bar
 
 
 @pytest.mark.parametrize(

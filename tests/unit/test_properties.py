@@ -112,7 +112,7 @@ def residuals(result: tb.cyclic.Result) -> tuple[float, float, float]:
     return mechanical, thermal, tol.ENERGY_BOOKS * scale + rounding
 
 
-def end_of(test: tb.cyclic.CyclicTest, bearing: Bearing) -> float:
+def end_state_at(test: tb.cyclic.CyclicTest, bearing: Bearing) -> float:
     """Where the last ramp leads [mm]."""
     ramps = [step for step in test.steps if step.step == "ramp"]
     return ramps[-1].target(bearing.total_rubber_thickness) if ramps else 0.0
@@ -166,7 +166,7 @@ def test_any_run_ends_well_or_says_why(
         assert abs(thermal) <= allowed
     if result.outcome == "completed":
         assert int(data["steps"][0]) == data.sizes["time"] - 1
-        assert data["displacement"].values[0, -1] == end_of(test, bearing)
+        assert data["displacement"].values[0, -1] == end_state_at(test, bearing)
 
 
 def test_glass_for_rubber_runs_away_and_says_so() -> None:

@@ -10,8 +10,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 import thermobearing as tb
 from tests import tolerances as tol
 from tests.unit.inputs import SPECIMEN
+from thermobearing.cyclic.history import FEWEST_STEPS, REST_GROWTH, Segment, build_segments
 from thermobearing.cyclic.protocol import MAX_STEPS
-from thermobearing.cyclic.segments import FEWEST_STEPS, REST_GROWTH, Segment, build_segments
 
 RUBBER = 30.0  # total rubber thickness of the specimen [mm]
 

@@ -12,7 +12,7 @@ from tests.unit.inputs import command
 from tests.unit.report_words import assert_well_formed, numbers_in
 from thermobearing.border.errors import InputError
 from thermobearing.report import arranged
-from thermobearing.reporting import pieces_of
+from thermobearing.reporting import build_pieces
 from thermobearing.results.drawing import save_figures
 
 TEST = ["--strain", "1", "--cycles", "1", "--no-figures", "-q"]
@@ -26,7 +26,7 @@ def compared(tmp_path: Path) -> Path:
 
 
 def test_the_earlier_models_are_in_the_document(compared: Path) -> None:
-    pieces = pieces_of(tb.load_result(compared), compared)
+    pieces = build_pieces(tb.load_result(compared), compared)
     assert_well_formed(pieces)
     table = pieces.tables["comparison"]
     told = pd.read_csv(compared / "comparison.csv")
@@ -46,7 +46,7 @@ def test_the_verdict_and_what_all_runs_share_stand_below(tmp_path: Path) -> None
     found = tb.cyclic_test(strain=[0.5], cycles=1)
     drawn = tb.run("shen-hdr-specimen", found).plot.loops
     save_figures({"comparison": drawn}, out / "figures")
-    pieces = pieces_of(tb.load_result(out), out)
+    pieces = build_pieces(tb.load_result(out), out)
     table = pieces.tables["comparison"]
     assert table.note.startswith("Motion: jra-ii-ii-1. ")
     assert "A single temperature underestimates" in table.note
@@ -57,13 +57,13 @@ def test_the_verdict_and_what_all_runs_share_stand_below(tmp_path: Path) -> None
 def test_a_damaged_comparison_is_told(compared: Path) -> None:
     (compared / "comparison.csv").write_text("")
     with pytest.raises(InputError, match="its files do not fit together"):
-        pieces_of(tb.load_result(compared), compared)
+        build_pieces(tb.load_result(compared), compared)
 
 
 def test_a_structure_has_words_of_its_own(tmp_path: Path) -> None:
     out = tmp_path / "out"
     assert command("structures", "show", "pier-p1", "-o", out, "-q").exit_code == 0
-    pieces = pieces_of(tb.load_result(out), out)
+    pieces = build_pieces(tb.load_result(out), out)
     assert_well_formed(pieces)
     headings = [block.text for block in arranged(pieces) if type(block).__name__ == "Heading"]
     assert "Validity" not in headings  # no parameters of a bearing are in it

@@ -168,8 +168,8 @@ def test_a_full_disk_leaves_what_was_there(
         whole(file, raw)
 
     monkeypatch.setattr(files, "write_through", full)
-    told_of = r"cannot be written: No space left on device; what was there is as it was"
-    with pytest.raises(tb.OutputError, match=told_of):
+    describe_all = r"cannot be written: No space left on device; what was there is as it was"
+    with pytest.raises(tb.OutputError, match=describe_all):
         files.put_files(earlier, dict.fromkeys(files.WRITTEN, b"new"))
     assert content(tmp_path) == before
     assert [path.name for path in tmp_path.iterdir()] == ["out"]

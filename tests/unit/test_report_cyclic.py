@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 
 import thermobearing as tb
 from tests.unit.report_words import as_data, assert_well_formed, numbers_in
-from thermobearing.cyclic.report import pieces_of
+from thermobearing.cyclic.report import build_pieces
 from thermobearing.cyclic.result import Result
 from thermobearing.report import arranged
 from thermobearing.report.pieces import EXCEEDED, PASSED, Pieces
@@ -24,7 +24,7 @@ def result() -> Result:
 
 @pytest.fixture(scope="module")
 def pieces(result: Result) -> Pieces:
-    return pieces_of(result)
+    return build_pieces(result)
 
 
 def test_form(pieces: Pieces) -> None:
@@ -81,7 +81,7 @@ def test_validity(result: Result, pieces: Pieces) -> None:
 
 
 def test_within_its_tests() -> None:
-    inside = pieces_of(tb.run("shen-hdr-specimen", short_test([1.0]), ambient=0))
+    inside = build_pieces(tb.run("shen-hdr-specimen", short_test([1.0]), ambient=0))
     assert_well_formed(inside)
     assert not inside.validity
     assert not inside.validity_unknown
@@ -92,7 +92,7 @@ def test_within_its_tests() -> None:
 
 def test_no_tested_range() -> None:
     bearing = tb.load_bearing("shen-hdr-specimen").model_copy(update={"tested_range": None})
-    unknown = pieces_of(tb.run(bearing, short_test([3.0]), ambient=0))
+    unknown = build_pieces(tb.run(bearing, short_test([3.0]), ambient=0))
     assert not unknown.validity
     assert "range not given" in unknown.validity_unknown
     assert "not given" in unknown.answer[-1]
@@ -113,13 +113,15 @@ def test_sources_of_an_own_file(tmp_path) -> None:
     text = text.replace('name = "shen-hdr-specimen"', 'name = "mine"')
     path = tmp_path / "mine.toml"
     path.write_text(text.replace('source = "Table 4.2"', 'source = "our test 12"'))
-    own = pieces_of(tb.run(path, short_test([0.5]), ambient=23))
+    own = build_pieces(tb.run(path, short_test([0.5]), ambient=23))
     told = {row[0]: row[3] for row in own.inputs["mine.parameters"].rows}
     assert told["Initial stiffness of one layer K_r"] == "our test 12"
 
 
 def test_what_was_asked_for_is_no_default() -> None:
-    slow = pieces_of(tb.run("shen-hdr-specimen", short_test([0.5]), ambient=23, scheme="published"))
+    slow = build_pieces(
+        tb.run("shen-hdr-specimen", short_test([0.5]), ambient=23, scheme="published")
+    )
     model = {row[0]: row for row in slow.inputs["analysis"].rows}
     assert model["Heat scheme"][1:] == ("published", "", "as asked for")
     assert any("as published" in text for text in slow.assumptions)
@@ -128,7 +130,7 @@ def test_what_was_asked_for_is_no_default() -> None:
 
 def test_live_and_loaded_are_the_same(result: Result, pieces: Pieces, tmp_path) -> None:
     saved = result.save(tmp_path / "out", figures=False)
-    assert as_data(pieces_of(tb.load_result(saved))) == as_data(pieces)
+    assert as_data(build_pieces(tb.load_result(saved))) == as_data(pieces)
 
 
 def test_plots(result: Result, pieces: Pieces) -> None:
@@ -149,7 +151,7 @@ def test_plots(result: Result, pieces: Pieces) -> None:
 def test_ended_early() -> None:
     """The lead melts: the answer begins with that, and with what to try."""
     test = tb.cyclic_test(strain=[2.5], cycles=60, frequency=2.0, rest=None, dt=0.01)
-    early = pieces_of(tb.run("shen-lhdr-specimen", test, ambient=[23, -20]))
+    early = build_pieces(tb.run("shen-lhdr-specimen", test, ambient=[23, -20]))
     assert_well_formed(early)
     assert early.answer[0].startswith("The analysis ended early at 23")
     assert "temperature runaway" in early.answer[0]
@@ -158,7 +160,7 @@ def test_ended_early() -> None:
 
 def test_no_cycle() -> None:
     steps = [{"step": "ramp", "to_strain": 1.0, "speed": 30.0}, {"step": "rest", "duration": 5.0}]
-    ramp = pieces_of(
+    ramp = build_pieces(
         tb.run("shen-hdr-specimen", tb.cyclic.CyclicTest(dt=0.02, steps=steps), ambient=0)
     )
     assert_well_formed(ramp)

@@ -7,12 +7,11 @@ import thermobearing as tb
 from tests.unit.report_words import as_data, assert_well_formed, numbers_in
 from thermobearing.border.library import data_path
 from thermobearing.earthquake.case import load_earthquake_case
-from thermobearing.earthquake.report import pieces_of
+from thermobearing.earthquake.report import build_pieces
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.report import arranged
 from thermobearing.report.pieces import EXCEEDED, NOT_JUDGED, PASSED, Pieces
-from thermobearing.structure.model import load_structure
-from thermobearing.structure.parts import fixed_base
+from thermobearing.structure.model import fixed_base, load_structure
 
 BEARINGS = ["shen-bilinear-bridge", "shen-lhdr-bridge"]
 
@@ -26,7 +25,7 @@ def study() -> EarthquakeResult:
 
 @pytest.fixture(scope="module")
 def pieces(study: EarthquakeResult) -> Pieces:
-    return pieces_of(study)
+    return build_pieces(study)
 
 
 def test_form(pieces: Pieces) -> None:
@@ -94,7 +93,7 @@ def test_checks_and_validity(study: EarthquakeResult, pieces: Pieces) -> None:
 
 def test_live_and_loaded_are_the_same(study: EarthquakeResult, pieces: Pieces, tmp_path) -> None:
     saved = study.save(tmp_path / "out", figures=False)
-    assert as_data(pieces_of(tb.load_result(saved))) == as_data(pieces)
+    assert as_data(build_pieces(tb.load_result(saved))) == as_data(pieces)
 
 
 def test_plots(study: EarthquakeResult, pieces: Pieces) -> None:
@@ -116,7 +115,7 @@ def test_plots(study: EarthquakeResult, pieces: Pieces) -> None:
 
 
 def test_tested_strain_is_drawn_for_its_bearing() -> None:
-    far = pieces_of(tb.bridge("shen-bilinear-bridge", "jra-ii-i-1", 23, duration=18))
+    far = build_pieces(tb.bridge("shen-bilinear-bridge", "jra-ii-i-1", 23, duration=18))
     for name in ("loops", "strain"):
         plot = far.figures[name].plot
         assert plot is not None
@@ -126,7 +125,7 @@ def test_tested_strain_is_drawn_for_its_bearing() -> None:
 
 
 def test_hybrid_says_its_laboratory() -> None:
-    hybrid = pieces_of(
+    hybrid = build_pieces(
         tb.hybrid(
             "shen-lhdr-specimen",
             "jra-ii-ii-1",
@@ -150,7 +149,7 @@ def test_hybrid_says_its_laboratory() -> None:
 def test_ended_early() -> None:
     """A motion a hundred times too strong tears the bearing."""
     motion = {"name": "jra-ii-i-1", "factor": 30.0}
-    early = pieces_of(tb.bridge("shen-hdr-bridge", [motion], 23, duration=8))
+    early = build_pieces(tb.bridge("shen-hdr-bridge", [motion], 23, duration=8))
     assert_well_formed(early)
     assert early.answer[0].startswith("The analysis was not completed in 1 run")
     assert "Ended" in [column.head for column in early.tables["peaks"].columns]
@@ -177,7 +176,7 @@ def test_sources_of_a_users_own_files(tmp_path) -> None:
         load_earthquake_case(again).to_toml(),
     ):
         assert case == made.dataset.attrs["case"]
-    inputs = pieces_of(tb.load_result(saved)).inputs
+    inputs = build_pieces(tb.load_result(saved)).inputs
     masses = {row[0]: row[3] for row in inputs["structure"].rows}
     assert masses["Mass deck: mass"] == "Table 6.2; node 1"
     assert ("Initial stiffness K_1", 9.51, "kN/mm", "Table 6.3") in [
@@ -195,6 +194,6 @@ def test_sources_of_what_a_case_changes_are_not_told() -> None:
     assert not any(key.startswith("springs") for key in found.sources)
     lines = [{"line": "G1-G5", "count": 4}]
     made = tb.bridge("shen-hdr-bridge", "jra-ii-i-1", 23.0, duration=0.5, lines=lines)
-    rows = {row[0]: row[2:] for row in pieces_of(made).inputs["structure"].rows}
+    rows = {row[0]: row[2:] for row in build_pieces(made).inputs["structure"].rows}
     assert rows["Bearing line G1-G5: count"] == ("", "")
     assert rows["Bearing line G1-G5: height"][1].startswith("Table 6.2")

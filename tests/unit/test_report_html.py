@@ -14,8 +14,7 @@ from tests import tolerances as tol
 from tests.browser.document import HOSTILE, document
 from thermobearing.border.library import data_path
 from thermobearing.report import pictures
-from thermobearing.report.html import html_page
-from thermobearing.report.html_figures import figure_html
+from thermobearing.report.html import figure_html, html_page
 from thermobearing.report.html_plots import (
     ALL_POINTS,
     FEWEST_POINTS,
@@ -25,8 +24,14 @@ from thermobearing.report.html_plots import (
     points_each,
     thinned,
 )
-from thermobearing.report.html_tables import checks_html, table_html
-from thermobearing.report.html_text import anchor, breakable, heading, sentence
+from thermobearing.report.html_tables import (
+    anchor,
+    breakable,
+    checks_html,
+    heading,
+    sentence,
+    table_html,
+)
 from thermobearing.report.pieces import (
     Bullets,
     Check,

@@ -13,10 +13,9 @@ import pytest
 from tests.unit.report_pieces import EVIL, LOGO, PIECES, line, many_columns, wide
 from thermobearing.border.errors import InputError
 from thermobearing.report import Column, Pieces, ReportFigure, ReportTable, document
-from thermobearing.report.columns import SEAM, TURNED, UPRIGHT, fitted
-from thermobearing.report.layout import laid_out
-from thermobearing.report.pdf import date_of, pdf_bytes
-from thermobearing.report.pictures import missing_words, size_of, svg_bytes
+from thermobearing.report.layout import SEAM, TURNED_WIDTH, UPRIGHT_WIDTH, fitted, laid_out
+from thermobearing.report.pdf import document_date, pdf_bytes
+from thermobearing.report.pictures import missing_words, picture_size, svg_bytes
 
 BLOCK = {"Project": EVIL, "Document": "B12-7", "Revision": "C", "Date": "2026-04-01"}
 A4 = (595, 842)  # [pt]
@@ -147,7 +146,7 @@ def test_long_words_are_broken_and_numbers_are_not() -> None:
     assert part.broken(digest, 1).replace(SEAM, "") == digest
     assert SEAM in part.broken(digest, 1)
     assert part.broken("a short one", 1) == "a short one"
-    assert sum(part.widths) <= UPRIGHT < TURNED
+    assert sum(part.widths) <= UPRIGHT_WIDTH < TURNED_WIDTH
 
 
 def test_wide_figures_stand_on_turned_pages_with_their_headings() -> None:
@@ -181,7 +180,7 @@ def test_letters_that_no_figure_can_show_are_told() -> None:
     svg = svg_bytes(figure, missing)
     assert missing == {"\ue123"}
     assert "(U+E123)" in missing_words(sorted(missing), "the figures")
-    assert size_of(svg) == pytest.approx((127.0, 76.2))
+    assert picture_size(svg) == pytest.approx((127.0, 76.2))
 
 
 def test_a_picture_has_the_same_bytes_again() -> None:
@@ -190,10 +189,10 @@ def test_a_picture_has_the_same_bytes_again() -> None:
 
 def test_the_date_is_that_of_the_document_or_of_the_run() -> None:
     of_run = dataclasses.replace(PIECES, identity={"Date of the run": "2026-03-09"})
-    assert str(date_of(document(of_run, {}))) == "2026-03-09"
-    assert str(date_of(document(of_run, {"Date": "2026-04-01"}))) == "2026-04-01"
-    assert str(date_of(document(of_run, {"Date": "in spring"}))) == "2026-03-09"
-    assert str(date_of(document(of_run, {"Date": "2026-13-45"}))) == "2026-03-09"
+    assert str(document_date(document(of_run, {}))) == "2026-03-09"
+    assert str(document_date(document(of_run, {"Date": "2026-04-01"}))) == "2026-04-01"
+    assert str(document_date(document(of_run, {"Date": "in spring"}))) == "2026-03-09"
+    assert str(document_date(document(of_run, {"Date": "2026-13-45"}))) == "2026-03-09"
 
 
 def test_without_the_compiler_a_sentence_says_what_to_install(monkeypatch: Any) -> None:

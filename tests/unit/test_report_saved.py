@@ -48,7 +48,7 @@ def fitted(record: tb.identify.TestRecord, tmp_path_factory) -> SavedResult:
 
 @pytest.fixture(scope="module")
 def fit(fitted: SavedResult) -> Pieces:
-    return identify_report.pieces_of(fitted)
+    return identify_report.build_pieces(fitted)
 
 
 def test_fit_form(fit: Pieces) -> None:
@@ -102,7 +102,7 @@ def test_poor_fit_says_so_first(fitted: SavedResult, tmp_path) -> None:
     (folder / "summary.json").write_text(json.dumps(told))
     text = (fitted.path / "bearing.toml").read_text().split("\n", 1)
     (folder / "bearing.toml").write_text('poor_fit = "K_r at its bound"\n' + "\n".join(text))
-    poor = identify_report.pieces_of(loaded(folder))
+    poor = identify_report.build_pieces(loaded(folder))
     assert_well_formed(poor)
     assert poor.answer[0].startswith("The fit is not good enough to be used (poor fit): K_r at its")
 
@@ -111,16 +111,16 @@ def test_poorly_determined_parameters_are_told(fitted: SavedResult) -> None:
     summary = json.loads(json.dumps(fitted.summary))
     item = summary["parameters"]["hysteresis.layer_stiffness"]
     item["stderr"], item["well_determined"] = 0.2 * item["value"], False
-    weak = identify_report.pieces_of(replace(fitted, summary=summary))
+    weak = identify_report.build_pieces(replace(fitted, summary=summary))
     assert "Poorly determined by these tests: K_r" in weak.answer[-2]
     assert weak.tables["undetermined"].rows[0][0] == "K_r"
 
 
 def test_checks_of_tests(record: tb.identify.TestRecord, tmp_path) -> None:
-    from thermobearing.identify.files import save_checks
+    from thermobearing.identify.output import save_checks
 
     saved = save_checks([tb.identify.check_test(record)], tmp_path / "check", figures=False)
-    looked = identify_report.pieces_of(loaded(saved))
+    looked = identify_report.build_pieces(loaded(saved))
     assert_well_formed(looked)
     arranged(looked)
     assert "can be used" in looked.answer[0]
@@ -134,7 +134,7 @@ def test_validation(record: tb.identify.TestRecord, tmp_path) -> None:
     bearing = bearing.model_copy(update={"hysteresis": soft, "tested_range": tested})
     found = tb.validate.validate(bearing, record)
     saved = loaded(found.save(tmp_path / "out", figures=False))
-    pieces = validate_report.pieces_of(saved)
+    pieces = validate_report.build_pieces(saved)
     assert_well_formed(pieces)
     arranged(pieces)
     assert pieces.answer[0].startswith("The model is beyond a limit; largest errors K_eq −")
@@ -150,7 +150,7 @@ def test_validation(record: tb.identify.TestRecord, tmp_path) -> None:
 def test_factors(tmp_path) -> None:
     report = run_factors(["shen-hdr-bridge"], temperatures=[-20.0, 40.0], strains=[1.0])
     saved = loaded(report.save(tmp_path / "out", figures=False))
-    pieces = design_report.pieces_of(saved)
+    pieces = design_report.build_pieces(saved)
     assert_well_formed(pieces)
     arranged(pieces)
     table = report.table.query("quantity == 'K_eq' and ambient_degC == -20 and basis == 'first'")
@@ -166,7 +166,7 @@ def test_factors(tmp_path) -> None:
 def test_bounds(tmp_path) -> None:
     report = run_bounds(["shen-hdr-bridge"], ["jra-ii-i-1"], [23.0, -20.0], duration=8)
     saved = loaded(report.save(tmp_path / "out", figures=False))
-    pieces = design_report.pieces_of(saved)
+    pieces = design_report.build_pieces(saved)
     assert_well_formed(pieces)
     arranged(pieces)
     table = report.table
@@ -180,7 +180,7 @@ def test_design(tmp_path) -> None:
     case = make_design_case({"tolerance": 0.1}, "example", motions=["jra-ii-i-1"])
     design = run_design(case)
     saved = loaded(design.save(tmp_path / "out", figures=False))
-    pieces = design_report.pieces_of(saved)
+    pieces = design_report.build_pieces(saved)
     assert_well_formed(pieces)
     arranged(pieces)
     assert design.bearings[0].name in pieces.answer[0]
@@ -194,7 +194,7 @@ def test_design_of_several_lines(tmp_path) -> None:
     table = {"structure": "two-piers.toml", "dt": "10 ms", "ambient": ["-20 degC"]}
     case = make_design_case(table, "example", INPUTS, motions=["jra-i-i-1"], tolerance=0.1)
     design = run_design(case, templates=[tb.load_bearing("shen-hdr-bridge")])
-    pieces = design_report.pieces_of(loaded(design.save(tmp_path / "out")))
+    pieces = design_report.build_pieces(loaded(design.save(tmp_path / "out")))
     assert_well_formed(pieces)
     arranged(pieces)
     for name, turn in zip(["on A", "on B"], design.taken, strict=True):
@@ -211,7 +211,7 @@ def test_design_of_several_lines(tmp_path) -> None:
 def test_motion(tmp_path) -> None:
     result = examine_motion(load_motion("jra-ii-i-1"))
     saved = loaded(result.save(tmp_path / "out", figures=False))
-    pieces = motions_report.pieces_of(saved)
+    pieces = motions_report.build_pieces(saved)
     assert_well_formed(pieces)
     arranged(pieces)
     assert f"{saved.summary['pga_gal']:.0f} gal" in pieces.answer[0]
@@ -231,7 +231,7 @@ def test_held_out_tests_beyond_the_fit_are_told(record: tb.identify.TestRecord, 
     found = tb.validate.cross_validate(record, SPECIMEN, hold_out=warm, free=["K_r"], starts=1)
     saved = loaded(found.save(tmp_path / "out", figures=False))
     assert any("held out" in text and "ambient 23 degC" in text for text in saved.warnings)
-    pieces = identify_report.pieces_of(saved)
+    pieces = identify_report.build_pieces(saved)
     assert_well_formed(pieces)
     assert any("ambient 23 °C, above the −20 °C tested" in text for text in pieces.validity)
     assert [row[0] for row in pieces.tables["held_out"].rows] == ["fitted", "held out"]

@@ -9,7 +9,7 @@ from thermobearing.report import arranged
 from thermobearing.report.pieces import EXCEEDED, Pieces
 from thermobearing.sequences import SequenceResult
 from thermobearing.sequences.case import make_sequence_case
-from thermobearing.sequences.report import pieces_of
+from thermobearing.sequences.report import build_pieces
 from thermobearing.sequences.run import run_sequence
 
 CYCLE = {"step": "cycles", "strain": 3.0, "speed": "60 mm/s", "count": 1}
@@ -30,7 +30,7 @@ def result() -> SequenceResult:
 
 @pytest.fixture(scope="module")
 def pieces(result: SequenceResult) -> Pieces:
-    return pieces_of(result)
+    return build_pieces(result)
 
 
 def test_form(pieces: Pieces) -> None:
@@ -74,4 +74,4 @@ def test_checks_and_validity(pieces: Pieces) -> None:
 
 def test_live_and_loaded_are_the_same(result: SequenceResult, pieces: Pieces, tmp_path) -> None:
     saved = result.save(tmp_path / "out", figures=False)
-    assert as_data(pieces_of(tb.load_result(saved))) == as_data(pieces)
+    assert as_data(build_pieces(tb.load_result(saved))) == as_data(pieces)

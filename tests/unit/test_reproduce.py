@@ -7,16 +7,6 @@ import pytest
 
 from thermobearing.border.errors import InputError
 from thermobearing.reproduce.claims import (
-    Claim,
-    Limit,
-    NeedsTestData,
-    Order,
-    Trend,
-    Within,
-    load_claims,
-)
-from thermobearing.reproduce.flips import Variants, find_flip
-from thermobearing.reproduce.judge import (
     CLOSE,
     CONTRADICTED,
     ECHOES,
@@ -25,12 +15,22 @@ from thermobearing.reproduce.judge import (
     NEEDS,
     REPRODUCED,
     UNDECIDED,
+    Claim,
+    Limit,
+    NeedsTestData,
+    Order,
+    Trend,
+    Variants,
     Verdict,
+    Within,
+    claim_function,
+    find_flip,
+    load_claims,
+    make_row,
     of_motions,
     verdict_of,
 )
 from thermobearing.reproduce.result import Reproduction
-from thermobearing.reproduce.rows import function_of, make_row
 from thermobearing.reproduce.runs import Runs, parameters
 
 RISES = Trend(direction="rises", along="time")
@@ -167,7 +167,7 @@ def test_every_claim_has_its_function_and_its_parameters() -> None:
     claims = load_claims()
     assert len({one.id for one in claims}) == len(claims)
     for one in claims:
-        assert one.needs_data or function_of(one).__doc__
+        assert one.needs_data or claim_function(one).__doc__
         assert set(one.flips) <= set(parameters())
     with pytest.raises(InputError, match=r'no part is called "chapter3".*chapter-3'):
         load_claims("chapter3")

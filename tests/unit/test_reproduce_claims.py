@@ -16,11 +16,18 @@ from thermobearing.reproduce import (
     misprints,
     misprints_of_tables,
 )
-from thermobearing.reproduce.claims import load_claims
-from thermobearing.reproduce.flips import Variants
-from thermobearing.reproduce.judge import CONTRADICTED, FAILED, HOLDS, NEEDS, REPRODUCED
+from thermobearing.reproduce.claims import (
+    CONTRADICTED,
+    FAILED,
+    HOLDS,
+    NEEDS,
+    REPRODUCED,
+    Row,
+    Variants,
+    load_claims,
+    make_row,
+)
 from thermobearing.reproduce.printed import printed, printed_numbers
-from thermobearing.reproduce.rows import Row, make_row
 from thermobearing.reproduce.runs import Runs, parameters
 
 PARTS = ("chapter-5", "chapter-6", "conclusions", "misprints")

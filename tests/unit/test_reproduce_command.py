@@ -12,13 +12,21 @@ from tests.unit.inputs import command
 from thermobearing.border.errors import InputError
 from thermobearing.report.pieces import Heading
 from thermobearing.report.template import arranged, default_template
-from thermobearing.reporting import pieces_of
+from thermobearing.reporting import build_pieces
 from thermobearing.reproduce import work
-from thermobearing.reproduce.claims import PARTS, Claim, Limit, Within
-from thermobearing.reproduce.flips import Flip
-from thermobearing.reproduce.judge import CONTRADICTED, FAILED, REPRODUCED, Verdict
-from thermobearing.reproduce.report_tables import SETS
-from thermobearing.reproduce.rows import Row
+from thermobearing.reproduce.claims import (
+    CONTRADICTED,
+    FAILED,
+    PARTS,
+    REPRODUCED,
+    Claim,
+    Flip,
+    Limit,
+    Row,
+    Verdict,
+    Within,
+)
+from thermobearing.reproduce.report import SETS
 from thermobearing.reproduce.run import reproduce_source
 from thermobearing.reproduce.runs import Runs
 from thermobearing.reproduce.tables import printed_tables
@@ -54,7 +62,7 @@ def few(monkeypatch: pytest.MonkeyPatch) -> None:
         return work.Drawn(name, "a caption", _picture())
 
     known = {claim.id: claim for claim in FEW}
-    monkeypatch.setattr("thermobearing.reproduce.run.parts_of", parts)
+    monkeypatch.setattr("thermobearing.reproduce.run.split_parts", parts)
     monkeypatch.setattr(work, "_known", lambda: known)
     monkeypatch.setattr(work, "draw", draw)
 
@@ -104,7 +112,7 @@ def test_verdicts_alone_have_no_flips(few: None) -> None:
 def test_the_document_has_every_claim(few: None, tmp_path: Path) -> None:
     folder = reproduce_source(jobs=1).save(tmp_path / "out")
     loaded = tb.load_result(folder)
-    pieces = pieces_of(loaded, folder)
+    pieces = build_pieces(loaded, folder)
     assert dict(map(tuple, pieces.tables["counts"].rows))[REPRODUCED] == 1
     assert pieces.figures["fig_0_01"].caption == "a caption"
     assert "1 reproduced, 1 contradicted" in pieces.answer[0]
@@ -116,30 +124,30 @@ def test_the_document_has_every_claim(few: None, tmp_path: Path) -> None:
 
 def test_the_template_has_every_figure_and_table() -> None:
     text = default_template("reproduce").read_text(encoding="utf-8")
-    for name in [*work.figures_of(None), *work.OWN_FIGURES]:
+    for name in [*work.report_figures(None), *work.OWN_FIGURES]:
         assert f"{{{{ figure {name}? }}}}" in text
     for name in [*PARTS, *(table.name for table in printed_tables()), *SETS, "slips"]:
         assert f"{{{{ table {name}? }}}}" in text
 
 
 def test_slips_are_a_table_and_a_figure_of_the_same_numbers() -> None:
-    (part,) = [part for part in work.parts_of(None, figures=True) if part.names == ("slips",)]
+    (part,) = [part for part in work.split_parts(None, figures=True) if part.names == ("slips",)]
     assert part.kind == work.BOTH
     done = work.do(part)
     assert done.tables is not None
     assert len(done.tables["slips"]) == 18
     assert done.drawn is not None
     assert done.drawn.image
-    (alone,) = [part for part in work.parts_of(None, figures=False) if part.names == ("slips",)]
+    (alone,) = [part for part in work.split_parts(None, figures=False) if part.names == ("slips",)]
     assert alone.kind == work.TABLES
 
 
 def test_parts_of_a_chapter_have_its_claims_and_figures() -> None:
-    whole, fourth = work.parts_of(None, figures=True), work.parts_of(4, figures=True)
+    whole, fourth = work.split_parts(None, figures=True), work.split_parts(4, figures=True)
     ids = [name for part in fourth if part.kind == "claims" for name in part.names]
-    assert ids == [claim.id for claim in work.claims_of(4)]
+    assert ids == [claim.id for claim in work.list_claims(4)]
     assert all(part.names[0].startswith("fig_4_") for part in fourth if part.kind == "figure")
-    assert {part.kind for part in work.parts_of(4, figures=False)} == {"claims"}
+    assert {part.kind for part in work.split_parts(4, figures=False)} == {"claims"}
     assert len(whole) > len(fourth)
 
 
@@ -147,7 +155,7 @@ def test_a_figure_or_table_that_breaks_says_why(monkeypatch: pytest.MonkeyPatch)
     drawn = work.draw("fig_9_99")
     assert drawn.image is None
     assert "fig_9_99" in drawn.caption
-    assert "no_tables" in str(work.tables_of("no_tables")["no_tables"])
+    assert "no_tables" in str(work.report_tables_by_name("no_tables")["no_tables"])
 
 
 @pytest.mark.parametrize("words", [{"chapter": 2}, {"jobs": 0}, {"jobs": 65}])

@@ -12,6 +12,7 @@ from thermobearing.core.step import step
 from thermobearing.core.types import Constants, new_state, new_workspace
 from thermobearing.model.options import ModelOptions, build_model
 from thermobearing.reproduce.slips import (
+    ALL,
     AMBIENT,
     BOOKKEEPING,
     CLOCK,
@@ -19,16 +20,17 @@ from thermobearing.reproduce.slips import (
     QUANTITIES,
     REFERENCE,
     SHIMS,
+    SHORT,
     SIDES,
     SLIPS,
     SlipRow,
-    slips_of,
+    draw_slips,
+    possible_slips,
+    slip_values,
     slips_table,
     total_change,
-    values_of,
     with_slips,
 )
-from thermobearing.reproduce.slips_figure import ALL, SHORT, draw_slips
 
 SPECIMENS = ("shen-hdr-specimen", "shen-lhdr-specimen")
 OF_LEAD = {PLATES, CLOCK, REFERENCE}
@@ -50,14 +52,14 @@ def same(one: Constants, other: Constants) -> None:
 def test_without_slips_it_is_conservative_with_all_of_them_published(name: str) -> None:
     bearing = tb.load_bearing(name)
     same(with_slips(bearing, set()).constants, build_model(bearing).constants)
-    whole = with_slips(bearing, set(slips_of(bearing))).constants
+    whole = with_slips(bearing, set(possible_slips(bearing))).constants
     same(whole, build_model(bearing, ModelOptions(scheme="published")).constants)
 
 
 def test_each_slip_changes_something() -> None:
     for name in SPECIMENS:
         bearing = tb.load_bearing(name)
-        slips = slips_of(bearing)
+        slips = possible_slips(bearing)
         assert set(slips) == set(SLIPS) - ({SIDES} if bearing.lead else set(SLIPS) - {SHIMS, SIDES})
         for k in range(len(slips)):
             before, after = (with_slips(bearing, set(slips[:m])).constants for m in (k, k + 1))
@@ -111,7 +113,7 @@ def test_slips_that_need_another(slips: set[str]) -> None:
 def test_values_are_those_of_run_and_bridge() -> None:
     """All slips: `scheme = "published"` by the public functions, with the cells of the print."""
     bearing = tb.load_bearing("shen-lhdr-specimen")
-    values = values_of("LHDR", frozenset(slips_of(bearing)))
+    values = slip_values("LHDR", frozenset(possible_slips(bearing)))
     assert set(values) == set(QUANTITIES)
     test = tb.cyclic_test(strain=[2.5], wave="sine", closing_strain=None)
     run = tb.run(bearing, test, AMBIENT, scheme="published")

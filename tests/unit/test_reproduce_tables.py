@@ -7,7 +7,7 @@ import pytest
 from thermobearing.border.errors import InputError
 from thermobearing.border.schema import validated
 from thermobearing.reproduce import table_values
-from thermobearing.reproduce.report_tables import BEST, functions_table, table_of
+from thermobearing.reproduce.report import BEST, functions_table, make_table
 from thermobearing.reproduce.runs import Runs
 from thermobearing.reproduce.slips import QUANTITIES
 from thermobearing.reproduce.tables import (
@@ -98,7 +98,7 @@ def test_a_broken_row_says_so_and_the_others_stay(monkeypatch: pytest.MonkeyPatc
 
 
 def test_tables_of_a_document(tables) -> None:  # type: ignore[no-untyped-def]
-    first = table_of("table_3_5", tables["table_3_5"])
+    first = make_table("table_3_5", tables["table_3_5"])
     assert first.caption.startswith("Table 3.5: ")
     period = next(row for row in first.rows if row[0].startswith("T,"))
     texts = [column.text(value) for column, value in zip(first.columns, period, strict=True)]
@@ -112,7 +112,7 @@ def test_functions_of_a_document_say_what_they_compute() -> None:
 
 def test_the_best_sets_are_shown_without_their_numbers() -> None:
     sets = pd.DataFrame({"k": range(20), "met": range(20, 0, -1), "a: numbers": "1", "why": ""})
-    shown = table_of("joint_bridge", sets)
+    shown = make_table("joint_bridge", sets)
     assert [column.head for column in shown.columns] == ["k", "met"]
     assert [row[1] for row in shown.rows] == list(range(20, 20 - BEST, -1))
     assert "20 sets" in shown.note
@@ -121,7 +121,7 @@ def test_the_best_sets_are_shown_without_their_numbers() -> None:
 def test_slips_are_told_by_their_changes() -> None:
     row = {"bearing": "HDR", "kind": "alone", "slip": "shims", "means": "P1"}
     changes = {f"{key}_change_percent": 1.5 for key in QUANTITIES}
-    shown = table_of("slips", pd.DataFrame([row | changes]))
+    shown = make_table("slips", pd.DataFrame([row | changes]))
     assert shown.rows == [["HDR", "alone", "P1", *[1.5] * len(QUANTITIES)]]
     assert {column.unit for column in shown.columns[3:]} == {"%"}
 

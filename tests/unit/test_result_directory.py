@@ -16,7 +16,7 @@ import xarray as xr
 
 import thermobearing as tb
 import thermobearing.cyclic.history
-import thermobearing.results.swap
+import thermobearing.results.directory
 from tests import tolerances as tol
 from tests.unit.inputs import (
     FILES,
@@ -169,7 +169,7 @@ def test_interrupted_swap_brings_the_earlier_result_back(
 ) -> None:
     cyclic(case, "-o", tmp_path / "out", "-q")
     before = content(tmp_path)
-    monkeypatch.setattr(thermobearing.results.swap, "_exchange", lambda *_: False)
+    monkeypatch.setattr(thermobearing.results.directory, "_exchange", lambda *_: False)
     rename, calls = Path.rename, []
 
     def interrupted(path: Path, target: Path) -> Path:

@@ -12,7 +12,7 @@ import pytest
 import thermobearing as tb
 from tests import tolerances as tol
 from tests.unit.inputs import command
-from thermobearing.cyclic.screen import print_result
+from thermobearing.cyclic.output import print_result
 from thermobearing.results.screen import laid_out, print_table, say
 
 HEADS = ("motion", "degC", "strain", "force kN", "lead degC")

@@ -11,13 +11,13 @@ from tests import tolerances as tol
 from tests.unit import motion_files as files
 from thermobearing.cyclic.equivalent import isothermal_cycle
 from thermobearing.design.case import make_design_case
+from thermobearing.design.factors import scaled_bearing
 from thermobearing.design.rubber import load_curves, load_rubber
 from thermobearing.design.run import one_turn
-from thermobearing.design.scale import scaled_bearing
 from thermobearing.design.sizing import design_values
-from thermobearing.identify.cycles import cycles_of
-from thermobearing.identify.problem import ROBUST_SCALE, robust_weights, sample_weights
-from thermobearing.identify.record import TestRecord, record_from_arrays
+from thermobearing.identify.fit.problem import ROBUST_SCALE, robust_weights, sample_weights
+from thermobearing.identify.records.cycles import full_cycles
+from thermobearing.identify.records.record import TestRecord, record_from_arrays
 from thermobearing.motions.measures import significant_interval
 from thermobearing.motions.record import GroundMotion
 
@@ -105,7 +105,7 @@ def test_robust_weights_are_the_slope_of_the_loss(loss: str) -> None:
 
 @pytest.mark.parametrize(("amplitude", "closing"), [(4.9, True), (5.1, False)])
 def test_cycle_below_a_quarter_of_the_one_before_closes(amplitude: float, closing: bool) -> None:
-    cycles = cycles_of(sines([20.0, 20.0, amplitude, 20.0]))
+    cycles = full_cycles(sines([20.0, 20.0, amplitude, 20.0]))
     assert [cycle.closing for cycle in cycles] == [False, False, closing, False]
     assert (cycles[3].number > 1) is closing  # else the last one follows another amplitude
 

@@ -7,9 +7,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 import thermobearing as tb
 from tests import tolerances as tol
 from thermobearing.climate.hourly import HOUR
-from thermobearing.cyclic.history import run_segments
+from thermobearing.cyclic.history import build_segments, run_segments
 from thermobearing.cyclic.protocol import CyclicTest
-from thermobearing.cyclic.segments import build_segments
 from thermobearing.earthquake.case import make_earthquake_case
 from thermobearing.earthquake.run import build_device, soaked
 from thermobearing.earthquake.soaking import (

@@ -17,9 +17,9 @@ from thermobearing.earthquake.run import build_device, soaked
 from thermobearing.earthquake.soaking import soaked_hours
 from thermobearing.earthquake.task import Task
 from thermobearing.studies import Study, make_study, plan
-from thermobearing.studies.distributions import Distribution
-from thermobearing.studies.names import number_paths, value_at, with_numbers
-from thermobearing.studies.prepare import Preparer
+from thermobearing.studies.definition.distributions import Distribution
+from thermobearing.studies.definition.targets import number_paths, value_at, with_numbers
+from thermobearing.studies.run.prepare import Preparer
 
 LHDR, HDR, BILINEAR = "shen-lhdr-bridge", "shen-hdr-bridge", "shen-bilinear-bridge"
 DRAWS = {"kind": "monte-carlo", "samples": 6, "seed": 2}
@@ -214,9 +214,9 @@ def test_distributions_have_the_moments_that_are_told(
     made = study(
         {"kind": "monte-carlo", "samples": 1}, **{"bearing.K_r": {"distribution": kind} | words}
     )
-    from thermobearing.studies.columns import columns_of
+    from thermobearing.studies.definition.columns import list_columns
 
-    found = columns_of(made)[-1].distribution
+    found = list_columns(made)[-1].distribution
     assert found is not None
     points = (np.arange(100_000) + 0.5) / 100_000
     values = found.at(points)

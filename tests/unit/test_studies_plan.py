@@ -13,11 +13,10 @@ import thermobearing as tb
 from thermobearing.border.errors import InputError
 from thermobearing.earthquake.run import build_tasks, run_task
 from thermobearing.studies import Study, make_study, plan
-from thermobearing.studies.designs import MANY, in_lockstep
-from thermobearing.studies.factors import ScaleFactor
-from thermobearing.studies.intensity import intensity
-from thermobearing.studies.prepare import Preparer
-from thermobearing.studies.record import Keep
+from thermobearing.studies.definition.designs import MANY, in_lockstep
+from thermobearing.studies.definition.factors import ScaleFactor, intensity
+from thermobearing.studies.definition.record import Keep
+from thermobearing.studies.run.prepare import Preparer
 
 BEARINGS = ["shen-hdr-bridge", "shen-bilinear-bridge"]
 MOTIONS = ["jra-ii-i-1", "jra-ii-i-2"]

@@ -13,12 +13,12 @@ from typing import Any
 
 import pytest
 
-import thermobearing.studies.peaks as peaks
+import thermobearing.studies.run.demand_parameters as peaks
 from tests.unit.studies import kept, small_study
 from thermobearing.border.errors import InputError, OutputError
 from thermobearing.studies import run_study, study_status
-from thermobearing.studies.processes import HERE
-from thermobearing.studies.store import Store
+from thermobearing.studies.run.processes import HERE
+from thermobearing.studies.store.directory import Store
 
 needs_fork = pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork, as POSIX has it")
 PATIENCE = 120  # for what must come, however slow the machine [s]
@@ -187,7 +187,7 @@ def test_processes_that_always_die_are_told(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # What a process does first breaks there, and the process with it.
-    monkeypatch.setattr("thermobearing.studies.executors._begin", divmod)
+    monkeypatch.setattr("thermobearing.studies.run.executors._begin", divmod)
     with pytest.raises(OutputError, match="died 3 times in a row"):
         run_study(small_study(), tmp_path / "out", jobs=2, size=1)
     assert study_status(tmp_path / "out").done == 0
@@ -245,7 +245,7 @@ def test_a_process_of_a_study_reads_only_what_it_runs_with() -> None:
 
 
 def test_nobody_answers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("thermobearing.studies.cluster.PATIENCE", 0.2)
+    monkeypatch.setattr("thermobearing.studies.run.executors.PATIENCE", 0.2)
     for address in ("tcp://127.0.0.1:9", "nonsense://x"):
         with pytest.raises(InputError, match=f'address "{address}": no Dask scheduler answers'):
             run_study(small_study(), tmp_path / "out", executor="dask", address=address)

@@ -12,8 +12,8 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from typer.testing import CliRunner
 
-import thermobearing.studies.engine as engine
-import thermobearing.studies.made as made
+import thermobearing.studies.inputs.motions as made
+import thermobearing.studies.run.engine as engine
 from tests import tolerances as tol
 from tests.unit.studies import kept, small_study
 from thermobearing.border.errors import InputError, OutputError
@@ -31,12 +31,17 @@ from thermobearing.studies import (
     run_study,
     study_status,
 )
-from thermobearing.studies.forecast import forecast
-from thermobearing.studies.made import MADE, read_made
-from thermobearing.studies.matched import motions_of, with_matched
-from thermobearing.studies.recipes import Recipe, recipes
-from thermobearing.studies.shard import packed
-from thermobearing.studies.store import Store
+from thermobearing.studies.inputs.motions import (
+    MADE,
+    Recipe,
+    factor_motions,
+    read_made,
+    recipes,
+    with_matched,
+)
+from thermobearing.studies.run.dry_run import forecast
+from thermobearing.studies.run.shard import packed
+from thermobearing.studies.store.directory import Store
 
 # Coarse steps, and motions that are near the spectrum already: a fit takes a third of a second.
 FITS = {"matched": "jra-ii-ii", "levels": ["jra-ii-ii-1", "jra-ii-ii-2"], "dt": "0.02 s"}
@@ -70,7 +75,7 @@ def test_motions_fit_and_are_the_levels(fits: "Counter[str]") -> None:
     runs = plan(study)
     assert runs["motion"].tolist() == [NAMES[0]] * 2 + [NAMES[1]] * 2
     assert runs["id"].is_unique
-    for motion in motions_of(study.factors.motion):
+    for motion in factor_motions(study.factors.motion):
         assert motion.dt == 0.02
         error = misfit(motion, lambda t: standard_spectrum("II", "II", t))
         assert error <= LARGEST_MISFIT
@@ -85,7 +90,7 @@ def test_stripes_of_matched_motions() -> None:
     runs = plan(matched(scale=stripes))
     assert runs["Sa_m_s2"].tolist() == [4.0, 8.0] * 2
     for motion, scale in zip(
-        motions_of(matched().factors.motion), runs["scale"][1::2], strict=True
+        factor_motions(matched().factors.motion), runs["scale"][1::2], strict=True
     ):
         reached = scale * response_spectrum(motion, np.array([1.0])).acceleration[0]
         assert_allclose(reached, 8e3, rtol=tol.BOUND_ROUNDING)
@@ -160,7 +165,7 @@ def test_workers_are_sent_what_was_made(tmp_path: Path) -> None:
     two = kept(tmp_path / "two")
     study = with_matched(matched())
     sent = pickle.loads(packed(study)).factors.motion.made
-    for here, there in zip(motions_of(study.factors.motion), sent.motions, strict=True):
+    for here, there in zip(factor_motions(study.factors.motion), sent.motions, strict=True):
         assert_array_equal(here.acceleration, there.acceleration)
     for file in (tmp_path / "cache").rglob("*.npz"):
         file.unlink()
@@ -180,7 +185,8 @@ def test_another_part_that_was_quicker_has_the_motions(
             return make(study, *words, **others)
         found = make(study)
         other = [
-            replace(m, acceleration=m.acceleration + 1e-9) for m in motions_of(found.factors.motion)
+            replace(m, acceleration=m.acceleration + 1e-9)
+            for m in factor_motions(found.factors.motion)
         ]
         changed = found.model_copy(deep=True)
         changed.factors.motion.keep_made(other)

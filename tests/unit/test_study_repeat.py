@@ -6,10 +6,10 @@ import pytest
 import thermobearing as tb
 from thermobearing.border.errors import InputError
 from thermobearing.earthquake.run import run_task
-from thermobearing.studies.case import make_study
-from thermobearing.studies.designs import plan
-from thermobearing.studies.prepare import Preparer
-from thermobearing.studies.repeat import repeat_run
+from thermobearing.studies.definition.case import make_study
+from thermobearing.studies.definition.designs import plan
+from thermobearing.studies.run.prepare import Preparer
+from thermobearing.studies.run.worst import repeat_run
 
 TABLE = {
     "kind": "study",

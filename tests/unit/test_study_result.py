@@ -10,14 +10,14 @@ import pandas as pd
 import pytest
 
 from thermobearing.border.errors import InputError
-from thermobearing.studies.case import make_study
-from thermobearing.studies.classes import in_classes
-from thermobearing.studies.designs import plan
-from thermobearing.studies.hazard import Hazard
-from thermobearing.studies.question import Question
-from thermobearing.studies.report import inputs_of, tables_of
+from thermobearing.studies.definition.case import make_study
+from thermobearing.studies.definition.designs import plan
+from thermobearing.studies.options import Question
+from thermobearing.studies.report import input_tables, report_tables_by_name
 from thermobearing.studies.result import StudyResult
-from thermobearing.studies.worst import worst_runs
+from thermobearing.studies.run.worst import worst_runs
+from thermobearing.studies.statistics.demand import in_classes
+from thermobearing.studies.statistics.hazard import Hazard
 
 MOTIONS = [f"jra-ii-{ground}-{number}" for ground in ("i", "ii") for number in (1, 2, 3)]
 HAZARD = Hazard(np.geomspace(0.5, 60.0, 8), 0.05 * np.geomspace(0.5, 60.0, 8) ** -2.2, "PGA")
@@ -75,7 +75,7 @@ def test_very_many_motions_and_numbers_are_told_in_short() -> None:
     whole = made_up()
     runs = np.arange(whole.runs)
     table = whole.table.assign(motion=[f"m{k % 40}" for k in runs], scale=1.0 + runs % 20)
-    told = inputs_of(StudyResult(table, whole.study, {}))["factors"]
+    told = input_tables(StudyResult(table, whole.study, {}))["factors"]
     rows = {row[0]: row[2] for row in told.rows}
     assert rows["motion"].endswith("m10, m11 and 28 more")
     assert rows["scale"] == "1 to 20, 20 values"
@@ -103,7 +103,7 @@ def test_rates_over_the_climate_and_over_the_warm() -> None:
     part = made_up().parts()["shen-hdr-bridge"]
     hours = np.random.default_rng(2).normal(8.0, 9.0, 2000)
     asked = Question(capacity=1.0, hazard=HAZARD, temperatures=hours, failed="collapse")
-    curves, rates = asked.rates_of(part)
+    curves, rates = asked.chosen_rates(part)
     assert all(curve.left_out == 0 for curve in curves.values())
     table = part.rates_table(curves, rates).set_index("name")
     assert list(rates) == [-20.0, 0.0, 23.0, "climate"]
@@ -129,7 +129,7 @@ def test_drawn_temperatures_are_put_into_classes_and_are_a_climate_themselves() 
     rng = np.random.default_rng(3)
     table = whole.table.assign(ambient_degC=rng.normal(0.0, 10.0, whole.runs))
     result = StudyResult(table, whole.study, whole.manifest)
-    curves, climate = Question(capacity=1.0, failed="collapse").curves_of(result)
+    curves, climate = Question(capacity=1.0, failed="collapse").chosen_curves(result)
     assert len(curves) == 4
     assert all(name.endswith("°C") for name in curves)
     assert sum(curve.runs for curve in curves.values()) == climate.runs == result.runs
@@ -166,7 +166,7 @@ def test_variance_by_correlation_ratio() -> None:
 def test_every_figure_tells_of_failed_runs() -> None:
     hours = np.linspace(-20.0, 23.0, 50)
     asked = Question(capacity=1.0, hazard=HAZARD, temperatures=hours)
-    figures = made_up().plot.all_of(asked)
+    figures = made_up().plot.draw_all(asked)
     names = ["demand", "variance"]
     for bearing in ("shen-hdr-bridge", "shen-lhdr-bridge"):
         names += [f"ida-{bearing}", f"fragility-{bearing}", f"rates-{bearing}"]
@@ -176,9 +176,9 @@ def test_every_figure_tells_of_failed_runs() -> None:
         said = [text.get_text() for text in figure.findobj(match=_is_text)]
         assert any("left out" in text for text in said), name
     unasked = [name for name in names if name[:4] not in ("frag", "rate")]
-    assert list(made_up().plot.all_of(Question())) == unasked
+    assert list(made_up().plot.draw_all(Question())) == unasked
     with pytest.raises(InputError, match="capacity of pier_ductility"):
-        made_up().plot.all_of(Question(hazard=HAZARD))
+        made_up().plot.draw_all(Question(hazard=HAZARD))
 
 
 @cache
@@ -207,11 +207,11 @@ def drawn(**design: Any) -> StudyResult:
 def test_draws_of_each_run_have_fragility_and_rates_and_no_ida(method: Any) -> None:
     result = drawn(paired=False)
     asked = Question(capacity=1.0, method=method, hazard=HAZARD)
-    assert list(result.plot.all_of(asked)) == ["demand", "variance", "fragility", "rates"]
-    assert {"fragility", "rates"} <= set(tables_of(result, asked))
+    assert list(result.plot.draw_all(asked)) == ["demand", "variance", "fragility", "rates"]
+    assert {"fragility", "rates"} <= set(report_tables_by_name(result, asked))
     assert any("paired = true" in text for text in result.warnings)
     with pytest.raises(InputError, match="paired = true"):
-        Question(capacity=1.0, method="ida").curves_of(result)
+        Question(capacity=1.0, method="ida").chosen_curves(result)
     assert drawn(paired=True).has_ida
     assert not drawn(paired=True).warnings
 
@@ -243,7 +243,7 @@ def test_indices_over_a_climate_name_the_temperature() -> None:
 
 def test_tables_say_their_units() -> None:
     asked = Question(capacity=1.0, hazard=HAZARD)
-    tables = tables_of(made_up().parts()["shen-hdr-bridge"], asked)
+    tables = report_tables_by_name(made_up().parts()["shen-hdr-bridge"], asked)
     heads = {name: [column.title for column in table.columns] for name, table in tables.items()}
     assert {"Median PGA [m/s²]", "Median PGA low [m/s²]"} <= set(heads["fragility"])
     assert {"Rate [1/year]", "Rate high [1/year]", "Return period [year]"} <= set(heads["rates"])
@@ -251,7 +251,7 @@ def test_tables_say_their_units() -> None:
     assert len(said) == len(set(said))
     strain = made_up().table.assign(bearing_displacement_max_mm=made_up().table["pier_ductility"])
     result = StudyResult(strain, made_up().study, {})
-    demand = tables_of(result, Question("bearing_displacement_max_mm"))["demand"]
+    demand = report_tables_by_name(result, Question("bearing_displacement_max_mm"))["demand"]
     assert "Mean [mm]" in [column.title for column in demand.columns]
 
 
@@ -274,9 +274,9 @@ def test_all_figures_into_a_folder(tmp_path: Path) -> None:
 def test_a_question_without_an_answer() -> None:
     part = made_up().parts()["shen-hdr-bridge"]
     with pytest.raises(InputError, match="need a hazard curve"):
-        Question().rates_of(part)
+        Question().chosen_rates(part)
     with pytest.raises(InputError, match="what is the capacity of PGA_m_s2"):
-        Question("PGA_m_s2").curves_of(part)
+        Question("PGA_m_s2").chosen_curves(part)
 
 
 def test_tables_keep_their_numbers_whatever_the_order_of_rows() -> None:

@@ -12,21 +12,20 @@ import xarray as xr
 from numpy.testing import assert_allclose, assert_array_equal
 
 import thermobearing as tb
-import thermobearing.studies.peaks as peaks
-import thermobearing.studies.store as stores
+import thermobearing.studies.run.demand_parameters as peaks
+import thermobearing.studies.store.directory as stores
 from tests import tolerances as tol
 from tests.unit.studies import kept, small_study
 from thermobearing.border.errors import InputError, OutputError
 from thermobearing.core.lanes.memory import WIDTH
-from thermobearing.earthquake.columns import COLUMNS
+from thermobearing.earthquake.measures import COLUMNS
 from thermobearing.studies import Preparer, plan, run_shard, run_study, study_status
-from thermobearing.studies.lock import only_writer
-from thermobearing.studies.log import Pace, duration
-from thermobearing.studies.parquet import About, about_columns, notes_of, write_parquet
-from thermobearing.studies.peaks import RESULT_COLUMNS
-from thermobearing.studies.status import failures_of
-from thermobearing.studies.store import FEWEST, MOST, Store, shard_size
-from thermobearing.studies.worst import worst_runs
+from thermobearing.studies.run.demand_parameters import RESULT_COLUMNS
+from thermobearing.studies.run.engine import only_writer
+from thermobearing.studies.run.status import count_failures
+from thermobearing.studies.run.worst import worst_runs
+from thermobearing.studies.store.directory import FEWEST, MOST, Pace, Store, duration, shard_size
+from thermobearing.studies.store.parquet import About, about_columns, read_notes, write_parquet
 
 ROUNDING = {"structure_residual", "mechanical_residual", "thermal_residual"}
 PIER_HEIGHT = 10e3  # of pier P1 above its footing [mm]
@@ -194,7 +193,7 @@ def test_failed_runs_are_told_with_their_reason(
 def test_the_most_frequent_failure_comes_first() -> None:
     outcomes = ["diverged", "completed", "not_converged", "not_converged"]
     runs = pd.DataFrame({"run": range(4), "outcome": outcomes, "sentence": "Try."})
-    found = failures_of(runs)
+    found = count_failures(runs)
     assert found["outcome"].tolist() == ["not_converged", "diverged"]
     assert found["first"].tolist() == [2, 0]
 
@@ -319,15 +318,15 @@ def test_equal_tables_make_equal_files(tmp_path: Path) -> None:
     for name in ("one", "two"):
         write_parquet(tmp_path / name, table, {"x": About("mm", "way")}, {"k": 1})
     assert (tmp_path / "one").read_bytes() == (tmp_path / "two").read_bytes()
-    assert notes_of(tmp_path / "one") == ({"k": 1}, 2)
-    assert notes_of(tmp_path / "none") is None
+    assert read_notes(tmp_path / "one") == ({"k": 1}, 2)
+    assert read_notes(tmp_path / "none") is None
     assert pq.read_table(tmp_path / "one").column("x").null_count == 1  # NaN would spoil means
     assert_array_equal(pd.read_parquet(tmp_path / "one")["x"], table["x"])
 
 
 def test_pace_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     now = [100.0]
-    monkeypatch.setattr("thermobearing.studies.log.time.monotonic", lambda: now[0])
+    monkeypatch.setattr("thermobearing.studies.store.directory.time.monotonic", lambda: now[0])
     pace = Pace(20, 100)
     assert pace.told() == "20 of 100 runs"
     pace.done, now[0] = 60, 110.0

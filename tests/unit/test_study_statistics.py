@@ -8,26 +8,25 @@ import pytest
 from numpy.testing import assert_allclose
 
 from thermobearing.border.errors import InputError
-from thermobearing.studies.binary import fit_curves
-from thermobearing.studies.counted import counted
-from thermobearing.studies.demand import demand_against, median_places
-from thermobearing.studies.estimates import MOST_STRIPES, classes, cloud
-from thermobearing.studies.fragility import fragility_curve, fragility_curves
-from thermobearing.studies.hazard import Hazard, annual_rate, load_hazard
-from thermobearing.studies.ida import ida_curves
-from thermobearing.studies.mixture import ClimateFragility, shares_of_time
-from thermobearing.studies.resampling import Draw, percentiles
-from thermobearing.studies.variance import sobol_table, variance_shares
+from thermobearing.studies.statistics.bootstrap import Draw, percentiles
+from thermobearing.studies.statistics.demand import demand_against, median_places
+from thermobearing.studies.statistics.failed_runs import counted
+from thermobearing.studies.statistics.fragility import fragility_curve, fragility_curves
+from thermobearing.studies.statistics.hazard import Hazard, annual_rate, load_hazard
+from thermobearing.studies.statistics.ida import ida_curves
+from thermobearing.studies.statistics.likelihood import MOST_STRIPES, classes, cloud, fit_curves
+from thermobearing.studies.statistics.mixture import ClimateFragility, shares_of_time
+from thermobearing.studies.statistics.variance import sobol_table, variance_shares
 
 HAZARD = Hazard(np.array([0.1, 1.0, 10.0]), np.array([1.0, 1e-2, 1e-4]))
 
 
-def runs_of(**columns: Any) -> pd.DataFrame:
+def split_runs(**columns: Any) -> pd.DataFrame:
     return pd.DataFrame(columns)
 
 
 def two_levels(first: list[float], second: list[float]) -> pd.DataFrame:
-    return runs_of(
+    return split_runs(
         im=[1.0] * len(first) + [2.0] * len(second),
         drift=[*first, *second],
         motion=[*range(len(first)), *range(len(second))],
@@ -136,7 +135,7 @@ def test_a_temperature_without_a_curve_matters_where_it_comes() -> None:
 def test_demand_classes_and_failures() -> None:
     rng = np.random.default_rng(1)
     air = rng.uniform(-20.0, 30.0, 240)
-    table = runs_of(ambient_degC=air, drift=50.0 - air, bearing=["a", "b"] * 120)
+    table = split_runs(ambient_degC=air, drift=50.0 - air, bearing=["a", "b"] * 120)
     table["outcome"] = "completed"
     table.loc[air < -18.0, ["drift", "outcome"]] = [np.nan, "not_converged"]
     found = demand_against(table, "drift", by=("bearing",))
@@ -162,7 +161,7 @@ def test_band_of_a_median_holds_it_as_often_as_it_says(count: int, level: float)
 
 
 def test_curves_of_single_motions() -> None:
-    table = runs_of(
+    table = split_runs(
         motion=["a"] * 3 + ["b"] * 3,
         scale=[1.0, 2.0, 3.0] * 2,
         drift=[1.0, 3.0, 2.0, 2.0, 3.0, np.nan],

@@ -7,13 +7,13 @@ from typing import Any
 import pytest
 from numpy.testing import assert_array_equal
 
-import thermobearing.studies.levels as levels
-import thermobearing.studies.warmth as warmth
+import thermobearing.studies.inputs.bearing_temperatures as warmth
+import thermobearing.studies.inputs.levels as levels
 from tests.unit.studies import kept
 from thermobearing.climate import generate_weather
 from thermobearing.studies import Preparer, Study, load_study, make_study, plan, run_study
-from thermobearing.studies.shard import packed
-from thermobearing.studies.store import Store
+from thermobearing.studies.run.shard import packed
+from thermobearing.studies.store.directory import Store
 
 BEARINGS = ["shen-hdr-bridge", "shen-lhdr-bridge", "shen-bilinear-bridge"]
 TENTH = {"distribution": "uniform", "low": 0.9, "high": 1.1}
@@ -51,7 +51,7 @@ def test_what_was_foreseen_is_what_a_run_finds_alone(kind: str, town: Path) -> N
     runs = plan(study)
     alone, first, worker = (Preparer(study) for _ in range(3))
     first.foresee(runs)
-    warm = first.warm_of(runs.iloc[2:8])
+    warm = first.foreseen_temperatures(runs.iloc[2:8])
     worker.take(pickle.loads(pickle.dumps(warm)))
     for row in runs.iloc[1:8].to_dict("records"):  # the first is foreseen by nobody
         one, other, third = (prep.run_input(row).task.told for prep in (alone, first, worker))
@@ -103,7 +103,7 @@ def test_a_shard_is_sent_its_own_hours(town: Path) -> None:
     runs = plan(study)
     preparer = Preparer(study)
     preparer.foresee(runs)
-    warm = preparer.warm_of(runs.iloc[:4])
+    warm = preparer.foreseen_temperatures(runs.iloc[:4])
     assert warm is not None
     assert warm.weather is None
     hours = [hours.tolist() for hours, _ in warm.soaked.values()]
@@ -116,7 +116,7 @@ def test_a_shard_is_sent_its_own_hours(town: Path) -> None:
         },
         "study.toml",
     )
-    assert Preparer(plain).warm_of(plan(plain)) is None
+    assert Preparer(plain).foreseen_temperatures(plan(plain)) is None
 
 
 def test_lines_with_a_bearing_of_their_own_are_foreseen(

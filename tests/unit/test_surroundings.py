@@ -10,16 +10,16 @@ from numpy.testing import assert_allclose
 
 import thermobearing as tb
 from thermobearing.earthquake.case import EarthquakeCase, make_earthquake_case
-from thermobearing.earthquake.report_inputs import inputs_of
+from thermobearing.earthquake.report import input_tables
 from thermobearing.earthquake.run import build_device
 from thermobearing.model.options import EndFace, ModelOptions, Side, build_model, outdoors
 from thermobearing.model.stack import film_at_face, through_side
 from thermobearing.studies import make_study
-from thermobearing.studies.columns import targets_of
-from thermobearing.studies.names import moves_warmth
-from thermobearing.studies.question import Question
+from thermobearing.studies.definition.columns import list_targets
+from thermobearing.studies.definition.targets import moves_warmth
+from thermobearing.studies.inputs.bearing_temperatures import thermal_key
+from thermobearing.studies.options import Question
 from thermobearing.studies.result import StudyResult
-from thermobearing.studies.warmth import key_of
 
 FILM = EndFace(film=12.0)
 OPEN = (FILM, FILM, Side(film=12.0, cover=10.0))
@@ -161,7 +161,7 @@ def test_side_is_part_of_how_a_bearing_takes_on_warmth(night: str) -> None:
     cases = [
         case_of(weather=night, analysis={"side": {"film": f"{film} W/(m^2 K)"}}) for film in (5, 6)
     ]
-    keys = [key_of(build_device(case, case.bearings[0]), case) for case in cases]
+    keys = [thermal_key(build_device(case, case.bearings[0]), case) for case in cases]
     assert keys[0] != keys[1]
     drawn = {"distribution": "uniform", "low": "8 W/(m^2 K)", "high": "25 W/(m^2 K)", "of": "value"}
     ambient = TOWN | {"history": "10 d"}
@@ -169,7 +169,7 @@ def test_side_is_part_of_how_a_bearing_takes_on_warmth(night: str) -> None:
     factors["case.analysis.side.film"] = drawn
     table = {"kind": "study", "name": "s", "factors": factors}
     study = make_study(table | {"design": {"kind": "monte-carlo", "samples": 2}}, "test")
-    assert [moves_warmth(target) for target in targets_of(study)] == [True]
+    assert [moves_warmth(target) for target in list_targets(study)] == [True]
 
 
 def test_report_and_result_tell_the_exchange(night: str) -> None:
@@ -178,7 +178,7 @@ def test_report_and_result_tell_the_exchange(night: str) -> None:
     import tomllib
 
     case = tomllib.loads(result.dataset.attrs["case"])
-    rows = {row[0]: row for row in inputs_of(result, case)["analysis"].rows}
+    rows = {row[0]: row for row in input_tables(result, case)["analysis"].rows}
     assert "ISO 6946" in str(rows["Film coefficient of the upper face"])
     assert "Shen (2023)" in str(rows["Cover rubber of the side"])
     plain = tb.bridge("shen-hdr-bridge", "jra-ii-i-1", ambient=0, duration=0.05)

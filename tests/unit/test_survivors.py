@@ -12,7 +12,7 @@ from tests.unit.inputs import command
 from thermobearing.climate.generator import MONTH_OF, spell_rate
 from thermobearing.cyclic.reported import _exposure
 from thermobearing.earthquake.case import make_earthquake_case
-from thermobearing.earthquake.label import INTERRUPTED, _interrupted
+from thermobearing.earthquake.dataset import INTERRUPTED, _interrupted
 from thermobearing.results.selection import gridded
 from thermobearing.sequences import run as sequences
 

@@ -14,14 +14,14 @@ import thermobearing as tb
 from tests.unit.inputs import SPECIMEN, changed_table, specimen_table, write_toml
 from thermobearing.bearing.bilinear import load_bilinear
 from thermobearing.border.errors import InputError
-from thermobearing.cyclic.screen import print_result
+from thermobearing.cyclic.output import print_result
 from thermobearing.design.run import run_bounds, run_factors
-from thermobearing.earthquake.reached import reached
-from thermobearing.earthquake.screen import print_study
+from thermobearing.earthquake.dataset import reached
+from thermobearing.earthquake.output import print_study
 from thermobearing.earthquake.task import Device
-from thermobearing.identify.posterior import forecast
+from thermobearing.identify.uncertainty.posterior import forecast
 from thermobearing.results.ranges import REST, compared, cycles_in_a_row, largest_speed
-from thermobearing.validate.screen import print_validation
+from thermobearing.validate.output import print_validation
 
 
 def test_ranges_of_the_specimens() -> None:

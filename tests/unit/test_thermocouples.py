@@ -10,10 +10,10 @@ from numpy.testing import assert_allclose
 
 import thermobearing as tb
 from tests import tolerances as tol
-from thermobearing.identify.forward import ForwardModel
-from thermobearing.identify.record import TestRecord
-from thermobearing.identify.screen import print_identification
-from thermobearing.validate.screen import print_validation
+from thermobearing.identify.fit.forward import ForwardModel
+from thermobearing.identify.output import print_identification
+from thermobearing.identify.records.record import TestRecord
+from thermobearing.validate.output import print_validation
 
 BEARING = "shen-hdr-specimen"
 

@@ -10,8 +10,7 @@ from pandas.testing import assert_frame_equal
 
 import thermobearing as tb
 from thermobearing.cyclic.case import make_case
-from thermobearing.cyclic.sizes import expected_size
-from thermobearing.cyclic.thinning import POINTS, rows_worth, thinned
+from thermobearing.cyclic.dataset import POINTS, expected_size, rows_worth, thinned
 from thermobearing.results.metrics import find_cycles
 
 STEPS = 1200  # of a cycle of 4 s

@@ -11,9 +11,9 @@ import pytest
 
 import thermobearing as tb
 from tests.unit.inputs import command
-from thermobearing.identify.forward import ForwardModel, Prediction
-from thermobearing.identify.loops import largest_of, loops_of
-from thermobearing.identify.record import TestRecord
+from thermobearing.identify.fit.forward import ForwardModel, Prediction
+from thermobearing.identify.records.cycles import compare_largest_loops, compare_loops
+from thermobearing.identify.records.record import TestRecord
 from thermobearing.validate.result import BEYOND, TOLD, WITHIN, Validation
 from thermobearing.validate.run import rise_errors
 
@@ -81,9 +81,9 @@ def sines(sizes: tuple[float, ...]) -> TestRecord:
 def test_measures_of_loops_whose_answer_is_known() -> None:
     record = sines((10.0, 40.0, 40.0, 20.0))
     force = np.where(record.force > 0.0, 1.5, 0.5) * record.force
-    loops = loops_of(record, force)
+    loops = compare_loops(record, force)
     assert [loop.number for loop in loops] == [1, 1, 2, 1]
-    top = largest_of(record, force, loops)
+    top = compare_largest_loops(record, force, loops)
     assert top is loops[1]  # the first of equals
     assert top.displacement_max == pytest.approx(40.0)
     assert top.displacement_min == pytest.approx(-40.0)
@@ -94,7 +94,7 @@ def test_measures_of_loops_whose_answer_is_known() -> None:
     assert top.ratios["F+"] == pytest.approx(1.5)
     assert top.ratios["F-"] == pytest.approx(0.5)
     assert top.ratios["K_eq"] == pytest.approx(1.0)
-    assert largest_of(sines((0.0,)), force, []) is None
+    assert compare_largest_loops(sines((0.0,)), force, []) is None
 
 
 def test_the_largest_loop_may_be_no_full_cycle() -> None:
@@ -105,8 +105,8 @@ def test_the_largest_loop_may_be_no_full_cycle() -> None:
     force = np.where(np.arange(len(record.time)) < half, 0.5, 1.0) * record.force
     x[4001:], force[4001:] = 0.5 * x[4001:], 0.5 * force[4001:]
     record = replace(record, displacement=x, force=force)  # 5, 20, -40, 30, -30
-    loops = loops_of(record, force)
-    top = largest_of(record, force, loops)
+    loops = compare_loops(record, force)
+    top = compare_largest_loops(record, force, loops)
     assert top is not None
     assert (top.first, top.last) == pytest.approx((half, 5000), abs=1)
     assert (top.cycle, top.number) == (0, 0)

@@ -15,9 +15,9 @@ import pytest
 
 import thermobearing as tb
 from tests.unit.inputs import refusal
-from thermobearing.commands.streams import Patient
-from thermobearing.results.seal import seal
-from thermobearing.studies.made import read_made
+from thermobearing.commands.common import Patient
+from thermobearing.results.directory import seal
+from thermobearing.studies.inputs.motions import read_made
 
 WRONG: dict[str, Any] = {
     "text": "x",

@@ -20,7 +20,7 @@ from tests.validation.hybrid_source import (
     pair,
     told,
 )
-from thermobearing.cyclic.rig import load_rig
+from thermobearing.cyclic.case import load_rig
 
 PERIOD, STRESS, STRAIN = 1.30, 6.0, 2.5  # Table 3.5 [s], 3.2.2 [MPa], largest of Table 3.4
 RIG = load_rig("shen-rig").force or 0.0  # Table 3.2 [kN]
@@ -91,7 +91,7 @@ def pier_alike(e: Evidence) -> bool:
     return bool(np.abs(e.ratio(HDR, DISPLACEMENT) - 1.0).max() < SAME)
 
 
-def rows_of(column: str, form: str, factor: float = 1.0) -> "Criterion":
+def list_rows(column: str, form: str, factor: float = 1.0) -> "Criterion":
     """Response of the pier in the cold."""
     name = "displacement [mm]" if column == DISPLACEMENT else "acceleration [m/s2]"
     return Criterion(
@@ -147,8 +147,8 @@ SOFT = [
         lambda e: pair(lambda b: e.ratio(b, ENERGY)),
         lambda e: all(energy_signs(e)),
     ),
-    rows_of(DISPLACEMENT, ".0f"),
-    rows_of(ACCELERATION, ".1f"),
+    list_rows(DISPLACEMENT, ".0f"),
+    list_rows(ACCELERATION, ".1f"),
     Criterion(
         "HDR: pier displacement RT/PD",
         "no difference (3.4.6)",

@@ -9,7 +9,7 @@ import pytest
 from tests import tolerances as tol
 from tests.conftest import Recorder
 from tests.shared_data import shared_data
-from thermobearing.identify.record import load_test
+from thermobearing.identify.records.record import load_test
 from thermobearing.identify.result import Identification
 from thermobearing.identify.run import identify_bearing
 

@@ -98,7 +98,7 @@ def continuity(
     return Continuity(len(x), softened, found / peak, np.array(errors))
 
 
-def cycles_of(
+def full_cycles(
     bearing: Bearing,
     temperature: float,
     strain: float,
@@ -116,7 +116,7 @@ def halving_errors(
     bearing: Bearing, temperature: float, strain: float, steps: tuple[float, ...], **how: Any
 ) -> Floats:
     """Rms difference of the forces from one time step to the next finer, of the peak force."""
-    runs = [cycles_of(bearing, temperature, strain, dt, **how) for dt in steps]
+    runs = [full_cycles(bearing, temperature, strain, dt, **how) for dt in steps]
     every = [round(steps[0] / dt) for dt in steps]
     forces = [run.books["force"][each - 1 :: each] for run, each in zip(runs, every, strict=True)]
     peak = np.abs(forces[-1]).max()
@@ -134,11 +134,11 @@ def moved_by_a_parameter(
         "yield_displacement",
         "layer_stiffness",
     )
-    force = cycles_of(bearing, temperature, strain, 5e-3, **how).books["force"]
+    force = full_cycles(bearing, temperature, strain, 5e-3, **how).books["force"]
     largest = 0.0
     for name in names:
         value = getattr(bearing.hysteresis, name) * (1.0 + change)
         moved = changed(bearing, hysteresis={name: value})
-        other = cycles_of(moved, temperature, strain, 5e-3, **how)
+        other = full_cycles(moved, temperature, strain, 5e-3, **how)
         largest = max(largest, float(np.abs(other.books["force"] - force).max()))
     return largest / float(np.abs(force).max())

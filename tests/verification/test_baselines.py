@@ -8,9 +8,9 @@ import thermobearing as tb
 from tests import tolerances as tol
 from tests.conftest import Recorder
 from thermobearing.cyclic.case import make_case
-from thermobearing.cyclic.compare import compare_models
 from thermobearing.cyclic.comparison import comparison_figure, comparison_table
 from thermobearing.cyclic.equivalent import backbone, bilinear_parameters
+from thermobearing.cyclic.run import compare_models
 from thermobearing.model.earlier import models_that_fit
 
 TEST = tb.cyclic_test(strain=[1.5], cycles=3, closing_strain=None)

@@ -13,7 +13,7 @@ from thermobearing.bearing.model import Bearing, Cells
 from thermobearing.border.toml import read_toml
 from thermobearing.commands.check import cells_facts
 from thermobearing.cyclic.discretisation import CellsError, cells_error
-from thermobearing.design.scale import scaled_bearing
+from thermobearing.design.factors import scaled_bearing
 
 DATA = Path(tb.__file__).parent / "data" / "bearings"
 SPECIMENS = ("shen-hdr-specimen", "shen-lhdr-specimen")

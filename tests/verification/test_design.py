@@ -18,17 +18,16 @@ from thermobearing.bearing.bilinear import load_bilinear
 from thermobearing.cyclic.equivalent import backbone
 from thermobearing.design.bounds import DEMANDS, bounds_study, paragraph, verdict
 from thermobearing.design.case import bearing_weight, make_design_case
-from thermobearing.design.equal import equal_bearing
 from thermobearing.design.rubber import (
-    bilinear_of,
     damping_ratio,
+    equivalent_bilinear,
     equivalent_stiffness,
     load_curves,
     load_rubber,
     shear_modulus,
 )
 from thermobearing.design.run import run_design
-from thermobearing.design.sizing import SizingRules, checks_of, size_bearing
+from thermobearing.design.sizing import SizingRules, equal_bearing, report_checks, size_bearing
 from thermobearing.model.earlier import bilinear_constants
 from thermobearing.model.element import BearingElement
 
@@ -102,7 +101,7 @@ def loop_of(parameters: Any, u: float) -> tuple[float, float]:
 def test_bilinear_model_has_the_stiffness_and_damping(
     stiffness: float, damping: float, u: float, ratio: float
 ) -> None:
-    model = bilinear_of(stiffness, damping, u, ratio)
+    model = equivalent_bilinear(stiffness, damping, u, ratio)
     assert_allclose(model.post_yield / model.initial, ratio, rtol=tol.LOOP)
     peak, area = loop_of(model, u)
     assert_allclose(peak, stiffness * u, rtol=tol.BACKBONE)
@@ -123,7 +122,7 @@ def test_fat_loops_get_a_stiffer_first_branch() -> None:
 def test_table_6_3_is_rounded_inconsistently(measured: Recorder) -> None:
     """Reported, not forced: the printed K_1, K_2, Q_d against K_B and h_B of the same bearing."""
     printed = load_bilinear("shen-bilinear-bridge")
-    ours = bilinear_of(2.6153, 0.1513, 178.0, 0.19)
+    ours = equivalent_bilinear(2.6153, 0.1513, 178.0, 0.19)
     secant = (printed.strength + printed.post_yield_stiffness * 178.0) / 178.0
     measured(
         "bilinear model of G8 at 178 mm: Q_d, K_2, K_1 beside Table 6.3",
@@ -141,7 +140,7 @@ def test_size_of_the_source() -> None:
     assert_allclose([size.first_shape_factor, size.second_shape_factor], [600 / 56, 600 / 112])
     heavy = size_bearing(100.0, 6000.0, SizingRules())
     assert heavy.side == 1000.0  # 6 MPa
-    checks = {c.what: c for c in checks_of(size, 784.5, 2.6, SizingRules())}
+    checks = {c.what: c for c in report_checks(size, 784.5, 2.6, SizingRules())}
     assert checks["shear strain"].verdict == "NG"
     assert checks["compressive stress"].verdict == "OK"
     assert_allclose(checks["compressive stress"].value, 2.18, atol=0.005)  # Table 6.1
@@ -327,9 +326,12 @@ def test_bad_design(tmp_path: Path, changes: dict[str, Any], pieces: list[str]) 
         (lambda: shear_modulus(load_rubber("G8"), 2.6), ["2.6", "0.2 to 2.5"]),
         (lambda: damping_ratio(load_rubber("G8"), 0.1), ["0.1", "0.2 to 2.5"]),
         (lambda: load_rubber("G8", "LRB"), ["LRB"]),  # type: ignore[arg-type]
-        (lambda: bilinear_of(2.0, 0.35, 100.0, 0.19), ["damping ratio of 0.35", "smaller ratio"]),
-        (lambda: bilinear_of(-2.0, 0.1, 100.0, 0.19), ["stiffness = -2"]),
-        (lambda: bilinear_of(2.0, 0.1, 100.0, 1.0), ["stiffness_ratio = 1"]),
+        (
+            lambda: equivalent_bilinear(2.0, 0.35, 100.0, 0.19),
+            ["damping ratio of 0.35", "smaller ratio"],
+        ),
+        (lambda: equivalent_bilinear(-2.0, 0.1, 100.0, 0.19), ["stiffness = -2"]),
+        (lambda: equivalent_bilinear(2.0, 0.1, 100.0, 1.0), ["stiffness_ratio = 1"]),
         (lambda: size_bearing(0.0, 100.0, SizingRules()), ["0 mm"]),
         (lambda: size_bearing(3000.0, 100.0, SizingRules()), ["123 layers", "at most 60"]),
         (lambda: equal_bearing(tb.load_bearing("lrb-example"), 2.0, 100.0), ["square plans"]),

@@ -14,11 +14,15 @@ from tests import tolerances as tol
 from tests.conftest import Recorder
 from tests.opensees import needs_opensees, ops
 from tests.unit.inputs import assert_told, command
-from thermobearing.design.bilinear import bound_models, bounds_table, opensees_text
-from thermobearing.design.factors import chosen_cycles, temperature_factors
+from thermobearing.design.bounds import bound_models, bounds_table, opensees_text
+from thermobearing.design.factors import (
+    chosen_cycles,
+    scale_study,
+    scaled_bearing,
+    temperature_factors,
+)
 from thermobearing.design.published import published_tables
 from thermobearing.design.run import run_factors
-from thermobearing.design.scale import scale_study, scaled_bearing
 from thermobearing.model.earlier import bilinear_constants
 from thermobearing.model.element import BearingElement
 

@@ -7,10 +7,10 @@ from scipy.optimize import minimize
 from scipy.stats import binom, chi2, linregress, norm
 
 from tests import tolerances
-from thermobearing.studies.binary import fit_curves
-from thermobearing.studies.fragility import Method, fragility_curve, fragility_curves
-from thermobearing.studies.hazard import Hazard, annual_rate, closed_form, ratio
-from thermobearing.studies.mixture import ClimateFragility
+from thermobearing.studies.statistics.fragility import Method, fragility_curve, fragility_curves
+from thermobearing.studies.statistics.hazard import Hazard, annual_rate, closed_form, ratio
+from thermobearing.studies.statistics.likelihood import fit_curves
+from thermobearing.studies.statistics.mixture import ClimateFragility
 
 MEDIAN, DISPERSION = 1.0, 0.4
 LEVELS = np.array([0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0])

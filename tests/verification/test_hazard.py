@@ -6,11 +6,10 @@ import pytest
 from scipy.stats import norm
 
 from tests import tolerances
-from thermobearing.studies.binary import Curves
-from thermobearing.studies.estimates import Estimate
-from thermobearing.studies.fragility import Fragility
-from thermobearing.studies.hazard import Hazard, Rate, annual_rate, closed_form, ratio
-from thermobearing.studies.mixture import ClimateFragility, shares_of_time
+from thermobearing.studies.statistics.fragility import Fragility
+from thermobearing.studies.statistics.hazard import Hazard, Rate, annual_rate, closed_form, ratio
+from thermobearing.studies.statistics.likelihood import Curves, Estimate
+from thermobearing.studies.statistics.mixture import ClimateFragility, shares_of_time
 
 
 def lognormal(median: float, dispersion: float, others: int = 1) -> Fragility:

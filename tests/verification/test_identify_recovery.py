@@ -11,12 +11,12 @@ import pytest
 import thermobearing as tb
 from tests import tolerances as tol
 from tests.conftest import Recorder
-from thermobearing.identify.assumed import groups_of, shifted, usual_groups
-from thermobearing.identify.forward import ForwardModel
-from thermobearing.identify.parameters import default_free, with_values
+from thermobearing.identify.fit.forward import ForwardModel
+from thermobearing.identify.fit.parameters import default_free, with_values
+from thermobearing.identify.fit.synthetic import forgotten, synthetic_record
 from thermobearing.identify.result import Identification
 from thermobearing.identify.run import identify_bearing
-from thermobearing.identify.synthetic import forgotten, synthetic_record
+from thermobearing.identify.uncertainty.assumed import assumed_groups, shifted, usual_groups
 
 HDR = tb.load_bearing("shen-hdr-specimen")
 LHDR = tb.load_bearing("shen-lhdr-specimen")
@@ -274,7 +274,7 @@ def intervals_with_a_file_that_is_off(bearing: tb.bearing.Bearing, seed: int) ->
     """Whether the intervals of a fit hold the truth, whose other numbers the fit does not know."""
     rng = np.random.default_rng(1000 + seed)
     truth = bearing
-    for group in groups_of(bearing, default_free(bearing, (-20.0, 23.0)), usual_groups()):
+    for group in assumed_groups(bearing, default_free(bearing, (-20.0, 23.0)), usual_groups()):
         off = float(np.clip(rng.normal(), -2.4, 2.4))
         truth = shifted(truth, group, abs(off) if group.name == "E2" else off)
     test = tb.cyclic_test(**SHORT, wave="sine" if bearing.lead else "triangular")

@@ -15,15 +15,15 @@ from tests.verification.lead_cases import touching
 from tests.verification.models import assembled, changed
 from thermobearing.core.step import step
 from thermobearing.core.types import new_state, new_workspace
-from thermobearing.model import lead_impedance as way
-from thermobearing.model.lead_ends import core_of, end_of, side_of
+from thermobearing.model import lead_ends as way
+from thermobearing.model.lead_ends import core_side, core_sizes, end_state_at
 from thermobearing.model.stack import Face, build_stack
 
 
 def test_disc_on_a_plate_when_all_is_steady() -> None:
     """tanh(l H)/(k l) of each mode with the far face held; more with a film, most without."""
     bearing = touching("shen-lhdr-specimen", False)
-    core = core_of(bearing, build_stack(bearing, half=True))
+    core = core_sizes(bearing, build_stack(bearing, half=True))
     steel, height = bearing.materials.steel, bearing.geometry.end_plate_thickness
     k = steel.conductivity * 1e-3
     wave = jn_zeros(1, way.RADIAL) / core.plan
@@ -77,8 +77,11 @@ def test_few_terms_are_enough(name: str, measured: Recorder) -> None:
     """The sum of the terms against the impedance they stand for."""
     bearing = touching(name, True)
     stack = build_stack(bearing, half=True)
-    core = core_of(bearing, stack)
-    (end, _), side = end_of(bearing, core, math.inf), side_of(bearing, stack, core).impedance
+    core = core_sizes(bearing, stack)
+    (end, _), side = (
+        end_state_at(bearing, core, math.inf),
+        core_side(bearing, stack, core).impedance,
+    )
     worst = 0.0
     for impedance in (end, side):
         a, tau = way.fitted(impedance)

@@ -28,7 +28,7 @@ from thermobearing.core.types import (
     new_workspace,
 )
 from thermobearing.model.earlier import BilinearParameters, bilinear_constants
-from thermobearing.structure.lanes import run_lanes, with_shared_cells
+from thermobearing.structure.lanes import Run, RunPeaks, run_lanes, run_peaks, with_shared_cells
 from thermobearing.structure.model import load_structure
 from thermobearing.structure.run import (
     Line,
@@ -36,7 +36,6 @@ from thermobearing.structure.run import (
     prepare_structure,
     run_structure,
 )
-from thermobearing.structure.shaken import Run, RunPeaks, run_peaks
 
 DT, STEPS = 0.02, 400
 HDR, LHDR, LRB = "shen-hdr-specimen", "shen-lhdr-specimen", "lrb-example"
@@ -181,7 +180,7 @@ def shakes(dt: float = 0.01, duration: float = 12.0) -> list[Run]:
     return found
 
 
-def numbers_of(found: RunPeaks) -> dict[str, Any]:
+def list_numbers(found: RunPeaks) -> dict[str, Any]:
     """Every number of a run, by name."""
     groups = ("watches", "lines", "hinges", "books", "bearings")
     columns = {group: getattr(found, group) for group in groups}
@@ -213,8 +212,8 @@ def test_bridges_in_lockstep_are_bridges_alone() -> None:
     for run, found in zip(runs, together, strict=True):
         wanted = run_peaks(run)
         assert (found.outcome, found.steps) == (wanted.outcome, wanted.steps)
-        known = numbers_of(wanted)
-        for name, values in numbers_of(found).items():
+        known = list_numbers(wanted)
+        for name, values in list_numbers(found).items():
             if not name.endswith(NOISE):
                 scale = np.abs(known[SCALES.get(name, name)])
                 apart = np.abs(values - known[name])
@@ -286,7 +285,7 @@ def test_order_of_bridges_does_not_matter() -> None:
     second = run_lanes(runs[::-1])[::-1]
     single = run_lanes(runs[3:4])[0]
     for one, other in [*zip(first, second, strict=True), (first[3], single)]:
-        mine, theirs = numbers_of(one), numbers_of(other)
+        mine, theirs = list_numbers(one), list_numbers(other)
         assert all(np.array_equal(mine[name], theirs[name]) for name in mine)
 
 
@@ -327,10 +326,10 @@ def test_what_leaves_the_lockstep_is_run_alone() -> None:
     assert found[2].outcome != "completed"
     assert found[2].steps < len(ground) - 1
     for place in (1, 2):
-        mine, theirs = numbers_of(found[place]), numbers_of(run_peaks(runs[place]))
+        mine, theirs = list_numbers(found[place]), list_numbers(run_peaks(runs[place]))
         assert all(np.array_equal(mine[name], theirs[name]) for name in mine)
     quiet = run_lanes([runs[0]])[0]
-    assert numbers_of(quiet)["lines.force"] == numbers_of(found[0])["lines.force"]
+    assert list_numbers(quiet)["lines.force"] == list_numbers(found[0])["lines.force"]
 
 
 def test_the_predictor_has_no_lockstep() -> None:

@@ -69,7 +69,7 @@ def test_a_hybrid_part_is_the_history_that_it_imposed(tmp_path: Path) -> None:
 
 
 def _state_after(case: SequenceCase) -> Any:
-    from thermobearing.cyclic.start import final_state
+    from thermobearing.cyclic.case import final_state
 
     return final_state(run_sequence(case)[0].dataset, [-20.0])
 

@@ -29,7 +29,7 @@ from tests.verification.models import (
 from tests.verification.softened import (
     SLOW,
     continuity,
-    cycles_of,
+    full_cycles,
     halving_errors,
     moved_by_a_parameter,
 )
@@ -150,7 +150,7 @@ def test_mismatch_is_told_as_it_is(
 ) -> None:
     """In softened steps too, the reported mismatch is the distance from the printed law."""
     bearing = load_bearing(name)
-    run = cycles_of(bearing, temperature, strain, 5e-3)
+    run = full_cycles(bearing, temperature, strain, 5e-3)
     rubber, force = run.books["rubber_force"], run.books["force"]
     apart = np.abs(layer_forces(bearing, run) - rubber[:, None]).max(axis=1)
     soft = run.books["sharing_weight"] > 0.0

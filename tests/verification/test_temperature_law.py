@@ -11,13 +11,11 @@ import thermobearing as tb
 from tests.conftest import Recorder
 from tests.tolerances import ISOTHERMAL_FORCE, LOOP, TABLE_SLOPE
 from tests.verification.models import Run, assembled, changed, marched, sine, specimen
-from thermobearing.bearing.model import Bearing
-from thermobearing.bearing.temperature import TemperatureLaw
+from thermobearing.bearing.model import Bearing, TemperatureLaw
 from thermobearing.commands.check import bearing_facts
 from thermobearing.core.step import tabled
-from thermobearing.model.constants import with_parameters
+from thermobearing.model.constants import law_pieces, with_parameters
 from thermobearing.model.stack import build_stack
-from thermobearing.model.temperature import law_pieces
 
 # G_eq over that at 20 degC, measured, of a high damping rubber for buildings (Toyo, G0.35).
 MEASURED = {-20: 1.47, -10: 1.22, 0: 1.14, 10: 1.05, 20: 1.00, 30: 0.99, 40: 0.93}
@@ -145,7 +143,7 @@ def test_extrapolation_is_said() -> None:
 
 
 def test_extrapolation_is_said_of_earthquakes(capsys: pytest.CaptureFixture[str]) -> None:
-    from thermobearing.earthquake.screen import print_study
+    from thermobearing.earthquake.output import print_study
 
     study = tb.bridge("shen-hdr-bridge", "jra-ii-i-1", [23.0, -30.0], duration=1.0)
     (said,) = of_the_law(study.warnings)
@@ -187,7 +185,7 @@ def test_a_table_in_a_file(tmp_path: Path) -> None:
 
 def test_a_fit_states_the_range_of_its_own_tests() -> None:
     """Of two temperatures where n_T was free; that of the template where it was not."""
-    from thermobearing.identify.files import bearing_table
+    from thermobearing.identify.output import bearing_table
 
     test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
     records = [

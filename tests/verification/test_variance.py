@@ -7,7 +7,7 @@ from scipy.stats import qmc
 from scipy.stats import sobol_indices as of_scipy
 
 from tests import tolerances
-from thermobearing.studies.variance import sobol_indices, sobol_table, variance_shares
+from thermobearing.studies.statistics.variance import sobol_indices, sobol_table, variance_shares
 
 # Ishigami & Homma (1990) with a = 7, b = 0.1: indices in closed form (Saltelli and others 2008).
 A, B = 7.0, 0.1

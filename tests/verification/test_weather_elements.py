@@ -11,9 +11,8 @@ import thermobearing as tb
 from tests import tolerances as tol
 from tests.conftest import Recorder
 from thermobearing.bearing.ambient import Ambient
-from thermobearing.cyclic.history import cut_rests, run_segments
+from thermobearing.cyclic.history import build_segments, cut_rests, run_segments
 from thermobearing.cyclic.protocol import CyclicTest
-from thermobearing.cyclic.segments import build_segments
 from thermobearing.earthquake.case import make_earthquake_case, settle_surroundings
 from thermobearing.earthquake.run import build_device, soaked
 from thermobearing.earthquake.task import Device

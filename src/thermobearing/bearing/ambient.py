@@ -10,9 +10,9 @@ from thermobearing.border.encodings import LARGEST_FILE
 from thermobearing.border.errors import InputError, read_bytes
 from thermobearing.border.guess import guessed_air
 from thermobearing.border.layout import Layout
-from thermobearing.border.numbers import is_number, refuse_hidden
 from thermobearing.border.sheets import Told, read_sheets
-from thermobearing.border.tables import Columns, columns_of, usable_table
+from thermobearing.border.tables import Columns, list_columns, usable_table
+from thermobearing.border.units import is_number, refuse_hidden
 
 Floats = NDArray[np.float64]
 COLDEST, HOTTEST = -100.0, 100.0  # plausible range of an ambient temperature [degC]
@@ -97,7 +97,7 @@ def air_columns(path: str | Path) -> Columns:
         try:
             table = usable_table(sheet, Layout())
             layout = Layout(titles=guessed_air(table))
-            return columns_of(table, {"time": "s", "temperature": "degC"}, (), layout)
+            return list_columns(table, {"time": "s", "temperature": "degC"}, (), layout)
         except InputError as error:
             problems = problems or error.problems
     raise InputError(problems or ["is empty"], str(path))

@@ -7,8 +7,7 @@ from pydantic import Field, model_validator
 
 from thermobearing.bearing.exposure import Exposure
 from thermobearing.bearing.library import list_bearings, load_bearing
-from thermobearing.bearing.model import Bearing
-from thermobearing.bearing.validity import Validity
+from thermobearing.bearing.model import Bearing, Validity
 from thermobearing.border.errors import InputError, is_file, nearest
 from thermobearing.border.library import Library, Sourced
 from thermobearing.border.schema import Name, in_unit

@@ -20,9 +20,9 @@ from thermobearing.bearing.model import (
     Scragging,
     SmallLoops,
     TemperatureCoefficient,
+    TemperatureLaw,
+    Validity,
 )
-from thermobearing.bearing.temperature import TemperatureLaw
-from thermobearing.bearing.validity import Validity
 from thermobearing.border.errors import InputError, shortened
 from thermobearing.border.library import Library, Sourced
 from thermobearing.border.schema import Name, Strict, in_unit, validated

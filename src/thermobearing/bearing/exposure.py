@@ -66,7 +66,9 @@ class Exposure(Strict):
         )
 
 
-def exposure_of(bearing: "Bearing | BilinearBearing", option: Exposure | None) -> Exposure | None:
+def effective_exposure(
+    bearing: "Bearing | BilinearBearing", option: Exposure | None
+) -> Exposure | None:
     """The factors that count for a bearing: its own or the option's; None where they are 1.
 
     Raises
@@ -83,11 +85,11 @@ def exposures(
     bearings: Iterable["Bearing | BilinearBearing"], option: Exposure | None
 ) -> dict[str, Exposure]:
     """The factors that count, by name of the bearing; empty where all are 1."""
-    found = {bearing.name: exposure_of(bearing, option) for bearing in bearings}
+    found = {bearing.name: effective_exposure(bearing, option) for bearing in bearings}
     return {name: factors for name, factors in found.items() if factors is not None}
 
 
-def told_of(factors: Mapping[str, Exposure]) -> list[str]:
+def describe_all(factors: Mapping[str, Exposure]) -> list[str]:
     """A sentence a bearing, for those who read results."""
     return [f"{name}: {item.told()}" for name, item in factors.items()]
 
@@ -124,7 +126,7 @@ def exposed(bearing: "Bearing", option: Exposure | None = None) -> "Bearing":
     >>> round(h.post_yield_ratio * h.layer_stiffness / (0.266 * 30.738), 12)
     2.0
     """
-    factors = exposure_of(bearing, option)
+    factors = effective_exposure(bearing, option)
     if factors is None:
         return bearing.model_copy(update={"exposure": None}) if bearing.exposure else bearing
     h = bearing.hysteresis
@@ -168,7 +170,7 @@ def exposed_bilinear(
     >>> exposed_bilinear(bearing, Exposure(strength=2.0, source="an example")).strength
     250.8
     """
-    factors = exposure_of(bearing, option)
+    factors = effective_exposure(bearing, option)
     if factors is None:
         return bearing
     k1, k2 = bearing.initial_stiffness, bearing.post_yield_stiffness

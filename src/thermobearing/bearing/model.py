@@ -5,17 +5,140 @@ annotations (kN, mm, s, degC; thermal properties as tables print them).
 """
 
 import math
-from typing import Annotated, Literal
+from itertools import pairwise
+from typing import Annotated, Any, Literal, Protocol
 
 from pydantic import Field, field_validator, model_validator
 
 from thermobearing.bearing.exposure import Exposure
-from thermobearing.bearing.temperature import TemperatureLaw
-from thermobearing.bearing.validity import Validity
 from thermobearing.border.library import Sourced
 from thermobearing.border.schema import Name, Strict, in_unit
 from thermobearing.border.showing import facts_html
 from thermobearing.border.units import CUBIC_MM_PER_CUBIC_M, NEWTON_PER_KILONEWTON
+
+LawCelsius = Annotated[float, in_unit("degC"), Field(ge=-150, le=300)]
+Factor = Annotated[float, Field(ge=1e-3, le=1e3)]
+Factors = Annotated[list[Factor], Field(min_length=2, max_length=100)]
+
+
+class TemperatureLaw(Strict):
+    """Range of the law of Eq. 4.34, and a table that multiplies it.
+
+    Attributes
+    ----------
+    coldest, warmest : temperatures of the rubber in the tests that the law was identified on
+        [degC]; those of the table if not given.
+    temperatures : of the table [degC], growing.
+    elastic, hysteretic : factors on the two stiffness terms there; between them a monotone cubic in
+        the logarithm, beyond them as steep as at the end. A table that is the whole law goes with
+        m_T = n_T = 0.
+
+    Examples
+    --------
+    >>> TemperatureLaw(temperatures=[-20, 40], elastic=[1.4, 0.9], hysteretic=[2, 0.8]).range
+    (-20.0, 40.0)
+    """
+
+    coldest: LawCelsius | None = None
+    warmest: LawCelsius | None = None
+    temperatures: Annotated[list[LawCelsius], Field(min_length=2, max_length=100)] | None = None
+    elastic: Factors | None = None
+    hysteretic: Factors | None = None
+
+    @classmethod
+    def conflicts(cls, given: dict[str, Any]) -> list[str]:
+        """Half a range, half a table, or a table out of order."""
+        found = []
+        table = [name for name in ("temperatures", "elastic", "hysteretic") if name in given]
+        if ("coldest" in given) != ("warmest" in given):
+            found.append("give both coldest and warmest, or neither")
+        if len(table) not in (0, 3):
+            found.append("a table needs temperatures, elastic and hysteretic")
+        elif len({len(given[name]) for name in table if isinstance(given[name], list)}) > 1:
+            found.append("temperatures, elastic and hysteretic must be equally long")
+        return found
+
+    def model_post_init(self, context: Any) -> None:
+        """What can be compared only when units are plain numbers."""
+        values = self.temperatures or []
+        if any(after <= before for before, after in pairwise(values)):
+            raise ValueError("temperatures must grow from one to the next")
+        if self.coldest is not None and self.warmest is not None and self.coldest >= self.warmest:
+            raise ValueError("coldest must be below warmest")
+
+    @property
+    def range(self) -> tuple[float, float] | None:
+        """Coldest and warmest temperature that the law is known at [degC]."""
+        if self.coldest is not None and self.warmest is not None:
+            return self.coldest, self.warmest
+        if self.temperatures is not None:
+            return self.temperatures[0], self.temperatures[-1]
+        return None
+
+
+Ends = Field(min_length=2, max_length=2)
+Strain = Annotated[float, Field(ge=0, le=10)]
+Rate = Annotated[float, in_unit("1/s"), Field(ge=0, le=1e4)]
+Celsius = Annotated[float, in_unit("degC"), Field(ge=-150, le=400)]
+Count = Annotated[float, Field(ge=0, le=1e6)]
+
+
+class Validity(Strict):
+    """Lowest and highest value of each quantity in the tests behind a bearing's parameters.
+
+    What is left out is not known; the temperatures of the rubber stand in `temperature_law`.
+
+    Attributes
+    ----------
+    strain : largest shear strain of a test, as a share: 2.5 is 250 %, in [0, 10].
+    strain_rate : largest speed of a test over the total rubber thickness [1/s], in [0, 1e4].
+    ambient : temperature of the air [degC], in [-150, 400].
+    cycles : of at least half the largest strain, in a row without a rest, in [0, 1e6].
+    lead_temperature : of the lead cores [degC], in [-150, 400].
+
+    Examples
+    --------
+    >>> Validity(strain=[0.5, 2.5], ambient=[-20, 23]).ranges()
+    {'strain': (0.5, 2.5), 'ambient': (-20.0, 23.0)}
+    """
+
+    strain: Annotated[list[Strain], Ends] | None = None
+    strain_rate: Annotated[list[Rate], Ends] | None = None
+    ambient: Annotated[list[Celsius], Ends] | None = None
+    cycles: Annotated[list[Count], Ends] | None = None
+    lead_temperature: Annotated[list[Celsius], Ends] | None = None
+
+    @classmethod
+    def conflicts(cls, given: dict[str, Any]) -> list[str]:
+        """A range without a quantity says nothing."""
+        if set(given) & set(cls.model_fields):
+            return []
+        return [f"give one of {', '.join(cls.model_fields)} at least, as [lowest, highest]"]
+
+    def model_post_init(self, context: Any) -> None:
+        """What can be compared only when units are plain numbers."""
+        for name, (low, high) in self.ranges().items():
+            if low > high:
+                raise ValueError(f"{name}: {low:g} is above {high:g}; write [lowest, highest]")
+
+    def ranges(self) -> dict[str, tuple[float, float]]:
+        """Lowest and highest value of each quantity that is known."""
+        known = {name: getattr(self, name) for name in type(self).model_fields}
+        return {name: (ends[0], ends[1]) for name, ends in known.items() if ends is not None}
+
+
+class Tested(Protocol):
+    """Whatever bearing may say what it was tested at."""
+
+    @property
+    def tested_range(self) -> Validity | None:
+        """None where it is not given."""
+
+
+def calibration_ranges(bearing: Tested) -> dict[str, tuple[float, float]] | None:
+    """Of a bearing, lowest and highest value by quantity; None where its file gives none."""
+    return None if bearing.tested_range is None else bearing.tested_range.ranges()
+
 
 # Every range is that of real bearings with a factor of ten or more on either side: what lies
 # outside is a slip in a unit or an exponent, and the model would make nonsense of it.

@@ -180,7 +180,7 @@ def _sources(made: Bearing, of: Compound, *, assumed_plate: bool) -> dict[str, s
     """Rule and source of each number of the new bearing, by dotted key."""
     told = of.sources
     found = {}
-    for key in number_keys(made):
+    for key in _number_keys(made):
         table, _, _ = key.partition(".")
         before = key.replace("hysteresis.", "rubber.", 1)
         if table in ("geometry", "cells") or key in ("lead.cores", "lead.diameter"):
@@ -200,13 +200,13 @@ def _sources(made: Bearing, of: Compound, *, assumed_plate: bool) -> dict[str, s
     return found
 
 
-def number_keys(model: Strict, before: str = "") -> list[str]:
+def _number_keys(model: Strict, before: str = "") -> list[str]:
     """Dotted keys of all entries of a record that are no tables, without texts at its top."""
     found = []
     for name in type(model).model_fields:
         value = getattr(model, name)
         if isinstance(value, Strict):
-            found += number_keys(value, f"{before}{name}.")
+            found += _number_keys(value, f"{before}{name}.")
         elif value is not None and before:
             found.append(f"{before}{name}")
     return found

@@ -101,10 +101,10 @@ def compound_of(bearing: Bearing, name: str = "") -> Compound:
         rate=branch,
         **{key: getattr(bearing, key) for key in COPIED},
     )
-    return made.with_sources(_sources_of(bearing))
+    return made.with_sources(_number_sources(bearing))
 
 
-def _sources_of(bearing: Bearing) -> dict[str, str]:
+def _number_sources(bearing: Bearing) -> dict[str, str]:
     """Sources of a bearing's numbers under the names that they have in a compound."""
     divided = {
         "hysteresis.layer_stiffness": ("rubber.shear_modulus", "K_r t_r/A"),
@@ -126,7 +126,7 @@ def _sources_of(bearing: Bearing) -> dict[str, str]:
     return found
 
 
-def kind_of(compound: Compound, *, with_lead: bool) -> str:
+def find_kind(compound: Compound, *, with_lead: bool) -> str:
     """HDR, LHDR or LRB.
 
     Raises
@@ -146,7 +146,7 @@ def kind_of(compound: Compound, *, with_lead: bool) -> str:
     return kind
 
 
-def parts_of(compound: Compound, geometry: Geometry, cores: Cores | None) -> dict[str, Any]:
+def split_parts(compound: Compound, geometry: Geometry, cores: Cores | None) -> dict[str, Any]:
     """Hysteresis, lead and rate of a bearing of that size, by key of `Bearing`.
 
     Raises
@@ -227,12 +227,12 @@ def bearing_of(
     >>> round(made.hysteresis.layer_stiffness, 2), round(made.hysteresis.yield_displacement, 2)
     (36.16, 5.27)
     """
-    kind: Any = kind_of(compound, with_lead=cores is not None)
+    kind: Any = find_kind(compound, with_lead=cores is not None)
     return Bearing(
         name=name,
         kind=kind,
         geometry=geometry,
-        **parts_of(compound, geometry, cores),
+        **split_parts(compound, geometry, cores),
         **{key: getattr(compound, key) for key in COPIED},
         **more,
     )
@@ -262,12 +262,12 @@ def resized(bearing: Bearing, geometry: Geometry, core_diameter: float | None = 
     >>> resized(specimen, specimen.geometry).lead == specimen.lead
     True
     """
-    cores = cores_of(bearing, core_diameter)
-    parts = parts_of(compound_of(bearing), geometry, cores)
+    cores = lead_cores(bearing, core_diameter)
+    parts = split_parts(compound_of(bearing), geometry, cores)
     return bearing.model_copy(update={"geometry": geometry, **parts})
 
 
-def cores_of(bearing: Bearing, diameter: float | None = None) -> Cores | None:
+def lead_cores(bearing: Bearing, diameter: float | None = None) -> Cores | None:
     """Lead cores of a bearing, with another diameter [mm] if given; None without lead."""
     if bearing.lead is None:
         return None

@@ -77,7 +77,7 @@ def guessed_columns(
 
     Parameters
     ----------
-    table : from `table_of`.
+    table : from `make_table`.
     layout : titles by quantity and units, which are then not guessed.
     places : of thermocouples by title, likewise.
     needed : quantities without which the table is no test.
@@ -127,7 +127,7 @@ def guessed_air(table: Table) -> dict[str, str]:
 
     Parameters
     ----------
-    table : from `table_of`.
+    table : from `make_table`.
 
     Returns
     -------

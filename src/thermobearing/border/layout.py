@@ -119,7 +119,7 @@ def _is_units(row: list[str]) -> bool:
     return bool(some) and all(measured_in(text) for text in some)
 
 
-def table_of(sheet: Sheet, layout: Layout | None = None) -> Table | None:
+def make_table(sheet: Sheet, layout: Layout | None = None) -> Table | None:
     """The table in a sheet: titles, units, rows; None where there is nothing.
 
     Parameters

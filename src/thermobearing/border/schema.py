@@ -1,7 +1,7 @@
 """Strict data with units: how TOML tables become checked objects, and faults become sentences."""
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from typing import Annotated, Any, TypeVar, get_args
 from unicodedata import category
@@ -22,12 +22,10 @@ from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails, InitErrorDetails, PydanticCustomError
 
 from thermobearing.border.errors import InputError, closest, nearest, printable, shortened
-from thermobearing.border.units import HUGEST, parse_quantity
+from thermobearing.border.units import HUGEST, parse_quantity, with_unit
 
 M = TypeVar("M", bound="Strict")
-
 LONGEST_NAME = 200  # characters of the name of a thing
-
 SOURCED = {"value", "source", "note"}  # keys of an entry {value = ..., source = ...}
 UNION = ("float", "int", "str", "bool", "none", "list", "tuple", "function-", "constrained-")
 MOST_TOLD = 50  # faults of a file that a message holds
@@ -111,13 +109,13 @@ class _Converted:
 
 def _is_absurd(model: type[BaseModel], name: str, value: float) -> bool:
     """Whether a number is so large, or so close to a zero it may not be, that it must be a slip."""
-    bounded, positive = _limits_of(model, name)
+    bounded, positive = _bound_kinds(model, name)
     return (not bounded and abs(value) > HUGEST) or (positive and value < 1.0 / HUGEST)
 
 
 # What a field allows is asked for every number of every record that is made.
 @cache
-def _limits_of(model: type[BaseModel], name: str) -> tuple[bool, bool]:
+def _bound_kinds(model: type[BaseModel], name: str) -> tuple[bool, bool]:
     """Whether a field has an upper limit, and whether it must be more than zero."""
     parts = list(_parts(model.model_fields[name]))
     bounded = any(isinstance(part, Le | Lt) for part in parts)
@@ -129,7 +127,7 @@ def _is_plain(model: type[BaseModel], name: str) -> tuple[bool, bool]:
     """Whether a field is a plain number, and whether it is true or false only."""
     types = {item for item in _parts(model.model_fields[name]) if isinstance(item, type)}
     number = bool(types & {int, float}) and not types & {bool, str}
-    return number and unit_of(model, name) is None, types == {bool}
+    return number and find_unit(model, name) is None, types == {bool}
 
 
 def _plain(model: type[BaseModel], name: str, value: Any) -> Any:
@@ -205,7 +203,7 @@ def _parts(item: Any) -> Iterator[Any]:
 
 
 @cache
-def unit_of(model: type[BaseModel], name: str) -> str | None:
+def find_unit(model: type[BaseModel], name: str) -> str | None:
     """Unit of a field declared with `in_unit`, None for a pure number or a nested table."""
     for item in _parts(model.model_fields[name]):
         if isinstance(item, BeforeValidator) and isinstance(item.func, InUnit):
@@ -279,7 +277,7 @@ def _sentence(model: type[BaseModel], item: ErrorDetails) -> str:
     if kind in ("union_tag_invalid", "union_tag_not_found"):
         return _tag_sentence(key, item)
     if kind == "missing":
-        unit = unit_of(owner, name)
+        unit = find_unit(owner, name)
         return f'missing key "{key}"' + (f' = "... {unit}"' if unit else "")
     if kind == "conflict":
         return f"{key}: {item['msg']}" if key else item["msg"]
@@ -291,7 +289,7 @@ def _sentence(model: type[BaseModel], item: ErrorDetails) -> str:
             message = f'unknown key "{strange[0]}" beside "value"{nearest(strange[0], SOURCED)}'
     elif kind == "literal_error":
         message = f"must be {item['ctx']['expected']}"
-        message += _closest_of(value, item["ctx"]["expected"])
+        message += _closest_hint(value, item["ctx"]["expected"])
     elif kind in ("model_type", "model_attributes_type", "dict_type"):
         message = "must be a table"
     elif kind in ("list_type", "tuple_type"):
@@ -313,7 +311,7 @@ def _sentence(model: type[BaseModel], item: ErrorDetails) -> str:
         message = (
             f"must be {'at most' if large else 'at least'} {HUGEST if large else 1 / HUGEST:g}"
         )
-        message += f" {unit_of(owner, name) or ''} in size; is it a slip?".replace("  ", " ")
+        message += f" {find_unit(owner, name) or ''} in size; is it a slip?".replace("  ", " ")
     elif kind not in ("unit", "value_error"):
         message = f"must be {_allowed(owner, name)}"
     shown = "" if kind == "value_error" else f" = {shortened(repr(value))}"
@@ -329,10 +327,10 @@ def _tag_sentence(key: str, item: ErrorDetails) -> str:
     if given is None:
         return f'missing key "{key}.{tag}"'
     expected = item["ctx"]["expected_tags"]
-    return f"{key}.{tag} = {given!r}: must be one of {expected}" + _closest_of(given, expected)
+    return f"{key}.{tag} = {given!r}: must be one of {expected}" + _closest_hint(given, expected)
 
 
-def _closest_of(value: Any, quoted: str) -> str:
+def _closest_hint(value: Any, quoted: str) -> str:
     """A hint at the name nearest to the value in a text such as "'a', 'b' or 'c'"."""
     return closest(value, quoted.split("'")[1::2]) if isinstance(value, str) else ""
 
@@ -349,4 +347,82 @@ def _allowed(model: type[BaseModel], name: str) -> str:
     ]
     if not limits:
         what = what.replace("a number", "a finite number")
-    return " ".join(word for word in (what, " and ".join(limits), unit_of(model, name)) if word)
+    return " ".join(word for word in (what, " and ".join(limits), find_unit(model, name)) if word)
+
+
+def said_with_unit(value: Any, unit: str | None) -> Any:
+    """Plain numbers, alone or in a sequence, as text with their unit, as a file has them."""
+    if unit is None:
+        return value
+    if hasattr(value, "tolist"):  # numpy arrays and scalars
+        value = value.tolist()
+    if isinstance(value, list | tuple):
+        return [said_with_unit(item, unit) for item in value]
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        return with_unit(value, unit)
+    return value
+
+
+def updated(table: Any, changes: Mapping[str, Any]) -> Any:
+    """The table with changes; what is no table stays as it is, for the checks to find."""
+    return {**table, **changes} if isinstance(table, dict) else table
+
+
+def overridden(
+    table: Mapping[str, Any],
+    given: Mapping[str, Any],
+    model: type[Strict],
+    sections: Mapping[str, type[Strict]] | None = None,
+) -> dict[str, Any]:
+    """A table of a file with what was given instead.
+
+    Parameters
+    ----------
+    table : as read from a file, where every number says its unit.
+    given : values by key of the model or of one of its sections; plain numbers are in the unit
+        of the key, and None leaves the value of the table. An unknown key goes into the table
+        too, for the check to find it.
+    model : what the table is to become.
+    sections : tables inside the table whose keys may be given directly, such as "analysis".
+
+    Examples
+    --------
+    >>> from thermobearing.border.schema import in_unit
+    >>> from typing import Annotated
+    >>> class Walk(Strict):
+    ...     length: Annotated[float, in_unit("mm")]
+    ...     name: str = ""
+    >>> overridden({"length": "5 m"}, {"length": 70, "name": None}, Walk)
+    {'length': '70.0 mm'}
+    """
+    table = dict(table)
+    for key, value in given.items():
+        if value is None:
+            continue
+        homes = [] if key in model.model_fields else list((sections or {}).items())
+        home = next((item for item in homes if key in item[1].model_fields), None)
+        owner = home[1] if home else model
+        unit = find_unit(owner, key) if key in owner.model_fields else None
+        said = said_with_unit(value, unit)
+        if home:
+            table[home[0]] = updated(table.get(home[0], {}), {key: said})
+        else:
+            table[key] = said
+    return table
+
+
+def check_workers(where: str, executor: Any = None, progress: Any = None) -> None:
+    """Refuse an executor or a callback that cannot be one, before anything is computed.
+
+    Raises
+    ------
+    InputError : an executor without `submit`, or a callback that cannot be called.
+
+    Examples
+    --------
+    >>> check_workers("example", None, print)
+    """
+    if executor is not None and not callable(getattr(executor, "submit", None)):
+        raise InputError("executor: must be one of concurrent.futures, or like it", where)
+    if progress is not None and not callable(progress):
+        raise InputError("progress: must be a function of two numbers", where)

@@ -17,10 +17,10 @@ from pydantic import Field
 
 from thermobearing.border.errors import InputError, is_file, nearest
 from thermobearing.border.guess import DOUBTFUL, ColumnGuess, guessed_columns
-from thermobearing.border.layout import Layout, Table, table_of
+from thermobearing.border.layout import Layout, Table, make_table
 from thermobearing.border.schema import OneLine, Strict, in_unit, validated
 from thermobearing.border.sheets import SEPARATORS, Sheet, Told, read_sheets
-from thermobearing.border.tables import Columns, columns_of, usable_table
+from thermobearing.border.tables import Columns, list_columns, usable_table
 from thermobearing.border.toml import read_toml, split_sources
 
 Floats = NDArray[np.float64]
@@ -311,7 +311,7 @@ def _read_block(
         recognised, tables = _recognised(file, sheets, layout, sidecar.thermocouples, optional)
         layout, wanted = _completed(tables[0], layout, recognised.columns, optional, assumptions)
         for table in tables:
-            found = columns_of(table, wanted, optional, layout)
+            found = list_columns(table, wanted, optional, layout)
             unused += found.unused
             parts += _parts_of(sidecar, found, assumptions)
     except InputError as error:
@@ -357,7 +357,7 @@ def _recognised(
         found = [
             (one.name, other)
             for one in sheets
-            if (other := table if one is sheet else table_of(one, layout)) is not None
+            if (other := table if one is sheet else make_table(one, layout)) is not None
             and other.titles == table.titles
             and len(other.rows) > 1
         ]

@@ -15,7 +15,7 @@ _COMMA = re.compile(r"(:\d+),(\d+)")
 _YEAR_LAST = re.compile(r"^\d{1,2}[./-]\d{1,2}[./-]\d{4}\b")
 
 
-def seconds_of(stamps: list[str]) -> Floats:
+def elapsed_seconds(stamps: list[str]) -> Floats:
     """Seconds since the first of some stamps.
 
     Parameters
@@ -34,9 +34,9 @@ def seconds_of(stamps: list[str]) -> Floats:
 
     Examples
     --------
-    >>> seconds_of(["23:59:59.5", "00:00:00,5"]).tolist()
+    >>> elapsed_seconds(["23:59:59.5", "00:00:00,5"]).tolist()
     [0.0, 1.0]
-    >>> seconds_of(["31.01.2024 23:59", "01.02.2024 00:01"]).tolist()
+    >>> elapsed_seconds(["31.01.2024 23:59", "01.02.2024 00:01"]).tolist()
     [0.0, 120.0]
     """
     return seconds_and_start(stamps)[0]
@@ -47,11 +47,11 @@ def seconds_and_start(stamps: list[str]) -> tuple[Floats, np.datetime64 | None]:
 
     Parameters
     ----------
-    stamps : as in `seconds_of`. A time zone is dropped.
+    stamps : as in `elapsed_seconds`. A time zone is dropped.
 
     Raises
     ------
-    InputError : as in `seconds_of`.
+    InputError : as in `elapsed_seconds`.
     """
     cells = [_COMMA.sub(r"\1.\2", cell.strip().replace("/", "-")) for cell in stamps]
     if all(re.match(r"^\d+:", cell) for cell in cells):

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from thermobearing.border.errors import InputError, nearest
-from thermobearing.border.layout import Layout, Table, table_of
+from thermobearing.border.layout import Layout, Table, make_table
 from thermobearing.border.sheets import Sheet, is_stamp, read_sheets
 from thermobearing.border.stamps import seconds_and_start
 from thermobearing.border.titles import is_called, name_and_unit, plain_title, plain_unit
@@ -74,7 +74,7 @@ def read_columns(
     first: InputError | None = None
     for sheet in read_sheets(path, layout.told):
         try:
-            return columns_of(usable_table(sheet, layout), wanted, optional, layout).values
+            return list_columns(usable_table(sheet, layout), wanted, optional, layout).values
         except InputError as error:
             first = first or error
     told = first or InputError("is empty")
@@ -88,7 +88,7 @@ def usable_table(sheet: Sheet, layout: Layout) -> Table:
     ------
     InputError : it is empty, has fewer than two rows of numbers, or decimal commas between commas.
     """
-    table = table_of(sheet, layout)
+    table = make_table(sheet, layout)
     if table is None:
         raise InputError("is empty")
     problems = _doubled(table)
@@ -99,7 +99,7 @@ def usable_table(sheet: Sheet, layout: Layout) -> Table:
     return table
 
 
-def columns_of(
+def list_columns(
     table: Table, wanted: dict[str, str], optional: Collection[str], layout: Layout
 ) -> Columns:
     """Return the columns of a table, with its parts and the titles that were not used.

@@ -9,7 +9,7 @@ from typing import Any
 import tomli_w
 
 from thermobearing.border.errors import InputError, read_bytes, shortened
-from thermobearing.border.schema import SOURCED, Strict, unit_of
+from thermobearing.border.schema import SOURCED, Strict, find_unit
 from thermobearing.border.units import with_unit
 
 BITS = 63  # of a whole number in TOML, beside its sign
@@ -115,7 +115,7 @@ def to_table(model: Strict) -> dict[str, Any]:
     table: dict[str, Any] = {}
     for name in type(model).model_fields:
         value = getattr(model, name)
-        unit = unit_of(type(model), name)
+        unit = find_unit(type(model), name)
         if value is None or value == "":
             continue
         table[name] = _entry(value, unit)

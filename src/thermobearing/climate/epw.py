@@ -66,7 +66,7 @@ def read_epw(path: str | Path) -> Hourly:
         if len(lines) < 2:
             raise InputError(f"has {len(lines)} hours; at least 2 are needed")
         dates, said = _dates(lines)
-        values, filled = filled_gaps(np.array([line.dry_bulb for line in lines]), lines[0].number)
+        values, filled = _filled_gaps(np.array([line.dry_bulb for line in lines]), lines[0].number)
     except InputError as error:
         raise InputError(error.problems, str(path)) from None
     begins = dates[0]
@@ -134,7 +134,7 @@ def _date(line: Line, year: int) -> np.datetime64:
     return day + np.timedelta64(line.hour, "h")
 
 
-def filled_gaps(values: Floats, first: int = 0) -> tuple[Floats, list[str]]:
+def _filled_gaps(values: Floats, first: int = 0) -> tuple[Floats, list[str]]:
     """Missing hours on straight lines between those that are there, and a sentence about them.
 
     Parameters

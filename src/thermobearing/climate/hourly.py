@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from thermobearing.bearing.ambient import COLDEST, HOTTEST, Ambient
 from thermobearing.border.errors import InputError
-from thermobearing.border.numbers import is_number, refuse_hidden
+from thermobearing.border.units import is_number, refuse_hidden
 
 if TYPE_CHECKING:
     import pandas as pd

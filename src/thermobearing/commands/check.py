@@ -7,33 +7,78 @@ from typing import Any, NamedTuple
 from thermobearing.bearing.bilinear import BilinearBearing, load_bilinear
 from thermobearing.bearing.compound import Compound, load_compound
 from thermobearing.bearing.library import load_bearing
-from thermobearing.bearing.model import Bearing
-from thermobearing.bearing.plausible import implausible
-from thermobearing.bearing.temperature import TemperatureLaw
-from thermobearing.bearing.validity import Validity
+from thermobearing.bearing.model import Bearing, TemperatureLaw, Validity
+from thermobearing.bearing.plausible import Usuals, implausible
 from thermobearing.border.errors import InputError, is_file
+from thermobearing.border.schema import Strict, validated
 from thermobearing.border.sidecar import Sidecar
 from thermobearing.border.toml import read_toml, split_sources
-from thermobearing.commands.check_data import DATA, data_facts
-from thermobearing.cyclic.case import Case, load_case
+from thermobearing.climate.generator import Climate
+from thermobearing.cyclic.case import LIMITS, Case, load_case, load_rig
 from thermobearing.cyclic.discretisation import REFERENCE, TOLERABLE, cells_error
-from thermobearing.cyclic.rig import LIMITS, load_rig
-from thermobearing.cyclic.segments import build_segments
+from thermobearing.cyclic.history import build_segments
 from thermobearing.design.case import DesignCase, bearing_weight, load_design_case
+from thermobearing.design.peaks import Rules
+from thermobearing.design.published import Published
+from thermobearing.design.rubber import Curves
 from thermobearing.earthquake.case import EarthquakeCase, load_earthquake_case
-from thermobearing.identify.record import TestRecord, load_test
+from thermobearing.identify.records.record import ChamberNumbers, TestRecord, load_test
+from thermobearing.identify.uncertainty.assumed import Groups
+from thermobearing.model.outcomes import TemperatureLimits
 from thermobearing.model.stack import build_stack
 from thermobearing.results.ranges import TESTED
 from thermobearing.sequences.case import SequenceCase, load_sequence_case
 from thermobearing.structure.model import DampingKind, Structure, load_structure
-from thermobearing.structure.plausible import implausible_structure
+from thermobearing.structure.result import implausible_structure
 from thermobearing.structure.run import prepare_structure
-from thermobearing.studies.case import load_study
-from thermobearing.studies.columns import columns_of
-from thermobearing.studies.designs import plan
-from thermobearing.studies.factors import Posterior
-from thermobearing.studies.matched import with_stand_ins
-from thermobearing.studies.record import Study
+from thermobearing.studies.definition.case import load_study
+from thermobearing.studies.definition.columns import list_columns
+from thermobearing.studies.definition.designs import plan
+from thermobearing.studies.definition.factors import Posterior
+from thermobearing.studies.definition.record import Study
+from thermobearing.studies.inputs.motions import with_stand_ins
+
+# Kind: keys that tell it, and the record that it is; None where it is read key by key.
+DATA: dict[str, tuple[set[str], type[Strict] | None]] = {
+    "rubber curves": ({"compounds", "smallest_strain"}, Curves),
+    "published factors": ({"tables"}, Published),
+    "assumed uncertainties": ({"groups"}, Groups),
+    "ambient temperature of tests": ({"ambient_drift"}, ChamberNumbers),
+    "usual values": ({"usual"}, Usuals),
+    "climate": ({"monthly_mean", "daily_range"}, Climate),
+    "temperature limits": ({"absolute_zero"}, TemperatureLimits),
+    "standard spectra": ({"I", "II"}, None),
+    "design of the source": ({"more"}, None),
+    "phases of motions": ({"jra-ii-ii-1"}, None),
+    "rules of peaks": ({"rules"}, Rules),
+    "stiffness ratios": ({"HDR", "LHDR", "LRB"}, None),
+    "words of tables": ({"names"}, None),
+    "claims of the source": ({"claim"}, None),
+    "parameters of claims": ({"parameter"}, None),
+    "printed numbers": ({"u_B", "K_B"}, None),
+    "printed tables": ({"table"}, None),
+    "choices and statements": ({"choice"}, None),
+    "code of others": ({"plotly"}, None),
+    "usual units": ({"factors"}, None),
+    "limits of piers": ({"ductility", "drift"}, None),
+    "surroundings in the weather": ({"upper_face", "lower_face"}, None),
+    "figures of Shen (2023)": ({"figures"}, None),
+}
+
+
+def _data_facts(kind: str, path: Path) -> dict[str, str]:
+    """What a data file holds.
+
+    Raises
+    ------
+    InputError : everything that is wrong with it.
+    """
+    table, _ = split_sources(read_toml(path))
+    record = DATA[kind][1]
+    if record is not None:
+        validated(record, table, str(path))
+    return {"entries": ", ".join(str(key) for key in table if key != "citation")}
+
 
 # Keys that files of one kind alone have, to tell files that do not say what they are.
 DESIGNS = set(DesignCase.model_fields) - set(EarthquakeCase.model_fields)
@@ -62,9 +107,9 @@ def check_file(path: Path) -> Checked:
     InputError : everything that is wrong with it.
     """
     table, _ = split_sources(read_toml(path))
-    kind = kind_of(table, path)
+    kind = find_kind(table, path)
     if kind in DATA:
-        return Checked(kind, data_facts(kind, path), [])
+        return Checked(kind, _data_facts(kind, path), [])
     facts, things = KINDS[kind](path)
     structures = [item for item in things if isinstance(item, Structure)]
     bearings = [item for item in things if not isinstance(item, Structure)]
@@ -77,7 +122,7 @@ def check_file(path: Path) -> Checked:
     return Checked(kind, facts, warnings)
 
 
-def kind_of(table: dict[str, Any], path: Path) -> str:
+def find_kind(table: dict[str, Any], path: Path) -> str:
     """What a file is, by the keys that it has."""
     keys = set(table)
     if table.get("kind") == "bilinear":
@@ -110,16 +155,16 @@ def _bearing(path: Path) -> tuple[dict[str, str], list[Bearing]]:
 
 def _bilinear(path: Path) -> tuple[dict[str, str], list[BilinearBearing]]:
     bearing = load_bilinear(path)
-    return bilinear_facts(bearing), [bearing]
+    return _bilinear_facts(bearing), [bearing]
 
 
 def _compound(path: Path) -> tuple[dict[str, str], list[Bearing]]:
-    return compound_facts(load_compound(path)), []
+    return _compound_facts(load_compound(path)), []
 
 
 def _structure(path: Path) -> tuple[dict[str, str], list[Structure]]:
     structure = load_structure(path)
-    return structure_facts(structure), [structure]
+    return _structure_facts(structure), [structure]
 
 
 def _rig(path: Path) -> tuple[dict[str, str], list[Bearing]]:
@@ -130,33 +175,33 @@ def _rig(path: Path) -> tuple[dict[str, str], list[Bearing]]:
 
 
 def _record(path: Path) -> tuple[dict[str, str], list[Bearing]]:
-    return record_facts(load_test(path)), []
+    return _record_facts(load_test(path)), []
 
 
 def _study(path: Path) -> tuple[dict[str, str], list[Bearing | BilinearBearing | Structure]]:
     case = load_earthquake_case(path)
-    return earthquake_facts(case), [*case.bearings, case.structure]
+    return _earthquake_facts(case), [*case.bearings, case.structure]
 
 
 def _many(path: Path) -> tuple[dict[str, str], list[Bearing | BilinearBearing | Structure]]:
     study = load_study(path)
     things = [one for one in study.factors.bearing.levels if not isinstance(one, Posterior)]
-    return study_facts(study), [*things, *study.factors.structure.levels]
+    return _study_facts(study), [*things, *study.factors.structure.levels]
 
 
 def _sequence(path: Path) -> tuple[dict[str, str], list[Bearing]]:
     case = load_sequence_case(path)
-    return sequence_facts(case), [case.bearing]
+    return _sequence_facts(case), [case.bearing]
 
 
 def _design(path: Path) -> tuple[dict[str, str], list[Bearing | Structure]]:
     case = load_design_case(path)
-    return design_facts(case), [*(load_bearing(name) for name in case.equal), case.structure]
+    return _design_facts(case), [*(load_bearing(name) for name in case.equal), case.structure]
 
 
 def _case(path: Path) -> tuple[dict[str, str], list[Bearing]]:
     case = load_case(path)
-    return case_facts(case), [case.bearing]
+    return _case_facts(case), [case.bearing]
 
 
 KINDS: dict[str, Callable[[Path], tuple[dict[str, str], Any]]] = {
@@ -174,7 +219,7 @@ KINDS: dict[str, Callable[[Path], tuple[dict[str, str], Any]]] = {
 }
 
 
-def case_facts(case: Case) -> dict[str, str]:
+def _case_facts(case: Case) -> dict[str, str]:
     """What a cyclic test would do."""
     segments = build_segments(case.test, case.bearing.total_rubber_thickness)
     time = sum(float(segment.dt.sum()) for segment in segments)
@@ -190,7 +235,7 @@ def case_facts(case: Case) -> dict[str, str]:
     }
 
 
-def design_facts(case: DesignCase) -> dict[str, str]:
+def _design_facts(case: DesignCase) -> dict[str, str]:
     """What a design loop would begin with."""
     loads = [
         f"{bearing_weight(case, group):.0f} kN a bearing{' of ' if group.name else ''}{group.name}"
@@ -202,11 +247,11 @@ def design_facts(case: DesignCase) -> dict[str, str]:
         "begins at": f"{case.start:g} mm, {'; '.join(loads)}",
         "ends": f"within {case.tolerance:.2%}, or after {case.most_rounds} rounds",
         "equal bearings": ", ".join(case.equal) or "none",
-        **structure_facts(case.structure),
+        **_structure_facts(case.structure),
     }
 
 
-def record_facts(record: TestRecord) -> dict[str, str]:
+def _record_facts(record: TestRecord) -> dict[str, str]:
     """What a test record holds."""
     return {
         "name": record.name,
@@ -240,7 +285,7 @@ def cells_facts(path: Path) -> dict[str, str]:
     return facts
 
 
-def earthquake_facts(case: EarthquakeCase) -> dict[str, str]:
+def _earthquake_facts(case: EarthquakeCase) -> dict[str, str]:
     """What a study would run."""
     climates = case.weather or ", ".join(f"{value:g} degC" for value in case.ambient)
     count = len(case.bearings) * len(case.motions) * (1 if case.weather else len(case.ambient))
@@ -250,14 +295,14 @@ def earthquake_facts(case: EarthquakeCase) -> dict[str, str]:
         "motions": ", ".join(motion.name for motion in case.motions),
         "ambient": climates,
         "runs": f"{count}, {case.analysis.method}, dt {case.analysis.dt:g} s",
-        **structure_facts(case.structure, case.analysis.damping),
+        **_structure_facts(case.structure, case.analysis.damping),
     }
 
 
-def study_facts(study: Study) -> dict[str, str]:
+def _study_facts(study: Study) -> dict[str, str]:
     """What a study would run."""
     facts = {"design": study.design.kind, "runs": str(len(plan(with_stand_ins(study))))}
-    for column in columns_of(study):
+    for column in list_columns(study):
         told = f"{column.count} levels"
         if column.count == 1:
             told = str(column.levels[0])
@@ -270,7 +315,7 @@ def study_facts(study: Study) -> dict[str, str]:
     return facts
 
 
-def sequence_facts(case: SequenceCase) -> dict[str, str]:
+def _sequence_facts(case: SequenceCase) -> dict[str, str]:
     """What a sequence would do."""
     return {
         "bearing": f"{case.bearing.name} ({case.bearing.description})",
@@ -280,7 +325,7 @@ def sequence_facts(case: SequenceCase) -> dict[str, str]:
     }
 
 
-def structure_facts(structure: Structure, damping: DampingKind | None = None) -> dict[str, str]:
+def _structure_facts(structure: Structure, damping: DampingKind | None = None) -> dict[str, str]:
     """Coordinates, masses, periods and damping of a structure."""
     prepared = prepare_structure(structure, damping=damping)
     total = 1e3 * sum(item.mass for item in structure.masses)
@@ -294,7 +339,7 @@ def structure_facts(structure: Structure, damping: DampingKind | None = None) ->
     }
 
 
-def bilinear_facts(bearing: BilinearBearing) -> dict[str, str]:
+def _bilinear_facts(bearing: BilinearBearing) -> dict[str, str]:
     """The backbone."""
     return {
         "name": bearing.name,
@@ -323,7 +368,7 @@ def bearing_facts(bearing: Bearing) -> dict[str, str]:
     }
 
 
-def compound_facts(compound: Compound) -> dict[str, str]:
+def _compound_facts(compound: Compound) -> dict[str, str]:
     """Stresses and strains of a compound, and what it says nothing of."""
     rubber, lead, rate = compound.rubber, compound.lead, compound.rate
     facts = {

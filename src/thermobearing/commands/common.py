@@ -1,24 +1,103 @@
-"""What all commands share: options, how they end, the last line of JSON."""
+"""Options, help, progress and messages shared by all commands.
+
+On a terminal typer draws panels with rich. Elsewhere the same panels are plain sections.
+"""
 
 import functools
 import inspect
+import io
+import os
+import re
+import shutil
 import sys
 from collections.abc import Callable, Sequence
+from contextvars import ContextVar
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, TextIO, TypeVar
 
 import typer
+import typer.core
+from rich.console import Console
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    ProgressColumn,
+    Task,
+    TextColumn,
+    TimeRemainingColumn,
+)
+from rich.text import Text
 
 from thermobearing.border.errors import InputError, OutputError, printable
-from thermobearing.commands.options import as_options
 
 if TYPE_CHECKING:
     from thermobearing.report.title import TitleBlock
 
+FEW_LETTERS = {"dt"}  # no word of a sentence, like those with an underscore
+# Options of the command that runs, and whether each was given.
+RUNNING: ContextVar[dict[str, bool] | None] = ContextVar("running", default=None)
+
+
+def _long_options(context: Any) -> dict[str, bool]:
+    """The long options of a command, and whether the command line gives them.
+
+    Parameters
+    ----------
+    context : of typer.
+
+    Returns
+    -------
+    dict
+    """
+    found: dict[str, bool] = {}
+    for parameter in context.command.params:
+        source = context.get_parameter_source(parameter.name)
+        given = source is not None and source.name == "COMMANDLINE"
+        words = [word for word in parameter.opts if word.startswith("--")]
+        found |= {word: given for word in words[:1]}
+    return found
+
+
+def _as_options(text: str) -> str:
+    """A message of the library with the options of the command that runs.
+
+    A key that a value is said of ("test.dt = ...", "ambient[0] = ...") becomes the option that gave
+    it, if one did; a keyword in what is to be tried ("a larger dt", "say so with trust_unit") the
+    option of that name, if the command has it.
+
+    Parameters
+    ----------
+    text : as raised; unchanged outside a command.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> before = RUNNING.set({"--dt": True, "--keep-every": False})
+    >>> _as_options("command line: test.dt = '9 s': must be at most 1 s")
+    "command line: --dt = '9 s': must be at most 1 s"
+    >>> _as_options("case.toml: keep_every = 0: must be at least 1; or a larger dt, keep_every")
+    'case.toml: keep_every = 0: must be at least 1; or a larger --dt, --keep-every'
+    >>> RUNNING.reset(before)
+    """
+    options = RUNNING.get() or {}
+    for flag, given in options.items():
+        key = flag[2:].replace("-", "_")
+        if given:  # alone or of a table, one or a list of them
+            plural = "" if f"{flag}s" in options else "s?"
+            said_of = rf"(?<![\w./-])(?:\w+(?:\[\d+\])?\.)?{key}{plural}(?:\[\d+\])?(?= = |: )"
+            text = re.sub(said_of, flag, text)
+        if "_" in key or key in FEW_LETTERS:
+            text = re.sub(rf"(?<![\w.\"/=-]){key}(?![\w\"/=]| = |: |\.\w)", flag, text)
+    return text
+
+
 T = TypeVar("T")
 BAD_INPUT, ENDED_EARLY, POOR_FIT, INTERRUPTED = 2, 3, 4, 130
-
 # Panels of --help: of the list of commands, and of the options of one.
 ANALYSES, LABORATORY, OFFICE, FILES = (
     "Tests and earthquakes",
@@ -28,7 +107,6 @@ ANALYSES, LABORATORY, OFFICE, FILES = (
 )
 INPUT, TEST, MODEL, SEARCH, RESULT = ("What", "Test", "Model", "Search", "Result")
 REPORT = "Report"
-
 Output = Annotated[
     Path | None,
     typer.Option("-o", "--output", help="Result directory.", rich_help_panel=RESULT),
@@ -92,8 +170,6 @@ Limit = Annotated[
         metavar="QUANTITY=NUMBER",
     ),
 ]
-
-
 Title = Annotated[
     list[str] | None,
     typer.Option(
@@ -233,12 +309,12 @@ def reported(command: Callable[..., int]) -> Callable[..., None]:
                 kwargs[DOCUMENTS] = _documents(kwargs)
             status = command(*args, **kwargs)
         except InputError as error:
-            raise _fail(as_options(str(error)), BAD_INPUT, "bad_input", as_json) from None
+            raise _fail(_as_options(str(error)), BAD_INPUT, "bad_input", as_json) from None
         except OutputError as error:
             raise _fail(str(error), BAD_INPUT, "not_written", as_json) from None
         except MemoryError:
             message = "not enough memory; keep fewer histories (keep_every) or a larger dt"
-            raise _fail(as_options(message), BAD_INPUT, "bad_input", as_json) from None
+            raise _fail(_as_options(message), BAD_INPUT, "bad_input", as_json) from None
         except KeyboardInterrupt:
             message = "interrupted; nothing was written"
             raise _fail(message, INTERRUPTED, "interrupted", as_json) from None
@@ -347,10 +423,152 @@ def with_progress(
         return call(None)
     from rich.console import Console
 
-    from thermobearing.commands.progress import progress_bar
-
     with progress_bar(Console(stderr=True)) as bar:
         task = bar.add_task(what, total=None)
         return call(
             lambda done, total: bar.update(task, description=what, completed=done, total=total)
         )
+
+
+WIDTH, MOST = 100, 200  # letters of a line where COLUMNS does not say, and at most
+
+
+def _plain(command: Any, ctx: Any, formatter: Any) -> None:
+    """Usage, help, a section for each panel, the example."""
+    formatter.width = min(shutil.get_terminal_size((WIDTH, 24)).columns, MOST)
+    command.format_usage(ctx, formatter)
+    command.format_help_text(ctx, formatter)
+    sections: dict[str, list[tuple[str, str]]] = {}
+    for parameter in command.get_params(ctx):
+        record = parameter.get_help_record(ctx)
+        if record is not None:
+            usual = "Arguments" if parameter.param_type_name == "argument" else "Options"
+            panel = getattr(parameter, "rich_help_panel", None) or usual
+            sections.setdefault(panel, []).append(record)
+    for name, item in getattr(command, "commands", {}).items():
+        panel = getattr(item, "rich_help_panel", None) or "Commands"
+        sections.setdefault(panel, []).append((name, item.get_short_help_str(limit=200)))
+    for panel, rows in sections.items():
+        with formatter.section(panel):
+            formatter.write_dl(rows, col_max=48)
+    if command.epilog:
+        formatter.write_paragraph()
+        formatter.write_text(command.epilog)
+
+
+class Command(typer.core.TyperCommand):
+    """A command with plain help in a pipe, whose messages may name its options."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run, its options known to `_as_options`."""
+        before = RUNNING.set(_long_options(ctx))
+        try:
+            return super().invoke(ctx)
+        finally:
+            RUNNING.reset(before)
+
+    def format_help(self, ctx: Any, formatter: Any) -> None:
+        """Panels on a terminal, sections elsewhere."""
+        if sys.stdout.isatty():
+            super().format_help(ctx, formatter)
+        else:
+            _plain(self, ctx, formatter)
+
+
+class Group(typer.core.TyperGroup):
+    """A group of commands with plain help in a pipe, and plain faults of usage there."""
+
+    def format_help(self, ctx: Any, formatter: Any) -> None:
+        """Panels on a terminal, sections elsewhere."""
+        if sys.stdout.isatty():
+            super().format_help(ctx, formatter)
+        else:
+            _plain(self, ctx, formatter)
+
+    def main(self, *args: Any, **kwargs: Any) -> Any:
+        """Run; a fault of usage has a frame on a terminal only."""
+        drawn = self.rich_markup_mode
+        if not sys.stderr.isatty():
+            self.rich_markup_mode = None
+        try:
+            return super().main(*args, **kwargs)
+        finally:
+            self.rich_markup_mode = drawn
+
+
+class Patient:
+    """A stream whose reader may leave: what is printed after that goes nowhere.
+
+    `thermobearing cyclic | head -1` then ends as it would have ended otherwise. Where a disk is
+    full, the results are written all the same; `lost` says why the output is not.
+    """
+
+    def __init__(self, stream: TextIO) -> None:
+        self._stream = stream
+        self.lost = ""
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._stream, name)
+
+    def write(self, text: str) -> int:
+        """Write text; its length."""
+        try:
+            self._stream.write(text)
+        except OSError as error:
+            self._leave(error)
+        return len(text)
+
+    def flush(self) -> None:
+        """Hand over what is buffered."""
+        try:
+            self._stream.flush()
+        except OSError as error:
+            self._leave(error)
+
+    def _leave(self, error: OSError) -> None:
+        if not isinstance(error, BrokenPipeError):
+            self.lost = error.strerror or str(error)
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, self._stream.fileno())
+        os.close(nowhere)
+
+
+def patient_streams() -> None:
+    """Make standard output and error patient, and replace characters that they cannot show."""
+    for name in ("stdout", "stderr"):
+        stream = getattr(sys, name)
+        if stream is None:  # closed before the start
+            setattr(sys, name, os.fdopen(os.open(os.devnull, os.O_WRONLY), "w"))
+        elif isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")
+            setattr(sys, name, Patient(stream))
+
+
+LOOKS_BACK = 600.0  # what was done before that says little of the rest [s]
+
+
+class Rate(ProgressColumn):
+    """How many are done in a second; in a minute where that is less than one."""
+
+    def render(self, task: Task) -> Text:
+        """Nothing until two are done."""
+        speed = task.speed
+        if not speed:
+            return Text("")
+        told = f"{speed:.3g} a second" if speed >= 1.0 else f"{60.0 * speed:.3g} a minute"
+        return Text(told, style="progress.data.speed")
+
+
+def progress_bar(console: Console) -> Progress:
+    """A bar that vanishes when all is done."""
+    return Progress(
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        Rate(),
+        TimeRemainingColumn(),
+        TextColumn("left"),
+        console=console,
+        transient=True,
+        speed_estimate_period=LOOKS_BACK,
+    )

@@ -1,4 +1,4 @@
-"""`thermobearing cyclic`: displacement-controlled tests."""
+"""Run displacement-controlled tests and sequences of tests."""
 
 import contextlib
 import re
@@ -38,7 +38,6 @@ if TYPE_CHECKING:
     from thermobearing.cyclic.result import Result
 
 WORTH_TELLING = 20e6  # size of a result that is announced before it is computed [bytes]
-
 CaseFile = Annotated[
     Path | None, typer.Argument(help="Case file; without one, Table 3.4 on the HDR specimen.")
 ]
@@ -166,9 +165,8 @@ def _carry_out(
     documents: Documents,
 ) -> int:
     """Check the target, run, write, tell."""
-    from thermobearing.cyclic.files import save_result
+    from thermobearing.cyclic.output import print_result, save_result
     from thermobearing.cyclic.run import run_case
-    from thermobearing.cyclic.screen import print_result
     from thermobearing.results.directory import check_target
 
     target = output or Path("cyclic-" + re.sub(r"[^\w.+-]+", "-", whole.bearing.name))
@@ -197,7 +195,7 @@ def _short_test(strain: list[float] | None, words: dict[str, Any]) -> "CyclicTes
 
 def _announce_size(case: "Case", quiet: bool) -> None:
     """Before a run: how large its result can get."""
-    from thermobearing.cyclic.sizes import expected_size
+    from thermobearing.cyclic.dataset import expected_size
 
     size = expected_size(case)
     if size > WORTH_TELLING and not quiet:
@@ -206,8 +204,40 @@ def _announce_size(case: "Case", quiet: bool) -> None:
 
 def _others(case: "Case", result: "Result") -> "dict[str, Result]":
     """The result and those of the earlier models, by name; InputError without cycles."""
-    from thermobearing.cyclic.compare import compare_models
+    from thermobearing.cyclic.run import compare_models
 
     if len(result.cycles) == 0:
         raise InputError("--compare needs a test with cycles")
     return compare_models(case)
+
+
+@reported
+def sequence(
+    case: Annotated[Path, typer.Argument(help="Case file, see docs/files.md.")],
+    bearing: Annotated[
+        str | None, typer.Option(help="Library name or TOML file.", metavar="NAME/FILE")
+    ] = None,
+    ambient: Annotated[float | None, typer.Option(help="Ambient temperature [degC].")] = None,
+    rig: RigName = None,
+    output: Output = None,
+    force: Force = False,
+    no_figures: NoFigures = False,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+    documents: Documents = NO_DOCUMENTS,
+) -> int:
+    """Hybrid and cyclic tests and rests, one after the other on one specimen."""
+    from thermobearing.results.directory import check_target
+    from thermobearing.sequences.case import load_sequence_case
+    from thermobearing.sequences.output import print_sequence
+    from thermobearing.sequences.run import run_sequence
+
+    complete = load_sequence_case(case, bearing=bearing, ambient=ambient, rig=rig)
+    target = output or Path(f"sequence-{case.stem}")
+    check_target(target, force=force)
+    result = with_progress(lambda show: run_sequence(complete, progress=show), "parts", quiet)
+    result.save(target, force=force, figures=not no_figures)
+    if not quiet:
+        with contextlib.suppress(KeyboardInterrupt):  # the result is safe by now
+            print_sequence(result)
+    return written(result.outcome, result.sentence, target, documents, as_json=as_json, quiet=quiet)

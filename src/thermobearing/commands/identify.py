@@ -1,4 +1,4 @@
-"""`thermobearing identify`: parameters of a bearing from its tests, or a look at the tests."""
+"""Calibrate bearings to tests, and validate them."""
 
 import re
 from collections.abc import Sequence
@@ -31,11 +31,11 @@ from thermobearing.commands.common import (
 
 if TYPE_CHECKING:
     from thermobearing.bearing.model import Bearing
-    from thermobearing.identify.checks import CheckReport
-    from thermobearing.identify.posterior import Forecast
-    from thermobearing.identify.record import TestRecord
+    from thermobearing.identify.records.checks import CheckReport
+    from thermobearing.identify.records.record import TestRecord
     from thermobearing.identify.result import Identification
-    from thermobearing.validate.held_out_result import CrossValidation
+    from thermobearing.identify.uncertainty.posterior import Forecast
+    from thermobearing.validate.hold_out import CrossValidation
 
 Spreads = Annotated[
     list[str] | None,
@@ -113,8 +113,6 @@ Folds = Annotated[
     int | None,
     typer.Option(help="Hold every test out once, in so many groups; then fit to all of them."),
 ]
-
-
 Start = Annotated[
     str | None,
     typer.Option(
@@ -166,8 +164,8 @@ def identify(
     documents: Documents = NO_DOCUMENTS,
 ) -> int:
     """Identify a bearing's parameters from cyclic tests, with their uncertainty."""
-    from thermobearing.identify.posterior import need_emcee
-    from thermobearing.identify.treatment import to_be_treated
+    from thermobearing.identify.records.treatment import to_be_treated
+    from thermobearing.identify.uncertainty.posterior import need_emcee
 
     held = hold_out or []
     records, bearing, target = _read([*tests, *held], start, check, output, force)
@@ -202,8 +200,8 @@ def _drawn(
     quiet: bool,
 ) -> "Forecast":
     """Posterior and predictions of a fit, announced first."""
-    from thermobearing.identify.posterior import forecast
     from thermobearing.identify.result import Identification
+    from thermobearing.identify.uncertainty.posterior import forecast
 
     final = found if isinstance(found, Identification) else found.final
     if posterior and not quiet:
@@ -213,7 +211,7 @@ def _drawn(
 
 def _announce_posterior(found: "Identification") -> None:
     """Before the posterior is sampled: how many runs that takes, and about how long."""
-    from thermobearing.identify.posterior import posterior_effort
+    from thermobearing.identify.uncertainty.posterior import posterior_effort
     from thermobearing.results.time_axis import duration
 
     runs, seconds = posterior_effort(found)
@@ -239,9 +237,9 @@ def _found(
 
 
 def _show(found: "Identification | CrossValidation", more: Sequence[str] = ()) -> None:
+    from thermobearing.identify.output import print_identification
     from thermobearing.identify.result import Identification
-    from thermobearing.identify.screen import print_identification
-    from thermobearing.validate.screen import print_cross_validation
+    from thermobearing.validate.output import print_cross_validation
 
     if isinstance(found, Identification):
         print_identification(found, more)
@@ -257,7 +255,7 @@ def _read(
     A look at tests writes nothing unless it is told where.
     """
     from thermobearing.identify.case import bearing_of
-    from thermobearing.identify.record import load_test
+    from thermobearing.identify.records.record import load_test
     from thermobearing.results.directory import check_target
 
     records = [load_test(path) for path in tests]
@@ -286,9 +284,8 @@ def _look_over(
     documents: Documents,
 ) -> int:
     """The findings of the tests, without a fit."""
-    from thermobearing.identify.checks import check_test
-    from thermobearing.identify.files import save_checks
-    from thermobearing.identify.screen import print_checks
+    from thermobearing.identify.output import print_checks, save_checks
+    from thermobearing.identify.records.checks import check_test
 
     if target is None and (documents.report or documents.workbook):
         raise InputError("a look at tests is written where -o says: give -o DIR with --report")
@@ -314,3 +311,45 @@ def _checked(reports: "list[CheckReport]", target: Path | None, as_json: bool) -
         told = {"outcome": outcomes, "exit_status": status}
         echo_json(told if target is None else told | {"output": str(target)})
     return status
+
+
+@reported
+def validate(
+    bearing: Annotated[str, typer.Argument(help="Bearing: a name or a TOML file.")],
+    tests: Annotated[list[Path], typer.Argument(help="Tests: CSV files or their TOML sidecars.")],
+    beside: Annotated[
+        list[str] | None,
+        typer.Option(help="Another bearing beside it; may be repeated.", metavar="NAME/FILE"),
+    ] = None,
+    model: Annotated[
+        list[str] | None,
+        typer.Option(help="multi-layer (default) or an earlier model; may be repeated."),
+    ] = None,
+    limit: Limit = None,
+    output: Output = None,
+    force: Force = False,
+    no_figures: NoFigures = False,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+    documents: Documents = NO_DOCUMENTS,
+) -> int:
+    """Judge a bearing by tests it was not fitted to; nothing is fitted."""
+    from thermobearing.results.directory import check_target
+    from thermobearing.validate.case import make_validate_case
+    from thermobearing.validate.output import print_validation
+    from thermobearing.validate.run import run_validate
+
+    case = make_validate_case(
+        [bearing, *(beside or [])],
+        tests,
+        models=model or ["multi-layer"],  # type: ignore[arg-type]
+        limits=limit_numbers(limit),
+    )
+    target = output or Path("validate-" + re.sub(r"[^\w.+-]+", "-", case.bearings[0].name))
+    check_target(target, force=force)
+    announce_compiling(quiet)
+    found = run_validate(case)
+    found.save(target, force=force, figures=not no_figures)
+    if not quiet:
+        print_validation(found)
+    return written(found.outcome, found.sentence, target, documents, as_json=as_json, quiet=quiet)

@@ -1,4 +1,4 @@
-"""`thermobearing intake`: what is in a laboratory's files, and the sidecars that say so."""
+"""Import the files of a laboratory and measure their cycles."""
 
 import re
 from pathlib import Path
@@ -6,7 +6,17 @@ from typing import Annotated
 
 import typer
 
-from thermobearing.commands.common import AsJson, Force, NoFigures, Output, Quiet, reported, written
+from thermobearing.border.errors import printable
+from thermobearing.commands.common import (
+    AsJson,
+    Force,
+    NoFigures,
+    Output,
+    Quiet,
+    echo_json,
+    reported,
+    written,
+)
 
 
 @reported
@@ -40,8 +50,8 @@ def intake(
     and left out (exit status 2). For example:
     `thermobearing intake cold.xlsx warm.csv --bearing shen-hdr-specimen -o looked`
     """
+    from thermobearing.intake.output import print_intakes
     from thermobearing.intake.run import take_in
-    from thermobearing.intake.screen import print_intakes
     from thermobearing.results.directory import check_target
 
     target = output or Path("intake-" + (re.sub(r"[^\w.+-]+", "-", files[0].stem)[:80] or "file"))
@@ -52,3 +62,52 @@ def intake(
         print_intakes(found)
     told = "\n".join(found.problems)
     return written(found.outcome, told, target, as_json=as_json, quiet=quiet)
+
+
+@reported
+def measure(
+    file: Annotated[
+        Path, typer.Argument(help="Displacement and force: CSV, text, .xlsx, or a TOML sidecar.")
+    ],
+    bearing: Annotated[
+        str, typer.Option(help="Library name or TOML file: plan area and rubber thickness.")
+    ],
+    output: Output = None,
+    force: Force = False,
+    no_figures: NoFigures = False,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> int:
+    """Equivalent modulus, damping and energy of each cycle of a measured history.
+
+    For example: `thermobearing measure test.csv --bearing shen-hdr-specimen`. Units come from the
+    titles of the columns or from the sidecar; what each measure is stands in docs/theory.md. With
+    `-o DIR` the table and a picture of the loops are written.
+    """
+    import dataclasses
+
+    from thermobearing.bearing.library import load_bearing
+    from thermobearing.cyclic.output import print_measures
+    from thermobearing.identify.records.measured import measured_cycles
+    from thermobearing.results.directory import check_target
+
+    if output is not None:
+        check_target(output, force=force)
+    specimen = load_bearing(bearing)
+    found = measured_cycles(file, specimen)
+    if output is not None:
+        found.save(output, force=force, figures=not no_figures)
+    if not quiet:
+        print_measures(found.measures, found.ends, specimen.total_rubber_thickness)
+        for note in found.notes:
+            typer.echo(printable(note))
+        if output is not None:
+            typer.echo(f"written: {printable(str(output))}")
+    if as_json:
+        cycles = [
+            dataclasses.asdict(cycle) | {"ends": ends}
+            for cycle, ends in zip(found.measures, found.ends, strict=True)
+        ]
+        told = {"cycles": cycles, "notes": found.notes}
+        echo_json(told if output is None else told | {"output": str(output)})
+    return 0

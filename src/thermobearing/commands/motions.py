@@ -9,8 +9,10 @@ from thermobearing.border.errors import InputError
 from thermobearing.commands.common import (
     NO_DOCUMENTS,
     AsJson,
+    Command,
     Documents,
     Force,
+    Group,
     NoFigures,
     Output,
     Quiet,
@@ -19,7 +21,6 @@ from thermobearing.commands.common import (
     with_progress,
     written,
 )
-from thermobearing.commands.help import Command, Group
 
 if TYPE_CHECKING:
     from thermobearing.motions.result import MotionResult
@@ -43,7 +44,7 @@ Ground = Annotated[str | None, typer.Option(help="Standard spectrum: I, II or II
 def list_(as_json: AsJson = False) -> int:
     """The built-in motions: stand-ins that fit the standard spectra of Level 2."""
     from thermobearing.motions.library import list_motions, load_motion
-    from thermobearing.motions.screen import print_names
+    from thermobearing.motions.output import print_names
 
     names = list_motions()
     print_names([load_motion(name) for name in names])
@@ -75,8 +76,8 @@ def show(
 ) -> int:
     """Size, duration and ends of a motion; with -o its histories, spectra and figures."""
     from thermobearing.motions.library import load_motion
+    from thermobearing.motions.output import print_motion
     from thermobearing.motions.run import examine_motion
-    from thermobearing.motions.screen import print_motion
 
     motion = load_motion(file, unit=unit, dt=dt, component=component, trust_unit=trust_unit)
     result = examine_motion(motion, kind, ground, baseline=baseline, high_pass=high_pass)
@@ -109,8 +110,8 @@ def spectrum(
 ) -> int:
     """Response spectrum of a motion, beside a standard one (5 % damping)."""
     from thermobearing.motions.library import load_motion
+    from thermobearing.motions.output import print_spectrum
     from thermobearing.motions.run import examine_motion
-    from thermobearing.motions.screen import print_spectrum
 
     motion = load_motion(file, unit=unit, dt=dt, component=component, trust_unit=trust_unit)
     result = examine_motion(
@@ -152,8 +153,8 @@ def make(
     documents: Documents = NO_DOCUMENTS,
 ) -> int:
     """A motion that fits a standard spectrum: from a seed, or from the phases of a record."""
+    from thermobearing.motions.output import print_motion
     from thermobearing.motions.run import make_motion_case, run_motion
-    from thermobearing.motions.screen import print_motion
     from thermobearing.results.directory import check_target
 
     if record is None and (unit or component or trust_unit):

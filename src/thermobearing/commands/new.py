@@ -72,7 +72,7 @@ def new(
     quiet: Annotated[bool, typer.Option("-q", "--quiet", help="Print nothing.")] = False,
 ) -> int:
     """Make a bearing from a compound and its sizes, and write it as a TOML file."""
-    from thermobearing.bearing.changed import save_bearing
+    from thermobearing.bearing.library import save_bearing
     from thermobearing.bearing.new import new_bearing
     from thermobearing.bearing.plausible import implausible
     from thermobearing.commands.check import bearing_facts

@@ -1,4 +1,4 @@
-"""`thermobearing study`: very many runs, planned, carried out, looked at."""
+"""Run, resume, inspect and evaluate parameter studies."""
 
 import contextlib
 from pathlib import Path
@@ -7,25 +7,127 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from thermobearing.border.errors import printable
-from thermobearing.commands import study_drawn
 from thermobearing.commands.common import (
     ENDED_EARLY,
     INTERRUPTED,
     STRUCTURES,
     AsJson,
+    Command,
     Force,
+    Group,
+    NoFigures,
+    Output,
     Quiet,
     announce_compiling,
     echo_json,
     megabytes,
     reported,
     with_progress,
+    written,
 )
-from thermobearing.commands.help import Command, Group
 
 if TYPE_CHECKING:
-    from thermobearing.studies.forecast import Forecast
-    from thermobearing.studies.status import Status
+    from thermobearing.studies.run.dry_run import Forecast
+    from thermobearing.studies.run.status import Status
+
+DrawnDirectory = Annotated[Path, typer.Argument(help="DrawnDirectory of a study.", metavar="DIR")]
+Demand = Annotated[
+    str | None,
+    typer.Option(help="Column of the table of runs; ductility of the pier by default."),
+]
+
+
+@reported
+def figures(
+    directory: DrawnDirectory,
+    demand: Demand = None,
+    capacity: Annotated[
+        float | None,
+        typer.Option(help="Of the demand, in the unit of its column; fragility needs it."),
+    ] = None,
+    hazard: Annotated[
+        str | None, typer.Option(help="Hazard curve of the site: a file.", metavar="FILE")
+    ] = None,
+    weather: Annotated[
+        str | None,
+        typer.Option(help="Of the site by the hour: file or climate.", metavar="FILE/NAME"),
+    ] = None,
+    method: Annotated[str | None, typer.Option(help="Of fragility: stripes, ida or cloud.")] = None,
+    failed: Annotated[
+        str | None, typer.Option(help="Failed runs: left-out (the default) or collapse.")
+    ] = None,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> int:
+    """Draw demand, IDA curves, fragility, annual rates and shares of variance into DIR/figures.
+
+    What was asked is kept in DIR/question.toml; `thermobearing report DIR` asks the same.
+    """
+    from thermobearing.results.directory import FIGURES
+    from thermobearing.studies.options import asked_over, keep_asked, kept_asked
+    from thermobearing.studies.output import print_answers, study_result
+
+    options = {"demand": demand, "capacity": capacity, "hazard": hazard, "weather": weather}
+    options |= {"method": method, "failed": failed}
+    asked = asked_over(kept_asked(directory), options)
+    result = study_result(directory)
+    question = asked.question()
+    files = result.plot.save_all(directory / FIGURES, question)
+    keep_asked(directory, asked)
+    if not quiet:
+        print_answers(result, question)
+        for file in files:
+            typer.echo(f"written: {printable(str(file))}")
+    if as_json:
+        echo_json({"exit_status": 0, **result.summary(), "files": [str(file) for file in files]})
+    return 0
+
+
+@reported
+def worst(
+    directory: DrawnDirectory,
+    count: Annotated[int, typer.Option(help="How many.", min=1)] = 10,
+    demand: Demand = None,
+    as_json: AsJson = False,
+) -> int:
+    """The worst runs, and one of each way to fail, with the command that repeats each in full."""
+    from thermobearing.studies.output import print_worst, study_result
+
+    table = study_result(directory).worst(count, demand)
+    print_worst(table)
+    if as_json:
+        echo_json({"exit_status": 0, "runs": table.to_dict("records")})
+    return 0
+
+
+@reported
+def repeat(
+    directory: DrawnDirectory,
+    run: Annotated[int, typer.Argument(help="Number of the run.", metavar="RUN", min=0)],
+    output: Output = None,
+    force: Force = False,
+    no_figures: NoFigures = False,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> int:
+    """Carry out one run of a study again with everything kept, as `bridge` does."""
+    from thermobearing.results.directory import check_target
+    from thermobearing.studies.definition.case import load_study
+    from thermobearing.studies.run.worst import repeat_run
+    from thermobearing.studies.store.directory import STUDY
+
+    if output is not None:
+        check_target(output, force=force)
+    result = repeat_run(load_study(directory / STUDY), run)
+    if not quiet:
+        result.show()
+    if output is None:
+        if as_json:
+            echo_json({"exit_status": 0, **result.summary()})
+        return 0
+    result.save(output, force=force, figures=not no_figures)
+    return written(result.outcome, result.sentence, output, as_json=as_json, quiet=quiet)
+
 
 HELP = "Studies of very many runs: `study STUDY.toml -o DIR` carries one out, or what is missing."
 RUN = "run"
@@ -95,13 +197,13 @@ def run(
     quiet: Quiet = False,
 ) -> int:
     """Carry out a study, or what is missing of it."""
-    from thermobearing.studies.case import load_study
+    from thermobearing.studies.definition.case import load_study
 
     made = load_study(study)
     if dry_run:
         return _told(made, jobs, as_json, quiet)
-    from thermobearing.studies.engine import check_start, run_study
-    from thermobearing.studies.matched import is_matched
+    from thermobearing.studies.inputs.motions import is_matched
+    from thermobearing.studies.run.engine import check_start, run_study
 
     target = output or Path(f"study-{made.name}")
     words: dict[str, Any] = {"executor": executor, "jobs": jobs, "address": address, "shard": shard}
@@ -117,9 +219,9 @@ def run(
 def _with_motions(study: Any, target: Path, jobs: int | None, quiet: bool) -> Any:
     """A study whose motions are made; says first that this takes its time."""
     from thermobearing.report.words import counted
-    from thermobearing.studies.matched import missing_of, with_matched
+    from thermobearing.studies.inputs.motions import missing_motions, with_matched
 
-    missing = len(missing_of(study, target))
+    missing = len(missing_motions(study, target))
     if missing and not quiet:
         told = (
             f"{counted(missing, 'motion')} to be made to fit {study.factors.motion.matched}, once"
@@ -133,8 +235,8 @@ def _with_motions(study: Any, target: Path, jobs: int | None, quiet: bool) -> An
 def _told(study: Any, jobs: int | None, as_json: bool, quiet: bool) -> int:
     """What a study will cost."""
     from thermobearing.results.screen import print_facts
-    from thermobearing.studies.forecast import forecast
-    from thermobearing.studies.log import duration
+    from thermobearing.studies.run.dry_run import forecast
+    from thermobearing.studies.store.directory import duration
 
     announce_compiling(quiet, STRUCTURES)
     found: Forecast = forecast(study, jobs)
@@ -171,7 +273,7 @@ def _told(study: Any, jobs: int | None, as_json: bool, quiet: bool) -> int:
 
 def _ended(status: "Status", as_json: bool, quiet: bool, *, part: bool) -> int:
     """Say how far a study is and why runs failed; the exit status."""
-    from thermobearing.studies.screen import print_status
+    from thermobearing.studies.output import print_status
 
     codes = {"interrupted": INTERRUPTED, "some_failed": ENDED_EARLY}
     code = codes.get(status.outcome, 0)
@@ -191,8 +293,8 @@ def _ended(status: "Status", as_json: bool, quiet: bool, *, part: bool) -> int:
 @reported
 def status_(directory: Directory, as_json: AsJson = False) -> int:
     """How far it is, and why runs failed; looks only, whoever is writing there."""
-    from thermobearing.studies.screen import print_status
-    from thermobearing.studies.status import study_status
+    from thermobearing.studies.output import print_status
+    from thermobearing.studies.run.status import study_status
 
     found = study_status(directory)
     print_status(found)
@@ -215,8 +317,8 @@ def table(
     as_json: AsJson = False,
 ) -> int:
     """All runs that are done as one file, a row each."""
-    from thermobearing.studies.export import write_table
-    from thermobearing.studies.store import Store
+    from thermobearing.studies.store.directory import Store
+    from thermobearing.studies.store.parquet import write_table
 
     found = Store(directory).table()
     file = output or Path(f"{directory}.csv")
@@ -230,8 +332,6 @@ def table(
 app.command(
     cls=Command,
     epilog="Example: thermobearing study figures p1 --hazard site.csv --capacity 4",
-)(study_drawn.figures)
-app.command(cls=Command, epilog="Example: thermobearing study worst p1")(study_drawn.worst)
-app.command(cls=Command, epilog="Example: thermobearing study repeat p1 12 -o p1-run-12")(
-    study_drawn.repeat
-)
+)(figures)
+app.command(cls=Command, epilog="Example: thermobearing study worst p1")(worst)
+app.command(cls=Command, epilog="Example: thermobearing study repeat p1 12 -o p1-run-12")(repeat)

@@ -26,17 +26,12 @@ caching: Any = _caching  # numba has no types here
 # folders stand for all their files. A test compares this with what the kernels import.
 KERNELS = (
     "core",
-    "structure/books.py",
-    "structure/dense.py",
+    "motions/spectrum.py",
     "structure/forces.py",
-    "structure/lines.py",
-    "structure/lockstep.py",
     "structure/newmark.py",
-    "structure/peaks.py",
     "structure/predictor.py",
     "structure/takeda.py",
     "structure/types.py",
-    "motions/spectrum.py",
 )
 
 ROOM = 25_000_000  # for the machine code of all kernels, and some more [bytes]

@@ -167,7 +167,7 @@ def advance(rubber: Rubber, old: State, j: int, d: float, moved: float) -> tuple
 
 
 @compiled
-def way_from_zero(u: float, d_y: float, curvature: float) -> float:
+def _way_from_zero(u: float, d_y: float, curvature: float) -> float:
     """Path of a motion from u = 0 to u, the inverse of `exact_increment`; u < 0 lies behind."""
     loading = d_y * math.atanh(min(max(u, 0.0) / d_y, 1.0))
     behind = min(u, 0.0)
@@ -189,7 +189,7 @@ def forget(turns: Rows[Turn], full: bool, amplitude: float, d_y: float, curvatur
     outermost, inner = turns[DEPTH], turns[DEPTH - 3]
     sigma = select(outermost.d >= inner.d, 1.0, -1.0)
     u = sigma * (outermost.z - inner.z) - amplitude
-    path = way_from_zero(u, d_y, curvature) - way_from_zero(-amplitude, d_y, curvature)
+    path = _way_from_zero(u, d_y, curvature) - _way_from_zero(-amplitude, d_y, curvature)
     d = inner.d + sigma * min(path, abs(outermost.d - inner.d))
     turns[DEPTH - 2].d = select(full, d, turns[DEPTH - 2].d)
     turns[DEPTH - 2].z = select(full, outermost.z, turns[DEPTH - 2].z)

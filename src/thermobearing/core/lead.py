@@ -26,7 +26,7 @@ SUBSTEP = 0.25  # largest explicit loss 2 theta of the published scheme in one g
 
 
 @compiled
-def early_factor(t_plus: float) -> float:
+def _early_factor(t_plus: float) -> float:
     """F(t+) of Eq. 5.5 below 0.6."""
     q = 0.25 * t_plus
     series = 2.0 - q - q * q - 3.75 * q * q * q
@@ -34,7 +34,7 @@ def early_factor(t_plus: float) -> float:
 
 
 @compiled
-def late_factor(t_plus: float) -> float:
+def _late_factor(t_plus: float) -> float:
     """F(t+) of Eq. 5.5 from 0.6 on."""
     q = 0.25 / t_plus
     series = 1.0 - q / 3.0 + q * q / 6.0 - q * q * q / 12.0
@@ -46,11 +46,11 @@ def half_space_factor(t_plus: float) -> float:
     """F(t+) of Eq. 5.5: mean surface rise of a disc of constant flux, dimensionless."""
     early = t_plus < 0.6
     if all_lanes(early):
-        return early_factor(t_plus)
-    late = late_factor(t_plus)
+        return _early_factor(t_plus)
+    late = _late_factor(t_plus)
     if not any_lane(early):
         return late
-    return select(early, early_factor(t_plus), late)
+    return select(early, _early_factor(t_plus), late)
 
 
 @compiled
@@ -119,7 +119,7 @@ def core_force(
 
 
 @compiled
-def run_clock(lead: Lead, old: Branches, dx: float, dt: float, new: Branches) -> float:
+def _run_clock(lead: Lead, old: Branches, dx: float, dt: float, new: Branches) -> float:
     """Advance the clock of the motion; returns t+ at the start of the step.
 
     A pause as long as the half-space takes to recover (t+ of the pause = 1) stops it: the
@@ -241,7 +241,7 @@ def lead_step(
     if constants.lead_ports > 0:
         exchange_at_ends(constants, work, state, new, heat, dt)
         return heat
-    start = run_clock(lead, old, dx, dt, after)
+    start = _run_clock(lead, old, dx, dt, after)
     end = start + dt * lead.clock_rate
     ends = end_factor(start, end)
     sides = 0.0

@@ -18,7 +18,7 @@ from thermobearing.core.types import Constants, State, Workspace
 
 
 @compiled
-def invert(matrix: Floats) -> None:
+def _invert(matrix: Floats) -> None:
     """Turn a positive definite matrix into its inverse (Gauss and Jordan)."""
     for p in range(len(matrix)):
         pivot = 1.0 / matrix[p, p]
@@ -54,7 +54,7 @@ def factor_ports(constants: Constants, work: Workspace, dt: float) -> None:
             p, share = lead_cells[e].port, lead_cells[e].share
             capacity = constants.cells.capacity[lead_cells[e].cell]
             excess[p, p] += dt * lead.fold * lead.cores * share * share / capacity
-    invert(excess)
+    _invert(excess)
 
 
 @compiled

@@ -2,7 +2,7 @@
 
 from thermobearing.core.compile import compiled
 from thermobearing.core.lanes.choose import all_lanes, select
-from thermobearing.core.records import Floats
+from thermobearing.core.records import Floats, Ints
 from thermobearing.core.step import has_failed, layer_temperature, step
 from thermobearing.core.types import COMPLETED, SOFTENED, Constants, Kept, Path, State, Workspace
 
@@ -23,7 +23,7 @@ def copy_state(source: State, target: State) -> None:
 
 
 @compiled
-def farthest_from(temperature: Floats, ambient: float) -> float:
+def _farthest_from(temperature: Floats, ambient: float) -> float:
     """Largest |cell temperature - ambient| [K]."""
     largest = 0.0
     for i in range(len(temperature)):
@@ -84,7 +84,7 @@ def march(
         softened += select(outcome == SOFTENED, 1, 0)
         mismatch = max(mismatch, start.books[0].layer_force_mismatch)
         settle = all_lanes(path.settled > 0.0) and all_lanes(
-            farthest_from(start.temperature, ambient) <= path.settled
+            _farthest_from(start.temperature, ambient) <= path.settled
         )
         if path.keep[i] or settle:
             keep_row(constants, start, rows, kept)
@@ -94,3 +94,41 @@ def march(
     if done % 2 == 1:
         copy_state(start, spare)
     return done, kept, select(broken != COMPLETED, broken, outcome), softened, mismatch
+
+
+@compiled
+def hours_at_rest(
+    kept: Floats,
+    early: Floats,
+    late: Floats,
+    air: Floats,
+    places: Ints,
+    now: Floats,
+    after: Floats,
+    found: Floats,
+) -> None:
+    """Temperatures at some hours: after = kept @ now + early * air + late * air an hour later.
+
+    Parameters
+    ----------
+    kept : [n, n], transposed: row j is what temperature j gives to all an hour later.
+    early, late : [n] what the air at the two ends of the hour gives.
+    air : at full hours [degC].
+    places : hours that are wanted, increasing.
+    now : [n] temperatures at hour 0 [degC]; overwritten, as `after`, which is scratch.
+    found : [wanted, n] where they go.
+    """
+    here = 0
+    for row in range(len(places)):
+        while here < places[row]:
+            for i in range(len(now)):
+                after[i] = early[i] * air[here] + late[i] * air[here + 1]
+            for j in range(len(now)):
+                part = now[j]
+                for i in range(len(now)):
+                    after[i] += kept[j, i] * part
+            for i in range(len(now)):
+                now[i] = after[i]
+            here += 1
+        for i in range(len(now)):
+            found[row, i] = now[i]

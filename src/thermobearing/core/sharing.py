@@ -49,7 +49,7 @@ EULER_LIMIT = 4.0  # |Z| / d_y beyond which explicit Euler has clearly lost its 
 
 
 @compiled
-def layer_law(
+def _layer_law(
     rubber: Rubber,
     old: State,
     work: LayerWork,
@@ -72,7 +72,7 @@ def evaluate(
     """Forces and tangents of all layers at the trial, their Z into `new`; min tangent / ke."""
     smallest = math.inf
     for j in range(len(new)):
-        force, tangent, z, slope = layer_law(rubber, old, work, j, work.trial[j], mean, w)
+        force, tangent, z, slope = _layer_law(rubber, old, work, j, work.trial[j], mean, w)
         work.force[j] = force
         work.tangent[j] = tangent
         work.slope[j] = slope
@@ -82,7 +82,7 @@ def evaluate(
 
 
 @compiled
-def line_slope(
+def _line_slope(
     rubber: Rubber,
     multiplicity: Floats,
     old: State,
@@ -95,7 +95,7 @@ def line_slope(
     slope = 0.0
     for j in range(len(multiplicity)):
         d = work.trial[j] + a * work.direction[j]
-        force, _, _, _ = layer_law(rubber, old, work, j, d, mean, w)
+        force, _, _, _ = _layer_law(rubber, old, work, j, d, mean, w)
         slope += multiplicity[j] * force * work.direction[j]
     return slope
 
@@ -110,10 +110,10 @@ def search(
     w: float,
 ) -> float:
     """Step length in (0, 1] that clearly reduces the slope along the Newton direction."""
-    start = abs(line_slope(rubber, multiplicity, old, work, mean, w, 0.0))
+    start = abs(_line_slope(rubber, multiplicity, old, work, mean, w, 0.0))
     low, high, a = 0.0, 1.0, 1.0
     for _ in range(LINE_SEARCH):
-        slope = line_slope(rubber, multiplicity, old, work, mean, w, a)
+        slope = _line_slope(rubber, multiplicity, old, work, mean, w, a)
         enough = no(abs(slope) > 0.5 * start) | ((slope <= 0.0) & (a == 1.0))
         if all_lanes(enough):
             break
@@ -124,7 +124,7 @@ def search(
 
 
 @compiled
-def common_force(
+def _common_force(
     rubber: Rubber,
     multiplicity: Floats,
     work: LayerWork,
@@ -154,7 +154,7 @@ def common_force(
 
 
 @compiled
-def force_by_weight(
+def _force_by_weight(
     rubber: Rubber, multiplicity: Floats, work: LayerWork, new: Rows[Layer], x: float, w: float
 ) -> float:
     """Derivative of the common force by w [kN]."""
@@ -170,7 +170,7 @@ def force_by_weight(
 
 
 @compiled
-def kinks(rubber: Rubber, old: State, work: LayerWork) -> bool:
+def _kinks(rubber: Rubber, old: State, work: LayerWork) -> bool:
     """Whether the Newton correction takes a layer to where dZ/dd jumps.
 
     It does where the increment turns round, and where an inner branch ends.
@@ -218,11 +218,11 @@ def newton(
     floor = stiffness * rubber.yield_displacement
     force, tangent, done = 0.0, 0.0, False
     for iteration in range(ALL_NEWTON):
-        force, tangent, apart = common_force(rubber, multiplicity, work, new, x, w)
+        force, tangent, apart = _common_force(rubber, multiplicity, work, new, x, w)
         lost = no(math.isfinite(force + apart))
         done = apart <= LAST_CORRECTION * (abs(force) + floor)
         if any_lane(done):
-            done = done & no(kinks(rubber, old, work))
+            done = done & no(_kinks(rubber, old, work))
         if all_lanes(done | lost):
             correct(work, new)
             return force, tangent, smallest, select(lost, NOT_FINITE, COMPLETED)
@@ -238,7 +238,7 @@ def newton(
 
 
 @compiled
-def start_tangents(rubber: Rubber, old: State, work: LayerWork, mean: float, step: float) -> bool:
+def _start_tangents(rubber: Rubber, old: State, work: LayerWork, mean: float, step: float) -> bool:
     """Forces and tangents of all layers at the start, in the direction of motion.
 
     Returns whether they may be trusted: no tangent is below the margin and the step is short.
@@ -263,7 +263,7 @@ def start_tangents(rubber: Rubber, old: State, work: LayerWork, mean: float, ste
 
 
 @compiled
-def first_trial(
+def _first_trial(
     rubber: Rubber,
     multiplicity: Floats,
     old: State,
@@ -280,10 +280,10 @@ def first_trial(
     """
     uniform = w > 0.0
     if not all_lanes(uniform):
-        healthy = start_tangents(rubber, old, work, x / rubber.layer_count, step)
+        healthy = _start_tangents(rubber, old, work, x / rubber.layer_count, step)
         uniform = uniform | no(healthy)
         if not all_lanes(uniform):
-            common_force(rubber, multiplicity, work, new, x, 0.0)
+            _common_force(rubber, multiplicity, work, new, x, 0.0)
             for j in range(len(new)):
                 ahead = work.trial[j] + work.direction[j]
                 work.trial[j] = select(uniform, old.layers[j].d + step, ahead)
@@ -304,13 +304,13 @@ def solved(
     new: Rows[Layer],
 ) -> tuple[float, float, float, int]:
     """Equal layer forces at fixed w from the start of a step; returns what `newton` does."""
-    first_trial(rubber, multiplicity, old, work, x, step, w, new)
+    _first_trial(rubber, multiplicity, old, work, x, step, w, new)
     smallest = evaluate(rubber, old, work, x / rubber.layer_count, w, new)
     return newton(rubber, multiplicity, old, work, x, w, new, smallest)
 
 
 @compiled
-def largest_mismatch(rubber: Rubber, work: LayerWork, new: Rows[Layer], force: float) -> float:
+def _largest_mismatch(rubber: Rubber, work: LayerWork, new: Rows[Layer], force: float) -> float:
     """Largest difference between the bearing force and a layer's unmodified law [kN]."""
     largest = 0.0
     for j in range(len(work.trial)):
@@ -346,7 +346,7 @@ def share(
         # Layers so unlike that equal increments say nothing: always unique.
         w, rate = select(good, w, 1.0), select(good, rate, 0.0)
     if any_lane(rate != 0.0):
-        by_w = force_by_weight(rubber, multiplicity, work, new, x, w)
+        by_w = _force_by_weight(rubber, multiplicity, work, new, x, w)
         tangent += by_w * rate / rubber.layer_count
     if all_lanes(outcome != COMPLETED):
         return force, tangent, 0.0, w, outcome
@@ -356,4 +356,4 @@ def share(
         lost = lost | (abs(new[j].z) > EULER_LIMIT * rubber.yield_displacement)
     outcome = select((outcome == COMPLETED) & lost, EULER_UNSTABLE, outcome)
     outcome = select((outcome == COMPLETED) & (w > 0.0), SOFTENED, outcome)
-    return force, tangent, largest_mismatch(rubber, work, new, force), w, outcome
+    return force, tangent, _largest_mismatch(rubber, work, new, force), w, outcome

@@ -84,7 +84,7 @@ def tabled(law: Rows[LawPiece], temperature: float) -> tuple[float, float]:
 
 
 @compiled
-def set_stiffness(
+def _set_stiffness(
     rubber: Rubber,
     law: Rows[LawPiece],
     layer_cells: Rows[LayerCells],
@@ -115,7 +115,7 @@ def recoverable_energy(
 
 
 @compiled
-def add_layer_heat(
+def _add_layer_heat(
     constants: Constants,
     work: Workspace,
     old: Rows[Layer],
@@ -151,7 +151,7 @@ def add_layer_heat(
 
 
 @compiled
-def beside_rubber(
+def _beside_rubber(
     constants: Constants, state: State, new: State, x: float, dt: float
 ) -> tuple[float, float, float, float]:
     """Forces of lead and of the viscous branch, their tangent, and what is recoverable."""
@@ -182,7 +182,7 @@ def beside_rubber(
 
 
 @compiled
-def viscous_layer_heat(constants: Constants, state: State, new: State, dx: float) -> float:
+def _viscous_layer_heat(constants: Constants, state: State, new: State, dx: float) -> float:
     """Heat of the viscous branch that goes into each rubber layer over the step [kN mm]."""
     viscous = constants.viscous
     if all_lanes(viscous.stiffness == 0.0) or not viscous.heats:
@@ -214,13 +214,13 @@ def heat_step(
         work.factored_dt[0] = dt
     for i in range(len(state.temperature)):
         work.cells.change[i] = 0.0
-    released, recoverable = add_layer_heat(
+    released, recoverable = _add_layer_heat(
         constants,
         work,
         state.layers,
         new.layers,
         0.5 * (old.rubber_force + books.rubber_force),
-        viscous_layer_heat(constants, state, new, dx),
+        _viscous_layer_heat(constants, state, new, dx),
         x / constants.rubber.layer_count,
         books.sharing_weight,
     )
@@ -245,7 +245,7 @@ def heat_step(
 def begin(constants: Constants, work: Workspace, state: State) -> None:
     """Stiffness of every layer for a step from `state`, into `work`."""
     rubber = constants.rubber
-    set_stiffness(rubber, constants.law, constants.layer_cells, state.temperature, work.layers)
+    _set_stiffness(rubber, constants.law, constants.layer_cells, state.temperature, work.layers)
     if rubber.virgin:
         stiffen(rubber, state.layers, work.layers)
 
@@ -272,7 +272,7 @@ def move(
     failed = has_failed(outcome)
     if all_lanes(failed):
         return rubber_force, tangent, outcome
-    lead_force, viscous_force, slope, stored = beside_rubber(constants, state, new, x, dt)
+    lead_force, viscous_force, slope, stored = _beside_rubber(constants, state, new, x, dt)
     force = rubber_force + lead_force + viscous_force
     outcome = select(no(failed | math.isfinite(force)), NOT_FINITE, outcome)
     if all_lanes(has_failed(outcome)):

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from thermobearing.cyclic.result import Result
 from thermobearing.results import drawing
-from thermobearing.results.differences import (
+from thermobearing.results.selection import (
     force_differences,
     more,
     temperature_differences,
@@ -25,7 +25,7 @@ PLACES = ("outer layer", "inner layer")
 PEAK = "peak stress"
 
 
-def loading_rows(result: Result, run: int) -> NDArray[np.int64]:
+def _loading_rows(result: Result, run: int) -> NDArray[np.int64]:
     """Kept steps of a run during which the bearing was being loaded (not at rest)."""
     kinds = np.array([about["kind"] != "rest" for about in result.segments])
     segment = result["segment"].values[run]
@@ -42,7 +42,7 @@ def _temperatures(result: Result, run: int, place: str) -> Floats:
     return np.asarray(values[:, 0 if place == "outer layer" else inner])
 
 
-def places_of(result: Result) -> list[str]:
+def _compared_places(result: Result) -> list[str]:
     """Where temperatures are compared."""
     return [*PLACES, *(["lead"] if result.has_lead else [])]
 
@@ -80,10 +80,10 @@ def _errors(truth: Result, other: Result, name: str, run: int) -> dict[str, Any]
     if cycles[0].empty:  # nothing to compare
         return row
     kept = np.isfinite(other["force"].values[run])
-    loaded = loading_rows(truth, run)
+    loaded = _loading_rows(truth, run)
     loaded = loaded[loaded < len(kept)]
     loaded = loaded[kept[loaded]]
-    for place in places_of(truth):
+    for place in _compared_places(truth):
         found, expected = (_temperatures(r, run, place)[loaded] for r in (other, truth))
         row |= temperature_differences(place, found, expected)
     row |= force_differences(*(r["force"].values[run, loaded] for r in (other, truth)))
@@ -103,7 +103,7 @@ def comparison_figure(results: dict[str, Result], reference: str) -> Figure:
     """
     truth = results[reference]
     ambient = truth["ambient"].values
-    rows = [*places_of(truth), PEAK]
+    rows = [*_compared_places(truth), PEAK]
     others = [name for name in results if name != reference]
     colours = dict(zip(others, drawing.ordered_colours(len(others), "turbo"), strict=True))
     size = (max(7.0, 1.5 + 3.4 * len(ambient)), 1.4 + 1.9 * len(rows))

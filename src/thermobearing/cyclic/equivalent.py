@@ -15,9 +15,8 @@ from thermobearing.border.errors import InputError
 from thermobearing.border.library import data_path
 from thermobearing.border.schema import Strict, validated
 from thermobearing.border.toml import read_toml
-from thermobearing.cyclic.history import run_segments
+from thermobearing.cyclic.history import build_segments, run_segments
 from thermobearing.cyclic.protocol import cyclic_test
-from thermobearing.cyclic.segments import build_segments
 from thermobearing.model.earlier import BilinearParameters, isothermal
 from thermobearing.model.options import EndFace, ModelOptions, build_model
 from thermobearing.results.metrics import CycleMeasures, measure_cycle

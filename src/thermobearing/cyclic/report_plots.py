@@ -5,11 +5,10 @@ from collections.abc import Callable
 import numpy as np
 from matplotlib.figure import Figure
 
-from thermobearing.cyclic.figures import Figures
+from thermobearing.cyclic.figures import Figures, TimeAxis
 from thermobearing.cyclic.result import Result
-from thermobearing.cyclic.time_axis import TimeAxis
+from thermobearing.report.html_plots import history, path, rounded
 from thermobearing.report.pieces import Plot, ReportFigure, Trace
-from thermobearing.report.traces import history, path, rounded
 from thermobearing.report.words import degrees
 from thermobearing.results import drawing
 from thermobearing.results.drawing import Floats
@@ -20,19 +19,19 @@ WARM_POINTS = 1500  # of a temperature in time
 MOMENTS = 24  # places of the slider
 
 
-def figures_of(result: Result) -> dict[str, ReportFigure]:
+def report_figures(result: Result) -> dict[str, ReportFigure]:
     """Every figure that the result holds data for, by name."""
     plot, data = result.plot, result.dataset
     moves = any(about["kind"] != "rest" for about in result.segments)
     layers, cells = "rubber_temperature" in data, "temperature" in data
     cycles = any(about["kind"] == "cycles" for about in result.segments)
     kinds: tuple[tuple[bool, str, str, Callable[[Result], Plot] | None], ...] = (
-        (moves, "loops", LOOPS, loops_plot),
+        (moves, "loops", LOOPS, _loops_plot),
         (len(result.cycles) > 0, "measures", MEASURES, None),
         (True, "displacement", "Imposed displacement; long rests are cut out.", None),
-        (layers, "layer_temperatures", LAYERS, temperature_plot),
+        (layers, "layer_temperatures", LAYERS, _temperature_plot),
         (layers and result.has_lead, "lead_temperature", LEAD, None),
-        (cells, "profiles", PROFILES, profile_plot),
+        (cells, "profiles", PROFILES, _profile_plot),
         (cycles and result.has_lead, "force_shares", SHARES, None),
         ("layer_displacement" in data, "layer_shear", SHEAR, None),
         (True, "energy", ENERGY, None),
@@ -85,7 +84,7 @@ def _colours(result: Result) -> list[str]:
     return drawing.ambient_colours(np.asarray(result["ambient"].values, dtype=float))
 
 
-def loops_plot(result: Result) -> Plot:
+def _loops_plot(result: Result) -> Plot:
     """Loops, one trace a temperature."""
     time, traces, ends = TimeAxis(result), [], []
     for run, (ambient, colour) in enumerate(
@@ -124,7 +123,7 @@ def untested(end: float, traces: list[Trace]) -> list[tuple[float, float, str]]:
     return [(end, 1.05 * reach, "not tested"), (-1.05 * reach, -end, "not tested")]
 
 
-def temperature_plot(result: Result) -> Plot:
+def _temperature_plot(result: Result) -> Plot:
     """Temperature of the layers and the lead, a menu entry for each ambient temperature.
 
     Long rests are cut out: loadings last seconds, and would be strokes beside hours of cooling.
@@ -150,7 +149,7 @@ def temperature_plot(result: Result) -> Plot:
     return Plot(f"time{cut} [{time.unit_name}]", "temperature [°C]", choices)
 
 
-def profile_plot(result: Result) -> Plot:
+def _profile_plot(result: Result) -> Plot:
     """Temperature through the height, moved through the test by a slider."""
     depth = result.dataset["depth"].values
     time = TimeAxis(result)

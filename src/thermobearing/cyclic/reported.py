@@ -21,7 +21,7 @@ CASE = "as asked for"
 PLACES = {"finite-plate": "plates of finite thickness", "half-space": "a half-space (Eq. 5.4-5.5)"}
 
 
-def bearing_sources(table: Table, own: Mapping[str, str] | None = None) -> dict[str, str]:
+def _bearing_sources(table: Table, own: Mapping[str, str] | None = None) -> dict[str, str]:
     """Sources of the numbers of a bearing: its own file's, or those of the library's of its name.
 
     Parameters
@@ -46,7 +46,7 @@ def bearing_tables(
     otherwise : source of the numbers that have none and are no default.
     """
     name = str(table["name"])
-    sources = _defaults(table) | bearing_sources(table, own)
+    sources = _defaults(table) | _bearing_sources(table, own)
     about = ". ".join(
         str(table[k]).rstrip(".") for k in ("description", "citation") if table.get(k)
     )

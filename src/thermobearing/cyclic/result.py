@@ -12,7 +12,6 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from thermobearing.border.showing import Shown, table_html
-from thermobearing.cyclic.measures import cycle_summary, measures_dataset
 from thermobearing.results.metrics import (
     LEAST_WARMING,
     CycleMeasures,
@@ -23,9 +22,9 @@ from thermobearing.results.metrics import (
 from thermobearing.results.ranges import largest_tested
 from thermobearing.results.selection import chosen_runs, selected
 from thermobearing.results.writing import (
+    compared_rows,
     exposure_summary,
     from_attribute,
-    limits_of,
     limits_summary,
 )
 
@@ -33,6 +32,54 @@ if TYPE_CHECKING:
     from thermobearing.cyclic.figures import Figures
 
 Floats = NDArray[np.float64]
+UNITS = {"_kN_mm": "kN mm", "_kN": "kN", "_MPa": "MPa", "_degC": "degC"}
+LABELS = ("ambient", "strain", "cycle")
+
+
+def find_unit(column: str) -> str:
+    """Unit of a column of `Result.cycles`, from its name.
+
+    Examples
+    --------
+    >>> find_unit("K_eq_kN_mm"), find_unit("energy_kN_mm"), find_unit("h_eq")
+    ('kN/mm', 'kN mm', '1')
+    """
+    if column.endswith(("stiffness_kN_mm", "K_eq_kN_mm")):
+        return "kN/mm"
+    return next((unit for end, unit in UNITS.items() if column.endswith(end)), "1")
+
+
+def _measures_dataset(cycles: pd.DataFrame, *, recorded: bool) -> xr.Dataset:
+    """Columns of `Result.cycles` as variables over ambient temperature, strain and cycle.
+
+    Where a strain comes twice, and in `recorded` histories, whose cycles have each their own, the
+    dimensions are ambient temperature and `number` of the cycle in the test.
+    """
+    table = cycles.rename(columns={"ambient_degC": "ambient", "amplitude_strain": "strain"})
+    labels = list(LABELS)
+    if not len(table):
+        return xr.Dataset()
+    if recorded or table.duplicated(labels).any():
+        table["number"] = table.groupby("ambient").cumcount() + 1
+        labels = ["ambient", "number"]
+    found = table.set_index(labels).to_xarray()
+    for name in found.variables:
+        found[name].attrs["units"] = find_unit(str(name))
+    found["ambient"].attrs["units"] = "degC"
+    return found
+
+
+def _cycle_summary(row: dict[Any, Any]) -> dict[str, Any]:
+    """One cycle of summary.json from a row of `Result.cycles`."""
+    rubber = [float(value) for key, value in row.items() if str(key).startswith("rubber")]
+    plain = {
+        str(key): value
+        for key, value in row.items()
+        if key != "ambient_degC" and not str(key).startswith("rubber")
+    }
+    return {"lead_degC": None} | plain | {"rubber_degC": rubber}
+
+
 Ints = NDArray[np.int64]
 CYCLES = "closed_cycle"  # dimension of the measures in a file, and the beginning of their names
 
@@ -84,7 +131,7 @@ class Result(Shown):
 
     def show(self) -> None:
         """Print the tables that the command prints: cycles and energy books of each run."""
-        from thermobearing.cyclic.screen import print_result
+        from thermobearing.cyclic.output import print_result
 
         print_result(self)
 
@@ -129,7 +176,7 @@ class Result(Shown):
         ('ambient', 'strain', 'cycle')
         """
         recorded = any(segment["kind"] == "recorded" for segment in self.segments)
-        return measures_dataset(self.cycles, recorded=recorded)
+        return _measures_dataset(self.cycles, recorded=recorded)
 
     @property
     def bearing_name(self) -> str:
@@ -160,12 +207,12 @@ class Result(Shown):
     @property
     def rig(self) -> pd.DataFrame:
         """What each run asks of each limit of the rig, and whether it passes it; empty without."""
-        return limits_of(self.dataset, "rig")
+        return compared_rows(self.dataset, "rig")
 
     @property
     def tested_range(self) -> pd.DataFrame:
         """What each run asks of the range that the bearing was tested in; empty if not given."""
-        return limits_of(self.dataset, "tested_range")
+        return compared_rows(self.dataset, "tested_range")
 
     def tested_to(self, run: int, limit: str) -> float:
         """Largest tested value of a quantity that a run goes beyond; infinite where it does not."""
@@ -366,7 +413,7 @@ class Result(Shown):
                 "softened_steps": softened,
                 "steps": int(data["steps"].values[run]),
             },
-            "cycles": [cycle_summary(dict(row)) for row in mine.to_dict("records")],
+            "cycles": [_cycle_summary(dict(row)) for row in mine.to_dict("records")],
             "energy": {
                 key: float(value)
                 for key, value in self.energy.iloc[run].items()
@@ -388,7 +435,7 @@ class Result(Shown):
         ------
         OutputError : the directory exists and `force` is False, or it cannot be written.
         """
-        from thermobearing.cyclic.files import save_result
+        from thermobearing.cyclic.output import save_result
 
         return save_result(self, Path(directory), force=force, figures=figures)
 

@@ -19,18 +19,22 @@ from thermobearing.bearing.exposure import Exposure
 from thermobearing.bearing.model import Bearing, Clock, SmallLoops
 from thermobearing.border.errors import InputError
 from thermobearing.climate.readers import read_air
-from thermobearing.cyclic.case import Case, Group, Histories, make_case
+from thermobearing.cyclic.case import (
+    Case,
+    Earlier,
+    Group,
+    Histories,
+    Rig,
+    initial_temperatures,
+    make_case,
+)
+from thermobearing.cyclic.dataset import label
 from thermobearing.cyclic.equivalent import bilinear_parameters
-from thermobearing.cyclic.history import History, run_segments
-from thermobearing.cyclic.label import label
-from thermobearing.cyclic.protocol import CyclicTest
-from thermobearing.cyclic.recording import checked_history
+from thermobearing.cyclic.history import History, build_segments, run_segments
+from thermobearing.cyclic.protocol import CyclicTest, checked_history
 from thermobearing.cyclic.result import Result
-from thermobearing.cyclic.rig import Rig
-from thermobearing.cyclic.segments import build_segments
-from thermobearing.cyclic.start import Earlier, initial_temperatures
 from thermobearing.model.constants import Hardening, HeatSource, Integrator, LeadEnds
-from thermobearing.model.earlier import Model
+from thermobearing.model.earlier import Model, models_that_fit
 from thermobearing.model.handover import begun_from
 from thermobearing.model.options import EndFace, Side, Stacked, build_model
 from thermobearing.model.outcomes import INTERRUPTED
@@ -132,7 +136,7 @@ def run(
     uniform = initial is None or np.ndim(initial) == 0  # type: ignore[arg-type]
     options: dict[str, Any] = {
         "bearing": bearing,
-        "test": _test_of(test, history),
+        "test": _as_test(test, history),
         "ambient": [series.at(0.0)] if series else ambient,
         "dt": dt,
         "scheme": scheme,
@@ -160,7 +164,7 @@ def run(
     return run_case(make_case({}, "run()", **options), series=series, progress=progress)
 
 
-def _test_of(test: CyclicTest | None, history: Any) -> CyclicTest | None:
+def _as_test(test: CyclicTest | None, history: Any) -> CyclicTest | None:
     """The test, or a history as one."""
     if history is None:
         return test
@@ -240,3 +244,36 @@ def run_case(
         if history.outcome == INTERRUPTED:
             break
     return label(case, model, segments, climates, histories)
+
+
+def compare_models(case: Case) -> dict[str, Result]:
+    """Results of models by name, the multi-layer one first.
+
+    Parameters
+    ----------
+    case : with the conservative scheme and automatic stack, as earlier models use them.
+
+    Returns
+    -------
+    dict of Result
+
+    Raises
+    ------
+    InputError : scheme or stack are not those.
+
+    Examples
+    --------
+    >>> from thermobearing.cyclic.case import make_case
+    >>> import thermobearing as tb
+    >>> test = tb.cyclic_test(strain=[1.0], cycles=1)
+    >>> results = compare_models(make_case({}, "example", test=test, ambient=[23.0]))
+    >>> list(results)[:2]
+    ['multi-layer', 'adiabatic']
+    """
+    results: dict[str, Result] = {}
+    for model in models_that_fit(case.bearing):
+        analysis = case.analysis.model_copy(
+            update={"model": model, "scheme": "conservative", "stack": "auto"}
+        )
+        results[model] = run_case(case.model_copy(update={"analysis": analysis}))
+    return results

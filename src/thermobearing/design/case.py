@@ -7,15 +7,14 @@ from typing import Annotated, Any
 from pydantic import Field, field_validator
 
 from thermobearing.border.errors import InputError, nearest
-from thermobearing.border.overrides import overridden
-from thermobearing.border.schema import OneLine, Strict, in_unit, validated
+from thermobearing.border.schema import OneLine, Strict, in_unit, overridden, validated
 from thermobearing.border.toml import to_toml
 from thermobearing.cyclic.case import Temperature, each_once
 from thermobearing.design.peaks import PeakRule
 from thermobearing.design.rubber import Kind, load_rubber
 from thermobearing.design.sizing import SizingRules
 from thermobearing.earthquake.case import make_earthquake_case
-from thermobearing.earthquake.motion import Motion
+from thermobearing.earthquake.inputs import Motion
 from thermobearing.motions.record import STANDARD_GRAVITY
 from thermobearing.report.title import case_table
 from thermobearing.structure.model import GROUND, MassModel, Name, Structure

@@ -1,4 +1,4 @@
-"""Temperature factors of a bearing from the coupled model, instead of from a table."""
+"""Temperature factors of a bearing, and the effect of its size."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -9,12 +9,13 @@ import pandas as pd
 
 from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
+from thermobearing.bearing.scaling import resized
 from thermobearing.border.errors import InputError, nearest
-from thermobearing.border.numbers import is_number, one_or_several
+from thermobearing.border.units import is_number, one_or_several
 from thermobearing.cyclic.protocol import CyclicTest
-from thermobearing.cyclic.result import run_name
+from thermobearing.cyclic.result import Result, run_name
 from thermobearing.cyclic.run import run
-from thermobearing.results.ranges import Row, limits_passed, rows_of
+from thermobearing.results.ranges import Row, limits_passed, list_rows
 
 TEMPERATURES = tuple(float(t) for t in range(-40, 41, 10))
 STRAINS = (1.0, 1.75)
@@ -275,7 +276,7 @@ def _measured(
         for row in part.to_dict("records")
         for name, unit in QUANTITIES.items()
     ]
-    asked = rows_of(result.tested_range)
+    asked = list_rows(result.tested_range)
     names = {run_name(t): _place(strain, t) for t in air}
     return pd.DataFrame(rows), [{**row, "run": names[row["run"]]} for row in asked]
 
@@ -292,3 +293,113 @@ def _with_tested(table: pd.DataFrame, asked: list[Row]) -> pd.DataFrame:
     table["beyond_tested"] = limits_passed(asked, runs)
     table.attrs["tested_range"] = asked
     return table
+
+
+SPECIMEN = 1.0 / 6.0
+STRAIN, SCALE_PERIOD, COUNT, REST = 1.75, 2.0, 5, 3600.0  # of the study; s
+
+
+def scaled_bearing(bearing: Bearing | str | Path, factor: float) -> Bearing:
+    """A bearing with all lengths times a factor, of the same compound.
+
+    Under the same strain history in the same time, forces go with the factor squared and
+    displacements with the factor (bearing/scaling.py); stresses, strains and coefficients stay. The
+    new bearing has at least as many heat cells as a file without the table `cells`.
+
+    Parameters
+    ----------
+    bearing : a Bearing, a library name, or a TOML file.
+    factor : in [0.001, 1000]; 1/6 makes the source's specimen of its prototype.
+
+    Returns
+    -------
+    Bearing
+
+    Raises
+    ------
+    InputError : the factor is not between 0.001 and 1000.
+
+    Examples
+    --------
+    >>> small = scaled_bearing("shen-hdr-bridge", 0.5)
+    >>> small.total_rubber_thickness, small.area
+    (51.0, 57600.0)
+    """
+    if not is_number(factor) or not 1e-3 <= factor <= 1e3:
+        raise InputError(f"factor = {factor!r}: must be a number from 0.001 to 1000")
+    bearing = as_bearing(bearing)
+    g = bearing.geometry
+    lengths = ("length", "width", "side", "diameter")
+    plan = g.plan.model_copy(
+        update={name: factor * getattr(g.plan, name) for name in lengths if hasattr(g.plan, name)}
+    )
+    thick = ("rubber_thickness", "shim_thickness", "sealing_plate_thickness", "end_plate_thickness")
+    geometry = g.model_copy(
+        update={"plan": plan} | {name: factor * getattr(g, name) for name in thick}
+    )
+    core = factor * bearing.lead.diameter if bearing.lead is not None else None
+    return resized(bearing, geometry, core).model_copy(
+        update={
+            "name": f"{bearing.name}-x{factor:.4g}",
+            "description": f"{bearing.name} with all lengths times {factor:.4g}",
+            "cells": bearing.cells.enough(),
+        }
+    )
+
+
+def scale_study(
+    bearing: Bearing | str | Path,
+    factors: Sequence[float] = (SPECIMEN, 1.0),
+    ambient: float = -20.0,
+    **options: Any,
+) -> tuple[pd.DataFrame, dict[float, Result]]:
+    """The same strain history at several sizes: five 2 s cycles of 175 %, then an hour of rest.
+
+    Parameters
+    ----------
+    bearing : at full size: a Bearing, a library name, or a TOML file.
+    factors : lengths over those of the full size, each in [0.001, 1000].
+    ambient : temperature [degC], in [-100, 100].
+    options : of `run`.
+
+    Returns
+    -------
+    DataFrame : per factor: rise of outer and inner layer and of the lead at the end of loading and
+        after one and ten minutes of rest [K], stress of cycle 5 over cycle 1.
+    dict : the results by factor.
+
+    Examples
+    --------
+    >>> table, _ = scale_study("shen-hdr-bridge")
+    >>> small, full = table["inner_after_10_min_K"]
+    >>> bool(small < 0.3 * full)
+    True
+    """
+    bearing = as_bearing(bearing)
+    cycles = {
+        "step": "cycles",
+        "strain": STRAIN,
+        "wave": "sine",
+        "period": SCALE_PERIOD,
+        "count": COUNT,
+    }
+    test = CyclicTest(dt=0.005, steps=[cycles, {"step": "rest", "duration": REST}])
+    results = {
+        float(factor): run(scaled_bearing(bearing, factor), test, ambient, **options)
+        for factor in factors
+    }
+    rows = []
+    end = SCALE_PERIOD * COUNT
+    for factor, result in results.items():
+        time = result.time(0)
+        rows.append({"factor": factor, "total_rubber_mm": factor * bearing.total_rubber_thickness})
+        for name, later in (("at_end", 0.0), ("after_1_min", 60.0), ("after_10_min", 600.0)):
+            row = int(time.searchsorted(end + later - 1e-6))
+            layers = result["rubber_temperature"].values[0, row] - ambient
+            rows[-1] |= {f"outer_{name}_K": float(layers[0]), f"inner_{name}_K": float(layers[-1])}
+            if result.has_lead:
+                lead = float(result["lead_temperature"].values[0, row]) - ambient
+                rows[-1][f"lead_{name}_K"] = lead
+        stress = result.cycles["stress_max_MPa"].to_numpy()
+        rows[-1]["stress_cycle_5_over_1"] = float(stress[-1] / stress[0])
+    return pd.DataFrame(rows), results

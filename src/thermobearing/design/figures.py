@@ -11,8 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from thermobearing.bearing.model import Bearing
-from thermobearing.bearing.validity import ranges_of
+from thermobearing.bearing.model import Bearing, calibration_ranges
 from thermobearing.border.errors import InputError
 from thermobearing.cyclic.result import Result
 from thermobearing.design.bounds import DEMANDS, least_safe
@@ -78,7 +77,7 @@ class DesignFigures:
                 values = [row[column] for row in mine]
                 ax.plot(numbers, values, color=colour, marker=marker, linewidth=1.2, label=name)
             ax.set_xticks(numbers)
-            end = (ranges_of(bearing) or {})["strain"][1] * bearing.total_rubber_thickness
+            end = (calibration_ranges(bearing) or {})["strain"][1] * bearing.total_rubber_thickness
             if turn.found > end:
                 drawing.mark_tested(ax, end, "the curves end here")
             drawing.name_axes(ax, "round", "displacement of the bearing [mm]", turn.group)
@@ -207,7 +206,7 @@ class FactorFigures:
         limits = [ax.get_xlim() for ax in shown]  # one scale: some sources reach further
         for ax in shown:
             ax.set_xlim(min(low for low, _ in limits), max(high for _, high in limits))
-        tested = (ranges_of(report.bearings[0]) or {}).get("ambient", (-np.inf, np.inf))
+        tested = (calibration_ranges(report.bearings[0]) or {}).get("ambient", (-np.inf, np.inf))
         drawing.shade_untested(shown, [tested] * len(shown))
         for ax in free:
             ax.set_axis_off()

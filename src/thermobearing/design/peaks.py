@@ -16,7 +16,7 @@ from thermobearing.border.schema import Strict, validated
 from thermobearing.border.toml import read_toml
 from thermobearing.core.records import Floats
 from thermobearing.design.sizing import Check
-from thermobearing.earthquake.motion import Motion
+from thermobearing.earthquake.inputs import Motion
 from thermobearing.earthquake.result import EarthquakeResult
 
 if TYPE_CHECKING:
@@ -86,7 +86,7 @@ def peak_rule(name: str) -> Rule:
     raise InputError(f'peaks = "{name}": must be "largest" or "mean"')
 
 
-def group_of(motion: Motion) -> str:
+def mean_group(motion: Motion) -> str:
     """What a mean is taken over with: its group, or the standard spectrum of a built-in motion.
 
     Parameters
@@ -99,7 +99,7 @@ def group_of(motion: Motion) -> str:
 
     Examples
     --------
-    >>> group_of(Motion(name="jra-ii-i-1")), group_of(Motion(name="mine.csv"))
+    >>> mean_group(Motion(name="jra-ii-i-1")), mean_group(Motion(name="mine.csv"))
     ('jra-ii-i', 'motions')
     """
     built_in = re.fullmatch(r"(jra-i{1,2}-i{1,3})-\d+", motion.name)
@@ -129,7 +129,7 @@ def combined(values: Sequence[float], motions: Sequence[Motion], rule: PeakRule)
     found = np.asarray(values, dtype=float)
     if rule == "largest":
         return float(found.max())
-    groups = np.array([group_of(motion) for motion in motions])
+    groups = np.array([mean_group(motion) for motion in motions])
     each = [found[groups == group] for group in dict.fromkeys(groups)]
     least = peak_rule(rule).least
     return float(np.max([one.mean() if len(one) >= least else one.max() for one in each]))
@@ -153,7 +153,7 @@ def few_motions(motions: Sequence[Motion], rule: PeakRule) -> list[str]:
     'peaks: of jra-ii-i (1 motion)'
     """
     least = peak_rule(rule).least
-    groups = [group_of(motion) for motion in motions]
+    groups = [mean_group(motion) for motion in motions]
     few = [
         f"{group} ({groups.count(group)} motion{'s' if groups.count(group) > 1 else ''})"
         for group in dict.fromkeys(groups)

@@ -1,5 +1,6 @@
 """Results: a design, a comparison of bounds with the model, factors of temperature."""
 
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from functools import cache, cached_property
 from pathlib import Path
@@ -11,40 +12,83 @@ from numpy.typing import NDArray
 
 import thermobearing
 from thermobearing.bearing.bilinear import BilinearBearing
-from thermobearing.bearing.model import Bearing
-from thermobearing.bearing.validity import ranges_of
+from thermobearing.bearing.model import Bearing, calibration_ranges
 from thermobearing.border.library import data_path
 from thermobearing.border.showing import Shown
 from thermobearing.border.toml import read_toml, to_table
 from thermobearing.cyclic.equivalent import post_yield_ratio
 from thermobearing.cyclic.result import Result
-from thermobearing.design.bilinear import (
+from thermobearing.design.bounds import (
     BOUNDS_NOTE,
     BoundModel,
     bound_models,
     bounds_table,
+    paragraph,
 )
-from thermobearing.design.bounds import paragraph
 from thermobearing.design.case import DesignCase
-from thermobearing.design.equal import EqualBearing, third_cycle
 from thermobearing.design.peaks import coldest_sentences, envelope, few_motions, peak_rule
 from thermobearing.design.published import coldest_factors, published_codes, published_tables
-from thermobearing.design.rounds import Round
-from thermobearing.design.sizing import Check
-from thermobearing.design.tested import (
-    asked_by_bounds,
-    asked_by_design,
-    warnings_of_bounds,
-    warnings_of_design,
-)
+from thermobearing.design.sizing import Check, EqualBearing, Round, third_cycle
 from thermobearing.earthquake.result import EarthquakeResult
-from thermobearing.results.ranges import outside_tests
+from thermobearing.results.ranges import (
+    Row,
+    asked_of_tests,
+    list_rows,
+    one_per_cause,
+    outside_tests,
+)
 from thermobearing.results.writing import limits_summary
 
 if TYPE_CHECKING:
     from thermobearing.design.figures import BoundsFigures, DesignFigures, FactorFigures
 
 Floats = NDArray[np.float64]
+
+
+def _asked_by_design(design: "Design") -> list[Row]:
+    """Rows of `compared`: the last round against its curves, equal bearings against their tests.
+
+    Those stand for the design displacement, and for every run at every temperature.
+    """
+    rows = list_rows(design.study.tested_range)
+    for item in design.equal:
+        bearing, far = item.bearing, item.displacement
+        reached = {"strain": far / bearing.total_rubber_thickness}
+        rows += asked_of_tests(
+            f"{bearing.name}, {far:.0f} mm", reached, calibration_ranges(bearing)
+        )
+    return rows + list(design.temperatures.attrs.get("tested_range", []))
+
+
+def _warnings_of_design(design: "Design") -> list[str]:
+    """Sentences: what left the curves of the compound, or the tests of equal bearings."""
+    rows = _asked_by_design(design)
+    said: list[tuple[str, str]] = []
+    bearings: list[Bearing | BilinearBearing] = [*design.bearings]
+    bearings += [item.bearing for item in design.equal]
+    for bearing in {one.name: one for one in bearings}.values():  # some groups share a size
+        mine = [row for row in rows if str(row["run"]).startswith(f"{bearing.name}, ")]
+        outside = outside_tests(
+            bearing.name, mine, calibration_ranges(bearing), skip=("strain_rate",)
+        )
+        said += [(bearing.name, text.removeprefix(f"{bearing.name}: ")) for text in outside]
+    return one_per_cause(said)
+
+
+def _asked_by_bounds(tables: Mapping[str, pd.DataFrame]) -> list[Row]:
+    """Rows of `compared` of the coupled model, of all bearings."""
+    return [row for table in tables.values() for row in table.attrs.get("tested_range", [])]
+
+
+def _warnings_of_bounds(tables: Mapping[str, pd.DataFrame]) -> list[str]:
+    """Sentences: what the coupled model was not tested at, and runs that ended early."""
+    said: list[tuple[str, str]] = []
+    for name, table in tables.items():
+        rows, ranges = table.attrs.get("tested_range", []), table.attrs.get("ranges")
+        outside = outside_tests(name, rows, ranges, skip=("strain_rate",))
+        said += [(name, text.removeprefix(f"{name}: ")) for text in outside]
+    return one_per_cause(said)
+
 
 USABLE = ("converged", "two_sizes")  # outcomes of a design
 ENOUGH = 0.10  # of the displacement: "no more than 10 %" (6.2.2)
@@ -125,12 +169,12 @@ class Design(Shown):
     @property
     def tested_range(self) -> pd.DataFrame:
         """What the last round asks of the curves, and equal bearings of their tests."""
-        return pd.DataFrame(asked_by_design(self))
+        return pd.DataFrame(_asked_by_design(self))
 
     @property
     def warnings(self) -> list[str]:
         """What a reader must know: what left the tested ranges."""
-        return [*few_motions(self.case.motions, self.case.peaks), *warnings_of_design(self)]
+        return [*few_motions(self.case.motions, self.case.peaks), *_warnings_of_design(self)]
 
     @property
     def sheet(self) -> list[dict[str, Any]]:
@@ -210,7 +254,7 @@ class Design(Shown):
         ------
         OutputError : the directory exists and `force` is False, or it cannot be written.
         """
-        from thermobearing.design.files import save_design
+        from thermobearing.design.output import save_design
 
         return save_design(self, Path(directory), force=force, figures=figures)
 
@@ -251,12 +295,12 @@ class BoundsReport(Shown):
     @property
     def tested_range(self) -> pd.DataFrame:
         """What the coupled model asks of the range that each bearing was tested in."""
-        return pd.DataFrame(asked_by_bounds(self.tables))
+        return pd.DataFrame(_asked_by_bounds(self.tables))
 
     @property
     def warnings(self) -> list[str]:
         """What a reader must know: what left the tested ranges."""
-        return warnings_of_bounds(self.tables)
+        return _warnings_of_bounds(self.tables)
 
     @property
     def structure(self) -> str:
@@ -306,7 +350,7 @@ class BoundsReport(Shown):
         ------
         OutputError : the directory exists and `force` is False, or it cannot be written.
         """
-        from thermobearing.design.files import save_bounds
+        from thermobearing.design.output import save_bounds
 
         return save_bounds(self, Path(directory), force=force, figures=figures)
 
@@ -350,7 +394,7 @@ class FactorReport(Shown):
     def warnings(self) -> list[str]:
         """What a reader must know: what left the tested range."""
         rows = self.table.attrs.get("tested_range", [])
-        return outside_tests(self.name, rows, ranges_of(self.bearings[0]))
+        return outside_tests(self.name, rows, calibration_ranges(self.bearings[0]))
 
     @cached_property
     def bounds(self) -> list[BoundModel]:
@@ -412,6 +456,6 @@ class FactorReport(Shown):
         ------
         OutputError : the directory exists and `force` is False, or it cannot be written.
         """
-        from thermobearing.design.files import save_factors
+        from thermobearing.design.output import save_factors
 
         return save_factors(self, Path(directory), force=force, figures=figures)

@@ -191,7 +191,7 @@ def equivalent_stiffness(
     return modulus * area / total_rubber_thickness / NEWTON_PER_KILONEWTON
 
 
-def bilinear_of(
+def equivalent_bilinear(
     stiffness: float, damping: float, displacement: float, stiffness_ratio: float
 ) -> BilinearParameters:
     """Bilinear model with a given equivalent stiffness and damping ratio at a displacement.
@@ -216,7 +216,7 @@ def bilinear_of(
 
     Examples
     --------
-    >>> design = bilinear_of(2.615, 0.1513, 178.0, 0.19)
+    >>> design = equivalent_bilinear(2.615, 0.1513, 178.0, 0.19)
     >>> round(design.strength), round(design.post_yield, 2), round(design.initial, 1)
     (120, 1.94, 10.2)
     """

@@ -17,42 +17,44 @@ import pandas as pd
 
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.library import load_bearing
-from thermobearing.bearing.model import Bearing
-from thermobearing.bearing.validity import Validity
+from thermobearing.bearing.model import Bearing, Validity
 from thermobearing.border.errors import InputError
 from thermobearing.cyclic.equivalent import DESIGN_STRAIN
 from thermobearing.design.bounds import AIR, BEARINGS, bounds_study, first_motions
 from thermobearing.design.case import DesignCase, bearing_weight
-from thermobearing.design.equal import EqualBearing, equal_bearing
 from thermobearing.design.factors import (
     PERIOD,
     STRAINS,
     TEMPERATURES,
     factors_at_speed,
+    scale_study,
     temperature_factors,
 )
 from thermobearing.design.peaks import counted, judged
 from thermobearing.design.result import USABLE, BoundsReport, Design, FactorReport
-from thermobearing.design.rounds import Round, Search, size_name
-from thermobearing.design.rubber import bilinear_of, load_curves, load_rubber
-from thermobearing.design.scale import scale_study
+from thermobearing.design.rubber import equivalent_bilinear, load_curves, load_rubber
 from thermobearing.design.sizing import (
     Check,
-    checks_of,
+    EqualBearing,
+    Round,
+    Search,
     design_values,
+    equal_bearing,
     pier_checks,
+    report_checks,
     size_bearing,
+    size_name,
 )
 from thermobearing.earthquake.case import EarthquakeCase, make_earthquake_case
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.earthquake.run import run_earthquake
 from thermobearing.model.outcomes import PIER_BEYOND_LIMIT
-from thermobearing.structure.parts import piers_of
+from thermobearing.structure.model import list_piers
 
 BLIND = 23.0  # degC: the bilinear bearing does not care
 
 
-def earthquake_of(
+def _round_analysis(
     case: DesignCase,
     bearings: Sequence[Bearing | BilinearBearing],
     stiffnesses: Sequence[float],
@@ -76,7 +78,7 @@ def earthquake_of(
     >>> from thermobearing.bearing.bilinear import load_bilinear
     >>> from thermobearing.design.case import make_design_case
     >>> bearing = load_bilinear("shen-bilinear-bridge")
-    >>> earthquake_of(make_design_case({}, "example"), [bearing], [2.6]).ambient
+    >>> _round_analysis(make_design_case({}, "example"), [bearing], [2.6]).ambient
     [23.0]
     """
     groups = case.groups
@@ -137,7 +139,7 @@ def sized(
     low, high = curves.smallest_strain * thickness, curves.largest_strain * thickness
     effective = min(max(effective, low), high)
     stiffness, damping = design_values(compound, size, effective)
-    model = bilinear_of(stiffness, damping, effective, case.stiffness_ratio)
+    model = equivalent_bilinear(stiffness, damping, effective, case.stiffness_ratio)
     number_of_group = f"-{place + 1}" if len(case.groups) > 1 else ""
     bearing = BilinearBearing(
         name=f"{case.compound}-{size.side:g}-{size.layers}x{size.layer_thickness:g}"
@@ -171,7 +173,7 @@ def one_turn(case: DesignCase, number: int, assumed: Sequence[float]) -> Turn:
     rounds, bearings = zip(
         *(sized(case, k, number, float(u)) for k, u in enumerate(assumed)), strict=True
     )
-    study = run_earthquake(earthquake_of(case, bearings, [turn.stiffness for turn in rounds]))
+    study = run_earthquake(_round_analysis(case, bearings, [turn.stiffness for turn in rounds]))
     names = [line.name for line in case.structure.bearings]
     lines = counted(study.dataset, "bearing_displacement_max", case.motions, case.peaks)
     most = counted(study.dataset, "bearing_displacement_max", case.motions, "largest")
@@ -184,8 +186,8 @@ def one_turn(case: DesignCase, number: int, assumed: Sequence[float]) -> Turn:
         turns.append(replace(turn, found=found, largest=largest, ductility=ductility))
         strain = found / turn.size.total_rubber_thickness
         weight = bearing_weight(case, group)
-        checks += checks_of(turn.size, weight, strain, case.sizing, turn.group)
-    known = piers_of(case.structure) if len(piers) > 1 else []
+        checks += report_checks(turn.size, weight, strain, case.sizing, turn.group)
+    known = list_piers(case.structure) if len(piers) > 1 else []
     ductilities = dict(zip([pier.name for pier in known] or [""], piers.tolist(), strict=True))
     checks += pier_checks(ductilities, case.sizing)
     order = list(dict.fromkeys(check.what for check in checks))
@@ -278,7 +280,7 @@ def at_every_air(
     groups = [case.groups[k] for k in np.argsort(used)[::-1] if case.line_groups]
     tables = []
     for items in equal:
-        shaken = earthquake_of(case, [one.bearing for one in items], stiffnesses, case.ambient)
+        shaken = _round_analysis(case, [one.bearing for one in items], stiffnesses, case.ambient)
         tables.append(judged(run_earthquake(shaken), case.motions, case.peaks, checks, groups))
     found = pd.concat(tables, ignore_index=True)
     found.attrs["tested_range"] = [row for t in tables for row in t.attrs["tested_range"]]

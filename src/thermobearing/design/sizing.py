@@ -1,14 +1,23 @@
-"""Size of a bearing for a design displacement, and the checks of a designer."""
+"""Size a bearing round by round, and scale layered bearings to the same stiffness."""
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Annotated
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated, Any
 
+import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field
 
+from thermobearing.bearing.library import as_bearing
+from thermobearing.bearing.model import Bearing
+from thermobearing.bearing.scaling import resized
 from thermobearing.border.errors import InputError
 from thermobearing.border.schema import Strict, in_unit
+from thermobearing.cyclic.equivalent import isothermal_cycle
+from thermobearing.cyclic.protocol import cyclic_test
+from thermobearing.cyclic.run import run
 from thermobearing.design.rubber import (
     NEWTON_PER_KILONEWTON,
     DesignRubber,
@@ -16,6 +25,7 @@ from thermobearing.design.rubber import (
     equivalent_stiffness,
 )
 
+Floats = NDArray[np.float64]
 MOST_LAYERS = 60
 STRAIN_LIMIT, DUCTILITY_LIMIT = 2.5, 3.0  # Table 3.4, section 6.3.3
 
@@ -143,7 +153,7 @@ def size_bearing(displacement: float, weight: float, rules: SizingRules) -> Size
     return Size(steps * rules.plan_step, layers, rules.layer_thickness)
 
 
-def checks_of(
+def report_checks(
     size: Size, weight: float, strain: float, rules: SizingRules, part: str = ""
 ) -> list[Check]:
     """The calculation sheet of a bearing: strain, stress, shape factors.
@@ -162,7 +172,7 @@ def checks_of(
 
     Examples
     --------
-    >>> sheet = checks_of(Size(600.0, 8, 14.0), 784.5, 1.6, SizingRules())
+    >>> sheet = report_checks(Size(600.0, 8, 14.0), 784.5, 1.6, SizingRules())
     >>> {check.verdict for check in sheet}
     {'OK'}
     """
@@ -233,3 +243,301 @@ def design_values(compound: DesignRubber, size: Size, displacement: float) -> tu
     thickness = size.total_rubber_thickness
     stiffness = equivalent_stiffness(compound, size.area, thickness, displacement)
     return stiffness, damping_ratio(compound, displacement / thickness)
+
+
+ROUNDING = 5.0  # mm: plans are made in such steps
+TRIES = 60
+MOST_EQUAL_LAYERS = 200  # of any bearing
+
+
+@dataclass(frozen=True)
+class EqualBearing:
+    """A layered bearing scaled to a stiffness.
+
+    Attributes
+    ----------
+    bearing : ready for `bridge`.
+    stiffness, damping : K_eq [kN/mm] and h_eq of its third cycle without heating at the design
+        displacement and the reference temperature of its rubber.
+    displacement : u_B that it is sized for [mm].
+    group : name of the group of lines that it is for; empty where there is only one.
+    """
+
+    bearing: Bearing
+    stiffness: float
+    damping: float
+    displacement: float
+    group: str = ""
+
+
+def with_side(template: Bearing, side: float, layers: int) -> Bearing:
+    """The template with another square plan and number of layers; its compound stays.
+
+    Parameters
+    ----------
+    template : a layered bearing with a square plan.
+    side : of the plan [mm], its square larger than the lead.
+    layers : number of rubber layers, >= 1.
+
+    Returns
+    -------
+    Bearing, not checked again: quick, for a search.
+
+    Examples
+    --------
+    >>> from thermobearing.bearing.library import load_bearing
+    >>> with_side(load_bearing("shen-hdr-bridge"), 400.0, 5).name
+    'hdr-400-5x17'
+    """
+    plan = template.geometry.plan.model_copy(update={"side": side})
+    geometry = template.geometry.model_copy(update={"plan": plan, "rubber_layers": layers})
+    return resized(template, geometry).model_copy(
+        update={
+            "name": f"{template.kind.lower()}-{side:g}-{layers}x{geometry.rubber_thickness:g}",
+            "description": f"{template.name} scaled to the stiffness of a design",
+        }
+    )
+
+
+def equal_bearing(
+    template: Bearing | str | Path,
+    stiffness: float,
+    displacement: float,
+    design_strain: float = 1.75,
+) -> EqualBearing:
+    """A bearing of the template's rubber, layers and lead with a given K_B.
+
+    As many layers as keep the design strain; the side of the square plan follows from K_B, in
+    steps of 5 mm; the rest follows from the compound (bearing/scaling.py).
+
+    Parameters
+    ----------
+    template : a layered bearing with a square plan: a Bearing, a library name, or a TOML file.
+    stiffness : K_B [kN/mm], > 0.
+    displacement : design displacement u_B [mm], > 0.
+    design_strain : largest strain, u_B over total rubber thickness, > 0.
+
+    Returns
+    -------
+    EqualBearing
+
+    Raises
+    ------
+    InputError : a number out of range, a plan that is not square, more than 200 layers, or no plan
+        between the lead and 5 m has that stiffness.
+
+    Examples
+    --------
+    >>> found = equal_bearing("shen-hdr-bridge", 2.6153, 178.0)
+    >>> found.bearing.area**0.5, found.bearing.geometry.rubber_layers
+    (480.0, 6)
+    """
+    template = as_bearing(template, "template")
+    for name, value, high in (
+        ("stiffness", stiffness, 1e6),
+        ("displacement", displacement, 1e5),
+        ("design_strain", design_strain, 5.0),
+    ):
+        if isinstance(value, bool | str) or not 1e-6 <= value <= high:
+            raise InputError(f"{name} = {value!r}: must be a number from 1e-06 to {high:g}")
+    if template.geometry.plan.shape != "square":
+        raise InputError(f"{template.name}: only square plans are scaled")
+    thickness = template.geometry.rubber_thickness
+    layers = max(1, math.ceil(displacement / (design_strain * thickness) - 1e-9))
+    if layers > MOST_EQUAL_LAYERS:
+        raise InputError(
+            f"a displacement of {displacement:g} mm takes {layers} layers of {thickness:g} mm; at "
+            f"most {MOST_EQUAL_LAYERS} make sense"
+        )
+    strain = displacement / (layers * thickness)
+    low, high = math.sqrt(1.02 * template.lead_area) + ROUNDING, 5000.0
+    softest, stiffest = (_stiffness(template, side, layers, strain) for side in (low, high))
+    if not softest <= stiffness <= stiffest:
+        raise InputError(
+            f"{template.name}: no plan of {low:.0f} to {high:.0f} mm gives {stiffness:g} kN/mm"
+        )
+    for _ in range(TRIES):
+        middle = 0.5 * (low + high)
+        if _stiffness(template, middle, layers, strain) < stiffness:
+            low = middle
+        else:
+            high = middle
+        if high - low < 0.1:
+            break
+    side = ROUNDING * round(0.5 * (low + high) / ROUNDING)
+    bearing = with_side(template, side, layers)
+    measured = isothermal_cycle(bearing, strain)
+    return EqualBearing(bearing, measured.stiffness_kN_mm, measured.h_eq, displacement)
+
+
+def _stiffness(template: Bearing, side: float, layers: int, strain: float) -> float:
+    return isothermal_cycle(with_side(template, side, layers), strain).stiffness_kN_mm
+
+
+def third_cycle(bearing: Bearing, displacement: float) -> tuple[Floats, Floats]:
+    """Displacement [mm] and force [kN] of a bearing's third cycle, from soaked, with heating.
+
+    Parameters
+    ----------
+    bearing : layered.
+    displacement : amplitude of the cycles [mm], > 0; the test begins at the reference
+        temperature of the rubber.
+
+    Returns
+    -------
+    displacement [mm] and force [kN] of the steps of the cycle.
+
+    Examples
+    --------
+    >>> from thermobearing.bearing.library import load_bearing
+    >>> x, force = third_cycle(load_bearing("shen-hdr-bridge"), 178.0)
+    >>> round(float(x.max())), bool(force.max() > 0.0)
+    (178, True)
+    """
+    strain = displacement / bearing.total_rubber_thickness
+    test = cyclic_test(strain=[strain], cycles=3, closing_strain=None)
+    result = run(bearing, test, bearing.hysteresis.reference_temperature)
+    last = np.flatnonzero(result["cycle"].values[0] == 3)
+    return result["displacement"].values[0, last], result["force"].values[0, last]
+
+
+@dataclass(frozen=True)
+class Round:
+    """One turn of the loop, of one group of bearing lines.
+
+    Attributes
+    ----------
+    number : from 1.
+    assumed : design displacement u_B that the bearing was sized for [mm].
+    size : the bearing.
+    stiffness, damping : K_B [kN/mm] and h_B at u_B.
+    strength, post_yield, initial : Q_d [kN], K_2, K_1 [kN/mm] of the bilinear model.
+    found : displacement over the motions [mm], as the rule of the case has it.
+    ductility : of the pier over the motions, as the rule has it.
+    largest : displacement of all motions [mm].
+    group : name of the group of lines; empty where there is only one.
+    """
+
+    number: int
+    assumed: float
+    size: Size
+    stiffness: float
+    damping: float
+    strength: float
+    post_yield: float
+    initial: float
+    found: float
+    ductility: float
+    largest: float = math.nan
+    group: str = ""
+
+    @property
+    def difference(self) -> float:
+        """Found over assumed displacement, less one."""
+        return self.found / self.assumed - 1.0
+
+    def row(self) -> dict[str, Any]:
+        """The round as people read it."""
+        return {
+            "round": self.number,
+            **({"group": self.group} if self.group else {}),
+            "u_B_assumed_mm": self.assumed,
+            "side_mm": self.size.side,
+            "layers": self.size.layers,
+            "layer_thickness_mm": self.size.layer_thickness,
+            "K_B_kN_mm": self.stiffness,
+            "h_B": self.damping,
+            "Q_d_kN": self.strength,
+            "K_1_kN_mm": self.initial,
+            "K_2_kN_mm": self.post_yield,
+            "u_found_mm": self.found,
+            "u_largest_mm": self.largest,
+            "difference": self.difference,
+            "pier_ductility": self.ductility,
+        }
+
+
+def size_name(turn: Round) -> str:
+    """A size in words.
+
+    Parameters
+    ----------
+    turn : a round of the loop.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> size_name(Round(1, 178.0, Size(600.0, 8, 14.0), 2.6, 0.15, 125.4, 1.8, 9.5, 180.0, 1.2))
+    '600 mm with 8x14 mm'
+    """
+    size = turn.size
+    return f"{size.side:g} mm with {size.layers}x{size.layer_thickness:g} mm"
+
+
+def two_sizes(rounds: Sequence[Round], tolerance: float) -> tuple[Round, Round] | None:
+    """Rounds on both sides of a jump between two sizes where no design is; None if there may be.
+
+    Parameters
+    ----------
+    rounds : so far.
+    tolerance : on found over assumed displacement, > 0.
+
+    Returns
+    -------
+    The round that moves farther than it is sized for, and the one that moves less; they are sized
+    for nearly the same displacement. None while such a pair is not known.
+
+    Examples
+    --------
+    >>> two_sizes([], 0.01) is None
+    True
+    """
+    short = [turn for turn in rounds if turn.difference > tolerance]
+    ample = [turn for turn in rounds if turn.difference < -tolerance]
+    if not short or not ample:
+        return None
+    low = max(short, key=lambda turn: turn.assumed)
+    high = min(ample, key=lambda turn: turn.assumed)
+    close = 0.0 < high.assumed - low.assumed <= tolerance * low.assumed
+    return (low, high) if close and low.size != high.size else None
+
+
+@dataclass
+class Search:
+    """The search for the displacement that one group of lines is sized for.
+
+    The found displacement replaces the assumed one; where they cross over, the next guess goes
+    half-way only. Between two sizes that alternate it holds the larger one, until the other groups
+    have changed so much that this one moves farther than it is sized for.
+
+    Attributes
+    ----------
+    assumed : displacement of the next round [mm].
+    gain : share of the difference that is taken, in (0, 1].
+    rounds : since the group was last set free.
+    held : the two rounds of `two_sizes`, of which the larger size is held.
+    """
+
+    assumed: float
+    gain: float = 1.0
+    rounds: list[Round] = field(default_factory=list)
+    held: tuple[Round, Round] | None = None
+
+    def settled(self, turn: Round, tolerance: float) -> bool:
+        """Return whether a round needs no other: it agrees, or its held size is large enough."""
+        is_held = self.held is not None and turn.assumed == self.held[1].assumed
+        return turn.difference <= tolerance and (is_held or turn.difference >= -tolerance)
+
+    def advance(self, turn: Round, tolerance: float) -> None:
+        """Take a round and choose the next assumed displacement."""
+        if self.held is not None and turn.difference > tolerance:
+            self.rounds, self.held, self.gain = [], None, 1.0
+        before, self.rounds = self.rounds[-1:], [*self.rounds, turn]
+        self.held = self.held or two_sizes(self.rounds, tolerance)
+        if before and turn.difference * before[0].difference < 0.0:
+            self.gain *= 0.5
+        free = self.assumed + self.gain * (turn.found - self.assumed)
+        self.assumed = self.held[1].assumed if self.held else free

@@ -2,9 +2,9 @@
 from .case import EarthquakeCase as EarthquakeCase
 from .case import load_earthquake_case as load_earthquake_case
 from .case import make_earthquake_case as make_earthquake_case
-from .compare import compare_models as compare_models
 from .result import EarthquakeResult as EarthquakeResult
 from .run import run_earthquake as run_earthquake
 from .soaking import bearing_weather as bearing_weather
 from .study import bridge as bridge
+from .study import compare_models as compare_models
 from .study import hybrid as hybrid

@@ -12,21 +12,27 @@ from thermobearing.bearing.library import BEARINGS
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
 from thermobearing.border.library import Library, Sourced, sources_to_keep
-from thermobearing.border.overrides import overridden
-from thermobearing.border.schema import Strict, in_unit, validated
+from thermobearing.border.schema import Strict, in_unit, overridden, validated
 from thermobearing.border.toml import to_toml
-from thermobearing.cyclic.case import Temperature, each_once
-from thermobearing.cyclic.rig import RIGS, Rig, settle_rig
-from thermobearing.cyclic.start import left_by, settle_start
-from thermobearing.earthquake.devices import (
+from thermobearing.cyclic.case import (
+    RIGS,
+    Rig,
+    Temperature,
+    each_once,
+    left_by,
+    settle_rig,
+    settle_start,
+)
+from thermobearing.earthquake.inputs import (
     Device,
+    Motion,
     OnLine,
     into_structure,
     lines_faults,
     settle_lines,
+    settle_motions,
     weather_faults,
 )
-from thermobearing.earthquake.motion import Motion, settle_motions
 from thermobearing.model.effort import MOST_OF, too_many
 from thermobearing.model.handover import SpecimenState, misfit
 from thermobearing.model.options import ModelOptions, build_model, outdoors
@@ -37,10 +43,11 @@ from thermobearing.structure.model import (
     DampingKind,
     MassModel,
     Structure,
+    fixed_base,
     list_structures,
     load_structure,
+    reported_line,
 )
-from thermobearing.structure.parts import fixed_base, reported_line
 from thermobearing.structure.run import Method
 
 Command = Literal["bridge", "hybrid"]
@@ -219,7 +226,7 @@ class EarthquakeCase(Strict):
         fault = misfit(self.initial_state, build_model(bearing, self.analysis).constants)
         return [f"initial_state: {fault}"] if fault else []
 
-    def steps_of(self, motion: GroundMotion) -> tuple[int, float]:
+    def count_steps(self, motion: GroundMotion) -> tuple[int, float]:
         """Number of steps of a motion of the case, and their length [s].
 
         The step divides the sampling interval, so that every sample is met.
@@ -230,7 +237,7 @@ class EarthquakeCase(Strict):
 
     def length_faults(self, motions: list[GroundMotion]) -> list[str]:
         """Studies of no step; those of too many are refused when they are to be run."""
-        counts = [self.steps_of(motion)[0] for motion in motions]
+        counts = [self.count_steps(motion)[0] for motion in motions]
         if self.duration is not None and 0 in counts:
             return [f"duration = {self.duration:g} s is shorter than a step; see analysis.dt"]
         return []

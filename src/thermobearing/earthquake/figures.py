@@ -1,4 +1,4 @@
-"""What an engineer looks at after an earthquake study: small multiples, readable.
+"""Figures of histories and loops in earthquakes.
 
 Rows are bearings, columns motions, colours ambient temperatures from cold (blue) to warm (red).
 A study with many motions shows the first few; the table has them all.
@@ -10,29 +10,260 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
+import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from thermobearing.earthquake.loop_figures import draw_largest_loops, draw_modes, has_loops
+from thermobearing.border.errors import InputError, nearest
 from thermobearing.earthquake.modes import has_both
-from thermobearing.earthquake.part_histories import told_of
-from thermobearing.earthquake.parts import has_parts, told_of_parts
-from thermobearing.earthquake.parts_figure import draw_parts
-from thermobearing.earthquake.peaks_figure import draw_peaks
-from thermobearing.earthquake.profile_figure import draw_profiles
+from thermobearing.earthquake.parts import GOVERNING, has_parts, told_of_parts
 from thermobearing.earthquake.result import EarthquakeResult
-from thermobearing.earthquake.rises_figure import draw_rises
-from thermobearing.earthquake.shares_figure import draw_shares
-from thermobearing.earthquake.speed_figure import draw_speed
-from thermobearing.earthquake.strong_part import peak_of, strong_part
-from thermobearing.earthquake.yield_point import yield_point
+from thermobearing.earthquake.summary_figures import (
+    draw_parts,
+    draw_peaks,
+    draw_profiles,
+    draw_rises,
+    draw_speed,
+    peak_place,
+    strong_part,
+)
 from thermobearing.results import drawing
 
 Floats = NDArray[np.float64]
 MOST_COLUMNS = 4
+MODE_LOOKS: dict[str, drawing.Look] = {
+    "rt": {"color": "#CC3311"},
+    "pd": {"color": "#0077BB", "linestyle": "--"},
+}
+LOOP_WIDTH, LOOP_HEIGHT = 3.0, 2.7  # of one panel [inch]
+
+
+def _draw_largest_loops(result: EarthquakeResult) -> Figure:
+    """The largest loop of every bearing: a row for each temperature, a column for each motion."""
+    loops, data = result.largest_loops, result.dataset
+    bearings = list(dict.fromkeys(loops["bearing"]))
+    ambients = sorted(set(loops["ambient_degC"]))
+    motions = list(dict.fromkeys(loops["motion"]))
+    columns = min(len(motions), MOST_COLUMNS)
+    more = f" (first {columns} of {len(motions)} motions)" if len(motions) > columns else ""
+    colours = dict(zip(bearings, drawing.ordered_colours(len(bearings), "viridis"), strict=True))
+    size = (max(LOOP_WIDTH * columns, 5.0) + 0.6, LOOP_HEIGHT * len(ambients) + 1.0)
+    title = f"{data.attrs['structure']}: largest loop of one bearing{more}"
+    figure, axes = drawing.panels(len(ambients), columns, size, title, share=True)
+    for panel, ax in enumerate(axes):
+        ambient, motion = ambients[panel // columns], motions[panel % columns]
+        mine = loops[(loops["ambient_degC"] == ambient) & (loops["motion"] == motion)]
+        for run, loop in zip(mine.index.to_numpy(), mine.to_dict("records"), strict=True):
+            time = data["time"].values[run]
+            inside = (time >= loop["start_s"]) & (time <= loop["end_s"])  # none if there is none
+            x = data["bearing_displacement"].values[run, inside]
+            y = data["bearing_force"].values[run, inside]
+            dashed = has_both(result) and loop["mode"] == "pd"
+            look: drawing.Look = {"linestyle": "--" if dashed else "-", "linewidth": 1.1}
+            ax.plot(x, y, color=colours[loop["bearing"]], **look)
+        drawing.name_axes(
+            ax,
+            "displacement [mm]" if panel // columns == len(ambients) - 1 else "",
+            "force [kN]" if panel % columns == 0 else "",
+        )
+        ax.axhline(0.0, color=drawing.GREY, linewidth=0.6, zorder=1)
+        ax.axvline(0.0, color=drawing.GREY, linewidth=0.6, zorder=1)
+    drawing.head_grid(axes, motions[:columns], [f"ambient {drawing.degrees(t)}" for t in ambients])
+    handles = [Line2D([], [], color=colours[name], label=name) for name in bearings]
+    if has_both(result):
+        look = {"color": drawing.GREY, "linestyle": "--"}
+        handles.append(Line2D([], [], label="pseudo-dynamic (dashed)", **look))
+    drawing.legend_below(figure, handles)
+    return figure
+
+
+def _draw_modes(result: EarthquakeResult) -> Figure:
+    """Loops of the specimen in both modes: a row for each bearing, a column a temperature."""
+    table, data = result.table, result.dataset
+    bearings = list(dict.fromkeys(table["bearing"]))
+    ambients = sorted(set(table["ambient_degC"]))
+    motion = table["motion"].iloc[0]
+    size = (max(LOOP_WIDTH * len(ambients), 5.0) + 0.6, LOOP_HEIGHT * len(bearings) + 1.0)
+    title = f"{data.attrs['structure']}: real time over pseudo-dynamic, {motion}"
+    figure, axes = drawing.panels(len(bearings), len(ambients), size, title, share=True)
+    for panel, ax in enumerate(axes):
+        bearing, ambient = bearings[panel // len(ambients)], ambients[panel % len(ambients)]
+        mine = table[(table["bearing"] == bearing) & (table["ambient_degC"] == ambient)]
+        mine = mine[mine["motion"] == motion]
+        for run, mode in zip(mine.index.to_numpy(), mine["mode"], strict=True):
+            told = np.isfinite(data["time"].values[run])
+            strain = 100.0 * data["bearing_strain"].values[run, told]
+            force = data["bearing_force"].values[run, told]
+            ax.plot(strain, force, linewidth=0.9, **MODE_LOOKS[mode])
+        drawing.name_axes(
+            ax,
+            "shear strain [%]" if panel // len(ambients) == len(bearings) - 1 else "",
+            "force [kN]" if panel % len(ambients) == 0 else "",
+        )
+    drawing.head_grid(axes, [f"ambient {drawing.degrees(t)}" for t in ambients], bearings)
+    names = {"pd": "pseudo-dynamic", "rt": "real time"}
+    handles = [Line2D([], [], label=names[mode], **MODE_LOOKS[mode]) for mode in ("rt", "pd")]
+    drawing.legend_below(figure, handles)
+    return figure
+
+
+def _has_loops(result: EarthquakeResult) -> bool:
+    """Whether any run has a largest loop to be drawn."""
+    data = result.dataset
+    return "loop_start" in data and bool(np.isfinite(data["loop_start"].values).any())
+
+
+def describe_all(dataset: xr.Dataset, part: str, name: str | None) -> xr.Dataset:
+    """Return the dataset whose peaks, and histories where it has them, are those of one part.
+
+    Parameters
+    ----------
+    dataset : of a study.
+    part : "pier" or "line".
+    name : of the part; None for the one whose histories the dataset holds.
+
+    Returns
+    -------
+    xarray.Dataset
+
+    Raises
+    ------
+    InputError : no part has that name; the nearest is named.
+    """
+    name = dataset.attrs.get(part) if name is None else name
+    if name is None or (name == dataset.attrs.get(part) and not has_parts(dataset)):
+        return dataset
+    dimension = "line" if part == "line" else "pier_part"
+    names = [str(one) for one in dataset[dimension].values] if has_parts(dataset) else []
+    known = names or [str(dataset.attrs.get(part, ""))]
+    if name not in names:
+        raise InputError(f'{part} = "{name}": no {part} has that name{nearest(str(name), known)}')
+    own = dataset.sel({dimension: name}, drop=True)
+    if part == "pier":
+        changed = {
+            "pier_displacement": own["pier_part_displacement"],
+            "pier_rotation": own["pier_part_rotation"],
+            "pier_moment": own["pier_part_moment"],
+        }
+        changed |= {key: own[of] for key, of in GOVERNING.items() if key.startswith("pier_")}
+    else:
+        way = own["line_displacement_max"]
+        per_mm = own["line_strain_max"] / way.where(way > 0.0)
+        changed = {
+            "bearing_strain": own["line_displacement"] * per_mm,
+            "bearing_strain_max": own["line_strain_max"],
+        }
+    kept = {key: value.variable for key, value in changed.items()}
+    return dataset.assign(kept).assign_attrs({part: name})
+
+
+def _yield_point(data: xr.Dataset, run: int) -> tuple[float, float] | None:
+    """Rotation [rad] and moment [kN m] at which the hinge of the pier yields; None without one.
+
+    The moment is that of the elastic branch, on which the hinge is up to its first yielding.
+
+    Parameters
+    ----------
+    data : of an earthquake study.
+    run : its number.
+    """
+    ductility = float(data["pier_ductility"][run])
+    if not np.isfinite(ductility) or ductility <= 0.0:
+        return None
+    rotation = float(data["pier_rotation_max"][run]) / ductility
+    path = data["pier_rotation"].values[run].astype(float)
+    path = path[np.isfinite(path)]
+    beyond = np.abs(path) > rotation
+    elastic = slice(0, int(beyond.argmax()) if beyond.any() else len(path))
+    place = int(np.abs(path[elastic]).argmax()) if len(path[elastic]) else 0
+    if not path[place]:
+        return None
+    return rotation, rotation * float(data["pier_moment"][run, place]) / path[place]
+
+
 WIDTH, HEIGHT = 2.9, 2.4  # of one panel [inch]
+WHOLE = ("bearing_force", "whole force", "#b5b5b5")
+SHARES = (
+    ("rubber_force", "rubber", "#0072B2"),
+    ("lead_force", "lead cores", "#000000"),
+    ("viscous_force", "rate-dependent branch", "#D55E00"),
+)
+# The two terms of a bilinear model are no parts of the bearing: an HDR bearing has no lead.
+BILINEAR = (
+    ("rubber_force", "bilinear: elastic part", "#56B4E9"),
+    ("lead_force", "bilinear: yielding part", "#CC79A7"),
+)
+
+
+def _draw_shares(result: EarthquakeResult) -> Figure:
+    """Shares against displacement in the largest loop of the first motion (Fig. 5.15).
+
+    Rows are bearings, columns ambient temperatures. Without a closed loop the whole history is
+    drawn, and the panel says so.
+    """
+    data, table = result.dataset, result.table
+    bearings = list(dict.fromkeys(table["bearing"]))
+    ambients, motion = sorted(set(table["ambient_degC"])), table["motion"].iloc[0]
+    columns = len(ambients)
+    size = (max(WIDTH * columns, 5.0) + 0.6, HEIGHT * len(bearings) + 1.0)
+    title = f"{data.attrs['structure']}: shares of the force in the largest loop, {motion}"
+    figure, axes = drawing.panels(len(bearings), columns, size, title, share=True)
+    used: dict[str, str] = {}
+    for panel, ax in enumerate(axes):
+        bearing, ambient = bearings[panel // columns], ambients[panel % columns]
+        mine = table[(table["bearing"] == bearing) & (table["ambient_degC"] == ambient)]
+        mine = mine[mine["motion"] == motion]
+        for run in mine.index:
+            used |= _draw(ax, result, int(run))
+        drawing.name_axes(
+            ax,
+            "displacement [mm]" if panel // columns == len(bearings) - 1 else "",
+            "force [kN]" if panel % columns == 0 else "",
+        )
+        ax.axhline(0.0, color=drawing.GREY, linewidth=0.6, zorder=1)
+        ax.axvline(0.0, color=drawing.GREY, linewidth=0.6, zorder=1)
+    drawing.head_grid(axes, [f"ambient {drawing.degrees(t)}" for t in ambients], bearings)
+    known = [label for _, label, _ in (WHOLE, *SHARES, *BILINEAR)]
+    told = [label for label in known if label in used]
+    handles = [Line2D([], [], color=used[label], label=label) for label in told]
+    if len(set(result.modes)) > 1:
+        look: drawing.Look = {"color": drawing.GREY, "linestyle": "--"}
+        handles.append(Line2D([], [], label="pseudo-dynamic (dashed)", **look))
+    drawing.legend_below(figure, handles)
+    return figure
+
+
+def _draw(ax: Axes, result: EarthquakeResult, run: int) -> dict[str, str]:
+    """Shares of one run; what was drawn, with its colour."""
+    data = result.dataset
+    time = data["time"].values[run]
+    inside = np.isfinite(time)
+    ends = [
+        float(data[name][run]) if name in data else np.nan for name in ("loop_start", "loop_end")
+    ]
+    if np.isfinite(ends).all():
+        inside &= (time >= ends[0]) & (time <= ends[1])
+    else:
+        look: drawing.Look = {"fontsize": drawing.SMALL - 0.5, "color": drawing.GREY, "va": "top"}
+        ax.text(0.01, 0.985, "no closed loop: all of it", transform=ax.transAxes, **look)
+    bilinear = bool(data.attrs.get(f"bilinear:{data['bearing'].values[run]}", 0))
+    dashed = len(set(result.modes)) > 1 and result.modes[run] == "pd"
+    used = {}
+    x = data["bearing_displacement"].values[run][inside].astype(float)
+    for name, label, colour in (WHOLE, *(BILINEAR if bilinear else SHARES)):
+        y = data[name].values[run][inside].astype(float)
+        if not y.any():  # the bearing has no such branch
+            continue
+        kept = drawing.thin_loops(x, y, max(np.ptp(x), 1e-12), max(np.ptp(y), 1e-12))
+        width = 2.4 if name == WHOLE[0] else 1.0
+        line: drawing.Look = {"linewidth": width, "linestyle": "--" if dashed else "-"}
+        ax.plot(x[kept], y[kept], color=colour, **line)
+        used[label] = colour
+    return used
+
+
 TIME_BINS = 900  # points of a history are thinned to two per bin
 KJ, MN_M = 1e-3, 1e-3
 WIDER = 0.8  # of its width: each line that lies below another
@@ -105,7 +336,7 @@ class EarthquakeFigures:
             for run, ambient in zip(self._table.index, self._table["ambient_degC"], strict=True):
                 draw(ax, int(run), self._colours[ambient])
             drawing.name_axes(ax, x, y)
-            return drawing.figure_of(ax)
+            return drawing.parent_figure(ax)
         untested = []
         motions = self._motions[:MOST_COLUMNS]
         rows, columns = len(self._bearings), len(motions)
@@ -188,7 +419,7 @@ class EarthquakeFigures:
             ax.set_xlim(*strong_part(self._data, same, name))
             for run in runs:
                 values = factor * self._values(name, run)
-                place = peak_of(values)
+                place = peak_place(values)
                 if place is None:
                     continue
                 look: drawing.Look = {"color": self._colours[self._table["ambient_degC"][run]]}
@@ -241,7 +472,7 @@ class EarthquakeFigures:
 
     def largest_loops(self) -> Figure:
         """The largest loop, the bearings over each other, as Fig. 4.12 and 6.6."""
-        return draw_largest_loops(self._result)
+        return _draw_largest_loops(self._result)
 
     def parts(self) -> Figure:
         """Every bearing line and every pier beside each other, where there are several."""
@@ -249,12 +480,12 @@ class EarthquakeFigures:
 
     def modes(self) -> Figure:
         """Real time over pseudo-dynamic: loops of the specimen, as Fig. 3.16 to 3.19."""
-        return draw_modes(self._result)
+        return _draw_modes(self._result)
 
     def _of(self, part: str, name: str | None) -> "EarthquakeFigures":
         """The same figures of another line or pier."""
         view = copy.copy(self)
-        view._data = told_of(self._data, part, name)
+        view._data = describe_all(self._data, part, name)
         return view
 
     def strain(self, ax: Axes | None = None, *, line: str | None = None) -> Figure:
@@ -286,7 +517,7 @@ class EarthquakeFigures:
             return self._grid(what, x, y, draw, ax)
         figure = self._grid(what, x, y, draw, sizes="pier_rotation_max")
         for panel, runs, _ in self._panel_runs(figure):
-            found = [yield_point(self._data, run) for run in runs]
+            found = [_yield_point(self._data, run) for run in runs]
             for point in [point for point in found if point is not None][:1]:
                 rotation, moment = 1e3 * point[0], MN_M * point[1]
                 look: drawing.Look = {"color": drawing.GREY, "linewidth": 0.8, "linestyle": "--"}
@@ -336,7 +567,7 @@ class EarthquakeFigures:
 
     def shares(self) -> Figure:
         """Shares of the force in the largest loop of the first motion, as Fig. 5.15."""
-        return draw_shares(self._result)
+        return _draw_shares(self._result)
 
     def peaks(self) -> Figure:
         """Peaks of every run, as Fig. 6.11, 6.14 to 6.16, 6.18, 6.20, 6.24 and 6.26."""
@@ -355,7 +586,7 @@ class EarthquakeFigures:
         }
         if has_parts(self._data):
             figures["parts"] = self.parts
-        if has_loops(self._result):
+        if _has_loops(self._result):
             figures["largest_loops"] = self.largest_loops
         if has_both(self._result):
             figures["modes"] = self.modes

@@ -1,4 +1,4 @@
-"""The numbers of one run: outcome, peaks of every step, energy books at the end, largest loop."""
+"""Peak responses of a run: names, units, factors, meanings and values."""
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, Final
@@ -7,17 +7,122 @@ import numpy as np
 
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.core.records import Floats, labels
-from thermobearing.earthquake.columns import BEARING, STRUCTURE
-from thermobearing.earthquake.meanings import PEAK
+from thermobearing.core.types import Books
 from thermobearing.earthquake.parts import governing_peaks, largest, line_peaks, pier_peaks
-from thermobearing.results.largest_loop import largest_loop
-from thermobearing.results.metrics import LEAST_ENERGY, LEAST_HEAT
+from thermobearing.results.metrics import LEAST_ENERGY, LEAST_HEAT, largest_loop
 from thermobearing.structure.run import StructureHistory
 from thermobearing.structure.types import MotionBooks
 
 if TYPE_CHECKING:
     from thermobearing.earthquake.task import Task
 
+OWN: Final = {
+    "outcome": "what ended the run",
+    "energy_actuator": "work that delay and force error of the actuator take, at the end",
+    "bearing_energy_end": "work done on one bearing at the end",
+    "pier_displacement_residual": "displacement of the pier top relative to its base at the end",
+    "steps": "steps of the run",
+    "iterations": "iterations of Newton's method in the whole run",
+    "substeps": "halvings of steps in the whole run",
+    "pier_ductility": "largest rotation of the hinge over its yield rotation",
+    "layer_force_mismatch_max": "largest difference of a layer law from the force",
+    "loop_force_max": "largest force of the largest loop",
+    "loop_force_min": "smallest force of the largest loop",
+    "loop_displacement_max": "largest displacement of the largest loop",
+    "loop_displacement_min": "smallest displacement of the largest loop",
+    "loop_stiffness": "equivalent stiffness of the largest loop",
+    "loop_damping_ratio": "equivalent damping ratio of the largest loop",
+    "loop_modulus": "equivalent shear modulus of the largest loop",
+    "loop_energy": "energy of the largest loop",
+    "loop_start": "time when the largest loop begins",
+    "loop_end": "time when the largest loop ends",
+}
+PEAK: Final = "_max"  # of a history
+ENERGY, HEAT = "energy_", "heat_"  # of the structure, of one bearing
+
+
+def describe_quantity(name: str, histories: Mapping[str, str]) -> str:
+    """What a number of a run is.
+
+    Parameters
+    ----------
+    name : of its variable.
+    histories : what each history is, by name.
+
+    Examples
+    --------
+    >>> describe_quantity("bearing_force_max", {"bearing_force": "force of one bearing"})
+    'largest force of one bearing'
+    >>> describe_quantity("energy_input", {})
+    'work of the ground, on motion relative to it, at the end'
+    """
+    if name in OWN:
+        return OWN[name]
+    for prefix, books in ((ENERGY, MotionBooks), (HEAT, Books)):
+        meanings = {f"{prefix}{label.name}": label.meaning for label in labels(books)}
+        if name in meanings:
+            return f"{meanings[name].removesuffix(' now')}, at the end"
+    return f"largest {histories[name.removesuffix(PEAK)]}"
+
+
+BEARING = (
+    "work_in",
+    "heat_released",
+    "recoverable",
+    "heat_stored",
+    "heat_lost_ends",
+    "heat_lost_sides",
+)
+# Of the actuator: in a laboratory only.
+STRUCTURE = ("input", "kinetic", "damping", "springs", "hinges", "bearings", "actuator")
+COLUMNS = {  # of the table: name in the dataset, factor
+    "bearing_strain_max": ("bearing_strain_max", 1.0),
+    "bearing_force_max_kN": ("bearing_force_max", 1.0),
+    "bearing_energy_kN_mm": ("bearing_energy_end", 1.0),
+    "pier_displacement_max_mm": ("pier_displacement_max", 1.0),
+    "pier_ductility": ("pier_ductility", 1.0),
+    "pier_moment_max_kN_m": ("pier_moment_max", 1.0),
+    "deck_displacement_max_mm": ("deck_displacement_max", 1.0),
+    "deck_acceleration_max_m_s2": ("deck_acceleration_max", 1.0),
+    "pier_top_acceleration_max_m_s2": ("pier_top_acceleration_max", 1.0),
+    "pier_top_displacement_max_mm": ("pier_top_displacement_max", 1.0),
+    "pier_displacement_residual_mm": ("pier_displacement_residual", 1.0),
+}
+PLACES = {  # columns that name the governing line or pier: dimension, peak of the parts
+    "strain_line": ("line", "line_strain_max"),
+    "force_line": ("line", "line_force_max"),
+    "displacement_pier": ("pier_part", "pier_part_displacement_max"),
+    "ductility_pier": ("pier_part", "pier_part_ductility"),
+}
+LOOP_COLUMNS = {  # of the largest loop: name in the dataset
+    "loop_F_plus_kN": "loop_force_max",
+    "loop_F_minus_kN": "loop_force_min",
+    "loop_D_plus_mm": "loop_displacement_max",
+    "loop_D_minus_mm": "loop_displacement_min",
+    "loop_K_eq_kN_mm": "loop_stiffness",
+    "loop_h_eq": "loop_damping_ratio",
+    "loop_G_e_MPa": "loop_modulus",
+    "loop_energy_kN_mm": "loop_energy",
+}
+LABELS = ("bearing", "motion", "ambient", "mode")  # of a run
+HISTORY = {  # columns of a history: name in the dataset
+    "time_s": "time",
+    "ground_m_s2": "ground_acceleration",
+    "displacement_mm": "bearing_displacement",
+    "strain": "bearing_strain",
+    "force_kN": "bearing_force",
+    "rubber_force_kN": "rubber_force",
+    "lead_force_kN": "lead_force",
+    "viscous_force_kN": "viscous_force",
+    "energy_kN_mm": "bearing_energy",
+    "pier_displacement_mm": "pier_displacement",
+    "pier_rotation_rad": "pier_rotation",
+    "pier_moment_kN_m": "pier_moment",
+    "pier_top_acceleration_m_s2": "pier_top_acceleration",
+    "deck_displacement_mm": "deck_displacement",
+    "deck_acceleration_m_s2": "deck_acceleration",
+    "lead_degC": "lead_temperature",
+}
 LOOP = {  # of the largest loop: name in CycleMeasures, unit
     "loop_force_max": ("force_max_kN", "kN"),
     "loop_force_min": ("force_min_kN", "kN"),
@@ -60,7 +165,7 @@ LOOP_UNITS: Final = {name: unit for name, (_, unit) in LOOP.items()} | dict.from
 )
 
 
-def measures_of(
+def compute_measures(
     task: "Task", history: StructureHistory, trace: Mapping[str, Floats]
 ) -> dict[str, Any]:
     """Return what `UNITS` names, of one run: the peaks of the line or pier that goes farthest.
@@ -70,7 +175,7 @@ def measures_of(
     Parameters
     ----------
     task, history : what was run, and what came out.
-    trace : its histories, from `structure_traces` or `traces_of`.
+    trace : its histories, from `structure_traces` or `history_traces`.
     """
     bearing, books = history.bearing(task.told_line), history.rows.books
     found: dict[str, Any] = {name: largest(trace[name.removesuffix(PEAK)]) for name in PEAKS}
@@ -83,7 +188,7 @@ def measures_of(
     for name in STRUCTURE_ENERGIES:
         found[f"energy_{name}"] = books[name][-1]
     if task.case.laboratory is not None:
-        found["energy_actuator"] = actuator_work(task, history)
+        found["energy_actuator"] = _actuator_work(task, history)
     for name in BEARING:
         column = bearing[name]
         found[f"heat_{name}"] = column[-1] - column[0]
@@ -91,7 +196,7 @@ def measures_of(
     return found
 
 
-def actuator_work(task: "Task", history: StructureHistory) -> float:
+def _actuator_work(task: "Task", history: StructureHistory) -> float:
     """Return the work of the structure that does not reach the specimen [kN mm].
 
     The structure feels the measured force at its own displacement, which a delayed actuator has not
@@ -111,8 +216,8 @@ def actuator_work(task: "Task", history: StructureHistory) -> float:
     return found
 
 
-def residuals_of(numbers: Mapping[str, Any]) -> dict[str, Any]:
-    """What is missing from the books of `measures_of`, see `EarthquakeResult.energy`.
+def compute_residuals(numbers: Mapping[str, Any]) -> dict[str, Any]:
+    """What is missing from the books of `compute_measures`, see `EarthquakeResult.energy`.
 
     Parameters
     ----------

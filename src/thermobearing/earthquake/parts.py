@@ -1,4 +1,4 @@
-"""Bearing lines and piers of a study, each with its own rows: from histories, and as tables."""
+"""Rows of bearing lines and piers, and governing runs."""
 
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
@@ -8,10 +8,11 @@ import pandas as pd
 import xarray as xr
 
 from thermobearing.core.records import Floats
-from thermobearing.structure.parts import Pier, piers_of
+from thermobearing.structure.model import Pier, list_piers
 from thermobearing.structure.run import StructureHistory
 
 if TYPE_CHECKING:
+    from thermobearing.earthquake.result import EarthquakeResult
     from thermobearing.earthquake.task import Task
 
 MM_PER_M, KN_MM_PER_KN_M = 1e3, 1e3
@@ -126,7 +127,7 @@ def line_peaks(task: "Task", history: StructureHistory) -> list[dict[str, Any]]:
     return rows
 
 
-def pier_histories(
+def _pier_histories(
     task: "Task", history: StructureHistory, pier: Pier, top: Floats, base: Floats
 ) -> tuple[Floats, Floats, Floats, Floats, Floats]:
     """Displacement, rotation, moment, motion and acceleration of the top of one pier."""
@@ -146,7 +147,7 @@ def pier_peaks(task: "Task", history: StructureHistory) -> list[dict[str, Any]]:
     rows = []
     structure = task.case.structure
     for pier, *where in task.prepared.piers:
-        moved, rotation, moment, top, acceleration = pier_histories(task, history, pier, *where)
+        moved, rotation, moment, top, acceleration = _pier_histories(task, history, pier, *where)
         hinge = None if pier.hinge is None else structure.hinges[pier.hinge]
         rows.append(
             {
@@ -181,7 +182,7 @@ def label_parts(
     if not tasks:
         return {}, {}
     case = tasks[0].case
-    lines, piers = case.structure.bearings, piers_of(case.structure)
+    lines, piers = case.structure.bearings, list_piers(case.structure)
     if len(lines) == 1 and len(piers) == 1:
         return {}, {}
     every = case.analysis.keep_every
@@ -215,7 +216,7 @@ def _history(name: str, task: "Task", history: StructureHistory) -> Floats:
         return np.column_stack([history.bearing(b)[book] for b in lines])
     place = ("pier_part_displacement", "pier_part_rotation", "pier_part_moment").index(name)
     piers = task.prepared.piers
-    return np.column_stack([pier_histories(task, history, *pier)[place] for pier in piers])
+    return np.column_stack([_pier_histories(task, history, *pier)[place] for pier in piers])
 
 
 def has_parts(dataset: xr.Dataset) -> bool:
@@ -262,3 +263,65 @@ def parts_columns(dataset: xr.Dataset, count: int) -> dict[str, Floats]:
             if np.isfinite(values).any():
                 found[f"{part}_{column}"] = values
     return found
+
+
+# What: table of a study with several lines or piers, who, column; column of the table otherwise.
+GOVERNED = {
+    "bearing strain": ("lines", "line", "strain_max", "bearing_strain_max"),
+    "bearing displacement [mm]": ("lines", "line", "displacement_max_mm", ""),
+    "force of one bearing [kN]": ("lines", "line", "force_max_kN", "bearing_force_max_kN"),
+    "lead [degC]": ("lines", "line", "lead_max_degC", ""),
+    "pier displacement [mm]": (
+        "piers",
+        "pier",
+        "displacement_max_mm",
+        "pier_displacement_max_mm",
+    ),
+    "pier ductility": ("piers", "pier", "ductility", "pier_ductility"),
+    "deck displacement [mm]": ("", "", "", "deck_displacement_max_mm"),
+}
+
+
+def governing_runs(result: "EarthquakeResult") -> pd.DataFrame:
+    """The largest of every peak over all runs, lines and piers of each bearing.
+
+    Parameters
+    ----------
+    result : a study.
+
+    Returns
+    -------
+    DataFrame : bearing, what, largest, part (line or pier; empty where there is one), motion,
+        ambient_degC; a row for each bearing and peak that is known. Of studies in a laboratory
+        both modes count.
+
+    Examples
+    --------
+    >>> import thermobearing as tb
+    >>> study = tb.bridge("shen-hdr-bridge", "jra-ii-i-1", [23, -20], duration=12)
+    >>> governing_runs(study).set_index("what").loc["pier ductility", "ambient_degC"]
+    np.float64(-20.0)
+    """
+    rows = []
+    whole = result.table  # each is made anew whenever it is asked for
+    parts = {"": pd.DataFrame(), "lines": result.lines, "piers": result.piers}
+    for bearing in dict.fromkeys(whole["bearing"]):
+        for what, (name, who, column, plain) in GOVERNED.items():
+            table = parts[name]
+            column, part = (column, who) if len(table) else (plain, "")
+            table = table if len(table) else whole
+            mine = table[table["bearing"] == bearing]
+            if column not in mine or not mine[column].notna().any():
+                continue
+            worst = mine.loc[mine[column].idxmax()]
+            rows.append(
+                {
+                    "bearing": bearing,
+                    "what": what,
+                    "largest": float(worst[column]),
+                    "part": str(worst[part]) if part else "",
+                    "motion": str(worst["motion"]),
+                    "ambient_degC": float(worst["ambient_degC"]),
+                }
+            )
+    return pd.DataFrame(rows)

@@ -1,18 +1,31 @@
-"""What the document of an earthquake study says, from a result as it is loaded again."""
+"""Report of an analysis of earthquakes: scope, inputs, summary, checks."""
 
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from thermobearing.earthquake.report_inputs import assumptions, bearings_of, inputs_of, question
-from thermobearing.earthquake.report_plots import figures_of
-from thermobearing.earthquake.report_tables import books_table, cold_ratios, tables_of
+from thermobearing.cyclic.report import rig_table
+from thermobearing.cyclic.reported import (
+    analysis_table,
+    bearing_tables,
+    bearing_words,
+    model_assumptions,
+)
+from thermobearing.earthquake.case import EarthquakeAnalysis, in_weather
+from thermobearing.earthquake.report_results import (
+    books_table,
+    cold_ratios,
+    report_figures,
+    report_tables_by_name,
+)
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.model.earlier import BLIND
-from thermobearing.report.identity import identity_of
+from thermobearing.model.options import outdoors
+from thermobearing.report.inputs import input_table
 from thermobearing.report.limits import (
     BOOKS_CLOSE,
     IN_EARTHQUAKES,
@@ -22,27 +35,234 @@ from thermobearing.report.limits import (
     quality_table,
     verdict,
 )
-from thermobearing.report.pieces import NOT_JUDGED, Check, Pieces, ReportTable
+from thermobearing.report.pieces import NOT_JUDGED, Check, Column, Pieces, ReportTable
 from thermobearing.report.words import (
     change,
     counted,
     degrees,
+    identity_rows,
     joined,
     number,
     percent,
     plain,
+    quantity,
     tidy,
 )
 from thermobearing.results.ranges import parted, rate_note, ring_note
+from thermobearing.structure.report import structure_table
 
 Case = Mapping[str, Any]
+MODES = {"rt": "in real time", "pd": "pseudo-dynamic"}
+DAMPING = {
+    "modal": "a ratio for each mode of the structure without its bearings",
+    "rayleigh": "Rayleigh, of the structure without its bearings",
+    "element": "a dashpot beside every spring and hinge",
+    "source": "Rayleigh as in the source, of the structure on its bearings",
+}
+
+
+def input_tables(result: EarthquakeResult, case: Case) -> dict[str, ReportTable]:
+    """Tables of what went in: structure, bearings, motions, air, laboratory, model."""
+    sources = case.get("sources", {})
+    found = {
+        "structure": structure_table(case["structure"], sources.get(case["structure"]["name"])),
+        "motions": _motions_table(result, case),
+    }
+    for bearing in list_all_bearings(case):
+        found |= bearing_tables(bearing, sources.get(str(bearing["name"])))
+    if case.get("lines"):
+        found["lines"] = _lines_table(case)
+    air = {key: case[key] for key in ("ambient", "weather", "duration") if key in case}
+    found["air"] = input_table("Air and duration", air, otherwise="as asked for")
+    if "laboratory" in case:
+        lab = {"laboratory": case["laboratory"]}
+        found["laboratory"] = input_table("Laboratory", lab, otherwise="as asked for, or default")
+    if "rig" in case:
+        found["rig"] = rig_table(case["rig"], sources.get(case["rig"].get("name")))
+    usual: dict[str, Any] = {}
+    if case["command"] == "hybrid":
+        usual["method"] = "predictor-corrector"
+    known: dict[str, str] = {}
+    if in_weather(case):
+        told, known = outdoors()
+        usual |= told
+    found["analysis"] = analysis_table(case["analysis"], EarthquakeAnalysis(**usual), known)
+    return found
+
+
+def list_all_bearings(case: Case) -> list[Mapping[str, Any]]:
+    """Bearings of the study and those that lines have of their own, each once."""
+    found = {str(one["name"]): one for one in case["bearings"]}
+    for line in case.get("lines", []):
+        if isinstance(line.get("bearing"), Mapping):
+            found.setdefault(str(line["bearing"]["name"]), line["bearing"])
+    return list(found.values())
+
+
+def _motions_table(result: EarthquakeResult, case: Case) -> ReportTable:
+    """Motions as they were run: factor, length, peak acceleration."""
+    data = result.dataset
+    names = [str(name) for name in data["motion"].values]
+    labels = [str(one.get("label") or Path(str(one["name"])).stem) for one in case["motions"]]
+    about = dict(zip(labels, case["motions"], strict=True))
+    columns = (
+        Column("Motion"),
+        Column("Factor", "", "g"),
+        Column("Length", "s", ".1f"),
+        Column("Peak ground acceleration", "m/s²", ".2f"),
+        Column("Source"),
+    )
+    rows = []
+    for name in dict.fromkeys(names):
+        run = names.index(name)
+        one = about.get(name, {})
+        ground = data["ground_acceleration"].values[run]
+        rows.append(
+            (
+                name,
+                float(one.get("factor", 1.0)),
+                float(np.nanmax(data["time"].values[run])),
+                float(np.nanmax(np.abs(ground))),
+                _motion_source(one),
+            )
+        )
+    note = "Lengths and peaks of what was run, after factor and cut."
+    return ReportTable("Ground motions", columns, rows, note=note)
+
+
+def given_motions_table(motions: Sequence[Mapping[str, Any]]) -> ReportTable:
+    """Motions of a case, where what was run of them is not kept.
+
+    Parameters
+    ----------
+    motions : of a resolved case.
+    """
+    columns = (Column("Motion"), Column("Factor", "", "g"), Column("Source"))
+    rows = [
+        (
+            str(one.get("label") or Path(str(one["name"])).stem),
+            float(one.get("factor", 1.0)),
+            _motion_source(one),
+        )
+        for one in motions
+    ]
+    return ReportTable("Ground motions", columns, rows)
+
+
+def _motion_source(motion: Mapping[str, Any]) -> str:
+    """Where a motion is from."""
+    from thermobearing.motions.library import list_motions
+
+    name = str(motion.get("name", ""))
+    if "acceleration" in motion:
+        return "samples given in Python"
+    if name in list_motions():
+        return "synthetic stand-in fitted to the Level 2 standard spectrum of JRA"
+    return f"file {Path(name).name}" if name else ""
+
+
+def _lines_table(case: Case) -> ReportTable:
+    """Lines with a bearing or an air of their own."""
+    columns = (Column("Line"), Column("Bearing"), Column("Air"))
+    rows = []
+    for line in case["lines"]:
+        bearing = line.get("bearing")
+        name = str(bearing["name"]) if bearing else "that of the study"
+        air = line.get("weather") or "that of the study"
+        air = quantity(line["ambient"]) if "ambient" in line else Path(air).name
+        rows.append((str(line["line"]), name, air))
+    return ReportTable("Bearing lines of their own", columns, rows)
+
+
+def question(result: EarthquakeResult, case: Case) -> str:
+    """What was asked: structure, bearings, motions, temperatures."""
+    structure = case["structure"]
+    about = structure.get("description") or structure["name"]
+    bearings = joined((bearing_words(one) for one in case["bearings"]), "or")
+    motions = list(dict.fromkeys(str(name) for name in result["motion"].values))
+    shown = joined(motions) if len(motions) <= 6 else counted(len(motions), "motion")
+    if case.get("weather"):
+        air = f"after the weather of {Path(case['weather']).name}"
+    else:
+        air = f"at ambient {degrees(list(dict.fromkeys(result['ambient'].values.tolist())))}"
+    asked = (
+        "how far are the bearings sheared, what force do they pass on, and what is left for the "
+        f"piers, in the ground motions {shown}, {air}?"
+        if len(motions) > 1
+        else "how far are the bearings sheared, what force do they pass on, and what is left for "
+        f"the piers, in the ground motion {shown}, {air}?"
+    )
+    if case["command"] == "hybrid":
+        modes = joined(MODES[mode] for mode in dict.fromkeys(result.modes) if mode in MODES)
+        return (
+            f"In a hybrid test of {structure['name']} ({about}), {modes}, with a specimen of "
+            f"{bearings} in the loop: {asked}"
+        )
+    return f"On {structure['name']} ({about}) with {bearings}: {asked}"
+
+
+def assumptions(result: EarthquakeResult, case: Case) -> list[str]:
+    """What holds for every run, in sentences."""
+    attrs, analysis = result.dataset.attrs, case["analysis"]
+    kind = str(attrs["damping"])
+    damping = f"Viscous damping: {kind}, {DAMPING[kind]}." if kind in DAMPING else ""
+    if kind == "none":
+        damping = "No viscous damping: energy goes into bearings and hinges only."
+    air = "weather" not in case
+    found = [
+        "Bodies are rigid; they move in one horizontal direction and rock; foundations rest on "
+        "linear springs. Second-order effects of gravity are not in the model.",
+        "Hinges degrade after Takeda." if case["structure"].get("hinges") else "",
+        "Bearings of one line are alike; forces and energies are those of one modelled bearing.",
+        damping,
+        f"Mass: {analysis['mass']}. Time integration: {analysis['method'].replace('-', ' ')}, "
+        f"steps of at most {quantity(analysis['dt'])}.",
+        "Every bearing begins at the temperature of the air throughout; the air keeps it."
+        if air
+        else "Bearings begin with the temperatures that the weather before the motion gives them.",
+    ]
+    if "initial_state" in case:
+        found[-1] = (
+            "The bearing begins where an earlier test left it, with temperatures and memory."
+        )
+    found += _laboratory(case)
+    return [
+        text for text in [*found, *model_assumptions(analysis, list_all_bearings(case))] if text
+    ]
+
+
+def _laboratory(case: Case) -> list[str]:
+    """How the specimen is moved."""
+    lab = case.get("laboratory")
+    if not lab:
+        return []
+    scales = {float(line.get("scale", 1.0)) for line in case["structure"]["bearings"]}
+    found = []
+    if scales != {1.0}:
+        told = joined(f"1:{1.0 / scale:.3g}" for scale in sorted(scales))
+        found.append(f"The specimen stands for bearings of the structure at a scale of {told}.")
+    if "pd" in lab["mode"]:
+        found.append(
+            f"Pseudo-dynamic: the actuator moves at {quantity(lab['speed'])}, and the specimen "
+            "lives on that slower clock."
+        )
+    errors = [
+        f"{name} {quantity(lab[key])}"
+        for key, name in (("delay", "delay"), ("force_noise", "noise of the force"))
+        if float(str(lab.get(key, "0")).split()[0]) > 0.0
+    ]
+    said = joined(errors)
+    found.append(f"Errors of the laboratory: {said}." if errors else "The actuator has no error.")
+    return found
+
+
 # Of the input: with average acceleration the books close but for rounding; other methods are off by
 # what a step is off (1e-5 in the default hybrid test).
 INEXACT = 1e-2
 COMMANDS = {"bridge": "Earthquake study", "hybrid": "Hybrid test"}
 
 
-def pieces_of(result: EarthquakeResult) -> Pieces:
+def build_pieces(result: EarthquakeResult) -> Pieces:
     """Everything that the document of a study says.
 
     Parameters
@@ -52,17 +272,17 @@ def pieces_of(result: EarthquakeResult) -> Pieces:
     Examples
     --------
     >>> import thermobearing as tb
-    >>> pieces = pieces_of(tb.bridge("shen-hdr-bridge", "jra-ii-i-1", [23, -20], duration=2))
+    >>> pieces = build_pieces(tb.bridge("shen-hdr-bridge", "jra-ii-i-1", [23, -20], duration=2))
     >>> pieces.command, len(pieces.tables["peaks"].rows)
     ('bridge', 2)
     """
     attrs = result.dataset.attrs
     case = tomllib.loads(attrs["case"])
     found, warnings = parted(result.warnings)
-    given = any(one.get("tested_range") is not None for one in bearings_of(case))
+    given = any(one.get("tested_range") is not None for one in list_all_bearings(case))
     validity = [tidy(text) for text in found] if given else []
     unknown = "" if given else " ".join(map(tidy, found))
-    checks = checks_of(result, case)
+    checks = report_checks(result, case)
     rate = rate_note(result.tested_range.to_dict("records"))
     ring = ring_note(lead_rise(result))
     quality, poor = quality_of(result, case)
@@ -72,9 +292,9 @@ def pieces_of(result: EarthquakeResult) -> Pieces:
         title=f"{COMMANDS[command]} of {attrs['structure']}",
         question=question(result, case),
         answer=answer(result, verdict(checks, validity, unknown, rate)),
-        inputs=inputs_of(result, case),
-        tables=tables_of(result) | {"quality": quality} if result.runs else {},
-        figures=figures_of(result),
+        inputs=input_tables(result, case),
+        tables=report_tables_by_name(result) | {"quality": quality} if result.runs else {},
+        figures=report_figures(result),
         checks=checks,
         validity=validity,
         notes=[tidy(f"{note[:1].upper()}{note[1:]}") for note in (rate, ring) if note],
@@ -82,7 +302,7 @@ def pieces_of(result: EarthquakeResult) -> Pieces:
         books=books_table(result) if result.runs else None,
         assumptions=assumptions(result, case),
         warnings=[*poor, *(tidy(text) for text in warnings)],
-        identity=identity_of(
+        identity=identity_rows(
             str(attrs["version"]),
             str(attrs["case"]),
             f"thermobearing {command} case.resolved.toml",
@@ -167,7 +387,7 @@ def _cold(result: EarthquakeResult) -> str:
         return _heating(result)
     coldest, warmest = ratios["ambient_degC"].min(), result.table["ambient_degC"].max()
     cold = ratios[ratios["ambient_degC"] == coldest]
-    told = [_cold_of(str(name), group) for name, group in cold.groupby("bearing", sort=False)]
+    told = [_cold_ratio(str(name), group) for name, group in cold.groupby("bearing", sort=False)]
     motions = cold["motion"].nunique()
     mean = " on average over the motions" if motions > 1 else ""
     only = f"; {', '.join(sorted(blind))} knows no temperature" if blind else ""
@@ -176,7 +396,7 @@ def _cold(result: EarthquakeResult) -> str:
     )
 
 
-def _cold_of(name: str, group: pd.DataFrame) -> str:
+def _cold_ratio(name: str, group: pd.DataFrame) -> str:
     parts = []
     for column, what in (
         ("bearing_force_max_kN", "force"),
@@ -210,14 +430,14 @@ def _heating(result: EarthquakeResult) -> str:
     return f"The motions warm {joined(told)}."
 
 
-def checks_of(result: EarthquakeResult, case: Case) -> list[Check]:
+def report_checks(result: EarthquakeResult, case: Case) -> list[Check]:
     """Return the checks: yielding of piers, limits of the rig, tested ranges."""
     if not result.runs:
         return []
     rig = str(case.get("rig", {}).get("name", "rig"))
     found = _ductilities(result)
     found += limit_checks(result.rig.to_dict("records"), RIG, f"rig {rig}")
-    names = [str(one["name"]) for one in bearings_of(case)]
+    names = [str(one["name"]) for one in list_all_bearings(case)]
 
     def bearing_of(run: str) -> str:
         return next((name for name in names if run.startswith(f"{name}, ")), "")

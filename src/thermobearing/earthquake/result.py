@@ -10,26 +10,26 @@ import xarray as xr
 
 from thermobearing.border.showing import Shown
 from thermobearing.core.records import Floats
-from thermobearing.earthquake.columns import (
+from thermobearing.earthquake.measures import (
     BEARING,
     COLUMNS,
+    ENERGY,
+    HEAT,
     HISTORY,
     LABELS,
-    LOOP,
+    LOOP_COLUMNS,
     PLACES,
     STRUCTURE,
+    compute_residuals,
 )
-from thermobearing.earthquake.governing import governing_runs
-from thermobearing.earthquake.meanings import ENERGY, HEAT
-from thermobearing.earthquake.measures import residuals_of
-from thermobearing.earthquake.parts import LINES, PIERS, parts_columns, parts_table
+from thermobearing.earthquake.parts import LINES, PIERS, governing_runs, parts_columns, parts_table
 from thermobearing.results.metrics import LEAST_ENERGY
 from thermobearing.results.ranges import largest_tested, limits_passed
 from thermobearing.results.selection import chosen_runs, gridded, selected
 from thermobearing.results.writing import (
+    compared_rows,
     exposure_summary,
     from_attribute,
-    limits_of,
     limits_summary,
 )
 
@@ -70,7 +70,7 @@ class EarthquakeResult(Shown):
 
     def show(self) -> None:
         """Print the tables that the command prints."""
-        from thermobearing.earthquake.screen import print_study
+        from thermobearing.earthquake.output import print_study
 
         print_study(self)
 
@@ -180,7 +180,7 @@ class EarthquakeResult(Shown):
         energy = self.energy
         given = energy["input_kN_mm"].clip(lower=LEAST_ENERGY)
         frame["damping_of_input"] = energy["damping_kN_mm"] / given
-        for name, variable in LOOP.items():
+        for name, variable in LOOP_COLUMNS.items():
             if variable in self.dataset:
                 frame[name] = self.dataset[variable].values
         if len(self.rig):
@@ -199,7 +199,9 @@ class EarthquakeResult(Shown):
         """
         table = self.table
         told = [name for name in ("bearing", "motion", "ambient_degC", "mode") if name in table]
-        frame = table[[*told, *LOOP]].rename(columns=lambda name: name.removeprefix("loop_"))
+        frame = table[[*told, *LOOP_COLUMNS]].rename(
+            columns=lambda name: name.removeprefix("loop_")
+        )
         frame["start_s"] = self.dataset["loop_start"].values
         frame["end_s"] = self.dataset["loop_end"].values
         return frame
@@ -248,12 +250,12 @@ class EarthquakeResult(Shown):
     @property
     def rig(self) -> pd.DataFrame:
         """What each run asks of each limit of the rig, and whether it passes it; empty without."""
-        return limits_of(self.dataset, "rig")
+        return compared_rows(self.dataset, "rig")
 
     @property
     def tested_range(self) -> pd.DataFrame:
         """What each run asks of the range that its bearing was tested in, where that is given."""
-        return limits_of(self.dataset, "tested_range")
+        return compared_rows(self.dataset, "tested_range")
 
     def tested_to(self, runs: Sequence[int], limit: str) -> float:
         """Largest tested value of a quantity that one of some runs goes beyond; else infinite."""
@@ -281,7 +283,7 @@ class EarthquakeResult(Shown):
         known = [n for n in STRUCTURE if f"energy_{n}" in data]
         frame = pd.DataFrame({f"{n}_kN_mm": data[f"energy_{n}"].values for n in known})
         books = [str(name) for name in data if str(name).startswith((ENERGY, HEAT))]
-        residuals = residuals_of({name: data[name].values for name in books})
+        residuals = compute_residuals({name: data[name].values for name in books})
         frame["structure_residual"] = residuals.pop("structure_residual")
         for name in BEARING:
             frame[f"bearing_{name}_kN_mm"] = data[f"heat_{name}"].values
@@ -405,7 +407,7 @@ class EarthquakeResult(Shown):
 
     def save(self, directory: str | Path, *, force: bool = False, figures: bool = True) -> Path:
         """Write a result directory; see docs/files.md."""
-        from thermobearing.earthquake.files import save_earthquake
+        from thermobearing.earthquake.output import save_earthquake
 
         return save_earthquake(self, Path(directory), force=force, figures=figures)
 

@@ -22,15 +22,14 @@ from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.exposure import exposed_bilinear
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
-from thermobearing.border.overrides import check_workers
+from thermobearing.border.schema import check_workers
 from thermobearing.climate.readers import read_air
 from thermobearing.core.types import Floats
 from thermobearing.cyclic.equivalent import bilinear_parameters
-from thermobearing.cyclic.history import run_segments
+from thermobearing.cyclic.history import build_segments, run_segments
 from thermobearing.cyclic.protocol import CyclicTest
-from thermobearing.cyclic.segments import build_segments
 from thermobearing.earthquake.case import EarthquakeCase
-from thermobearing.earthquake.label import label_study
+from thermobearing.earthquake.dataset import label_study
 from thermobearing.earthquake.parts import drift, largest, pier_peaks
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.earthquake.task import Device, OneLine, Shaking, Task
@@ -66,7 +65,7 @@ def build_device(case: EarthquakeCase, bearing: Bearing | BilinearBearing) -> De
 
 def build_shaking(case: EarthquakeCase, number: int, motion: GroundMotion) -> Shaking:
     """A motion of the case, cut, scaled, and linear between its samples."""
-    steps, dt = case.steps_of(motion)
+    steps, dt = case.count_steps(motion)
     times = dt * np.arange(steps + 1)
     ground = case.motions[number].factor * np.interp(times, motion.time, motion.acceleration)
     return Shaking(motion, dt, ground)
@@ -160,7 +159,7 @@ def judged(
     return "completed"
 
 
-def refuse_too_much(
+def _refuse_too_much(
     case: EarthquakeCase, devices: Sequence[Device], motions: Sequence[GroundMotion]
 ) -> None:
     """InputError for a study that would take hours, or more memory than there is."""
@@ -173,7 +172,7 @@ def refuse_too_much(
         work = climates * (3.0 * lines * (cells + 5.0 * layers) + coordinates**3 / 15.0)
         profiles = cells if "cells" in case.analysis.keep else 0
         kept = climates * (20.0 + 4.0 * coordinates + lines * (20.0 + layers + profiles))
-        runs += [(float(case.steps_of(motion)[0]), work, kept) for motion in motions]
+        runs += [(float(case.count_steps(motion)[0]), work, kept) for motion in motions]
     found = study_too_much(runs)
     if found:
         raise InputError(found, case.command)
@@ -184,10 +183,10 @@ def build_tasks(case: EarthquakeCase) -> list[Task]:
     prepared = prepare_structure(case.structure, case.analysis.mass, case.analysis.damping)
     devices = [build_device(case, bearing) for bearing in case.bearings]
     motions = [motion.load() for motion in case.motions]
-    refuse_too_much(case, devices, motions)
+    _refuse_too_much(case, devices, motions)
     shakings = [build_shaking(case, number, motion) for number, motion in enumerate(motions)]
     own = [
-        None if item.bearing is None else _device_of(case, item.bearing, devices)
+        None if item.bearing is None else _known_device(case, item.bearing, devices)
         for item in case.lines
     ]
     weather = None if case.weather is None else read_air(case.weather)
@@ -195,7 +194,12 @@ def build_tasks(case: EarthquakeCase) -> list[Task]:
     for device in devices:
         airs = case.ambient if weather is None else [float(weather.temperature[-1])]
         climates = [
-            (air, lines_of(case, device, own, partial(one_line, case, air=air, weather=weather)))
+            (
+                air,
+                prepared_lines(
+                    case, device, own, partial(one_line, case, air=air, weather=weather)
+                ),
+            )
             for air in airs
         ]
         for shaking in shakings:
@@ -207,7 +211,7 @@ def build_tasks(case: EarthquakeCase) -> list[Task]:
     return tasks
 
 
-def _device_of(
+def _known_device(
     case: EarthquakeCase, bearing: Bearing | BilinearBearing, known: Sequence[Device]
 ) -> Device:
     """The device of a bearing: a known one if it is the same, so that they are of one kind."""
@@ -215,7 +219,7 @@ def _device_of(
     return same[0] if same else build_device(case, bearing)
 
 
-def lines_of(
+def prepared_lines(
     case: EarthquakeCase,
     device: Device,
     own: Sequence[Device | None],

@@ -18,12 +18,10 @@ from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
 from thermobearing.climate.hourly import DAY, HOUR, Hourly, Ints
-from thermobearing.core.hours import hours_at_rest
-from thermobearing.core.march import march
+from thermobearing.core.march import hours_at_rest, march
 from thermobearing.core.types import Constants, Floats, Path, State, new_state, new_workspace
-from thermobearing.cyclic.history import cut_rests, room_for
+from thermobearing.cyclic.history import build_segments, cut_rests, room_for
 from thermobearing.cyclic.protocol import CyclicTest
-from thermobearing.cyclic.segments import build_segments
 from thermobearing.earthquake.case import make_earthquake_case, settle_surroundings
 from thermobearing.earthquake.run import build_device
 from thermobearing.earthquake.task import Device

@@ -1,22 +1,33 @@
-"""`bridge` and `hybrid`: what the user gave becomes a case, and the case a result."""
+"""Analyse bridges and hybrid tests for bearings, motions and ambient temperatures."""
 
 from collections.abc import Sequence
 from concurrent.futures import Executor
 from pathlib import Path
-from typing import Any, TypeAlias, TypedDict, TypeVar, Unpack
+from typing import Any, TypeAlias, TypedDict, TypeVar, Unpack, get_args
+
+import pandas as pd
+import xarray as xr
 
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.exposure import Exposure
+from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing, Clock, SmallLoops
 from thermobearing.border.errors import InputError, nearest
-from thermobearing.cyclic.rig import Rig
-from thermobearing.cyclic.start import Earlier
-from thermobearing.earthquake.case import Command, Kept, Laboratory, make_earthquake_case
-from thermobearing.earthquake.motion import Motion
+from thermobearing.cyclic.case import Earlier, Rig
+from thermobearing.cyclic.protocol import CyclicTest
+from thermobearing.cyclic.run import run
+from thermobearing.earthquake.case import (
+    Command,
+    EarthquakeCase,
+    Kept,
+    Laboratory,
+    make_earthquake_case,
+)
+from thermobearing.earthquake.inputs import Motion
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.earthquake.run import Progress, run_earthquake
 from thermobearing.model.constants import Hardening, HeatSource, Integrator, LeadEnds
-from thermobearing.model.earlier import Model
+from thermobearing.model.earlier import REFERENCE, Model, models_that_fit
 from thermobearing.model.handover import SpecimenState
 from thermobearing.model.options import EndFace, Side, Stacked
 from thermobearing.model.stack import Scheme
@@ -208,3 +219,127 @@ def _study(
         options["weather"] = str(options["weather"])
     case = make_earthquake_case({"command": command}, where, **given, **options)
     return run_earthquake(case, executor=executor, progress=progress)
+
+
+Named = Bearing | str | Path
+
+
+def sweep(
+    bearing: Named | Sequence[Named],
+    *,
+    test: CyclicTest | None = None,
+    motion: Any = None,
+    ambient: float | Sequence[float] = 23.0,
+    **options: Any,
+) -> xr.Dataset:
+    """Bearings, motions and temperatures, every combination: one labelled dataset.
+
+    With a motion the dataset is that of `bridge(...).to_dataset()`: every peak and history with
+    the dimensions bearing, motion and ambient. With a test it has the measures of each cycle
+    with the dimensions bearing, ambient, strain and cycle, see `Result.to_dataset`.
+
+    Parameters
+    ----------
+    bearing : one or several: a Bearing, a library name, or a TOML file.
+    test : cyclic test of each; Table 3.4 without a test and a motion.
+    motion : one or several, as of `bridge`; instead of a test.
+    ambient : one or several temperatures [degC], in [-100, 100].
+    options : any of `run` (with a test) or of `bridge` (with a motion).
+
+    Returns
+    -------
+    xarray.Dataset
+
+    Raises
+    ------
+    InputError : a test and a motion, or what `run` and `bridge` refuse.
+
+    Examples
+    --------
+    >>> import thermobearing as tb
+    >>> names = ["shen-hdr-specimen", "shen-lhdr-specimen"]
+    >>> test = tb.cyclic_test(strain=[0.5, 1.0], cycles=2, rest=None)
+    >>> found = sweep(names, test=test, ambient=[-20, 23])
+    >>> dict(found.sizes) == {"bearing": 2, "ambient": 2, "strain": 2, "cycle": 2}
+    True
+    >>> cold, warm = found.G_eq_MPa.sel(bearing="shen-hdr-specimen", strain=1.0, cycle=2).values
+    >>> bool(cold > warm)
+    True
+    """
+    if test is not None and motion is not None:
+        raise InputError("give a test or a motion, not both", "sweep()")
+    if motion is not None:
+        return bridge(bearing, motion, ambient, **options).to_dataset()
+    several = list(bearing) if isinstance(bearing, list | tuple) else [bearing]
+    bearings = [as_bearing(item) for item in several]
+    names = [item.name for item in bearings]
+    if len(set(names)) < len(names):
+        raise InputError(f"bearing: each needs a name of its own; got {names}", "sweep()")
+    parts = [run(item, test, ambient, **options).to_dataset() for item in bearings]
+    return xr.concat(
+        parts, pd.Index(names, name="bearing"), join="outer", data_vars="all", combine_attrs="drop"
+    )
+
+
+def compare_models(
+    case: EarthquakeCase,
+    *,
+    executor: Executor | None = None,
+    progress: Progress | None = None,
+) -> dict[str, EarthquakeResult]:
+    """Results of models by name, the multi-layer one first.
+
+    Each model makes its own motion of the structure. Bilinear bearings are left out: they have no
+    heat. A model is run for the bearings that it fits (`lead-alone` needs lead).
+
+    Parameters
+    ----------
+    case : with the conservative scheme and automatic stack, as earlier models use them.
+    executor : any `concurrent.futures` executor; threads by default.
+    progress : called with (runs done, all runs) of each model.
+
+    Returns
+    -------
+    dict of EarthquakeResult
+
+    Raises
+    ------
+    InputError : all bearings are bilinear; or scheme, stack or model are not those.
+
+    Examples
+    --------
+    >>> from thermobearing.earthquake.case import make_earthquake_case
+    >>> table = {"command": "hybrid", "bearings": ["shen-hdr-specimen"], "ambient": ["0 degC"]}
+    >>> results = compare_models(make_earthquake_case(table | {"duration": "1 s"}, "example"))
+    >>> list(results)[:2], "lead-alone" in results
+    (['multi-layer', 'adiabatic'], False)
+    """
+    refuse_incomparable(case)
+    results: dict[str, EarthquakeResult] = {}
+    for model in get_args(Model):
+        fitting = [bearing for bearing in _warm_bearings(case) if model in models_that_fit(bearing)]
+        if fitting:
+            analysis = case.analysis.model_copy(update={"model": model})
+            mine = case.model_copy(update={"analysis": analysis, "bearings": fitting})
+            results[model] = run_earthquake(mine, executor=executor, progress=progress)
+    return results
+
+
+def _warm_bearings(case: EarthquakeCase) -> list[Bearing]:
+    """Those that have heat."""
+    return [bearing for bearing in case.bearings if isinstance(bearing, Bearing)]
+
+
+def refuse_incomparable(case: EarthquakeCase) -> None:
+    """InputError for a study that earlier models cannot be compared in."""
+    options, faults = case.analysis, []
+    if not _warm_bearings(case):
+        faults.append("bearings: all are bilinear, which no earlier model changes")
+    if options.model != REFERENCE:
+        faults.append(f'analysis.model = "{options.model}": all models are run; leave it out')
+    if options.scheme != "conservative":
+        faults.append(f'analysis.scheme = "{options.scheme}": earlier models need "conservative"')
+    if options.stack == "half":
+        faults.append('analysis.stack = "half": earlier models with one cell need "auto"')
+    if faults:
+        raise InputError([f"{fault} (asked for by --compare)" for fault in faults], case.command)

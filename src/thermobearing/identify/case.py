@@ -5,13 +5,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, get_args
 
-from thermobearing.bearing.exposure import exposure_of
+from thermobearing.bearing.exposure import effective_exposure
 from thermobearing.bearing.library import as_bearing, load_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError, nearest, shortened
-from thermobearing.border.numbers import is_number
-from thermobearing.identify.assumed import chosen_groups
-from thermobearing.identify.record import TestRecord, load_test
+from thermobearing.border.units import is_number
+from thermobearing.identify.records.record import TestRecord, load_test
+from thermobearing.identify.uncertainty.assumed import chosen_groups
 
 Method = Literal["least-squares", "krill-herd", "differential-evolution"]
 Loss = Literal["linear", "soft_l1", "huber", "cauchy"]
@@ -85,7 +85,7 @@ def make_identify_case(
     Examples
     --------
     >>> import numpy as np
-    >>> from thermobearing.identify.record import record_from_arrays
+    >>> from thermobearing.identify.records.record import record_from_arrays
     >>> t = np.linspace(0.0, 10.0, 200)
     >>> record = record_from_arrays(t, np.sin(t), 2.0 * np.sin(t), 23.0)
     >>> make_identify_case(record, "shen-hdr-specimen", loss="huber").method
@@ -99,7 +99,7 @@ def make_identify_case(
     case = IdentifyCase(
         records=[record.of_bearing(base) for record in found], bearing=base, **options
     )
-    if exposure_of(case.bearing, None) is not None:
+    if effective_exposure(case.bearing, None) is not None:
         raise InputError(
             f"{case.bearing.name} has the table exposure: a fit finds what the specimen was, "
             "exposed or not, and would hide the factors in it. Take the table out, fit, and give "
@@ -138,7 +138,7 @@ def bearing_of(records: Sequence[TestRecord], start: str | None = None) -> Beari
     Examples
     --------
     >>> import numpy as np
-    >>> from thermobearing.identify.record import record_from_arrays
+    >>> from thermobearing.identify.records.record import record_from_arrays
     >>> t = np.linspace(0.0, 10.0, 200)
     >>> record = record_from_arrays(t, np.sin(t), 2.0 * np.sin(t), 23.0)
     >>> bearing_of([record]) is None, bearing_of([record], "shen-hdr-specimen").name

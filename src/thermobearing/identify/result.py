@@ -10,26 +10,29 @@ import pandas as pd
 from numpy.typing import NDArray
 
 import thermobearing
-from thermobearing.bearing.model import Bearing
+from thermobearing.bearing.model import Bearing, Validity
 from thermobearing.bearing.plausible import implausible
-from thermobearing.bearing.validity import Validity
 from thermobearing.border.showing import Shown
-from thermobearing.identify.agreement import UNUSABLE, RecordFit, fit_of_record
-from thermobearing.identify.checks import CheckReport
-from thermobearing.identify.conditions import conditions_of, cycle_row
-from thermobearing.identify.forward import Prediction
-from thermobearing.identify.loops import largest_of, loops_of
-from thermobearing.identify.parameters import ParameterSet
-from thermobearing.identify.problem import Problem
-from thermobearing.identify.record import TestRecord
-from thermobearing.identify.sensitivity import Sensitivity
-from thermobearing.identify.tested import range_of_tests
-from thermobearing.identify.thermocouples import thermocouple_rows
-from thermobearing.identify.uncertainty import Estimate, Uncertainty
+from thermobearing.identify.fit.forward import Prediction
+from thermobearing.identify.fit.parameters import ParameterSet
+from thermobearing.identify.fit.problem import Problem
+from thermobearing.identify.fit.start import Sensitivity
+from thermobearing.identify.records.checks import CheckReport
+from thermobearing.identify.records.conditions import cycle_row, record_conditions
+from thermobearing.identify.records.cycles import compare_largest_loops, compare_loops
+from thermobearing.identify.records.record import TestRecord
+from thermobearing.identify.records.thermocouples import thermocouple_rows
+from thermobearing.identify.uncertainty.agreement import (
+    UNUSABLE,
+    RecordFit,
+    fit_of_record,
+    range_of_tests,
+)
+from thermobearing.identify.uncertainty.covariance import Estimate, Uncertainty
 
 if TYPE_CHECKING:
     from thermobearing.identify.figures import IdentificationFigures
-    from thermobearing.identify.posterior import Forecast
+    from thermobearing.identify.uncertainty.posterior import Forecast
 
 Floats = NDArray[np.float64]
 
@@ -99,7 +102,7 @@ class Identification(Shown):
 
     def show(self) -> None:
         """Print the tables that the command prints."""
-        from thermobearing.identify.screen import print_identification
+        from thermobearing.identify.output import print_identification
 
         print_identification(self)
 
@@ -144,8 +147,8 @@ class Identification(Shown):
         """One row for each cycle of each test: test, model and ratios, as of a validation."""
         rows = []
         for record, prediction in zip(self.records, self.predictions, strict=True):
-            loops = loops_of(record, prediction.force)
-            largest = largest_of(record, prediction.force, loops)
+            loops = compare_loops(record, prediction.force)
+            largest = compare_largest_loops(record, prediction.force, loops)
             whose = {"test": record.name, "ambient_degC": record.ambient}
             whose |= {"bearing": self.bearing.name, "model": "identified"}
             rows += [whose | cycle_row(loop, largest=loop is largest) for loop in loops]
@@ -235,7 +238,7 @@ class Identification(Shown):
             "assumed": [told.summary() for told in self.uncertainty.assumed.told],
             "records": [
                 fit.summary()
-                | {"conditions": conditions_of(fit.record, self.bearing.total_rubber_thickness)}
+                | {"conditions": record_conditions(fit.record, self.bearing.total_rubber_thickness)}
                 | {"treatment": check.treatment.summary() if check.treatment else None}
                 for fit, check in zip(self.fits, self.checks, strict=True)
             ],
@@ -284,7 +287,7 @@ class Identification(Shown):
         ------
         OutputError : the directory exists and `force` is False, or it cannot be written.
         """
-        from thermobearing.identify.files import save_identification
+        from thermobearing.identify.output import save_identification
 
         return save_identification(
             self, Path(directory), force=force, figures=figures, forecast=forecast

@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
-from thermobearing.identify.assumed import chosen_groups
 from thermobearing.identify.case import (
     SEARCH,
     IdentifyCase,
@@ -27,29 +26,30 @@ from thermobearing.identify.case import (
     Test,
     make_identify_case,
 )
-from thermobearing.identify.checks import CheckReport, check_test
-from thermobearing.identify.forward import ForwardModel
-from thermobearing.identify.kinds import M_T
-from thermobearing.identify.parameters import (
+from thermobearing.identify.fit.forward import ForwardModel
+from thermobearing.identify.fit.parameters import (
+    M_T,
     ParameterSet,
     at_one_temperature,
     parameter_set,
     split_at_one_temperature,
 )
-from thermobearing.identify.problem import Problem
-from thermobearing.identify.record import TestRecord
-from thermobearing.identify.result import Identification
-from thermobearing.identify.search import polish as polished
-from thermobearing.identify.search import search
-from thermobearing.identify.sensitivity import (
+from thermobearing.identify.fit.problem import Problem
+from thermobearing.identify.fit.search import polish as polished
+from thermobearing.identify.fit.search import search
+from thermobearing.identify.fit.start import (
     Sensitivity,
     candidates,
+    loop_start,
     sensitivities,
     without_needless,
 )
-from thermobearing.identify.start import loop_start
-from thermobearing.identify.tested import range_of_tests
-from thermobearing.identify.uncertainty import estimate, remedy
+from thermobearing.identify.records.checks import CheckReport, check_test
+from thermobearing.identify.records.record import TestRecord
+from thermobearing.identify.result import Identification
+from thermobearing.identify.uncertainty.agreement import range_of_tests
+from thermobearing.identify.uncertainty.assumed import chosen_groups
+from thermobearing.identify.uncertainty.covariance import estimate, remedy
 
 Floats = NDArray[np.float64]
 
@@ -108,7 +108,7 @@ def identify_bearing(
     Examples
     --------
     >>> import thermobearing as tb
-    >>> from thermobearing.identify.record import record_from_arrays
+    >>> from thermobearing.identify.records.record import record_from_arrays
     >>> bearing = tb.load_bearing("shen-hdr-specimen")
     >>> run = tb.run(bearing, tb.cyclic_test(strain=[0.5, 1.5], cycles=2, rest=None), dt=0.02)
     >>> x, force = run["displacement"].values[0], run["force"].values[0]

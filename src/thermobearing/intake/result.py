@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from thermobearing.border.guess import ColumnGuess
-from thermobearing.identify.checks import CheckReport
-from thermobearing.identify.record import TestRecord
-from thermobearing.identify.treatment import Treatment
+from thermobearing.identify.records.checks import CheckReport
+from thermobearing.identify.records.record import TestRecord
+from thermobearing.identify.records.treatment import Treatment
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -56,7 +56,7 @@ class Intake:
 
     def plot(self) -> "Figure":
         """The picture: histories with what was found in them, loops, temperatures."""
-        from thermobearing.intake.figures import intake_figure
+        from thermobearing.intake.output import intake_figure
 
         return intake_figure(self)
 
@@ -132,6 +132,6 @@ class Intakes:
         ------
         OutputError : the directory exists and `force` is False, or it cannot be written.
         """
-        from thermobearing.intake.files import save_intakes
+        from thermobearing.intake.output import save_intakes
 
         return save_intakes(self, Path(directory), force=force, figures=figures, beside=beside)

@@ -12,8 +12,8 @@ from thermobearing.border.errors import InputError
 from thermobearing.border.guess import ColumnGuess
 from thermobearing.border.sheets import SEPARATORS
 from thermobearing.border.sidecar import COLUMNS, Readings, read_laboratory
-from thermobearing.identify.checks import check_test
-from thermobearing.identify.record import record_of
+from thermobearing.identify.records.checks import check_test
+from thermobearing.identify.records.record import build_record
 from thermobearing.intake.result import Intake, Intakes
 
 FEWEST = 10  # rows of numbers that make a test
@@ -77,7 +77,7 @@ def _one(path: Path, bearing: Bearing | str | Path | None) -> Intake:
         rows = len(readings.values["time"])
         raise InputError(f"has {rows} rows of numbers; at least {FEWEST} are needed", str(path))
     parts = int(readings.block[-1]) + 1
-    record = record_of(readings)
+    record = build_record(readings)
     keys = _files(readings, parts) | _tables(found.columns)
     if readings.sidecar.flip_force:
         keys["flip_force"] = True

@@ -25,9 +25,9 @@ from thermobearing.core.types import (
     Rubber,
     Viscous,
 )
-from thermobearing.model.limits import limits_of_a_step
+from thermobearing.model.constants import no_table
+from thermobearing.model.outcomes import limits_of_a_step
 from thermobearing.model.stack import MM_PER_M, Stack
-from thermobearing.model.temperature import no_table
 
 Model = Literal[
     "multi-layer",
@@ -66,11 +66,11 @@ def adiabatic(constants: Constants) -> Constants:
     """
     lead = constants.lead._replace(end_conductance=0.0, side_conductance=0.0)
     return constants._replace(
-        cells=unexchanging(constants.cells), lead=lead, lead_cells=rows(LeadCell, 0)
+        cells=_unexchanging(constants.cells), lead=lead, lead_cells=rows(LeadCell, 0)
     )
 
 
-def lumped(constants: Constants, stack: Stack) -> Constants:
+def _lumped(constants: Constants, stack: Stack) -> Constants:
     """One cell for all rubber layers, shims and lead, losing no heat.
 
     Okui et al. (2019), Eq. 2.11: dT = delta V_r / (m_r c_r + m_s c_s); the rise per cycle of
@@ -81,10 +81,10 @@ def lumped(constants: Constants, stack: Stack) -> Constants:
     layers = len(constants.multiplicity)
     touching = rows(LeadCell, 0 if constants.lead.cores == 0.0 else 1)
     touching["end"] = TIGHT
-    cells = lone_cell(capacity, float(constants.cells.beside_lead.sum()))
+    cells = _lone_cell(capacity, float(constants.cells.beside_lead.sum()))
     return constants._replace(
         cells=cells,
-        layer_cells=one_cell(layers),
+        layer_cells=_one_cell(layers),
         lead=constants.lead._replace(published=False),  # its slips are of layered cells
         lead_cells=touching,
         source_rise=1.0 / capacity,
@@ -92,14 +92,14 @@ def lumped(constants: Constants, stack: Stack) -> Constants:
     )
 
 
-def lumped_with_losses(constants: Constants, bearing: Bearing, stack: Stack) -> Constants:
+def _lumped_with_losses(constants: Constants, bearing: Bearing, stack: Stack) -> Constants:
     """One temperature for the whole bearing, with losses: dT/dt = (dE/dt - dQ/dt) lambda.
 
     Tan et al. (2023a), Eq. 2.12. Its layer law and its losses are not printed: the layer law
     here is ours (Eq. 4.34 at the one temperature), heat leaves through half an outer rubber
     layer and the plates beyond it to a face at ambient temperature, and through the sides.
     """
-    one = lumped(constants, stack)
+    one = _lumped(constants, stack)
     g, m = bearing.geometry, bearing.materials
     plates = (g.end_plate_thickness + g.sealing_plate_thickness) / m.steel.conductivity
     resistance = MM_PER_M * (0.5 * g.rubber_thickness / m.rubber.conductivity + plates)
@@ -110,24 +110,24 @@ def lumped_with_losses(constants: Constants, bearing: Bearing, stack: Stack) -> 
     return one
 
 
-def lone_cell(capacity: float, beside_lead: float) -> Cells:
+def _lone_cell(capacity: float, beside_lead: float) -> Cells:
     """A single cell that exchanges no heat."""
     none = [np.zeros(1) for _ in Cells._fields]
     return Cells(*none)._replace(capacity=np.array([capacity]), beside_lead=np.array([beside_lead]))
 
 
-def unexchanging(cells: Cells) -> Cells:
+def _unexchanging(cells: Cells) -> Cells:
     """The same cells, without heat exchange between each other and with the ambient."""
     none = np.zeros_like(cells.capacity)
     return cells._replace(to_previous=none, to_next=none, end_loss=none, side_loss=none)
 
 
-def one_cell(layers: int) -> Rows[LayerCells]:
+def _one_cell(layers: int) -> Rows[LayerCells]:
     """Every layer has the temperature of the only cell."""
     return filled(LayerCells, first=np.zeros(layers), last=1, upper_middle=0, lower_middle=0)
 
 
-def lead_alone(constants: Constants) -> Constants:
+def _lead_alone(constants: Constants) -> Constants:
     """Only the lead warms up, against steel and rubber at ambient temperature.
 
     Kalpakidis & Constantinou (2009), Eq. 2.7-2.9.
@@ -135,7 +135,7 @@ def lead_alone(constants: Constants) -> Constants:
     return isothermal(constants)
 
 
-def temperature_blind(constants: Constants) -> Constants:
+def _temperature_blind(constants: Constants) -> Constants:
     """Bouc-Wen with the stiffness of the reference temperature, whatever the weather.
 
     Eq. 4.34 with m_T = n_T = 0, lead of constant strength. Temperatures are still computed.
@@ -187,8 +187,8 @@ def bilinear_constants(parameters: BilinearParameters) -> Constants:
         lead=_backbone_spring(parameters, 1.0),
         viscous=Viscous(0.0, 1.0, heats=False),
         multiplicity=np.ones(1),
-        layer_cells=one_cell(1),
-        cells=lone_cell(UNCHANGING, UNCHANGING),
+        layer_cells=_one_cell(1),
+        cells=_lone_cell(UNCHANGING, UNCHANGING),
         lead_cells=rows(LeadCell, 0),
         lead_ports=0,
         lead_modes=rows(Mode, 0),
@@ -244,7 +244,7 @@ def _backbone_spring(parameters: BilinearParameters, fold: float) -> Lead:
 
 def isothermal(constants: Constants) -> Constants:
     """Steel and rubber keep their temperature: the same with endless heat capacity."""
-    cells = unexchanging(constants.cells)
+    cells = _unexchanging(constants.cells)
     cells = cells._replace(capacity=cells.capacity * UNCHANGING)
     return constants._replace(cells=cells, source_rise=constants.source_rise / UNCHANGING)
 
@@ -280,13 +280,13 @@ def apply_model(
     if model == "adiabatic":
         return adiabatic(constants)
     if model == "per-cycle":
-        return lumped(constants, stack)
+        return _lumped(constants, stack)
     if model == "single-temperature":
-        return lumped_with_losses(constants, bearing, stack)
+        return _lumped_with_losses(constants, bearing, stack)
     if model == "lead-alone":
-        return lead_alone(constants)
+        return _lead_alone(constants)
     if model == "temperature-blind":
-        return temperature_blind(constants)
+        return _temperature_blind(constants)
     if model == "bilinear" and backbone is not None:
         return bilinear(constants, backbone(bearing))
     return constants

@@ -20,9 +20,8 @@ from thermobearing.bearing.exposure import Exposure
 from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing, Clock, SmallLoops
 from thermobearing.border.errors import InputError, nearest, shortened
-from thermobearing.border.numbers import is_number, refuse_hidden
 from thermobearing.border.schema import validated
-from thermobearing.border.units import HUGEST
+from thermobearing.border.units import HUGEST, is_number, refuse_hidden
 from thermobearing.core.march import copy_state
 from thermobearing.core.step import step
 from thermobearing.core.types import (

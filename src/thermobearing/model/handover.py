@@ -13,7 +13,7 @@ import numpy as np
 from pydantic import Field
 
 from thermobearing.border.errors import InputError
-from thermobearing.border.schema import Strict, in_unit, unit_of
+from thermobearing.border.schema import Strict, find_unit, in_unit
 from thermobearing.core.records import Floats
 from thermobearing.core.types import DEPTH, NEVER_MOVED, Constants, State, new_state
 
@@ -162,7 +162,7 @@ class SpecimenState(Strict):
         return self.at - (self.zero or 0.0)
 
 
-def memory_of(state: State) -> dict[str, Any]:
+def state_memory(state: State) -> dict[str, Any]:
     """What a state remembers beside its temperatures, by key of `SpecimenState`."""
     found: dict[str, Any] = {key: state.layers[name].copy() for key, name in LAYERS.items()}
     found |= {key: float(state.branches[name][0]) for key, name in BRANCHES.items()}
@@ -177,7 +177,7 @@ def memory_of(state: State) -> dict[str, Any]:
 def specimen_state(
     temperature: Floats, lead: float, memory: Mapping[str, Any] | None
 ) -> SpecimenState:
-    """The record of temperatures [degC] (lead: NaN without) and of what `memory_of` found."""
+    """The record of temperatures [degC] (lead: NaN without) and of what `state_memory` found."""
     found = {key: np.asarray(value).tolist() for key, value in (memory or {}).items()}
     found["temperature"] = np.asarray(temperature).tolist()
     if not math.isnan(lead):
@@ -259,13 +259,13 @@ def sizes(given: SpecimenState) -> list[int]:
     return [len(getattr(given, key)) for key in LAYERS]
 
 
-def dimension_of(key: str) -> str | None:
+def memory_dimension(key: str) -> str | None:
     """The dimension of a part of the memory in a dataset; None for a single number."""
     if key in TURNS:
         return "turn"
     return "layer" if key in LAYERS or key == COUNT else "lead_term" if key == ENDS else None
 
 
-def attributes_of(key: str) -> dict[str, str]:
+def memory_attributes(key: str) -> dict[str, str]:
     """Unit and meaning of a part of the memory, for a dataset."""
-    return {"units": unit_of(SpecimenState, key) or "1", "long_name": MEANINGS[key]}
+    return {"units": find_unit(SpecimenState, key) or "1", "long_name": MEANINGS[key]}

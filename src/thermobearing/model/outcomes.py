@@ -1,7 +1,11 @@
-"""How a run ended: a name for the files, a sentence for people saying what to try."""
+"""Outcomes of an analysis, and the limits beyond which it ends."""
 
-from typing import Final
+from functools import cache
+from typing import Annotated, Final
 
+from thermobearing.border.library import data_path
+from thermobearing.border.schema import Strict, in_unit, validated
+from thermobearing.border.toml import read_toml, split_sources
 from thermobearing.core.types import (
     COMPLETED,
     EULER_UNSTABLE,
@@ -9,12 +13,14 @@ from thermobearing.core.types import (
     NOT_FINITE,
     SOFTENED,
     TEMPERATURE_RUNAWAY,
+    Constants,
+    Limits,
+    State,
 )
 
 INTERRUPTED: Final = "interrupted"
 NOT_PHYSICAL: Final = "not_physical"
 PIER_BEYOND_LIMIT: Final = "pier_beyond_limit"
-
 NAMES: Final = {
     COMPLETED: "completed",
     SOFTENED: "completed",
@@ -23,7 +29,6 @@ NAMES: Final = {
     EULER_UNSTABLE: "euler_unstable",
     TEMPERATURE_RUNAWAY: "temperature_runaway",
 }
-
 SENTENCES: Final = {
     "completed": "The analysis ran to its end.",
     "layer_forces_not_converged": (
@@ -49,7 +54,6 @@ SENTENCES: Final = {
     ),
     INTERRUPTED: "The run was interrupted; what had been computed until then was kept.",
 }
-
 EQUAL_FORCES: Final = "equal_layer_forces"
 SOFTENED_LAYERS: Final = "softened_layers"
 SHARING_SENTENCES: Final = {
@@ -60,3 +64,62 @@ SHARING_SENTENCES: Final = {
         "strain, and layer_force_mismatch_max_kN says how far the layer law was from the force."
     ),
 }
+
+
+class TemperatureLimits(Strict):
+    """What the file says [degC]."""
+
+    absolute_zero: Annotated[float, in_unit("degC")]
+    rubber_decomposes: Annotated[float, in_unit("degC")]
+    lead_melts: Annotated[float, in_unit("degC")]
+    steel_melts: Annotated[float, in_unit("degC")]
+
+
+@cache
+def temperature_limits() -> TemperatureLimits:
+    """The limits, read once."""
+    path = data_path("materials", "limits.toml")
+    return validated(TemperatureLimits, split_sources(read_toml(path))[0], str(path))
+
+
+def limits_of_a_step() -> Limits:
+    """Those that every step looks at."""
+    found = temperature_limits()
+    return Limits(
+        coldest=found.absolute_zero, rubber=found.rubber_decomposes, lead=found.lead_melts
+    )
+
+
+MISSING = 1e-3  # part of the energy that books may miss; rounding comes to 1e-10
+LEAST = 1e-3  # energy that this is a part of, at least [kN mm]
+ENERGIES = (
+    "work_in",
+    "heat_released",
+    "recoverable",
+    "heat_stored",
+    "heat_lost_ends",
+    "heat_lost_sides",
+)
+
+
+def is_physical(constants: Constants, state: State, recoverable_before: float = 0.0) -> bool:
+    """Whether every cell has a possible temperature, and the energy books close.
+
+    `recoverable_before` is what an earlier test left in the bearing when the books began
+    [kN mm]. The published scheme has gaps in its books by itself: there only the temperatures
+    count.
+    """
+    temperature, limits = state.temperature, temperature_limits()
+    possible = temperature.min() >= limits.absolute_zero
+    if not (possible and temperature.max() <= limits.steel_melts):
+        return False
+    if constants.lead.published or not constants.viscous.heats:
+        return True
+    work, released, recoverable, stored, ends, sides = (
+        float(state.books[name][0]) for name in ENERGIES
+    )
+    recoverable -= recoverable_before
+    lost = ends + sides
+    scale = MISSING * max(LEAST, *map(abs, (work, recoverable, released, stored, lost)))
+    unbalanced = abs(work - released - recoverable)
+    return unbalanced <= scale and abs(released - stored - lost) <= scale

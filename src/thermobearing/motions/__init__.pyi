@@ -20,8 +20,8 @@ from .run import make_motion_case as make_motion_case
 from .run import run_motion as run_motion
 from .spectrum import ResponseSpectrum as ResponseSpectrum
 from .spectrum import response_spectrum as response_spectrum
+from .synthesis import DesignSpectrum as DesignSpectrum
+from .synthesis import list_spectra as list_spectra
+from .synthesis import load_spectrum as load_spectrum
 from .synthesis import make_motion as make_motion
 from .synthesis import match_spectrum as match_spectrum
-from .targets import DesignSpectrum as DesignSpectrum
-from .targets import list_spectra as list_spectra
-from .targets import load_spectrum as load_spectrum

@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 
 from thermobearing.border.errors import InputError
-from thermobearing.border.numbers import is_number, number_list
+from thermobearing.border.units import is_number, number_list
+from thermobearing.motions.readers import SHORTEST, check_size, checked_step, even_step
 from thermobearing.motions.record import ACCELERATION_UNITS, GroundMotion, acceleration_unit
-from thermobearing.motions.sniffing import SHORTEST, check_size, checked_step, even_step
 
 
 def motion_from_arrays(
@@ -64,7 +64,7 @@ def motion_from_arrays(
             raise InputError(f'unit = {unit!r}: must be text, such as "gal"')
         step = checked_step(found, dt)
         size = acceleration_unit(unit)
-        plain = unit_of_size(size)
+        plain = _unit_of_size(size)
         largest = float(np.abs(values).max()) * size
         check_size(largest, plain, instrument=False, trusted=trust_unit)
     except InputError as error:
@@ -72,12 +72,12 @@ def motion_from_arrays(
     return GroundMotion(str(name), step, values * size, component=component)
 
 
-def unit_of_size(size: float) -> str:
+def _unit_of_size(size: float) -> str:
     """The first unit of that size [mm/s2].
 
     Examples
     --------
-    >>> unit_of_size(1000.0)
+    >>> _unit_of_size(1000.0)
     'm/s2'
     """
     return next(name for name, value in ACCELERATION_UNITS.items() if value == size)

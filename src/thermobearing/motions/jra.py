@@ -9,9 +9,8 @@ from numpy.typing import ArrayLike
 
 from thermobearing.border.errors import InputError
 from thermobearing.border.library import data_path
-from thermobearing.border.numbers import number_list
 from thermobearing.border.toml import read_toml
-from thermobearing.border.units import HUGEST, parse_quantity
+from thermobearing.border.units import HUGEST, number_list, parse_quantity
 from thermobearing.core.types import Floats
 from thermobearing.motions.record import acceleration_unit
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from thermobearing.border.errors import InputError
 from thermobearing.core.types import Floats
-from thermobearing.motions.record import MOST_SAMPLES, GroundMotion, displacement_of
+from thermobearing.motions.record import MOST_SAMPLES, GroundMotion, integrate_displacement
 
 POLYNOMIAL = 6  # degree of the drift that is taken out of the displacement
 BUTTERWORTH = 4  # order of the high-pass filter
@@ -49,7 +49,7 @@ def _without_drift(acceleration: Floats, dt: float) -> Floats:
     place = np.linspace(0.0, 1.0, len(acceleration))
     powers = np.arange(2, POLYNOMIAL + 1)  # at rest at the start
     shapes = place[:, np.newaxis] ** powers
-    sizes, *_ = np.linalg.lstsq(shapes, displacement_of(acceleration, dt), rcond=None)
+    sizes, *_ = np.linalg.lstsq(shapes, integrate_displacement(acceleration, dt), rcond=None)
     length = dt * (len(acceleration) - 1)
     curvature = powers * (powers - 1) * place[:, np.newaxis] ** (powers - 2)
     return np.asarray(acceleration - curvature @ sizes / length**2)

@@ -5,8 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from thermobearing.border.errors import InputError, nearest
-from thermobearing.border.numbers import is_number, number_list
-from thermobearing.border.units import HUGEST
+from thermobearing.border.units import HUGEST, is_number, number_list
 from thermobearing.core.types import Floats
 
 MM_S2_PER_GAL = 10.0
@@ -95,23 +94,23 @@ class GroundMotion:
     @property
     def velocity(self) -> Floats:
         """Ground velocity [mm/s], from rest; exact for an acceleration linear between samples."""
-        return velocity_of(self.acceleration, self.dt)
+        return integrate_velocity(self.acceleration, self.dt)
 
     @property
     def displacement(self) -> Floats:
         """Ground displacement [mm], from rest; exact for an acceleration linear between samples."""
-        return displacement_of(self.acceleration, self.dt)
+        return integrate_displacement(self.acceleration, self.dt)
 
 
-def velocity_of(acceleration: Floats, dt: float) -> Floats:
+def integrate_velocity(acceleration: Floats, dt: float) -> Floats:
     """Integral from rest of an acceleration that is linear between its samples."""
     steps = 0.5 * dt * (acceleration[1:] + acceleration[:-1])
     return np.concatenate([[0.0], np.cumsum(steps)])
 
 
-def displacement_of(acceleration: Floats, dt: float) -> Floats:
+def integrate_displacement(acceleration: Floats, dt: float) -> Floats:
     """Second integral from rest of an acceleration that is linear between its samples."""
-    velocity = velocity_of(acceleration, dt)
+    velocity = integrate_velocity(acceleration, dt)
     steps = velocity[:-1] * dt + dt * dt * (2.0 * acceleration[:-1] + acceleration[1:]) / 6.0
     return np.concatenate([[0.0], np.cumsum(steps)])
 

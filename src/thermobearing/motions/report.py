@@ -7,7 +7,7 @@ import numpy as np
 
 from thermobearing.border.encodings import read_text
 from thermobearing.motions.matching import LARGEST_MISFIT
-from thermobearing.report.identity import identity_of
+from thermobearing.report.html_plots import history, rounded
 from thermobearing.report.pieces import (
     EXCEEDED,
     PASSED,
@@ -20,8 +20,7 @@ from thermobearing.report.pieces import (
     Trace,
 )
 from thermobearing.report.saved import saved_figures, with_plot
-from thermobearing.report.traces import history, rounded
-from thermobearing.report.words import tidy
+from thermobearing.report.words import identity_rows, tidy
 from thermobearing.results.directory import MOTION
 from thermobearing.results.saved import SavedResult
 
@@ -46,7 +45,7 @@ MEASURES = {  # of the summary: words, unit, digits
 PERIODS = (0.1, 0.2, 0.5, 1.0, 1.5, 2.0, 3.0, 5.0)  # quoted of a spectrum [s]
 
 
-def pieces_of(saved: SavedResult) -> Pieces:
+def build_pieces(saved: SavedResult) -> Pieces:
     """Everything that the document of a ground motion says.
 
     Parameters
@@ -75,7 +74,7 @@ def pieces_of(saved: SavedResult) -> Pieces:
             f"{100.0 * float(summary['damping']):g} %, solved exactly between samples.",
         ],
         warnings=[tidy(text) for text in saved.warnings],
-        identity=identity_of(
+        identity=identity_rows(
             str(summary.get("version", "unknown")),
             motion,
             str(summary.get("command_line") or "thermobearing.motions in Python"),

@@ -124,6 +124,6 @@ class MotionResult:
         ------
         OutputError : the directory exists, or cannot be written; nothing is left.
         """
-        from thermobearing.motions.files import save_motion
+        from thermobearing.motions.output import save_motion
 
         return save_motion(self, Path(directory), force=force, figures=figures)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from thermobearing.border.errors import InputError
-from thermobearing.border.numbers import number_list
+from thermobearing.border.units import number_list
 from thermobearing.core.compile import compiled
 from thermobearing.core.types import Floats
 from thermobearing.motions.record import GroundMotion

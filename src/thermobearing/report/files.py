@@ -13,8 +13,14 @@ from thermobearing.report.pictures import drawn
 from thermobearing.report.pieces import Pieces
 from thermobearing.report.template import document
 from thermobearing.report.title import TitleBlock
-from thermobearing.results.directory import LOGO, REPORT_HTML, REPORT_PDF, TITLE, WORKBOOK
-from thermobearing.results.swap import new_sibling
+from thermobearing.results.directory import (
+    LOGO,
+    REPORT_HTML,
+    REPORT_PDF,
+    TITLE,
+    WORKBOOK,
+    new_sibling,
+)
 
 WRITTEN = (REPORT_HTML, REPORT_PDF, WORKBOOK, TITLE, LOGO)
 

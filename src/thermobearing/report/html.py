@@ -2,14 +2,25 @@
 
 import base64
 import hashlib
+import html
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from string import Template
+from urllib.parse import quote
 
-from thermobearing.report.html_figures import figure_html, image_address
 from thermobearing.report.html_plots import plot_html, points_each
-from thermobearing.report.html_tables import checks_html, table_html
-from thermobearing.report.html_text import anchor, breakable, escaped, heading, page_file, sentence
+from thermobearing.report.html_tables import (
+    anchor,
+    breakable,
+    checks_html,
+    encoded,
+    escaped,
+    heading,
+    page_file,
+    sentence,
+    table_html,
+)
+from thermobearing.report.pictures import page_picture, picture_size
 from thermobearing.report.pieces import (
     Block,
     Bullets,
@@ -18,8 +29,57 @@ from thermobearing.report.pieces import (
     FigureBlock,
     Heading,
     Paragraph,
+    ReportFigure,
     TableBlock,
 )
+
+PIXEL = 25.4 / 96.0  # of a page [mm]
+
+
+def figure_html(figure: ReportFigure, number: int) -> str:
+    """A drawn figure with its caption.
+
+    It is an image of its own, not a part of the page: names and looks within two of them do not
+    meet, and a script in a picture from elsewhere does not run.
+
+    Parameters
+    ----------
+    figure : with `draw` or `image`.
+    number : of it in the document.
+
+    Examples
+    --------
+    >>> "data:image/svg+xml" in figure_html(ReportFigure("A line", image=b"<svg/>"), 2)
+    True
+    """
+    name = f"figure-{number}"
+    return (
+        f'<figure class="figure" id="{name}">\n{_image(figure)}'
+        f'<figcaption><span class="number">Figure {number}.</span> '
+        f"{escaped(figure.caption)}</figcaption>\n</figure>\n"
+    )
+
+
+def _image(figure: ReportFigure) -> str:
+    """The picture of a figure, as broad as it says; nothing where it has none."""
+    picture = page_picture(figure)
+    if picture is None:
+        return ""
+    alt = escaped(figure.alt or figure.caption)
+    width = round(picture_size(picture)[0] / PIXEL)
+    return f'<img class="drawn" src="{_image_address(picture)}" width="{width}" alt="{alt}">\n'
+
+
+def _image_address(image: bytes) -> str:
+    """Bytes of a PNG, JPEG or SVG as an address that holds them."""
+    if image.startswith(b"\x89PNG"):
+        return encoded(image, "image/png")
+    if image.startswith(b"\xff\xd8"):
+        return encoded(image, "image/jpeg")
+    # Of an SVG few signs want to be written otherwise: shorter than base64.
+    signs = quote(b" ".join(image.split()), safe=" ~!*'()/:;=?@$,+<>")
+    return html.escape(f"data:image/svg+xml,{signs}", quote=True)
+
 
 DEEPEST_IN_CONTENTS = 2
 # Boxes: the word above what stands in them.
@@ -83,7 +143,7 @@ def _hash(script: str) -> str:
 def _logo(document: Document) -> str:
     if not document.logo:
         return ""
-    return f'<img class="logo" src="{image_address(document.logo)}" alt="Logo">\n'
+    return f'<img class="logo" src="{_image_address(document.logo)}" alt="Logo">\n'
 
 
 def _title_block(document: Document) -> str:

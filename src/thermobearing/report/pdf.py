@@ -18,8 +18,7 @@ from unicodedata import category
 
 from thermobearing.border.errors import HIDDEN, InputError, printable
 from thermobearing.border.library import data_path
-from thermobearing.report.columns import SEAM
-from thermobearing.report.layout import laid_out
+from thermobearing.report.layout import SEAM, laid_out
 from thermobearing.report.pictures import drawn, missing_words
 from thermobearing.report.pieces import Document, Paragraph
 
@@ -44,16 +43,16 @@ def pdf_bytes(document: Document) -> bytes:
     """
     the_compiler()  # before anything is drawn
     document = drawn(document)
-    missing = letters_without_font(_letters(document))
+    missing = _letters_without_font(_letters(document))
     spoken = document
     if missing:
         told = Paragraph(missing_words(sorted(missing), "its text"), "warning")
         spoken = replace(document, blocks=[told, *document.blocks])
-    day = date_of(document)
+    day = document_date(document)
     with tempfile.TemporaryDirectory(prefix="thermobearing-") as name:
         folder = Path(name)
         content = laid_out(spoken, folder) | {"date": [day.year, day.month, day.day]}
-        text = json.dumps(_each_text(content, lambda text: speakable(text, missing)))
+        text = json.dumps(_each_text(content, lambda text: _speakable(text, missing)))
         (folder / "document.json").write_text(text, encoding="utf-8")
         (folder / SOURCE).write_bytes(data_path("reports", SOURCE).read_bytes())
         return compiled(folder / SOURCE, day, system_fonts=not _shipped_fonts_do(document))
@@ -98,7 +97,7 @@ def the_compiler() -> Any:
     return typst
 
 
-def date_of(document: Document) -> date:
+def document_date(document: Document) -> date:
     """The day of a document: of its title block, else of the run; never that of its making."""
     told = [text for key, text in document.block.items() if key == "Date"]
     told += [text for key, text in document.identity.items() if "date" in key.lower()]
@@ -111,7 +110,7 @@ def date_of(document: Document) -> date:
     return NO_DATE
 
 
-def speakable(text: str, missing: set[str]) -> str:
+def _speakable(text: str, missing: set[str]) -> str:
     """Text whose letters all have a font; codes stand for the others."""
     text = SEAM.join(map(printable, text.split(SEAM)))
     if not missing or text.isascii():
@@ -136,16 +135,16 @@ def _shipped_fonts_do(document: Document) -> bool:
 
     Then no other is looked at, and every machine makes the same bytes.
     """
-    return not undrawn(_letters(document), system_fonts=False)
+    return not _undrawn(_letters(document), system_fonts=False)
 
 
-def letters_without_font(letters: set[str]) -> set[str]:
+def _letters_without_font(letters: set[str]) -> set[str]:
     """Those of some letters that neither the compiler's fonts nor the machine's have."""
-    missing = undrawn(letters, system_fonts=False)
-    return undrawn(missing, system_fonts=True) if missing else missing
+    missing = _undrawn(letters, system_fonts=False)
+    return _undrawn(missing, system_fonts=True) if missing else missing
 
 
-def undrawn(letters: set[str], *, system_fonts: bool) -> set[str]:
+def _undrawn(letters: set[str], *, system_fonts: bool) -> set[str]:
     """Letters that the compiler has no font for: it refuses to write an archive with them."""
     # Letters for private use, or of no use yet, mean nothing in an archive whatever the font.
     missing = {mark for mark in letters if category(mark) in ("Co", "Cn")}

@@ -84,7 +84,7 @@ def missing_words(letters: Sequence[str], where: str) -> str:
     )
 
 
-def in_fonts(draw: Callable[[], Figure]) -> Callable[[], Figure]:
+def _in_fonts(draw: Callable[[], Figure]) -> Callable[[], Figure]:
     """What draws a figure with letters of Japanese fonts too, where the machine has one."""
 
     def drawn_in_fonts() -> Figure:
@@ -92,7 +92,7 @@ def in_fonts(draw: Callable[[], Figure]) -> Callable[[], Figure]:
         before = teller.level
         teller.setLevel(logging.ERROR)  # that a font has no bold is of no matter to a reader
         try:
-            with mpl.rc_context({"font.family": ["DejaVu Sans", *japanese_fonts()]}):
+            with mpl.rc_context({"font.family": ["DejaVu Sans", *_japanese_fonts()]}):
                 return draw()
         finally:
             teller.setLevel(before)
@@ -101,7 +101,7 @@ def in_fonts(draw: Callable[[], Figure]) -> Callable[[], Figure]:
 
 
 @cache
-def japanese_fonts() -> tuple[str, ...]:
+def _japanese_fonts() -> tuple[str, ...]:
     """Those of the machine."""
     there = {font.name for font in font_manager.fontManager.ttflist}
     return tuple(name for name in JAPANESE if name in there)
@@ -110,7 +110,7 @@ def japanese_fonts() -> tuple[str, ...]:
 def _pictured(figure: ReportFigure, missing: set[str]) -> ReportFigure:
     if figure.image is not None or figure.draw is None:
         return figure
-    draw = cache(in_fonts(figure.draw))
+    draw = cache(_in_fonts(figure.draw))
     return replace(figure, draw=draw, image=svg_bytes(draw(), missing))
 
 
@@ -134,7 +134,7 @@ def svg_bytes(figure: Figure, missing: set[str]) -> bytes:
     return OUTLINE.sub(lambda found: TOO_FINE.sub(rb"\1", found[0]), lean)
 
 
-def size_of(image: bytes) -> tuple[float, float]:
+def picture_size(image: bytes) -> tuple[float, float]:
     """Width and height of a picture [mm], as it says them; of a PNG at its own points an inch."""
     if image.startswith(b"\x89PNG"):
         from PIL import Image

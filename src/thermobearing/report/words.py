@@ -1,5 +1,6 @@
 """Sentences and cells of a document: lists in words, temperatures, units as one prints them."""
 
+import hashlib
 import re
 from collections.abc import Iterable, Sequence
 
@@ -139,3 +140,28 @@ def printed_unit(unit: str) -> tuple[str, float]:
     (('t', 1000.0), ('mm', 1.0))
     """
     return PRINTED.get(unit, (unit, 1.0))
+
+
+def identity_rows(
+    version: str, went_in: str, again: str, what: str = "case.resolved.toml"
+) -> dict[str, str]:
+    """Rows of the last table of a document.
+
+    Parameters
+    ----------
+    version : of thermobearing.
+    went_in : text whose bits make the result: the resolved case.
+    again : the command.
+    what : the text is.
+
+    Examples
+    --------
+    >>> identity_rows("0.2.0", "", "thermobearing cyclic case.resolved.toml")["Version"]
+    'thermobearing 0.2.0'
+    """
+    digest = hashlib.sha256(went_in.encode("utf-8", "surrogateescape")).hexdigest()
+    return {
+        "Version": f"thermobearing {version}",
+        f"Input (SHA-256 of {what})": digest,
+        "Command": again,
+    }

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from thermobearing.border.errors import InputError, printable
-from thermobearing.report.inline import runs_of
+from thermobearing.report.layout import split_runs
 from thermobearing.report.pieces import Check, Column, Pieces, ReportTable
 
 ROWS, COLUMNS, NAME, LETTERS = 1_048_576, 16_384, 31, 32_767  # what a sheet can hold
@@ -67,13 +67,13 @@ def workbook_bytes(pieces: Pieces, histories: Mapping[str, History]) -> bytes:
     if pieces.books is not None:
         tables["energy books"] = pieces.books
     for name, table in tables.items():
-        for number, part in enumerate(_sheets_of(table)):
+        for number, part in enumerate(_split_sheets(table)):
             _sheet(book, f"{name} {number + 1}" if number else name, part, names)
     for name, table in history_tables(histories).items():
         _sheet(book, name, table, names)
     written = io.BytesIO()
     book.save(written)
-    return restamped(written.getvalue())
+    return _restamped(written.getvalue())
 
 
 def the_writer() -> Any:
@@ -105,7 +105,7 @@ def _front(book: Any, pieces: Pieces, names: set[str]) -> None:
 
 def plain(text: str) -> str:
     """A sentence without the signs of its Markdown."""
-    return "".join(run.text for run in runs_of(text))
+    return "".join(run.text for run in split_runs(text))
 
 
 def _checks(checks: Sequence[Check]) -> ReportTable:
@@ -114,7 +114,7 @@ def _checks(checks: Sequence[Check]) -> ReportTable:
     return ReportTable("Checks", [Column(head) for head in CHECKED], rows, marked=exceeded)
 
 
-def _sheets_of(table: ReportTable) -> Iterator[ReportTable]:
+def _split_sheets(table: ReportTable) -> Iterator[ReportTable]:
     """A table in pieces that a sheet can hold."""
     room = ROWS - 4
     for first in range(0, max(len(table.rows), 1), room):
@@ -250,7 +250,7 @@ def _widths(table: ReportTable) -> list[float]:
     ]
 
 
-def restamped(raw: bytes) -> bytes:
+def _restamped(raw: bytes) -> bytes:
     """A workbook without the time of its making."""
     made = io.BytesIO()
     with (

@@ -6,9 +6,9 @@ Hybrid tests are in `chapter_3_hybrid`; places and statements in `data/claims/ch
 import numpy as np
 
 from thermobearing.core.types import Floats
+from thermobearing.cyclic.case import load_rig
 from thermobearing.cyclic.protocol import Cycles, cyclic_test
-from thermobearing.cyclic.rig import load_rig
-from thermobearing.reproduce.runs import Runs, cycles_of
+from thermobearing.reproduce.runs import Runs, full_cycles
 from thermobearing.reproduce.values import (
     HDR,
     LHDR,
@@ -45,7 +45,7 @@ def total_thicknesses(runs: Runs) -> Floats:
 
 def nominal_modulus(runs: Runs) -> float:
     """G_e of the third cycle of 175 % at 23 degC, HDR [MPa]."""
-    table = runs.cyclic(HDR, 23.0, cycles_of([NOMINAL], 3)).cycles
+    table = runs.cyclic(HDR, 23.0, full_cycles([NOMINAL], 3)).cycles
     return float(table[G_E].iloc[-1])
 
 

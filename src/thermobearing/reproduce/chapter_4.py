@@ -8,7 +8,7 @@ from thermobearing.core.types import Floats
 from thermobearing.cyclic.result import Result
 from thermobearing.model.element import BearingElement
 from thermobearing.model.options import EndFace, build_model
-from thermobearing.reproduce.runs import Runs, cycles_of
+from thermobearing.reproduce.runs import Runs, full_cycles
 from thermobearing.reproduce.values import (
     ACCELERATION,
     FORCE,
@@ -49,7 +49,7 @@ def cell_thicknesses(runs: Runs) -> Floats:
 
 def heat_through_the_face(runs: Runs) -> Floats:
     """Heat lost through the ends with eta_B = 1, 2, 3 of Eq. 4.15, two cycles of 250 % [kN mm]."""
-    test = cycles_of([LARGEST], 2)
+    test = full_cycles([LARGEST], 2)
     found = []
     for eta in ETAS:
         result = runs.cyclic(
@@ -75,7 +75,7 @@ def layer_stiffness(runs: Runs) -> float:
 
 def layers_shear_unequally(runs: Runs) -> Floats:
     """Displacement of inner, middle, outer layer at the last peak of 250 % at -20 degC [mm]."""
-    result = runs.cyclic(HDR, -20.0, cycles_of([LARGEST]), keep=["rubber", "layer_displacement"])
+    result = runs.cyclic(HDR, -20.0, full_cycles([LARGEST]), keep=["rubber", "layer_displacement"])
     moved = result["displacement"].values[0]
     peak = np.flatnonzero(moved >= 0.999 * moved.max())[-1]
     return np.asarray(result["layer_displacement"].values[0][peak][::-1], dtype=float)
@@ -204,7 +204,7 @@ def single_temperature_is_colder(runs: Runs) -> Floats:
 
 def single_temperature_is_colder_cyclic(runs: Runs) -> Floats:
     """The same at the end of five cycles of 250 % [K]."""
-    test = cycles_of([LARGEST])
+    test = full_cycles([LARGEST])
     rises = []
     for model in (SINGLE, "multi-layer"):
         result = runs.cyclic(HDR, test=test, model=model)

@@ -14,7 +14,7 @@ from thermobearing.cyclic.protocol import CyclicTest
 from thermobearing.cyclic.result import Result
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.model.stack import build_stack
-from thermobearing.reproduce.runs import AMBIENT, Runs, cycles_of
+from thermobearing.reproduce.runs import AMBIENT, Runs, full_cycles
 from thermobearing.reproduce.values import Numbers, told
 
 LHDR = "shen-lhdr-specimen"
@@ -165,7 +165,7 @@ def halves(runs: Runs) -> Numbers:
 
 def lead_rise_beside_printed(runs: Runs) -> Numbers:
     """Rise of the lead by default over that of the printed scheme: 250 %, at 0 and -20 degC."""
-    test = cycles_of([LARGEST], wave="sine", closing_strain=None)
+    test = full_cycles([LARGEST], wave="sine", closing_strain=None)
     air = AMBIENT[1:]
     ends = []
     for scheme in ("conservative", "published"):

@@ -9,11 +9,11 @@ import numpy as np
 from thermobearing.core.types import Floats
 from thermobearing.cyclic.protocol import CyclicTest
 from thermobearing.cyclic.result import Result
-from thermobearing.design.scale import scaled_bearing
+from thermobearing.design.factors import scaled_bearing
 from thermobearing.reproduce.bridge_claims import MOTIONS, by_motion
 from thermobearing.reproduce.chapter_6 import HDR as BRIDGE_HDR
 from thermobearing.reproduce.chapter_6 import LHDR as BRIDGE_LHDR
-from thermobearing.reproduce.runs import AMBIENT, Runs, cycles_of
+from thermobearing.reproduce.runs import AMBIENT, Runs, full_cycles
 from thermobearing.reproduce.values import Numbers, rows, told
 
 HDR, LHDR = "shen-hdr-specimen", "shen-lhdr-specimen"
@@ -25,7 +25,7 @@ INNERMOST = -1
 def _tests(runs: Runs, bearing: str) -> Result:
     """Table 3.4 with the wave of the specimen, without histories of cells."""
     wave = "triangular" if bearing == HDR else "sine"
-    return runs.cyclic(bearing, AMBIENT, cycles_of(STRAINS, wave=wave), keep=["rubber"])
+    return runs.cyclic(bearing, AMBIENT, full_cycles(STRAINS, wave=wave), keep=["rubber"])
 
 
 def _measure(runs: Runs, bearing: str, column: str, cycle: int = 5) -> Floats:

@@ -21,17 +21,17 @@ from thermobearing.border.toml import read_toml
 from thermobearing.design.case import STIFFNESS_RATIO, make_design_case
 from thermobearing.design.result import source_design
 from thermobearing.design.rubber import (
-    bilinear_of,
     damping_ratio,
+    equivalent_bilinear,
     equivalent_stiffness,
     load_rubber,
 )
 from thermobearing.design.run import run_design
-from thermobearing.earthquake import comparison
-from thermobearing.earthquake.loop_figures import MODE_LOOKS
+from thermobearing.earthquake import summary_figures as comparison
+from thermobearing.earthquake.figures import MODE_LOOKS
 from thermobearing.earthquake.result import EarthquakeResult
-from thermobearing.motions.figures import BINS, MOTION_COLOUR
 from thermobearing.motions.library import load_motion
+from thermobearing.motions.output import BINS, MOTION_COLOUR
 from thermobearing.motions.record import MM_S2_PER_GAL
 from thermobearing.reproduce.runs import AMBIENT, Runs
 from thermobearing.results import drawing
@@ -123,23 +123,23 @@ def bridge_study(runs: Runs, bearing: str) -> EarthquakeResult:
     return runs.bridge((BRIDGE_HDR, BRIDGE_LHDR), MOTIONS).sel(bearing=bearing)
 
 
-def bilinear_study(runs: Runs) -> EarthquakeResult:
+def _bilinear_study(runs: Runs) -> EarthquakeResult:
     """Return pier P1 on the bilinear and both layered bearings at 23 degC."""
     return runs.bridge((BILINEAR, BRIDGE_HDR, BRIDGE_LHDR), MOTIONS, 23.0)
 
 
-def both_models(runs: Runs, bearing: str, mode: str) -> dict[str, EarthquakeResult]:
+def _both_models(runs: Runs, bearing: str, mode: str) -> dict[str, EarthquakeResult]:
     """Return the hybrid tests of a bearing by each model, by its name."""
     return {model: hybrid_tests(runs, bearing, mode, model) for model in (MULTI, SINGLE)}
 
 
-def draw_cyclic(runs: Runs, bearing: str, view: str, **options: Any) -> Figure:
+def _draw_cyclic(runs: Runs, bearing: str, view: str, **options: Any) -> Figure:
     """Draw a view of the cyclic test of Table 3.4."""
     figure: Figure = getattr(runs.cyclic(bearing, **options).plot, view)()
     return figure
 
 
-def draw_hybrid(
+def _draw_hybrid(
     runs: Runs,
     bearing: str | Sequence[str],
     view: str,
@@ -155,30 +155,30 @@ def draw_hybrid(
     return figure
 
 
-def draw_bridge(runs: Runs, bearing: str, view: str) -> Figure:
+def _draw_bridge(runs: Runs, bearing: str, view: str) -> Figure:
     """Draw a view of pier P1 under the four motions."""
     figure: Figure = getattr(bridge_study(runs, bearing).plot, view)()
     return figure
 
 
-def draw_models(runs: Runs, bearing: str, mode: str, view: str) -> Figure:
+def _draw_models(runs: Runs, bearing: str, mode: str, view: str) -> Figure:
     """Draw hybrid tests by the multi-layer and by the single-temperature model."""
-    figure: Figure = getattr(comparison, view)(both_models(runs, bearing, mode))
+    figure: Figure = getattr(comparison, view)(_both_models(runs, bearing, mode))
     return figure
 
 
-def draw_three_bearings(runs: Runs) -> Figure:
+def _draw_three_bearings(runs: Runs) -> Figure:
     """Draw the largest loops of the bilinear, the HDR and the LHDR bearing."""
-    return bilinear_study(runs).plot.largest_loops()
+    return _bilinear_study(runs).plot.largest_loops()
 
 
-def draw_design(_runs: Runs) -> Figure:
+def _draw_design(_runs: Runs) -> Figure:
     """Draw the rounds of the design of section 6.2."""
     case = make_design_case({}, "Fig. 6.4", start=178.0, tolerance=0.1)
     return run_design(case).plot.rounds()
 
 
-def draw_both_modes(
+def _draw_both_modes(
     runs: Runs, bearing: str, variable: str, title: str, label: str, factor: float = 1.0
 ) -> Figure:
     """Draw a history of both kinds of hybrid test, one panel for each temperature."""
@@ -208,7 +208,7 @@ def draw_both_modes(
     return figure
 
 
-def draw_bars(
+def _draw_bars(
     runs: Runs, bearing: str, title: str, shown: Sequence[tuple[str, str, float]]
 ) -> Figure:
     """Draw one panel for each column (with label and factor), one group of bars for each motion."""
@@ -238,9 +238,9 @@ def draw_bars(
     return figure
 
 
-def draw_over_bilinear(runs: Runs, bearing: str) -> Figure:
+def _draw_over_bilinear(runs: Runs, bearing: str) -> Figure:
     """Draw loops at three temperatures over those of the bilinear bearing."""
-    result, designed = bridge_study(runs, bearing), bilinear_study(runs)
+    result, designed = bridge_study(runs, bearing), _bilinear_study(runs)
     table = result.table
     ambients = sorted(set(table["ambient_degC"]))
     motions = list(dict.fromkeys(table["motion"]))
@@ -278,7 +278,7 @@ def _path(ax: Axes, result: EarthquakeResult, run: int, look: drawing.Look) -> N
     ax.plot(x[kept], y[kept], **look)
 
 
-def draw_ground(_runs: Runs, motions: Sequence[str], title: str) -> Figure:
+def _draw_ground(_runs: Runs, motions: Sequence[str], title: str) -> Figure:
     """Draw accelerograms on the same axes, with their peaks."""
     names = motions
     size = (drawing.WIDEST, 1.5 * len(names) + 1.2)
@@ -297,11 +297,11 @@ def draw_ground(_runs: Runs, motions: Sequence[str], title: str) -> Figure:
     return figure
 
 
-def draw_measures(
+def _draw_measures(
     runs: Runs, bearing: str, mode: str, title: str, shown: Sequence[tuple[str, str]]
 ) -> Figure:
     """Draw measures of the largest loop by both models, one panel for each measure."""
-    results = both_models(runs, bearing, mode)
+    results = _both_models(runs, bearing, mode)
     figure, axes = drawing.panels(1, len(shown), (drawing.WIDEST, 3.4), title)
     for ax, (column, label) in zip(axes, shown, strict=True):
         for place, (model, result) in enumerate(results.items()):
@@ -317,9 +317,9 @@ def draw_measures(
     return figure
 
 
-def draw_ratios(runs: Runs, bearing: str, mode: str, title: str) -> Figure:
+def _draw_ratios(runs: Runs, bearing: str, mode: str, title: str) -> Figure:
     """Draw the ratio of single-temperature to multi-layer measures, and R2 of the force."""
-    results = both_models(runs, bearing, mode)
+    results = _both_models(runs, bearing, mode)
     layered, single = (results[name].largest_loops for name in (MULTI, SINGLE))
     order = layered.sort_values("ambient_degC").index.to_numpy()
     figure, axes = drawing.panels(1, len(order), (drawing.WIDEST, 3.4), title, share=True)
@@ -351,13 +351,13 @@ def _legend(figure: Figure, names: Sequence[str]) -> None:
     drawing.legend_below(figure, handles)
 
 
-def draw_bilinear(_runs: Runs) -> Figure:
+def _draw_bilinear(_runs: Runs) -> Figure:
     """Draw the bilinear model of Table 6.3, and that which follows from K_B and h_B."""
     design = source_design()["bearing"]
     end, printed, rubber = design["u_B_mm"], load_bilinear(BILINEAR), load_rubber("G8")
     thickness = printed.total_rubber_thickness
     k_b = equivalent_stiffness(rubber, design["side_mm"] ** 2, thickness, end)
-    made = bilinear_of(k_b, damping_ratio(rubber, end / thickness), end, STIFFNESS_RATIO)
+    made = equivalent_bilinear(k_b, damping_ratio(rubber, end / thickness), end, STIFFNESS_RATIO)
     figure, (ax,) = drawing.panels(1, 1, (6.0, 4.2), "bilinear model of the design")
     for name, colour, numbers in (
         (
@@ -369,7 +369,7 @@ def draw_bilinear(_runs: Runs) -> Figure:
     ):
         q, k1, k2 = numbers
         known = f"{name}: Q_d {q:.1f} kN, K_1 {k1:.2f}, K_2 {k2:.2f} kN/mm"
-        ax.plot(*bilinear_loop(q, k1, k2, end), color=colour, linewidth=1.3, label=known)
+        ax.plot(*_bilinear_loop(q, k1, k2, end), color=colour, linewidth=1.3, label=known)
     known = f"K_B = {k_b:.3f} kN/mm at {end:g} mm"
     look: drawing.Look = {"color": drawing.GREY, "linestyle": "--", "linewidth": 1.0}
     ax.plot([-end, end], [-k_b * end, k_b * end], label=known, **look)
@@ -378,7 +378,7 @@ def draw_bilinear(_runs: Runs) -> Figure:
     return figure
 
 
-def bilinear_loop(
+def _bilinear_loop(
     strength: float, first: float, second: float, end: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the corners of a bilinear loop [mm, kN]."""
@@ -390,17 +390,17 @@ def bilinear_loop(
 
 
 DRAWN: dict[str, Callable[..., Figure]] = {
-    "cyclic": draw_cyclic,
-    "hybrid": draw_hybrid,
-    "both-modes": draw_both_modes,
-    "bridge": draw_bridge,
-    "bars": draw_bars,
-    "models": draw_models,
-    "measures": draw_measures,
-    "ratios": draw_ratios,
-    "over-bilinear": draw_over_bilinear,
-    "three-bearings": draw_three_bearings,
-    "ground": draw_ground,
-    "bilinear": draw_bilinear,
-    "design": draw_design,
+    "cyclic": _draw_cyclic,
+    "hybrid": _draw_hybrid,
+    "both-modes": _draw_both_modes,
+    "bridge": _draw_bridge,
+    "bars": _draw_bars,
+    "models": _draw_models,
+    "measures": _draw_measures,
+    "ratios": _draw_ratios,
+    "over-bilinear": _draw_over_bilinear,
+    "three-bearings": _draw_three_bearings,
+    "ground": _draw_ground,
+    "bilinear": _draw_bilinear,
+    "design": _draw_design,
 }

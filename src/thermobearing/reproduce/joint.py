@@ -14,8 +14,7 @@ import numpy as np
 import pandas as pd
 from pydantic import Field
 
-from thermobearing.bearing.changed import changed_bearing
-from thermobearing.bearing.library import load_bearing
+from thermobearing.bearing.library import changed_bearing, load_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
 from thermobearing.border.library import data_path

@@ -61,7 +61,7 @@ def colder(table: pd.DataFrame, column: str, mode: str | None = None) -> Floats:
     return (grid[:, 1:] / grid[:, :-1]).ravel()
 
 
-def of_both(c: Computed, column: str, mode: str | None = None) -> Floats:
+def _of_both(c: Computed, column: str, mode: str | None = None) -> Floats:
     """`colder` of both bearings."""
     return np.concatenate([colder(table, column, mode) for table in c.both])
 
@@ -89,14 +89,14 @@ def warm_ductility(c: Computed) -> Floats:
     return np.array([by_temperature(t, "pier_ductility")[:, 0].mean() for t in c.both])
 
 
-def type_ii(table: pd.DataFrame, inside: bool = True) -> pd.DataFrame:
+def _type_ii(table: pd.DataFrame, inside: bool = True) -> pd.DataFrame:
     """Runs under motions of Type II, or the others."""
     return table[table["motion"].str.startswith(TYPE_II) == inside]
 
 
 def cold_ductility(c: Computed) -> Floats:
     """Largest under Type II at -20 degC, HDR and LHDR."""
-    found = [by_temperature(type_ii(t), "pier_ductility")[:, -1].max() for t in c.both]
+    found = [by_temperature(_type_ii(t), "pier_ductility")[:, -1].max() for t in c.both]
     return np.array(found)
 
 
@@ -107,7 +107,7 @@ def largest_ductility(c: Computed) -> Floats:
 
 def colder_pier(c: Computed) -> Floats:
     """Pier displacement."""
-    return of_both(c, "pier_displacement_max_mm")
+    return _of_both(c, "pier_displacement_max_mm")
 
 
 def types_of_pier(c: Computed) -> Floats:
@@ -115,8 +115,8 @@ def types_of_pier(c: Computed) -> Floats:
     name = "pier_displacement_max_mm"
     return np.concatenate(
         [
-            by_temperature(type_ii(t), name).max(axis=0)
-            / by_temperature(type_ii(t, False), name).max(axis=0)
+            by_temperature(_type_ii(t), name).max(axis=0)
+            / by_temperature(_type_ii(t, False), name).max(axis=0)
             for t in c.both
         ]
     )
@@ -124,33 +124,33 @@ def types_of_pier(c: Computed) -> Floats:
 
 def colder_energy(c: Computed) -> Floats:
     """Energy of one bearing."""
-    return of_both(c, "bearing_energy_kN_mm")
+    return _of_both(c, "bearing_energy_kN_mm")
 
 
-def energy_drops(c: Computed) -> Floats:
+def _energy_drops(c: Computed) -> Floats:
     """LHDR under the first motion of Type II, at 0 and -20 against 23 degC [%]."""
-    first = by_temperature(type_ii(c.lhdr), "bearing_energy_kN_mm")[0]
+    first = by_temperature(_type_ii(c.lhdr), "bearing_energy_kN_mm")[0]
     return np.asarray(100.0 * (first[1:] / first[0] - 1.0))
 
 
 def energy_at_0(c: Computed) -> Floats:
-    """The first of `energy_drops`."""
-    return energy_drops(c)[:1]
+    """The first of `_energy_drops`."""
+    return _energy_drops(c)[:1]
 
 
 def energy_at_minus_20(c: Computed) -> Floats:
-    """The last of `energy_drops`."""
-    return energy_drops(c)[-1:]
+    """The last of `_energy_drops`."""
+    return _energy_drops(c)[-1:]
 
 
 def colder_strain(c: Computed) -> Floats:
     """Strain."""
-    return of_both(c, "bearing_strain_max")
+    return _of_both(c, "bearing_strain_max")
 
 
 def colder_force(c: Computed) -> Floats:
     """Force."""
-    return of_both(c, "bearing_force_max_kN")
+    return _of_both(c, "bearing_force_max_kN")
 
 
 def strain_of_bearings(c: Computed) -> Floats:
@@ -201,7 +201,7 @@ def energy_of_bearings(c: Computed) -> Floats:
 
 def colder_energy_rt(c: Computed) -> Floats:
     """Energy in real time."""
-    return of_both(c, "bearing_energy_kN_mm", "rt")
+    return _of_both(c, "bearing_energy_kN_mm", "rt")
 
 
 def energy_of_modes(c: Computed) -> Floats:
@@ -212,12 +212,12 @@ def energy_of_modes(c: Computed) -> Floats:
 
 def colder_pier_rt(c: Computed) -> Floats:
     """Pier displacement in real time."""
-    return of_both(c, "pier_top_displacement_max_mm", "rt")
+    return _of_both(c, "pier_top_displacement_max_mm", "rt")
 
 
 def colder_acceleration_rt(c: Computed) -> Floats:
     """Pier acceleration in real time."""
-    return of_both(c, "pier_top_acceleration_max_m_s2", "rt")
+    return _of_both(c, "pier_top_acceleration_max_m_s2", "rt")
 
 
 def pier_of_modes_hdr(c: Computed) -> Floats:

@@ -12,7 +12,7 @@ from thermobearing.core.types import Floats, new_state, new_workspace
 from thermobearing.model.options import ModelOptions, build_model
 from thermobearing.model.stack import build_stack
 from thermobearing.reproduce.chapter_5 import LHDR
-from thermobearing.reproduce.runs import Runs, cycles_of
+from thermobearing.reproduce.runs import Runs, full_cycles
 from thermobearing.reproduce.values import Numbers
 from thermobearing.structure.matrices import build_matrices
 
@@ -151,19 +151,19 @@ def shim_flux(runs: Runs) -> Numbers:
 
 def heat_created(runs: Runs) -> Numbers:
     """Heat that the published scheme has too much, of the work: HDR, 250 %, -20 degC."""
-    result = runs.cyclic(HDR, -20.0, cycles_of([2.5], closing_strain=None), scheme="published")
+    result = runs.cyclic(HDR, -20.0, full_cycles([2.5], closing_strain=None), scheme="published")
     return float(abs(result.energy["thermal_residual"].iloc[0]))
 
 
 def heat_kept(runs: Runs) -> Numbers:
     """The same of the conservative scheme."""
-    result = runs.cyclic(HDR, -20.0, cycles_of([2.5], closing_strain=None))
+    result = runs.cyclic(HDR, -20.0, full_cycles([2.5], closing_strain=None))
     return float(abs(result.energy["thermal_residual"].iloc[0]))
 
 
 def inner_layer(runs: Runs) -> Numbers:
     """Rise of the inner layer, published over conservative: HDR, 250 %, -20 degC."""
-    test = cycles_of([2.5], closing_strain=None)
+    test = full_cycles([2.5], closing_strain=None)
     rises = [
         float(runs.cyclic(HDR, -20.0, test, scheme=scheme).cycles["rubber3_degC"].iloc[-1]) + 20.0
         for scheme in ("published", "conservative")

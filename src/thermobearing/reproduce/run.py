@@ -10,7 +10,7 @@ from multiprocessing import get_context
 
 from thermobearing.border.errors import InputError
 from thermobearing.reproduce.result import Reproduction
-from thermobearing.reproduce.work import CLAIMS, VERDICTS, Done, Part, do, parts_of
+from thermobearing.reproduce.work import CLAIMS, VERDICTS, Done, Part, do, split_parts
 
 Progress = Callable[[int, int], None]
 CHAPTERS = (3, 4, 5, 6, 7)
@@ -53,7 +53,7 @@ def reproduce_source(
         raise InputError(f"chapter: {chapter} is none of 3, 4, 5, 6, 7", "reproduce_source()")
     if jobs is not None and not 1 <= jobs <= MOST_JOBS:
         raise InputError(f"jobs: {jobs} is not in [1, {MOST_JOBS}]", "reproduce_source()")
-    parts = parts_of(chapter, figures=figures, flips=flips)
+    parts = split_parts(chapter, figures=figures, flips=flips)
     done: list[Done] = []
     for item in _carried_out(parts, jobs or os.cpu_count() or 1):
         done.append(item)

@@ -5,8 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from typing import Any, TypeVar
 
-from thermobearing.bearing.changed import changed_bearing
-from thermobearing.bearing.library import load_bearing
+from thermobearing.bearing.library import changed_bearing, load_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError, nearest
 from thermobearing.border.library import data_path
@@ -208,7 +207,7 @@ class Runs:
         return found
 
 
-def cycles_of(strain: Sequence[float], count: int = 5, **options: Any) -> CyclicTest:
+def full_cycles(strain: Sequence[float], count: int = 5, **options: Any) -> CyclicTest:
     """A cyclic test at some amplitudes, as Table 3.4 otherwise."""
     return cyclic_test(strain=list(strain), cycles=count, **options)
 

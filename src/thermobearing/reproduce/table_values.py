@@ -180,7 +180,7 @@ def bridge_stress(runs: Runs) -> Numbers:
     return [newton / area for area in bridge_areas(runs) if area]
 
 
-def design_loops(runs: Runs) -> list[CycleMeasures]:
+def _design_loops(runs: Runs) -> list[CycleMeasures]:
     """Of the layered bearings at the design displacement, without heating."""
     end = source_design()["bearing"]["u_B_mm"]
     return [isothermal_cycle(b, end / b.total_rubber_thickness) for b in bridge(runs)]
@@ -190,7 +190,7 @@ def bridge_modulus(runs: Runs) -> Numbers:
     """G_e of rubber G8 and of the layered bearings at the design displacement [MPa]."""
     end = source_design()["bearing"]["u_B_mm"]
     designed = shear_modulus(load_rubber("G8"), end / bilinear().total_rubber_thickness)
-    return [designed, *(loop.G_eq_MPa for loop in design_loops(runs))]
+    return [designed, *(loop.G_eq_MPa for loop in _design_loops(runs))]
 
 
 def bridge_stiffness(runs: Runs) -> Numbers:
@@ -202,7 +202,7 @@ def bridge_stiffness(runs: Runs) -> Numbers:
         bilinear().total_rubber_thickness,
         design["u_B_mm"],
     )
-    return [of_g8, *(loop.stiffness_kN_mm for loop in design_loops(runs))]
+    return [of_g8, *(loop.stiffness_kN_mm for loop in _design_loops(runs))]
 
 
 def bridge_cores(runs: Runs) -> Numbers:

@@ -16,11 +16,11 @@ from thermobearing.bearing.bilinear import load_bilinear
 from thermobearing.border.library import data_path
 from thermobearing.border.schema import Strict, validated
 from thermobearing.border.toml import read_toml
-from thermobearing.cyclic.rig import load_rig
+from thermobearing.cyclic.case import load_rig
 from thermobearing.design.rubber import load_rubber
 from thermobearing.reproduce import table_values
+from thermobearing.reproduce.claims import reason
 from thermobearing.reproduce.runs import Runs
-from thermobearing.reproduce.told import reason
 
 DATA, COMPUTED = "data file", "computed"
 DIGITS = 6  # of a difference in per cent: below it is rounding

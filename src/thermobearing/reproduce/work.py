@@ -11,14 +11,20 @@ from types import ModuleType
 
 import pandas as pd
 
-from thermobearing.reproduce import joint, slips, slips_figure, tables
-from thermobearing.reproduce.claims import PARTS, Claim, load_claims
+from thermobearing.reproduce import joint, slips, tables
+from thermobearing.reproduce import slips as slips_figure
+from thermobearing.reproduce.claims import (
+    PARTS,
+    Claim,
+    Row,
+    Variants,
+    load_claims,
+    make_row,
+    reason,
+)
 from thermobearing.reproduce.figures import Row as FigureRow
 from thermobearing.reproduce.figures import load_figures
-from thermobearing.reproduce.flips import Variants
-from thermobearing.reproduce.rows import Row, make_row
 from thermobearing.reproduce.runs import Runs
-from thermobearing.reproduce.told import reason
 
 CLAIMS, VERDICTS = "claims", "verdicts"  # kinds of parts, as the next three
 FIGURE, TABLES, BOTH = "figure", "tables", "tables and figure"
@@ -68,7 +74,7 @@ class Done:
     tables: Mapping[str, pd.DataFrame | str] | None = None
 
 
-def parts_of(chapter: int | None, *, figures: bool, flips: bool = True) -> list[Part]:
+def split_parts(chapter: int | None, *, figures: bool, flips: bool = True) -> list[Part]:
     """All there is to do, the longest first.
 
     Parameters
@@ -82,14 +88,14 @@ def parts_of(chapter: int | None, *, figures: bool, flips: bool = True) -> list[
     if chapter is None:
         both = OWN_FIGURES if figures else {}
         found += [Part(BOTH if name in both else TABLES, (name,)) for name in WITH_TABLES]
-    ids = [claim.id for claim in claims_of(chapter)]
+    ids = [claim.id for claim in list_claims(chapter)]
     found += [Part(kind, tuple(ids[start : start + CHUNK])) for start in range(0, len(ids), CHUNK)]
     if figures:
-        found += [Part(FIGURE, (name,)) for name in figures_of(chapter)]
+        found += [Part(FIGURE, (name,)) for name in report_figures(chapter)]
     return found
 
 
-def claims_of(chapter: int | None) -> list[Claim]:
+def list_claims(chapter: int | None) -> list[Claim]:
     """The claims of one chapter, or all; chapter 7 is "conclusions"."""
     if chapter is None:
         return load_claims()
@@ -97,12 +103,12 @@ def claims_of(chapter: int | None) -> list[Claim]:
     return load_claims(part) if part in PARTS else []
 
 
-def figures_of(chapter: int | None) -> dict[str, FigureRow]:
+def report_figures(chapter: int | None) -> dict[str, FigureRow]:
     """Return the figures of one chapter, or all, by name.
 
     Examples
     --------
-    >>> next(iter(figures_of(4)))
+    >>> next(iter(report_figures(4)))
     'fig_4_01'
     """
     return {
@@ -137,7 +143,7 @@ def do(part: Part) -> Done:
     return Done(
         part,
         drawn=draw(name) if part.kind in (FIGURE, BOTH) else None,
-        tables=tables_of(name) if part.kind in (TABLES, BOTH) else None,
+        tables=report_tables_by_name(name) if part.kind in (TABLES, BOTH) else None,
     )
 
 
@@ -151,7 +157,7 @@ def draw(name: str) -> Drawn:
             own = OWN_FIGURES[name]
             figure, caption = own.draw(_runs()), str(own.CAPTION)
         else:
-            row = figures_of(None)[name]
+            row = report_figures(None)[name]
             figure, caption = row.figure(_runs()), row.caption
         save_figure(figure, picture)
         return Drawn(name, caption, picture.getvalue())
@@ -159,7 +165,7 @@ def draw(name: str) -> Drawn:
         return Drawn(name, reason(error))
 
 
-def tables_of(name: str) -> Mapping[str, pd.DataFrame | str]:
+def report_tables_by_name(name: str) -> Mapping[str, pd.DataFrame | str]:
     """The tables of a module by name; the reason instead where it breaks."""
     try:
         found: Mapping[str, pd.DataFrame] = WITH_TABLES[name].all_tables(_runs())

@@ -2,5 +2,5 @@
 from .metrics import CycleMeasures as CycleMeasures
 from .metrics import measure_cycle as measure_cycle
 from .metrics import measure_history as measure_history
-from .overlaid import overlay as overlay
+from .profiles import overlay as overlay
 from .saved import SavedResult as SavedResult

@@ -13,6 +13,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Literal
 
+import matplotlib as mpl
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
@@ -25,12 +26,35 @@ from matplotlib.text import Text
 from numpy.typing import NDArray
 from PIL import Image
 
-from thermobearing.results.vector import vector_bytes
-
 Floats = NDArray[np.float64]
+MOST_POINTS = 3000  # of a line; what has more is drawn as points at the fineness below
+FINENESS = 200  # points an inch of what is no vector
+# Letters as outlines: a document shows them without the font. Names of parts do not change.
+LOOK = {"svg.fonttype": "path", "svg.hashsalt": "thermobearing"}
+
+
+def _vector_bytes(figure: Figure) -> bytes:
+    """A figure as SVG; the same bytes for the same figure.
+
+    Examples
+    --------
+    >>> figure = Figure()
+    >>> _ = figure.subplots().plot([0.0, 1.0])
+    >>> _vector_bytes(figure) == _vector_bytes(figure)
+    True
+    """
+    for ax in figure.axes:
+        for line in ax.get_lines():
+            if np.size(line.get_xdata()) > MOST_POINTS:
+                line.set_rasterized(True)
+    drawn = io.BytesIO()
+    with mpl.rc_context(LOOK):  # type: ignore[arg-type]
+        figure.savefig(drawn, format="svg", dpi=FINENESS, metadata={"Date": None, "Creator": None})
+    return drawn.getvalue()
+
+
 Ints = NDArray[np.int64]
 Look = dict[str, Any]  # how an artist is drawn
-
 DPI = 150  # of a saved figure
 NOTEBOOK_DPI = 100
 COLOURS = 256  # of a saved figure: its lines, and their edges that fade into the paper
@@ -88,7 +112,7 @@ class Picture(Figure):
         return drawn.getvalue()
 
 
-def figure_of(ax: Axes) -> Figure:
+def parent_figure(ax: Axes) -> Figure:
     """The whole figure that a panel belongs to."""
     figure = ax.get_figure(root=True)
     assert isinstance(figure, Figure)
@@ -183,7 +207,7 @@ def name_axes(ax: Axes, x: str = "", y: str = "", title: str = "", pad: float = 
         ax.set_ylabel(y, fontsize=NORMAL)
     if title:
         grid = ax.get_gridspec()
-        wide = figure_of(ax).get_figwidth() / (grid.ncols if grid else 1) - MARGIN
+        wide = parent_figure(ax).get_figwidth() / (grid.ncols if grid else 1) - MARGIN
         room = max(int(wide * 72.0 / (LETTER * NORMAL)), SHORTEST_LINE)
         whole = title.replace(" °C", f"{UNBROKEN}°C")
         told = textwrap.fill(whole, room).replace(UNBROKEN, " ")
@@ -235,7 +259,7 @@ def save_figures(
             figure = draw()
         save_figure(figure, written[-1])
         if vector:
-            (folder / f"{name}.svg").write_bytes(vector_bytes(figure))
+            (folder / f"{name}.svg").write_bytes(_vector_bytes(figure))
     return written
 
 
@@ -284,7 +308,7 @@ def thin_loops(
     return np.union1d(kept, [len(x) - 1]).astype(np.int64)
 
 
-def look_of(line: str, marker: str, colour: str) -> dict[str, Any]:
+def cycle_look(line: str, marker: str, colour: str) -> dict[str, Any]:
     """Line and marker of one cycle number; only full lines and lone points are filled."""
     return {
         "color": colour,

@@ -168,7 +168,7 @@ def largest_speed(time: Floats, displacement: Floats) -> float:
     return float((moved / np.maximum(time[lag:] - time[:-lag], np.finfo(float).tiny)).max())
 
 
-def rows_of(table: "pd.DataFrame") -> list[Row]:
+def list_rows(table: "pd.DataFrame") -> list[Row]:
     """Rows of `compared` again, from a table of them."""
     return [{str(key): value for key, value in row.items()} for row in table.to_dict("records")]
 

@@ -69,7 +69,7 @@ def print_table(
     """
     if title:
         say(f"\n{title}")
-    for number, block in enumerate(laid_out(heads, rows, keys, screen_width())):
+    for number, block in enumerate(laid_out(heads, rows, keys, _screen_width())):
         if number:
             say("")
         for line, text in enumerate(block):
@@ -78,7 +78,7 @@ def print_table(
             console.print(Text(text, style=style, no_wrap=True), soft_wrap=True)
 
 
-def screen_width() -> int | None:
+def _screen_width() -> int | None:
     """Columns of the terminal; None where there is none and COLUMNS does not say."""
     console = Console()
     if console.is_terminal:

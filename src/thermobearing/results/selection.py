@@ -1,14 +1,16 @@
-"""Some of the runs of a result, by their labels."""
+"""Select and compare runs by their labels."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from thermobearing.border.errors import InputError, nearest
 from thermobearing.results.writing import as_attribute, from_attribute
 
+Floats = NDArray[np.float64]
 REACHED = ("rig", "tested_range")  # attributes: what each run reached
 CLOSE = 1e-9  # of a number that is asked for, relative to itself
 
@@ -94,3 +96,41 @@ def gridded(data: xr.Dataset, names: list[str]) -> xr.Dataset:
     for name in names:
         grid[name].attrs.update(data[name].attrs)
     return grid.transpose(*names, ...)
+
+
+def temperature_differences(place: str, found: Floats, expected: Floats) -> dict[str, float]:
+    """Root mean square and largest error of a temperature, with its sign [K].
+
+    Examples
+    --------
+    >>> temperature_differences("lead", np.array([1.0, -3.0]), np.array([0.0, 0.0]))
+    {'lead rms K': 2.23606797749979, 'lead largest K': -3.0}
+    """
+    error = found - expected
+    return {
+        f"{place} rms K": float(np.sqrt(np.mean(error**2))),
+        f"{place} largest K": float(error[np.abs(error).argmax()]),
+    }
+
+
+def force_differences(found: Floats, expected: Floats) -> dict[str, float]:
+    """Root mean square error of a force and error of its peak, of the expected peak [%].
+
+    Examples
+    --------
+    >>> force_differences(np.array([1.0, -3.0]), np.array([1.0, -2.0]))["peak force %"]
+    50.0
+    """
+    peak = float(np.abs(expected).max())
+    rms = float(np.sqrt(np.mean((found - expected) ** 2)))
+    return {"force rms %": per_cent(rms, peak), "peak force %": more(np.abs(found).max(), peak)}
+
+
+def per_cent(part: float, whole: float) -> float:
+    """A part of a whole [%]; NaN of nothing."""
+    return 100.0 * part / whole if whole else float("nan")
+
+
+def more(found: float, expected: float) -> float:
+    """How much more than expected [%]; NaN of nothing."""
+    return per_cent(float(found) - float(expected), float(expected))

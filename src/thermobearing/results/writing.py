@@ -82,7 +82,7 @@ def write_limits(folder: Path, rig: "pd.DataFrame", tested: "pd.DataFrame") -> N
             write_csv(folder / name, table)
 
 
-def limits_of(dataset: "xr.Dataset", name: str) -> "pd.DataFrame":
+def compared_rows(dataset: "xr.Dataset", name: str) -> "pd.DataFrame":
     """Rows of `results.ranges.compared` that an analysis left in its dataset; empty without."""
     import pandas as pd
 

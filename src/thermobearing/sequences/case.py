@@ -10,10 +10,9 @@ from pydantic import Field
 from thermobearing.bearing.library import load_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
-from thermobearing.border.overrides import overridden
-from thermobearing.border.schema import Strict, in_unit, validated
+from thermobearing.border.schema import Strict, in_unit, overridden, validated
 from thermobearing.border.toml import to_toml
-from thermobearing.cyclic.case import DEFAULT_BEARING, Analysis, Case, Temperature
+from thermobearing.cyclic.case import DEFAULT_BEARING, Analysis, Case, Rig, Temperature, settle_rig
 from thermobearing.cyclic.protocol import (
     Cycles,
     CyclicTest,
@@ -24,7 +23,6 @@ from thermobearing.cyclic.protocol import (
     Step,
     survey,
 )
-from thermobearing.cyclic.rig import Rig, settle_rig
 from thermobearing.earthquake.case import (
     DEFAULTS,
     EarthquakeAnalysis,
@@ -32,7 +30,7 @@ from thermobearing.earthquake.case import (
     Laboratory,
     Stepping,
 )
-from thermobearing.earthquake.motion import Motion, settle_motions
+from thermobearing.earthquake.inputs import Motion, settle_motions
 from thermobearing.model.effort import too_much
 from thermobearing.model.handover import SpecimenState
 from thermobearing.model.options import ModelOptions
@@ -186,7 +184,7 @@ class SequenceCase(Strict):
             faults, steps = survey(test, rubber, at)
             found += [f"parts[{number}].{text}" for text in faults]
             known, total = known or bool(moving), total + steps
-            at = 0.0 if self.between == "unloaded" else end_of(test, rubber, at)
+            at = 0.0 if self.between == "unloaded" else end_state_at(test, rubber, at)
         cells = len(self.analysis.build_stack(self.bearing).part)
         return found or too_much(total, cells, total / self.analysis.keep_every * 3 * cells)
 
@@ -199,7 +197,7 @@ class SequenceCase(Strict):
         return [*found, *case.faults(), *case.length_faults([case.motions[0].load()])]
 
 
-def end_of(test: CyclicTest, rubber: float, at: float) -> float:
+def end_state_at(test: CyclicTest, rubber: float, at: float) -> float:
     """Where the bearing is after a test that begins at `at` [mm]."""
     for step in test.steps:
         if isinstance(step, Ramp):

@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 
 import thermobearing
-from thermobearing.cyclic.files import written_part
-from thermobearing.cyclic.report import rig_table
-from thermobearing.cyclic.report_steps import words_of_test
+from thermobearing.cyclic.output import written_part
+from thermobearing.cyclic.report import rig_table, words_of_test
 from thermobearing.cyclic.reported import (
     analysis_table,
     bearing_tables,
@@ -19,7 +18,7 @@ from thermobearing.cyclic.reported import (
 )
 from thermobearing.cyclic.result import Result
 from thermobearing.earthquake.result import EarthquakeResult
-from thermobearing.report.identity import identity_of
+from thermobearing.report.html_plots import history, path
 from thermobearing.report.limits import (
     BOOKS_CLOSE,
     MARKED,
@@ -39,8 +38,15 @@ from thermobearing.report.pieces import (
     ReportTable,
     Trace,
 )
-from thermobearing.report.traces import history, path
-from thermobearing.report.words import change, counted, joined, number, quantity, tidy
+from thermobearing.report.words import (
+    change,
+    counted,
+    identity_rows,
+    joined,
+    number,
+    quantity,
+    tidy,
+)
 from thermobearing.results.drawing import INK, ordered_colours
 from thermobearing.results.ranges import TESTED, parted
 from thermobearing.sequences.case import SequenceAnalysis
@@ -58,7 +64,7 @@ KJ = 1e-3
 PART = Column("Part")
 
 
-def pieces_of(result: SequenceResult) -> Pieces:
+def build_pieces(result: SequenceResult) -> Pieces:
     """Everything that the document of a sequence says.
 
     Parameters
@@ -73,7 +79,7 @@ def pieces_of(result: SequenceResult) -> Pieces:
     given = case["bearing"].get("tested_range") is not None
     validity = [tidy(words) for words in found] if given else []
     unknown = "" if given else " ".join(map(tidy, dict.fromkeys(found)))
-    checks = checks_of(result, case) if parts else []
+    checks = report_checks(result, case) if parts else []
     tables = {"parts": parts_table(result)} if parts else {}
     poor: list[str] = []
     if parts:
@@ -83,9 +89,9 @@ def pieces_of(result: SequenceResult) -> Pieces:
         title=f"Sequence of tests on {case['bearing']['name']}: {case['name']}",
         question=question(result, case),
         answer=answer(result, verdict(checks, validity, unknown)),
-        inputs=inputs_of(result, case),
+        inputs=input_tables(result, case),
         tables=tables,
-        figures=figures_of(result) if parts else {},
+        figures=report_figures(result) if parts else {},
         checks=checks,
         validity=validity,
         validity_unknown=unknown,
@@ -98,7 +104,7 @@ def pieces_of(result: SequenceResult) -> Pieces:
             *model_assumptions(case["analysis"], [case["bearing"]]),
         ],
         warnings=[*poor, *(tidy(words) for words in warnings)],
-        identity=identity_of(
+        identity=identity_rows(
             thermobearing.__version__ if not parts else str(parts[0].dataset.attrs["version"]),
             text,
             "thermobearing sequence case.resolved.toml",
@@ -108,14 +114,14 @@ def pieces_of(result: SequenceResult) -> Pieces:
 
 def question(result: SequenceResult, case: Case) -> str:
     """What was asked: specimen, parts, air."""
-    told = [f"{k}. {words_of_part(part)}" for k, part in enumerate(case["parts"], 1)]
+    told = [f"{k}. {_words_of_part(part)}" for k, part in enumerate(case["parts"], 1)]
     return (
         f"What does {bearing_words(case['bearing'])} do in these tests, one after the other on one "
         f"specimen at ambient {quantity(case['ambient'])}? {'; '.join(told)}."
     )
 
 
-def words_of_part(part: Case) -> str:
+def _words_of_part(part: Case) -> str:
     """A part in words."""
     kind = str(part["part"])
     name = str(part.get("name") or kind)
@@ -262,7 +268,7 @@ def books_table(result: SequenceResult) -> ReportTable:
     return ReportTable("Energy books of the specimen", columns, rows, note=note)
 
 
-def checks_of(result: SequenceResult, case: Case) -> list[Check]:
+def report_checks(result: SequenceResult, case: Case) -> list[Check]:
     """Return the checks of rig and tested range: the part that goes farthest."""
     rig = str(case.get("rig", {}).get("name", "rig"))
 
@@ -292,14 +298,14 @@ def quality_of(result: SequenceResult, case: Case) -> tuple[ReportTable, list[st
     return quality_table(found)
 
 
-def inputs_of(result: SequenceResult, case: Case) -> dict[str, ReportTable]:
+def input_tables(result: SequenceResult, case: Case) -> dict[str, ReportTable]:
     """Tables of what went in: parts, specimen, structures, rig, model."""
-    own = {name: told for part in result.parts for name, told in _sources_of(part).items()}
+    own = {name: told for part in result.parts for name, told in _number_sources(part).items()}
     columns = (Column("Part", form="d"), Column("What"), Column("Air"), Column("Step of time"))
     rows = [
         (
             k,
-            words_of_part(part),
+            _words_of_part(part),
             quantity(part.get("ambient", case["ambient"])),
             quantity(part["dt"]) if "dt" in part else "",
         )
@@ -317,12 +323,12 @@ def inputs_of(result: SequenceResult, case: Case) -> dict[str, ReportTable]:
     return found
 
 
-def _sources_of(part: Result | EarthquakeResult) -> dict[str, dict[str, str]]:
+def _number_sources(part: Result | EarthquakeResult) -> dict[str, dict[str, str]]:
     """Of the numbers of what a part was made of, where its own files had some."""
     return dict(tomllib.loads(part.dataset.attrs["case"]).get("sources", {}))
 
 
-def figures_of(result: SequenceResult) -> dict[str, ReportFigure]:
+def report_figures(result: SequenceResult) -> dict[str, ReportFigure]:
     """Loops and temperatures of every part."""
     loops: dict[str, list[Trace]] = {}
     warm: dict[str, list[Trace]] = {}

@@ -16,7 +16,7 @@ from thermobearing.results.writing import limits_summary
 from thermobearing.sequences.case import SequenceCase
 
 if TYPE_CHECKING:
-    from thermobearing.sequences.figures import SequenceFigures
+    from thermobearing.sequences.output import SequenceFigures
 
 PartResult = Result | EarthquakeResult
 
@@ -50,7 +50,7 @@ class SequenceResult(Shown):
 
     def show(self) -> None:
         """Print the tables that the command prints."""
-        from thermobearing.sequences.screen import print_sequence
+        from thermobearing.sequences.output import print_sequence
 
         print_sequence(self)
 
@@ -168,13 +168,13 @@ class SequenceResult(Shown):
     @property
     def plot(self) -> "SequenceFigures":
         """Figures: `result.plot.sequence()`."""
-        from thermobearing.sequences.figures import SequenceFigures
+        from thermobearing.sequences.output import SequenceFigures
 
         return SequenceFigures(self)
 
     def save(self, directory: str | Path, *, force: bool = False, figures: bool = True) -> Path:
         """Write a result directory with a folder of each part; see docs/files.md."""
-        from thermobearing.sequences.files import save_sequence
+        from thermobearing.sequences.output import save_sequence
 
         return save_sequence(self, Path(directory), force=force, figures=figures)
 

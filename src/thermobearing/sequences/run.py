@@ -8,19 +8,17 @@ import numpy as np
 from scipy.optimize import brentq
 
 from thermobearing.border.errors import InputError
-from thermobearing.border.overrides import check_workers
-from thermobearing.cyclic.case import Case
+from thermobearing.border.schema import check_workers
+from thermobearing.cyclic.case import Case, final_state
 from thermobearing.cyclic.equivalent import bilinear_parameters
 from thermobearing.cyclic.result import Result
 from thermobearing.cyclic.run import run_case
-from thermobearing.cyclic.start import final_state
 from thermobearing.earthquake.case import EarthquakeCase
-from thermobearing.earthquake.ends import end_of
-from thermobearing.earthquake.label import label_study
+from thermobearing.earthquake.dataset import end_state_at, label_study
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.earthquake.run import build_tasks, run_task
 from thermobearing.model.element import BearingElement
-from thermobearing.model.handover import SpecimenState, memory_of, specimen_state
+from thermobearing.model.handover import SpecimenState, specimen_state, state_memory
 from thermobearing.model.options import build_model
 from thermobearing.sequences.case import SequenceCase, load_sequence_case, make_sequence_case
 from thermobearing.sequences.result import SequenceResult
@@ -117,7 +115,7 @@ def unloaded(case: SequenceCase, number: int, state: SpecimenState) -> SpecimenS
     """
     part = case.parts[number]
     air = case.ambient if part.ambient is None else part.ambient
-    element = build_element(case, air, state)
+    element = _build_element(case, air, state)
     start, dt = state.at, 1.0
 
     def force(x: float) -> float:
@@ -144,10 +142,12 @@ def unloaded(case: SequenceCase, number: int, state: SpecimenState) -> SpecimenS
     element.commit()
     left, lead = element.state, state.lead_temperature is not None
     warm = float(left.books[0].lead_temperature) if lead else float("nan")
-    return specimen_state(left.temperature, warm, memory_of(left)).model_copy(update={"zero": end})
+    return specimen_state(left.temperature, warm, state_memory(left)).model_copy(
+        update={"zero": end}
+    )
 
 
-def build_element(case: SequenceCase, air: float, state: SpecimenState) -> BearingElement:
+def _build_element(case: SequenceCase, air: float, state: SpecimenState) -> BearingElement:
     """Return the specimen where a part left it, modelled as in every part."""
     constants = build_model(case.bearing, case.analysis, backbone=bilinear_parameters).constants
     return BearingElement.from_constants(constants, air, initial=state)
@@ -160,4 +160,4 @@ def _run_part(case: Case | EarthquakeCase) -> tuple[Result | EarthquakeResult, S
         return result, final_state(result.dataset, case.ambient)
     (task,) = build_tasks(case)
     history = run_task(task)
-    return label_study(case, [task], [history]), end_of(task, history)
+    return label_study(case, [task], [history]), end_state_at(task, history)

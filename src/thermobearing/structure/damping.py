@@ -64,19 +64,19 @@ def bare_modes(structure: Structure, matrices: Matrices) -> Modes:
     return Modes(np.sqrt(values[held]), shapes[:, held])
 
 
-def ratios_of(matrix: Floats, modes: Modes) -> Floats:
+def mode_damping(matrix: Floats, modes: Modes) -> Floats:
     """Damping ratio that a damping matrix gives each mode."""
     modal = np.einsum("ik,ij,jk->k", modes.shapes, matrix, modes.shapes)
     return np.asarray(modal / (2.0 * modes.frequencies))
 
 
-def from_ratios(mass: Floats, modes: Modes, ratios: Floats) -> Floats:
+def _from_ratios(mass: Floats, modes: Modes, ratios: Floats) -> Floats:
     """C = M sum_k 2 xi_k omega_k phi_k phi_k^T M: these ratios, and nothing elsewhere."""
     pushed = mass @ modes.shapes
     return np.asarray((pushed * (2.0 * ratios * modes.frequencies)) @ pushed.T)
 
 
-def rayleigh_ratios(damping: Damping, modes: Modes, wanted: Floats, where: str) -> Floats:
+def _rayleigh_ratios(damping: Damping, modes: Modes, wanted: Floats, where: str) -> Floats:
     """xi_k = a/(2 omega_k) + b omega_k/2 through the chosen modes; b alone through one."""
     count = len(modes.frequencies)
     numbers = damping.modes or tuple(range(1, min(MODES, count) + 1))
@@ -112,7 +112,7 @@ def dashpots(parts: list[Part], modes: Modes) -> Floats:
     return matrix
 
 
-def modal_ratios(damping: Damping, wanted: Floats, where: str) -> Floats:
+def _modal_ratios(damping: Damping, wanted: Floats, where: str) -> Floats:
     """One ratio for each mode, or one for all; by default those of the parts."""
     if damping.ratios is None:
         return wanted
@@ -125,7 +125,7 @@ def modal_ratios(damping: Damping, wanted: Floats, where: str) -> Floats:
     return np.full(len(wanted), damping.ratios)
 
 
-def source_matrix(structure: Structure, matrices: Matrices, modes: Modes) -> Floats:
+def _source_matrix(structure: Structure, matrices: Matrices, modes: Modes) -> Floats:
     """C = a M + b K', K' the stiffness without the bearings; a and b give modes 1 and 2 of the
     whole structure the ratios of all parts, or those that are given.
     """
@@ -155,7 +155,7 @@ def build_damping(structure: Structure, matrices: Matrices, modes: Modes) -> Flo
     """
     damping, parts, where = structure.damping, own_parts(structure, matrices), structure.name
     if damping.kind == "source":
-        matrix = source_matrix(structure, matrices, modes)
+        matrix = _source_matrix(structure, matrices, modes)
     elif damping.kind == "none":
         matrix = np.zeros_like(matrices.mass)
     elif damping.kind == "element":
@@ -167,10 +167,10 @@ def build_damping(structure: Structure, matrices: Matrices, modes: Modes) -> Flo
             return np.zeros_like(matrices.mass)
         wanted = weighed_ratios(parts, bare)
         if damping.kind == "modal":
-            matrix = from_ratios(matrices.mass, bare, modal_ratios(damping, wanted, where))
+            matrix = _from_ratios(matrices.mass, bare, _modal_ratios(damping, wanted, where))
         else:
-            ratios = rayleigh_ratios(damping, bare, wanted, where)
-            matrix = from_ratios(matrices.mass, bare, ratios)
+            ratios = _rayleigh_ratios(damping, bare, wanted, where)
+            matrix = _from_ratios(matrices.mass, bare, ratios)
     _check_sign(matrix, matrices.mass, damping, where)
     return matrix
 

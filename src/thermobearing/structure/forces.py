@@ -1,13 +1,178 @@
-"""Restoring forces of a structure at trial coordinates: springs, hinges, bearings."""
+"""Restoring forces of a structure at trial coordinates: springs, hinges, bearings.
+
+One machine code serves any number of them; a tuple with an entry for each line would be another
+type, and compile anew, for each number. Only a structure with several kinds of bearings has
+several entries.
+"""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
 
 from thermobearing.core.compile import compiled
-from thermobearing.core.lanes.choose import all_lanes, any_lane, select
-from thermobearing.core.records import Floats, Rows
-from thermobearing.core.step import begin, has_failed, move, settle
-from thermobearing.core.types import COMPLETED
-from thermobearing.structure.lines import Bearings, state_of, work_of
+from thermobearing.core.lanes.choose import all_lanes, any_lane, no, select
+from thermobearing.core.march import copy_state
+from thermobearing.core.records import Floats, Ints, Rows
+from thermobearing.core.step import begin, has_failed, layer_temperature, move, settle
+from thermobearing.core.types import (
+    COMPLETED,
+    Constants,
+    LayerWork,
+    State,
+    Workspace,
+    new_state,
+    new_workspace,
+)
 from thermobearing.structure.takeda import takeda
-from thermobearing.structure.types import Coordinate, LineFactors, Motion, System
+from thermobearing.structure.types import Coordinate, LineFactors, Motion, MotionRows, System
+
+
+@compiled
+def _swap_rows(matrix: Floats, vector: Floats, k: int, i: int, where: bool) -> None:
+    """Rows k and i change places where it is wanted."""
+    for j in range(matrix.shape[0]):
+        upper, lower = matrix[k, j], matrix[i, j]
+        matrix[k, j], matrix[i, j] = select(where, lower, upper), select(where, upper, lower)
+    upper, lower = vector[k], vector[i]
+    vector[k], vector[i] = select(where, lower, upper), select(where, upper, lower)
+
+
+@compiled
+def solve_dense(matrix: Floats, vector: Floats) -> bool:
+    """Gauss elimination with partial pivoting; `vector` becomes the solution.
+
+    The matrix is destroyed. Returns False if it is singular.
+    """
+    n = matrix.shape[0]
+    singular = False
+    for k in range(n):
+        for i in range(k + 1, n):
+            larger = abs(matrix[i, k]) > abs(matrix[k, k])
+            if any_lane(larger):
+                _swap_rows(matrix, vector, k, i, larger)
+        singular = singular | (matrix[k, k] == 0.0)
+        if all_lanes(singular):
+            return no(singular)
+        matrix[k, k] = 1.0 / matrix[k, k]
+        for i in range(k + 1, n):
+            ratio = matrix[i, k] * matrix[k, k]
+            for j in range(k + 1, n):
+                matrix[i, j] -= ratio * matrix[k, j]
+            vector[i] -= ratio * vector[k]
+    for k in range(n - 1, -1, -1):
+        value = vector[k]
+        for j in range(k + 1, n):
+            value -= matrix[k, j] * vector[j]
+        vector[k] = value * matrix[k, k]
+    return no(singular)
+
+
+class Kind(NamedTuple):
+    """The lines that have one bearing, where it is in each, and where a trial takes it.
+
+    The arrays of the states have one axis more than those of one bearing, the first: [m] lines.
+    """
+
+    constants: Constants
+    lines: Ints  # [m] their numbers in the structure
+    durations: Floats  # [m] of the trial, on the bearing's own clock [s]
+    work: Workspace
+    elastic: Floats  # [m, L] of LayerWork: it lasts from the first trial of a step to its end
+    hysteretic: Floats  # [m, L]
+    states: Any  # State, [m]
+    trials: Any  # State, [m]
+
+
+Bearings: TypeAlias = tuple[Kind, ...]
+
+
+@compiled
+def line_state(states: Any, m: int) -> State:
+    """Where the bearing of one line is; not a copy."""
+    return State(
+        states.layers[m],
+        states.turns[m],
+        states.temperature[m],
+        states.branches[m],
+        states.ends[m],
+        states.books[m],
+    )
+
+
+@compiled
+def _line_workspace(kind: Kind, m: int) -> Workspace:
+    """Scratch for one line: that of the kind, with the line's own stiffness."""
+    work, layers = kind.work, kind.work.layers
+    return Workspace(
+        work.factored_dt,
+        LayerWork(
+            kind.elastic[m],
+            kind.hysteretic[m],
+            layers.force,
+            layers.tangent,
+            layers.trial,
+            layers.direction,
+            layers.slope,
+        ),
+        work.cells,
+        work.lead_ports,
+        work.lead_modes,
+    )
+
+
+def side_by_side(parts: Sequence[Any]) -> Any:
+    """Arrays, or records of arrays, with one more axis in front."""
+    if isinstance(parts[0], tuple):
+        return type(parts[0])(*(side_by_side(column) for column in zip(*parts, strict=True)))
+    array = np.empty((len(parts), *parts[0].shape), parts[0].dtype)  # np.stack changes records
+    for m, part in enumerate(parts):
+        array[m] = part
+    return array
+
+
+def line_kinds(constants: Sequence[Constants]) -> list[list[int]]:
+    """Numbers of the lines that are of one kind: their constants are the same object."""
+    kinds: dict[int, list[int]] = {}
+    for number, one in enumerate(constants):
+        kinds.setdefault(id(one), []).append(number)
+    return list(kinds.values())
+
+
+def build_bearings(
+    constants: Sequence[Constants],
+    temperatures: Sequence[Floats],
+    leads: Sequence[float | None],
+    begun: Sequence[State | None] | None = None,
+) -> Bearings:
+    """Bearings of all lines: where they were left, or virgin at temperatures of cells and lead."""
+    found = []
+    states = start_states(constants, temperatures, leads, begun)
+    for numbers, start in zip(line_kinds(constants), states, strict=True):
+        one = constants[numbers[0]]
+        trials = State(*[array.copy() for array in start])
+        elastic, hysteretic = np.zeros((2, len(numbers), len(one.multiplicity)))
+        work = new_workspace(one)
+        lines, durations = np.array(numbers), np.zeros(len(numbers))
+        found.append(Kind(one, lines, durations, work, elastic, hysteretic, start, trials))
+    return tuple(found)
+
+
+def start_states(
+    constants: Sequence[Constants],
+    temperatures: Sequence[Floats],
+    leads: Sequence[float | None],
+    begun: Sequence[State | None] | None = None,
+) -> tuple[Any, ...]:
+    """States of each kind, as `Kind` has them; arguments as of `build_bearings`."""
+    starts = [
+        new_state(one, temperatures[b], leads[b]) if left is None else left
+        for b, (one, left) in enumerate(
+            zip(constants, begun or [None] * len(constants), strict=True)
+        )
+    ]
+    return tuple(side_by_side([starts[b] for b in numbers]) for numbers in line_kinds(constants))
+
 
 SHORTEST = 1e-6  # s: step of a bearing that is on its own clock and does not move
 
@@ -32,7 +197,7 @@ def spread(rows: Floats, row: int, force: float, stiffness: float, motion: Motio
 
 
 @compiled
-def bearing_dt(line: LineFactors, dt: float, dx: float) -> float:
+def _bearing_dt(line: LineFactors, dt: float, dx: float) -> float:
     """How long the modelled bearing takes for dx [mm]: earthquake time, or that of its actuator."""
     quake = line.speed == 0.0
     if all_lanes(quake):
@@ -53,7 +218,7 @@ def begin_bearings(bearings: Bearings) -> None:
     for k in range(len(bearings)):
         kind = bearings[k]
         for m in range(len(kind.lines)):
-            begin(kind.constants, work_of(kind, m), state_of(kind.states, m))
+            begin(kind.constants, _line_workspace(kind, m), line_state(kind.states, m))
 
 
 @compiled
@@ -67,8 +232,8 @@ def settle_bearings(system: System, bearings: Bearings, ambient: float) -> int:
     for k in range(len(bearings)):
         kind = bearings[k]
         for m in range(len(kind.lines)):
-            state, work = state_of(kind.states, m), work_of(kind, m)
-            trial, dt = state_of(kind.trials, m), kind.durations[m]
+            state, work = line_state(kind.states, m), _line_workspace(kind, m)
+            trial, dt = line_state(kind.trials, m), kind.durations[m]
             air = ambient + system.lines[kind.lines[m]].warmer
             ended = settle(kind.constants, work, state, dt, air, trial)
             outcome = select(outcome == COMPLETED, ended, outcome)
@@ -78,7 +243,7 @@ def settle_bearings(system: System, bearings: Bearings, ambient: float) -> int:
 
 
 @compiled
-def move_bearings(
+def _move_bearings(
     system: System, bearings: Bearings, motion: Motion, dt: float, noise: float
 ) -> int:
     """Forces of the bearing lines at `motion.stretches`, and their tangent, added."""
@@ -86,11 +251,11 @@ def move_bearings(
     for k in range(len(bearings)):
         kind = bearings[k]
         for m in range(len(kind.lines)):
-            state, work = state_of(kind.states, m), work_of(kind, m)
-            trial = state_of(kind.trials, m)
+            state, work = line_state(kind.states, m), _line_workspace(kind, m)
+            trial = line_state(kind.trials, m)
             line, b = system.lines[kind.lines[m]], kind.lines[m]
             x = line.start + line.length_factor * motion.stretches[b]
-            own_dt = bearing_dt(line, dt, x - state.books[0].displacement)
+            own_dt = _bearing_dt(line, dt, x - state.books[0].displacement)
             kind.durations[m] = own_dt
             force, slope, moved = move(kind.constants, work, state, x, own_dt, trial)
             outcome = select((outcome == COMPLETED) & has_failed(moved), moved, outcome)
@@ -120,4 +285,83 @@ def restoring(system: System, bearings: Bearings, motion: Motion, dt: float, noi
         rotation = along(system.hinge_rows, h, motion.points)
         slope = takeda(system.hinges, motion.hinges, h, rotation, motion.trial_hinges)
         spread(system.hinge_rows, h, motion.trial_hinges.bends[h].moment, slope, motion)
-    return move_bearings(system, bearings, motion, dt, noise)
+    return _move_bearings(system, bearings, motion, dt, noise)
+
+
+@compiled
+def add_books(system: System, motion: Motion, before: float, after: float) -> None:
+    """Work of one step to the trial, trapezoidal.
+
+    `before` and `after` are ground accelerations [mm/s2]. The work of the bearings comes from
+    their own books, see `commit`.
+    """
+    books, points, n = motion.books[0], motion.points, motion.tangent.shape[0]
+    given = 0.0
+    damped = 0.0
+    kinetic = 0.0
+    stored = 0.0
+    for i in range(n):
+        dq = points[i].trial - points[i].q
+        given += 0.5 * (before + after) * system.load[i] * dq
+        for j in range(n):
+            mean = 0.5 * (points[j].v + points[j].predicted_v)
+            damped += dq * system.damping[i, j] * mean
+            kinetic += 0.5 * points[i].predicted_v * system.mass[i, j] * points[j].predicted_v
+            stored += 0.5 * points[i].trial * system.stiffness[i, j] * points[j].trial
+    hinged = 0.0
+    for h in range(len(system.hinges)):
+        old, new = motion.hinges.bends[h], motion.trial_hinges.bends[h]
+        turned = new.rotation - old.rotation
+        hinged += 0.5 * (new.moment + old.moment) * turned
+    books.input += given
+    books.damping += damped
+    books.hinges += hinged
+    books.kinetic = kinetic
+    books.springs = stored
+
+
+@compiled
+def commit(system: System, bearings: Bearings, motion: Motion, dt: float) -> None:
+    """The trial becomes the state."""
+    books, points = motion.books[0], motion.points
+    books.bearings = 0.0
+    for i in range(motion.tangent.shape[0]):
+        points[i].q = points[i].trial
+        points[i].v = points[i].predicted_v
+        points[i].a = points[i].predicted_a
+        points[i].restoring = points[i].trial_restoring
+    for h in range(len(system.hinges)):
+        motion.hinges.bends[h] = motion.trial_hinges.bends[h]
+        for side in range(2):
+            motion.hinges.sides[h, side] = motion.trial_hinges.sides[h, side]
+    for k in range(len(bearings)):
+        kind = bearings[k]
+        for m in range(len(kind.lines)):
+            state, line = line_state(kind.states, m), system.lines[kind.lines[m]]
+            copy_state(line_state(kind.trials, m), state)
+            bearing = state.books[0]
+            felt = bearing.work_in - line.at_rest * (bearing.displacement - line.start)
+            books.bearings += line.force_factor / line.length_factor * felt
+    books.clock += dt
+
+
+@compiled
+def keep_motion(bearings: Bearings, motion: Motion, rows: MotionRows, row: int) -> None:
+    """Write the state of the structure, its hinges and its bearings into one row."""
+    rows.books[row] = motion.books[0]
+    for i in range(motion.tangent.shape[0]):
+        rows.q[row, i] = motion.points[i].q
+        rows.v[row, i] = motion.points[i].v
+        rows.a[row, i] = motion.points[i].a
+    for h in range(len(motion.hinges.bends)):
+        rows.hinges[row, h] = motion.hinges.bends[h]
+    for k in range(len(bearings)):
+        kind, layers, profiles = bearings[k], rows.layers[k], rows.cells[k]
+        cells = kind.constants.layer_cells
+        for m in range(len(kind.lines)):
+            rows.bearings[row, kind.lines[m]] = kind.states.books[m, 0]
+            temperature, kept = kind.states.temperature[m], layers[row, m]
+            for j in range(len(cells)):
+                kept[j] = layer_temperature(cells, temperature, j)
+            for i in range(profiles.shape[2]):
+                profiles[row, m, i] = temperature[i]

@@ -7,32 +7,249 @@ its company or its place.
 """
 
 from collections.abc import Callable, Sequence
-from typing import Any, TypeVar
+from dataclasses import dataclass
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from thermobearing.core.lanes.memory import WIDTH, aligned, each_lane, side_by_side, twin
-from thermobearing.core.types import COMPLETED, Constants, SharedCells
-from thermobearing.structure.lines import Kind, kinds_of, start_states
-from thermobearing.structure.lockstep import lanes_march
-from thermobearing.structure.run import build_system, new_motion
-from thermobearing.structure.shaken import (
-    Left,
-    Run,
-    RunPeaks,
-    bearings_of,
-    check_method,
-    no_rows,
-    none_kept,
-    peaks_of,
-    run_peaks,
-    scheme_of,
-    start_of,
-    stored_in,
-    told,
-    watched,
+from thermobearing.core.records import Floats, Ints, Rows, rows
+from thermobearing.core.types import COMPLETED, Books, Constants, SharedCells
+from thermobearing.model.outcomes import NOT_PHYSICAL
+from thermobearing.structure.forces import Bearings, Kind, build_bearings, line_kinds, start_states
+from thermobearing.structure.newmark import lanes_march, peaks_march
+from thermobearing.structure.run import (
+    BETA,
+    GAMMA,
+    HALVINGS,
+    ITERATIONS,
+    OUTCOMES,
+    TOLERANCE,
+    Line,
+    Method,
+    Prepared,
+    all_physical,
+    build_system,
+    new_motion,
+    room_for,
 )
-from thermobearing.structure.types import Shaking, System
+from thermobearing.structure.types import (
+    HingePeak,
+    LinePeak,
+    MotionBooks,
+    MotionRows,
+    Peaks,
+    Scheme,
+    Shaking,
+    System,
+    Watch,
+)
+
+COLDEST = -1e9  # degC: below every temperature, where the largest one begins
+
+
+@dataclass(frozen=True)
+class Run:
+    """A structure to be shaken.
+
+    Attributes
+    ----------
+    prepared : from `prepare_structure`.
+    lines : one per bearing line of the structure.
+    ground : [steps + 1] ground acceleration at the ends of steps [mm/s2], linear between.
+    dt : of the steps [s].
+    ambient : temperature of the air [degC].
+    places : [p, n] displacements to watch beside bearings and hinges, per coordinate
+        (structure/matrices.py makes such rows); the coordinates themselves by default.
+    carried : [p] 1 for those that the ground carries, so that its acceleration is added; 0 for
+        differences and rotations. All 0 by default.
+    method : of Newmark.
+    """
+
+    prepared: Prepared
+    lines: Sequence[Line]
+    ground: Floats
+    dt: float
+    ambient: float
+    places: Floats | None = None
+    carried: Floats | None = None
+    method: Method = "average-acceleration"
+
+
+class RunPeaks(NamedTuple):
+    """What a run came to.
+
+    Largest numbers are those at the ends of all steps that were done, and at the start.
+    """
+
+    outcome: str
+    steps: int
+    iterations: int
+    substeps: int
+    watches: Rows[Watch]  # [p]
+    lines: Rows[LinePeak]  # [b]
+    hinges: Rows[HingePeak]  # [h]
+    books: Rows[MotionBooks]  # [1] energies at the end
+    bearings: Rows[Books]  # [b] of the modelled bearing of each line, at the end
+    alone: bool  # whether it was run alone
+
+
+class Left(NamedTuple):
+    """What a run left behind, with arrays of its own."""
+
+    bearings: Bearings
+    books: Rows[MotionBooks]  # [1]
+    watches: Rows[Watch]
+    lines: Rows[LinePeak]
+    hinges: Rows[HingePeak]
+
+
+def _no_rows(system: System, bearings: Bearings, count: int = 0) -> MotionRows:
+    """No room (or room for `count` rows), in double precision so that it can be room for lanes."""
+    none = room_for(system, bearings, count)
+    cells: Any = tuple(np.zeros((count, len(kind.lines), 0)) for kind in bearings)
+    return none._replace(cells=cells)
+
+
+def list_all_bearings(run: Run) -> Bearings:
+    """The bearings of a run at its start."""
+    return build_bearings(*_start_arguments(run))
+
+
+def _start_arguments(run: Run) -> tuple[Any, ...]:
+    """Arguments of `build_bearings` and `start_states`."""
+    lines = run.lines
+    return (
+        [line.constants for line in lines],
+        [line.temperature for line in lines],
+        [line.lead for line in lines],
+        [line.begun for line in lines],
+    )
+
+
+def watched(run: Run) -> tuple[Floats, Floats]:
+    """Which displacements are watched, and which of them the ground carries."""
+    places = np.eye(len(run.prepared.matrices.load)) if run.places is None else run.places
+    carried = np.zeros(len(places)) if run.carried is None else run.carried
+    return (
+        np.ascontiguousarray(places, dtype=np.float64),
+        np.ascontiguousarray(carried, dtype=np.float64),
+    )
+
+
+def _empty_peaks(run: Run, system: System) -> Peaks:
+    """Nothing noted yet."""
+    places, carried = watched(run)
+    peaks = Peaks(
+        places=places,
+        carried=carried,
+        watches=rows(Watch, len(places)),
+        lines=rows(LinePeak, len(run.lines)),
+        hinges=rows(HingePeak, len(system.hinges)),
+    )
+    peaks.lines["rubber_temperature"] = COLDEST
+    peaks.lines["lead_temperature"] = COLDEST
+    return peaks
+
+
+def _build_shaking_record(run: Run) -> Shaking:
+    """What the structure is exposed to; no step is kept."""
+    steps = len(run.ground) - 1
+    return Shaking(run.ground, float(run.dt), np.full(steps, run.ambient), _none_kept(run))
+
+
+def _none_kept(run: Run) -> NDArray[np.bool_]:
+    """No step is kept."""
+    return np.zeros(len(run.ground) - 1, dtype=np.bool_)
+
+
+def _stored_in(kinds: Sequence[tuple[Ints, Any]], lines: int) -> Floats:
+    """Energy stored in the bearings of all lines [b], from lines and states of each kind."""
+    found = np.zeros(lines)
+    for numbers, states in kinds:
+        found[numbers] = states.books["recoverable"][:, 0]
+    return found
+
+
+def _modelled_books(bearings: Bearings, lines: int) -> Rows[Books]:
+    """Books of the modelled bearings of all lines [b]."""
+    found = rows(Books, lines)
+    for kind in bearings:
+        for m, line in enumerate(kind.lines):
+            found[int(line)] = kind.states.books[m, 0]
+    return found
+
+
+def _build_scheme(run: Run, halvings: int) -> Scheme:
+    """How time is integrated."""
+    return Scheme(BETA[run.method], GAMMA, TOLERANCE, ITERATIONS, halvings)
+
+
+def told(left: Left, recoverable: Floats, steps: int, outcome: int, *, alone: bool) -> RunPeaks:
+    """What a run left, named."""
+    named = OUTCOMES[outcome]
+    if named == "completed" and not all_physical(left.bearings, recoverable):
+        named = NOT_PHYSICAL
+    return RunPeaks(
+        outcome=named,
+        steps=steps,
+        iterations=int(left.books[0].iterations),
+        substeps=int(left.books[0].substeps),
+        watches=left.watches,
+        lines=left.lines,
+        hinges=left.hinges,
+        books=left.books,
+        bearings=_modelled_books(left.bearings, len(recoverable)),
+        alone=alone,
+    )
+
+
+def run_peaks(run: Run) -> RunPeaks:
+    """Shake one structure; always returns what was reached, with a typed outcome.
+
+    The same steps as `run_structure`, bit for bit, without its rows. A run that ends early has the
+    energies and bearings of its last whole step, as rows have: the halves of a step that were done
+    before it ended are in no row, so that the steps up to there are done again.
+    """
+    _check_method(run)
+    left, stored, done, outcome, _ = _marched(run, 0)
+    found = told(left, stored, done, outcome, alone=True)
+    if outcome == COMPLETED:
+        return found
+    books, ended = rows(MotionBooks, 1), _modelled_books(list_all_bearings(run), len(run.lines))
+    if done > 0:
+        kept = _marched(run, done)[-1]
+        books = kept.books
+        for line in range(len(run.lines)):
+            ended[line] = kept.bearings[0, line]
+    return found._replace(books=books, bearings=ended)
+
+
+def _marched(run: Run, kept: int) -> tuple[Left, Floats, int, int, MotionRows]:
+    """What a run left, what its bearings had stored, steps, outcome; one row of step `kept`."""
+    system, bearings = build_system(run.prepared, run.lines), list_all_bearings(run)
+    motion, peaks, shaking = (
+        new_motion(system),
+        _empty_peaks(run, system),
+        _build_shaking_record(run),
+    )
+    stored = _stored_in([(kind.lines, kind.states) for kind in bearings], len(run.lines))
+    room = _no_rows(system, bearings, min(kept, 1))
+    if kept:
+        shaking.keep[kept - 1] = True
+    done, _, outcome = peaks_march(
+        system, bearings, motion, _build_scheme(run, HALVINGS), shaking, room, peaks
+    )
+    left = Left(bearings, motion.books, peaks.watches, peaks.lines, peaks.hinges)
+    return left, stored, int(done), int(outcome), room
+
+
+def _check_method(run: Run) -> None:
+    """Only Newmark's method notes peaks."""
+    if run.method not in ("average-acceleration", "linear-acceleration"):
+        raise ValueError(f"{run.method}: peaks are those of Newmark's method")
+
 
 T = TypeVar("T")
 
@@ -50,7 +267,7 @@ def choices(constants: Constants) -> tuple[bool, ...]:
     )
 
 
-def shape_of(constants: Constants) -> Any:
+def constants_shape(constants: Constants) -> Any:
     """What bearings in lockstep have in common: shapes, whole numbers and choices."""
     rubber = constants.rubber
     cells: Any = constants.layer_cells
@@ -75,18 +292,18 @@ def shape_of(constants: Constants) -> Any:
     )
 
 
-def likeness(run: Run) -> Any:
+def _likeness(run: Run) -> Any:
     """Runs in one lockstep have the same."""
-    check_method(run)
+    _check_method(run)
     structure, constants = run.prepared.structure, [line.constants for line in run.lines]
     sizes = len(run.ground), len(run.prepared.matrices.load)
     watched = None if run.places is None else len(run.places)
     moving = tuple(bool(line.speed != 0.0) for line in run.lines)
     kinds: list[Any] = []
-    for numbers in kinds_of(constants):
+    for numbers in line_kinds(constants):
         one = constants[numbers[0]]
         heat = b"".join(array.tobytes() for array in one.cells)
-        kinds.append((tuple(numbers), shape_of(one), heat))
+        kinds.append((tuple(numbers), constants_shape(one), heat))
     return sizes, len(structure.hinges), watched, run.dt, run.method, moving, *kinds
 
 
@@ -112,7 +329,7 @@ def run_lanes(runs: Sequence[Run]) -> list[RunPeaks]:
         found.update(zip(together, shaken, strict=True))
 
     for number, run in enumerate(runs):
-        key = likeness(run)
+        key = _likeness(run)
         if key not in companies:
             companies[key] = Company(run)
         waiting.setdefault(key, []).append(number)
@@ -136,20 +353,20 @@ class Company:
 
     def __init__(self, run: Run) -> None:
         system = build_system(run.prepared, run.lines)
-        self.keep, self.bearings = none_kept(run), bearings_of(run)
-        self.motion, self.peaks = new_motion(system), peaks_of(run, system)
+        self.keep, self.bearings = _none_kept(run), list_all_bearings(run)
+        self.motion, self.peaks = new_motion(system), _empty_peaks(run, system)
         work = tuple(
             (one.durations, one.work, one.elastic, one.hysteretic) for one in self.bearings
         )
         self.scratch = side_by_side([(work, self.motion, self.peaks)] * WIDTH)
-        self.rows = side_by_side([no_rows(system, self.bearings)] * WIDTH)
+        self.rows = side_by_side([_no_rows(system, self.bearings)] * WIDTH)
         self._systems: dict[Any, System] = {}
         self._made: dict[Any, tuple[Sequence[Any], Any]] = {}
 
     def shake(self, runs: Sequence[Run]) -> list[RunPeaks]:
         """At most WIDTH runs; empty lanes repeat the last."""
         filled = [*runs, *[runs[-1]] * (WIDTH - len(runs))]
-        starts = [start_states(*start_of(run)) for run in filled]
+        starts = [start_states(*_start_arguments(run)) for run in filled]
         work, motion, peaks = twin(self.scratch)
         places, carried = side_by_side([watched(run) for run in filled])
         bearings = self._bearings(filled, starts, work)
@@ -158,7 +375,7 @@ class Company:
             self._once([self._system(run) for run in filled]),
             bearings,
             motion,
-            scheme_of(filled[0], 0),
+            _build_scheme(filled[0], 0),
             self._shaking(filled),
             self.rows,
             peaks._replace(places=places, carried=carried),
@@ -217,5 +434,5 @@ class Company:
             for kind, state in zip(self.bearings, states, strict=True)
         )
         lines = [kind.lines for kind in self.bearings]
-        stored = stored_in(list(zip(lines, start, strict=True)), len(run.lines))
+        stored = _stored_in(list(zip(lines, start, strict=True)), len(run.lines))
         return told(Left(ended, books, *noted), stored, steps, COMPLETED, alone=False)

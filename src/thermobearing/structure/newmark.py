@@ -13,17 +13,22 @@ import math
 
 from thermobearing.core.compile import compiled
 from thermobearing.core.lanes.choose import all_lanes, any_lane, select
+from thermobearing.core.lanes.memory import WIDTH, as_lanes
+from thermobearing.core.lockstep import TAUGHT as TAUGHT
+from thermobearing.core.records import Floats
+from thermobearing.core.step import layer_temperature
 from thermobearing.core.types import COMPLETED, TEMPERATURE_RUNAWAY
-from thermobearing.structure.books import add_books, commit, keep_motion
-from thermobearing.structure.dense import solve_dense
 from thermobearing.structure.forces import (
+    Bearings,
+    add_books,
     begin_bearings,
+    commit,
+    keep_motion,
     restoring,
     set_stretches,
     settle_bearings,
+    solve_dense,
 )
-from thermobearing.structure.lines import Bearings
-from thermobearing.structure.peaks import note_peaks
 from thermobearing.structure.types import (
     DIVERGED,
     FARTHEST,
@@ -35,6 +40,54 @@ from thermobearing.structure.types import (
     Shaking,
     System,
 )
+
+
+@compiled
+def _note_watches(motion: Motion, ground: float, peaks: Peaks) -> None:
+    """Displacements and accelerations; `ground` is that of the ground [mm/s2]."""
+    for p in range(len(peaks.watches)):
+        seen = peaks.watches[p]
+        displacement, acceleration = 0.0, peaks.carried[p] * ground
+        for i in range(motion.tangent.shape[0]):
+            displacement += peaks.places[p, i] * motion.points[i].q
+            acceleration += peaks.places[p, i] * motion.points[i].a
+        seen.displacement = max(seen.displacement, abs(displacement))
+        seen.residual = displacement
+        seen.acceleration = max(seen.acceleration, abs(acceleration))
+
+
+@compiled
+def _note_lines(bearings: Bearings, peaks: Peaks) -> None:
+    """What every bearing line is asked for."""
+    for k in range(len(bearings)):
+        kind = bearings[k]
+        cells = kind.constants.layer_cells
+        for m in range(len(kind.lines)):
+            seen, books = peaks.lines[kind.lines[m]], kind.states.books[m, 0]
+            seen.displacement = max(seen.displacement, abs(books.displacement))
+            seen.force = max(seen.force, abs(books.force))
+            seen.mismatch = max(seen.mismatch, books.layer_force_mismatch)
+            lead = kind.states.branches[m, 0].lead_temperature
+            seen.lead_temperature = max(seen.lead_temperature, lead)
+            temperature = kind.states.temperature[m]
+            for j in range(len(cells)):
+                warm = layer_temperature(cells, temperature, j)
+                seen.rubber_temperature = max(seen.rubber_temperature, warm)
+
+
+@compiled
+def _note_peaks(
+    system: System, bearings: Bearings, motion: Motion, ground: float, peaks: Peaks
+) -> None:
+    """Note where structure, hinges and bearings are, if they are farther than before."""
+    _note_watches(motion, ground, peaks)
+    if len(peaks.lines) > 0:
+        _note_lines(bearings, peaks)
+    for h in range(len(peaks.hinges)):
+        seen, bend = peaks.hinges[h], motion.hinges.bends[h]
+        seen.rotation = max(seen.rotation, abs(bend.rotation))
+        seen.moment = max(seen.moment, abs(bend.moment))
+
 
 MOST_ITERATIONS, GRACE = 100, 1000  # a step on average, after so many steps; usual are 3
 
@@ -97,7 +150,7 @@ def leave(motion: Motion, failed: bool) -> None:
 
 
 @compiled
-def newmark_step(
+def _newmark_step(
     system: System,
     bearings: Bearings,
     motion: Motion,
@@ -180,7 +233,7 @@ def newmark_march(
             target = ground[k] + share * (ground[k + 1] - ground[k])
             sub = shaking.dt * part / whole
             air = shaking.ambient[k]
-            outcome = newmark_step(system, bearings, motion, scheme, sub, target, air, scale)
+            outcome = _newmark_step(system, bearings, motion, scheme, sub, target, air, scale)
             failed = outcome != COMPLETED
             if not all_lanes(failed | (broken != COMPLETED)):
                 before = ground[k] + done / whole * (ground[k + 1] - ground[k])
@@ -199,8 +252,54 @@ def newmark_march(
                 return k, kept, select(too_hot, TEMPERATURE_RUNAWAY, NO_EQUILIBRIUM)
             part //= 2
             motion.books[0].substeps += 1.0
-        note_peaks(system, bearings, motion, ground[k + 1], peaks)
+        _note_peaks(system, bearings, motion, ground[k + 1], peaks)
         if shaking.keep[k]:
             keep_motion(bearings, motion, rows, kept)
             kept += 1
     return len(ground) - 1, kept, broken
+
+
+@compiled
+def peaks_march(
+    system: System,
+    bearings: Bearings,
+    motion: Motion,
+    scheme: Scheme,
+    shaking: Shaking,
+    rows: MotionRows,
+    peaks: Peaks,
+) -> tuple[int, int, int]:
+    """From rest through the ground acceleration; returns what `newmark_march` does."""
+    start_motion(system, motion, shaking.ground[0])
+    _note_peaks(system, bearings, motion, shaking.ground[0], peaks)
+    return newmark_march(system, bearings, motion, scheme, shaking, rows, peaks)
+
+
+@compiled
+def lanes_march(
+    system: System,
+    bearings: Bearings,
+    motion: Motion,
+    scheme: Scheme,
+    shaking: Shaking,
+    rows: MotionRows,
+    peaks: Peaks,
+    outcomes: Floats,
+) -> int:
+    """`peaks_march` of WIDTH runs; all but `scheme` come from `side_by_side`.
+
+    Whole steps only (`scheme.halvings` is 0): a run that needs smaller ones ends early, which its
+    entry of `outcomes` [1, WIDTH] says, and is to be run alone. Returns the steps done.
+    """
+    done, _, outcome = peaks_march(
+        as_lanes(system, WIDTH),
+        as_lanes(bearings, WIDTH),
+        as_lanes(motion, WIDTH),
+        scheme,
+        as_lanes(shaking, WIDTH),
+        as_lanes(rows, WIDTH),
+        as_lanes(peaks, WIDTH),
+    )
+    ended = as_lanes(outcomes, WIDTH)
+    ended[0] = outcome
+    return done

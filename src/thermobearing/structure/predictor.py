@@ -9,10 +9,17 @@ Delta a_c dt/2 and beta Delta a_c dt^2.
 from thermobearing.core.compile import compiled
 from thermobearing.core.records import Floats
 from thermobearing.core.types import COMPLETED
-from thermobearing.structure.books import add_books, commit, keep_motion
-from thermobearing.structure.dense import solve_dense
-from thermobearing.structure.forces import along, begin_bearings, restoring, settle_bearings
-from thermobearing.structure.lines import Bearings
+from thermobearing.structure.forces import (
+    Bearings,
+    add_books,
+    along,
+    begin_bearings,
+    commit,
+    keep_motion,
+    restoring,
+    settle_bearings,
+    solve_dense,
+)
 from thermobearing.structure.types import (
     DIVERGED,
     FARTHEST,

@@ -4,13 +4,10 @@ from collections.abc import Mapping
 from typing import Any
 
 from thermobearing.border.toml import read_toml, split_sources
-from thermobearing.report.generic import table_of
-from thermobearing.report.identity import identity_of
-from thermobearing.report.inputs import COLUMNS, value_and_unit
-from thermobearing.report.names import name_of
+from thermobearing.report.inputs import COLUMNS, key_words, value_and_unit
 from thermobearing.report.pieces import Pieces, ReportTable
-from thermobearing.report.saved import saved_figures
-from thermobearing.report.words import counted, percent, tidy
+from thermobearing.report.saved import make_table, saved_figures
+from thermobearing.report.words import counted, identity_rows, percent, tidy
 from thermobearing.results.directory import RESOLVED
 from thermobearing.results.saved import SavedResult
 from thermobearing.structure.model import STRUCTURES, Structure
@@ -28,7 +25,7 @@ ASSUMPTIONS = [
 ]
 
 
-def pieces_of(saved: SavedResult) -> Pieces:
+def build_pieces(saved: SavedResult) -> Pieces:
     """Everything that the document of `structures show` says.
 
     Parameters
@@ -48,7 +45,7 @@ def pieces_of(saved: SavedResult) -> Pieces:
         f"All masses together are {summary['mass_t']:.4g} t ({summary['mass_model']} mass); "
         f"viscous damping: {summary['damping']}.",
     ]
-    tables = {n: table_of(n, saved[n]) for n in ("parts", "periods")}
+    tables = {n: make_table(n, saved[n]) for n in ("parts", "periods")}
     return Pieces(
         command="structures show",
         title=f"Structure {name}",
@@ -59,7 +56,7 @@ def pieces_of(saved: SavedResult) -> Pieces:
         figures=saved_figures(saved, CAPTIONS),
         assumptions=ASSUMPTIONS,
         warnings=[tidy(words) for words in saved.warnings],
-        identity=identity_of(
+        identity=identity_rows(
             str(summary["version"]), text, "thermobearing structures show case.resolved.toml"
         ),
     )
@@ -84,7 +81,7 @@ def structure_table(
                 if name in NAMED or (value in (0.0, "0.0 kN mm s^2") and name != "height"):
                     continue
                 told = sources.get(f"{key}[{place}].{name}", "")
-                what = f"{kind.capitalize()} {owner}: {name_of(name).lower()}"
+                what = f"{kind.capitalize()} {owner}: {key_words(name).lower()}"
                 rows.append((what, *value_and_unit(value), told))
     for key in ("kind", "ratios", "modes"):
         if key in structure["damping"]:

@@ -9,11 +9,9 @@ import numpy as np
 
 from thermobearing.core.records import Floats, Rows, rows, unset
 from thermobearing.core.types import Books, Constants, State
-from thermobearing.model.outcomes import NAMES, NOT_PHYSICAL, PIER_BEYOND_LIMIT
-from thermobearing.model.physical import is_physical
-from thermobearing.structure.books import keep_motion
-from thermobearing.structure.damping import build_damping, ratios_of
-from thermobearing.structure.lines import Bearings, build_bearings
+from thermobearing.model.outcomes import NAMES, NOT_PHYSICAL, PIER_BEYOND_LIMIT, is_physical
+from thermobearing.structure.damping import build_damping, mode_damping
+from thermobearing.structure.forces import Bearings, build_bearings, keep_motion
 from thermobearing.structure.matrices import (
     Matrices,
     Modes,
@@ -22,12 +20,19 @@ from thermobearing.structure.matrices import (
     find_modes,
     hinge_stiffness,
     line_stiffness,
+    unit,
 )
-from thermobearing.structure.model import Damping, DampingKind, MassModel, Structure
+from thermobearing.structure.model import (
+    Damping,
+    DampingKind,
+    MassModel,
+    Pier,
+    Structure,
+    first_hinge,
+    list_piers,
+)
 from thermobearing.structure.newmark import newmark_march, start_motion
-from thermobearing.structure.parts import Pier, piers_of
 from thermobearing.structure.predictor import predictor_march
-from thermobearing.structure.reported import Reported, reported_of
 from thermobearing.structure.takeda import straight_hinges
 from thermobearing.structure.types import (
     DIVERGED,
@@ -49,6 +54,45 @@ from thermobearing.structure.types import (
     Watch,
 )
 
+
+@dataclass(frozen=True)
+class Reported:
+    """Deck and pier of the report; rows are displacements per coordinate, relative to the ground.
+
+    Attributes
+    ----------
+    deck, top, base : [n] of the deck, the pier top, and the pier top if only its base moves.
+    hinge : number of the pier's hinge; None without one.
+    yield_rotation : of that hinge [rad]; NaN without one.
+    """
+
+    deck: Floats
+    top: Floats
+    base: Floats
+    hinge: int | None
+    yield_rotation: float
+
+
+def _reported_place(structure: Structure) -> Reported:
+    """Of what a structure says in its `report`.
+
+    Examples
+    --------
+    >>> from thermobearing.structure.model import load_structure
+    >>> round(_reported_place(load_structure("pier-p1")).yield_rotation, 5)
+    0.00309
+    """
+    report = structure.report
+    hinge = first_hinge(structure, report.pier)
+    return Reported(
+        deck=unit(structure, f"{report.deck} x"),
+        top=displacement_row(structure, report.pier, report.pier_top),
+        base=displacement_row(structure, report.pier_base, report.pier_top),
+        hinge=hinge,
+        yield_rotation=np.nan if hinge is None else structure.hinges[hinge].yield_rotation,
+    )
+
+
 Method = Literal["average-acceleration", "linear-acceleration", "predictor-corrector"]
 BETA = {
     "average-acceleration": 1.0 / 4.0,
@@ -59,7 +103,6 @@ GAMMA = 0.5
 TOLERANCE = 1e-10  # of the largest inertia force
 ITERATIONS = 15
 HALVINGS = 8
-
 OUTCOMES = {**NAMES, NO_EQUILIBRIUM: "no_equilibrium", DIVERGED: "diverged"}
 SENTENCES = {
     "no_equilibrium": (
@@ -160,7 +203,7 @@ class Prepared:
     @cached_property
     def reported(self) -> Reported:
         """Where its peaks are looked at; of a structure that says so."""
-        return reported_of(self.structure)
+        return _reported_place(self.structure)
 
     @cached_property
     def piers(self) -> list[tuple[Pier, Floats, Floats]]:
@@ -172,7 +215,7 @@ class Prepared:
                 displacement_row(structure, pier.name, pier.top),
                 displacement_row(structure, pier.base, pier.top),
             )
-            for pier in piers_of(structure)
+            for pier in list_piers(structure)
         ]
 
 
@@ -196,7 +239,7 @@ def prepare_structure(
     stiffness = stiffness + line_stiffness(structure, matrices)
     modes = find_modes(matrices.mass, stiffness, structure.name)
     matrix = build_damping(structure, matrices, modes)
-    ratios = ratios_of(matrix, modes)
+    ratios = mode_damping(matrix, modes)
     return Prepared(structure, matrices, modes, matrix, ratios, stiffness)
 
 
@@ -245,7 +288,7 @@ def new_motion(system: System) -> Motion:
     )
 
 
-def no_peaks(system: System) -> Peaks:
+def _no_peaks(system: System) -> Peaks:
     """For a run whose rows are kept."""
     return Peaks(
         places=np.zeros((0, len(system.load))),
@@ -357,7 +400,7 @@ def run_structure(
         )
     else:
         done, kept, outcome = newmark_march(
-            system, bearings, motion, scheme, shaking, after, no_peaks(system)
+            system, bearings, motion, scheme, shaking, after, _no_peaks(system)
         )
     books, named = motion.books[0], OUTCOMES[int(outcome)]
     if named == "completed" and not all_physical(bearings, kept_rows.bearings["recoverable"][0]):

@@ -34,7 +34,7 @@ def backbone(hinge: Hinge, rotation: float) -> float:
 
 
 @compiled
-def unloading_stiffness(hinge: Hinge, farthest: float) -> float:
+def _unloading_stiffness(hinge: Hinge, farthest: float) -> float:
     """K_0 (theta_y/theta_max)^exponent [kN mm/rad], never softer than the secant: unloading
     further than the origin would leave the rules.
     """
@@ -44,7 +44,7 @@ def unloading_stiffness(hinge: Hinge, farthest: float) -> float:
 
 
 @compiled
-def along_line(
+def _along_line(
     where: bool, t: float, m: float, slope: float, end: float, to: float, to_moment: float
 ) -> tuple[float, float, float]:
     """Rotation, moment and slope on the straight way to a point, as far as `end`."""
@@ -54,7 +54,7 @@ def along_line(
 
 
 @compiled
-def write_side(
+def _write_side(
     side: Side,
     is_ahead: bool,
     ahead: tuple[float, float, float],
@@ -90,7 +90,7 @@ def takeda(hinges: Rows[Hinge], old: HingeState, h: int, rotation: float, new: H
         leaves = unloads & (abs(back_turned) == NEVER_TURNED)
         back_turned = select(leaves, here, back_turned)
         back_moment = select(leaves, moment, back_moment)
-        slope = select(unloads, unloading_stiffness(hinge, -sign * back_farthest), slope)
+        slope = select(unloads, _unloading_stiffness(hinge, -sign * back_farthest), slope)
         zero = t - m / slope
         stays = end <= zero
         m = select(unloads, select(stays, m + slope * (end - t), 0.0), m)
@@ -100,11 +100,11 @@ def takeda(hinges: Rows[Hinge], old: HingeState, h: int, rotation: float, new: H
         back_turned = select(goes, -sign * NEVER_TURNED, back_turned)
         returns = goes & (abs(turned) < NEVER_TURNED) & (turned > t)  # to where it turned
         if any_lane(returns):
-            t, m, slope = along_line(returns, t, m, slope, end, turned, turned_moment)
+            t, m, slope = _along_line(returns, t, m, slope, end, turned, turned_moment)
         heads = goes & (t < end) & (t < farthest)  # towards the farthest point
         if any_lane(heads):
             peak = backbone(hinge, farthest)
-            t, m, slope = along_line(heads, t, m, slope, end, farthest, peak)
+            t, m, slope = _along_line(heads, t, m, slope, end, farthest, peak)
         yields = goes & (t < end)
         if any_lane(yields):
             slope = select(yields, hinge.hardening * hinge.initial, slope)
@@ -114,8 +114,8 @@ def takeda(hinges: Rows[Hinge], old: HingeState, h: int, rotation: float, new: H
         farthest = select(goes & (farthest < t), t, farthest)
         turned = select(forgets, NEVER_TURNED, turned)
     ahead = (sign * farthest, sign * turned, sign * turned_moment)
-    write_side(new.sides[h, ABOVE], upward, ahead, (back_farthest, back_turned, back_moment))
-    write_side(new.sides[h, BELOW], no(upward), ahead, (back_farthest, back_turned, back_moment))
+    _write_side(new.sides[h, ABOVE], upward, ahead, (back_farthest, back_turned, back_moment))
+    _write_side(new.sides[h, BELOW], no(upward), ahead, (back_farthest, back_turned, back_moment))
     new.bends[h].rotation = rotation
     new.bends[h].moment = select(still, moment, sign * m)
     return slope

@@ -1,23 +1,402 @@
-"""Figures of a study: `result.plot.demand()` and so on, each a matplotlib Figure."""
+"""Figures of a study."""
 
-from collections.abc import Callable, Mapping
+import textwrap
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
+from thermobearing.report.saved import words
 from thermobearing.results import drawing
-from thermobearing.studies.columns import AMBIENT
-from thermobearing.studies.counted import counted
-from thermobearing.studies.demand_figure import draw_demand
-from thermobearing.studies.fragility_figure import draw_fragility
-from thermobearing.studies.ida_figure import draw_ida
-from thermobearing.studies.labels import unit_of, words_of
-from thermobearing.studies.question import Question
-from thermobearing.studies.rates_figure import draw_rates
+from thermobearing.results.profiles import COLOURS
+from thermobearing.studies.definition.columns import AMBIENT
+from thermobearing.studies.options import Question
 from thermobearing.studies.result import StudyResult
-from thermobearing.studies.variance_figure import draw_variance
+from thermobearing.studies.statistics.demand import equal_classes
+from thermobearing.studies.statistics.failed_runs import counted, describe_all
+from thermobearing.studies.statistics.fragility import Fragility
+from thermobearing.studies.statistics.hazard import Hazard, Rate
+from thermobearing.studies.statistics.ida import FRACTILES, Ida
+from thermobearing.studies.statistics.mixture import ClimateFragility
+
+NAMES = {"ambient_degC": "ambient temperature", "hour": "hour of the weather"}
+
+
+def column_words(column: str) -> str:
+    """A column without its unit, as words.
+
+    Examples
+    --------
+    >>> column_words("pier_displacement_max_mm"), column_words("PGA_m_s2")
+    ('largest pier displacement', 'PGA')
+    """
+    if ", " in column:  # several that are drawn together
+        return ", ".join(map(column_words, column.split(", ")))
+    if "." in column:
+        return column
+    name = NAMES.get(column) or words(column)[0]
+    return f"largest {name.removesuffix(' max')}" if name.endswith(" max") else name
+
+
+def find_unit(column: str) -> str:
+    """The unit in the name of a column; "" without one.
+
+    Examples
+    --------
+    >>> find_unit("PGV_m_s"), find_unit("pier_rotation_max_rad"), find_unit("scale")
+    ('m/s', 'rad', '')
+    """
+    return "" if "." in column else words(column)[1]
+
+
+def _column_title(column: str) -> str:
+    """Words with the unit in brackets.
+
+    Examples
+    --------
+    >>> _column_title("ambient_degC")
+    'ambient temperature [°C]'
+    """
+    unit = find_unit(column)
+    return f"{column_words(column)} [{unit}]" if unit else column_words(column)
+
+
+WIDTH, HEIGHT, MOST_COLUMNS = 2.3, 2.7, 4
+BANDS = (("0.05", "0.95", 0.15), ("0.16", "0.84", 0.3))
+COLOUR = "#0077BB"
+
+
+def _draw_demand(
+    found: pd.DataFrame, demand: str, across: str, by: Sequence[str], note: str, capacity: float
+) -> Figure:
+    """A panel for each combination of `by`.
+
+    Parameters
+    ----------
+    found : of `demand_against`.
+    demand, across, by : as given to it.
+    note : what became of runs that failed.
+    capacity : of the demand, drawn as a line; NaN for none.
+    """
+    groups = found.groupby(list(by), sort=False, observed=True) if by else [((), found)]
+    cells = [(label, rows) for label, rows in groups]
+    columns = min(len(cells), MOST_COLUMNS)
+    rows_ = -(-len(cells) // columns)
+    size = (max(WIDTH * columns, 4.6) + 0.6, HEIGHT * rows_ + 0.9)
+    title = f"{column_words(demand)} against {column_words(across)}: {note}"
+    figure, axes = drawing.panels(rows_, columns, size, title, share=True)
+    for ax in axes[len(cells) :]:
+        ax.set_visible(False)
+    for place, (ax, (label, rows)) in enumerate(zip(axes, cells, strict=False)):
+        _draw(ax, rows, across, capacity)
+        last = place + columns >= len(cells)
+        first = place % columns == 0
+        drawing.name_axes(
+            ax, _column_title(across) if last else "", _column_title(demand) if first else ""
+        )
+        ax.set_title(
+            ", ".join(map(str, label)), fontsize=drawing.SMALL, fontweight="bold", color=drawing.INK
+        )
+        ax.tick_params(labelbottom=last)
+    top = np.nanmax(np.where(np.isinf(found["0.95"]), np.nan, found["0.95"]), initial=0.0)
+    largest = max(float(top), capacity if np.isfinite(capacity) else 0.0)
+    axes[0].set_ylim(0.0, 1.08 * largest or 1.0)
+    drawing.legend_below(figure, _handles(capacity))
+    return figure
+
+
+def _draw(ax: Axes, rows: pd.DataFrame, across: str, capacity: float) -> None:
+    """Bands between fractiles, the median with its own band, the mean."""
+    x = rows[across].to_numpy(dtype=float)
+    values = {
+        name: rows[name].to_numpy(dtype=float)
+        for name in rows
+        if name not in (across,) and pd.api.types.is_numeric_dtype(rows[name])
+    }
+    for low, high, alpha in BANDS:
+        ax.fill_between(x, values[low], values[high], color=COLOUR, alpha=alpha, linewidth=0)
+    median = values["0.5"]
+    known = np.isfinite(values["median_low"]) & np.isfinite(values["median_high"])
+    reach = [
+        (median - values["median_low"])[known],
+        (values["median_high"] - median)[known],
+    ]
+    ax.plot(x, median, color=COLOUR, linewidth=1.4, marker="o", markersize=3)
+    ax.errorbar(x[known], median[known], yerr=reach, fmt="none", ecolor=COLOUR, elinewidth=1.0)
+    ax.plot(x, values["mean"], color=drawing.INK, linewidth=0.9, linestyle="--")
+    if np.isfinite(capacity):
+        ax.axhline(capacity, **drawing.LIMIT)
+
+
+def _handles(capacity: float) -> list[Line2D]:
+    """Legend entries."""
+    look: drawing.Look = {"color": COLOUR}
+    found = [
+        Line2D([], [], marker="o", markersize=3, linewidth=1.4, label="median, 95 % band", **look),
+        Line2D([], [], linewidth=6, alpha=0.45, label="16 to 84 % of runs", **look),
+        Line2D([], [], linewidth=6, alpha=0.15, label="5 to 95 %", **look),
+        Line2D([], [], color=drawing.INK, linewidth=0.9, linestyle="--", label="mean"),
+    ]
+    if np.isfinite(capacity):
+        found.append(Line2D([], [], label="capacity", **drawing.LIMIT))
+    return found
+
+
+POINTS = 160
+FRAGILITY_ROOM = 1.1  # beyond the intensities that have runs
+MOST_MARKS, MARKS = 40, 15  # of intensities; more are drawn in classes
+
+
+def _level_colours(names: list[Any]) -> list[str]:
+    """From cold to warm where all names are numbers; else told apart."""
+    if names and all(isinstance(name, int | float | np.number) for name in names):
+        return drawing.ambient_colours(np.array(names, dtype=float))
+    return [COLOURS[k % len(COLOURS)] for k in range(len(names))]
+
+
+def draw_fragility(
+    curves: Mapping[Any, Fragility], climate: ClimateFragility | None = None, title: str = ""
+) -> Figure:
+    """Probability of going beyond the capacity against intensity.
+
+    Parameters
+    ----------
+    curves : by temperature, or by name.
+    climate : of the whole, drawn in black.
+    title : above; by default the demand and its capacity.
+    """
+    some = next(iter(curves.values()))
+    unit = find_unit(some.demand)
+    capacity = f"{some.capacity:g} {unit}".strip()
+    title = title or f"fragility, {column_words(some.demand)} beyond {capacity}"
+    figure, (ax,) = drawing.panels(1, 1, (5.6, 4.2), title)
+    at = np.concatenate([curve.counts[curve.intensity].to_numpy() for curve in curves.values()])
+    im = np.linspace(0.0, FRAGILITY_ROOM * float(at.max()), POINTS + 1)[1:]
+    handles = []
+    for (name, curve), colour in zip(curves.items(), _level_colours(list(curves)), strict=True):
+        told = drawing.degrees(name) if isinstance(name, int | float) else str(name)
+        if curve.estimate.known:
+            _curve(ax, curve, im, colour, len(curves) < 3)
+        else:
+            told += " (no curve)"
+        _marks(ax, curve, colour, len(curves))
+        handles.append(Line2D([], [], color=colour, linewidth=1.4, label=told))
+    if climate is not None:
+        _curve(ax, climate, im, drawing.INK, True)
+        handles.append(Line2D([], [], color=drawing.INK, linewidth=1.8, label=climate.name))
+    marks: drawing.Look = {"color": drawing.GREY, "linestyle": "none", "marker": "o"}
+    handles.append(Line2D([], [], markersize=3.5, label="share of runs", **marks))
+    ax.set_xlim(0.0, float(im[-1]))
+    ax.set_ylim(-0.02, 1.02)
+    drawing.name_axes(ax, _column_title(some.intensity), "probability of going beyond")
+    left_out = sum(curve.left_out for curve in curves.values())
+    collapsed = sum(curve.collapsed for curve in curves.values())
+    runs = sum(curve.runs for curve in curves.values()) + left_out
+    why = (
+        f"{some.method}, bands of {100 * some.level:g} %\n{describe_all(runs, left_out, collapsed)}"
+    )
+    drawing.say_why(ax, why.replace("; ", "\n"), (0.98, 0.03))
+    drawing.legend_below(figure, handles)
+    return figure
+
+
+def _curve(
+    ax: Axes, curve: Fragility | ClimateFragility, im: Any, colour: str, filled: bool
+) -> None:
+    """A curve with its band: an area, or the ends of it where many would lie on each other."""
+    low, high = curve.band_at(im)
+    if filled:
+        ax.fill_between(im, low, high, color=colour, alpha=0.13, linewidth=0)
+    else:
+        ax.plot(im, low, im, high, color=colour, linewidth=0.6, linestyle=":")
+    wide = 1.8 if isinstance(curve, ClimateFragility) else 1.4
+    ax.plot(im, curve.probability(im), color=colour, linewidth=wide)
+
+
+def _marks(ax: Axes, curve: Fragility, colour: str, count: int) -> None:
+    """Share of runs beyond at each intensity, or in each of some classes of them."""
+    counts = curve.counts
+    if len(counts) > MOST_MARKS:
+        sums = counts.groupby(equal_classes(counts[curve.intensity].to_numpy(), MARKS))
+        counts = (
+            sums[["runs", "beyond"]].sum().assign(**{curve.intensity: sums[curve.intensity].mean()})
+        )
+    share = counts["beyond"] / counts["runs"]
+    look: drawing.Look = {"color": colour, "linestyle": "none", "marker": "o"}
+    ax.plot(counts[curve.intensity], share, markersize=3.5 if count < 6 else 2.5, alpha=0.8, **look)
+
+
+LOOKS = dict(zip(FRACTILES, (":", "-", "--"), strict=True))
+MOST_CURVES = 400  # drawn; more are every so many of them
+IDA_ROOM = 1.35  # of the capacity, or of the largest demand of a fractile, that the axis shows
+
+
+def _draw_ida(ida: Ida, capacity: float) -> Figure:
+    """Intensity against demand, as such curves are drawn; a cross where one collapses.
+
+    Parameters
+    ----------
+    ida : curves.
+    capacity : of the demand, drawn as a line; NaN for none.
+    """
+    title = f"incremental dynamic analysis, {column_words(ida.demand)}: {ida.sentence}"
+    figure, (ax,) = drawing.panels(1, 1, (5.2, 4.2), title)
+    every = -(-len(ida.curves) // MOST_CURVES)
+    for curve in ida.curves[::every]:
+        stood = np.isfinite(curve.demand)
+        first = len(stood) if stood.all() else int((~stood).argmax())
+        x, y = curve.demand[:first], curve.intensity[:first]
+        ax.plot(x, y, color=drawing.GREY, linewidth=0.6, alpha=0.5)
+        if first < len(stood):
+            ax.plot(x[-1], y[-1], "x", color="#CC3311", markersize=4)
+    _fractiles(ax, ida)
+    highest = max(float(curve.intensity[-1]) for curve in ida.curves)
+    if np.isfinite(capacity):
+        ax.axvline(capacity, **drawing.LIMIT)
+    ends = [curve.demand[np.isfinite(curve.demand)].max() for curve in ida.curves]
+    widest = float(max(ends))
+    right = min(widest, max(4.0 * capacity, 1e-300)) if np.isfinite(capacity) else widest
+    ax.set_xlim(0.0, 1.03 * right)
+    ax.set_ylim(0.0, 1.03 * highest)
+    drawing.name_axes(ax, _column_title(ida.demand), _column_title(ida.intensity))
+    drawing.legend_below(figure, _ida_handles(ida, capacity))
+    return figure
+
+
+def _fractiles(ax: Axes, ida: Ida) -> None:
+    """Lines of the fractiles as far as most curves go, so that they do not jump with those left."""
+    table = ida.fractiles()
+    table = table[table["curves"] == len(ida.curves)]
+    for share, line in LOOKS.items():
+        x = np.append(0.0, table[f"{share:g}"].to_numpy(dtype=float)) if len(table) else np.zeros(1)
+        y = np.append(0.0, table[ida.intensity].to_numpy(dtype=float))
+        stood = np.isfinite(x)
+        ax.plot(x[stood], y[stood], color=COLOUR, linewidth=1.6, linestyle=line)
+
+
+def _ida_handles(ida: Ida, capacity: float) -> list[Line2D]:
+    """Legend entries."""
+    count = f"{len(ida.curves)} curves"
+    found = [Line2D([], [], color=drawing.GREY, linewidth=0.6, label=count)]
+    for share, line in LOOKS.items():
+        look: drawing.Look = {"color": COLOUR, "linewidth": 1.6, "linestyle": line}
+        found.append(Line2D([], [], label=f"{100 * share:g} % of curves below", **look))
+    if any(np.isinf(curve.demand).any() for curve in ida.curves):
+        cross: drawing.Look = {"marker": "x", "linestyle": "none", "color": "#CC3311"}
+        found.append(Line2D([], [], markersize=4, label="last before collapse", **cross))
+    if np.isfinite(capacity):
+        found.append(Line2D([], [], label="capacity", **drawing.LIMIT))
+    return found
+
+
+WRAPPED = 120  # letters of a note in a line
+DECADES = 6  # of rates that are shown below the largest
+
+
+def draw_rates(
+    hazard: Hazard, rates: Mapping[Any, Rate], title: str, unit: str = "", note: str = ""
+) -> Figure:
+    """The hazard curve beside the rate of each temperature or climate.
+
+    Parameters
+    ----------
+    hazard : of the site.
+    rates : by temperature or name.
+    title : above.
+    unit : of the intensity.
+    note : what became of runs that failed.
+    """
+    figure, (left, right) = drawing.panels(1, 2, (7.1, 3.2), title)
+    left.loglog(hazard.intensity, hazard.rate, color=drawing.INK, linewidth=1.4, marker="o", ms=3)
+    measure = hazard.measure or "intensity"
+    drawing.name_axes(left, f"{measure} [{unit}]" if unit else measure, "exceeded [1/year]")
+    left.set_title("hazard of the site", fontsize=drawing.NORMAL, loc="left")
+    _bars(right, rates)
+    right.set_title("capacity passed", fontsize=drawing.NORMAL, loc="left")
+    notes = dict.fromkeys([note, *(text for rate in rates.values() for text in rate.notes)])
+    told = "\n".join(textwrap.fill(text, WRAPPED) for text in notes if text)
+    figure.supxlabel(told, x=0.02, ha="left", fontsize=drawing.SMALL, color=drawing.GREY)
+    left.tick_params(which="both", labelsize=drawing.SMALL)
+    return figure
+
+
+def _bars(ax: Axes, rates: Mapping[Any, Rate]) -> None:
+    """Points with bands; names across."""
+    names = list(rates)
+    numbers = [name for name in names if isinstance(name, int | float)]
+    warm = dict(zip(numbers, _level_colours(numbers), strict=True)) if len(numbers) > 1 else {}
+    top = max((rate.high for rate in rates.values() if np.isfinite(rate.high)), default=1.0)
+    floor = top * 10.0**-DECADES if top > 0.0 else 1e-9
+    for place, name in enumerate(names):
+        rate, colour = rates[name], warm.get(name, drawing.INK)
+        if not rate.rate > 0.0:
+            told = "no run beyond,\nupper bound" if rate.rate == 0.0 else "no curve"
+            look: drawing.Look = {"ha": "center", "va": "bottom", "color": drawing.GREY}
+            ax.text(place, 0.02, told, transform=ax.get_xaxis_transform(), fontsize=6.5, **look)
+            if rate.high > 0.0:  # an upper bound
+                ax.plot(place, rate.high, "v", color=colour, markersize=5, markerfacecolor="none")
+            continue
+        ax.plot(place, rate.rate, "o", color=colour, markersize=5)
+        ax.vlines(place, max(rate.low, floor), rate.high, color=colour, linewidth=1.4)
+    ax.set_yscale("log")
+    ax.tick_params(which="both", labelsize=drawing.SMALL)
+    ax.set_xlim(-0.6, len(names) - 0.4)
+    ticks = [drawing.degrees(n) if isinstance(n, int | float) else str(n) for n in names]
+    turn: drawing.Look = {"rotation": 30, "ha": "right"} if len(names) > 4 else {}
+    ax.set_xticks(range(len(names)), ticks, **turn)
+    ax.grid(False, axis="x")
+    drawing.name_axes(ax, "", "passed [1/year]")
+
+
+KINDS = {
+    "share": ("share by itself", "#0077BB"),
+    "first": ("first order, by itself", "#0077BB"),
+    "total": ("total, with all others", "#EE7733"),
+}
+
+
+def _draw_variance(found: pd.DataFrame, demand: str) -> Figure:
+    """Bars with bands, the largest factor above.
+
+    Parameters
+    ----------
+    found : of `sobol_table` or `variance_shares`.
+    demand : whose variance it is.
+    """
+    kinds = [kind for kind in KINDS if kind in found]
+    by = "total" if "total" in found else "share"
+    rest = found["factor"] == "together and the rest"
+    rows = pd.concat([found[rest], found[~rest].sort_values(by)])
+    size = (5.6, 1.2 + 0.42 * len(rows))
+    title = f"what the variance of {column_words(demand)} comes from"
+    figure, (ax,) = drawing.panels(1, 1, size, title)
+    places = np.arange(len(rows), dtype=float)
+    height = 0.7 / len(kinds)
+    for number, kind in enumerate(kinds):
+        share = 100.0 * rows[kind].to_numpy(dtype=float)
+        low = 100.0 * rows[f"{kind}_low"].to_numpy(dtype=float)
+        high = 100.0 * rows[f"{kind}_high"].to_numpy(dtype=float)
+        at = places + height * (0.5 * (len(kinds) - 1) - number)
+        ax.barh(at, share, height=0.9 * height, color=KINDS[kind][1], alpha=0.85)
+        ax.hlines(at, low, high, color=drawing.INK, linewidth=1.0)
+    ax.set_yticks(places, [column_words(str(name)).replace(", ", ",\n") for name in rows["factor"]])
+    ax.grid(False, axis="y")
+    ax.axvline(0.0, color=drawing.GREY, linewidth=0.7)
+    lost, rows_ = int(found["left_out"].iloc[0]), int(found["rows"].iloc[0])
+    kind = "rows of all matrices, {0} with failed runs" if "total" in found else "runs, {0} failed"
+    drawing.name_axes(ax, f"share of the variance [%], {rows_} {kind.format(lost)} left out")
+    handles = [
+        Line2D([], [], color=KINDS[kind][1], linewidth=5, label=KINDS[kind][0]) for kind in kinds
+    ]
+    handles.append(Line2D([], [], color=drawing.INK, linewidth=1.0, label="95 % band"))
+    drawing.legend_below(figure, handles)
+    return figure
 
 
 class StudyFigures:
@@ -29,48 +408,48 @@ class StudyFigures:
     def demand(self, asked: Question | None = None, across: str = AMBIENT) -> Figure:
         """Fractiles of a demand along the temperature; a panel a bearing."""
         result, asked = self._result, asked or self._result.asked
-        demand = asked.demand_of(result)
+        demand = asked.chosen_demand(result)
         found = result.demand(demand, across, failed=asked.failed)
         note = counted(result.table, demand, asked.failed).sentence
         limit = asked.capacity or np.nan
-        return draw_demand(found, demand, across, result.things, note, limit)
+        return _draw_demand(found, demand, across, result.things, note, limit)
 
     def ida(self, asked: Question | None = None) -> Figure:
         """Curves of single motions scaled up, with their fractiles."""
         result, asked = self._result, asked or self._result.asked
-        found = result.ida(asked.demand_of(result), failed=asked.failed)
-        return draw_ida(found, asked.capacity or np.nan)
+        found = result.ida(asked.chosen_demand(result), failed=asked.failed)
+        return _draw_ida(found, asked.capacity or np.nan)
 
     def fragility(self, asked: Question | None = None) -> Figure:
         """Fragility curves of each temperature, and over the climate."""
         asked = asked or self._result.asked
-        curves, climate = asked.curves_of(self._result)
+        curves, climate = asked.chosen_curves(self._result)
         return draw_fragility(curves, climate, self._title("fragility", asked))
 
     def rates(self, asked: Question | None = None) -> Figure:
         """Hazard curve and annual rates."""
         result, asked = self._result, asked or self._result.asked
-        _, rates = asked.rates_of(result)
+        _, rates = asked.chosen_rates(result)
         assert asked.hazard is not None  # else the line above has said so
         title = self._title("annual rate", asked)
-        note = counted(result.table, asked.demand_of(result), asked.failed).sentence
-        return draw_rates(asked.hazard, rates, title, unit_of(result.intensity), note)
+        note = counted(result.table, asked.chosen_demand(result), asked.failed).sentence
+        return draw_rates(asked.hazard, rates, title, find_unit(result.intensity), note)
 
     def variance(self, asked: Question | None = None) -> Figure:
         """Share of each factor in the variance of a demand."""
-        demand = (asked or self._result.asked).demand_of(self._result)
-        return draw_variance(self._result.variance(demand), demand)
+        demand = (asked or self._result.asked).chosen_demand(self._result)
+        return _draw_variance(self._result.variance(demand), demand)
 
     def _title(self, what: str, asked: Question) -> str:
         """What is shown, of which demand, of which bearing."""
         result = self._result
-        demand = asked.demand_of(result)
-        limit = f"{asked.capacity_of(result):g} {unit_of(demand)}".strip()
+        demand = asked.chosen_demand(result)
+        limit = f"{asked.chosen_capacity(result):g} {find_unit(demand)}".strip()
         names = result.table["bearing"].unique()
         of = f", {names[0]}" if len(names) == 1 else ""
-        return f"{what}, {words_of(demand)} beyond {limit}{of}"
+        return f"{what}, {column_words(demand)} beyond {limit}{of}"
 
-    def all_of(self, asked: Question | None = None) -> Mapping[str, Callable[[], Figure]]:
+    def draw_all(self, asked: Question | None = None) -> Mapping[str, Callable[[], Figure]]:
         """What draws each figure that this study has, by name of its file.
 
         Parameters
@@ -88,7 +467,7 @@ class StudyFigures:
         if len(result.factors) > 1:
             found["variance"] = partial(self.variance, asked)
         if asked.hazard is not None:
-            asked.capacity_of(result)
+            asked.chosen_capacity(result)
         for name, part in result.parts().items():
             own = StudyFigures(part)
             ending = f"-{name}" if name else ""
@@ -109,4 +488,4 @@ class StudyFigures:
         folder : where to; made if it does not exist.
         asked : demand, capacity, hazard.
         """
-        return drawing.save_figures(self.all_of(asked), folder)
+        return drawing.save_figures(self.draw_all(asked), folder)

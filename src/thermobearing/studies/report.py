@@ -9,17 +9,16 @@ import pandas as pd
 
 from thermobearing.border.toml import to_table
 from thermobearing.cyclic.reported import heat_flow
-from thermobearing.report.generic import column_of, table_of
 from thermobearing.report.pieces import Column, Pieces, ReportFigure, ReportTable
+from thermobearing.report.saved import make_table, table_column
 from thermobearing.report.words import counted, joined, number, tidy
-from thermobearing.studies.columns import AMBIENT
-from thermobearing.studies.figures import StudyFigures
-from thermobearing.studies.hazard import Rate
-from thermobearing.studies.labels import unit_of, words_of
-from thermobearing.studies.plan_columns import about_plan
-from thermobearing.studies.question import Question
+from thermobearing.studies.definition.columns import AMBIENT
+from thermobearing.studies.figures import StudyFigures, column_words, find_unit
+from thermobearing.studies.options import Question
 from thermobearing.studies.result import StudyResult
-from thermobearing.studies.status import failures_of
+from thermobearing.studies.run.status import count_failures
+from thermobearing.studies.statistics.hazard import Rate
+from thermobearing.studies.store.directory import about_plan
 
 UNKNOWN = (
     "The table of runs says nothing of the ranges that the bearings were tested in; a run that is "
@@ -37,7 +36,7 @@ CAPTIONS = {
 }
 
 
-def pieces_of(result: StudyResult, asked: Question | None = None) -> Pieces:
+def build_pieces(result: StudyResult, asked: Question | None = None) -> Pieces:
     """Everything that the document of a study says.
 
     Parameters
@@ -46,21 +45,21 @@ def pieces_of(result: StudyResult, asked: Question | None = None) -> Pieces:
     asked : demand, capacity, hazard; those that the study itself asks for by default.
     """
     asked = asked or result.asked
-    demand = asked.demand_of(result)
-    tables = tables_of(result, asked)
+    demand = asked.chosen_demand(result)
+    tables = report_tables_by_name(result, asked)
     hourly = result.study.factors.ambient.hourly
     return Pieces(
         command="study",
         title=f"Study {result.study.name}",
         question=question(result, asked),
         answer=answer(result, asked),
-        inputs=inputs_of(result),
+        inputs=input_tables(result),
         tables=tables,
-        figures=figures_of(result, asked),
+        figures=report_figures(result, asked),
         validity_unknown=UNKNOWN,
         assumptions=[
             f"Failed runs are {'left out' if asked.failed == 'left-out' else 'taken as collapse'} "
-            f"wherever {words_of(demand)} is counted.",
+            f"wherever {column_words(demand)} is counted.",
             "Bands are of 95 %, if nothing else is said: of fragility and rates from a studentised "
             "bootstrap that draws whole motions again.",
             "Every run begins with a bearing that was not moved before.",
@@ -77,22 +76,22 @@ def pieces_of(result: StudyResult, asked: Question | None = None) -> Pieces:
 
 def question(result: StudyResult, asked: Question) -> str:
     """What was asked."""
-    demand, capacity = asked.demand_of(result), asked.capacity
-    told = [words_of(name) for name in result.factors]
+    demand, capacity = asked.chosen_demand(result), asked.capacity
+    told = [column_words(name) for name in result.factors]
     runs = counted(result.runs, "run")
     if capacity is None:
-        return f"How does {words_of(demand)} spread over {runs} that differ in {joined(told)}?"
-    limit = f"{capacity:g} {unit_of(demand)}".strip()
+        return f"How does {column_words(demand)} spread over {runs} that differ in {joined(told)}?"
+    limit = f"{capacity:g} {find_unit(demand)}".strip()
     often = " how often a year," if asked.hazard is not None else ""
     return (
-        f"How likely,{often} and in which air does {words_of(demand)} go beyond {limit}, by {runs} "
-        f"that differ in {joined(told)}?"
+        f"How likely,{often} and in which air does {column_words(demand)} go beyond {limit}, by "
+        f"{runs} that differ in {joined(told)}?"
     )
 
 
 def answer(result: StudyResult, asked: Question) -> list[str]:
     """Runs and failures; demand in the cold beside the warm; rates over the climate."""
-    demand = asked.demand_of(result)
+    demand = asked.chosen_demand(result)
     lost = f"; {counted(result.failed, 'run')} failed" if result.failed else ""
     planned = int(result.manifest.get("runs", result.runs))
     done = f"All {planned} runs are done" if result.runs == planned else result.warnings[0]
@@ -101,7 +100,7 @@ def answer(result: StudyResult, asked: Question) -> list[str]:
         found += [_cold(part, demand, asked, name) for name, part in result.parts().items()]
     if asked.hazard is not None:
         for name, part in result.parts().items():
-            curves, rates = asked.rates_of(part)
+            curves, rates = asked.chosen_rates(part)
             table = part.rates_table(curves, rates)
             row, of = table.iloc[-1], f"{name}: " if name else ""
             told = f"{of}{_air(row['name'])}: {_period(rates[row['name']])}"
@@ -135,17 +134,17 @@ def _cold(part: StudyResult, demand: str, asked: Question, name: str) -> str:
     rows = part.demand(demand, by=(), failed=asked.failed)
     cold, warm = rows.iloc[0], rows.iloc[-1]
     of = f"{name}: " if name else ""
-    unit = f" {unit_of(demand)}".rstrip()
+    unit = f" {find_unit(demand)}".rstrip()
     return (
-        f"{of}the median of {words_of(demand)} is {number(float(cold['0.5']))}{unit} at "
+        f"{of}the median of {column_words(demand)} is {number(float(cold['0.5']))}{unit} at "
         f"{number(float(cold[AMBIENT]))} °C and {number(float(warm['0.5']))}{unit} at "
         f"{number(float(warm[AMBIENT]))} °C."
     )
 
 
-def inputs_of(result: StudyResult) -> dict[str, ReportTable]:
+def input_tables(result: StudyResult) -> dict[str, ReportTable]:
     """What differs between runs, and how it was chosen."""
-    rows, units = [], units_of(result)
+    rows, units = [], _units_of(result)
     for name in result.factors:
         values = result.table[name]
         levels = list(values.unique())
@@ -154,7 +153,7 @@ def inputs_of(result: StudyResult) -> dict[str, ReportTable]:
             told = f"{float(values.min()):.4g} to {float(values.max()):.4g}, {len(levels)} values"
         elif len(levels) > MOST_LEVELS:
             told += f" and {len(levels) - MOST_LEVELS} more"
-        rows.append((words_of(name), units[name], told))
+        rows.append((column_words(name), units[name], told))
     columns = [Column("Factor"), Column("Unit"), Column("Values in the runs")]
     design = result.study.design
     chosen = [
@@ -169,17 +168,17 @@ def inputs_of(result: StudyResult) -> dict[str, ReportTable]:
     }
 
 
-def units_of(result: StudyResult) -> dict[str, str]:
+def _units_of(result: StudyResult) -> dict[str, str]:
     """Unit of each factor; "" of one without."""
     about = about_plan(result.study, result.table[result.factors])
-    return {name: unit_of(name) or one.unit.removeprefix("1") for name, one in about.items()}
+    return {name: find_unit(name) or one.unit.removeprefix("1") for name, one in about.items()}
 
 
-def tables_of(result: StudyResult, asked: Question) -> dict[str, ReportTable]:
+def report_tables_by_name(result: StudyResult, asked: Question) -> dict[str, ReportTable]:
     """Failures, demand, fragility, rates, variance, worst runs."""
-    demand = asked.demand_of(result)
+    demand = asked.chosen_demand(result)
     found: dict[str, ReportTable] = {}
-    failures = failures_of(result.table)
+    failures = count_failures(result.table)
     if len(failures):
         found["outcomes"] = _table("outcomes", failures, "Why runs failed")
     if AMBIENT in result.factors:
@@ -187,19 +186,19 @@ def tables_of(result: StudyResult, asked: Question) -> dict[str, ReportTable]:
         shares = {c: f"{100 * float(str(c)):g} %" for c in table if str(c).startswith("0.")}
         table = table.rename(columns=shares)
         spread = ["mean", *shares.values(), "median_low", "median_high"]
-        unit = dict.fromkeys(spread, unit_of(demand))
-        caption = f"{words_of(demand)} by ambient temperature"
+        unit = dict.fromkeys(spread, find_unit(demand))
+        caption = f"{column_words(demand)} by ambient temperature"
         found["demand"] = _table("demand", table, caption, units=unit)
     if result.table[result.intensity].nunique() > 1 and asked.capacity is not None:
         for name, part in result.parts().items():
             found |= _curves(part, asked, f"-{name}" if name else "", name)
     if len(result.factors) > 1:
         shared = result.variance(demand)
-        shared["factor"] = shared["factor"].map(words_of)
-        caption = f"Shares of the variance of the {words_of(demand)}"
+        shared["factor"] = shared["factor"].map(column_words)
+        caption = f"Shares of the variance of the {column_words(demand)}"
         found["variance"] = _table("variance", shared, caption, _of_indices(shared))
     worst = result.worst(by=demand).drop(columns="id")
-    units = {name: unit for name, unit in units_of(result).items() if name in worst}
+    units = {name: unit for name, unit in _units_of(result).items() if name in worst}
     caption = "The worst runs, and one of each way to fail"
     found["worst"] = _table("worst", worst, caption, units=units)
     return found
@@ -217,23 +216,23 @@ def _curves(part: StudyResult, asked: Question, ending: str, name: str) -> dict[
     of = f", {name}" if name else ""
     rates: Mapping[Any, Rate] | None = None
     if asked.hazard is None:
-        curves = asked.curves_of(part)[0]
+        curves = asked.chosen_curves(part)[0]
     else:
-        curves, rates = asked.rates_of(part)
+        curves, rates = asked.chosen_rates(part)
     table = pd.DataFrame([curve.row() for curve in curves.values()])
     said: dict[str, list[str]] = {}
     for air, sentence in zip(curves, table["sentence"], strict=True):
         said.setdefault(sentence, []).append(_air(air))
     note = "; ".join(f"{joined(airs)}: {sentence}" for sentence, airs in said.items())
-    im = words_of(part.intensity)
+    im = column_words(part.intensity)
     medians = {
         end: end.replace("median", f"median {im}") for end in map(str, table) if "median" in end
     }
     table = table.drop(columns=[*TOLD_ONCE, "sentence"]).rename(columns={"name": AMBIENT} | medians)
-    limit = f"{asked.capacity:g} {unit_of(asked.demand_of(part))}".strip()
-    caption = f"{words_of(asked.demand_of(part))} beyond {limit}: lognormal fragility by "
+    limit = f"{asked.capacity:g} {find_unit(asked.chosen_demand(part))}".strip()
+    caption = f"{column_words(asked.chosen_demand(part))} beyond {limit}: lognormal fragility by "
     caption += f"{asked.method}{of}"
-    units = dict.fromkeys(medians.values(), unit_of(part.intensity))
+    units = dict.fromkeys(medians.values(), find_unit(part.intensity))
     found = {f"fragility{ending}": _table("fragility", table, caption, note, units)}
     if rates is not None:
         rows = part.rates_table(curves, rates)
@@ -255,8 +254,8 @@ def _table(
     units: Mapping[str, str] | None = None,
 ) -> ReportTable:
     """A table of a document with its caption, and units that names of columns do not say."""
-    found = table_of(name, table.astype(_plain(table)))
-    known = {column_of(at, table[at]).head: unit for at, unit in (units or {}).items()}
+    found = make_table(name, table.astype(_plain(table)))
+    known = {table_column(at, table[at]).head: unit for at, unit in (units or {}).items()}
     columns = [replace(c, unit=c.unit or known.get(c.head, "")) for c in found.columns]
     return replace(found, caption=caption, columns=columns, note=note or found.note)
 
@@ -266,10 +265,10 @@ def _plain(table: pd.DataFrame) -> dict[Any, Any]:
     return {c: object for c in table if isinstance(table[c].dtype, pd.CategoricalDtype)}
 
 
-def figures_of(result: StudyResult, asked: Question) -> dict[str, ReportFigure]:
+def report_figures(result: StudyResult, asked: Question) -> dict[str, ReportFigure]:
     """Every figure of the study."""
     found = {}
-    for name, draw in StudyFigures(result).all_of(asked).items():
+    for name, draw in StudyFigures(result).draw_all(asked).items():
         kind, _, of = name.partition("-")
         caption = CAPTIONS[kind] + (f" {of}." if of else "")
         found[name] = ReportFigure(caption, draw=draw, alt=caption)

@@ -9,24 +9,28 @@ import pandas as pd
 
 from thermobearing.border.errors import InputError
 from thermobearing.border.showing import Shown
-from thermobearing.studies.classes import in_classes
-from thermobearing.studies.columns import AMBIENT, HOUR, THINGS, columns_of
-from thermobearing.studies.counted import OUTCOME, Failed
-from thermobearing.studies.demand import demand_against
-from thermobearing.studies.fragility import Fragility, Method, fragility_curve, fragility_curves
-from thermobearing.studies.hazard import Hazard, Rate, annual_rate, ratio
-from thermobearing.studies.ida import Ida, ida_curves
-from thermobearing.studies.intensity import COLUMNS
-from thermobearing.studies.mixture import ClimateFragility, shares_of_time
-from thermobearing.studies.peaks import COMPLETED
-from thermobearing.studies.resampling import LEVEL, SAMPLES
-from thermobearing.studies.variance import MATRIX, sobol_table, variance_shares
-from thermobearing.studies.worst import WORST, ranked_by, worst_table
+from thermobearing.studies.definition.columns import AMBIENT, HOUR, THINGS, list_columns
+from thermobearing.studies.definition.factors import COLUMNS
+from thermobearing.studies.run.demand_parameters import COMPLETED
+from thermobearing.studies.run.worst import WORST, ranked_by, worst_table
+from thermobearing.studies.statistics.bootstrap import LEVEL, SAMPLES
+from thermobearing.studies.statistics.demand import demand_against, in_classes
+from thermobearing.studies.statistics.failed_runs import OUTCOME, Failed
+from thermobearing.studies.statistics.fragility import (
+    Fragility,
+    Method,
+    fragility_curve,
+    fragility_curves,
+)
+from thermobearing.studies.statistics.hazard import Hazard, Rate, annual_rate, ratio
+from thermobearing.studies.statistics.ida import Ida, ida_curves
+from thermobearing.studies.statistics.mixture import ClimateFragility, shares_of_time
+from thermobearing.studies.statistics.variance import MATRIX, sobol_table, variance_shares
 
 if TYPE_CHECKING:
+    from thermobearing.studies.definition.record import Study
     from thermobearing.studies.figures import StudyFigures
-    from thermobearing.studies.question import Question
-    from thermobearing.studies.record import Study
+    from thermobearing.studies.options import Question
 
 NUMBERS = ("scale", AMBIENT, HOUR)
 CLIMATE = "climate"
@@ -61,7 +65,7 @@ class StudyResult(Shown):
     @property
     def asked(self) -> "Question":
         """What is asked of it: by its directory, or the usual."""
-        from thermobearing.studies.question import Question
+        from thermobearing.studies.options import Question
 
         return self._question or Question()
 
@@ -373,7 +377,7 @@ class StudyResult(Shown):
         """Factors that every combination of levels has the same draws of."""
         if not self.study.design.paired or self.table["sample"].nunique() == self.runs:
             return []
-        drawn = {column.name for column in columns_of(self.study) if column.drawn}
+        drawn = {column.name for column in list_columns(self.study) if column.drawn}
         drawn |= {AMBIENT} if HOUR in drawn else set()
         return [name for name in self.factors if name in drawn and name != HOUR]
 

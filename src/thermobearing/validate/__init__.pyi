@@ -1,7 +1,7 @@
 # What this room offers: read by type checkers, and by lazy_loader when it is first used.
 from .case import ValidateCase as ValidateCase
 from .case import make_validate_case as make_validate_case
-from .held_out_result import CrossValidation as CrossValidation
+from .hold_out import CrossValidation as CrossValidation
 from .hold_out import HoldOutCase as HoldOutCase
 from .hold_out import cross_validate as cross_validate
 from .hold_out import make_hold_out_case as make_hold_out_case

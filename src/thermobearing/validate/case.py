@@ -8,8 +8,8 @@ from typing import get_args
 from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError, nearest
-from thermobearing.border.numbers import is_number
-from thermobearing.identify.record import TestRecord, load_test
+from thermobearing.border.units import is_number
+from thermobearing.identify.records.record import TestRecord, load_test
 from thermobearing.model.earlier import Model
 from thermobearing.model.options import ModelOptions
 
@@ -76,7 +76,7 @@ def make_validate_case(
     Examples
     --------
     >>> import numpy as np
-    >>> from thermobearing.identify.record import record_from_arrays
+    >>> from thermobearing.identify.records.record import record_from_arrays
     >>> t = np.linspace(0.0, 10.0, 200)
     >>> record = record_from_arrays(t, np.sin(t), 2.0 * np.sin(t), 23.0)
     >>> make_validate_case("shen-hdr-specimen", record, limits={"energy": 0.2}).limits
@@ -117,7 +117,7 @@ def checked_limits(limits: Mapping[str, float]) -> dict[str, float]:
     return {name: float(value) for name, value in limits.items()}
 
 
-def models_of(case: ValidateCase, bearing: Bearing) -> list[Model]:
+def possible_models(case: ValidateCase, bearing: Bearing) -> list[Model]:
     """Those of the case that a bearing can have: `lead-alone` needs lead.
 
     Parameters

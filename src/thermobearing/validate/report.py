@@ -6,13 +6,14 @@ from typing import Any
 import pandas as pd
 
 from thermobearing.cyclic.reported import bearing_tables, bearing_words, model_assumptions
-from thermobearing.identify.report import LOOP_POINTS
-from thermobearing.identify.report_tables import (
+from thermobearing.identify.report import (
+    LOOP_POINTS,
     cycles_table,
     errors_table,
     tests_table,
     thermocouples_table,
 )
+from thermobearing.report.html_plots import path
 from thermobearing.report.limits import TESTED_RANGE, TESTS, limit_checks, verdict
 from thermobearing.report.pieces import (
     EXCEEDED,
@@ -26,7 +27,6 @@ from thermobearing.report.pieces import (
     Trace,
 )
 from thermobearing.report.saved import saved_figures, saved_identity, saved_validity, with_plot
-from thermobearing.report.traces import path
 from thermobearing.report.words import counted, degrees, joined, percent, tidy
 from thermobearing.results.saved import SavedResult
 
@@ -41,7 +41,7 @@ CAPTIONS = {
 }
 
 
-def pieces_of(saved: SavedResult) -> Pieces:
+def build_pieces(saved: SavedResult) -> Pieces:
     """Everything that the document of a validation says.
 
     Parameters
@@ -50,7 +50,7 @@ def pieces_of(saved: SavedResult) -> Pieces:
     """
     summary = saved.summary
     validity, unknown, warnings = saved_validity(saved)
-    checks = checks_of(summary)
+    checks = report_checks(summary)
     items = summary["comparisons"]
     bearings = (summary.get("inputs") or {}).get("bearings", {})
     words = [bearing_words(one["table"]) for one in bearings.values()]
@@ -70,8 +70,8 @@ def pieces_of(saved: SavedResult) -> Pieces:
         ),
         answer=answer(summary, verdict(checks, validity, unknown)),
         inputs=inputs,
-        tables=tables_of(saved),
-        figures=figures_of(saved),
+        tables=report_tables_by_name(saved),
+        figures=report_figures(saved),
         checks=checks,
         validity=validity,
         validity_unknown=unknown,
@@ -127,7 +127,7 @@ def _whose(item: Mapping[str, Any], items: list[Mapping[str, Any]]) -> str:
     return ", ".join([str(item["test"]), *(str(item[key]) for key in several)])
 
 
-def tables_of(saved: SavedResult) -> dict[str, ReportTable]:
+def report_tables_by_name(saved: SavedResult) -> dict[str, ReportTable]:
     """Errors of each test, its cycles, thermocouples."""
     items = saved.summary["comparisons"]
     tests = [
@@ -156,7 +156,7 @@ def _beyond(saved: SavedResult, count: int) -> list[str]:
     return [str(value) for value in saved["table"]["beyond_tested"].fillna("")]
 
 
-def figures_of(saved: SavedResult) -> dict[str, ReportFigure]:
+def report_figures(saved: SavedResult) -> dict[str, ReportFigure]:
     """Pictures of the directory; loops of tests and models besides as a plot."""
     found = saved_figures(saved, CAPTIONS)
     if "fit" in saved.tables:
@@ -183,7 +183,7 @@ def _loop(rows: pd.DataFrame, name: str, column: str, colour: str) -> Trace:
     return Trace(name, *path(x, force, LOOP_POINTS), colour)
 
 
-def checks_of(summary: Summary) -> list[Check]:
+def report_checks(summary: Summary) -> list[Check]:
     """Limits of the validation, and the tested range of each bearing."""
     items = summary["comparisons"]
     found = []

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 import thermobearing
 from thermobearing.border.showing import Shown
-from thermobearing.identify.conditions import conditions_of, cycle_row
-from thermobearing.identify.forward import Prediction
-from thermobearing.identify.loops import Loop
-from thermobearing.identify.record import TestRecord
-from thermobearing.identify.thermocouples import thermocouple_rows
+from thermobearing.identify.fit.forward import Prediction
+from thermobearing.identify.records.conditions import cycle_row, record_conditions
+from thermobearing.identify.records.cycles import Loop
+from thermobearing.identify.records.record import TestRecord
+from thermobearing.identify.records.thermocouples import thermocouple_rows
 from thermobearing.model.outcomes import SENTENCES as OUTCOMES
 from thermobearing.results.ranges import Row
 from thermobearing.results.writing import limits_summary
@@ -119,7 +119,7 @@ class Validation(Shown):
 
     def show(self) -> None:
         """Print the tables that the command prints."""
-        from thermobearing.validate.screen import print_validation
+        from thermobearing.validate.output import print_validation
 
         print_validation(self)
 
@@ -240,7 +240,7 @@ class Validation(Shown):
             "ambient_degC": item.record.ambient,
             "bearing": item.bearing,
             "model": item.model,
-            "conditions": conditions_of(item.record, item.rubber) if item.rubber else None,
+            "conditions": record_conditions(item.record, item.rubber) if item.rubber else None,
             "unused_columns": list(item.record.unused),
             "thermocouples": []
             if item.prediction is None
@@ -290,7 +290,7 @@ class Validation(Shown):
         ------
         OutputError : the directory exists and `force` is False, or it cannot be written.
         """
-        from thermobearing.validate.files import save_validation
+        from thermobearing.validate.output import save_validation
 
         return save_validation(self, Path(directory), force=force, figures=figures)
 

@@ -12,17 +12,15 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from thermobearing.bearing.exposure import exposures, told_of
-from thermobearing.bearing.model import Bearing
-from thermobearing.bearing.validity import ranges_of
+from thermobearing.bearing.exposure import describe_all, exposures
+from thermobearing.bearing.model import Bearing, calibration_ranges
 from thermobearing.border.errors import InputError
 from thermobearing.border.toml import to_table
-from thermobearing.identify.agreement import determination
-from thermobearing.identify.checks import check_test
-from thermobearing.identify.forward import ForwardModel, Prediction
-from thermobearing.identify.loops import largest_of, loops_of
-from thermobearing.identify.record import TestRecord
-from thermobearing.identify.tested import reached_in
+from thermobearing.identify.fit.forward import ForwardModel, Prediction
+from thermobearing.identify.records.checks import check_test
+from thermobearing.identify.records.cycles import compare_largest_loops, compare_loops
+from thermobearing.identify.records.record import TestRecord
+from thermobearing.identify.uncertainty.agreement import determination, reached_in
 from thermobearing.model.earlier import Model
 from thermobearing.model.options import ModelOptions
 from thermobearing.results.ranges import asked_of_tests, outside_tests
@@ -31,7 +29,7 @@ from thermobearing.validate.case import (
     Test,
     ValidateCase,
     make_validate_case,
-    models_of,
+    possible_models,
 )
 from thermobearing.validate.result import Comparison, Validation
 
@@ -112,12 +110,12 @@ def judge(case: ValidateCase) -> Validation:
     for bearing in case.bearings:
         mine = [
             _comparison(bearing, model, record)
-            for model in models_of(case, bearing)
+            for model in possible_models(case, bearing)
             for record in case.records
         ]
-        said += told_of(exposures([bearing], None))
+        said += describe_all(exposures([bearing], None))
         rows = [row for item in mine for row in item.asked]
-        said += outside_tests(bearing.name, rows, ranges_of(bearing))
+        said += outside_tests(bearing.name, rows, calibration_ranges(bearing))
         found += mine
     went_in = {one.name: {"table": to_table(one), "sources": one.sources} for one in case.bearings}
     return Validation(found, dict(case.limits), said, {"bearings": went_in})
@@ -168,12 +166,12 @@ def _comparison(bearing: Bearing, model: Model, record: TestRecord) -> Compariso
     lead = found.lead if found else None
     reached = reached_in(record, bearing.total_rubber_thickness, record.ambient, lead)
     name = f"{bearing.name}, {model}, {record.name}, {record.ambient:g} degC"
-    asked = asked_of_tests(name, reached, ranges_of(bearing))
+    asked = asked_of_tests(name, reached, calibration_ranges(bearing))
     if found is None:
         nan, ended = float("nan"), forward.ended
         early = Comparison(bearing.name, model, record, None, nan, nan, [], None, {}, ended, asked)
         return replace(early, rubber=bearing.total_rubber_thickness)
-    loops = loops_of(record, found.force)
+    loops = compare_loops(record, found.force)
     off = found.force - record.force
     return Comparison(
         bearing=bearing.name,
@@ -183,7 +181,7 @@ def _comparison(bearing: Bearing, model: Model, record: TestRecord) -> Compariso
         R2=determination(record.force, found.force),
         NRMSE=float(np.sqrt(np.mean(off**2))) / record.peak_force,
         loops=loops,
-        largest=largest_of(record, found.force, loops),
+        largest=compare_largest_loops(record, found.force, loops),
         temperature_errors=rise_errors(record, found),
         outcome=forward.ended,
         asked=asked,

@@ -21,7 +21,7 @@ def _compared(sign: str) -> Callable[..., Any]:
     return lambda builder, a, b: builder.fcmp_ordered(sign, a, b)
 
 
-def llvm(name: str) -> Callable[..., Any]:
+def _llvm(name: str) -> Callable[..., Any]:
     """An LLVM function of vectors of doubles."""
 
     def code(builder: Any, *values: Any) -> Any:
@@ -36,7 +36,7 @@ def llvm(name: str) -> Callable[..., Any]:
 
 def _finite(builder: Any, value: Any) -> Any:
     largest = ir.Constant(value.type, [ir.Constant(DOUBLE, math.inf)] * value.type.count)
-    return builder.fcmp_ordered("<", llvm("fabs")(builder, value), largest)
+    return builder.fcmp_ordered("<", _llvm("fabs")(builder, value), largest)
 
 
 for name in ("add", "sub", "mul"):
@@ -52,8 +52,8 @@ define(operator.and_, 2, MaskType, lambda builder, a, b: builder.and_(a, b), Mas
 define(operator.or_, 2, MaskType, lambda builder, a, b: builder.or_(a, b), MaskType)
 define(max, 2, LaneType, lambda builder, a, b: builder.select(_compared(">")(builder, b, a), b, a))
 define(min, 2, LaneType, lambda builder, a, b: builder.select(_compared("<")(builder, b, a), b, a))
-define(abs, 1, LaneType, llvm("fabs"))
-define(math.sqrt, 1, LaneType, llvm("sqrt"))
-define(math.ceil, 1, LaneType, llvm("ceil"))
-define(math.copysign, 2, LaneType, llvm("copysign"))
+define(abs, 1, LaneType, _llvm("fabs"))
+define(math.sqrt, 1, LaneType, _llvm("sqrt"))
+define(math.ceil, 1, LaneType, _llvm("ceil"))
+define(math.copysign, 2, LaneType, _llvm("copysign"))
 define(math.isfinite, 1, MaskType, _finite)

@@ -19,7 +19,7 @@ from numba import types
 from numba.core.typing.templates import signature
 from numba.extending import lower_builtin, type_callable
 
-from thermobearing.core.lanes.kinds import LaneType, MaskType, first_of
+from thermobearing.core.lanes.kinds import LaneType, MaskType, first_type
 
 T = TypeVar("T")
 
@@ -47,7 +47,7 @@ def no(condition: bool) -> bool:
 @type_callable(select)
 def _type_select(context: Any) -> Any:
     def typed(condition: Any, a: Any, b: Any) -> Any:
-        wide = first_of(LaneType, (a, b)) or first_of(MaskType, (a, b))
+        wide = first_type(LaneType, (a, b)) or first_type(MaskType, (a, b))
         if wide is None and isinstance(condition, MaskType):
             both = isinstance(a, types.Boolean) and isinstance(b, types.Boolean)
             wide = (MaskType if both else LaneType)(condition.width)

@@ -61,9 +61,11 @@ def polynomial(coefficients: Sequence[float]) -> Any:
     def value(_: Any, x: Any) -> Any:
         def code(__: Any, builder: Any, ___: Any, values: Any) -> Any:
             vector = values[0].type
-            all_of = [ir.Constant(vector, [ir.Constant(DOUBLE, c)] * vector.count) for c in turned]
-            total = all_of[0]
-            for one in all_of[1:]:
+            constants = [
+                ir.Constant(vector, [ir.Constant(DOUBLE, c)] * vector.count) for c in turned
+            ]
+            total = constants[0]
+            for one in constants[1:]:
                 product = builder.fmul(total, values[0], flags=CONTRACT)
                 total = builder.fadd(product, one, flags=CONTRACT)
             return total
@@ -138,7 +140,7 @@ def powers(x: float) -> tuple[float, float]:
 
 
 @compiled
-def lane_exp(x: float) -> float:
+def _lane_exp(x: float) -> float:
     """e^x."""
     inside = select(x < LEAST, LEAST, select(x > MOST, MOST, x))
     power, rest = powers(inside)
@@ -147,7 +149,7 @@ def lane_exp(x: float) -> float:
 
 
 @compiled
-def lane_expm1(x: float) -> float:
+def _lane_expm1(x: float) -> float:
     """e^x - 1."""
     inside = select(x < LEAST, LEAST, select(x > MOST, MOST, x))
     power, rest = powers(inside)
@@ -156,14 +158,14 @@ def lane_expm1(x: float) -> float:
 
 
 @compiled
-def lane_tanh(x: float) -> float:
+def _lane_tanh(x: float) -> float:
     """(1 - e^-2x)/(1 + e^-2x)."""
-    part = lane_expm1(-2.0 * abs(x))
+    part = _lane_expm1(-2.0 * abs(x))
     return math.copysign(-part / (2.0 + part), x)
 
 
 @compiled
-def lane_tan(x: float) -> float:
+def _lane_tan(x: float) -> float:
     """For x from 0 to pi/2."""
     far = x > 0.25 * math.pi
     y = select(far, (0.5 * math.pi - x) + HALF_PI_LOW, x)
@@ -174,7 +176,7 @@ def lane_tan(x: float) -> float:
 
 
 @compiled
-def lane_atan(x: float) -> float:
+def _lane_atan(x: float) -> float:
     """Brought within tan(pi/8) by the angle pi/4 or pi/2."""
     size = abs(x)
     large, small = size > 1.0 / TAN_PI_8, size <= TAN_PI_8
@@ -187,7 +189,7 @@ def lane_atan(x: float) -> float:
 
 
 @compiled
-def lane_log(x: float) -> float:
+def _lane_log(x: float) -> float:
     """Ln x = k ln 2 + 2 atanh((m - 1)/(m + 1)), for finite x."""
     m, k = mantissa(x), exponent(x)
     s = (m - 1.0) / (m + 1.0)
@@ -197,19 +199,19 @@ def lane_log(x: float) -> float:
 
 
 @compiled
-def lane_atanh(x: float) -> float:
+def _lane_atanh(x: float) -> float:
     """For |x| < 1."""
     small = abs(x) < 0.17
     near = select(small, x, 0.0)
-    far = 0.5 * lane_log((1.0 + x) / (1.0 - x))
+    far = 0.5 * _lane_log((1.0 + x) / (1.0 - x))
     found: float = select(small, near * atanh_over(near * near), far)
     return found
 
 
 @compiled
-def lane_power(x: float, y: float) -> float:
+def _lane_power(x: float, y: float) -> float:
     """x^y for x >= 0 and y > 0, or any y where x > 0."""
-    return select(y == 0.0, 1.0, lane_exp(y * lane_log(x)))
+    return select(y == 0.0, 1.0, _lane_exp(y * _lane_log(x)))
 
 
 def _of_lanes(function: Callable[..., Any], ours: Any) -> None:
@@ -224,19 +226,19 @@ def _of_lanes(function: Callable[..., Any], ours: Any) -> None:
 
 
 for known, ours in (
-    (math.exp, lane_exp),
-    (math.expm1, lane_expm1),
-    (math.tanh, lane_tanh),
-    (math.tan, lane_tan),
-    (math.atan, lane_atan),
-    (math.log, lane_log),
-    (math.atanh, lane_atanh),
+    (math.exp, _lane_exp),
+    (math.expm1, _lane_expm1),
+    (math.tanh, _lane_tanh),
+    (math.tan, _lane_tan),
+    (math.atan, _lane_atan),
+    (math.log, _lane_log),
+    (math.atanh, _lane_atanh),
 ):
     _of_lanes(known, ours)
 
 
 def _call_power(x: Any, y: Any) -> Any:
-    return lane_power(x, y)
+    return _lane_power(x, y)
 
 
 @overload(operator.pow, jit_options=OPTIONS)

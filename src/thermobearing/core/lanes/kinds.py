@@ -82,7 +82,7 @@ for number in (types.Float, types.Integer, types.Boolean):
 lower_cast(types.Boolean, MaskType)(_bool_to_mask)
 
 
-def first_of(kind: type, found: Sequence[Any]) -> Any:
+def first_type(kind: type, found: Sequence[Any]) -> Any:
     """The first type of a kind, None if there is none."""
     return next((one for one in found if isinstance(one, kind)), None)
 
@@ -100,7 +100,7 @@ def define(
     """
 
     def typed(*found: Any) -> Any:
-        lane = first_of(kind, found)
+        lane = first_type(kind, found)
         return None if lane is None else signature(result(lane.width), *[lane] * count)
 
     def one(_: Any) -> Any:

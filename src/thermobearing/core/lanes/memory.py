@@ -35,7 +35,7 @@ def aligned(shape: tuple[int, ...], dtype: Any) -> Any:
 
 
 @cache
-def lane_row(row: np.dtype[Any]) -> np.dtype[Any]:
+def _lane_row(row: np.dtype[Any]) -> np.dtype[Any]:
     """The numpy type of a record with lanes in place of floats."""
     fields = []
     for name in row.names or ():
@@ -45,12 +45,12 @@ def lane_row(row: np.dtype[Any]) -> np.dtype[Any]:
 
 
 @cache
-def has_numbers(row: np.dtype[Any]) -> bool:
+def _has_numbers(row: np.dtype[Any]) -> bool:
     """Whether a record has whole numbers too."""
     return any(row[name] != np.float64 for name in row.names or ())
 
 
-def row_shape(row: np.dtype[Any]) -> tuple[int, ...]:
+def _row_shape(row: np.dtype[Any]) -> tuple[int, ...]:
     """Of the floats of one entry: one for each field of a record."""
     return (len(row.names),) if row.names else ()
 
@@ -62,7 +62,7 @@ def plain(own: Any) -> Any:
     return own.reshape(-1).view(np.float64).reshape(*own.shape, len(own.dtype.names))
 
 
-def remade(given: T, parts: Sequence[Any]) -> T:
+def _remade(given: T, parts: Sequence[Any]) -> T:
     """A tuple of that kind with other parts."""
     kind: Any = type(given)
     made: T = kind(*parts) if hasattr(given, "_fields") else kind(parts)
@@ -84,7 +84,7 @@ def side_by_side(parts: Sequence[T]) -> T:
             raise ValueError("runs of unequal heat")
         made = first
     elif isinstance(first, tuple):
-        made = remade(first, columns_side_by_side(list(zip(*every, strict=True))))
+        made = _remade(first, _columns_side_by_side(list(zip(*every, strict=True))))
     elif isinstance(first, float):
         made = aligned((WIDTH,), np.float64)
         made[:] = every
@@ -92,15 +92,15 @@ def side_by_side(parts: Sequence[T]) -> T:
         if any(one != first for one in every):
             raise ValueError("runs of unequal shape")
         made = first
-    elif has_numbers(first.dtype):
-        made = aligned(first.shape, lane_row(first.dtype))
+    elif _has_numbers(first.dtype):
+        made = aligned(first.shape, _lane_row(first.dtype))
         for name in first.dtype.names:
             made[name] = side_by_side([np.asarray(one[name]) for one in every])
     elif first.dtype.names or first.dtype == np.float64:
-        made = aligned((*first.shape, *row_shape(first.dtype), WIDTH), np.float64)
+        made = aligned((*first.shape, *_row_shape(first.dtype), WIDTH), np.float64)
         spread(every, made)
         if first.dtype.names:
-            made = made.reshape(-1).view(lane_row(first.dtype)).reshape(first.shape)
+            made = made.reshape(-1).view(_lane_row(first.dtype)).reshape(first.shape)
     else:
         if not all(alike(one, first) for one in every):
             raise ValueError("runs of unequal shape")
@@ -109,7 +109,7 @@ def side_by_side(parts: Sequence[T]) -> T:
     return found
 
 
-def columns_side_by_side(columns: Sequence[Any]) -> list[Any]:
+def _columns_side_by_side(columns: Sequence[Any]) -> list[Any]:
     """Each of some columns of WIDTH; numbers stand in one array."""
     numbers = [k for k, column in enumerate(columns) if isinstance(column[0], float)]
     block = aligned((len(numbers), WIDTH), np.float64)
@@ -145,7 +145,7 @@ def twin(made: T) -> T:
     """Arrays of the same numbers as some of `side_by_side`."""
     array: Any = made
     if isinstance(made, tuple):
-        return remade(made, [twin(one) for one in array])
+        return _remade(made, [twin(one) for one in array])
     other = aligned(array.shape, array.dtype)
     other[...] = array
     found: T = other
@@ -157,10 +157,10 @@ def each_lane(made: Any, like: T) -> list[T]:
     given: Any = like
     if isinstance(like, tuple):
         parts = [each_lane(one, own) for one, own in zip(made, given, strict=True)]
-        return [remade(like, one) for one in zip(*parts, strict=True)]
+        return [_remade(like, one) for one in zip(*parts, strict=True)]
     if not given.size:
         return [like] * WIDTH
-    shape = (*given.shape, *row_shape(given.dtype), WIDTH)
+    shape = (*given.shape, *_row_shape(given.dtype), WIDTH)
     turned = np.ascontiguousarray(
         np.moveaxis(made.reshape(-1).view(np.float64).reshape(shape), -1, 0)
     )
@@ -182,7 +182,7 @@ class LaneRecordModel(models.RecordModel):
     """Bytes, as of any record."""
 
 
-def lane_record(record: Any, width: int) -> LaneRecord:
+def _lane_record(record: Any, width: int) -> LaneRecord:
     """The numba type of a record whose floats are arrays of `width`."""
     fields: Any = []
     for name, field in record.fields.items():
@@ -193,18 +193,18 @@ def lane_record(record: Any, width: int) -> LaneRecord:
     return LaneRecord(fields, record.size, False)
 
 
-def lane_kind(kind: Any, width: int) -> Any:
+def _lane_kind(kind: Any, width: int) -> Any:
     """The type that `as_lanes` gives to what `side_by_side` made."""
     if isinstance(kind, types.BaseTuple):
         if getattr(kind, "instance_class", None) is SharedCells:
             return kind
         columns: Any = kind
-        inner = [lane_kind(one, width) for one in columns.types]
+        inner = [_lane_kind(one, width) for one in columns.types]
         return types.BaseTuple.from_types(inner, getattr(kind, "instance_class", None))
     if not isinstance(kind, types.Array):
         return kind
     if isinstance(kind.dtype, types.Record):
-        return types.Array(lane_record(kind.dtype, width), kind.ndim, kind.layout, aligned=False)
+        return types.Array(_lane_record(kind.dtype, width), kind.ndim, kind.layout, aligned=False)
     if kind.dtype != types.float64:
         return kind
     if kind.ndim == 1:
@@ -213,8 +213,8 @@ def lane_kind(kind: Any, width: int) -> Any:
 
 
 def _converted(context: Any, builder: Any, old: Any, value: Any, width: int) -> Any:
-    """The value with the type of `lane_kind`; arrays keep their memory, one lane is loaded."""
-    new = lane_kind(old, width)
+    """The value with the type of `_lane_kind`; arrays keep their memory, one lane is loaded."""
+    new = _lane_kind(old, width)
     if new == old:
         return value
     if isinstance(old, types.BaseTuple):
@@ -250,7 +250,7 @@ def _as_lanes(_: Any, made: Any, width: Any) -> Any:
     def code(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         return _converted(context, builder, signature.args[0], values[0], wide)
 
-    return lane_kind(made, wide)(made, width), code
+    return _lane_kind(made, wide)(made, width), code
 
 
 as_lanes: Any = intrinsic(prefer_literal=True)(_as_lanes)

@@ -1,0 +1,342 @@
+"""The model driven through a record: the same march as everywhere, with quick new numbers.
+
+Stack, cells and time steps are made once per record; an evaluation changes the numbers of
+rubber, lead and rate dependence only. Steps may be coarser than the samples: fine where the
+motion turns (the loop is steep there) and longer along a leg; Z is exact for any increment,
+and the force between two steps is interpolated along the displacement. No step is shorter than
+the noise of the displacement: jitter is not motion.
+"""
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from thermobearing.bearing.ambient import Ambient
+from thermobearing.bearing.model import Bearing
+from thermobearing.border.errors import InputError
+from thermobearing.core.types import Constants, Kept
+from thermobearing.cyclic.equivalent import bilinear_parameters
+from thermobearing.cyclic.history import Segment, run_segments
+from thermobearing.identify.records.noise import estimate_noise
+from thermobearing.identify.records.record import TestRecord
+from thermobearing.model.constants import with_parameters
+from thermobearing.model.options import ModelOptions, build_model
+from thermobearing.model.outcomes import INTERRUPTED
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+TURN = 0.005  # of the largest displacement: a smaller wiggle is noise, not a turn
+DEAD = 10.0  # of the noise of the displacement: from five below to five above, 1 sample in 2e6
+LARGEST_DEAD = 0.02  # of the largest displacement: what is more is no noise
+FIRST_STEP = 0.002  # of the largest displacement, after a turn
+GROWTH = 0.15  # of the way since the turn: step along a leg
+LONGEST_STEP = 0.05  # of the largest displacement
+PAUSE = 1.0  # a gap between samples longer than this is cut into growing steps [s]
+PAUSE_FIRST, PAUSE_GROWTH, PAUSE_STEPS = 0.05, 1.2, 40
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """What the model says at the samples of a record."""
+
+    force: Floats  # [kN]
+    temperatures: dict[str, Floats]  # by title of the thermocouple [degC]
+    outcome: str
+    lead: tuple[float, float] | None = None  # coldest and warmest lead in the run [degC]
+
+
+@dataclass(frozen=True)
+class _Grid:
+    """Steps of the model, and where each sample lies between them."""
+
+    x: Floats
+    dt: Floats
+    before: Ints  # row of the step at or before each sample
+    after: Ints
+    part: Floats  # of the way between them
+
+
+def turning_points(x: Floats, threshold: float) -> Ints:
+    """First and last sample, and each between them where the motion turns by the threshold.
+
+    Parameters
+    ----------
+    x : a history.
+    threshold : smaller wiggles are noise, in the unit of `x`, > 0.
+
+    Returns
+    -------
+    ndarray of int : numbers of the samples.
+
+    Examples
+    --------
+    >>> turning_points(np.array([0.0, 1.0, 2.0, 1.0, -1.0, 0.0]), 0.5).tolist()
+    [0, 2, 4, 5]
+    """
+    turns, extreme, rising = [0], 0, 0
+    values = x.tolist()
+    for i, value in enumerate(values):
+        if (rising >= 0 and value > values[extreme]) or (rising <= 0 and value < values[extreme]):
+            extreme = i
+        elif rising >= 0 and value < values[extreme] - threshold:
+            turns.append(extreme)
+            extreme, rising = i, -1
+        elif rising <= 0 and value > values[extreme] + threshold:
+            turns.append(extreme)
+            extreme, rising = i, 1
+        if rising == 0 and abs(values[extreme] - values[0]) > threshold:
+            rising = 1 if values[extreme] > values[0] else -1
+    return np.unique([*turns, len(values) - 1]).astype(np.int64)
+
+
+def _leg_ways(longest: float, peak: float) -> Floats:
+    """Distances from a turn at which a step ends."""
+    ways = [0.0]
+    while ways[-1] < longest:
+        step = min(max(FIRST_STEP * peak, GROWTH * ways[-1]), LONGEST_STEP * peak)
+        ways.append(ways[-1] + step)
+    return np.array(ways[1:])
+
+
+def _coarse_nodes(time: Floats, x: Floats) -> Ints:
+    """Samples at which a step of the model ends: at turns, and ever sparser after them.
+
+    Parameters
+    ----------
+    time : of the samples [s], increasing.
+    x : displacement [mm].
+
+    Returns
+    -------
+    ndarray of int : numbers of the samples.
+
+    Examples
+    --------
+    >>> time = np.linspace(0.0, 2.0, 2001)
+    >>> len(_coarse_nodes(time, np.sin(2.0 * np.pi * time))) < 300
+    True
+    """
+    peak = float(np.abs(x).max())
+    turns = turning_points(x, max(TURN * peak, dead_band(x)))
+    return _along(time, x, turns, _leg_ways(2.2 * peak, peak))
+
+
+def dead_band(x: Floats) -> float:
+    """Way below which a displacement is jitter.
+
+    Parameters
+    ----------
+    x : displacement [mm].
+
+    Returns
+    -------
+    float : [mm]; 0 without noise.
+
+    Examples
+    --------
+    >>> motion = 50.0 * np.sin(np.linspace(0.0, 60.0, 4000))
+    >>> round(dead_band(motion + np.random.default_rng(0).normal(0.0, 0.02, 4000)), 1)
+    0.2
+    """
+    return min(DEAD * estimate_noise(x), LARGEST_DEAD * float(np.abs(x).max()))
+
+
+def _fine_nodes(time: Floats, x: Floats) -> Ints:
+    """Samples at which a step of the model ends when it takes all that are not jitter.
+
+    Parameters
+    ----------
+    time : of the samples [s], increasing.
+    x : displacement [mm].
+
+    Returns
+    -------
+    ndarray of int : numbers of the samples; all of them without noise.
+
+    Examples
+    --------
+    >>> time = np.linspace(0.0, 100.0, 2001)
+    >>> still = np.random.default_rng(0).normal(0.0, 0.02, 2001)
+    >>> moving = np.where(time < 2.0, 30.0 * np.sin(np.pi * time), 0.0)
+    >>> len(_fine_nodes(time, moving)), len(_fine_nodes(time, moving + still)) < 80
+    (2001, True)
+    """
+    band = dead_band(x)
+    if band <= 0.0:
+        return np.arange(len(x))
+    turns = turning_points(x, band)
+    return _along(time, x, turns, np.arange(band, 2.2 * float(np.abs(x).max()), band))
+
+
+def _along(time: Floats, x: Floats, turns: Ints, ways: Floats) -> Ints:
+    """Turns, the samples where a leg first passes each of the ways, and both ends of gaps."""
+    nodes = [turns]
+    for a, b in pairwise(turns.tolist()):
+        way = np.maximum.accumulate(np.abs(x[a : b + 1] - x[a]))
+        nodes.append(a + np.searchsorted(way, ways[ways < way[-1]]))
+    gaps = np.flatnonzero(np.diff(time) > PAUSE)
+    return np.unique(np.concatenate([*nodes, gaps, gaps + 1])).astype(np.int64)
+
+
+def _pause(duration: float, before: float, growth: float, steps: int) -> Floats:
+    """Growing steps that fill a pause [s]; they go on from a pause `before` it."""
+    sizes, left = [], duration
+    size = min(max(PAUSE_FIRST, before), duration)
+    while left > 0.0:
+        if left < 1.5 * size:
+            size = left
+        sizes.append(size)
+        left -= size
+        size = min(size * growth, max(size, duration / steps))
+    return np.array(sizes)
+
+
+def _grid(record: TestRecord, fine: bool) -> _Grid:
+    """Steps through a record; `fine` takes every sample that is not jitter."""
+    time, x = record.time, record.displacement
+    nodes = _fine_nodes(time, x) if fine else _coarse_nodes(time, x)
+    growth, steps = (1.05, 100) if fine else (PAUSE_GROWTH, PAUSE_STEPS)
+    still = max(TURN * record.peak_displacement, dead_band(x))
+    usual = float(np.median(np.diff(time)))
+    xs, dts = [x[:1]], [np.array([usual])]
+    gaps, moves = np.diff(time[nodes]), np.diff(x[nodes])
+    counts = np.ones(len(gaps), dtype=np.int64)
+    first = 0
+    for k in np.flatnonzero((gaps > PAUSE) & (np.abs(moves) <= still)).tolist():
+        sizes = _pause(float(gaps[k]), float(gaps[k - 1]) if k else 0.0, growth, steps)
+        counts[k] = len(sizes)
+        xs += [x[nodes[first + 1 : k + 1]], np.full(len(sizes), x[nodes[k + 1]])]
+        dts += [gaps[first:k], sizes]
+        first = k + 1
+    xs.append(x[nodes[first + 1 :]])
+    dts.append(gaps[first:])
+    row_ends = 1 + np.concatenate([[0], np.cumsum(counts)])
+    place = np.clip(np.searchsorted(nodes, np.arange(len(x)), side="right") - 1, 0, len(nodes) - 2)
+    a, b = nodes[place], nodes[place + 1]
+    way, span = x - x[a], x[b] - x[a]
+    by_time = (time - time[a]) / (time[b] - time[a])
+    moved = np.abs(span) > 0.1 * FIRST_STEP * record.peak_displacement
+    part = np.where(moved, way / np.where(moved, span, 1.0), by_time)
+    return _Grid(
+        x=np.concatenate(xs),
+        dt=np.concatenate(dts),
+        before=row_ends[place],
+        after=row_ends[place + 1],
+        part=np.clip(part, -0.5, 1.5),
+    )
+
+
+def at(rows: Kept, layer: int | None) -> Floats:
+    """Temperatures of a modelled layer, or of the lead for None [degC]."""
+    return rows.books["lead_temperature"] if layer is None else rows.rubber[:, layer]
+
+
+class ForwardModel:
+    """One record, ready to be predicted for many bearings that differ in parameters only.
+
+    Parameters
+    ----------
+    record : what was done to the bearing.
+    bearing : geometry and materials.
+    fine : step at every sample; else fine at turns and coarse along legs, some five times faster.
+    ambient : another ambient temperature than the record's [degC].
+    options : how to model the bearing, an earlier model for instance; as `run` has it by default.
+
+    Raises
+    ------
+    InputError : a thermocouple in a layer that the bearing has not, or in lead without lead.
+
+    Examples
+    --------
+    >>> import thermobearing as tb
+    >>> t = np.linspace(0.0, 4.0, 401)
+    >>> record = tb.identify.record_from_arrays(t, 30.0 * np.sin(2.0 * np.pi * t), t + 1.0, 23.0)
+    >>> bearing = tb.load_bearing("shen-hdr-specimen")
+    >>> ForwardModel(record, bearing).run(bearing).force.shape
+    (401,)
+    """
+
+    def __init__(
+        self,
+        record: TestRecord,
+        bearing: Bearing,
+        *,
+        fine: bool = False,
+        ambient: float | None = None,
+        options: ModelOptions | None = None,
+    ) -> None:
+        self.record = record
+        model = build_model(bearing, options, backbone=bilinear_parameters)
+        self._stack, self._constants = model.stack, model.constants
+        self._grid = _grid(record, fine)
+        grid = self._grid
+        no_turns = np.zeros(len(grid.x), dtype=bool)
+        cycle = np.zeros(len(grid.x), dtype=np.int32)
+        self._segment = Segment("recorded", record.name, grid.x, grid.dt, cycle, no_turns)
+        self._at = record.ambient if ambient is None else ambient
+        self._ambient = Ambient.constant(self._at)
+        self._initial = np.full(len(self._constants.cells.capacity), self._at)
+        self._groups = ("rubber",) if record.places else ()
+        self._layers = self._thermocouples(bearing)
+        self.ended = ""  # outcome of the last run
+
+    @property
+    def steps(self) -> int:
+        """Time steps of one evaluation."""
+        return len(self._grid.x)
+
+    def _thermocouples(self, bearing: Bearing) -> dict[str, int | None]:
+        """Modelled layer of each thermocouple, from the outside; None in lead."""
+        found: dict[str, int | None] = {}
+        for title, place in self.record.places.items():
+            if place == "lead":
+                if bearing.lead is None:
+                    raise InputError(f"thermocouples.{title}: the bearing has no lead")
+                found[title] = None
+                continue
+            layer, count = int(place.split()[1]), bearing.geometry.rubber_layers
+            if layer > count:
+                raise InputError(f"thermocouples.{title}: the bearing has {count} rubber layers")
+            found[title] = min(layer, count + 1 - layer) - 1
+        return found
+
+    def run(self, bearing: Bearing) -> Prediction | None:
+        """Force and temperatures at the samples; None where the model does not get through.
+
+        Parameters
+        ----------
+        bearing : that of the model, or one that differs from it in parameters only.
+
+        Returns
+        -------
+        Prediction or None
+        """
+        return self._run(with_parameters(self._constants, bearing, self._stack))
+
+    def run_as_built(self) -> Prediction | None:
+        """The same for the bearing and the options it was built with."""
+        return self._run(self._constants)
+
+    def _run(self, constants: Constants) -> Prediction | None:
+        history = run_segments(
+            constants, [self._segment], self._ambient, self._initial, groups=self._groups
+        )
+        if history.outcome == INTERRUPTED:
+            raise KeyboardInterrupt
+        self.ended = history.outcome
+        if history.outcome != "completed":
+            return None
+        lead = history.rows.books["lead_temperature"] if constants.lead.cores > 0.0 else None
+        return Prediction(
+            self._at_samples(history.rows.books["force"]),
+            {title: self._at_samples(at(history.rows, j)) for title, j in self._layers.items()},
+            history.outcome,
+            None if lead is None else (float(lead.min()), float(lead.max())),
+        )
+
+    def _at_samples(self, values: Floats) -> Floats:
+        grid = self._grid
+        before = values[grid.before]
+        return np.asarray(before + grid.part * (values[grid.after] - before))

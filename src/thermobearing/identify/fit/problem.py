@@ -1,0 +1,405 @@
+"""The least-squares problem of a calibration and its linearisation.
+
+Residuals of neighbouring samples are alike (filters, and above all model error), so the
+textbook covariance sigma^2 (J^T J)^-1 is far too small. Gradients are summed over half
+cycles, which are taken to be independent (cluster-robust "sandwich"; Huber 1967, White
+1980): (J^T J)^-1 (sum g_b g_b^T) (J^T J)^-1 with B/(B - p) for few blocks. The textbook
+value is kept as a floor.
+"""
+
+from collections.abc import Sequence
+from copy import copy
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from thermobearing.bearing.model import Bearing
+from thermobearing.identify.fit.forward import ForwardModel, Prediction, turning_points
+from thermobearing.identify.fit.parameters import ParameterSet
+from thermobearing.identify.records.cycles import full_cycles
+from thermobearing.identify.records.record import TestRecord
+
+Floats = NDArray[np.float64]
+LOST = 2.0  # residual where the model does not get through: twice the largest force
+KELVIN = 5.0  # a temperature that is off by this counts as ...
+KELVIN_AS = 0.05  # ... a force that is off by this part of the largest
+ROBUST_SCALE = 0.02  # of the largest force: beyond it a robust loss bends
+STEP = 1e-3  # of the unit cube, for finite differences: the law is not smooth below ~1e-5
+
+
+class Problem:
+    """Least squares between records and model over the unit cube of the free parameters.
+
+    Parameters
+    ----------
+    records : tests of one bearing.
+    pset : what is free.
+    temperatures : count thermocouples too.
+    loss : of the fit, for the weights that its outliers keep in the uncertainty.
+    clipped : by record, samples that do not count (a saturated force).
+    coarse : the model with coarse steps by record, where it was made already.
+
+    Examples
+    --------
+    >>> import thermobearing as tb
+    >>> from thermobearing.identify.fit.parameters import parameter_set
+    >>> bearing = tb.load_bearing("shen-hdr-specimen")
+    >>> test = tb.cyclic_test(strain=[1.0], cycles=1, rest=None)
+    >>> record = tb.identify.synthetic_record(bearing, 23.0, test, noise=0.0)
+    >>> pset = parameter_set(bearing, ["K_r"], [23.0])
+    >>> problem = Problem([record], pset)
+    >>> problem.cost(pset.start) < problem.cost(pset.start + 0.1)
+    True
+    """
+
+    def __init__(
+        self,
+        records: Sequence[TestRecord],
+        pset: ParameterSet,
+        *,
+        temperatures: bool = False,
+        loss: str = "linear",
+        clipped: Sequence[NDArray[np.bool_]] | None = None,
+        coarse: Sequence[ForwardModel] | None = None,
+    ) -> None:
+        self.records = list(records)
+        self.pset = pset
+        self.coarse = list(coarse or [ForwardModel(record, pset.base) for record in self.records])
+        self.fine = [ForwardModel(record, pset.base, fine=True) for record in self.records]
+        self.temperatures = temperatures
+        self.loss = loss
+        self.evaluations = 0
+        self._last: tuple[tuple[bytes, bool], list[Floats]] | None = None
+        self.history: list[tuple[int, float]] = []
+        self.weights = [sample_weights(record) for record in self.records]
+        for weight, bad in zip(self.weights, clipped or [], strict=False):
+            weight[bad] = 0.0
+
+    def with_parameters(self, pset: ParameterSet) -> "Problem":
+        """The same tests and models with other free parameters.
+
+        Parameters
+        ----------
+        pset : of a bearing of the same geometry and materials.
+
+        Returns
+        -------
+        Problem : which has counted the same evaluations.
+        """
+        other = copy(self)
+        other.pset, other._last, other.history = pset, None, list(self.history)
+        return other
+
+    def predict(self, cube: Floats, *, fine: bool = True) -> list[Prediction | None]:
+        """The model at the samples of all records.
+
+        Parameters
+        ----------
+        cube : a place in [0, 1] for each free parameter.
+        fine : a step of the model at every sample.
+
+        Returns
+        -------
+        list : None for a record that the model does not get through.
+        """
+        bearing = self.pset.bearing(cube)
+        self.evaluations += 1
+        return [model.run(bearing) for model in (self.fine if fine else self.coarse)]
+
+    def parts(self, cube: Floats, *, fine: bool = False) -> list[Floats]:
+        """Weighted residuals of each record, relative to its largest force.
+
+        Parameters
+        ----------
+        cube : a place in [0, 1] for each free parameter.
+        fine : a step of the model at every sample.
+
+        Returns
+        -------
+        list of ndarray
+        """
+        key = (cube.tobytes(), fine)
+        if self._last is None or self._last[0] != key:
+            self._last = (key, self._parts(cube, fine=fine))
+        return self._last[1]
+
+    def _parts(self, cube: Floats, *, fine: bool) -> list[Floats]:
+        found = []
+        predictions = self.predict(cube, fine=fine)
+        for record, weight, predicted in zip(self.records, self.weights, predictions, strict=True):
+            if predicted is None:
+                extra = len(record.temperatures) if self.temperatures else 0
+                found.append(np.full(len(record.time) * (1 + extra), LOST))
+            else:
+                found.append(self._weighted(record, weight, predicted))
+        return found
+
+    def _weighted(self, record: TestRecord, weight: Floats, predicted: Prediction) -> Floats:
+        off = (predicted.force - record.force) / record.peak_force
+        rows = [weight * (off - np.average(off, weights=weight**2 + 1e-300))]
+        if self.temperatures:
+            for title, measured in record.temperatures.items():
+                off = predicted.temperatures[title] - measured
+                rows.append(np.sqrt(record.weight) * KELVIN_AS / KELVIN * off)
+        return np.concatenate(rows)
+
+    def split_parts(
+        self, bearing: Bearing, moved: Sequence[TestRecord], *, fine: bool = True
+    ) -> list[Floats] | None:
+        """Return the weighted residuals of another bearing in tests that were done otherwise.
+
+        Parameters
+        ----------
+        bearing : of the same layers; its materials may differ too.
+        moved : the records with other forces, displacements or ambient temperatures.
+        fine : a step of the model at every sample.
+
+        Returns
+        -------
+        list of ndarray, one for each record, or None where the model fails.
+        """
+        found = []
+        for other, weight in zip(moved, self.weights, strict=True):
+            predicted = ForwardModel(other, bearing, fine=fine).run(bearing)
+            if predicted is None:
+                return None
+            found.append(self._weighted(other, weight, predicted))
+        return found
+
+    def residuals(self, cube: Floats, *, fine: bool = False) -> Floats:
+        """All residuals in one vector.
+
+        Parameters
+        ----------
+        cube : a place in [0, 1] for each free parameter.
+        fine : a step of the model at every sample.
+
+        Returns
+        -------
+        ndarray
+        """
+        vector = np.concatenate(self.parts(cube, fine=fine))
+        cost = float(np.mean(vector**2))
+        if not self.history or cost < self.history[-1][1]:
+            self.history.append((self.evaluations, cost))
+        return vector
+
+    def cost(self, cube: Floats) -> float:
+        """Mean of the squared residuals, coarse steps.
+
+        Parameters
+        ----------
+        cube : a place in [0, 1] for each free parameter.
+
+        Returns
+        -------
+        float : >= 0
+        """
+        return float(np.mean(self.residuals(np.asarray(cube)) ** 2))
+
+    def jacobian(self, cube: Floats, *, fine: bool = False, central: bool = False) -> Floats:
+        """Finite differences in the unit cube, turned inwards at its faces.
+
+        Parameters
+        ----------
+        cube : a place in [0, 1] for each free parameter.
+        fine : a step of the model at every sample.
+        central : differences to both sides where there is room.
+
+        Returns
+        -------
+        ndarray : residuals by parameters.
+        """
+        cube = np.asarray(cube, dtype=float)
+        here = None if central else np.concatenate(self.parts(cube, fine=fine))
+        columns = []
+        for i in range(len(cube)):
+            up, down = cube.copy(), cube.copy()
+            up[i] = min(cube[i] + STEP, 1.0)
+            down[i] = max(cube[i] - STEP, 0.0)
+            if here is not None and up[i] - cube[i] > 0.5 * STEP:
+                low, base = here, cube[i]
+                high = np.concatenate(self.parts(up, fine=fine))
+                columns.append((high - low) / (up[i] - base))
+                continue
+            high = np.concatenate(self.parts(up, fine=fine))
+            low = np.concatenate(self.parts(down, fine=fine))
+            columns.append((high - low) / (up[i] - down[i]))
+        return np.column_stack(columns)
+
+
+def robust_weights(residuals: Floats, loss: str) -> Floats:
+    """Weight that each residual keeps under a robust loss of scipy: d rho / d z.
+
+    Parameters
+    ----------
+    residuals : relative to the largest force.
+    loss : "linear", "soft_l1", "huber" or "cauchy".
+
+    Returns
+    -------
+    ndarray : in (0, 1].
+
+    Examples
+    --------
+    >>> robust_weights(np.array([0.0, 0.02]), "cauchy").tolist()
+    [1.0, 0.5]
+    """
+    z = (residuals / ROBUST_SCALE) ** 2
+    if loss == "soft_l1":
+        return np.asarray(1.0 / np.sqrt(1.0 + z))
+    if loss == "huber":
+        return np.asarray(1.0 / np.sqrt(np.maximum(z, 1.0)))
+    return np.asarray(1.0 / (1.0 + z)) if loss == "cauchy" else np.ones_like(z)
+
+
+def sample_weights(record: TestRecord) -> Floats:
+    """Square roots of weights of the samples of a record.
+
+    Parameters
+    ----------
+    record : with its weight, that of first cycles, and its balance of cycles.
+
+    Returns
+    -------
+    ndarray : one for each sample, >= 0.
+
+    Examples
+    --------
+    >>> from dataclasses import replace
+    >>> from thermobearing.identify.records.record import record_from_arrays
+    >>> t = np.linspace(0.0, 2.0, 201)
+    >>> record = record_from_arrays(t, np.sin(np.pi * t), np.sin(np.pi * t), 23.0)
+    >>> float(sample_weights(replace(record, weight=4.0)).max())
+    2.0
+    """
+    weights = np.full(len(record.time), np.sqrt(record.weight))
+    if record.cycle_balance > 0.0:
+        for cycle in full_cycles(record):
+            part = slice(cycle.first, cycle.last)
+            peak = float(np.abs(record.force[part]).max())
+            weights[part] *= (record.peak_force / peak) ** record.cycle_balance
+    if record.first_cycle_weight != 1.0:
+        for cycle in full_cycles(record):
+            if cycle.number == 1 and not cycle.closing:
+                weights[cycle.first : cycle.last] *= np.sqrt(record.first_cycle_weight)
+    return weights
+
+
+Ints = NDArray[np.int64]
+AT_BOUND = 2e-3  # of the range: nearer to a bound than this is at it
+BLOCK_TURN = 0.05  # of the largest displacement: half cycles larger than this are blocks
+
+
+def half_cycles(record: TestRecord) -> Ints:
+    """Number of the half cycle that each sample belongs to, cut half-way between turns.
+
+    Not at the turns: there the gradients of stiffness, d_y and s change sign at once, and noise
+    that is alike on both sides cancels, which sums cut there would not see.
+
+    Parameters
+    ----------
+    record : a test.
+
+    Returns
+    -------
+    ndarray of int : from 0.
+    """
+    turns = turning_points(record.displacement, BLOCK_TURN * record.peak_displacement)
+    middles = (turns[:-1] + turns[1:]) // 2
+    return np.searchsorted(middles, np.arange(len(record.time)), side="right").astype(np.int64)
+
+
+@dataclass(frozen=True)
+class Linear:
+    """Residuals and their derivatives at the optimum, under the weights of the loss.
+
+    Attributes
+    ----------
+    inside : of the free parameters, those that are not at a bound.
+    parts : weighted residuals of each record.
+    weights : square root of the weight that the loss leaves to each residual.
+    jacobian : [residual, parameter inside] by the place in the unit cube.
+    blocks : number of the block of each residual, over all records.
+    """
+
+    inside: NDArray[np.bool_]
+    parts: list[Floats]
+    weights: Floats
+    jacobian: Floats
+    blocks: Ints
+
+    @cached_property
+    def residuals(self) -> Floats:
+        """Of all records."""
+        return np.concatenate(self.parts)
+
+    @property
+    def variance(self) -> float:
+        """Of the residuals, with the freedom of the fit taken off."""
+        n, p = self.jacobian.shape
+        r = self.residuals
+        return float(r @ r / max(n - p, 1))
+
+    @cached_property
+    def _scaled(self) -> tuple[Floats, Floats, Floats]:
+        """Lengths of the columns of J, J in columns of length one, and (J^T J)^-1 of these."""
+        scale = np.maximum(np.linalg.norm(self.jacobian, axis=0), 1e-12)
+        J = self.jacobian / scale
+        return scale, J, np.linalg.pinv(J.T @ J, rcond=1e-12)
+
+    def solved(self, columns: Floats) -> Floats:
+        """(J^T J)^-1 J^T times columns."""
+        scale, J, bread = self._scaled
+        return np.asarray((bread @ (J.T @ columns)) / scale.reshape(-1, *[1] * (columns.ndim - 1)))
+
+    def meat(self, columns: Floats, residuals: Floats | None = None) -> Floats:
+        """Sum over the blocks of the outer products of their gradients; residuals of the fit."""
+        products = columns * (self.residuals if residuals is None else residuals)[:, None]
+        g = np.zeros((int(self.blocks.max()) + 1, columns.shape[1]))
+        np.add.at(g, self.blocks, products)
+        count = len(g)
+        return np.asarray(g.T @ g * count / max(count - self.jacobian.shape[1], 1))
+
+    def covariance(self) -> Floats:
+        """Of the parameters inside, by the tests alone, in the unit cube."""
+        scale, J, bread = self._scaled
+        classical = bread * self.variance
+        sandwich = bread @ self.meat(J) @ bread
+        least = np.maximum(np.diag(sandwich), 1e-300)
+        grow = np.sqrt(np.maximum(1.0, np.diag(classical) / least))
+        return np.asarray(sandwich * np.outer(grow, grow) / np.outer(scale, scale))
+
+
+def linearised(problem: Problem, cube: Floats, *, fine: bool = True) -> Linear:
+    """A fit near a point of the unit cube.
+
+    Parameters
+    ----------
+    problem : residuals of the tests.
+    cube : the optimum, in [0, 1] for each free parameter.
+    fine : a step of the model at every sample.
+
+    Returns
+    -------
+    Linear
+    """
+    plain = problem.parts(cube, fine=fine)
+    roots = [np.sqrt(robust_weights(part, problem.loss)) for part in plain]
+    jacobian = problem.jacobian(cube, fine=fine, central=fine)
+    inside = (cube > AT_BOUND) & (cube < 1.0 - AT_BOUND)
+    weights = np.concatenate(roots)
+    labels, first = [], 0
+    for record, part in zip(problem.records, plain, strict=True):
+        blocks = np.unique(half_cycles(record), return_inverse=True)[1]
+        labels.append(first + np.resize(blocks, len(part)))
+        first += int(blocks.max()) + 1
+    return Linear(
+        inside=inside,
+        parts=[root * part for root, part in zip(roots, plain, strict=True)],
+        weights=weights,
+        jacobian=weights[:, None] * jacobian[:, inside],
+        blocks=np.concatenate(labels).astype(np.int64),
+    )

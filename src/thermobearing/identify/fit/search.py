@@ -1,0 +1,302 @@
+"""Search for the best parameters.
+
+Gandomi & Alavi (2012), "Krill herd: a new bio-inspired optimization algorithm",
+Communications in Nonlinear Science and Numerical Simulation 17:4831-4845. Equation numbers
+are those of that paper. Departures: the food weights are taken relative to the best krill, so
+that the objective may be zero or negative; the best krill is kept (elitism) and diffusion
+shrinks with the merit of a krill, both as in the authors' own program.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from thermobearing.identify.case import IdentifyCase
+from thermobearing.identify.fit.problem import ROBUST_SCALE, Problem
+
+Floats = NDArray[np.float64]
+Objective = Callable[[Floats], float]
+MAX_INDUCED, MAX_FORAGING, MAX_DIFFUSION = 0.01, 0.02, 0.005  # N_max, V_f, D_max of section 3
+TIME_CONSTANT = 0.3  # C_t of Eq. 19, in [0, 2]
+CROSSOVER, MUTATION = 0.2, 0.05  # Eq. 21 and 23
+TINY = 1e-12
+
+
+@dataclass(frozen=True)
+class Found:
+    """Best point, its value, evaluations spent, and the best value after each generation."""
+
+    best: Floats
+    value: float
+    evaluations: int
+    history: list[float]
+
+
+def _unit(difference: Floats) -> Floats:
+    """Directions of vectors along the last axis."""
+    norm = np.linalg.norm(difference, axis=-1, keepdims=True)
+    return np.asarray(difference / (norm + TINY))
+
+
+def _induced(x: Floats, f: Floats, best: int, spread: float, pull: Floats) -> Floats:
+    """Direction alpha of the motion induced by neighbours and the best krill, Eq. 4-8."""
+    towards = x[None, :, :] - x[:, None, :]  # from krill i to krill j
+    distance = np.linalg.norm(towards, axis=2)
+    sensing = distance.mean(axis=1) / 5.0  # Eq. 7
+    near = (distance < sensing[:, None]) & ~np.eye(len(x), dtype=bool)
+    merit = (f[:, None] - f[None, :]) / spread  # Eq. 6
+    local = ((near * merit)[:, :, None] * _unit(towards)).sum(axis=1)  # Eq. 4, 5
+    to_best = (f - f[best])[:, None] / spread * _unit(x[best] - x)
+    return np.asarray(local + pull[:, None] * to_best)  # Eq. 8
+
+
+def _towards(x: Floats, place: Floats, worth: Floats) -> Floats:
+    """Direction from each krill towards a place, times what going there is worth to it."""
+    return np.asarray(worth[:, None] * _unit(place - x))
+
+
+def _food(x: Floats, f: Floats) -> Floats:
+    """Centre of food, Eq. 12, weights 1/K with K relative to the best krill."""
+    span = float(np.ptp(f))
+    weights = 1.0 / (f - f.min() + 0.01 * span + TINY)
+    return np.asarray(weights @ x / weights.sum())
+
+
+def _cross_and_mutate(
+    x: Floats, f: Floats, best: int, spread: float, rng: np.random.Generator
+) -> Floats:
+    """Genetic operators, Eq. 20-23: more of both, the worse a krill is."""
+    count = len(x)
+    merit = ((f - f[best]) / spread)[:, None]
+    partner = rng.integers(count, size=count)
+    cross = rng.random(x.shape) < CROSSOVER * merit
+    mixed = np.where(cross, x[partner], x)
+    p, q = rng.integers(count, size=(2, count))
+    rate = MUTATION / np.maximum(merit, MUTATION)
+    mutate = (rng.random(x.shape) < rate) & (merit > 0.0)
+    jumped = x[best] + rng.random((count, 1)) * (x[p] - x[q])
+    return np.asarray(np.where(mutate, jumped, mixed))
+
+
+@dataclass
+class _Herd:
+    """Where krill are and what that is worth; their own best places; their motions."""
+
+    x: Floats
+    f: Floats
+    own: Floats
+    own_f: Floats
+    induced: Floats
+    foraging: Floats
+    top: Floats
+    top_f: float
+
+    def keep_best(self) -> None:
+        """Remember the best places of each krill and of all."""
+        better = self.f < self.own_f
+        self.own[better], self.own_f[better] = self.x[better], self.f[better]
+        self.see(self.x[np.argmin(self.f)], float(self.f.min()))
+
+    def see(self, place: Floats, value: float) -> None:
+        """Remember a place that is better than all so far."""
+        if value < self.top_f:
+            self.top, self.top_f = place.copy(), value
+
+
+def _herd(objective: Objective, x: Floats) -> _Herd:
+    """Krill at rest."""
+    f = np.array([objective(point) for point in x])
+    still, best = np.zeros_like(x), int(np.argmin(f))
+    return _Herd(x, f, x.copy(), f.copy(), still, still.copy(), x[best].copy(), float(f[best]))
+
+
+def _moved(
+    herd: _Herd, food: Floats, food_f: float, late: float, rng: np.random.Generator
+) -> Floats:
+    """Where the krill swim, Eq. 2, 10, 17 and 18, and what genetics make of it; not yet clipped."""
+    x, f = herd.x, herd.f
+    best, spread = int(np.argmin(f)), max(float(np.ptp(f)), TINY)
+    inertia = 0.1 + 0.8 * (1.0 - late)
+    pull = 2.0 * (rng.random(len(x)) + late)  # C_best, Eq. 9
+    attraction = 2.0 * (1.0 - late)  # C_food, Eq. 14
+    induced = MAX_INDUCED * _induced(x, f, best, spread, pull)
+    herd.induced = induced + inertia * herd.induced  # Eq. 2
+    to_food = _towards(x, food, attraction * ((f - food_f) / spread))
+    to_own = _towards(x, herd.own, (f - herd.own_f) / spread)
+    herd.foraging = MAX_FORAGING * (to_food + to_own) + inertia * herd.foraging  # Eq. 10, 11
+    worth = ((f - f[best]) / spread)[:, None]
+    diffusion = MAX_DIFFUSION * (1.0 - late) * worth * rng.uniform(-1.0, 1.0, x.shape)  # Eq. 17
+    scale = TIME_CONSTANT * x.shape[1]  # Eq. 19 in the unit cube
+    moved = x + scale * (herd.induced + herd.foraging + diffusion)  # Eq. 18
+    return _cross_and_mutate(moved, f, best, spread, rng)
+
+
+def krill_herd(
+    objective: Objective,
+    dimensions: int,
+    *,
+    evaluations: int = 5000,
+    population: int = 30,
+    seed: int = 0,
+    start: Floats | None = None,
+) -> Found:
+    """Minimise a function over the unit cube.
+
+    Parameters
+    ----------
+    objective : called with a point of the cube.
+    dimensions : of the cube, >= 1.
+    evaluations : at most so many calls.
+    population : krill in the herd, >= 4.
+    seed : of all random numbers, >= 0; the same seed gives the same path.
+    start : a point that one krill starts from, each number in [0, 1].
+
+    Returns
+    -------
+    Found
+
+    Examples
+    --------
+    >>> found = krill_herd(lambda u: float(((u - 0.3) ** 2).sum()), 2, evaluations=2000)
+    >>> found.value < 1e-3
+    True
+    """
+    rng = np.random.default_rng(seed)
+    x = rng.random((population, dimensions))
+    if start is not None:
+        x[0] = start
+    herd = _herd(objective, x)
+    spent, history = population, [herd.top_f]
+    generations = max(1, (evaluations - population) // (population + 1))
+    for generation in range(generations):
+        food = _food(herd.x, herd.f)
+        food_f = objective(food)
+        herd.see(food, food_f)
+        moved = _moved(herd, food, food_f, generation / generations, rng)
+        herd.x = np.clip(moved, 0.0, 1.0)
+        herd.f = np.array([objective(point) for point in herd.x])
+        spent += 1 + population
+        herd.keep_best()
+        worst = int(np.argmax(herd.f))
+        herd.x[worst], herd.f[worst] = herd.top, herd.top_f  # elitism
+        history.append(herd.top_f)
+    return Found(herd.top, herd.top_f, spent, history)
+
+
+AROUND = 0.25  # half width, in the unit cube, of where other starts are drawn
+PROBES = 12  # points looked at for each start that is taken
+MOST_STEPS = 40  # of least squares from one start
+POLISH_STEPS = 30
+INSIDE = 1e-6  # of the cube: least squares starts strictly inside
+MEMBERS = 6  # of differential evolution, for each dimension
+
+
+def search(problem: Problem, case: IdentifyCase) -> Floats:
+    """A point of the unit cube near the best one, with coarse steps of the model.
+
+    Parameters
+    ----------
+    problem : residuals of the tests; its search begins at the starting values.
+    case : method, seed, starts and budget.
+
+    Returns
+    -------
+    ndarray : place of each free parameter between its bounds, in [0, 1].
+
+    Examples
+    --------
+    >>> import thermobearing as tb
+    >>> from thermobearing.identify.case import make_identify_case
+    >>> from thermobearing.identify.fit.parameters import parameter_set
+    >>> bearing = tb.load_bearing("shen-hdr-specimen")
+    >>> test = tb.cyclic_test(strain=[1.0], cycles=1, rest=None)
+    >>> record = tb.identify.synthetic_record(bearing, 23.0, test, noise=0.0)
+    >>> problem = Problem([record], parameter_set(bearing, ["K_r"], [23.0]))
+    >>> cube = search(problem, make_identify_case(record, bearing, starts=1))
+    >>> problem.cost(polish(problem, cube)[0]) < 1e-4
+    True
+    """
+    first = np.clip(problem.pset.start, INSIDE, 1.0 - INSIDE)
+    if case.method == "krill-herd":
+        return krill_herd(
+            problem.cost, len(first), evaluations=case.evaluations, seed=case.seed, start=first
+        ).best
+    if case.method == "differential-evolution":
+        return _differential_evolution(problem, first, case)
+    best, lowest = first, float("inf")
+    for point in _starting_points(problem, first, case):
+        found, _ = _least_squares(problem, point, MOST_STEPS, fine=False)
+        cost = problem.cost(found)
+        if cost < lowest:
+            best, lowest = found, cost
+    return best
+
+
+def polish(problem: Problem, cube: Floats) -> tuple[Floats, bool]:
+    """Least squares from a point near the best one, with a step of the model at every sample.
+
+    Parameters
+    ----------
+    problem : residuals of the tests.
+    cube : from `search`, each in [0, 1].
+
+    Returns
+    -------
+    the best point, and whether the search converged; see `search` for an example.
+    """
+    return _least_squares(problem, cube, POLISH_STEPS, fine=True)
+
+
+def _starting_points(problem: Problem, first: Floats, case: IdentifyCase) -> list[Floats]:
+    """The start from the loops, and the best of a Latin hypercube around it."""
+    from scipy.stats import qmc
+
+    if case.starts == 1:
+        return [first]
+    others = case.starts - 1
+    cube = qmc.LatinHypercube(len(first), rng=case.seed).random(PROBES * others)
+    probes = np.clip(first + AROUND * (2.0 * cube - 1.0), INSIDE, 1.0 - INSIDE)
+    costs = [problem.cost(point) for point in probes]
+    return [first, *(probes[i] for i in np.argsort(costs)[:others])]
+
+
+def _differential_evolution(problem: Problem, first: Floats, case: IdentifyCase) -> Floats:
+    from scipy.optimize import differential_evolution
+
+    found = differential_evolution(
+        problem.cost,
+        [(0.0, 1.0)] * len(first),
+        maxiter=max(1, case.evaluations // (MEMBERS * len(first)) - 1),
+        popsize=MEMBERS,
+        rng=case.seed,
+        polish=False,
+        x0=first,
+        tol=0.0,
+        init="latinhypercube",
+    )
+    return np.asarray(found.x)
+
+
+def _least_squares(
+    problem: Problem, start: Floats, steps: int, *, fine: bool
+) -> tuple[Floats, bool]:
+    """Bounded trust-region least squares in the unit cube; whether it converged."""
+    from scipy.optimize import least_squares
+
+    found = least_squares(
+        lambda u: problem.residuals(u, fine=fine),
+        np.clip(start, INSIDE, 1.0 - INSIDE),
+        jac=lambda u: problem.jacobian(u, fine=fine),
+        bounds=(0.0, 1.0),
+        method="trf",
+        loss=problem.loss,
+        f_scale=ROBUST_SCALE,
+        x_scale="jac",
+        ftol=1e-7,
+        xtol=1e-7,
+        gtol=1e-9,
+        max_nfev=steps,
+    )
+    return np.asarray(found.x), bool(found.status > 0)

@@ -1,0 +1,149 @@
+"""Tests that were never made: to see what a planned programme would identify, and to prove fits."""
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from thermobearing.bearing.library import as_bearing
+from thermobearing.bearing.model import Bearing
+from thermobearing.border.errors import InputError
+from thermobearing.cyclic.protocol import CyclicTest, Wave, cyclic_test
+from thermobearing.identify.fit.parameters import available, with_values
+from thermobearing.identify.records.cycles import full_cycles
+from thermobearing.identify.records.record import TestRecord, record_from_arrays
+
+Floats = NDArray[np.float64]
+# Values that are nobody's: where a fit begins that must not know the truth.
+ANYBODY = {
+    "alpha_0": 0.5,
+    "K_r": 10.0,
+    "s": 0.0,
+    "d_y": 1.0,
+    "b": 0.1,
+    "m_T": -0.5,
+    "n_T": -0.5,
+    "K_l": 10.0,
+    "K_v": 1.0,
+    "c_v": 1.0,
+}
+
+
+def synthetic_record(
+    bearing: Bearing | str | Path,
+    ambient: float,
+    test: CyclicTest | None = None,
+    *,
+    noise: float = 0.02,
+    memory: float = 0.0,
+    sampling: float = 50.0,
+    first_cycle: float = 1.0,
+    jitter: float = 0.0,
+    through_rests: bool = False,
+    seed: int = 0,
+) -> TestRecord:
+    """A record as a laboratory would make it, from the model with noise.
+
+    Parameters
+    ----------
+    bearing : what is "tested": a Bearing, a library name, or a TOML file.
+    ambient : [degC].
+    test : what is done; Table 3.4 by default (sine waves for bearings with lead).
+    noise : standard deviation of the force, relative to its peak, 0 to 10.
+    memory : correlation of the noise from sample to sample, in [0, 1); 0 is white.
+    sampling : [Hz], 1e-6 to 1e6; ends of legs are recorded besides.
+    first_cycle : factor on the force of the first cycle of each amplitude, 0.1 to 10: an error
+        of the law put in on purpose, like scragging.
+    jitter : standard deviation of the noise of the displacement [mm], 0 to 10.
+    through_rests : the logger runs on in rests, at its rate.
+    seed : of the noise.
+
+    Returns
+    -------
+    TestRecord
+
+    Raises
+    ------
+    InputError : a number out of range, or the simulation ended early.
+
+    Examples
+    --------
+    >>> short = cyclic_test(strain=[1.0], cycles=2, rest=None)
+    >>> synthetic_record("shen-hdr-specimen", 23.0, short).name
+    'synthetic at 23 degC'
+    """
+    from thermobearing.cyclic.run import run
+
+    if not 0.0 <= memory < 1.0:
+        raise InputError(f"memory = {memory}: must be at least 0 and less than 1")
+    for name, value, low, high, unit in (
+        ("noise", noise, 0.0, 10.0, ""),
+        ("sampling", sampling, 1e-6, 1e6, " Hz"),
+        ("first_cycle", first_cycle, 0.1, 10.0, ""),
+        ("jitter", jitter, 0.0, 10.0, " mm"),
+    ):
+        if not low <= value <= high:
+            raise InputError(f"{name} = {value}: must be {low:g} to {high:g}{unit}")
+    bearing = as_bearing(bearing)
+    wave: Wave = "triangular" if bearing.lead is None else "sine"
+    result = run(bearing, test or cyclic_test(wave=wave), ambient=ambient, keep=[])
+    if result.outcome != "completed":
+        raise InputError(f"the simulated test ended early: {result.outcome}")
+    time = result.time(0)
+    x, force = (np.asarray(result[name].values[0]) for name in ("displacement", "force"))
+    if through_rests:
+        clock = np.arange(time[0], time[-1], 1.0 / sampling)
+        time, x, force = clock, np.interp(clock, time, x), np.interp(clock, time, force)
+    kept = _logged(time, x, sampling)
+    name = f"synthetic at {ambient:g} degC"
+    record = record_from_arrays(time[kept], x[kept], force[kept], ambient, name=name)
+    force = record.force.copy()
+    for cycle in full_cycles(record):
+        if cycle.number == 1 and not cycle.closing:
+            force[cycle.first : cycle.last + 1] *= first_cycle
+    rng = np.random.default_rng(seed)
+    white = rng.normal(size=len(force))
+    for i in range(1, len(white) if memory else 0):
+        white[i] = memory * white[i - 1] + np.sqrt(1.0 - memory**2) * white[i]
+    noisy = force + noise * record.peak_force * white
+    moved = (
+        record.displacement + jitter * rng.normal(size=len(force))
+        if jitter
+        else record.displacement
+    )
+    return record_from_arrays(record.time, moved, noisy, ambient, name=name)
+
+
+def _logged(time: Floats, x: Floats, sampling: float) -> NDArray[np.bool_]:
+    """Steps of a simulation that a logger keeps: every n-th while moving, turns, and rests."""
+    gaps = np.diff(time, prepend=time[0])
+    usual = float(np.median(gaps[1:]))
+    every = max(1, round(1.0 / (sampling * usual)))
+    kept = np.arange(len(time)) % every == 0
+    pause = gaps > 1.5 * usual
+    kept |= pause
+    kept[:-1] |= pause[1:]
+    kept[1:-1] |= (x[1:-1] - x[:-2]) * (x[2:] - x[1:-1]) < 0.0
+    kept[-1] = True
+    return np.asarray(kept)
+
+
+def forgotten(bearing: Bearing | str | Path) -> Bearing:
+    """The same geometry and materials with nobody's parameters, to start a fit blind.
+
+    Parameters
+    ----------
+    bearing : any.
+
+    Returns
+    -------
+    Bearing
+
+    Examples
+    --------
+    >>> forgotten("shen-hdr-specimen").hysteresis.layer_stiffness
+    10.0
+    """
+    bearing = as_bearing(bearing)
+    values = {k.key: ANYBODY[k.symbol] for k in available(bearing) if k.symbol in ANYBODY}
+    return with_values(bearing, values)

@@ -1,0 +1,1 @@
+"""Test records: reading, checks, treatment and measures."""

@@ -1,0 +1,309 @@
+"""A laboratory's test as data, for a fit or a validation.
+
+`TestRecord` holds all samples in one line of time; how they are read from files and sidecars is in
+border/sidecar.py. What had to be assumed (clock, ambient temperature) is written down.
+"""
+
+from dataclasses import dataclass, field, replace
+from functools import cache
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from thermobearing.bearing.ambient import check_temperature
+from thermobearing.bearing.model import Bearing
+from thermobearing.border.errors import InputError
+from thermobearing.border.library import data_path
+from thermobearing.border.schema import Strict, in_unit, validated
+from thermobearing.border.sidecar import Readings, read_laboratory
+from thermobearing.border.toml import read_toml, split_sources
+from thermobearing.border.units import number_list
+
+Floats = NDArray[np.float64]
+PARTS = 20  # of the test, in time: noise and a door that was opened are no drift
+READ_TO = 1  # decimals of a temperature in K
+
+
+class ChamberNumbers(Strict):
+    """What data/identify/ambient.toml says [K]."""
+
+    ambient_drift: Annotated[float, in_unit("K"), Field(gt=0)]
+
+
+@cache
+def _chamber_numbers() -> ChamberNumbers:
+    """The numbers, read once."""
+    path = data_path("identify", "ambient.toml")
+    return validated(ChamberNumbers, split_sources(read_toml(path))[0], str(path))
+
+
+def _told_drift(time: Floats, ambient: Floats) -> str:
+    """A sentence where the ambient temperature drifts within a test; "" where it does not.
+
+    Parameters
+    ----------
+    time : of the samples [s].
+    ambient : the column of the file [degC].
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> t = np.linspace(0.0, 600.0, 601)
+    >>> _told_drift(t, -20.0 + t / 1200.0)[:59]
+    'the ambient temperature rises by 0.5 K within the test, fro'
+    >>> _told_drift(t, -20.0 + t / 1500.0)
+    ''
+    """
+    if not (np.diff(time) > 0.0).all():  # a look at the test refuses it
+        return ""
+    part = np.minimum((time - time[0]) / np.ptp(time) * PARTS, PARTS - 1).astype(np.int64)
+    middles = np.array([np.median(ambient[part == k]) for k in np.unique(part)])
+    line = float(np.polyfit(time - time.mean(), ambient, 1)[0] * np.ptp(time))
+    wandered = max(abs(line), float(np.ptp(middles)))
+    if round(wandered, READ_TO) < _chamber_numbers().ambient_drift:
+        return ""
+    straight = abs(line) >= 0.5 * wandered
+    way = "wanders" if not straight else "rises" if line > 0.0 else "falls"
+    return (
+        f"the ambient temperature {way} by {wandered:.1f} K within the test, from "
+        f"{middles[0]:.1f} to {middles[-1]:.1f} degC: its mean, {ambient.mean():.1f} degC, stands "
+        "for all of it; cut the file where that is too much, or give ambient"
+    )
+
+
+Ints = NDArray[np.int64]
+ASSUMED_AMBIENT = 23.0  # laboratory temperature of Table 3.4 [degC]
+TOGETHER = 0.05  # of the largest displacement: how far a strain may be from it
+STEADY = 3.0  # range of an ambient temperature that one number stands for [K]
+
+
+@dataclass(frozen=True)
+class TestRecord:
+    """One test of one bearing at one ambient temperature.
+
+    Attributes
+    ----------
+    name, file : what it is called, where it came from.
+    time, displacement, force : samples [s, mm, kN]; force has the sign of displacement.
+    block : number of the block that each sample belongs to.
+    ambient : temperature of the chamber [degC]; the bearing starts at it.
+    temperatures : samples of thermocouples [degC] by title, and
+    places : where each of them sits, "rubber 1" (outer layer), ..., "lead".
+    weight, first_cycle_weight : of this record in a fit; of its first cycles in addition.
+    cycle_balance : 0 counts forces as they are, 1 relative to the peak of their own cycle; between
+        them, to that power. Small cycles count for nothing else where large ones are in the record.
+    assumptions : what the file did not say.
+    bearing : name or file of the bearing, if the sidecar gave one.
+    unused : titles of the file's columns that nothing was made of.
+    rubber_thickness : total of the bearing [mm], as displacement over a column of strains says it.
+    guessed_places : thermocouples whose place was read from their title, not from a sidecar.
+    despike : take spikes out before a fit.
+    detrend : whose drift to take out before a fit: "force", "displacement", "both", or "".
+    ambient_uncertainty : standard uncertainty of `ambient` [K], >= 0; None for the usual 0.5 K.
+    """
+
+    __test__ = False  # not a test for pytest
+
+    name: str
+    time: Floats
+    displacement: Floats
+    force: Floats
+    block: Ints
+    ambient: float
+    file: str = ""
+    temperatures: dict[str, Floats] = field(default_factory=dict)
+    places: dict[str, str] = field(default_factory=dict)
+    weight: float = 1.0
+    first_cycle_weight: float = 1.0
+    cycle_balance: float = 0.0
+    assumptions: tuple[str, ...] = ()
+    bearing: str | None = None
+    unused: tuple[str, ...] = ()
+    despike: bool = False
+    detrend: str = ""
+    rubber_thickness: float | None = None
+    ambient_uncertainty: float | None = None
+    guessed_places: tuple[str, ...] = ()
+
+    def of_bearing(self, bearing: Bearing) -> "TestRecord":
+        """Return the test without guessed places that a bearing does not have.
+
+        Parameters
+        ----------
+        bearing : with lead or without, of so many rubber layers.
+        """
+        layers = [f"rubber {k + 1}" for k in range(bearing.geometry.rubber_layers)]
+        held = {*layers, "lead"} if bearing.lead is not None else set(layers)
+        lost = {title for title in self.guessed_places if self.places.get(title) not in held}
+        if not lost:
+            return self
+        return replace(
+            self,
+            places={title: place for title, place in self.places.items() if title not in lost},
+            temperatures={t: values for t, values in self.temperatures.items() if t not in lost},
+            unused=(*self.unused, *sorted(lost - set(self.unused))),
+        )
+
+    @property
+    def peak_force(self) -> float:
+        """Largest force, either way [kN]."""
+        return float(np.abs(self.force).max())
+
+    @property
+    def peak_displacement(self) -> float:
+        """Largest displacement, either way [mm]."""
+        return float(np.abs(self.displacement).max())
+
+
+def record_from_arrays(
+    time: Floats, displacement: Floats, force: Floats, ambient: float, *, name: str = "test"
+) -> TestRecord:
+    """A record from histories in memory; gaps in time while nothing moves are rests.
+
+    Parameters
+    ----------
+    time : [s], increasing.
+    displacement, force : [mm], [kN], force with the sign of displacement.
+    ambient : [degC].
+    name : what reports call it.
+
+    Returns
+    -------
+    TestRecord
+
+    Raises
+    ------
+    InputError : lists that differ in length or are not finite numbers.
+
+    Examples
+    --------
+    >>> t = np.linspace(0.0, 10.0, 200)
+    >>> record_from_arrays(t, np.sin(t), 2.0 * np.sin(t), 23.0).peak_force > 1.9
+    True
+    """
+    given = {"time": time, "displacement": displacement, "force": force}
+    columns = [number_list(values, f"{name}: {what}") for what, values in given.items()]
+    if len({len(values) for values in columns}) != 1:
+        raise InputError("time, displacement and force must be lists of the same length", name)
+    block = np.zeros(len(columns[0]), dtype=np.int64)
+    x, f = columns[1], columns[2]
+    at = check_temperature(ambient, f"{name}: ambient")
+    return TestRecord(name, columns[0], x, f, block=block, ambient=float(at))
+
+
+def load_test(path: str | Path) -> TestRecord:
+    r"""A test from its table of samples or from its sidecar TOML.
+
+    Parameters
+    ----------
+    path : `test.csv` or `test.xlsx` (its sidecar is `test.toml` beside it, if there is one) or the
+        sidecar.
+
+    Returns
+    -------
+    TestRecord
+
+    Raises
+    ------
+    InputError : unreadable file, unknown key or column, wrong unit, a cell that is not a number.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = Path(folder) / "cold.csv"
+    ...     _ = file.write_text("time_s,displacement_mm,force_kN\n0,0,0\n1,5,9\n2,0,-1\n")
+    ...     _ = file.with_suffix(".toml").write_text('ambient = "-20 degC"')
+    ...     record = load_test(file)
+    >>> record.name, record.ambient, record.peak_force
+    ('cold', -20.0, 9.0)
+    """
+    return build_record(read_laboratory(path))
+
+
+def build_record(readings: Readings) -> TestRecord:
+    """A test from what was read of it.
+
+    Parameters
+    ----------
+    readings : from `read_laboratory`.
+
+    Returns
+    -------
+    TestRecord
+
+    Raises
+    ------
+    InputError : an ambient temperature that is none, or that one number cannot stand for.
+    """
+    sidecar, values = readings.sidecar, readings.values
+    assumptions = list(readings.assumptions)
+    where = Path(sidecar.bearing) if sidecar.bearing else None
+    inside = where is not None and where.suffix == ".toml" and not where.is_absolute()
+    thickness = _rubber_thickness(values, assumptions)
+    return TestRecord(
+        name=sidecar.name or readings.file.stem,
+        file=str(readings.file),
+        time=values["time"],
+        displacement=readings.displacement,
+        force=readings.force,
+        block=readings.block,
+        ambient=_ambient(readings, assumptions),
+        temperatures={title: values[title] for title in sidecar.thermocouples},
+        places=dict(sidecar.thermocouples),
+        weight=sidecar.weight,
+        first_cycle_weight=sidecar.first_cycle_weight,
+        cycle_balance=sidecar.cycle_balance,
+        despike=sidecar.despike,
+        detrend=sidecar.detrend,
+        ambient_uncertainty=sidecar.ambient_uncertainty,
+        assumptions=tuple(dict.fromkeys(assumptions)),
+        bearing=str(readings.file.parent / where) if inside and where else sidecar.bearing,
+        unused=tuple(readings.unused),
+        rubber_thickness=thickness,
+        guessed_places=tuple(
+            title
+            for title in sidecar.thermocouples
+            if title not in readings.given.get("thermocouples", {})
+        ),
+    )
+
+
+def _rubber_thickness(values: dict[str, Floats], assumptions: list[str]) -> float | None:
+    """Displacement over shear strain where the file has both and they go together [mm]."""
+    strain = values.get("strain")
+    if strain is None or not np.ptp(strain):
+        return None
+    way, strain = values["displacement"] - values["displacement"].mean(), strain - strain.mean()
+    slope = float(way @ strain / (strain @ strain))
+    if float(np.abs(way - slope * strain).max()) > TOGETHER * float(np.abs(way).max()):
+        assumptions.append("strains are not proportional to the displacement: not used")
+        return None
+    return abs(100.0 * slope)
+
+
+def _ambient(readings: Readings, assumptions: list[str]) -> float:
+    """Chamber temperature: as told, or the file's own column, or assumed [degC]."""
+    if readings.sidecar.ambient is not None:
+        return readings.sidecar.ambient
+    column = readings.values.get("ambient")
+    if column is None:
+        assumptions.append(
+            f"no ambient temperature: {ASSUMED_AMBIENT:g} degC assumed; give ambient"
+        )
+        return ASSUMED_AMBIENT
+    if np.ptp(column) > STEADY:
+        raise InputError(
+            f"ambient runs from {column.min():g} to {column.max():g} degC; one record has one "
+            "ambient temperature: cut the file in one per temperature, or give ambient",
+            str(readings.file),
+        )
+    drift = _told_drift(readings.values["time"], column) if "time" in readings.values else ""
+    assumptions += [drift] if drift else []
+    return check_temperature(float(column.mean()), f"{readings.file}: ambient")

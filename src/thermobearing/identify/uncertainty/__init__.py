@@ -1,0 +1,1 @@
+"""Uncertainty of calibrated parameters, and agreement with the tests."""

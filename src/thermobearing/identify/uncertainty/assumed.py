@@ -1,0 +1,410 @@
+"""What a fit takes from the bearing's file, and how far that may be off.
+
+Each number that is not identified has a standard uncertainty (data/identify/assumed.toml). The
+columns of derivatives that they make carry it into the identified ones (uncertainty.py), and show
+when the tests ask for another value than the file has.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, model_validator
+
+from thermobearing.bearing.model import Bearing
+from thermobearing.border.errors import InputError, nearest
+from thermobearing.border.library import data_path
+from thermobearing.border.schema import Strict, validated
+from thermobearing.border.toml import read_toml
+from thermobearing.identify.fit.forward import dead_band, turning_points
+from thermobearing.identify.fit.parameters import ALPHA, D_Y, HARDENING, N_T, SHAPE
+from thermobearing.identify.fit.problem import Linear, Problem
+from thermobearing.identify.records.noise import estimate_noise
+from thermobearing.identify.records.record import TestRecord
+
+Floats = NDArray[np.float64]
+PART = 0.25  # of a standard uncertainty: the step of a derivative
+LARGEST_SPREAD = 2.0  # relative standard uncertainty
+SURE, BEYOND = 5.0, 3.0  # standard errors of the tests, of tests and source together
+CLEAR = 2.0  # standard errors between a determined number and its bounds
+NORMAL = 10**6  # degrees of freedom with which Student's distribution is the normal one
+AMBIENT = "ambient"
+OF_TESTS = (AMBIENT, "turns", "force")  # keys of the tests, not of the bearing
+UNSEEN = 1e-3  # of the variance: numbers that move the residuals less are not seen by the tests
+OF_YIELDING = {ALPHA, SHAPE, D_Y, HARDENING, N_T}  # linear rubber has none of them
+
+
+class Group(Strict):
+    """Numbers of a bearing that are off together.
+
+    Attributes
+    ----------
+    name : what they are, or the symbol of a parameter.
+    keys : dotted keys of a bearing.
+    relative, absolute : standard uncertainty, one of them, >= 0; absolute in the unit of the key.
+    source, note : where the uncertainty comes from.
+    unit : of `absolute`; empty where the key says it.
+    freedom : degrees of freedom of the uncertainty, > 0 (JCGM 100:2008, G.4.2: how well it is known
+        itself); by default so many that errors count as normal.
+    cause : what else makes tests ask for another value, in words.
+    """
+
+    name: str
+    keys: list[str]
+    relative: float | None = None
+    absolute: float | None = None
+    source: str
+    note: str = ""
+    unit: str = ""
+    freedom: float = Field(default=NORMAL, gt=0.0)
+    cause: str = ""
+
+    @model_validator(mode="after")
+    def _one_uncertainty(self) -> "Group":
+        if (self.relative is None) == (self.absolute is None):
+            raise ValueError("needs relative or absolute, one of them")
+        return self
+
+    def step(self, value: float) -> float:
+        """Standard uncertainty of a value, in its unit."""
+        return self.absolute if self.absolute is not None else (self.relative or 0.0) * abs(value)
+
+
+class Groups(Strict):
+    """What data/identify/assumed.toml says."""
+
+    groups: list[Group]
+
+
+@cache
+def usual_groups() -> tuple[Group, ...]:
+    """The uncertainties that the package comes with.
+
+    Returns
+    -------
+    tuple of Group
+
+    Examples
+    --------
+    >>> [group.relative for group in usual_groups() if group.name == "sigma_Y"]
+    [0.15]
+    """
+    path = data_path("identify", "assumed.toml")
+    return tuple(validated(Groups, read_toml(path), str(path)).groups)
+
+
+def chosen_groups(given: Mapping[str, float] | None) -> tuple[Group, ...]:
+    """The usual uncertainties, some of them replaced.
+
+    Parameters
+    ----------
+    given : relative standard uncertainty in [0, 2] by the name of a group or a key of one; that of
+        "ambient" in K.
+
+    Returns
+    -------
+    tuple of Group
+
+    Raises
+    ------
+    InputError : no group has that name, or a number out of range.
+
+    Examples
+    --------
+    >>> groups = chosen_groups({"materials.side_film": 0.1})
+    >>> [group.relative for group in groups if "side" in group.name]
+    [0.1]
+    """
+    groups = list(usual_groups())
+    for name, value in (given or {}).items():
+        places = [i for i, g in enumerate(groups) if name == g.name or name in g.keys]
+        if not places:
+            known = [word for group in groups for word in (group.name, *group.keys)]
+            raise InputError(f'assumed: nothing is called "{name}"{nearest(name, known)}')
+        number = isinstance(value, int | float) and not isinstance(value, bool)
+        if not (number and 0.0 <= value <= LARGEST_SPREAD):
+            raise InputError(
+                f"assumed: {name} = {value!r} must be a relative standard uncertainty, "
+                f"0 to {LARGEST_SPREAD:g}"
+            )
+        which = "absolute" if groups[places[0]].keys == [AMBIENT] else "relative"
+        change: dict[str, Any] = {"relative": None, "absolute": None, which: float(value)}
+        change |= {"source": "given", "note": ""}
+        groups[places[0]] = groups[places[0]].model_copy(update=change)
+    return tuple(groups)
+
+
+def dotted_value(bearing: Bearing, key: str) -> float | None:
+    """A number of a bearing by its dotted key; None where the bearing has no such part."""
+    part: Any = bearing
+    for name in key.split("."):
+        part = getattr(part, name, None)
+    return None if part is None else float(part)
+
+
+def _with(part: Any, names: Sequence[str], value: float) -> Any:
+    """A copy of a model with one number changed, however deep, without checking it."""
+    first, *rest = names
+    inner = _with(getattr(part, first), rest, value) if rest else value
+    return part.model_copy(update={first: inner})
+
+
+@dataclass(frozen=True)
+class Assumed:
+    """What a fit does not identify.
+
+    Attributes
+    ----------
+    groups : those that the bearing has, that are not free, and that are not known exactly.
+    columns : change of the weighted residuals by one standard uncertainty of each.
+    """
+
+    groups: tuple[Group, ...]
+    columns: Floats  # [residual, group]
+
+
+def shifted(bearing: Bearing, group: Group, sigmas: float) -> Bearing:
+    """A bearing whose numbers of a group are off.
+
+    Parameters
+    ----------
+    bearing : any.
+    group : of `usual_groups`; keys that the bearing has not are left out.
+    sigmas : standard uncertainties, of either sign.
+
+    Returns
+    -------
+    Bearing : unchecked.
+
+    Examples
+    --------
+    >>> from thermobearing.bearing.library import load_bearing
+    >>> (group,) = (g for g in usual_groups() if g.name == "sigma_Y")
+    >>> shifted(load_bearing("shen-lhdr-specimen"), group, -1.0).lead.yield_stress
+    10.2
+    """
+    for key in group.keys:
+        value = dotted_value(bearing, key)
+        if value is not None:
+            moved = round(value + sigmas * group.step(value), 12)
+            bearing = _with(bearing, key.split("."), moved)
+    return bearing
+
+
+def assumed_groups(
+    bearing: Bearing, identified: Sequence[str], groups: Sequence[Group]
+) -> list[Group]:
+    """Which of the groups a fit of a bearing assumes.
+
+    Parameters
+    ----------
+    bearing : any.
+    identified : dotted keys that are free or tied.
+    groups : from `chosen_groups`.
+
+    Returns
+    -------
+    list of Group : without what is identified, known exactly, zero, or of no effect.
+
+    Examples
+    --------
+    >>> from thermobearing.bearing.library import load_bearing
+    >>> found = assumed_groups(load_bearing("lrb-example"), ["lead.softening"], usual_groups())
+    >>> "E2" in [g.name for g in found], "n_T" in [g.name for g in found]
+    (False, False)
+    """
+    linear = bearing.hysteresis.post_yield_ratio == 1.0
+    found = []
+    for group in groups:
+        keys = [key for key in group.keys if key not in identified]
+        if linear:
+            keys = [key for key in keys if key not in OF_YIELDING]
+        values = [dotted_value(bearing, key) for key in keys]
+        if any(value is not None and group.step(value) > 0.0 for value in values):
+            found.append(group.model_copy(update={"keys": keys}))
+    return found
+
+
+def linearise_assumed(
+    problem: Problem, cube: Floats, groups: Sequence[Group], *, fine: bool = True
+) -> Assumed:
+    """The assumed numbers of a fit and what they do to its residuals.
+
+    Parameters
+    ----------
+    problem : residuals of the tests.
+    cube : a place in [0, 1] for each free parameter.
+    groups : from `chosen_groups`.
+    fine : a step of the model at every sample.
+
+    Returns
+    -------
+    Assumed : without those that the model does not get through with.
+    """
+    identified = [p.kind.key for p in problem.pset.parameters if p.free or p.tie is not None]
+    bearing = problem.pset.bearing(cube)
+    here = np.concatenate(problem.parts(cube, fine=fine))
+    kept, columns = [], []
+
+    def add(group: Group, bearing: Bearing, records: Sequence[TestRecord], part: float) -> None:
+        moved = problem.split_parts(bearing, records, fine=fine)
+        column = np.zeros(0) if moved is None else (np.concatenate(moved) - here) / part
+        if column.any():
+            kept.append(group)
+            columns.append(column)
+
+    for group in assumed_groups(bearing, identified, groups):
+        add(group, shifted(bearing, group, PART), problem.records, PART)
+    for group, records in _other_tests(problem.records, groups):
+        add(group, bearing, records, 1.0)
+    shape = (len(here), len(kept))
+    return Assumed(tuple(kept), np.array(columns).T if columns else np.zeros(shape))
+
+
+def _other_tests(
+    records: Sequence[TestRecord], groups: Sequence[Group]
+) -> Iterator[tuple[Group, list[TestRecord]]]:
+    """The tests, off by one standard uncertainty of each thing measured that shifts a whole test.
+
+    Tests at the same temperature share its error: they had one chamber and thermometer.
+    """
+    if not groups:  # everything is known exactly
+        return
+    by_key = {group.keys[0]: group for group in groups}
+    air, turns, scale = (by_key[key] for key in OF_TESTS)
+    known = [record.ambient_uncertainty for record in records]
+    steps = [air.step(0.0) if u is None else u for u in known]
+    for ambient in dict.fromkeys(record.ambient for record in records):
+        off = [u if r.ambient == ambient else 0.0 for r, u in zip(records, steps, strict=True)]
+        update = {"name": f"{air.name} of {ambient:.4g} degC", "absolute": max(off)}
+        warmer = [replace(r, ambient=r.ambient + u) for r, u in zip(records, off, strict=True)]
+        yield air.model_copy(update=update), warmer
+    yield turns, [replace(r, displacement=_drawn_in(r.displacement, turns)) for r in records]
+    yield scale, [replace(r, force=(1.0 + scale.step(1.0)) * r.force) for r in records]
+
+
+def _drawn_in(x: Floats, group: Group) -> Floats:
+    """A displacement whose turns are less far out by the uncertainty that its noise gives them."""
+    turns, less = turning_points(x, dead_band(x))[1:-1], x.copy()
+    less[turns] -= group.step(estimate_noise(x)) * np.sign(x[turns] - x[turns - 1])
+    return less
+
+
+@dataclass(frozen=True)
+class Told:
+    """What the tests say of one group, the others as in the file.
+
+    Attributes
+    ----------
+    group : the numbers.
+    sigmas : how far the tests would have them from the file's values, in standard uncertainties.
+    stderr : of `sigmas`, by the tests.
+    explained : share of the squared residuals that this would take away, in [0, 1].
+    """
+
+    group: Group
+    sigmas: float
+    stderr: float
+    explained: float
+
+    @property
+    def contradicted(self) -> bool:
+        """Whether the tests are sure that the file's values are beyond their uncertainty."""
+        off = abs(self.sigmas)
+        return off > SURE * self.stderr and off > BEYOND * float(np.hypot(1.0, self.stderr))
+
+    def summary(self) -> dict[str, Any]:
+        """What summary.json says of them."""
+        return {
+            "name": self.group.name,
+            "keys": self.group.keys,
+            "relative_uncertainty": self.group.relative,
+            "absolute_uncertainty": self.group.absolute,
+            "unit": self.group.unit,
+            "source": ", ".join(filter(None, (self.group.source, self.group.note))),
+            "tests_ask_for_sigmas": self.sigmas,
+            "stderr_of_that": self.stderr if np.isfinite(self.stderr) else None,
+            "contradicted": self.contradicted,
+        }
+
+
+@dataclass(frozen=True)
+class Carried:
+    """What the uncertainty of the assumed numbers does to the identified ones.
+
+    Attributes
+    ----------
+    told : what the tests say of each group.
+    shifts : [parameter inside, group] change of the optimum by one standard uncertainty.
+    spread : [group, group] mean square of how far the groups may be off, tests known.
+    """
+
+    told: tuple[Told, ...]
+    shifts: Floats
+    spread: Floats
+
+    def covariance(self, factors: Floats | float = 1.0) -> Floats:
+        """Return that of the parameters inside, by the assumed numbers, in the unit cube.
+
+        Parameters
+        ----------
+        factors : on the uncertainty of each group.
+
+        Returns
+        -------
+        ndarray : [parameter inside, parameter inside]
+        """
+        shifts = self.shifts * factors
+        return np.asarray(shifts @ self.spread @ shifts.T)
+
+
+def carried(linear: Linear, assumed: Assumed) -> Carried:
+    """Carry the uncertainty of what is assumed into what is identified.
+
+    The optimum moves by -(J^T J)^-1 J^T c for a column c (a "consider" analysis; Schmidt 1966).
+    How far the groups may be off is what their sources leave open after the tests have been
+    heard: with the information H of the tests and b = H times what they ask for, the posterior
+    of a normal prior has the covariance P = (1 + H)^-1 and the mean P b. The fit stays at the
+    file's values, so that it is off by both.
+
+    Parameters
+    ----------
+    linear : the fit near its optimum.
+    assumed : the groups and their columns.
+
+    Returns
+    -------
+    Carried
+    """
+    columns = linear.weights[:, None] * assumed.columns
+    shifts = -linear.solved(columns)
+    apart = columns + linear.jacobian @ shifts  # what no change of the parameters can imitate
+    told = [_told(linear, group, apart[:, i]) for i, group in enumerate(assumed.groups)]
+    inner = apart.T @ apart
+    wanted = -np.linalg.pinv(inner, rcond=1e-10, hermitian=True) @ (apart.T @ linear.residuals)
+    left_over = linear.residuals + apart @ wanted
+    meat = linear.meat(apart, left_over) + np.diag(np.diag(inner)) * np.mean(left_over**2)
+    against = np.linalg.pinv(meat, rcond=1e-10, hermitian=True)
+    # By eigenvalues: exact tests know nearly everything, and an inverse would not stay positive.
+    known, axes = np.linalg.eigh(inner @ against @ inner)
+    known = np.maximum(known, 0.0)
+    posterior = (axes / (1.0 + known)) @ axes.T
+    mean = axes @ (known / (1.0 + known) * (axes.T @ wanted))
+    return Carried(tuple(told), shifts, posterior + np.outer(mean, mean))
+
+
+def _told(linear: Linear, group: Group, column: Floats) -> Told:
+    """What the tests say of one group, from its column less what parameters can imitate."""
+    residuals = linear.residuals
+    norm = float(column @ column)
+    if norm <= UNSEEN * max(linear.variance, 1e-300):
+        return Told(group, 0.0, float("inf"), 0.0)
+    sigmas = -float(column @ residuals) / norm
+    left_over = residuals + sigmas * column  # or the error of the file would be taken for noise
+    meat = float(linear.meat(column[:, None], left_over)[0, 0])
+    least = norm * float(left_over @ left_over) / len(left_over)
+    explained = sigmas**2 * norm / max(float(residuals @ residuals), 1e-300)
+    return Told(group, sigmas, float(np.sqrt(max(meat, least))) / norm, explained)

@@ -1,0 +1,366 @@
+"""How well each parameter is known: intervals, correlation, and what test would help.
+
+What the tests leave open (linear.py) and what is assumed beside them (assumed.py) add up.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from thermobearing.identify.fit import parameters as kinds
+from thermobearing.identify.fit.forward import turning_points
+from thermobearing.identify.fit.parameters import Parameter, at_one_temperature
+from thermobearing.identify.fit.problem import AT_BOUND, BLOCK_TURN, Problem, linearised
+from thermobearing.identify.records.record import TestRecord
+from thermobearing.identify.uncertainty.assumed import (
+    Carried,
+    Group,
+    Told,
+    carried,
+    linearise_assumed,
+    usual_groups,
+)
+
+Floats = NDArray[np.float64]
+WELL = 0.01  # relative standard error of a well determined parameter: three are within 3 %
+NEAR_BOUND = 0.05  # of the range of the search: nearer to a bound no parameter is determined
+POOR = 0.1  # relative standard error of a poorly determined one
+LEAST = 0.1  # m_T, n_T, b and s may be zero: errors are relative to this at least
+LEVEL = 0.95
+CORRELATED = 0.95
+NEGLIGIBLE = 1e-3  # of the peak force: smaller residuals are no matter for a warning
+ALIKE = 0.2  # effective over actual samples, below which residuals are not noise
+TEMPERATURE_SPAN = 15.0  # K between tests that fix a temperature coefficient
+# Entropy stiffens warm rubber by T/T_0, a third in 100 K; no more.
+ENTROPIC = 0.35
+MOST_CAUSES = 3  # that are named
+AS_LIKELY = 0.7  # of what the likeliest cause explains
+MUCH = 0.1  # of the squared misfit, which one more free parameter would take away ...
+SURELY = 3.0  # ... and by so many standard errors
+SPEED_SPAN = 3.0  # ratio of speeds that fixes rate dependence
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """One free parameter, in its unit.
+
+    Attributes
+    ----------
+    parameter : which.
+    value : at the optimum.
+    stderr : standard error, by the tests and by what is assumed beside them.
+    stderr_of_tests : by the tests alone.
+    lower, upper : 95 % interval.
+    at_bound : the value ended at a bound.
+    """
+
+    parameter: Parameter
+    value: float
+    stderr: float
+    stderr_of_tests: float
+    lower: float
+    upper: float
+    at_bound: bool
+
+    @property
+    def lost(self) -> bool:
+        """Whether it ended near a bound that is not an end of the law itself, as b = 0 is."""
+        u, key = self.parameter.place(self.value), self.parameter.kind.key
+        end = self.parameter.lower if u < 0.5 else self.parameter.upper
+        return min(u, 1.0 - u) < NEAR_BOUND and (key, end) not in kinds.ENDS
+
+    @property
+    def determined(self) -> bool:
+        """Whether the tests, and not a bound of the search, gave the value."""
+        return not (self.at_bound or self.lost)
+
+    @property
+    def where(self) -> str:
+        """Return how near to a bound it ended, in words."""
+        return "at its bound" if self.at_bound else f"within {NEAR_BOUND:.0%} of its bound"
+
+    @property
+    def relative_error(self) -> float:
+        """Standard error over the value; infinite where it is not determined."""
+        least = 0.0 if self.parameter.kind.transform == "log" else LEAST
+        known = self.determined and np.isfinite(self.stderr)
+        return self.stderr / max(abs(self.value), least) if known else float("inf")
+
+    @property
+    def well_determined(self) -> bool:
+        """Whether three standard errors are within 3 % of the value."""
+        return self.relative_error <= WELL
+
+
+@dataclass(frozen=True)
+class Uncertainty:
+    """Of all free parameters.
+
+    Attributes
+    ----------
+    estimates : by dotted key.
+    covariance : in the unit cube; rows and columns of parameters at bounds are zero.
+    correlation : by the tests alone.
+    assumed : what the numbers that are not identified do to those that are.
+    inside : of the free parameters, those that are not at a bound.
+    samples, effective_samples : how many, and how many independent ones they are worth.
+    rms : root mean square of the residuals, relative to the peak force.
+    warnings : in words.
+    misfit : likely causes of residuals that are no noise, in words.
+    """
+
+    estimates: dict[str, Estimate]
+    covariance: Floats
+    correlation: Floats
+    assumed: Carried
+    inside: NDArray[np.bool_]
+    samples: int
+    effective_samples: float
+    rms: float
+    warnings: list[str] = field(default_factory=list)
+    misfit: list[str] = field(default_factory=list)
+
+
+def effective_samples(residuals: Floats) -> float:
+    """Number of independent samples that a correlated series is worth.
+
+    n / (1 + 2 sum rho_k), the sum up to the first lag at which rho is not positive.
+
+    Parameters
+    ----------
+    residuals : in the order of time, in any unit.
+
+    Returns
+    -------
+    float : at most about the number of residuals.
+
+    Examples
+    --------
+    >>> white = np.random.default_rng(0).normal(size=4000)
+    >>> bool(effective_samples(white) > 2500)
+    True
+    """
+    n = len(residuals)
+    centred = residuals - residuals.mean()
+    spectrum = np.fft.rfft(centred, 2 * n)
+    covariance = np.fft.irfft(np.abs(spectrum) ** 2)[:n]
+    if covariance[0] <= 0.0:
+        return float(n)
+    rho = covariance / covariance[0]
+    negative = np.flatnonzero(rho <= 0.0)
+    end = int(negative[0]) if len(negative) else n
+    return float(n / (1.0 + 2.0 * rho[1:end].sum()))
+
+
+def estimate(problem: Problem, cube: Floats, groups: Sequence[Group] | None = None) -> Uncertainty:
+    """Standard errors, intervals and warnings at the optimum of a fit.
+
+    Parameters
+    ----------
+    problem : residuals of the tests.
+    cube : the optimum, in [0, 1] for each free parameter.
+    groups : what is assumed, and how far it may be off; the usual by default.
+
+    Returns
+    -------
+    Uncertainty
+
+    Examples
+    --------
+    >>> import thermobearing as tb
+    >>> from thermobearing.identify.fit.parameters import parameter_set
+    >>> bearing = tb.load_bearing("shen-hdr-specimen")
+    >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
+    >>> record = tb.identify.synthetic_record(bearing, 23.0, test)
+    >>> pset = parameter_set(bearing, ["K_r"], [23.0])
+    >>> estimate(Problem([record], pset), pset.start).estimates[kinds.K_R].relative_error < 0.05
+    True
+    """
+    linear = linearised(problem, cube)
+    assumed = carried(
+        linear, linearise_assumed(problem, cube, usual_groups() if groups is None else groups)
+    )
+    inside = np.ix_(linear.inside, linear.inside)
+    of_tests, covariance = np.zeros((2, len(cube), len(cube)))
+    of_tests[inside] = linear.covariance()
+    covariance[inside] = of_tests[inside] + assumed.covariance()
+    half = np.zeros(len(cube))  # of the intervals: each part with its own degrees of freedom
+    wide = np.array([_wide(item.group.freedom) for item in assumed.told])
+    half[linear.inside] = np.diag(assumed.covariance(wide))
+    half += _wide(int(linear.blocks.max()) + 1 - len(cube)) ** 2 * np.diag(of_tests)
+    estimates = {}
+    for i, parameter in enumerate(problem.pset.free):
+        variances = float(of_tests[i, i]), float(covariance[i, i])
+        estimates[parameter.kind.key] = _estimate(
+            parameter, float(cube[i]), *variances, float(np.sqrt(half[i]))
+        )
+    found = Uncertainty(
+        estimates=estimates,
+        covariance=covariance,
+        correlation=_correlation(of_tests),
+        assumed=assumed,
+        inside=linear.inside,
+        samples=len(linear.weights),
+        effective_samples=sum(effective_samples(part) for part in linear.parts),
+        rms=float(np.sqrt(np.mean(linear.residuals**2))),
+    )
+    found.warnings.extend(_warnings(problem, found))
+    found.misfit.extend(_misfit(problem, found))
+    return found
+
+
+def _correlation(covariance: Floats) -> Floats:
+    spread = np.sqrt(np.diag(covariance))
+    safe = np.where(spread > 0.0, spread, 1.0)
+    return np.asarray(covariance / np.outer(safe, safe))
+
+
+def _wide(freedom: float) -> float:
+    """Standard errors in a 95 % interval, by Student's distribution."""
+    from scipy.stats import t as student
+
+    return float(student.ppf(0.5 + 0.5 * LEVEL, max(freedom, 2)))
+
+
+def _estimate(
+    parameter: Parameter, u: float, of_tests: float, whole: float, half: float
+) -> Estimate:
+    """At a place in the unit cube, from the variances and half the 95 % interval there."""
+    bound = not AT_BOUND < u < 1.0 - AT_BOUND
+    slope = parameter.slope(u) if not bound else float("nan")
+    return Estimate(
+        parameter=parameter,
+        value=parameter.at(u),
+        stderr=float(np.sqrt(whole)) * slope,
+        stderr_of_tests=float(np.sqrt(of_tests)) * slope,
+        lower=parameter.at(max(u - half, 0.0)),
+        upper=parameter.at(min(u + half, 1.0)),
+        at_bound=bound,
+    )
+
+
+def remedy(keys: set[str]) -> str:
+    """Return what tests would fix parameters, given by their dotted keys."""
+    for known, words in kinds.REMEDIES:
+        if keys & known:
+            return words
+    return "other tests would be needed"
+
+
+def _warnings(problem: Problem, found: Uncertainty) -> list[str]:
+    """Bounds reached, weak and entangled parameters, and tests too alike, in words."""
+    said = [*_test_warnings(problem), *_exchanged(found)]
+    for key, item in found.estimates.items():
+        symbol, unit = item.parameter.kind.symbol, item.parameter.kind.unit
+        shown = f"{symbol} = {item.value:.4g} {unit}".strip()
+        if not item.determined:
+            said.append(f"{shown} is not determined, it ended {item.where}: {remedy({key})}")
+        elif item.relative_error > POOR:
+            said.append(
+                f"{shown} is poorly determined (standard error {item.stderr:.2g}): {remedy({key})}"
+            )
+    keys = list(found.estimates)
+    for i, j in zip(*np.triu_indices(len(keys), 1), strict=True):
+        rho = float(found.correlation[i, j])
+        if abs(rho) > CORRELATED:
+            a, b = (found.estimates[keys[k]].parameter.kind.symbol for k in (i, j))
+            weak = any(found.estimates[keys[k]].relative_error > WELL for k in (i, j))
+            if weak:
+                said.append(
+                    f"{a} and {b} are entangled (correlation {rho:.2f}): only a combination of "
+                    f"them is known; {remedy({keys[i], keys[j]})}"
+                )
+    return said
+
+
+def _exchanged(found: Uncertainty) -> list[str]:
+    """Temperature coefficients that no rubber has."""
+    warm = [found.estimates[k] for k in (kinds.M_T, kinds.N_T) if k in found.estimates]
+    if not warm or not all(item.lower > ENTROPIC for item in warm):
+        return []
+    shown = " and ".join(f"{e.parameter.kind.symbol} = {e.value:.2f}" for e in warm)
+    return [
+        f"{shown} would be rubber that stiffens as it warms: are the ambient temperatures of "
+        "the tests swapped?"
+    ]
+
+
+def _misfit(problem: Problem, found: Uncertainty) -> list[str]:
+    """What residuals that are no noise may come from: first what the tests contradict."""
+    if found.rms <= NEGLIGIBLE:  # the model met the tests: there is no misfit to explain
+        return []
+    told = sorted(found.assumed.told, key=lambda item: -item.explained)
+    if at_one_temperature(record.ambient for record in problem.records):
+        told = [item for item in told if item.group.keys[0] not in (kinds.M_T, kinds.N_T)]
+    said = []
+    if told and told[0].contradicted:
+        worst = told[0]
+        alike = [t for t in told if t.contradicted and t.explained > AS_LIKELY * worst.explained]
+        causes = [item.group.cause or f"the value of {item.group.name}" for item in alike]
+        said.append(
+            f"likely {'; or '.join(causes[:MOST_CAUSES])}: the tests ask for "
+            f"{'more' if worst.sigmas > 0.0 else 'less'} {worst.group.name} than was assumed, by "
+            f"{abs(worst.sigmas):.0f} times its uncertainty"
+        )
+    said += _to_free(told, found)
+    if not said and found.effective_samples < ALIKE * found.samples:
+        said.append(
+            f"the residuals are not noise ({found.samples} samples are worth "
+            f"{found.effective_samples:.0f} independent ones): the law misses something, or the "
+            "force was filtered; standard errors are those of the numbers of this law"
+        )
+    return said
+
+
+def _to_free(told: Sequence[Told], found: Uncertainty) -> list[str]:
+    """Parameters that were held, and whose freedom would take much of the misfit away."""
+    held = [
+        item
+        for item in told
+        if item.group.keys[0] in kinds.BY_KEY
+        and item.explained > MUCH
+        and abs(item.sigmas) > SURELY * item.stderr
+    ]
+    if not held:
+        return []
+    worst = max(held, key=lambda item: item.explained)
+    name = worst.group.name
+    free = [*(item.parameter.kind.symbol for item in found.estimates.values()), name]
+    return [
+        f"{worst.explained:.0%} of the squared misfit would go with another {name} than the file "
+        f"has: free {name} (--free {','.join(free)})"
+    ]
+
+
+def _test_warnings(problem: Problem) -> list[str]:
+    """What the tests cannot tell, whatever they measured."""
+    said = []
+    free = {p.kind.key for p in problem.pset.free}
+    ambients = [record.ambient for record in problem.records]
+    if free & {kinds.M_T, kinds.N_T} and max(ambients) - min(ambients) < TEMPERATURE_SPAN:
+        span = f"{min(ambients):g}"
+        if max(ambients) > min(ambients):
+            span += f" to {max(ambients):g}"
+        said.append(
+            f"m_T and n_T were fitted to tests at {span} degC only, mostly from self-heating: "
+            f"{remedy({kinds.M_T})}"
+        )
+    if free & {kinds.C_V, kinds.K_V}:
+        speeds = [s for record in problem.records for s in _speeds(record)]
+        if max(speeds) < SPEED_SPAN * min(speeds):
+            said.append(
+                f"c_v and K_v were fitted to mean speeds of {min(speeds):.3g} to "
+                f"{max(speeds):.3g} mm/s only: {remedy({kinds.C_V})}"
+            )
+    return said
+
+
+def _speeds(record: TestRecord) -> list[float]:
+    """Mean speed of each large half cycle [mm/s]."""
+    turns = turning_points(record.displacement, BLOCK_TURN * record.peak_displacement)
+    way = np.abs(np.diff(record.displacement[turns]))
+    time = np.diff(record.time[turns])
+    large = way > 0.5 * way.max()
+    return [float(speed) for speed in way[large] / time[large]]

@@ -1,0 +1,364 @@
+"""Posterior distribution of the parameters, and the forecast from it.
+
+By default samples come from the normal distribution of the fit (Laplace). With emcee
+(Foreman-Mackey et al. 2013, the optional extra `bayes`) they come from the posterior itself,
+whose likelihood is tempered by the effective number of samples (see uncertainty.py), flat
+within the bounds on the scale of the search; what the assumed numbers leave open (assumed.py) is
+added to its draws.
+"""
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from thermobearing.border.errors import InputError
+from thermobearing.identify.fit.forward import ForwardModel
+from thermobearing.identify.records.record import TestRecord
+from thermobearing.identify.result import Identification
+from thermobearing.identify.uncertainty.agreement import reached_in
+from thermobearing.results.ranges import Row, asked_of_tests, limits_passed, outside_tests
+
+Floats = NDArray[np.float64]
+WALKERS_PER = 3  # walkers for each parameter
+LOW, HIGH = 0.025, 0.975
+MOST_STEPS = 100_000  # of a walker
+STEPS, BURN = 300, 100  # of a walker, kept and thrown away
+
+
+@dataclass(frozen=True)
+class Samples:
+    """Points of the unit cube from the posterior, and how they were drawn."""
+
+    cube: Floats  # [samples, parameters]
+    source: str  # "laplace" or "emcee"
+    acceptance: float = 1.0
+    autocorrelation: float = 1.0  # steps of a walker until it forgets; nan if not known
+
+
+@dataclass(frozen=True)
+class Band:
+    """95 % band of the force at the samples of a test, and of its peak.
+
+    It carries the uncertainty of the parameters of this law; noise and what the law misses
+    come on top.
+
+    Attributes
+    ----------
+    ambient : temperature [degC].
+    displacement, best, lower, upper : displacement [mm] and forces [kN] at the samples.
+    peak, peak_lower, peak_upper : largest force [kN].
+    lead : coldest and warmest temperature of the lead [degC]; None without lead.
+    asked : what it asks of the range of the tests, rows of `compared`.
+    """
+
+    ambient: float
+    displacement: Floats
+    best: Floats
+    lower: Floats
+    upper: Floats
+    peak: float
+    peak_lower: float
+    peak_upper: float
+    lead: tuple[float, float] | None = None
+    asked: tuple[Row, ...] = ()
+
+    @property
+    def name(self) -> str:
+        """What it is called in sentences."""
+        return f"predicted at {self.ambient:g} degC"
+
+    @property
+    def beyond_tested(self) -> str:
+        """The quantities in which it leaves the tests of the fit."""
+        return limits_passed(self.asked, [self.name])[0]
+
+    def summary(self) -> dict[str, Any]:
+        """What summary.json says of the band."""
+        return {
+            "ambient_degC": self.ambient,
+            "best_kN": self.peak,
+            "lower_kN": self.peak_lower,
+            "upper_kN": self.peak_upper,
+            "beyond_tested": self.beyond_tested,
+        }
+
+
+@dataclass(frozen=True)
+class Forecast:
+    """Draws of the parameters, and the bands that they make at some temperatures.
+
+    Attributes
+    ----------
+    samples : the draws; `found.save(directory, forecast=...)` writes them as posterior.csv.
+    bands : one at each temperature.
+    warnings : what of it goes beyond the tests.
+    """
+
+    samples: Samples
+    bands: tuple[Band, ...] = ()
+    warnings: tuple[str, ...] = ()
+
+    def summary(self) -> dict[str, Any]:
+        """What summary.json says."""
+        return {
+            "source": self.samples.source,
+            "samples": len(self.samples.cube),
+            "acceptance": self.samples.acceptance,
+            "autocorrelation_steps": self.samples.autocorrelation,
+            "warnings": list(self.warnings),
+            "peak_force": [band.summary() for band in self.bands],
+        }
+
+
+def forecast(
+    found: Identification,
+    ambients: Sequence[float] = (),
+    *,
+    posterior: bool = False,
+    seed: int = 0,
+) -> Forecast:
+    """What the tests leave open at some temperatures: a band around the predicted loops.
+
+    Parameters
+    ----------
+    found : from `identify_bearing`.
+    ambients : temperatures [degC], each in [-100, 100]; that of the first test by default.
+    posterior : sample the posterior with emcee; else the normal distribution of the fit.
+    seed : of the draws, >= 0.
+
+    Returns
+    -------
+    Forecast
+
+    Raises
+    ------
+    InputError : a temperature out of range, emcee is not installed, or no draw gets through.
+
+    Examples
+    --------
+    >>> import thermobearing as tb
+    >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
+    >>> record = tb.identify.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
+    >>> found = tb.identify_bearing(record, "shen-hdr-specimen", free=["K_r"], starts=1)
+    >>> colder, warmer = forecast(found, [-20.0, 23.0]).bands
+    >>> colder.peak > warmer.peak
+    True
+    """
+    draws = posterior_samples if posterior else laplace_samples
+    samples = draws(found, seed=seed)
+    at = list(ambients) or [found.records[0].ambient]
+    bands = [_asked(found, predictive_band(found, samples, one, seed=seed)) for one in at]
+    rows = [row for band in bands for row in band.asked]
+    said = outside_tests(found.bearing.name, rows, found.tested_range.ranges())
+    return Forecast(samples, tuple(bands), tuple(said))
+
+
+def _asked(found: Identification, band: Band) -> Band:
+    """A band with what it asks of the range of the tests."""
+    thickness = found.bearing.total_rubber_thickness
+    reached = reached_in(found.records[0], thickness, band.ambient, band.lead)
+    rows = asked_of_tests(band.name, reached, found.tested_range.ranges())
+    return replace(band, asked=tuple(rows))
+
+
+def laplace_samples(found: Identification, count: int = 200, *, seed: int = 0) -> Samples:
+    """Draws from the normal distribution of the fit, within the bounds.
+
+    Parameters
+    ----------
+    found : from `identify_bearing`.
+    count : draws, >= 1.
+    seed : of the draws, >= 0.
+
+    Returns
+    -------
+    Samples
+
+    Examples
+    --------
+    >>> import thermobearing as tb
+    >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
+    >>> record = tb.identify.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
+    >>> found = tb.identify_bearing(record, "shen-hdr-specimen", free=["K_r"], starts=1)
+    >>> laplace_samples(found, 50).cube.shape
+    (50, 1)
+    """
+    rng = np.random.default_rng(seed)
+    values, vectors = np.linalg.eigh(found.uncertainty.covariance)
+    root = vectors * np.sqrt(np.maximum(values, 0.0))
+    draws = found.cube + rng.normal(size=(count, len(found.cube))) @ root.T
+    return Samples(np.clip(draws, 0.0, 1.0), "laplace")
+
+
+def need_emcee() -> None:
+    """Ask for emcee before an hour of fitting, not after.
+
+    Raises
+    ------
+    InputError : it is not installed.
+    """
+    try:
+        import emcee  # noqa: F401
+    except ImportError:
+        raise InputError(
+            "the posterior needs emcee: pip install 'thermobearing[bayes]'; without it, "
+            "laplace_samples draws from the normal distribution of the fit"
+        ) from None
+
+
+def _walkers(found: Identification) -> int:
+    return max(2 * len(found.cube) + 2, WALKERS_PER * len(found.cube))
+
+
+def posterior_effort(
+    found: Identification, *, steps: int = STEPS, burn: int = BURN
+) -> tuple[int, float]:
+    """What `posterior_samples` takes: runs of the model, and about how long.
+
+    Parameters
+    ----------
+    found : a fit.
+    steps, burn : as of `posterior_samples`.
+
+    Returns
+    -------
+    (runs, seconds) : at most so many runs of a test (draws beyond a bound need none), and their
+        time by the clock of one more run of the fit [s].
+
+    Examples
+    --------
+    >>> import thermobearing as tb
+    >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
+    >>> record = tb.identify.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
+    >>> found = tb.identify_bearing(record, "shen-hdr-specimen", free=["K_r"], starts=1)
+    >>> runs, seconds = posterior_effort(found)
+    >>> runs, seconds > 0.0
+    (1604, True)
+    """
+    rounds = _walkers(found) * (burn + steps + 1)  # and each walker's begin
+    begin = time.perf_counter()
+    found.problem.parts(found.cube, fine=True)
+    return rounds * len(found.records), rounds * (time.perf_counter() - begin)
+
+
+def posterior_samples(
+    found: Identification, *, steps: int = STEPS, burn: int = BURN, seed: int = 0
+) -> Samples:
+    """Draws from the posterior by emcee's ensemble sampler.
+
+    Parameters
+    ----------
+    found : a fit.
+    steps : of each walker, 1 to 100 000, after `burn` that are thrown away (0 to 100 000).
+    seed : of the walkers, >= 0.
+
+    Returns
+    -------
+    Samples
+
+    Raises
+    ------
+    InputError : emcee is not installed; steps out of range.
+    """
+    if not (1 <= steps <= MOST_STEPS and 0 <= burn <= MOST_STEPS):
+        raise InputError(f"steps = {steps}, burn = {burn}: must be 1 and 0 to {MOST_STEPS}")
+    need_emcee()
+    import emcee
+
+    problem, best = found.problem, found.cube
+    residual = np.concatenate(problem.parts(best, fine=True))
+    variance = float(residual @ residual) / max(len(residual) - len(best), 1)
+    worth = found.uncertainty.effective_samples / found.uncertainty.samples
+
+    def log_probability(u: Floats) -> float:
+        if (u < 0.0).any() or (u > 1.0).any():
+            return float("-inf")
+        r = np.concatenate(problem.parts(u, fine=True))
+        return -0.5 * worth * float(r @ r) / variance
+
+    walkers = _walkers(found)
+    start = laplace_samples(found, walkers, seed=seed).cube
+    start = np.clip(start + 1e-6 * np.random.default_rng(seed).random(start.shape), 0.0, 1.0)
+    sampler = emcee.EnsembleSampler(walkers, len(best), log_probability)
+    sampler.random_state = np.random.RandomState(seed).get_state()
+    sampler.run_mcmc(start, burn + steps, skip_initial_state_check=True)
+    tau = float(np.mean(sampler.get_autocorr_time(quiet=True, tol=0)))
+    chain = _with_assumed(found, np.asarray(sampler.get_chain(discard=burn, flat=True)), seed)
+    return Samples(chain, "emcee", float(np.mean(sampler.acceptance_fraction)), tau)
+
+
+def _with_assumed(found: Identification, cube: Floats, seed: int) -> Floats:
+    """Draws moved by what the numbers that are not identified leave open."""
+    assumed, inside = found.uncertainty.assumed, found.uncertainty.inside
+    groups = len(assumed.spread)
+    rng = np.random.default_rng(seed)
+    off = rng.multivariate_normal(np.zeros(groups), assumed.spread, size=len(cube))
+    moved = cube.copy()
+    moved[:, inside] += off @ assumed.shifts.T
+    return np.clip(moved, 0.0, 1.0)
+
+
+def predictive_band(
+    found: Identification,
+    samples: Samples,
+    ambient: float,
+    *,
+    record: TestRecord | None = None,
+    count: int = 60,
+    seed: int = 0,
+) -> Band:
+    """Band of loops and of peak force at an ambient temperature, tested or not.
+
+    Parameters
+    ----------
+    found, samples : a fit and draws of its parameters.
+    ambient : [degC], in [-100, 100].
+    record : whose displacements to repeat; the first of the fit by default.
+    count : draws to run, >= 1.
+    seed : picks the draws, >= 0.
+
+    Returns
+    -------
+    Band
+
+    Raises
+    ------
+    InputError : the temperature is out of range, or no draw gets through.
+
+    Examples
+    --------
+    >>> import thermobearing as tb
+    >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
+    >>> record = tb.identify.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
+    >>> found = tb.identify_bearing(record, "shen-hdr-specimen", free=["K_r"], starts=1)
+    >>> band = predictive_band(found, laplace_samples(found), -20.0, count=5)
+    >>> band.peak_lower < band.peak_upper
+    True
+    """
+    if not -100.0 <= ambient <= 100.0:
+        raise InputError(f"ambient = {ambient} degC: must be between -100 and 100 degC")
+    test = record or found.records[0]
+    model = ForwardModel(test, found.bearing, fine=True, ambient=ambient)
+    picked = np.random.default_rng(seed).choice(len(samples.cube), size=count)
+    runs = [model.run(found.pset.bearing(samples.cube[i])) for i in picked]
+    forces = np.array([run.force for run in runs if run is not None])
+    best = model.run(found.bearing)
+    if best is None or len(forces) == 0:
+        raise InputError(f"the model does not get through the test at {ambient:g} degC")
+    lower, upper = np.quantile(forces, [LOW, HIGH], axis=0)
+    peak_lower, peak_upper = np.quantile(np.abs(forces).max(axis=1), [LOW, HIGH])
+    return Band(
+        ambient=ambient,
+        displacement=test.displacement,
+        best=best.force,
+        lower=lower,
+        upper=upper,
+        peak=float(np.abs(best.force).max()),
+        peak_lower=float(peak_lower),
+        peak_upper=float(peak_upper),
+        lead=best.lead,
+    )

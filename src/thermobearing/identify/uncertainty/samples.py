@@ -1,0 +1,169 @@
+"""Bearings drawn from the samples of a posterior, as a calibration writes them."""
+
+import csv
+import io
+from pathlib import Path
+
+import numpy as np
+
+from thermobearing.bearing.library import as_bearing, load_bearing
+from thermobearing.bearing.model import Bearing
+from thermobearing.bearing.scaling import compound_of, lead_cores, split_parts
+from thermobearing.border.encodings import read_text
+from thermobearing.border.errors import InputError, is_file, nearest
+from thermobearing.border.schema import validated
+from thermobearing.identify.fit.parameters import BY_KEY, C_V, D_Y, K_L, K_R, K_V, KINDS
+from thermobearing.results.directory import IDENTIFIED, SAMPLES
+
+MOST = 10_000  # samples that can be asked for
+SIZED = (K_R, D_Y, K_L, K_V, C_V)  # numbers that go with the size of a bearing
+FAR = 10.0  # standard deviations from the mean of the samples, ...
+APART = 0.2  # ... and this part of it: not the bearing that they are of
+ALIKE = 1e-6  # relative difference of two compounds that are one, their files read and written
+
+
+def posterior_bearings(
+    bearing: Bearing | str | Path, path: str | Path, count: int = 20
+) -> list[Bearing]:
+    r"""The fitted bearing, then bearings of some samples of its posterior.
+
+    Or a bearing of another size that is made of the fitted compound, with `bearing.toml` of the
+    fit beside the samples: each of them is then made to that size by the rules of scaling.py.
+
+    Parameters
+    ----------
+    bearing : the fitted one, or one made of its compound: a name, a file or a Bearing.
+    path : posterior.csv of `identify`: a column for each parameter, a row for each sample.
+    count : of samples, evenly through the file, 1 to 10 000; all if the file has fewer.
+
+    Returns
+    -------
+    list of Bearing : the bearing itself first, then the samples, each with a name of its own; for
+        `tb.sweep`, `tb.bridge` and `temperature_factors`.
+
+    Raises
+    ------
+    InputError : no such file, columns that are no parameters of the bearing, cells that are no
+        numbers or that a bearing may not have; a bearing that the samples are not of.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     file = Path(folder, "posterior.csv")
+    ...     _ = file.write_text("K_r,m_T\n30,-1.1\n31,-1.2\n")
+    ...     bearings = posterior_bearings("shen-hdr-specimen", file)
+    >>> [(item.name, item.hysteresis.layer_stiffness) for item in bearings[1:]]
+    [('shen-hdr-specimen, sample 1', 30.0), ('shen-hdr-specimen, sample 2', 31.0)]
+    """
+    first, where = as_bearing(bearing), str(path)
+    if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= MOST:
+        raise InputError(f"samples = {count!r}: must be a whole number from 1 to {MOST}")
+    rows = [row for row in csv.reader(io.StringIO(read_text(Path(path)))) if any(row)]
+    if len(rows) < 2:
+        raise InputError("holds no samples: a line of symbols, then a row for each", where)
+    fitted = _fitted(first, Path(path).parent / IDENTIFIED)
+    keys = _keys(rows[0], fitted, where)
+    chosen = np.unique(np.linspace(1, len(rows) - 1, min(count, len(rows) - 1)).round().astype(int))
+    some = [_sample(fitted, keys, rows[k], k, where) for k in chosen.tolist()]
+    if fitted is first:
+        _refuse_others(first, keys, some, where)
+        return [first, *some]
+    return [
+        first,
+        *(_made_to_size(one, first, int(k)) for one, k in zip(some, chosen, strict=True)),
+    ]
+
+
+def _fitted(bearing: Bearing, beside: Path) -> Bearing:
+    """The bearing that the samples are of: that beside them where its size is another one.
+
+    Raises
+    ------
+    InputError : the other bearing is not made of the same compound.
+    """
+    if not is_file(beside):
+        return bearing
+    try:
+        fitted = load_bearing(beside)
+    except InputError:  # a poor fit does not load: the given bearing's numbers must do
+        return bearing
+    if fitted.geometry == bearing.geometry and lead_cores(fitted) == lead_cores(bearing):
+        return bearing
+    other = compound_of(bearing).rubber
+    for key, value in compound_of(fitted).rubber:
+        mine = getattr(other, key)
+        number = isinstance(mine, float) and isinstance(value, float)
+        if abs(mine - value) > ALIKE * abs(value) if number else mine != value:
+            shown, wanted = (f"{v:.6g}" if number else str(v) for v in (mine, value))
+            raise InputError(
+                f"{bearing.name} has another size than {fitted.name}, whose samples these are, "
+                f"and is not made of its compound: {key} is {shown}, not {wanted}; make it with "
+                f"thermobearing new --compound {beside}",
+                str(beside.with_name(SAMPLES)),
+            )
+    return fitted
+
+
+def _refuse_others(bearing: Bearing, keys: list[str], some: list[Bearing], where: str) -> None:
+    """Samples of a bearing that has another size, told by the numbers that go with the size.
+
+    Raises
+    ------
+    InputError : the bearing's own number is nowhere near those of the samples.
+    """
+    for key in set(keys) & set(SIZED):
+        table, name = key.split(".")
+        values = np.array([getattr(getattr(one, table), name) for one in some])
+        own, mean = float(getattr(getattr(bearing, table), name)), float(values.mean())
+        if abs(own - mean) > max(FAR * float(values.std()), APART * abs(mean)):
+            kind = BY_KEY[key]
+            raise InputError(
+                f"{kind.symbol} is {mean:.4g} {kind.unit} in the samples and {own:.4g} in "
+                f"{bearing.name}: they are of another bearing; a bearing made of the fitted "
+                f"compound takes them where {IDENTIFIED} of the fit lies beside them",
+                where,
+            )
+
+
+def _made_to_size(sample: Bearing, bearing: Bearing, number: int) -> Bearing:
+    """A bearing of a sample's compound at the size of another bearing."""
+    parts = split_parts(compound_of(sample), bearing.geometry, lead_cores(bearing))
+    told = {"scragging": sample.scragging, "name": f"{bearing.name}, sample {number}"}
+    return bearing.model_copy(update=parts | told)
+
+
+def _keys(head: list[str], bearing: Bearing, where: str) -> list[str]:
+    """Dotted keys of the columns."""
+    known = {kind.symbol: kind.key for kind in KINDS}
+    faults, keys = [], []
+    data = bearing.model_dump()
+    for symbol in (text.strip() for text in head):
+        if symbol not in known:
+            faults.append(f'no parameter is called "{symbol}"{nearest(symbol, known)}')
+            continue
+        key = known[symbol]
+        if not isinstance(data.get(key.split(".")[0]), dict):
+            faults.append(f'"{symbol}": {bearing.name} ({bearing.kind}) has none')
+        keys.append(key)
+    if len(set(keys)) < len(keys):
+        faults.append("a parameter has two columns")
+    if faults:
+        raise InputError(faults, where)
+    return keys
+
+
+def _sample(bearing: Bearing, keys: list[str], cells: list[str], number: int, path: str) -> Bearing:
+    """The bearing with the numbers of one row."""
+    where = f"{path}, row {number}"
+    if len(cells) != len(keys):
+        raise InputError(f"{len(cells)} numbers instead of {len(keys)}", where)
+    data = bearing.model_dump()
+    for key, cell in zip(keys, cells, strict=True):
+        table, name = key.split(".")
+        try:
+            data[table][name] = float(cell)
+        except ValueError:
+            raise InputError(f'"{cell}" is not a number', where) from None
+    data["name"] = f"{bearing.name}, sample {number}"
+    return validated(Bearing, data, where, from_file=False)

@@ -1,0 +1,1 @@
+"""Definition of a study: factors, distributions, columns and designs."""

@@ -1,0 +1,334 @@
+"""A study as data: from the table of its file to checked parts, every fault found."""
+
+import re
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+
+from thermobearing.border.errors import InputError, is_file, nearest
+from thermobearing.border.library import Library, is_path
+from thermobearing.border.schema import Strict, validated
+from thermobearing.border.units import with_unit
+from thermobearing.earthquake.case import EarthquakeCase, make_earthquake_case, settle_surroundings
+from thermobearing.earthquake.inputs import settle_motions
+from thermobearing.motions.record import GroundMotion
+from thermobearing.report.title import case_table
+from thermobearing.structure.model import load_structure
+from thermobearing.studies.definition.columns import list_targets, reach_faults
+from thermobearing.studies.definition.factors import (
+    AmbientFactor,
+    BearingFactor,
+    MotionFactor,
+    NumberFactor,
+    Posterior,
+    ScaleFactor,
+    StructureFactor,
+)
+from thermobearing.studies.definition.record import Design, Factors, Keep, Study
+from thermobearing.studies.definition.targets import moves_warmth, spelled
+from thermobearing.studies.inputs.levels import settle_bearings, study_weather
+from thermobearing.studies.inputs.motions import STAND_IN, motions_to_be, with_kept
+
+M = TypeVar("M", bound=Strict)
+NAMED = {"bearings": "bearing", "motions": "motion", "structure": "structure", "ambient": "ambient"}
+FACTORS = {
+    "structure": StructureFactor,
+    "bearing": BearingFactor,
+    "motion": MotionFactor,
+    "scale": ScaleFactor,
+    "ambient": AmbientFactor,
+}
+DEFAULT = "pier-p1"  # structure, as of `bridge`
+KEY = re.compile(r"[a-z_][\w.\[\]]*(?: = |: )")  # a problem that begins with its key
+# What belongs to one run, or to one specimen, and has no place in what very many share.
+REFUSED = {
+    "weather": "give it as factors.ambient",
+    "initial_state": "the bearings of a study are virgin",
+    "initial_result": "the bearings of a study are virgin",
+    "rig": "a study asks no rig",
+}
+STUDIES = Library("study", "studies")
+
+
+def load_study(name_or_path: str | Path) -> Study:
+    r"""A study from its TOML file (docs/files.md).
+
+    Parameters
+    ----------
+    name_or_path : "cold-town", "cold-town-levels" (examples, of no real place), or a file; names of
+        files in it are relative to its folder.
+
+    Returns
+    -------
+    Study
+
+    Raises
+    ------
+    InputError : all faults of the file in one message.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> file = Path(tempfile.mkdtemp()) / "study.toml"
+    >>> text = 'kind = "study"\nname = "p1"\n[factors]\nbearing = ["shen-hdr-bridge"]\n'
+    >>> _ = file.write_text(text + 'motion = ["jra-ii-i-1"]\nambient = ["23 degC", "-20 degC"]')
+    >>> study = load_study(file)
+    >>> study.case.structure.name, study.factors.ambient.levels
+    ('pier-p1', [23.0, -20.0])
+    """
+    path = STUDIES.path(name_or_path)
+    return with_kept(make_study(case_table(path), str(path), path.parent), path.parent)
+
+
+def make_study(table: dict[str, Any], where: str, folder: Path = Path()) -> Study:
+    """A checked study from the table of a file.
+
+    Parameters
+    ----------
+    table : as in the file.
+    where : names the file in messages.
+    folder : paths in the table are relative to it.
+
+    Returns
+    -------
+    Study
+
+    Raises
+    ------
+    InputError : all faults in one message.
+
+    Examples
+    --------
+    >>> factors = {"bearing": "shen-hdr-bridge", "motion": "jra-ii-i-1", "ambient": ["0 degC"]}
+    >>> make_study({"kind": "study", "name": "p1", "factors": factors}, "example").design.kind
+    'factorial'
+    """
+    unknown = [
+        f'unknown key "{key}"{nearest(key, Study.model_fields)}'
+        for key in table
+        if key not in Study.model_fields
+    ]
+    if table.get("kind") != "study":
+        raise InputError([f'kind = {table.get("kind")!r}: must be "study"', *unknown], where)
+    study, faults = _settled(table, folder)
+    if study is None or faults or unknown:
+        raise InputError([*unknown, *faults], where)
+    return study
+
+
+def _settled(table: dict[str, Any], folder: Path) -> tuple[Study | None, list[str]]:
+    """The study of a table, and what is wrong with it; None where nothing can be made of it."""
+    faults: list[str] = []
+    case, given = _parted(table, faults)
+    parts: dict[str, Any] = {}
+    for key, model in (("design", Design), ("keep", Keep)):
+        parts[key] = _checked(model, table.get(key, {}), key, faults)
+    motions: list[GroundMotion] = []
+    if "motion" in given:
+        motions = _settle_motions(given["motion"], folder, faults)
+    if "bearing" in given:
+        settle_bearings(given["bearing"], folder, faults)
+    _settle_structures(given["structure"], folder, faults)
+    if "ambient" in given:
+        _settle_weather(given["ambient"], folder)
+    made: dict[str, Any] = {
+        name: _checked(FACTORS.get(name, NumberFactor), item, f"factors.{name}", faults)
+        for name, item in given.items()
+    }
+    numbers = {name: made.pop(name) for name in list(made) if name not in FACTORS}
+    faults += [
+        f"factors: which {name}? Give factors.{name}"
+        for name in ("bearing", "motion", "ambient")
+        if name not in given
+    ]
+    called = table.get("name")
+    if not isinstance(called, str):
+        faults.append('missing key "name"' if called is None else f"name = {called!r}: no text")
+    if faults:
+        return None, faults
+    try:
+        if made["motion"].matched is not None:
+            motions = motions_to_be(made["motion"])
+        factors = validated(Factors, made | {"numbers": numbers}, "")
+        found = _with_case(case, factors, motions, folder)
+        whole = {"name": called, "case": found[0], "factors": found[1]}
+        study = validated(Study, whole | parts, "")
+    except InputError as error:
+        return None, error.lines()
+    return study, _study_faults(study)
+
+
+def _parted(table: dict[str, Any], faults: list[str]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """What all runs share, and the table of each factor, wherever a level was given."""
+    case, factors = table.get("case", {}), table.get("factors", {})
+    for key, item in (("case", case), ("factors", factors)):
+        if not isinstance(item, dict):
+            faults.append(f"{key}: must be a table")
+    case = dict(case) if isinstance(case, dict) else {}
+    given = {"structure": [DEFAULT]} | (dict(factors) if isinstance(factors, dict) else {})
+    known = [*FACTORS, "bearing.K_r", "structure.<...>", "case.<...>"]
+    for name in given:
+        if name not in FACTORS and "." not in name:
+            faults.append(f'unknown factor "{name}"{nearest(name, known)}')
+    for key, name in NAMED.items():
+        if key not in case:
+            continue
+        if isinstance(factors, dict) and name in factors:
+            faults.append(f"case.{key}: factors.{name} says it too; leave one out")
+        given[name] = case.pop(key)
+    faults += [f"case.{key}: {REFUSED[key]}" for key in case if key in REFUSED]
+    return case, {name: _as_table(item) for name, item in given.items()}
+
+
+def _as_table(item: Any) -> Any:
+    """A factor as a table: levels may stand alone, and one level without a list."""
+    if isinstance(item, dict):
+        levels = item.get("levels")
+        alone = levels is not None and not isinstance(levels, list | tuple)
+        return {**item, "levels": [levels]} if alone else dict(item)
+    return {"levels": list(item) if isinstance(item, list | tuple) else [item]}
+
+
+def _checked(model: type[M], table: Any, key: str, faults: list[str]) -> M | None:
+    """The record of a table; None with its faults told."""
+    try:
+        return validated(model, table, "")
+    except InputError as error:
+        faults += [
+            f"{key}.{text}" if KEY.match(text) else f"{key}: {text}" for text in error.problems
+        ]
+        return None
+
+
+def _settle_structures(table: dict[str, Any], folder: Path, faults: list[str]) -> None:
+    """Names and files of structures replaced by what they stand for."""
+    levels = table.get("levels")
+    if not isinstance(levels, list):
+        return
+    settled = []
+    for number, item in enumerate(levels):
+        try:
+            own = isinstance(item, str) and item.endswith(".toml")
+            named = isinstance(item, str | Path)
+            settled.append(load_structure(folder / item if own else item) if named else item)
+        except InputError as error:
+            faults += error.lines(f"factors.structure.levels[{number}]")
+    # Something in the place of what is told already, so that the checks go on to the rest.
+    table["levels"] = settled or [load_structure(DEFAULT)] if levels else settled
+    names = [getattr(item, "name", "") for item in settled]
+    twice = dict.fromkeys(name for name in names if name and names.count(name) > 1)
+    faults += [f'factors.structure.levels: two are called "{name}"' for name in twice]
+
+
+def _settle_weather(table: dict[str, Any], folder: Path) -> None:
+    """Files of weather and of a climate of one's own, from wherever the study is started."""
+    weather, climate = table.get("weather"), table.get("climate")
+    if isinstance(weather, str) and weather:
+        table["weather"] = str((folder / weather).absolute())
+    if isinstance(climate, str) and is_path(climate):
+        table["climate"] = str((folder / climate).absolute())
+
+
+def _settle_motions(table: dict[str, Any], folder: Path, faults: list[str]) -> list[GroundMotion]:
+    """Motions as tables that name absolute files; what they hold."""
+    levels, matched = table.get("levels"), table.get("matched")
+    if isinstance(matched, str) and is_file(folder / matched):
+        table["matched"] = str((folder / matched).absolute())
+    if not isinstance(levels, list):
+        return []
+    table["levels"], motions, found = settle_motions(levels, folder, "factors.motion.levels[{}]")
+    faults += [text.replace("motions:", "factors.motion:", 1) for text in found]
+    if not found:  # a plan tells runs by names that no path is in
+        for item, motion in zip(table["levels"], motions, strict=False):
+            if isinstance(item, dict) and item.get("label") is None:
+                item["label"] = motion.name
+    return motions
+
+
+def _with_case(
+    case: dict[str, Any], factors: Factors, motions: list[GroundMotion], folder: Path
+) -> tuple[EarthquakeCase, Factors]:
+    """The case that all runs share; structures with what its lines say of them.
+
+    Raises
+    ------
+    InputError : what is wrong with it, with any of the structures or bearings.
+    """
+    air = factors.ambient.levels[0] if factors.ambient.levels else 0.0
+    bearings = [
+        one.bearing if isinstance(one, Posterior) else one for one in factors.bearing.levels
+    ]
+    if factors.ambient.hourly:
+        case = dict(case)
+        settle_surroundings(case)
+    plain = factors.motion.matched is None
+    first = {
+        "bearings": bearings[:1],
+        "motions": [factors.motion.levels[0] if plain and factors.motion.levels else STAND_IN],
+        "ambient": [with_unit(air, "degC")],
+    }
+    made = [
+        make_earthquake_case({**case, **first, "structure": one}, "case", folder)
+        for one in factors.structure.levels
+    ]
+    found: list[str] = []
+    for one in made:
+        found += one.model_copy(update={"bearings": bearings}).faults()
+    found += made[0].length_faults(motions)
+    if found:
+        raise InputError([f"case: {text}" for text in dict.fromkeys(found)])
+    structures = factors.structure.model_copy(update={"levels": [one.structure for one in made]})
+    return made[0], factors.model_copy(update={"structure": structures})
+
+
+def _study_faults(study: Study) -> list[str]:
+    """What the parts of a study do to each other."""
+    factors, faults = study.factors, []
+    laboratory = study.case.laboratory
+    if laboratory is not None and len(laboratory.mode) > 1:
+        faults.append("case.laboratory.mode: a study takes one")
+    keys: dict[tuple[str, str], list[str]] = {}
+    for name in factors.numbers:
+        keys.setdefault(spelled(name), []).append(name)
+    faults += [
+        f"factors: {' and '.join(names)} are one number"
+        for names in keys.values()
+        if len(names) > 1
+    ]
+    try:
+        weather = study_weather(factors.ambient)
+        if weather is not None:
+            weather.hours_at(np.zeros(1), factors.ambient.history or 0.0)
+    except InputError as error:
+        faults += error.lines("factors.ambient")
+    try:
+        faults += [*reach_faults(study), *_heat_faults(study)]
+    except InputError as error:
+        faults += error.problems
+    return faults
+
+
+def _heat_faults(study: Study) -> list[str]:
+    """Numbers that move heat, where it is to be the same in many runs.
+
+    In weather without end each run would live through all of it: 0.3 to 1 s for fifty years, 20
+    times the run itself; ten days take some ms.
+    """
+    ambient = study.factors.ambient
+    names = [target.name for target in list_targets(study) if moves_warmth(target)]
+    faults = []
+    if ambient.hourly and ambient.history is None:
+        faults += [
+            f"factors.{name}: changes how the bearing takes on the warmth of the air, so that "
+            "every run would go through all the weather before it, 20 times as long as the run "
+            'itself; write history = "10 d" in factors.ambient, nothing is left of the air before'
+            for name in names
+        ]
+    if study.design.lockstep:
+        faults += [
+            f"design.lockstep: true; runs side by side have one heat, and factors.{name} changes "
+            "it from run to run; leave it out"
+            for name in names
+        ]
+    return faults

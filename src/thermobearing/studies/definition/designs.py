@@ -1,0 +1,359 @@
+"""Designs of a study: one row for each run, identified by a digest of its input.
+
+A column of the plan is a factor. Factors with levels are crossed; for every combination, what is
+drawn (distributions, levels by lot) has a row for each sample. `plan` is the story.
+"""
+
+import hashlib
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from thermobearing.border.errors import InputError
+from thermobearing.border.schema import Strict
+from thermobearing.core.records import Floats
+from thermobearing.earthquake.case import EarthquakeCase
+from thermobearing.motions.record import GroundMotion
+from thermobearing.studies.definition.columns import (
+    AMBIENT,
+    HOUR,
+    SAMPLE,
+    THINGS,
+    Column,
+    check_numbers,
+    list_columns,
+    list_targets,
+)
+from thermobearing.studies.definition.factors import COLUMNS, intensity
+from thermobearing.studies.definition.record import MOST_RUNS, Design, Study
+from thermobearing.studies.definition.targets import moves_warmth, spelled
+from thermobearing.studies.inputs.levels import Ints, Levels
+
+RUN_BYTES = 8  # of the digest that names a run: among ten million, two alike once in 400 000
+
+
+def digest(*parts: Any) -> bytes:
+    """Digest of numbers, texts and arrays, the same on every machine."""
+    found = hashlib.sha256()
+    for part in parts:
+        if isinstance(part, bytes):
+            raw = part
+        elif isinstance(part, Strict):
+            raw = json.dumps(part.model_dump(), sort_keys=True).encode()
+        elif hasattr(part, "tobytes"):
+            raw = part.astype("<f8").tobytes()
+        else:
+            raw = json.dumps(part, sort_keys=True).encode()
+        found.update(len(raw).to_bytes(8, "little") + raw)
+    return found.digest()
+
+
+def _motion_digest(motion: GroundMotion, factor: float) -> bytes:
+    """Of the samples of a motion, whatever file they come from, and the factor of its level."""
+    return digest(motion.dt, motion.acceleration, factor)
+
+
+def shared_digest(case: EarthquakeCase) -> bytes:
+    """Of what all runs share: the case without what the factors hold, and without documents."""
+    table = case.model_dump(
+        exclude={"structure", "bearings", "motions", "ambient", "weather", "sources", "rig"}
+    )
+    for key in ("keep", "keep_every"):
+        table["analysis"].pop(key)
+    return digest(table)
+
+
+def _run_ids(heads: Sequence[bytes], of_row: Ints, numbers: Floats) -> list[str]:
+    """Names of runs, 16 hexadecimal digits each.
+
+    Parameters
+    ----------
+    heads : digests of what rows have besides their numbers.
+    of_row : which head a row has.
+    numbers : [rows, columns] of each row.
+    """
+    raw, width = numbers.astype("<f8").tobytes(), 8 * numbers.shape[1]
+    return [
+        hashlib.blake2b(
+            heads[head] + raw[row * width : (row + 1) * width], digest_size=RUN_BYTES
+        ).hexdigest()
+        for row, head in enumerate(of_row.tolist())
+    ]
+
+
+class Contents:
+    """What the levels of a study hold; rows of a plan have their places among them.
+
+    Attributes
+    ----------
+    levels : the levels themselves.
+    intensities : of each motion, with the factor of its level, see `intensity`.
+    """
+
+    def __init__(self, study: Study) -> None:
+        factors = study.factors
+        self.levels = Levels(study)
+        motions, given = self.levels.motions, [one.factor for one in self.levels.listed]
+        self.intensities = np.array(
+            [
+                factor * intensity(motion, factors.scale)
+                for motion, factor in zip(motions, given, strict=True)
+            ]
+        )
+        weather = self.levels.weather
+        air = [] if weather is None else [weather.temperature, weather.recurs]
+        self._shared = digest(shared_digest(study.case), *air, factors.ambient.history)
+        self._parts = {
+            "structure": [digest(one) for one in factors.structure.levels],
+            "bearing": [digest(one) for one in self.levels.bearings],
+            "motion": [_motion_digest(*one) for one in zip(motions, given, strict=True)],
+        }
+
+    def heads(self, places: Mapping[str, Ints], names: Sequence[str]) -> tuple[list[bytes], Ints]:
+        """Digests of what rows have besides their numbers, and which of them each row has.
+
+        Parameters
+        ----------
+        places : of the things of each row, by column; of bearings those in `Levels.bearings`.
+        names : of the numbers, which mean something by them only.
+        """
+        counts = [len(self._parts[name]) for name in THINGS]
+        whole = np.ravel_multi_index(tuple(places[name] for name in THINGS), counts)
+        different, of_row = np.unique(whole, return_inverse=True)
+        heads = []
+        for here in zip(*np.unravel_index(different, counts), strict=True):
+            things = [self._parts[name][place] for name, place in zip(THINGS, here, strict=True)]
+            heads.append(digest(self._shared, *things, list(names)))
+        return heads, of_row
+
+    def ids(self, places: Mapping[str, Ints], numbers: Mapping[str, Floats]) -> list[str]:
+        """Names of runs, 16 hexadecimal digits each.
+
+        Parameters
+        ----------
+        places : see `heads`.
+        numbers : of each row by name; NaN where a run has no such number.
+        """
+        names = sorted(numbers)
+        values = np.column_stack([numbers[name] for name in names])
+        without = np.isnan(values)
+        ids = np.empty(len(values), dtype=object)
+        for gaps in np.unique(without, axis=0):
+            rows = np.flatnonzero((without == gaps).all(axis=1))
+            own = {name: place[rows] for name, place in places.items()}
+            told = [name for name, gap in zip(names, gaps, strict=True) if not gap]
+            heads, of_row = self.heads(own, told)
+            ids[rows] = _run_ids(heads, of_row, values[rows][:, ~gaps])
+        return [str(text) for text in ids]
+
+
+A, B, SWAPPED = "A", "B", "AB"
+MANY = 5000  # runs from which compiling for lockstep, once for all studies, is worth it
+SPARE = 16  # bits of an id that its seed does without: 48 are exact in any table
+
+
+@dataclass(frozen=True)
+class Draws:
+    """Probabilities for each drawn factor, and where in the arrangement a row of them belongs.
+
+    Attributes
+    ----------
+    values : [rows, drawn factors] in [0, 1).
+    sample : [rows] number of the sample.
+    matrix : [rows] "A", "B" or "AB <factor>"; none in a plain arrangement.
+    """
+
+    values: Floats
+    sample: np.ndarray[Any, np.dtype[np.int64]]
+    matrix: list[str] | None = None
+
+
+def plan(study: Study) -> pd.DataFrame:
+    """All runs of a study, one row each; the same study gives the same rows to the last bit.
+
+    Parameters
+    ----------
+    study : from `load_study` or `make_study`.
+
+    Returns
+    -------
+    DataFrame : `run` (from 0), `id` (16 hexadecimal digits: a digest of all that goes into the run,
+        whatever its place in the plan; equal input has an equal one), `seed` (from it), `sample`,
+        with Saltelli's arrangement `matrix`, then a column for each factor: structure, bearing,
+        motion, scale, ambient_degC, and numbers by their dotted names.
+
+    Raises
+    ------
+    InputError : too many runs, draws without `samples` or the other way round, drawn numbers that
+        a bearing or a structure may not have.
+
+    Examples
+    --------
+    >>> factors = {"bearing": "shen-hdr-bridge", "motion": "jra-ii-i-1", "ambient": ["0 degC"]}
+    >>> factors["scale"] = [0.5, 1.0]
+    >>> from thermobearing.studies.definition.case import make_study
+    >>> runs = plan(make_study({"kind": "study", "name": "p1", "factors": factors}, "example"))
+    >>> runs[["run", "bearing", "scale"]].values.tolist()
+    [[0, 'shen-hdr-bridge', 0.5], [1, 'shen-hdr-bridge', 1.0]]
+    """
+    columns = list_columns(study)
+    picked, each, cells = _picked(study, columns)
+    rows = len(each[0].sample)
+    frame = pd.DataFrame({"run": np.arange(cells * rows)})
+    frame["sample"] = np.tile(each[0].sample, cells)
+    if each[0].matrix is not None:
+        frame["matrix"] = pd.Categorical(each[0].matrix * cells)
+    return _with_ids(study, columns, picked, frame)
+
+
+def in_lockstep(study: Study) -> bool:
+    """Whether runs of a study are carried out side by side; a study alone decides it.
+
+    Runs side by side have the heat of their cells in common, so that a study which varies it from
+    run to run goes one by one.
+
+    Parameters
+    ----------
+    study : as of `plan`.
+    """
+    case, asked = study.case, study.design.lockstep
+    alone = case.analysis.method == "predictor-corrector" or study.keep.histories == "all"
+    if alone or asked is False or any(moves_warmth(target) for target in list_targets(study)):
+        return False
+    columns = list_columns(study)
+    drawn = [column for column in columns if column.drawn]
+    cells = math.prod(column.count for column in columns if not column.drawn)
+    return asked is True or cells * _rows(study.design, drawn) >= MANY
+
+
+def _rows(design: Design, drawn: Sequence[Column]) -> int:
+    """Draws of each combination of levels."""
+    return (design.samples or 1) * (len(drawn) + 2 if design.arrangement == "saltelli" else 1)
+
+
+def _picked(study: Study, columns: Sequence[Column]) -> tuple[dict[str, Any], list[Draws], int]:
+    """Places, numbers and shares of every row by column; the draws; combinations of levels."""
+    crossed = [column for column in columns if not column.drawn]
+    drawn = [column for column in columns if column.drawn]
+    cells = math.prod(column.count for column in crossed)
+    _refuse(study.design, cells, drawn)
+    own = 1 if study.design.paired else cells
+    each = [_draws(study.design, drawn, cell) for cell in range(own)]
+    rows = len(each[0].sample)
+    places = np.array(list(product(*(range(column.count) for column in crossed))), dtype=np.int64)
+    picked: dict[str, Any] = {}
+    for number, column in enumerate(crossed):
+        picked[column.name] = column.of(np.repeat(places[:, number], rows))
+    for number, column in enumerate(drawn):
+        found = [column.at(draws.values[:, number]) for draws in each]
+        picked[column.name] = np.tile(np.concatenate(found), cells // own)
+    return picked, each, cells
+
+
+def _refuse(design: Design, cells: int, drawn: Sequence[Column]) -> None:
+    """InputError for a design that does not go with the factors, or makes too many runs."""
+    names = ", ".join(column.name for column in drawn)
+    if drawn and design.samples is None:
+        raise InputError(f"design: how many draws of {names}? Give samples")
+    if not drawn and design.samples is not None:
+        raise InputError(
+            "design.samples: every factor has levels, and nothing is drawn; leave it out, or give "
+            "a factor a distribution or random = true"
+        )
+    rows = _rows(design, drawn)
+    if cells * rows > MOST_RUNS:
+        raise InputError(
+            f"makes {cells * rows} runs, {cells} combinations of levels and {rows} draws of each; "
+            f"at most {MOST_RUNS} are done: draw levels by lot (random = true) or fewer samples"
+        )
+
+
+def _draws(design: Design, drawn: Sequence[Column], cell: int) -> Draws:
+    """Probabilities of one combination of levels, or of all that share them."""
+    samples, width = design.samples or 1, len(drawn)
+    seed = [design.seed] if design.paired else [design.seed, cell]
+    rng = np.random.default_rng(seed)
+    number = np.arange(samples, dtype=np.int64)
+    if design.arrangement == "plain":
+        return Draws(_points(design.kind, width, samples, rng), number)
+    # A and B are halves of points in twice the dimensions: independent, and each well spread.
+    both = _points(design.kind, 2 * width, samples, rng)
+    first, second = both[:, :width], both[:, width:]
+    blocks, names = [first, second], [A] * samples + [B] * samples
+    for k, column in enumerate(drawn):
+        swapped = first.copy()
+        swapped[:, k] = second[:, k]
+        blocks.append(swapped)
+        names += [f"{SWAPPED} {column.name}"] * samples
+    return Draws(np.concatenate(blocks), np.tile(number, len(blocks)), names)
+
+
+def _points(kind: str, width: int, samples: int, rng: np.random.Generator) -> Floats:
+    """Points of a design in the unit cube, [samples, width]."""
+    if width == 0:
+        return np.zeros((samples, 0))
+    if kind not in ("latin-hypercube", "sobol"):
+        return rng.random((samples, width))
+    from scipy.stats import qmc  # takes a second to read; processes that run need it not
+
+    if kind == "latin-hypercube":
+        return np.asarray(qmc.LatinHypercube(width, rng=rng).random(samples), dtype=np.float64)
+    made = qmc.Sobol(width, scramble=True, rng=rng)
+    return np.asarray(made.random_base2(samples.bit_length() - 1), dtype=np.float64)
+
+
+def settled(study: Study, levels: Levels, picked: dict[str, Any]) -> dict[str, Any]:
+    """What was picked with shares made samples and hours, and no number where there is none."""
+    found = dict(picked)
+    if SAMPLE in found:
+        counts = levels.counts[found["bearing"]]
+        found[SAMPLE] = np.where(counts > 0, (found[SAMPLE] * counts).astype(np.int64), -1)
+    if levels.weather is not None:
+        history = study.factors.ambient.history or 0.0
+        found[HOUR] = levels.weather.hours_at(found[HOUR], history)
+        found[AMBIENT] = levels.weather.temperature[found[HOUR]]
+    for target in list_targets(study):
+        if target.part in found:
+            known = np.array([path is not None for path in target.paths])
+            found[target.name] = np.where(known[found[target.part]], found[target.name], np.nan)
+    return found
+
+
+def _with_ids(
+    study: Study, columns: Sequence[Column], picked: dict[str, Any], frame: pd.DataFrame
+) -> pd.DataFrame:
+    """The plan with names and seeds of runs, and its columns as a reader wants them."""
+    contents, scale = Contents(study), study.factors.scale
+    found = settled(study, contents.levels, picked)
+    strength = contents.intensities[found["motion"]]
+    given = scale.of == "intensity"  # to the last bit as given, so that stripes are whole
+    intensities = found["scale"] if given else found["scale"] * strength
+    if given:
+        found["scale"] = intensities / strength
+    check_numbers(study, {name: found[name] for name in found if name not in THINGS})
+    none = np.full(len(frame), -1, dtype=np.int64)
+    places = {name: found[name] for name in THINGS}
+    places["bearing"] = contents.levels.place(places["bearing"], found.get(SAMPLE, none))
+    of = {name: one.of for name, one in study.factors.numbers.items()}
+    air = AMBIENT if HOUR not in found else HOUR
+    numbers = {name: found[name] for name in ("scale", air)}
+    numbers |= {f"{'.'.join(spelled(name))} {of[name]}": found[name] for name in of}
+    ids = contents.ids(places, numbers)
+    frame.insert(1, "id", ids)
+    frame.insert(2, "seed", [int(text, 16) >> SPARE for text in ids])
+    for column in columns:
+        values = found[column.name]
+        if column.name in THINGS:
+            values = pd.Categorical.from_codes(values, categories=pd.Index(column.levels))
+        frame[column.name] = values
+        if column.name == "scale":
+            frame[COLUMNS[scale.measure]] = intensities
+        if column.name == HOUR:
+            frame[AMBIENT] = found[AMBIENT]
+    return frame

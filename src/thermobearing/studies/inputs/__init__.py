@@ -1,0 +1,1 @@
+"""Inputs of the runs of a study, loaded or computed once."""

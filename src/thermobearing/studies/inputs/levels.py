@@ -1,0 +1,229 @@
+"""Inputs that the levels of a study name, loaded once."""
+
+from functools import cached_property
+from itertools import product
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from thermobearing.bearing.bilinear import BilinearBearing, load_device
+from thermobearing.bearing.library import load_bearing
+from thermobearing.bearing.model import Bearing
+from thermobearing.bearing.new import new_bearing
+from thermobearing.border.errors import InputError, is_file, nearest
+from thermobearing.border.library import is_path
+from thermobearing.climate import Hourly, generate_weather, read_weather
+from thermobearing.earthquake.inputs import Motion
+from thermobearing.identify.uncertainty.samples import posterior_bearings
+from thermobearing.motions.record import GroundMotion
+from thermobearing.results.directory import IDENTIFIED, SAMPLES
+from thermobearing.studies.definition.factors import AmbientFactor, BearingFactor, Posterior
+from thermobearing.studies.definition.record import Study
+from thermobearing.studies.inputs.motions import factor_motions, motion_levels
+
+Ints = NDArray[np.int64]
+AnyBearing: TypeAlias = Bearing | BilinearBearing
+YEARS = 50  # of weather that is made up, where nothing is said
+
+
+class Levels:
+    """The levels of a study.
+
+    A bearing is known by its place in `bearings`, where each sample of a posterior has its own.
+    """
+
+    def __init__(self, study: Study) -> None:
+        self.study = study
+
+    @cached_property
+    def samples(self) -> list[list[Bearing]]:
+        """Samples of each level of the bearing; none of one that is a single bearing."""
+        return [
+            posterior_bearings(one.bearing, Path(one.posterior), one.count)[1:]
+            if isinstance(one, Posterior)
+            else []
+            for one in self.study.factors.bearing.levels
+        ]
+
+    @cached_property
+    def bearings(self) -> list[AnyBearing]:
+        """All bearings, level after level."""
+        found: list[AnyBearing] = []
+        for one, samples in zip(self.study.factors.bearing.levels, self.samples, strict=True):
+            if isinstance(one, Posterior):
+                found += samples
+            else:
+                found.append(one)
+        return found
+
+    @cached_property
+    def counts(self) -> Ints:
+        """Number of samples of each level of the bearing; 0 of a single one."""
+        return np.array([len(samples) for samples in self.samples], dtype=np.int64)
+
+    def place(self, level: Ints, sample: Ints) -> Ints:
+        """Places in `bearings` of samples (-1: none) of levels."""
+        taken = np.maximum(self.counts, 1)
+        return np.asarray((np.cumsum(taken) - taken)[level] + np.maximum(sample, 0))
+
+    @cached_property
+    def motions(self) -> list[GroundMotion]:
+        """Ground motions, not yet scaled."""
+        return factor_motions(self.study.factors.motion)
+
+    @cached_property
+    def listed(self) -> list[Motion]:
+        """The same as data, each with the factor of its level."""
+        return motion_levels(self.study.factors.motion)
+
+    @cached_property
+    def weather(self) -> Hourly | None:
+        """Hourly weather; None where the air is levels or a distribution."""
+        return study_weather(self.study.factors.ambient)
+
+
+def study_weather(ambient: AmbientFactor) -> Hourly | None:
+    """The weather of a study, read or made up once.
+
+    Raises
+    ------
+    InputError : no such file or climate, or faults in it.
+    """
+    if ambient.series is None and ambient.weather is not None:
+        ambient.keep_series(read_weather(ambient.weather))
+    if ambient.series is None and ambient.climate is not None:
+        years, seed = ambient.years or YEARS, ambient.seed or 0
+        ambient.keep_series(generate_weather(ambient.climate, years, seed))
+    return ambient.series
+
+
+AnyLevel = Bearing | BilinearBearing | Posterior | Any  # what is none of them, checks will find
+ANY = "shen-bilinear-bridge"
+OF_POSTERIOR = ("posterior", "bearing", "count", "name")
+OF_DRAWING = ("compound", "size", "name")
+SIZES = ("plan", "diameter", "layers", "shim", "end_plate", "sealing_plate", "lead")  # text
+OTHERS = ("cores", "confined", "end_spreading")
+
+
+def settle_bearings(table: dict[str, Any], folder: Path, faults: list[str]) -> None:
+    """The levels of a table `factors.bearing` replaced by what they stand for.
+
+    A fit or a drawing may stand in the table itself instead of `levels`, or be one of them.
+    """
+    own: dict[str, Any] = {}
+    if {"posterior", "compound"} & set(table):
+        own = {key: table.pop(key) for key in list(table) if key not in BearingFactor.model_fields}
+    if own and "levels" in table:
+        faults.append(
+            f"factors.bearing: {', '.join(sorted(own))} beside levels; put it among them, as "
+            '{posterior = "fit"}'
+        )
+    levels = table.get("levels") if not own else [own]
+    if not isinstance(levels, list):
+        return
+    settled: list[AnyLevel] = []
+    before = len(faults)
+    for number, item in enumerate(levels):
+        key = "factors.bearing" if own else f"factors.bearing.levels[{number}]"
+        try:
+            settled += _level(item, folder)
+        except InputError as error:
+            faults += error.lines(key)
+    # Something in the place of what is told already, so that the checks go on to the rest.
+    table["levels"] = settled or [load_device(ANY)] if len(faults) > before else settled
+    names = [getattr(item, "name", "") for item in settled]
+    twice = dict.fromkeys(name for name in names if name and names.count(name) > 1)
+    faults += [
+        f'factors.bearing.levels: two are called "{name}"; give each a name' for name in twice
+    ]
+
+
+def _level(item: Any, folder: Path) -> list[AnyLevel]:
+    """What one entry of the levels stands for."""
+    if isinstance(item, str | Path):
+        return [load_device(folder / item if str(item).endswith(".toml") else item)]
+    if isinstance(item, dict) and "posterior" in item and item.get("kind") != "posterior":
+        return [_posterior(item, folder)]
+    if isinstance(item, dict) and "compound" in item:
+        return list(_drawn(item, folder))
+    return [item]
+
+
+def _posterior(item: dict[str, Any], folder: Path) -> Posterior:
+    """The samples of a fit, its directory or its file; they are read once to be checked."""
+    _refuse_unknown(item, OF_POSTERIOR)
+    given = item["posterior"]
+    if not isinstance(given, str | Path) or not str(given):
+        raise InputError("posterior: must name the directory of a fit, or its posterior.csv")
+    path = (folder / given).absolute()
+    path = path if is_file(path) else path / SAMPLES
+    if not is_file(path):
+        raise InputError(
+            f'posterior = "{given}": holds no {SAMPLES}; identify writes it with --posterior'
+        )
+    beside, bearing = path.with_name(IDENTIFIED), item.get("bearing")
+    if bearing is None and not is_file(beside):
+        raise InputError(f"posterior: no {IDENTIFIED} beside it; say its bearing")
+    if isinstance(bearing, str | Path):
+        own = str(bearing).endswith(".toml")
+        bearing = load_bearing(folder / bearing if own else bearing)
+    bearing = load_bearing(beside) if bearing is None else bearing
+    if not isinstance(bearing, Bearing):
+        raise InputError("bearing: must be the name or the file of a bearing")
+    more = {"count": item["count"]} if "count" in item else {}
+    made = Posterior(
+        name=item.get("name", bearing.name), posterior=str(path), bearing=bearing, **more
+    )
+    posterior_bearings(made.bearing, path, made.count)
+    return made
+
+
+def _drawn(item: dict[str, Any], folder: Path) -> list[Bearing]:
+    """Bearings of a compound, one for each combination of the sizes that are given."""
+    _refuse_unknown(item, OF_DRAWING)
+    size = item.get("size")
+    if not isinstance(size, dict) or not size:
+        raise InputError(
+            'size: a table such as {plan = "1 x 1 m", layers = "20x8mm", shim = "3 mm"}'
+        )
+    for key in size:
+        if key not in (*SIZES, *OTHERS):
+            raise InputError(f'size: unknown key "{key}"{nearest(key, [*SIZES, *OTHERS])}')
+    compounds = _listed(item["compound"])
+    several = {"compound": compounds} | {key: _listed(value) for key, value in size.items()}
+    for key in set(SIZES) & set(size):
+        for value in several[key]:
+            if not isinstance(value, str):
+                raise InputError(f'size.{key} = {value!r} has no unit; write "{value} mm"')
+    vary = [key for key, values in several.items() if len(values) > 1]
+    found = []
+    for values in product(*several.values()):
+        one = dict(zip(several, values, strict=True))
+        compound = one.pop("compound")
+        own = folder / compound if is_path(compound) else compound
+        told = [str(item.get("name", Path(str(compound)).stem))]
+        told += [f"{key} {one[key]}" for key in vary if key != "compound"]
+        if "name" in item and "compound" in vary:
+            told.append(Path(str(compound)).stem)
+        found.append(_made(" ".join(told), own, one))
+    return found
+
+
+def _made(name: str, compound: Any, size: dict[str, Any]) -> Bearing:
+    """One bearing of a compound."""
+    missing = [key for key in ("layers", "shim") if key not in size]
+    if missing:
+        raise InputError(f"size: missing {' and '.join(missing)}")
+    return new_bearing(name.replace("/", " ").replace("\\", " "), compound, **size)
+
+
+def _listed(value: Any) -> list[Any]:
+    return list(value) if isinstance(value, list | tuple) else [value]
+
+
+def _refuse_unknown(item: dict[str, Any], known: tuple[str, ...]) -> None:
+    unknown = [f'unknown key "{key}"{nearest(key, known)}' for key in item if key not in known]
+    if unknown:
+        raise InputError(unknown)

@@ -1,0 +1,298 @@
+"""Engineering demand parameters of a run.
+
+The definitions are those of an earthquake analysis (earthquake/measures.py), whose table has the
+same columns. Rows of histories are forgotten after each run; in lockstep there are none.
+`measure_all` is the one place where a study computes.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
+
+import numpy as np
+
+from thermobearing.border.errors import InputError
+from thermobearing.core.records import Floats
+from thermobearing.earthquake.dataset import (
+    HISTORIES,
+    KN_MM_PER_KN_M,
+    MM_PER_M,
+    history_traces,
+    structure_traces,
+)
+from thermobearing.earthquake.measures import (
+    BEARING,
+    STRUCTURE_ENERGIES,
+    UNITS,
+    compute_measures,
+    compute_residuals,
+    describe_quantity,
+)
+from thermobearing.earthquake.parts import drift, farthest, governing_peaks, line_peaks, pier_peaks
+from thermobearing.earthquake.run import judged, lines_to_shake, run_task
+from thermobearing.earthquake.task import Task
+from thermobearing.model.outcomes import SENTENCES as RUN_SENTENCES
+from thermobearing.structure.lanes import Run, RunPeaks, run_lanes
+from thermobearing.structure.run import SENTENCES, StructureHistory
+
+if TYPE_CHECKING:
+    from thermobearing.studies.run.prepare import RunInput
+
+COMPLETED: Final = "completed"
+BAD_INPUT: Final = "bad_input"  # a drawn number that makes no bearing, no structure
+BROKEN: Final = "broken"  # a fault of this program
+ALL_SENTENCES: Final = RUN_SENTENCES | SENTENCES
+OF_RUN: Final = {  # columns that an earthquake analysis measures too: name there
+    "bearing_displacement_max_mm": "bearing_displacement_max",
+    "bearing_strain_max": "bearing_strain_max",
+    "bearing_force_max_kN": "bearing_force_max",
+    "bearing_energy_kN_mm": "bearing_energy_end",
+    "bearing_heat_kN_mm": "heat_heat_released",
+    "pier_displacement_max_mm": "pier_displacement_max",
+    "pier_displacement_residual_mm": "pier_displacement_residual",
+    "pier_rotation_max_rad": "pier_rotation_max",
+    "pier_ductility": "pier_ductility",
+    "pier_moment_max_kN_m": "pier_moment_max",
+    "pier_top_displacement_max_mm": "pier_top_displacement_max",
+    "pier_top_acceleration_max_m_s2": "pier_top_acceleration_max",
+    "deck_displacement_max_mm": "deck_displacement_max",
+    "deck_acceleration_max_m_s2": "deck_acceleration_max",
+    "layer_force_mismatch_max_kN": "layer_force_mismatch_max",
+    "steps": "steps",
+    "iterations": "iterations",
+    "substeps": "substeps",
+}
+DECK: Final = -1  # watched last in a run without rows; before it each pier and its top
+DRIFTS: Final = "pier_part_displacement_max"
+COUNTS: Final = ("steps", "iterations", "substeps")
+OWN: Final = {  # columns of a study alone: unit, meaning
+    "bearing_displacement_residual_mm": ("mm", "displacement of the bearing at the end"),
+    "pier_drift_max": ("1", "largest displacement of the pier top over the height of the pier"),
+    "deck_displacement_residual_mm": ("mm", "displacement of the deck at the end"),
+    "rubber_max_degC": ("degC", "highest temperature of any rubber layer, at mid-thickness"),
+    "lead_max_degC": ("degC", "highest temperature of the lead cores"),
+    "structure_residual": ("1", "what the energy books of the structure miss, of the input"),
+    "mechanical_residual": ("1", "what the books of one bearing miss, of its work"),
+    "thermal_residual": ("1", "what its books of heat miss, of its work or heat"),
+}
+
+
+class ResultColumn(NamedTuple):
+    """A column of the table of runs that computing fills; `kind`: "text", "count" or "number"."""
+
+    name: str
+    unit: str
+    meaning: str
+    kind: str = "number"
+
+
+def _columns() -> tuple[ResultColumn, ...]:
+    known = {name: long_name for name, _, long_name in HISTORIES}
+    measured = [
+        ResultColumn(
+            name, UNITS[key], describe_quantity(key, known), "count" if name in COUNTS else "number"
+        )
+        for name, key in OF_RUN.items()
+    ]
+    return (
+        ResultColumn("outcome", "", "what ended the run", "text"),
+        ResultColumn("sentence", "", "what that means and what to try; empty if completed", "text"),
+        *measured,
+        *(ResultColumn(name, *about) for name, about in OWN.items()),
+    )
+
+
+RESULT_COLUMNS: Final = _columns()
+
+
+@dataclass(frozen=True)
+class Measured:
+    """One run: a value for each of `RESULT_COLUMNS`; its histories where they were asked for."""
+
+    numbers: dict[str, Any]
+    traces: Mapping[str, Any] | None = None
+
+
+def measure(run_input: "RunInput") -> dict[str, Any]:
+    """Carry out one run: a value for each of `RESULT_COLUMNS`.
+
+    Never raises for a failed analysis: its outcome says what ended it, and the numbers are those
+    until then.
+
+    Parameters
+    ----------
+    run_input : from `Preparer.run_input`.
+
+    Examples
+    --------
+    >>> from thermobearing.studies import Preparer, make_study, plan
+    >>> factors = {"bearing": "shen-hdr-bridge", "motion": "jra-ii-i-1", "ambient": ["0 degC"]}
+    >>> table = {"kind": "study", "name": "p1", "case": {"duration": "2 s"}, "factors": factors}
+    >>> study = make_study(table, "example")
+    >>> found = measure(Preparer(study).run_input(plan(study).to_dict("records")[0]))
+    >>> found["outcome"], found["steps"]
+    ('completed', 400)
+    """
+    return next(measure_all([run_input])).numbers
+
+
+def measure_all(
+    inputs: Sequence["RunInput"], *, traces: bool = False, lockstep: bool = False
+) -> Iterator[Measured]:
+    """Carry out some runs, each as `measure` does; with `traces` their histories too.
+
+    With `lockstep` those of one shape are put side by side; what each comes to depends on its own
+    input only, and differs from `measure` by rounding.
+    """
+    if lockstep and not traces:
+        for one, peaks in zip(
+            inputs, run_lanes([_to_shake(one.task) for one in inputs]), strict=True
+        ):
+            yield Measured(_numbers_of_peaks(one.task, peaks))
+        return
+    for one in inputs:
+        history = run_task(one.task)
+        found = history_traces(one.task, history) if traces else structure_traces(one.task, history)
+        yield Measured(list_numbers(one.task, history, found), found if traces else None)
+
+
+def _to_shake(task: Task) -> Run:
+    """A run for its peaks only: every pier, its top, and the deck are watched."""
+    piers, shaking = task.prepared.piers, task.shaking
+    watched = [row for _, top, base in piers for row in (top - base, top)]
+    return Run(
+        task.prepared,
+        lines_to_shake(task),
+        shaking.ground,
+        shaking.dt,
+        task.ambient,
+        places=np.array([*watched, task.prepared.reported.deck]),
+        carried=np.array([*[0.0, 1.0] * len(piers), 1.0]),  # the ground carries tops and deck
+        method=task.case.analysis.method,
+    )
+
+
+def list_numbers(
+    task: Task, history: StructureHistory, traces: Mapping[str, Floats]
+) -> dict[str, Any]:
+    """A value for each of `RESULT_COLUMNS`."""
+    lines = line_peaks(task, history)
+    left = [history.bearing(b)["displacement"][-1] for b in range(len(lines))]
+    own = {
+        "bearing_displacement_residual_mm": float(farthest(left)),
+        "pier_drift_max": drift(task, [row[DRIFTS] for row in pier_peaks(task, history)]),
+        "deck_displacement_residual_mm": traces["deck_displacement"][-1],
+        "rubber_max_degC": hottest(line["line_rubber_temperature_max"] for line in lines),
+        "lead_max_degC": hottest(line["line_lead_temperature_max"] for line in lines),
+    }
+    return _row(compute_measures(task, history, traces), own)
+
+
+def _numbers_of_peaks(task: Task, peaks: RunPeaks) -> dict[str, Any]:
+    """A value for each of `RESULT_COLUMNS`, of a run without rows."""
+    found = _measures_of_peaks(task, peaks)
+    tops = peaks.watches["displacement"][:DECK:2].tolist()
+    if peaks.outcome == COMPLETED:
+        moved, turned = peaks.lines["displacement"], peaks.hinges["rotation"]
+        found["outcome"] = judged(task, moved.tolist(), turned.tolist(), tops)
+    each = list(zip(named(peaks.lines), [one.device for one in task.lines], strict=True))
+    own = {
+        "bearing_displacement_residual_mm": float(farthest(peaks.bearings["displacement"])),
+        "pier_drift_max": drift(task, tops),
+        "deck_displacement_residual_mm": peaks.watches["residual"][DECK],
+        "rubber_max_degC": hottest(p["rubber_temperature"] for p, one in each if one.heats),
+        "lead_max_degC": hottest(p["lead_temperature"] for p, one in each if one.has_lead),
+    }
+    return _row(found, own)
+
+
+def hottest(values: Iterable[float]) -> float:
+    """Return the highest known temperature; NaN without one."""
+    return max((float(value) for value in values if value == value), default=np.nan)
+
+
+def named(rows: Any) -> list[dict[str, float]]:
+    """Return the numbers of records by name: reading them one by one from numpy takes long."""
+    return [dict(zip(rows.dtype.names, row, strict=True)) for row in rows.tolist()]
+
+
+def _measures_of_peaks(task: Task, peaks: RunPeaks) -> dict[str, Any]:
+    """What `compute_measures` says of a run with rows; its bearings begin at rest."""
+    bearings, lines = named(peaks.bearings), named(peaks.lines)
+    bearing, books = bearings[task.told_line], named(peaks.books)[0]
+    *piers, deck = named(peaks.watches)
+    of_lines = [
+        {
+            "line_displacement_max": peak["displacement"],
+            "line_strain_max": peak["displacement"] / one.device.bearing.total_rubber_thickness,
+            "line_force_max": peak["force"],
+            "line_energy_end": end["work_in"],
+        }
+        for peak, end, one in zip(lines, bearings, task.lines, strict=True)
+    ]
+    of_piers = [
+        {
+            "pier_part_displacement_max": piers[2 * k]["displacement"],
+            "pier_part_displacement_residual": piers[2 * k]["residual"],
+            "pier_part_top_displacement_max": piers[2 * k + 1]["displacement"],
+            "pier_part_top_acceleration_max": piers[2 * k + 1]["acceleration"] / MM_PER_M,
+            **_hinge_peaks(task, peaks, pier.hinge),
+        }
+        for k, (pier, _, _) in enumerate(task.prepared.piers)
+    ]
+    return {
+        "outcome": peaks.outcome,
+        **governing_peaks(of_lines),
+        **governing_peaks(of_piers),
+        "deck_displacement_max": deck["displacement"],
+        "deck_acceleration_max": deck["acceleration"] / MM_PER_M,
+        "layer_force_mismatch_max": lines[task.told_line]["mismatch"],
+        **{name: getattr(peaks, name) for name in COUNTS},
+        **{f"energy_{name}": books[name] for name in STRUCTURE_ENERGIES},
+        **{f"heat_{name}": bearing[name] for name in BEARING},
+    }
+
+
+def _hinge_peaks(task: Task, peaks: RunPeaks, hinge: int | None) -> dict[str, float]:
+    """Return rotation, ductility and moment of a pier's hinge; NaN without one."""
+    rotation = moment = limit = np.nan
+    if hinge is not None:
+        found, limit = named(peaks.hinges)[hinge], task.case.structure.hinges[hinge].yield_rotation
+        rotation, moment = found["rotation"], found["moment"] / KN_MM_PER_KN_M
+    return {
+        "pier_part_rotation_max": rotation,
+        "pier_part_ductility": rotation / limit,
+        "pier_part_moment_max": moment,
+    }
+
+
+def _row(found: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
+    """All columns, from what `compute_measures` says and what only a study has."""
+    ended = found["outcome"]
+    return {
+        "outcome": ended,
+        "sentence": "" if ended == COMPLETED else ALL_SENTENCES.get(ended, ""),
+        **{name: found[key] for name, key in OF_RUN.items()},
+        **own,
+        **compute_residuals(found),
+    }
+
+
+def not_run(outcome: str, sentence: str) -> dict[str, Any]:
+    """A value for each of `RESULT_COLUMNS` of a run that could not be carried out.
+
+    Examples
+    --------
+    >>> not_run(BAD_INPUT, "K_r must be positive")["steps"]
+    0
+    """
+    empty = {"number": np.nan, "count": 0, "text": ""}
+    found: dict[str, Any] = {column.name: empty[column.kind] for column in RESULT_COLUMNS}
+    return found | {"outcome": outcome, "sentence": sentence}
+
+
+def error_outcome(error: Exception) -> tuple[str, str]:
+    """Outcome and sentence of a run that raised instead of ending."""
+    if isinstance(error, InputError):
+        return BAD_INPUT, " ".join(str(error).split())
+    return BROKEN, f"a fault of this program: {type(error).__name__}: {error}"

@@ -1,0 +1,612 @@
+"""The estimators behind a fragility curve: stripes, capacities of single motions, a cloud.
+
+Each gives the curve, and the same of every bootstrap sample; `fragility` has the sources.
+
+The likelihood of z of n runs beyond a capacity at each of some intensities is that of Baker
+(2015), Eq. 11: binomial terms with P = Phi(ln(im/theta)/beta). With slope b = 1/beta and intercept
+a = -ln(theta)/beta it is a probit regression, whose logarithm is concave in a and b (Pratt 1981,
+JASA 76: 103-106), so that Newton's method finds the only maximum. The fits of all bootstrap
+samples are made side by side.
+
+Baker, J. W. (2015). Efficient analytical fragility function fitting using dynamic structural
+analysis. Earthquake Spectra 31(1): 579-599.
+
+Where every motion was scaled until it reached the capacity, the estimates are those of Porter,
+Kennedy & Bachman (2007, method A) and Baker (2015, Eq. 2 and 3): mean and sample deviation (n - 1)
+of the logarithms. Motions that did not reach it at their largest intensity say that their
+capacity is above it (Baker 2015, truncated incremental dynamic analysis): the likelihood then is
+that of a right-censored normal sample, concave in slope and intercept (Olsen 1978, Econometrica
+46: 1211-1215).
+
+Porter, K., Kennedy, R., Bachman, R. (2007). Creating fragility functions for performance-based
+earthquake engineering. Earthquake Spectra 23(2): 471-489.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+from scipy.special import expit, log_expit, log_ndtr, ndtr, ndtri
+from scipy.stats import chi2
+
+from thermobearing.border.errors import InputError
+from thermobearing.studies.run.demand_parameters import COMPLETED
+from thermobearing.studies.statistics.bootstrap import Draw, widened
+from thermobearing.studies.statistics.demand import equal_classes
+from thermobearing.studies.statistics.ida import Ida
+
+Floats = NDArray[np.float64]
+Link = Literal["probit", "logit"]
+MOST_ROUNDS, MOST_HALVINGS = 60, 30
+STEADY = 1e-10  # of a standard score: the largest change of the last step
+FLAT = 1e-6  # slope of a curve that does not rise
+UNREACHED = 0.6  # dispersion that bounds a capacity that no motion reached; chosen
+ROOT_TWO_PI = 0.5 * np.log(2.0 * np.pi)
+STEEPEST = 3.0  # dispersion of an estimate over that of a bootstrap curve; chosen, as of 6 motions
+RAYS = 240  # on which the edge of a likelihood region is looked for
+BISECTIONS = 30
+
+
+@dataclass(frozen=True)
+class Curves:
+    """Curves P = F(slope (ln im - place)), F normal or logistic; one a row.
+
+    Attributes
+    ----------
+    place : logarithm of the median; infinite where none (+) or all (-) are beyond.
+    slope : one over the dispersion; infinite for a jump.
+    link : "probit" or "logit".
+    """
+
+    place: Floats
+    slope: Floats
+    link: Link = "probit"
+
+    def probability(self, im: Floats) -> Floats:
+        """Of being beyond, at intensities: shape (curves, intensities)."""
+        away = np.log(np.asarray(im, dtype=float))[None, :] - self.place[:, None]
+        jump = np.isinf(self.slope)[:, None]
+        steep = np.where(jump, 1.0, self.slope[:, None])
+        score = np.where(jump & (away != 0.0), np.copysign(np.inf, away), steep * away)
+        return np.asarray(ndtr(score) if self.link == "probit" else expit(score))
+
+
+def _terms(score: Floats, link: Link) -> tuple[Floats, Floats, Floats, Floats, Floats, Floats]:
+    """Logarithms of P and 1 - P, their first and (negative) second derivatives in the score."""
+    if link == "logit":
+        yes, p = log_expit(score), expit(score)
+        return yes, log_expit(-score), 1.0 - p, -p, p * (1.0 - p), p * (1.0 - p)
+    yes, no = log_ndtr(score), log_ndtr(-score)
+    density = -0.5 * score**2 - ROOT_TWO_PI
+    up, down = np.exp(density - yes), np.exp(density - no)
+    return yes, no, up, -down, up * (up + score), down * (down - score)
+
+
+def likelihood(score: Floats, yes: Floats, no: Floats, link: Link = "probit") -> Floats:
+    """Logarithm of the likelihood of counts, without the binomial coefficients."""
+    above, below = _terms(score, link)[:2]
+    return np.asarray((np.where(yes > 0, yes * above, 0) + np.where(no > 0, no * below, 0)).sum(-1))
+
+
+def fit_curves(im: Floats, yes: Floats, no: Floats, link: Link = "probit") -> Curves:
+    """The likeliest curve of each row of counts.
+
+    Parameters
+    ----------
+    im : intensities that the counts are of, > 0, each once.
+    yes, no : runs beyond and not beyond, shape (rows, intensities).
+    link : "probit" for a lognormal curve, "logit" for a logistic one.
+
+    Returns
+    -------
+    Curves : where counts have no likeliest curve, the limit that the likelihood rises to: a jump
+        half-way between the intensities it lies between, nothing, everything, or (where the share
+        does not rise with intensity) the same share everywhere.
+    """
+    x = np.log(im)
+    place, slope, open_ = _limits(x, yes, no, link)
+    if open_.any():
+        centre, width = x.mean(), max(float(x.std()), 1e-12)
+        a, b = _newton((x - centre) / width, yes[open_], no[open_], link)
+        rising = b > FLAT
+        same = _score_of_share(yes[open_], no[open_], link)
+        b = np.where(rising, b / width, FLAT)
+        a = np.where(rising, a, same)
+        slope[open_], place[open_] = b, centre - a / b
+    return Curves(place, slope, link)
+
+
+def _score_of_share(yes: Floats, no: Floats, link: Link) -> Floats:
+    """Score of the share beyond at all intensities together."""
+    above, below = yes.sum(-1), no.sum(-1)
+    return np.asarray(ndtri(above / (above + below)) if link == "probit" else np.log(above / below))
+
+
+def _limits(
+    x: Floats, yes: Floats, no: Floats, link: Link
+) -> tuple[Floats, Floats, NDArray[np.bool_]]:
+    """Curves of counts that have no likeliest one, and which rows have one."""
+    lowest_yes = np.where(yes > 0, x, np.inf).min(-1)
+    highest_no = np.where(no > 0, x, -np.inf).max(-1)
+    place = np.full(len(yes), np.nan)
+    slope = np.full(len(yes), np.inf)
+    none, every = np.isinf(lowest_yes), np.isinf(highest_no)
+    place[none], place[every] = np.inf, -np.inf
+    apart = ~none & ~every & (highest_no <= lowest_yes)
+    place[apart] = _between(x, yes[apart], no[apart], highest_no[apart], lowest_yes[apart])
+    slope[none | every] = 1.0
+    # Apart the wrong way round, or at one intensity: no curve rises through them.
+    highest_yes = np.where(yes > 0, x, -np.inf).max(-1)
+    lowest_no = np.where(no > 0, x, np.inf).min(-1)
+    open_ = ~none & ~every & ~apart
+    falls = open_ & (highest_yes <= lowest_no)
+    slope[falls] = FLAT
+    place[falls] = x.mean() - _score_of_share(yes[falls], no[falls], link) / FLAT
+    return place, slope, open_ & ~falls
+
+
+def _between(x: Floats, yes: Floats, no: Floats, highest_no: Floats, lowest_yes: Floats) -> Floats:
+    """Where counts that are apart pass one half: amid the two intensities on both sides of it.
+
+    At one intensity some may be beyond and some not; with less than half of them it is passed
+    between that one and the next above, with more between it and the next below.
+    """
+    here = (x == highest_no[:, None]) & (x == lowest_yes[:, None])
+    more = np.where(here, yes - no, 0.0).sum(-1)  # beyond than not, where both are
+    met = yes + no > 0
+    above = np.where(met & (x > highest_no[:, None]), x, np.inf).min(-1)
+    below = np.where(met & (x < lowest_yes[:, None]), x, -np.inf).max(-1)
+    upper = np.where((more < 0.0) & np.isfinite(above), above, lowest_yes)
+    lower = np.where((more > 0.0) & np.isfinite(below), below, highest_no)
+    return np.asarray(0.5 * (lower + upper))
+
+
+def _newton(x: Floats, yes: Floats, no: Floats, link: Link) -> tuple[Floats, Floats]:
+    """Intercepts and slopes of the maxima, one for each row of counts."""
+    share = yes.sum(-1) / (yes + no).sum(-1)
+    a, b = np.asarray(ndtri(share)), np.zeros(len(yes))
+
+    def value(a: Floats, b: Floats) -> Floats:
+        return likelihood(a[:, None] + b[:, None] * x, yes, no, link)
+
+    for _ in range(MOST_ROUNDS):
+        score = a[:, None] + b[:, None] * x
+        _, _, up, down, bend_up, bend_down = _terms(score, link)
+        slope = yes * up + no * down
+        weight = yes * bend_up + no * bend_down
+        rise = slope.sum(-1), (slope * x).sum(-1)
+        bend = weight.sum(-1), (weight * x).sum(-1), (weight * x**2).sum(-1)
+        da, db = uphill(value, a, b, rise, bend)
+        a, b = a + da, b + db
+        if max(float(np.abs(da).max()), float(np.abs(db).max())) < STEADY:
+            break
+    return a, b
+
+
+def uphill(
+    value: Callable[[Floats, Floats], Floats],
+    a: Floats,
+    b: Floats,
+    rise: tuple[Floats, Floats],
+    bend: tuple[Floats, Floats, Floats],
+    *,
+    positive: bool = False,
+) -> tuple[Floats, Floats]:
+    """Newton's step of intercepts and slopes, halved as long as the likelihood would fall.
+
+    Parameters
+    ----------
+    value : logarithm of the likelihood, concave.
+    a, b : intercepts and slopes.
+    rise, bend : its first derivatives (a, b), its second ones with the sign changed (aa, ab, bb).
+    positive : b stays above zero.
+    """
+    (g0, g1), (h0, h1, h2) = rise, bend
+    area = np.maximum(h0 * h2 - h1**2, 1e-300)
+    da, db = (h2 * g0 - h1 * g1) / area, (h0 * g1 - h1 * g0) / area
+    step = np.ones(len(b))
+    if positive:
+        step = np.where(b + db > 0.0, 1.0, 0.5 * b / np.maximum(-db, 1e-300))
+    now = value(a, b)
+    for _ in range(MOST_HALVINGS):
+        worse = value(a + step * da, b + step * db) < now - 1e-12 * (1.0 + abs(now))
+        if not worse.any():
+            break
+        step = np.where(worse, 0.5 * step, step)
+    return step * da, step * db
+
+
+def pivoted(best: Curves, others: Curves, groups: int, level: float) -> Curves:
+    """Return curves of the bootstrap as draws of the true curve: the studentised bootstrap.
+
+    A bootstrap curve misses the estimate, in units of its own dispersion, as the estimate misses
+    the truth: median and logarithm of the dispersion are reflected so (Davison & Hinkley 1997,
+    2.4 and 5.2). A bootstrap of n groups is too narrow by sqrt(n / (n - 1)), and the dispersion is
+    not studentised itself: it is spread as `widened` says. A jump has no dispersion to divide by,
+    so that ratios end at `STEEPEST`. Flat curves stay as they are.
+
+    Parameters
+    ----------
+    best : the estimate.
+    others : of the bootstrap.
+    groups : that it draws from.
+    level : confidence of the band.
+    """
+    if not (np.isfinite(best.place[0]) and 2.0 * FLAT < best.slope[0] < np.inf):
+        return others
+    wider = np.sqrt(groups / max(groups - 1.0, 1.0))
+    spread = ndtri(0.5 + 0.5 * widened(level, groups)) / ndtri(0.5 + 0.5 * level)
+    usual = np.isfinite(others.place) & (others.slope > 2.0 * FLAT)
+    place, slope = others.place.copy(), others.slope.copy()
+    ratio = slope[usual] / best.slope[0]
+    away = np.minimum(ratio, STEEPEST) * (place[usual] - best.place[0])
+    place[usual] = best.place[0] - wider * away
+    slope[usual] = best.slope[0] / np.minimum(ratio**spread, STEEPEST)
+    return Curves(place, slope, others.link)
+
+
+def unreached(largest: Floats, shares: Floats) -> Curves:
+    """Return curves under which none of some motions goes beyond with given probabilities.
+
+    With probabilities spread evenly over (0, 1) they are draws of the true curve whose percentiles
+    are the bounds of Clopper & Pearson (1934, Biometrika 26: 404-413) for no success at all.
+
+    Parameters
+    ----------
+    largest : intensity of each motion, > 0.
+    shares : probabilities, in (0, 1).
+    """
+    x = np.log(largest)
+    place = np.linspace(x.min() - 8.0 * UNREACHED, x.max() + 8.0 * UNREACHED, 2000)
+    none = log_ndtr((place - x[:, None]) / UNREACHED).sum(axis=0)
+    return Curves(np.interp(np.log(shares), none, place), np.full(len(shares), 1.0 / UNREACHED))
+
+
+def _likelihood_edge(im: Floats, yes: Floats, no: Floats, best: Curves, drop: float) -> Curves:
+    """Curves on the edge of the region where the logarithm of the likelihood is so much lower.
+
+    The region is convex, so that the largest and smallest value of a number on its edge are the
+    ends of the interval by profile likelihood of that number (half of a chi-squared quantile with
+    one degree of freedom as `drop`: Venzon & Moolgavkar 1988, Applied Statistics 37: 87-94).
+
+    Parameters
+    ----------
+    im, yes, no : counts (one row of them).
+    best : the likeliest curve, a probit.
+    drop : of the logarithm of the likelihood, > 0.
+    """
+    x = np.log(im) - best.place[0]
+    b = float(best.slope[0])
+    _, _, _, _, bend_up, bend_down = _terms(b * x, "probit")
+    weight = yes * bend_up + no * bend_down
+    bend = np.array(
+        [[weight.sum(), (weight * x).sum()], [(weight * x).sum(), (weight * x**2).sum()]]
+    )
+    # Where the region is an ellipse its edge is at sqrt(2 drop) on every ray.
+    turned = np.linalg.inv(np.linalg.cholesky(bend)).T
+    angle = np.linspace(0.0, 2.0 * np.pi, RAYS, endpoint=False)
+    ray = turned @ np.array([np.cos(angle), np.sin(angle)])
+    least = likelihood(b * x, yes, no) - drop
+
+    def inside(far: Floats) -> NDArray[np.bool_]:
+        score = (far * ray[0])[:, None] + (b + far * ray[1])[:, None] * x
+        return np.asarray(likelihood(score, yes, no) >= least)
+
+    near, far = np.zeros(RAYS), np.full(RAYS, np.sqrt(2.0 * drop))
+    while (still := inside(far)).any():
+        near, far = np.where(still, far, near), np.where(still, 2.0 * far, far)
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (near + far)
+        still = inside(middle)
+        near, far = np.where(still, middle, near), np.where(still, far, middle)
+    slope = np.maximum(b + near * ray[1], FLAT)
+    return Curves(best.place[0] - near * ray[0] / slope, slope)
+
+
+SAME = 1e-12  # logarithms that differ by less are the same but for rounding
+
+
+def _fit_capacities(
+    reached: Floats, at: Floats, weight_reached: Floats, weight_at: Floats
+) -> Curves:
+    """The likeliest lognormal distribution of capacities, for each row of weights.
+
+    Parameters
+    ----------
+    reached : capacities [intensity], > 0.
+    at : intensities that were not enough, > 0; may be empty.
+    weight_reached, weight_at : how often each counts, shape (rows, capacities) and (rows, at).
+
+    Returns
+    -------
+    Curves : a jump where all capacities are the same, infinite where none was reached.
+    """
+    y, c = np.log(reached), np.log(at)
+    count = weight_reached.sum(-1)
+    some = np.maximum(count, 1.0)
+    mean = (weight_reached * y).sum(-1) / some
+    spread = (weight_reached * (y - mean[:, None]) ** 2).sum(-1)
+    deviation = np.sqrt(spread / np.maximum(count - 1.0, 1.0))
+    place = np.where(count > 0, mean, np.inf)
+    slope = np.full(len(count), np.inf)
+    apart = deviation > SAME
+    slope[apart] = 1.0 / deviation[apart]
+    slope[count == 0] = 1.0
+    open_ = (weight_at.sum(-1) > 0) & (count > 0)
+    if open_.any():
+        place[open_], slope[open_] = _censored(y, c, weight_reached[open_], weight_at[open_])
+    return Curves(place, slope)
+
+
+def _censored(y: Floats, c: Floats, w: Floats, v: Floats) -> tuple[Floats, Floats]:
+    """Newton's method in intercept a and slope b, scores a + b y; concave."""
+    centre = float(np.concatenate([y, c]).mean())
+    y, c = y - centre, c - centre
+    n, first, second = w.sum(-1), (w * y).sum(-1), (w * y**2).sum(-1)
+    total = n + v.sum(-1)
+    mean = (first + (v * c).sum(-1)) / total
+    around = (second + (v * c**2).sum(-1)) / total - mean**2
+    b = 1.0 / np.sqrt(np.maximum(around, 1e-6))
+    a = -mean * b
+
+    def value(a: Floats, b: Floats) -> Floats:
+        tail = (v * log_ndtr(-(a[:, None] + b[:, None] * c))).sum(-1)
+        return np.asarray(
+            n * np.log(b) - 0.5 * (n * a**2 + 2.0 * a * b * first + b**2 * second) + tail
+        )
+
+    for _ in range(MOST_ROUNDS):
+        score = a[:, None] + b[:, None] * c
+        rate = np.exp(-0.5 * score**2 - ROOT_TWO_PI - log_ndtr(-score))
+        bend = v * rate * (rate - score)
+        g0 = -(n * a + b * first) - (v * rate).sum(-1)
+        g1 = n / b - (a * first + b * second) - (v * rate * c).sum(-1)
+        h0 = n + bend.sum(-1)
+        h1 = first + (bend * c).sum(-1)
+        h2 = n / b**2 + second + (bend * c**2).sum(-1)
+        da, db = uphill(value, a, b, (g0, g1), (h0, h1, h2), positive=True)
+        a, b = a + da, b + db
+        if float(np.abs(da).max()) + float(np.abs(db / b).max()) < STEADY:
+            break
+    return centre - a / b, b
+
+
+Bools = NDArray[np.bool_]
+MOST_STRIPES = 200  # more intensities are put into so many classes, equally filled
+MORE_BETWEEN = (
+    "all runs up to {0:.4g} stay below, all from {1:.4g} go beyond: add intensities between"
+)
+ONE_MIXED = (
+    "none goes beyond below {0:.4g} and all do above it; at {0:.4g} itself {1:.0f} of {2:.0f}: one "
+    "intensity says too little of the spread, add intensities close to it"
+)
+REASONS = {
+    "none_beyond": "no run went beyond the capacity: add larger intensities",
+    "all_beyond": "every run went beyond the capacity: add smaller intensities",
+    "not_rising": "the share beyond the capacity does not rise with the intensity: is it one that "
+    "tells motions apart here? Add runs or intensities",
+    "one_beyond": "one motion only reached the capacity: add larger intensities",
+}
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A curve, and what its band is made of.
+
+    Attributes
+    ----------
+    best : the likeliest curve.
+    others : those of the bootstrap, or on the edge of the likelihood region.
+    collapse, collapses : logistic curves of the share of collapse, of both; None without.
+    outcome : "completed", or why there is no curve.
+    sentence : likewise, and what to try.
+    drawn : the same with the curves of the bootstrap as it drew them, where `others` are pivots.
+    groups : that the bootstrap draws from; 0 where it is no matter.
+    """
+
+    best: Curves
+    others: Curves
+    collapse: Curves | None = None
+    collapses: Curves | None = None
+    outcome: str = COMPLETED
+    sentence: str = ""
+    drawn: "Estimate | None" = None
+    groups: int = 0
+
+    @property
+    def known(self) -> bool:
+        """Whether there is a curve."""
+        return self.outcome == COMPLETED
+
+    def probability(self, intensity: Floats) -> Floats:
+        """Of the curve, at intensities."""
+        beyond = _with_collapse(self.best, self.collapse, intensity)
+        return np.asarray(beyond[0])
+
+    def probabilities(self, intensity: Floats) -> Floats:
+        """Of all that the band is made of: shape (curves, intensities)."""
+        return _with_collapse(self.others, self.collapses, intensity)
+
+
+def _with_collapse(curves: Curves, collapse: Curves | None, intensity: Floats) -> Floats:
+    beyond = curves.probability(intensity)
+    if collapse is None:
+        return beyond
+    share = collapse.probability(intensity)
+    return beyond * (1.0 - share) + share
+
+
+def classes(at: Floats) -> tuple[Floats, NDArray[np.int64]]:
+    """Intensities, and which of them each run has; many are put into classes of equal number.
+
+    The intensity of a class is the geometric mean of its runs.
+    """
+    levels, place = np.unique(at, return_inverse=True)
+    if len(levels) <= MOST_STRIPES:
+        return levels, place
+    place = equal_classes(at, MOST_STRIPES)
+    means = np.bincount(place, np.log(at)) / np.bincount(place)
+    return np.exp(means), place
+
+
+def counts(at: Floats, beyond: Bools, name: str) -> pd.DataFrame:
+    """Runs, and how many of them are beyond, at each intensity or in each class of them."""
+    levels, place = classes(at)
+    runs = np.bincount(place, minlength=len(levels))
+    over = np.bincount(place, beyond, minlength=len(levels)).astype(int)
+    return pd.DataFrame({name: levels, "runs": runs, "beyond": over})
+
+
+def _counted(
+    at: Floats, beyond: Bools, draw: Draw
+) -> tuple[Floats, Floats, Floats, Floats, Floats]:
+    """Intensities; runs beyond and not at each, and the same of every bootstrap sample."""
+    levels, place = classes(at)
+    size = len(levels)
+    yes, no = (
+        np.bincount(place, part, minlength=size).astype(float)[None, :]
+        for part in (beyond, ~beyond)
+    )
+    if draw.alone:  # drawn again within each stripe: a binomial number
+        runs = (yes + no)[0]
+        shape = (draw.samples, size)
+        drawn = draw.generator().binomial(runs.astype(int), yes[0] / runs, size=shape)
+        again = drawn.astype(float)
+        return levels, yes, no, again, runs - again
+    cells = np.zeros((draw.count, 2 * size))
+    np.add.at(cells, (draw.groups, place + np.where(beyond, 0, size)), 1.0)
+    again = draw.again(cells)
+    return levels, yes, no, again[:, :size], again[:, size:]
+
+
+def stripes(at: Floats, beyond: Bools, draw: Draw, level: float | None = None) -> Estimate:
+    """The likeliest lognormal curve through counts.
+
+    Parameters
+    ----------
+    at : intensity of each run.
+    beyond : whether it went beyond the capacity.
+    draw : how the bootstrap draws them again.
+    level : of a band by profile likelihood, instead of the bootstrap.
+    """
+    levels, yes, no, again, but = _counted(at, beyond, draw)
+    best = fit_curves(levels, yes, no)
+    outcome, sentence = _why_not(levels, yes[0], no[0], best)
+    if level is not None and outcome == COMPLETED:
+        drop = 0.5 * float(chi2.ppf(level, 1))
+        others = _likelihood_edge(levels, yes[0], no[0], best, drop)
+    else:
+        others = fit_curves(levels, again, but)
+    return Estimate(best, others, outcome=outcome, sentence=sentence)
+
+
+def _why_not(levels: Floats, yes: Floats, no: Floats, best: Curves) -> tuple[str, str]:
+    """Outcome of counts, with a sentence where they have no likeliest curve."""
+    if not yes.any() or not no.any():
+        outcome = "all_beyond" if yes.any() else "none_beyond"
+        return outcome, REASONS[outcome]
+    if np.isinf(best.slope[0]):
+        last, first = levels[no > 0].max(), levels[yes > 0].min()
+        if last == first:
+            here = int(np.flatnonzero(levels == first)[0])
+            return "apart", ONE_MIXED.format(first, yes[here], yes[here] + no[here])
+        return "apart", MORE_BETWEEN.format(last, first)
+    if best.slope[0] <= FLAT:
+        return "not_rising", REASONS["not_rising"]
+    return COMPLETED, ""
+
+
+def incremental(ida: Ida, capacity: float, draw: Draw) -> Estimate:
+    """The lognormal curve of the intensities at which motions reach a capacity.
+
+    Parameters
+    ----------
+    ida : curves.
+    capacity : of their demand.
+    draw : how the bootstrap draws their runs again; a curve goes with its first run.
+    """
+    table = ida.crossings(capacity)
+    reached = np.isfinite(table["capacity"].to_numpy(dtype=float))
+    y = table.loc[reached, "capacity"].to_numpy(dtype=float)
+    c = table.loc[~reached, "largest"].to_numpy(dtype=float)
+    groups = draw.groups[[curve.first for curve in ida.curves]]
+    if draw.alone:
+        draw = Draw.of_labels(None, len(ida.curves), draw.samples, draw.seed[0])
+        groups = draw.groups
+    ones = np.ones((1, len(groups)))
+    best = _fit_capacities(y, c, ones[:, reached], ones[:, ~reached])
+    parts = [
+        _fit_capacities(y, c, weights[:, groups[reached]], weights[:, groups[~reached]])
+        for weights in draw.weights()
+    ]
+    others = _joined(parts)
+    if not reached.any():
+        return Estimate(best, others, outcome="none_beyond", sentence=REASONS["none_beyond"])
+    if np.isinf(best.slope[0]):
+        return Estimate(best, others, outcome="apart", sentence=REASONS["one_beyond"])
+    return Estimate(best, others)
+
+
+def cloud(at: Floats, demand: Floats, capacity: float, draw: Draw) -> Estimate:
+    """The lognormal curve of a regression of the demand, and the share of collapse beside it.
+
+    Parameters
+    ----------
+    at : intensity of each run.
+    demand : of each, > 0; infinite for a collapse.
+    capacity : of the demand.
+    draw : how the bootstrap draws them again.
+
+    Raises
+    ------
+    InputError : fewer than three runs that did not collapse.
+    """
+    stood = np.isfinite(demand)
+    if stood.sum() < 3 or len(np.unique(at[stood])) < 2:
+        raise InputError(
+            f"{stood.sum()} runs that did not collapse: a regression needs three, at two "
+            "intensities at least"
+        )
+    x = np.where(stood, np.log(at), 0.0)
+    y = np.where(stood, np.log(np.where(stood, demand, 1.0) / capacity), 0.0)
+    # About their means, so that the sums of squares lose no digits.
+    x_mean, y_mean = x[stood].mean(), y[stood].mean()
+    x, y = np.where(stood, x - x_mean, 0.0), np.where(stood, y - y_mean, 0.0)
+    terms = np.column_stack([stood.astype(float), x, y, x * x, x * y, y * y])
+    best = _line(terms.sum(axis=0)[None, :], x_mean, y_mean)
+    others = _line(draw.sums(terms), x_mean, y_mean)
+    outcome = COMPLETED if best.slope[0] > FLAT else "not_rising"
+    sentence = REASONS.get(outcome, "")
+    if stood.all():
+        return Estimate(best, others, outcome=outcome, sentence=sentence)
+    levels, yes, no, again, but = _counted(at, ~stood, draw)
+    share = fit_curves(levels, yes, no, "logit")
+    return Estimate(best, others, share, fit_curves(levels, again, but, "logit"), outcome, sentence)
+
+
+def _line(sums: Floats, x_mean: float, y_mean: float) -> Curves:
+    """Curves of the regression from sums of 1, x, y, xx, xy, yy; flat ones where it falls."""
+    n, x, y, xx, xy, yy = sums.T
+    some = np.maximum(n, 1.0)
+    across = xx - x * x / some
+    with np.errstate(divide="ignore", invalid="ignore"):
+        b = np.where(across > 1e-12 * some, (xy - x * y / some) / across, 0.0)
+        left = np.maximum(yy - y * y / some - b * (xy - x * y / some), 0.0)
+        sigma = np.sqrt(left / np.maximum(n - 2.0, 1.0))
+        middle = y_mean + y / some - b * (x_mean + x / some)  # ln(demand/capacity) at ln im = 0
+        rising = b > FLAT
+        slope = np.where(rising, np.where(sigma > 0.0, b / sigma, np.inf), FLAT)
+        flat = -np.where(sigma > 0.0, middle / sigma, 0.0) / FLAT
+        place = np.where(rising, -middle / b, flat)
+    return Curves(place, slope)
+
+
+def _joined(parts: list[Curves]) -> Curves:
+    return Curves(
+        np.concatenate([part.place for part in parts]),
+        np.concatenate([part.slope for part in parts]),
+        parts[0].link,
+    )

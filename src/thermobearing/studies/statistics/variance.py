@@ -1,0 +1,264 @@
+"""How much of the variance of a demand each factor makes.
+
+From Saltelli's arrangement (matrices A and B, and A with one column of B): Sobol' indices of first
+order by Saltelli, Annoni, Azzini, Campolongo, Ratto & Tarantola (2010, Computer Physics
+Communications 181(2): 259-270, Table 2 b) and total ones by Jansen (1999; the same table, f). They
+are those of `scipy.stats.sobol_indices`, which takes whole powers of two only; here a row with a
+failed run leaves all matrices. The bootstrap draws rows.
+
+From any other design: the correlation ratio of each factor by itself, the variance of the means
+over its levels (numbers without levels: over classes of equally many runs), less what as many
+classes would explain by chance (epsilon squared: Kelley 1935, PNAS 21: 554-559). In a full
+factorial design they and what is left over as interaction add up to one.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from thermobearing.border.errors import InputError
+from thermobearing.studies.statistics.bootstrap import (
+    LEVEL,
+    SAMPLES,
+    Draw,
+    check_level,
+    percentiles,
+)
+from thermobearing.studies.statistics.demand import MOST_LEVELS, equal_classes
+from thermobearing.studies.statistics.failed_runs import Counted, Failed, column, counted
+
+Floats = NDArray[np.float64]
+MATRIX, SAMPLE = "matrix", "sample"
+SWAPPED = "AB "
+LEAST_ROWS = 8
+MOST_CLASSES = 60
+MOST_LOTS = 2000  # of runs that the bootstrap draws as one
+
+
+def sobol_indices(
+    a: Floats, b: Floats, swapped: Floats, draw: Draw | None = None
+) -> tuple[Floats, Floats]:
+    """First-order and total indices from Saltelli's arrangement, or those of bootstrap samples.
+
+    Parameters
+    ----------
+    a, b : values at the rows of the matrices A and B.
+    swapped : at A with one column of B: shape (factors, rows).
+    draw : how rows are drawn again; None for the indices themselves.
+
+    Returns
+    -------
+    two arrays : of each factor; with `draw` a row for each sample.
+    """
+    middle = np.concatenate([a, b]).mean()
+    a, b, swapped = a - middle, b - middle, swapped - middle
+    sums = np.column_stack(
+        [
+            np.ones(len(a)),
+            a + b,
+            a**2 + b**2,
+            *(b * (swapped - a)),
+            *(0.5 * (a - swapped) ** 2),
+        ]
+    )
+    whole = sums.sum(axis=0)[None, :] if draw is None else draw.sums(sums)
+    count, total, squares = whole[:, 0], whole[:, 1], whole[:, 2]
+    variance = squares / (2.0 * count) - (total / (2.0 * count)) ** 2
+    scale = (count * np.where(variance > 0.0, variance, np.nan))[:, None]
+    factors = len(swapped)
+    first, every = whole[:, 3 : 3 + factors] / scale, whole[:, 3 + factors :] / scale
+    return (first[0], every[0]) if draw is None else (first, every)
+
+
+def sobol_table(
+    table: pd.DataFrame,
+    demand: str,
+    *,
+    failed: Failed = "left-out",
+    level: float = LEVEL,
+    samples: int = SAMPLES,
+    seed: int = 0,
+) -> pd.DataFrame:
+    """Sobol' indices of every drawn factor of a study in Saltelli's arrangement.
+
+    Parameters
+    ----------
+    table : of runs with the columns `matrix` ("A", "B", "AB <factor>") and `sample`; of one
+        combination of levels.
+    demand : column whose variance is shared out.
+    failed : rows with a failed run are "left-out"; "collapse" has no variance, and is refused.
+    level : confidence of the bands, a share in (0, 1).
+    samples, seed : of the bootstrap.
+
+    Returns
+    -------
+    DataFrame : `factor`, `first` and `total` with their bands, `rows` that count and `left_out`.
+
+    Raises
+    ------
+    InputError : the table has no such arrangement, too few whole rows, or no variance.
+
+    Examples
+    --------
+    >>> x, y = np.random.default_rng(1).random((2, 256, 2))
+    >>> both = {"A": x, "B": y, "AB a": np.c_[y[:, 0], x[:, 1]], "AB b": np.c_[x[:, 0], y[:, 1]]}
+    >>> made = [
+    ...     pd.DataFrame({"matrix": name, "sample": range(256), "drift": at @ [1.0, 2.0]})
+    ...     for name, at in both.items()
+    ... ]
+    >>> sobol_table(pd.concat(made), "drift")["total"].round(1).tolist()
+    [0.2, 0.9]
+    """
+    runs = _runs(table, demand, failed, level)
+    matrix, sample = column(table, MATRIX), column(table, SAMPLE)
+    factors = list(dict.fromkeys(m[len(SWAPPED) :] for m in matrix if m.startswith(SWAPPED)))
+    names = ["A", "B", *(f"{SWAPPED}{factor}" for factor in factors)]
+    place = {name: row for row, name in enumerate(names)}
+    numbers = {value: k for k, value in enumerate(dict.fromkeys(sample))}
+    values = np.full((len(names), len(numbers)), np.nan)
+    known = np.full(len(table), np.nan)
+    known[runs.kept] = runs.demand
+    if len(table) != values.size:
+        raise InputError(
+            f"{len(table)} runs, and not one for each of {len(names)} matrices and {len(numbers)} "
+            "samples: take the runs of one combination of levels"
+        )
+    for value, name, number in zip(known, matrix, sample, strict=True):
+        values[place[name], numbers[number]] = value
+    whole = np.isfinite(values).all(axis=0)
+    if whole.sum() < LEAST_ROWS:
+        raise InputError(
+            f"{whole.sum()} whole rows of {len(whole)}: at least {LEAST_ROWS} are needed"
+        )
+    values = values[:, whole]
+    if np.ptp(values[:2]) == 0.0:
+        raise InputError(f'"{demand}" is the same in all runs: there is no variance')
+    draw = Draw.of_labels(None, values.shape[1], samples, seed)
+    first, total = sobol_indices(values[0], values[1], values[2:])
+    firsts, totals = sobol_indices(values[0], values[1], values[2:], draw)
+    (low, high), (least, most) = percentiles(firsts, level), percentiles(totals, level)
+    found: dict[str, Any] = {"factor": factors, "first": first, "first_low": low}
+    found |= {"first_high": high, "total": total, "total_low": least, "total_high": most}
+    return pd.DataFrame(found).assign(rows=int(whole.sum()), left_out=int((~whole).sum()))
+
+
+def variance_shares(
+    table: pd.DataFrame,
+    demand: str,
+    factors: Sequence[str],
+    *,
+    together: Sequence[str] = (),
+    failed: Failed = "left-out",
+    level: float = LEVEL,
+    samples: int = SAMPLES,
+    seed: int = 0,
+) -> pd.DataFrame:
+    """Share of the variance that each factor explains by itself (correlation ratio).
+
+    Parameters
+    ----------
+    table : of runs, of any design in which the factors were chosen independently.
+    demand : column whose variance is shared out.
+    factors : columns; one that is the same in all runs explains nothing.
+    together : those of them that the column `sample` draws at once: nothing tells their shares
+        apart, and they have one, with all their names.
+    failed : runs that failed are "left-out"; "collapse" is refused.
+    level : confidence of the bands, a share in (0, 1).
+    samples, seed : of the bootstrap, which draws runs.
+
+    Returns
+    -------
+    DataFrame : `factor`, `share` with its band, `levels` or classes, `rows` that count and
+        `left_out`; the last row, "together and the rest", is what no factor explains by itself.
+
+    Raises
+    ------
+    InputError : a column is missing, or the demand does not vary.
+
+    Examples
+    --------
+    >>> rows = [(m, t, m + 2 * t) for m in (0, 1) for t in (0, 1) for _ in range(50)]
+    >>> runs = pd.DataFrame(rows, columns=["motion", "ambient", "drift"])
+    >>> variance_shares(runs, "drift", ["motion", "ambient"])["share"].round(1).tolist()
+    [0.2, 0.8, 0.0]
+    """
+    runs = _runs(table, demand, failed, level)
+    values = runs.demand - runs.demand.mean()
+    if len(values) < LEAST_ROWS or np.ptp(values) == 0.0:
+        raise InputError(
+            f'"{demand}" of {len(values)} runs: at least {LEAST_ROWS} are needed that differ'
+        )
+    apart = [factor for factor in factors if len(together) < 2 or factor not in together]
+    codes = [_codes(column(runs.table, factor)) for factor in apart]
+    if len(apart) < len(factors):
+        apart.append(", ".join(together))
+        codes.append(np.asarray(pd.factorize(runs.table[SAMPLE])[0], dtype=np.int64))
+    lot = np.arange(len(values))
+    if len(values) > MOST_LOTS:  # so many lots of runs tell the spread as well as single ones
+        lot = np.random.default_rng(seed).permutation(len(values)) % MOST_LOTS
+    cells = [_cells(values, code, lot) for code in codes]
+    ones = np.ones((1, int(lot.max()) + 1))
+    estimates = np.array([_ratios(cell, ones)[0] for cell in cells])
+    draw = Draw.of_labels(None, ones.shape[1], samples, seed)
+    again = np.concatenate(
+        [np.column_stack([_ratios(cell, weights) for cell in cells]) for weights in draw.weights()]
+    )
+    whole = np.append(estimates, max(1.0 - estimates.sum(), 0.0))
+    again = np.column_stack([again, np.maximum(1.0 - again.sum(axis=1), 0.0)])
+    # Runs drawn twice make classes look alike inside: the samples are moved to the estimate.
+    low, high = percentiles(again - again.mean(axis=0) + whole, level)
+    found: dict[str, Any] = {"factor": [*apart, "together and the rest"], "share": whole}
+    found |= {"share_low": low, "share_high": high}
+    table = pd.DataFrame(found).assign(levels=[*(int(c.max()) + 1 for c in codes), 0])
+    return table.assign(rows=len(values), left_out=runs.left_out)
+
+
+def _runs(table: pd.DataFrame, demand: str, failed: Failed, level: float) -> Counted:
+    """The runs whose demand varies; InputError where failed ones are to count as collapse."""
+    check_level(level)
+    if failed == "collapse":
+        raise InputError('an infinite demand has no variance: failed = "left-out" here')
+    return counted(table, demand, failed)
+
+
+def _codes(values: list[Any]) -> NDArray[np.int64]:
+    """Class of each run: its level, or for many numbers one of classes of equally many runs.
+
+    As many classes as each has runs, so that little of a slope is left inside of them. Runs
+    without the number are a class by themselves.
+    """
+    codes, different = pd.factorize(np.asarray(values, dtype=object), use_na_sentinel=False)
+    if len(different) <= MOST_LEVELS or not all(isinstance(v, int | float) for v in different):
+        return np.asarray(codes, dtype=np.int64)
+    found = np.asarray(values, dtype=float)
+    known = ~np.isnan(found)
+    codes = np.zeros(len(found), dtype=np.int64)
+    classes = min(int(np.sqrt(known.sum())), MOST_CLASSES)
+    codes[known] = equal_classes(found[known], classes) + int(not known.all())
+    return codes
+
+
+def _cells(
+    values: Floats, codes: NDArray[np.int64], lot: NDArray[np.int64]
+) -> tuple[Floats, Floats, Floats]:
+    """Count and sum of each class in each lot of runs, and sum of squares of the lot."""
+    lots, classes = int(lot.max()) + 1, int(codes.max()) + 1
+    place = lot * classes + codes
+    count = np.bincount(place, minlength=lots * classes).astype(float)
+    sums = np.bincount(place, values, minlength=lots * classes).astype(float)
+    squares = np.bincount(lot, values**2, minlength=lots).astype(float)
+    return count.reshape(lots, classes), sums.reshape(lots, classes), squares[:, None]
+
+
+def _ratios(cells: tuple[Floats, Floats, Floats], weights: Floats) -> Floats:
+    """Epsilon squared of each row of weights of the lots."""
+    count, sums, second = (weights @ part for part in cells)
+    total, first = count.sum(axis=1), sums.sum(axis=1)
+    squares = second[:, 0] - first**2 / total
+    between = (sums**2 / np.maximum(count, 1.0)).sum(axis=1) - first**2 / total
+    classes = (count > 0.0).sum(axis=1)
+    left = np.maximum(squares - between, 0.0) / np.maximum(total - classes, 1.0)
+    return np.asarray(1.0 - left * (total - 1.0) / np.where(squares > 0.0, squares, np.nan))
