@@ -19,8 +19,12 @@ from thermobearing.border.encodings import read_text
 from thermobearing.border.errors import InputError, closest
 from thermobearing.border.library import data_path
 from thermobearing.report.pieces import (
+    EXCEEDED,
+    NOT_JUDGED,
+    PASSED,
     Block,
     Bullets,
+    Check,
     ChecksBlock,
     Column,
     Document,
@@ -149,6 +153,13 @@ def _block(word: str, name: str, piece: object) -> Block:
     return FigureBlock(name, piece)
 
 
+def _checks(checks: Sequence[Check]) -> list[Block]:
+    """Checks by severity: what is exceeded comes first, then what is not judged."""
+    order = (EXCEEDED, NOT_JUDGED, PASSED)
+    ranked = sorted(checks, key=lambda check: order.index(check.verdict))
+    return [ChecksBlock(ranked)] if ranked else []
+
+
 def _validity(pieces: Pieces) -> list[Block]:
     notes = _listed(pieces.notes)
     if pieces.validity_unknown:
@@ -174,7 +185,7 @@ WHOLE: Mapping[str, Callable[[Pieces], list[Block]]] = {
     "question": lambda pieces: [Paragraph(pieces.question)],
     "answer": lambda pieces: _listed(pieces.answer, "answer"),
     "inputs": lambda pieces: [TableBlock(name, t) for name, t in pieces.inputs.items()],
-    "checks": lambda pieces: [ChecksBlock(pieces.checks)] if pieces.checks else [],
+    "checks": lambda pieces: _checks(pieces.checks),
     "validity": _validity,
     "books": lambda pieces: [TableBlock("books", pieces.books)] if pieces.books else [],
     "assumptions": lambda pieces: _listed(pieces.assumptions),
