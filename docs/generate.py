@@ -5,6 +5,7 @@ the tables between the `generated` marks. `--texts-only` rewrites the texts from
 numbers that are there, which the tests use to see that nobody typed a number by hand.
 """
 
+import ast
 import json
 import os
 import re
@@ -155,7 +156,7 @@ def coverage_items() -> list[dict[str, Any]]:
 
 def coverage_verdict(kinds: set[str]) -> str:
     """Return the verdict of an item from those of its claims: the worst of them."""
-    from thermobearing.reproduce.judge import CLOSE, CONTRADICTED, NEEDS, UNDECIDED
+    from thermobearing.reproduce.claims import CLOSE, CONTRADICTED, NEEDS, UNDECIDED
 
     if CONTRADICTED in kinds:
         return "contradicted"
@@ -197,7 +198,7 @@ def coverage_text(items: list[dict[str, Any]]) -> str:
 
 def ledger_counts(ids: list[str]) -> dict[str, int]:
     """Of some claims of the source, how many have each verdict."""
-    from thermobearing.reproduce.judge import FAILED, VERDICTS
+    from thermobearing.reproduce.claims import FAILED, VERDICTS
 
     kinds = [load(LEDGER)[name]["verdict"] for name in ids]
     return {name: kinds.count(name) for name in VERDICTS if name != FAILED or FAILED in kinds}
@@ -205,10 +206,10 @@ def ledger_counts(ids: list[str]) -> dict[str, int]:
 
 def ledger_groups() -> dict[str, list[str]]:
     """Return the ids of the claims that are counted together."""
-    from thermobearing.reproduce.claims import GROUPS, group_of
+    from thermobearing.reproduce.claims import GROUPS, mean_group
 
     ledger = list(load(LEDGER))
-    return {group: [name for name in ledger if group_of(name) == group] for group in GROUPS}
+    return {group: [name for name in ledger if mean_group(name) == group] for group in GROUPS}
 
 
 def ledger_sentence() -> str:
@@ -225,11 +226,9 @@ def ledger_sentence() -> str:
 
 def reproduction_text() -> str:
     """docs/reproduction.md, all of it: the counts, and every claim with what flips it."""
-    from thermobearing.reproduce.claims import GROUPS, PARTS, load_claims
-    from thermobearing.reproduce.files import CHAPTERS
-    from thermobearing.reproduce.judge import ECHOES
+    from thermobearing.reproduce.claims import ECHOES, GROUPS, PARTS, load_claims, rule_words
     from thermobearing.reproduce.report import READING
-    from thermobearing.reproduce.told import rule_words
+    from thermobearing.reproduce.result import CHAPTERS
 
     ledger = load(LEDGER)
     claims = {part: [c for c in load_claims(part) if c.id in ledger] for part in PARTS}
@@ -280,6 +279,34 @@ def between(text: str, name: str, content: str) -> str:
     start, end = f"<!-- generated: {name} -->", "<!-- end generated -->"
     head, rest = text.split(start)
     return f"{head}{start}\n{content}\n{end}{rest.split(end, 1)[1]}"
+
+
+def modules_table() -> str:
+    """The subject of each module, by package, from the first line of its docstring."""
+    package = DOCS.parent / "src" / "thermobearing"
+    parts = []
+    for folder in sorted({path.parent for path in package.rglob("*.py")}):
+        name = folder.relative_to(package).as_posix()
+        rows = [
+            [f"`{path.stem}`", subject(path)]
+            for path in sorted(folder.glob("*.py"))
+            if path.name != "__init__.py"
+        ]
+        head = "thermobearing" if name == "." else name
+        parts.append(f"**{head}**: {subject(folder / '__init__.py')}")
+        parts.append(table(["module", "subject"], rows))
+    return "\n\n".join(parts)
+
+
+def subject(path: Path) -> str:
+    """The first paragraph of a module's docstring."""
+    text = ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or ""
+    return " ".join(text.split("\n\n")[0].split()).replace("|", "\\|")
+
+
+def architecture_text(page: str) -> str:
+    """The page on the architecture with its list of modules."""
+    return between(page, "modules", modules_table())
 
 
 def fill_tables() -> None:
@@ -346,6 +373,9 @@ def main() -> None:
     measured, bench_numbers = load(MEASURED), load(BENCH)
     README.write_text(readme_text(README.read_text(), measured, bench_numbers))
     (DOCS / "verification.md").write_text(verification_text(measured, bench_numbers))
+    architecture = DOCS / "architecture.md"
+    page = architecture.read_text(encoding="utf-8")
+    architecture.write_text(architecture_text(page), encoding="utf-8")
     (DOCS / "coverage.md").write_text(coverage_text(coverage_items()))
     (DOCS / "reproduction.md").write_text(reproduction_text(), encoding="utf-8")
 

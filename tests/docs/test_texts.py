@@ -20,7 +20,7 @@ from tests.told_numbers import disagreements
 from tests.unit.inputs import command
 from tests.unit.studies import small_study
 from thermobearing.studies import run_study
-from thermobearing.studies.store import Store
+from thermobearing.studies.store.directory import Store
 
 LIBRARY = Path(str(resources.files("thermobearing") / "data"))
 ROOT = Path(__file__).parents[2]
@@ -179,6 +179,8 @@ def test_numbers_are_the_generated_ones() -> None:
     assert generate.verification_text(measured, bench) == page
     claims = (ROOT / "docs" / "reproduction.md").read_text(encoding="utf-8")
     assert generate.reproduction_text() == claims
+    architecture = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    assert generate.architecture_text(architecture) == architecture
 
 
 def test_every_measured_number_has_its_test() -> None:
