@@ -245,7 +245,7 @@ def test_a_process_of_a_study_reads_only_what_it_runs_with() -> None:
 
 
 def test_nobody_answers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("thermobearing.studies.run.executors.PATIENCE", 0.2)
+    monkeypatch.setattr("thermobearing.studies.run.executors.SCHEDULER_PATIENCE", 0.2)
     for address in ("tcp://127.0.0.1:9", "nonsense://x"):
         with pytest.raises(InputError, match=f'address "{address}": no Dask scheduler answers'):
             run_study(small_study(), tmp_path / "out", executor="dask", address=address)

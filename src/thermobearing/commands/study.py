@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from thermobearing.studies.run.dry_run import Forecast
     from thermobearing.studies.run.status import Status
 
-DrawnDirectory = Annotated[Path, typer.Argument(help="DrawnDirectory of a study.", metavar="DIR")]
+Directory = Annotated[Path, typer.Argument(help="Directory of the study.", metavar="DIR")]
 Demand = Annotated[
     str | None,
     typer.Option(help="Column of the table of runs; ductility of the pier by default."),
@@ -39,7 +39,7 @@ Demand = Annotated[
 
 @reported
 def figures(
-    directory: DrawnDirectory,
+    directory: Directory,
     demand: Demand = None,
     capacity: Annotated[
         float | None,
@@ -85,7 +85,7 @@ def figures(
 
 @reported
 def worst(
-    directory: DrawnDirectory,
+    directory: Directory,
     count: Annotated[int, typer.Option(help="How many.", min=1)] = 10,
     demand: Demand = None,
     as_json: AsJson = False,
@@ -102,7 +102,7 @@ def worst(
 
 @reported
 def repeat(
-    directory: DrawnDirectory,
+    directory: Directory,
     run: Annotated[int, typer.Argument(help="Number of the run.", metavar="RUN", min=0)],
     output: Output = None,
     force: Force = False,
@@ -146,7 +146,6 @@ class _Study(Group):
 
 
 app = typer.Typer(cls=_Study, help=HELP, no_args_is_help=True, rich_markup_mode="markdown")
-Directory = Annotated[Path, typer.Argument(help="Directory of the study.", metavar="DIR")]
 
 
 @app.command(

@@ -234,7 +234,6 @@ def _marks(ax: Axes, curve: Fragility, colour: str, count: int) -> None:
 
 LOOKS = dict(zip(FRACTILES, (":", "-", "--"), strict=True))
 MOST_CURVES = 400  # drawn; more are every so many of them
-IDA_ROOM = 1.35  # of the capacity, or of the largest demand of a fractile, that the axis shows
 
 
 def _draw_ida(ida: Ida, capacity: float) -> Figure:
