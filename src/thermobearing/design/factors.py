@@ -296,7 +296,7 @@ def _with_tested(table: pd.DataFrame, asked: list[Row]) -> pd.DataFrame:
 
 
 SPECIMEN = 1.0 / 6.0
-STRAIN, SCALE_PERIOD, COUNT, REST = 1.75, 2.0, 5, 3600.0  # of the study; s
+STRAIN, COUNT, REST = 1.75, 5, 3600.0  # of the study; s
 
 
 def scaled_bearing(bearing: Bearing | str | Path, factor: float) -> Bearing:
@@ -380,7 +380,7 @@ def scale_study(
         "step": "cycles",
         "strain": STRAIN,
         "wave": "sine",
-        "period": SCALE_PERIOD,
+        "period": PERIOD,
         "count": COUNT,
     }
     test = CyclicTest(dt=0.005, steps=[cycles, {"step": "rest", "duration": REST}])
@@ -389,7 +389,7 @@ def scale_study(
         for factor in factors
     }
     rows = []
-    end = SCALE_PERIOD * COUNT
+    end = PERIOD * COUNT
     for factor, result in results.items():
         time = result.time(0)
         rows.append({"factor": factor, "total_rubber_mm": factor * bearing.total_rubber_thickness})

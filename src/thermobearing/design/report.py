@@ -68,11 +68,7 @@ def _bounds_pieces(saved: SavedResult) -> Pieces:
     validity, unknown, warnings = saved_validity(saved)
     told = {name: one for name, one in (summary.get("inputs") or {}).items() if one}
     names, rows = list(summary["rows"]), summary.get("tested_range", [])
-
-    def bearing_of(run: str) -> str:
-        return next((name for name in names if run.startswith(f"{name}, ")), "")
-
-    checks = limit_checks(rows, IN_EARTHQUAKES, f"{TESTED_RANGE} of the bearing", bearing_of)
+    checks = limit_checks(rows, IN_EARTHQUAKES, f"{TESTED_RANGE} of the bearing", names)
     rate = rate_note(rows)
     words = [bearing_words(one["bearing"]) for one in told.values()] or names
     motions = dict.fromkeys(str(r["motion"]) for table in summary["rows"].values() for r in table)
@@ -548,9 +544,5 @@ def report_checks(saved: SavedResult) -> list[Check]:
             )
         )
     names = [*_safe_file_names(summary), *(str(one["name"]) for one in summary["equal"])]
-
-    def bearing_of(run: str) -> str:
-        return next((name for name in names if run.startswith(f"{name}, ")), "")
-
     rows = summary.get("tested_range", [])
-    return found + limit_checks(rows, IN_EARTHQUAKES, f"{TESTED_RANGE} of the bearing", bearing_of)
+    return found + limit_checks(rows, IN_EARTHQUAKES, f"{TESTED_RANGE} of the bearing", names)

@@ -438,12 +438,8 @@ def report_checks(result: EarthquakeResult, case: Case) -> list[Check]:
     found = _ductilities(result)
     found += limit_checks(result.rig.to_dict("records"), RIG, f"rig {rig}")
     names = [str(one["name"]) for one in list_all_bearings(case)]
-
-    def bearing_of(run: str) -> str:
-        return next((name for name in names if run.startswith(f"{name}, ")), "")
-
     rows = result.tested_range.to_dict("records")
-    return found + limit_checks(rows, IN_EARTHQUAKES, f"{TESTED_RANGE} of the bearing", bearing_of)
+    return found + limit_checks(rows, IN_EARTHQUAKES, f"{TESTED_RANGE} of the bearing", names)
 
 
 def quality_of(result: EarthquakeResult, case: Case) -> tuple[ReportTable, list[str]]:

@@ -8,6 +8,7 @@ import pandas as pd
 
 from thermobearing.border.toml import read_toml, split_sources
 from thermobearing.cyclic.reported import bearing_tables, bearing_words, model_assumptions
+from thermobearing.identify.uncertainty.agreement import POOR as POOR_R2
 from thermobearing.identify.uncertainty.covariance import POOR
 from thermobearing.report.html_plots import path
 from thermobearing.report.inputs import key_words
@@ -386,7 +387,6 @@ def _checks_table(records: Sequence[Record]) -> ReportTable:
 
 Summary = Mapping[str, Any]
 LOOP_POINTS = 2000  # of a test
-POOR_R2 = 0.98  # R2 below which a fit is told to be poor, as in identify/agreement.py
 UNUSABLE = 0.9
 CAPTIONS = {
     "loops": "Measured loops (band) and the fitted model (line) of every test.",

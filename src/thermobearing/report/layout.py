@@ -26,7 +26,8 @@ from thermobearing.report.pieces import (
 )
 from thermobearing.report.title import logo_kind
 
-UPRIGHT_WIDTH, TURNED_WIDTH = 170.0, 267.0  # room [mm]
+UPRIGHT, TURNED = (170.0, 222.0), (267.0, 156.0)  # room: width, height [mm]
+UPRIGHT_WIDTH, TURNED_WIDTH = UPRIGHT[0], TURNED[0]
 SIZES = (8.5, 8.0, 7.5, 7.0)  # of letters [pt], upright; below these a page is turned
 TURNED_SIZES = (*SIZES, 6.5, 6.0)
 # Widths of letters, of their size; bold ones of a head are wider.
@@ -199,7 +200,6 @@ def split_runs(text: str) -> list[Run]:
 
 
 # Room for a picture [mm], upright and on a turned page; `data/reports/report.typ` has the margins.
-UPRIGHT, TURNED = (170.0, 222.0), (267.0, 156.0)
 LONG_BOX = 2500  # letters of a box that may go over two pages
 SMALL_PRINT = 0.75  # a picture that must be made smaller than this is looked at on a turned page
 GAIN = 1.15  # by which it must be larger there

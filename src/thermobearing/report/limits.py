@@ -1,6 +1,6 @@
 """Checks and marks from what runs asked of a rig, or of the tests behind a bearing."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from thermobearing.report.pieces import EXCEEDED, NOT_JUDGED, PASSED, Check, Column, ReportTable
@@ -24,7 +24,7 @@ def limit_checks(
     rows: Iterable[Row],
     titles: Mapping[str, str],
     source: str,
-    bearing_of: Callable[[str], str] = lambda run: "",
+    bearings: Sequence[str] = (),
 ) -> list[Check]:
     """A check for each end of each limit: the run that goes farthest.
 
@@ -33,7 +33,8 @@ def limit_checks(
     rows : of `results.ranges.compared`.
     titles : words for a limit; others are left out.
     source : of the limits.
-    bearing_of : bearing of a run, whose limits are its own; "" where there is one for all.
+    bearings : names with which runs begin, whose limits are their own; none where there is one
+        for all runs.
 
     Examples
     --------
@@ -46,7 +47,9 @@ def limit_checks(
     groups: dict[tuple[str, str], list[Row]] = {}
     for row in rows:
         if row["limit"] in titles:
-            groups.setdefault((bearing_of(str(row["run"])), row["limit"]), []).append(row)
+            run = str(row["run"])
+            bearing = next((name for name in bearings if run.startswith(f"{name}, ")), "")
+            groups.setdefault((bearing, row["limit"]), []).append(row)
     found = []
     for (bearing, limit), mine in groups.items():
         name = f"{bearing}: {titles[limit]}" if bearing else titles[limit]

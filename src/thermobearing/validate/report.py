@@ -197,9 +197,5 @@ def report_checks(summary: Summary) -> list[Check]:
             limit = 100.0 * one["limit"]
             found.append(Check(what, value, limit, "%", "limit of the validation", verdict_))
     names = list(dict.fromkeys(str(item["bearing"]) for item in items))
-
-    def bearing_of(run: str) -> str:
-        return next((name for name in names if run.startswith(f"{name}, ")), "")
-
     rows = summary.get("tested_range", [])
-    return found + limit_checks(rows, TESTS, f"{TESTED_RANGE} of the bearing", bearing_of)
+    return found + limit_checks(rows, TESTS, f"{TESTED_RANGE} of the bearing", names)
