@@ -1,5 +1,7 @@
 """Templates: what stands where in a document, and what a wrong template is told."""
 
+from dataclasses import replace
+
 import pytest
 
 from thermobearing.border.errors import InputError
@@ -109,3 +111,10 @@ def test_without_a_verdict_on_validity_the_reason_is_told(tmp_path):
 )
 def test_cells_as_a_reader_sees_them(value, form, text):
     assert Column("x", "", form).text(value) == text
+
+
+def test_checks_are_listed_by_severity(tmp_path):
+    verdicts = ["within", "not judged", "exceeded", "within", "exceeded"]
+    checks = [Check(str(k), 1.0, 2.0, "kN", "-", verdict) for k, verdict in enumerate(verdicts)]
+    blocks = blocks_of("{{ checks }}\n", tmp_path, replace(PIECES, checks=checks))
+    assert [check.what for check in blocks[0].checks] == ["2", "4", "1", "0", "3"]
