@@ -54,7 +54,7 @@ $(SPHINX): $(PROGRAM)
 	touch $@
 
 demo: $(PROGRAM)
-	$(BIN)/thermobearing cyclic -o demo --force
+	$(BIN)/thermobearing cyclic -o demo --overwrite
 
 test: $(TESTS)
 	$(BIN)/python -m pytest --numprocesses $(WORKERS) --dist worksteal -m "not thorough"
@@ -91,7 +91,7 @@ docs: $(TESTS)
 	$(BIN)/python docs/generate.py
 
 reproduce: $(PROGRAM)
-	$(BIN)/thermobearing reproduce -o reproduction --force
+	$(BIN)/thermobearing reproduce -o reproduction --overwrite
 
 # Warnings are errors; then links with their anchors, version and date on each page are looked at.
 site: $(SPHINX)

@@ -119,7 +119,7 @@ def _targets(draw: st.DrawFn) -> str:
 @st.composite
 def _output(draw: st.DrawFn) -> list[str]:
     words = ["-o", draw(_targets()), "--no-figures"]
-    return words + [w for w in ("--json", "-q", "--force") if draw(st.booleans())]
+    return words + [w for w in ("--json", "-q", "--overwrite") if draw(st.booleans())]
 
 
 def _names(folder: Path) -> set[str]:

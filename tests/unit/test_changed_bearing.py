@@ -65,9 +65,9 @@ def test_a_file_reads_back_and_is_not_written_over(tmp_path: Path) -> None:
     again = tb.load_bearing(path)
     assert again == made
     assert again.sources == made.sources
-    with pytest.raises(tb.OutputError, match="force=True"):
+    with pytest.raises(tb.OutputError, match="overwrite=True"):
         tb.bearing.save_bearing(made, path)
-    tb.bearing.save_bearing(tb.load_bearing(SPECIMEN), path, force=True)
+    tb.bearing.save_bearing(tb.load_bearing(SPECIMEN), path, overwrite=True)
     assert tb.load_bearing(path).name == SPECIMEN
 
 

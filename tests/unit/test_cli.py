@@ -108,7 +108,7 @@ def test_result_reads_back(saved: tuple[Path, Result]) -> None:
 def test_quiet_says_nothing(case: Path, tmp_path: Path) -> None:
     done = cyclic(case, "-o", tmp_path / "out", "-q")
     assert (done.exit_code, done.stdout, done.stderr) == (0, "", "")
-    loud = cyclic(case, "-o", tmp_path / "out", "--force")
+    loud = cyclic(case, "-o", tmp_path / "out", "--overwrite")
     assert "G_e" in loud.stdout
     size = sum(path.stat().st_size for path in (tmp_path / "out").iterdir())
     assert loud.stdout.endswith(f"written: {tmp_path / 'out'} ({size / 1e6:.1f} MB)\n")

@@ -301,8 +301,8 @@ def test_the_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert [path.name for path in tmp_path.iterdir()] == ["pier.toml"]
     assert tb.load_bearing("pier.toml") == made()
     again = CliRunner().invoke(app, COMMAND)
-    assert (again.exit_code, "--force" in again.output) == (2, True)
-    assert CliRunner().invoke(app, [*COMMAND, "--force", "-q"]).exit_code == 0
+    assert (again.exit_code, "--overwrite" in again.output) == (2, True)
+    assert CliRunner().invoke(app, [*COMMAND, "--overwrite", "-q"]).exit_code == 0
     for where in ("nowhere/a.toml", "."):
         failed = CliRunner().invoke(app, [*COMMAND, "-o", where])
         assert failed.exit_code == 2

@@ -70,6 +70,6 @@ def test_damaged_resolved_case_is_told(saved: Path, tmp_path: Path) -> None:
     for damaged in (text[:-40], b"", text.replace(b"[test]", b"[tset]"), text[::-1]):
         path = tmp_path / "case.toml"
         path.write_bytes(damaged)
-        done = command("cyclic", path, "-o", tmp_path / "new", "-q", "--no-figures", "--force")
+        done = command("cyclic", path, "-o", tmp_path / "new", "-q", "--no-figures", "--overwrite")
         assert done.exit_code in (0, 2)  # an empty case is the default one
         assert (done.exit_code == 0) == (damaged == b"")

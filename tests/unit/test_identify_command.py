@@ -102,7 +102,7 @@ def test_fitted_bearing_is_a_library_file(folder: Path, tmp_path: Path) -> None:
         same = value if value is None else pytest.approx(value, rel=tol.ROUNDING)
         assert getattr(made.hysteresis, key) == same, key
     assert made.tested_range == bearing.tested_range
-    assert invoke(folder / "at23.csv", "-o", out, "--no-figures", "-q", "--force")[0] == 0
+    assert invoke(folder / "at23.csv", "-o", out, "--no-figures", "-q", "--overwrite")[0] == 0
 
 
 def test_check_alone(folder: Path, tmp_path: Path) -> None:
@@ -241,7 +241,7 @@ def test_what_a_posterior_takes_is_told_before(
     said = f"posterior: up to {whole} runs of the model through 2 tests, about "
     assert said in text, text
     assert text.index(said) < text.index("written:")
-    assert "posterior:" not in invoke(*words, "--force", "-q")[1]
+    assert "posterior:" not in invoke(*words, "--overwrite", "-q")[1]
 
 
 def test_posterior_without_emcee(found: Identification, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -120,6 +120,6 @@ def test_the_command_ends_with_its_status(record: TestRecord, tmp_path: Path) ->
     last = json.loads(ended.stdout.splitlines()[-1])
     assert (last["outcome"], last["exit_status"]) == ("poor_fit", 4)
     assert "poor_fit = " in (tmp_path / "out" / "bearing.toml").read_text()
-    ended = CliRunner().invoke(app, [*words, "--force", "--accept-poor"])
+    ended = CliRunner().invoke(app, [*words, "--overwrite", "--accept-poor"])
     assert ended.exit_code == 0
     assert "poor_fit" not in (tmp_path / "out" / "bearing.toml").read_text()

@@ -85,7 +85,7 @@ def test_a_killed_run_loses_no_earlier_result(tmp_path: Path) -> None:
     case, out = quick_case(tmp_path / "case.toml"), tmp_path / "out"
 
     def run(ambient: float) -> int:
-        words = (case, "-o", out, "-q", "--force", "--no-figures", "--ambient", ambient)
+        words = (case, "-o", out, "-q", "--overwrite", "--no-figures", "--ambient", ambient)
         return cyclic(*words).exit_code
 
     assert run(EARLIER) == 0
@@ -118,7 +118,7 @@ def test_killed_between_two_renames(
     write_directory(out, filled)
 
     def run() -> Path:
-        return write_directory(out, filled, force=True)
+        return write_directory(out, filled, overwrite=True)
 
     moment = 1
     while killed(run, moment):
@@ -135,10 +135,10 @@ def test_a_run_that_still_writes_is_left_alone(tmp_path: Path) -> None:
         (folder / "summary.json").write_text("slow")
         write_directory(out, filled)  # another one begins and ends meanwhile
 
-    with pytest.raises(OutputError, match="--force"):
+    with pytest.raises(OutputError, match="--overwrite"):
         write_directory(out, slow)
     assert (out / "summary.json").read_text() == "{}"
-    write_directory(out, lambda folder: slow_with_force(folder, out), force=True)
+    write_directory(out, lambda folder: slow_with_force(folder, out), overwrite=True)
     assert (out / "summary.json").read_text() == "slow"
     assert [path.name for path in tmp_path.iterdir()] == ["out"]
 
@@ -146,7 +146,7 @@ def test_a_run_that_still_writes_is_left_alone(tmp_path: Path) -> None:
 def slow_with_force(folder: Path, out: Path) -> None:
     """Writes while another one replaces the result."""
     (folder / "summary.json").write_text("slow")
-    write_directory(out, filled, force=True)
+    write_directory(out, filled, overwrite=True)
 
 
 WRITER = """
@@ -155,7 +155,7 @@ from pathlib import Path
 from thermobearing.results.directory import write_directory
 for number in range(200):
     write_directory(
-        Path(sys.argv[1]), lambda f: (f / "summary.json").write_text(sys.argv[2]), force=True
+        Path(sys.argv[1]), lambda f: (f / "summary.json").write_text(sys.argv[2]), overwrite=True
     )
     text = (Path(sys.argv[1]) / "summary.json").read_text()
     assert text in "AB", text

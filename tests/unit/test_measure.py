@@ -82,7 +82,7 @@ def test_written_like_the_others(tmp_path: Path) -> None:
     assert [path.name for path in saved.figures] == ["loops.png"]
     assert "columns not used: T_3" in saved.summary["notes"]
     again = CliRunner().invoke(app, words)
-    assert (again.exit_code, "--force" in again.output) == (2, True), again.output
-    quiet = CliRunner().invoke(app, [*words, "--force", "-q", "--no-figures"])
+    assert (again.exit_code, "--overwrite" in again.output) == (2, True), again.output
+    quiet = CliRunner().invoke(app, [*words, "--overwrite", "-q", "--no-figures"])
     assert (quiet.exit_code, quiet.output) == (0, "")
     assert not (out / "figures").exists()

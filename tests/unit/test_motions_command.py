@@ -75,12 +75,12 @@ def test_existing_result_is_not_replaced_without_force(made: Path) -> None:
     words = ("motions", "make", "-o", made, "--no-figures")
     done = command(*words)
     assert done.exit_code == 2
-    assert "--force" in done.stderr
+    assert "--overwrite" in done.stderr
     before = content(made)
-    assert command(*words, "--force", "-q").exit_code == 0
+    assert command(*words, "--overwrite", "-q").exit_code == 0
     assert set(content(made)) == NAMES
     assert content(made)["motion.csv"] == before["motion.csv"]
-    assert command(*words[:-1], "--force", "-q").exit_code == 0
+    assert command(*words[:-1], "--overwrite", "-q").exit_code == 0
 
 
 def test_make_keeps_the_phases_of_a_record(tmp_path: Path) -> None:

@@ -54,7 +54,7 @@ def test_a_document_of_a_directory(saved: Path) -> None:
     }
     assert "evil" in (saved / "report.html").read_text(encoding="utf-8")
     assert isinstance(tb.load_result(saved), tb.results.SavedResult)
-    check_target(saved, force=True)
+    check_target(saved, overwrite=True)
 
 
 def test_the_title_block_is_kept_and_said_again(earlier: Path, tmp_path: Path) -> None:

@@ -41,14 +41,14 @@ def test_existing_result_is_left_alone(case: Path, tmp_path: Path) -> None:
     before = content(tmp_path)
     done = cyclic(case, "-o", tmp_path / "out", "--ambient", 5, "--json")
     assert done.exit_code == 2
-    assert "--force" in done.stderr
+    assert "--overwrite" in done.stderr
     assert last_line(done)["exit_status"] == 2
     assert content(tmp_path) == before
 
 
 def test_force_replaces_a_result(case: Path, tmp_path: Path) -> None:
     cyclic(case, "-o", tmp_path / "out", "-q")
-    done = cyclic(case, "-o", tmp_path / "out", "-q", "--force", "--ambient", 5)
+    done = cyclic(case, "-o", tmp_path / "out", "-q", "--overwrite", "--ambient", 5)
     assert done.exit_code == 0
     assert summary(tmp_path / "out")["runs"][0]["ambient_degC"] == 5.0
     assert sorted(content(tmp_path / "out")) == FILES
@@ -58,7 +58,7 @@ def test_force_replaces_a_result(case: Path, tmp_path: Path) -> None:
 def test_force_follows_a_link_to_the_result(case: Path, tmp_path: Path) -> None:
     cyclic(case, "-o", tmp_path / "out", "-q")
     (tmp_path / "link").symlink_to(tmp_path / "out")
-    assert cyclic(case, "-o", tmp_path / "link", "-q", "--force").exit_code == 0
+    assert cyclic(case, "-o", tmp_path / "link", "-q", "--overwrite").exit_code == 0
     assert (tmp_path / "link").is_symlink()
     assert sorted(path.name for path in tmp_path.iterdir()) == ["case.toml", "link", "out"]
 
@@ -82,7 +82,7 @@ def test_force_refuses_what_is_not_only_a_result(case: Path, tmp_path: Path, nam
     (out / name).write_text("{}")
     (out / "thesis.tex").write_text("years of work")
     before = content(tmp_path)
-    done = cyclic(case, "-o", out, "--force", "--json")
+    done = cyclic(case, "-o", out, "--overwrite", "--json")
     assert done.exit_code == 2
     assert "not a result directory" in last_line(done)["message"]
     assert "thesis.tex" in last_line(done)["message"]
@@ -105,7 +105,7 @@ def test_unusable_target(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     before = content(tmp_path)
-    done = cyclic(case, "-o", target, "--force", "--json")
+    done = cyclic(case, "-o", target, "--overwrite", "--json")
     assert done.exit_code == 2
     assert words in last_line(done)["message"]
     assert last_line(done)["outcome"] == "not_written"
@@ -154,7 +154,7 @@ def test_writing_stopped_halfway_leaves_nothing(
     cyclic(case, "-o", tmp_path / "old", "-q")
     before = content(tmp_path)
     stop_while_writing(monkeypatch, how)
-    for target, force in (("deep/new", []), ("old", ["--force"])):
+    for target, force in (("deep/new", []), ("old", ["--overwrite"])):
         done = cyclic(case, "-o", tmp_path / target, "--json", *force)
         assert done.exit_code == status
         assert words in last_line(done)["message"]
@@ -179,7 +179,7 @@ def test_interrupted_swap_brings_the_earlier_result_back(
         return rename(path, target)
 
     monkeypatch.setattr(Path, "rename", interrupted)
-    assert cyclic(case, "-o", tmp_path / "out", "--force").exit_code == 130
+    assert cyclic(case, "-o", tmp_path / "out", "--overwrite").exit_code == 130
     assert content(tmp_path) == before
 
 

@@ -122,7 +122,7 @@ def test_files_are_whole_and_read_back(result: SequenceResult, tmp_path: Path) -
     assert isinstance(again, SequenceResult)
     assert again.table.equals(result.table)
     assert again.summary() == result.summary()
-    with pytest.raises(tb.OutputError, match="--force"):
+    with pytest.raises(tb.OutputError, match="--overwrite"):
         result.save(out, figures=False)
     case = load_sequence_case(out / "case.resolved.toml")
     assert case.to_toml() == result.case.to_toml()

@@ -66,7 +66,7 @@ def test_status_and_table(done: Path) -> None:
     pd.testing.assert_frame_equal(text, book, check_dtype=False)
     assert text["ambient_degC"].tolist() == [-20.0, 23.0] * 4
     words = ["study", "table", str(done / "out"), "-o"]
-    for name, told in (("runs.csv", "--force"), ("runs.ods", ".csv or .xlsx")):
+    for name, told in (("runs.csv", "--overwrite"), ("runs.ods", ".csv or .xlsx")):
         found = CliRunner().invoke(app, [*words, str(done / name)])
         assert found.exit_code == 2
         assert told in found.stderr

@@ -195,7 +195,7 @@ def test_command(tmp_path: Path, record: TestRecord) -> None:
     assert fit["force_kN"].to_numpy() == pytest.approx(record.force, rel=1e-5, abs=1e-4)
     assert fit["model_T3_degC"].notna().all()
     assert command(*words).exit_code == 2  # it is there
-    bad = command(*words, "--force", "--limit", "K_eq")
+    bad = command(*words, "--overwrite", "--limit", "K_eq")
     assert bad.exit_code == 2
     assert "QUANTITY=NUMBER" in bad.stderr
 

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from thermobearing.bearing.model import Bearing
+from thermobearing.border.deprecated import renamed
 from thermobearing.border.errors import InputError, shortened
 from thermobearing.border.library import Library
 from thermobearing.border.schema import Strict, validated
@@ -132,14 +133,15 @@ def changed_bearing(bearing: Bearing | str | Path, **changes: Any) -> Bearing:
     return made.with_sources(kept | {key: text for key, text in told.items() if text})
 
 
-def save_bearing(bearing: Bearing, path: str | Path, *, force: bool = False) -> Path:
+@renamed(force="overwrite")
+def save_bearing(bearing: Bearing, path: str | Path, *, overwrite: bool = False) -> Path:
     """Write a bearing as a TOML file, with the source of each number where one is known.
 
     Parameters
     ----------
     bearing : what to write; `load_bearing` and every command read it again.
     path : of the file, ending in ".toml".
-    force : replace a file that is there.
+    overwrite : replace a file that is there.
 
     Returns
     -------
@@ -158,7 +160,7 @@ def save_bearing(bearing: Bearing, path: str | Path, *, force: bool = False) -> 
     ...     load_bearing(save_bearing(mine, folder + "/mine.toml")) == mine
     True
     """
-    write_file(Path(path), sourced_toml(bearing, bearing.sources), force=force)
+    write_file(Path(path), sourced_toml(bearing, bearing.sources), overwrite=overwrite)
     return Path(path)
 
 

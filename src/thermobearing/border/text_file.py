@@ -59,7 +59,7 @@ def file_names(names: Iterable[str]) -> list[str]:
     return found
 
 
-def write_file(target: Path, content: str | bytes, *, force: bool) -> None:
+def write_file(target: Path, content: str | bytes, *, overwrite: bool) -> None:
     """A whole file or none; an earlier one only with `force`.
 
     Raises
@@ -69,9 +69,9 @@ def write_file(target: Path, content: str | bytes, *, force: bool) -> None:
     try:
         if target.is_dir():
             raise OutputError(f"{target}: is a directory; name a file (-o FILE for a command)")
-        if target.exists() and not force:
+        if target.exists() and not overwrite:
             raise OutputError(
-                f"{target}: exists; give --force (in Python force=True) to replace it, or "
+                f"{target}: exists; give --overwrite (in Python overwrite=True) to replace it, or "
                 "choose another file"
             )
         write_whole(target, content.encode("utf-8") if isinstance(content, str) else content)

@@ -111,9 +111,11 @@ Output = Annotated[
     Path | None,
     typer.Option("-o", "--output", help="Result directory.", rich_help_panel=RESULT),
 ]
-Force = Annotated[
+Overwrite = Annotated[
     bool,
-    typer.Option("--force", help="Replace an earlier result directory.", rich_help_panel=RESULT),
+    typer.Option(
+        "--overwrite", help="Replace an earlier result directory.", rich_help_panel=RESULT
+    ),
 ]
 NoFigures = Annotated[
     bool, typer.Option("--no-figures", help="Draw no figures.", rich_help_panel=RESULT)
@@ -456,8 +458,21 @@ def _plain(command: Any, ctx: Any, formatter: Any) -> None:
         formatter.write_text(command.epilog)
 
 
+EARLIER_OPTIONS = {"--force": "--overwrite"}  # the same option in earlier versions, and now
+
+
 class Command(typer.core.TyperCommand):
     """A command with plain help in a pipe, whose messages may name its options."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Parse, with options of earlier versions by their present names, and a warning."""
+        for k, word in enumerate(args):
+            if word in EARLIER_OPTIONS:
+                args[k] = EARLIER_OPTIONS[word]
+                told = f"thermobearing: warning: {word} is deprecated; use {args[k]}"
+                typer.echo(told, err=True)
+        parsed: list[str] = super().parse_args(ctx, args)
+        return parsed
 
     def invoke(self, ctx: Any) -> Any:
         """Run, its options known to `_as_options`."""

@@ -19,9 +19,9 @@ from thermobearing.commands.common import (
     Documents,
     EarlierModel,
     Exposed,
-    Force,
     NoFigures,
     Output,
+    Overwrite,
     Quiet,
     RigName,
     SmallLoops,
@@ -118,7 +118,7 @@ def cyclic(
     complete: CompleteHistories = False,
     rig: RigName = None,
     output: Output = None,
-    force: Force = False,
+    overwrite: Overwrite = False,
     no_figures: NoFigures = False,
     as_json: AsJson = False,
     quiet: Quiet = False,
@@ -151,13 +151,13 @@ def cyclic(
         whole = make_case({}, "command line", **overrides)
     else:
         whole = load_case(case, **overrides)
-    return _carry_out(whole, output, force, no_figures, as_json, quiet, compare, documents)
+    return _carry_out(whole, output, overwrite, no_figures, as_json, quiet, compare, documents)
 
 
 def _carry_out(
     whole: "Case",
     output: Path | None,
-    force: bool,
+    overwrite: bool,
     no_figures: bool,
     as_json: bool,
     quiet: bool,
@@ -170,11 +170,11 @@ def _carry_out(
     from thermobearing.results.directory import check_target
 
     target = output or Path("cyclic-" + re.sub(r"[^\w.+-]+", "-", whole.bearing.name))
-    check_target(target, force=force)
+    check_target(target, overwrite=overwrite)
     _announce_size(whole, quiet)
     result = with_progress(lambda show: run_case(whole, progress=show), "stepping", quiet)
     others = _others(whole, result) if compare and result.outcome == "completed" else {}
-    save_result(result, target, force=force, figures=not no_figures, compared=others)
+    save_result(result, target, overwrite=overwrite, figures=not no_figures, compared=others)
     if not quiet:
         with contextlib.suppress(KeyboardInterrupt):  # the result is safe by now
             print_result(result, others)
@@ -220,7 +220,7 @@ def sequence(
     ambient: Annotated[float | None, typer.Option(help="Ambient temperature [degC].")] = None,
     rig: RigName = None,
     output: Output = None,
-    force: Force = False,
+    overwrite: Overwrite = False,
     no_figures: NoFigures = False,
     as_json: AsJson = False,
     quiet: Quiet = False,
@@ -234,9 +234,9 @@ def sequence(
 
     complete = load_sequence_case(case, bearing=bearing, ambient=ambient, rig=rig)
     target = output or Path(f"sequence-{case.stem}")
-    check_target(target, force=force)
+    check_target(target, overwrite=overwrite)
     result = with_progress(lambda show: run_sequence(complete, progress=show), "parts", quiet)
-    result.save(target, force=force, figures=not no_figures)
+    result.save(target, overwrite=overwrite, figures=not no_figures)
     if not quiet:
         with contextlib.suppress(KeyboardInterrupt):  # the result is safe by now
             print_sequence(result)

@@ -13,9 +13,9 @@ from thermobearing.commands.common import (
     AsJson,
     Documents,
     FixedBase,
-    Force,
     NoFigures,
     Output,
+    Overwrite,
     Quiet,
     announce_compiling,
     reported,
@@ -66,7 +66,7 @@ def design(
         float | None, typer.Option(help="Of found over assumed displacement, up to 0.1.")
     ] = None,
     output: Output = None,
-    force: Force = False,
+    overwrite: Overwrite = False,
     no_figures: NoFigures = False,
     as_json: AsJson = False,
     quiet: Quiet = False,
@@ -98,12 +98,12 @@ def design(
         complete = load_design_case(case, **overrides)
     templates = [load_bearing(name) for name in complete.equal]
     target = output or Path("design")
-    check_target(target, force=force)
+    check_target(target, overwrite=overwrite)
     announce_compiling(quiet, STRUCTURES)
     if not quiet:
         print_head(complete)
     found = run_design(complete, None if quiet else print_round, templates=templates)
-    found.save(target, force=force, figures=not no_figures)
+    found.save(target, overwrite=overwrite, figures=not no_figures)
     if not quiet:
         print_design(found)
     outcome = "completed" if found.usable else found.outcome
@@ -125,7 +125,7 @@ def bounds(
     fixed_base: FixedBase = False,
     strain: Annotated[float, typer.Option(help="Of the bilinear models.")] = 1.75,
     output: Output = None,
-    force: Force = False,
+    overwrite: Overwrite = False,
     no_figures: NoFigures = False,
     as_json: AsJson = False,
     quiet: Quiet = False,
@@ -138,11 +138,11 @@ def bounds(
     from thermobearing.results.directory import check_target
 
     target = output or Path("bounds")
-    check_target(target, force=force)
+    check_target(target, overwrite=overwrite)
     announce_compiling(quiet, STRUCTURES)
     on = {"structure": structure, "fixed_base": fixed_base or None}
     report = run_bounds(bearing or BEARINGS, motion, ambient or AIR, strain=strain, **on)
-    report.save(target, force=force, figures=not no_figures)
+    report.save(target, overwrite=overwrite, figures=not no_figures)
     if not quiet:
         print_bounds(report)
     return written(report.outcome, report.sentence, target, documents, as_json=as_json, quiet=quiet)
@@ -185,7 +185,7 @@ def lambda_(
     samples: Annotated[int, typer.Option(help="Of the posterior, evenly through it.")] = 20,
     scale: Annotated[bool, typer.Option("--scale", help="Add sizes 1/6 and 1.")] = False,
     output: Output = None,
-    force: Force = False,
+    overwrite: Overwrite = False,
     no_figures: NoFigures = False,
     as_json: AsJson = False,
     quiet: Quiet = False,
@@ -207,7 +207,7 @@ def lambda_(
             raise InputError("--posterior goes with one bearing, the fitted one")
         bearings = posterior_bearings(bearings[0], posterior, samples)
     target = output or Path(f"lambda-{bearings[0].name}")
-    check_target(target, force=force)
+    check_target(target, overwrite=overwrite)
     announce_compiling(quiet)
     report = run_factors(
         bearings,
@@ -219,7 +219,7 @@ def lambda_(
         cycles=_cycles(cycles),
         scale=scale,
     )
-    report.save(target, force=force, figures=not no_figures)
+    report.save(target, overwrite=overwrite, figures=not no_figures)
     if not quiet:
         print_factors(report)
     return written("completed", "", target, documents, as_json=as_json, quiet=quiet)

@@ -18,10 +18,10 @@ from thermobearing.commands.common import (
     EarlierModel,
     Exposed,
     FixedBase,
-    Force,
     Group,
     NoFigures,
     Output,
+    Overwrite,
     Quiet,
     RigName,
     SmallLoops,
@@ -115,7 +115,7 @@ def bridge(
     compare: Compare = False,
     rig: RigName = None,
     output: Output = None,
-    force: Force = False,
+    overwrite: Overwrite = False,
     no_figures: NoFigures = False,
     as_json: AsJson = False,
     quiet: Quiet = False,
@@ -140,7 +140,7 @@ def bridge(
         "rig": rig,
     }
     complete = _case("bridge", case, overrides)
-    return _carry_out(complete, output, force, no_figures, as_json, quiet, compare, documents)
+    return _carry_out(complete, output, overwrite, no_figures, as_json, quiet, compare, documents)
 
 
 ForceNoise = Annotated[
@@ -184,7 +184,7 @@ def hybrid(
     compare: Compare = False,
     rig: RigName = None,
     output: Output = None,
-    force: Force = False,
+    overwrite: Overwrite = False,
     no_figures: NoFigures = False,
     as_json: AsJson = False,
     quiet: Quiet = False,
@@ -213,7 +213,7 @@ def hybrid(
         "laboratory": {key: value for key, value in lab.items() if value is not None} or None,
     }
     complete = _case("hybrid", case, overrides)
-    return _carry_out(complete, output, force, no_figures, as_json, quiet, compare, documents)
+    return _carry_out(complete, output, overwrite, no_figures, as_json, quiet, compare, documents)
 
 
 def _case(command: str, path: Path | None, overrides: dict[str, Any]) -> "EarthquakeCase":
@@ -227,7 +227,7 @@ def _case(command: str, path: Path | None, overrides: dict[str, Any]) -> "Earthq
 def _carry_out(
     case: "EarthquakeCase",
     output: Path | None,
-    force: bool,
+    overwrite: bool,
     no_figures: bool,
     as_json: bool,
     quiet: bool,
@@ -241,14 +241,14 @@ def _carry_out(
     from thermobearing.results.directory import check_target
 
     target = output or Path(f"{case.command}-{case.structure.name}")
-    check_target(target, force=force)
+    check_target(target, overwrite=overwrite)
     if compare:
         refuse_incomparable(case)
     predicted = case.analysis.method == "predictor-corrector"
     kernel = "predictor.predictor_march" if predicted else STRUCTURES
     result = with_progress(lambda show: run_earthquake(case, progress=show), "runs", quiet, kernel)
     others = compare_models(case) if compare and result.outcome == "completed" else {}
-    save_earthquake(result, target, force=force, figures=not no_figures, compared=others)
+    save_earthquake(result, target, overwrite=overwrite, figures=not no_figures, compared=others)
     if not quiet:
         with contextlib.suppress(KeyboardInterrupt):  # the result is safe by now
             print_study(result, others)
@@ -283,7 +283,7 @@ def show(
         str | None, typer.Option(help="modal, rayleigh, element, none or source.")
     ] = None,
     output: Output = None,
-    force: Force = False,
+    overwrite: Overwrite = False,
     no_figures: NoFigures = False,
     as_json: AsJson = False,
     quiet: Quiet = False,
@@ -294,7 +294,7 @@ def show(
     from thermobearing.structure.result import examine_structure
 
     if output is not None:
-        check_target(output, force=force)
+        check_target(output, overwrite=overwrite)
     result = examine_structure(structure, fixed=fixed_base, mass=mass, damping=damping)  # type: ignore[arg-type]
     if not quiet:
         print_structure(result)
@@ -302,5 +302,5 @@ def show(
         if as_json:
             echo_json({"exit_status": 0, **result.summary()})
         return 0
-    result.save(output, force=force, figures=not no_figures)
+    result.save(output, overwrite=overwrite, figures=not no_figures)
     return written("completed", "", output, as_json=as_json, quiet=quiet)

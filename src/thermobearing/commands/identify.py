@@ -15,10 +15,10 @@ from thermobearing.commands.common import (
     SEARCH,
     AsJson,
     Documents,
-    Force,
     Limit,
     NoFigures,
     Output,
+    Overwrite,
     Quiet,
     announce_compiling,
     echo_json,
@@ -157,7 +157,7 @@ def identify(
     accept_poor: AcceptPoor = False,
     one_temperature: OneTemperature = False,
     output: Output = None,
-    force: Force = False,
+    overwrite: Overwrite = False,
     no_figures: NoFigures = False,
     as_json: AsJson = False,
     quiet: Quiet = False,
@@ -168,10 +168,12 @@ def identify(
     from thermobearing.identify.uncertainty.posterior import need_emcee
 
     held = hold_out or []
-    records, bearing, target = _read([*tests, *held], start, check, output, force)
+    records, bearing, target = _read([*tests, *held], start, check, output, overwrite)
     records = to_be_treated(records, despike, detrend, ambient_uncertainty)
     if check or bearing is None or target is None:
-        return _look_over(records, bearing, target, force, no_figures, as_json, quiet, documents)
+        return _look_over(
+            records, bearing, target, overwrite, no_figures, as_json, quiet, documents
+        )
     if posterior:
         need_emcee()
     announce_compiling(quiet)
@@ -186,7 +188,7 @@ def identify(
         how |= {"hold_out": records[len(tests) :], "folds": folds, "limits": limit_numbers(limit)}
     found = _found(records[: len(tests)], bearing, how, quiet)
     drawn = _drawn(found, posterior, predict, seed, quiet) if posterior or predict else None
-    found.save(target, force=force, figures=not no_figures, forecast=drawn)
+    found.save(target, overwrite=overwrite, figures=not no_figures, forecast=drawn)
     if not quiet:
         _show(found, drawn.warnings if drawn else ())
     return written(found.outcome, found.sentence, target, documents, as_json=as_json, quiet=quiet)
@@ -248,7 +250,7 @@ def _show(found: "Identification | CrossValidation", more: Sequence[str] = ()) -
 
 
 def _read(
-    tests: list[Path], start: str | None, check: bool, output: Path | None, force: bool
+    tests: list[Path], start: str | None, check: bool, output: Path | None, overwrite: bool
 ) -> "tuple[list[TestRecord], Bearing | None, Path | None]":
     """Tests, their bearing, and where the result goes, which is free to be written.
 
@@ -269,7 +271,7 @@ def _read(
     if target is None and not check:
         target = Path("identify-" + re.sub(r"[^\w.+-]+", "-", records[0].name))
     if target is not None:
-        check_target(target, force=force)
+        check_target(target, overwrite=overwrite)
     return records, bearing, target
 
 
@@ -277,7 +279,7 @@ def _look_over(
     records: "list[TestRecord]",
     bearing: "Bearing | None",
     target: Path | None,
-    force: bool,
+    overwrite: bool,
     no_figures: bool,
     as_json: bool,
     quiet: bool,
@@ -292,7 +294,7 @@ def _look_over(
     reports = [check_test(record, bearing) for record in records]
     made: list[Path] = []
     if target is not None:
-        save_checks(reports, target, force=force, figures=not no_figures)
+        save_checks(reports, target, overwrite=overwrite, figures=not no_figures)
         made = documents.write(target)
     if not quiet:
         print_checks(reports)
@@ -327,7 +329,7 @@ def validate(
     ] = None,
     limit: Limit = None,
     output: Output = None,
-    force: Force = False,
+    overwrite: Overwrite = False,
     no_figures: NoFigures = False,
     as_json: AsJson = False,
     quiet: Quiet = False,
@@ -346,10 +348,10 @@ def validate(
         limits=limit_numbers(limit),
     )
     target = output or Path("validate-" + re.sub(r"[^\w.+-]+", "-", case.bearings[0].name))
-    check_target(target, force=force)
+    check_target(target, overwrite=overwrite)
     announce_compiling(quiet)
     found = run_validate(case)
-    found.save(target, force=force, figures=not no_figures)
+    found.save(target, overwrite=overwrite, figures=not no_figures)
     if not quiet:
         print_validation(found)
     return written(found.outcome, found.sentence, target, documents, as_json=as_json, quiet=quiet)

@@ -9,9 +9,9 @@ import typer
 from thermobearing.border.errors import printable
 from thermobearing.commands.common import (
     AsJson,
-    Force,
     NoFigures,
     Output,
+    Overwrite,
     Quiet,
     echo_json,
     reported,
@@ -38,7 +38,7 @@ def intake(
         typer.Option("--beside", help="Put each sidecar beside its file too; never over one."),
     ] = False,
     output: Output = None,
-    force: Force = False,
+    overwrite: Overwrite = False,
     no_figures: NoFigures = False,
     as_json: AsJson = False,
     quiet: Quiet = False,
@@ -55,9 +55,9 @@ def intake(
     from thermobearing.results.directory import check_target
 
     target = output or Path("intake-" + (re.sub(r"[^\w.+-]+", "-", files[0].stem)[:80] or "file"))
-    check_target(target, force=force)
+    check_target(target, overwrite=overwrite)
     found = take_in(files, bearing)
-    found.save(target, force=force, figures=not no_figures, beside=beside)
+    found.save(target, overwrite=overwrite, figures=not no_figures, beside=beside)
     if not quiet:
         print_intakes(found)
     told = "\n".join(found.problems)
@@ -73,7 +73,7 @@ def measure(
         str, typer.Option(help="Library name or TOML file: plan area and rubber thickness.")
     ],
     output: Output = None,
-    force: Force = False,
+    overwrite: Overwrite = False,
     no_figures: NoFigures = False,
     as_json: AsJson = False,
     quiet: Quiet = False,
@@ -92,11 +92,11 @@ def measure(
     from thermobearing.results.directory import check_target
 
     if output is not None:
-        check_target(output, force=force)
+        check_target(output, overwrite=overwrite)
     specimen = load_bearing(bearing)
     found = measured_cycles(file, specimen)
     if output is not None:
-        found.save(output, force=force, figures=not no_figures)
+        found.save(output, overwrite=overwrite, figures=not no_figures)
     if not quiet:
         print_measures(found.measures, found.ends, specimen.total_rubber_thickness)
         for note in found.notes:

@@ -11,10 +11,10 @@ from thermobearing.commands.common import (
     AsJson,
     Command,
     Documents,
-    Force,
     Group,
     NoFigures,
     Output,
+    Overwrite,
     Quiet,
     echo_json,
     reported,
@@ -68,7 +68,7 @@ def show(
     kind: Kind = None,
     ground: Ground = None,
     output: Output = None,
-    force: Force = False,
+    overwrite: Overwrite = False,
     no_figures: NoFigures = False,
     as_json: AsJson = False,
     quiet: Quiet = False,
@@ -83,7 +83,7 @@ def show(
     result = examine_motion(motion, kind, ground, baseline=baseline, high_pass=high_pass)
     if not quiet:
         print_motion(result)
-    return _end(result, output, force, no_figures, as_json, quiet, documents)
+    return _end(result, output, overwrite, no_figures, as_json, quiet, documents)
 
 
 @app.command(
@@ -102,7 +102,7 @@ def spectrum(
     ground: Ground = None,
     damping: Annotated[float, typer.Option(help="Ratio of critical damping.")] = 0.05,
     output: Output = None,
-    force: Force = False,
+    overwrite: Overwrite = False,
     no_figures: NoFigures = False,
     as_json: AsJson = False,
     quiet: Quiet = False,
@@ -125,7 +125,7 @@ def spectrum(
     )
     if not quiet:
         print_spectrum(result)
-    return _end(result, output, force, no_figures, as_json, quiet, documents)
+    return _end(result, output, overwrite, no_figures, as_json, quiet, documents)
 
 
 @app.command(
@@ -146,7 +146,7 @@ def make(
     component: Component = None,
     trust_unit: TrustUnit = False,
     output: Output = None,
-    force: Force = False,
+    overwrite: Overwrite = False,
     no_figures: NoFigures = False,
     as_json: AsJson = False,
     quiet: Quiet = False,
@@ -173,19 +173,19 @@ def make(
         trust_unit=trust_unit,
     )
     target = output or Path(f"motion-{case.name}")
-    check_target(target, force=force)
+    check_target(target, overwrite=overwrite)
     result = with_progress(
         lambda show: run_motion(case, progress=show), "rounds of the fit, at most", quiet
     )
     if not quiet:
         print_motion(result)
-    return _end(result, target, force, no_figures, as_json, quiet, documents)
+    return _end(result, target, overwrite, no_figures, as_json, quiet, documents)
 
 
 def _end(
     result: "MotionResult",
     target: Path | None,
-    force: bool,
+    overwrite: bool,
     no_figures: bool,
     as_json: bool,
     quiet: bool,
@@ -198,5 +198,5 @@ def _end(
         if as_json:
             echo_json({"exit_status": 0, **result.summary()})
         return 0
-    result.save(target, force=force, figures=not no_figures)
+    result.save(target, overwrite=overwrite, figures=not no_figures)
     return written(result.outcome, result.sentence, target, documents, as_json=as_json, quiet=quiet)

@@ -67,7 +67,7 @@ def new(
     confined: Confined = False,
     end_spreading: Spreading = 1.0,
     output: File = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace the file.")] = False,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the file.")] = False,
     as_json: AsJson = False,
     quiet: Annotated[bool, typer.Option("-q", "--quiet", help="Print nothing.")] = False,
 ) -> int:
@@ -93,7 +93,7 @@ def new(
         end_spreading=end_spreading,
     )
     target = output or Path(f"{name}.toml")
-    save_bearing(made, target, force=force)
+    save_bearing(made, target, overwrite=overwrite)
     if not quiet:
         facts = bearing_facts(made)
         if end_plate is None:

@@ -11,9 +11,9 @@ from thermobearing.commands.common import (
     REPORT,
     AsJson,
     Documents,
-    Force,
     NoFigures,
     Output,
+    Overwrite,
     Quiet,
     Template,
     Title,
@@ -65,7 +65,7 @@ def reproduce(
         bool, typer.Option("--no-flips", help="Verdicts alone, not what would flip them.")
     ] = False,
     output: Output = None,
-    force: Force = False,
+    overwrite: Overwrite = False,
     no_figures: NoFigures = False,
     as_json: AsJson = False,
     quiet: Quiet = False,
@@ -80,7 +80,7 @@ def reproduce(
     from thermobearing.results.directory import check_target
 
     target = output or Path("reproduction")
-    check_target(target, force=force)
+    check_target(target, overwrite=overwrite)
     found = with_progress(
         lambda progress: reproduce_source(
             chapter=chapter,
@@ -92,7 +92,7 @@ def reproduce(
         "claims, figures, tables",
         quiet,
     )
-    found.save(target, force=force)
+    found.save(target, overwrite=overwrite)
     if not quiet:
         print_reproduction(found)
     return written(found.outcome, found.sentence, target, documents, as_json=as_json, quiet=quiet)

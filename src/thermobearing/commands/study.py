@@ -13,10 +13,10 @@ from thermobearing.commands.common import (
     STRUCTURES,
     AsJson,
     Command,
-    Force,
     Group,
     NoFigures,
     Output,
+    Overwrite,
     Quiet,
     announce_compiling,
     echo_json,
@@ -105,7 +105,7 @@ def repeat(
     directory: Directory,
     run: Annotated[int, typer.Argument(help="Number of the run.", metavar="RUN", min=0)],
     output: Output = None,
-    force: Force = False,
+    overwrite: Overwrite = False,
     no_figures: NoFigures = False,
     as_json: AsJson = False,
     quiet: Quiet = False,
@@ -117,7 +117,7 @@ def repeat(
     from thermobearing.studies.store.directory import STUDY
 
     if output is not None:
-        check_target(output, force=force)
+        check_target(output, overwrite=overwrite)
     result = repeat_run(load_study(directory / STUDY), run)
     if not quiet:
         result.show()
@@ -125,7 +125,7 @@ def repeat(
         if as_json:
             echo_json({"exit_status": 0, **result.summary()})
         return 0
-    result.save(output, force=force, figures=not no_figures)
+    result.save(output, overwrite=overwrite, figures=not no_figures)
     return written(result.outcome, result.sentence, output, as_json=as_json, quiet=quiet)
 
 
@@ -312,7 +312,7 @@ def table(
             "-o", "--output", help="File, .csv or .xlsx; DIR.csv by default.", metavar="FILE"
         ),
     ] = None,
-    force: Force = False,
+    overwrite: Overwrite = False,
     as_json: AsJson = False,
 ) -> int:
     """All runs that are done as one file, a row each."""
@@ -321,7 +321,7 @@ def table(
 
     found = Store(directory).table()
     file = output or Path(f"{directory}.csv")
-    write_table(found, file, force=force)
+    write_table(found, file, overwrite=overwrite)
     typer.echo(f"written: {printable(str(file))} ({len(found)} runs)")
     if as_json:
         echo_json({"exit_status": 0, "output": str(file), "runs": len(found)})

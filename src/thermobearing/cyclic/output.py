@@ -42,7 +42,7 @@ def save_result(
     result: Result,
     directory: Path,
     *,
-    force: bool = False,
+    overwrite: bool = False,
     figures: bool = True,
     compared: dict[str, Result] | None = None,
 ) -> Path:
@@ -52,7 +52,7 @@ def save_result(
     ----------
     result : what to write.
     directory : made if needed, with its parents.
-    force : replace an earlier result directory.
+    overwrite : replace an earlier result directory.
     figures : draw the figures too.
     compared : results of the same test by model, this one first: adds a table and a figure.
 
@@ -70,7 +70,7 @@ def save_result(
         if compared:
             _write_comparison(compared, folder, figures=figures)
 
-    return write_directory(directory, fill, force=force)
+    return write_directory(directory, fill, overwrite=overwrite)
 
 
 def _write_all(result: Result, folder: Path, *, figures: bool) -> None:

@@ -11,6 +11,7 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
+from thermobearing.border.deprecated import renamed
 from thermobearing.border.showing import Shown, table_html
 from thermobearing.results.metrics import (
     LEAST_WARMING,
@@ -428,7 +429,8 @@ class Result(Shown):
 
         return Figures(self)
 
-    def save(self, directory: str | Path, *, force: bool = False, figures: bool = True) -> Path:
+    @renamed(force="overwrite")
+    def save(self, directory: str | Path, *, overwrite: bool = False, figures: bool = True) -> Path:
         """Write the result directory (summary, netCDF, CSV, resolved case, figures).
 
         Raises
@@ -437,7 +439,7 @@ class Result(Shown):
         """
         from thermobearing.cyclic.output import save_result
 
-        return save_result(self, Path(directory), force=force, figures=figures)
+        return save_result(self, Path(directory), overwrite=overwrite, figures=figures)
 
 
 def run_name(ambient: float) -> str:

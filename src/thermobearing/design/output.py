@@ -33,7 +33,7 @@ from thermobearing.results.writing import write_csv, write_limits, write_summary
 
 
 def save_design(
-    design: Design, directory: Path, *, force: bool = False, figures: bool = True
+    design: Design, directory: Path, *, overwrite: bool = False, figures: bool = True
 ) -> Path:
     """Write rounds, checks, bearings (TOML, ready for `bridge`), summary and figures.
 
@@ -41,7 +41,7 @@ def save_design(
     ----------
     design : from `run_design`.
     directory : made if needed, with its parents.
-    force : replace an earlier result directory.
+    overwrite : replace an earlier result directory.
     figures : draw the figures too.
 
     Returns
@@ -80,7 +80,7 @@ def save_design(
         if figures:
             design.plot.save_all(folder / FIGURES)
 
-    return write_directory(directory, fill, force=force)
+    return write_directory(directory, fill, overwrite=overwrite)
 
 
 def _bearings(design: Design) -> dict[str, str]:
@@ -90,7 +90,7 @@ def _bearings(design: Design) -> dict[str, str]:
 
 
 def save_bounds(
-    report: BoundsReport, directory: Path, *, force: bool = False, figures: bool = True
+    report: BoundsReport, directory: Path, *, overwrite: bool = False, figures: bool = True
 ) -> Path:
     """Write table.csv, summary.json with a paragraph for each bearing, and a figure for each.
 
@@ -125,11 +125,11 @@ def save_bounds(
         if figures:
             report.plot.save_all(folder / FIGURES)
 
-    return write_directory(directory, fill, force=force)
+    return write_directory(directory, fill, overwrite=overwrite)
 
 
 def save_factors(
-    report: FactorReport, directory: Path, *, force: bool = False, figures: bool = True
+    report: FactorReport, directory: Path, *, overwrite: bool = False, figures: bool = True
 ) -> Path:
     """Write factors.csv, bounds.csv, bounds.tcl, bounds.py, summary.json, figures, scale.csv.
 
@@ -170,7 +170,7 @@ def save_factors(
         if figures:
             report.plot.save_all(folder / FIGURES)
 
-    return write_directory(directory, fill, force=force)
+    return write_directory(directory, fill, overwrite=overwrite)
 
 
 COLUMNS = {  # of the rounds: head, width

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 import thermobearing
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.model import Bearing, calibration_ranges
+from thermobearing.border.deprecated import renamed
 from thermobearing.border.library import data_path
 from thermobearing.border.showing import Shown
 from thermobearing.border.toml import read_toml, to_table
@@ -239,7 +240,8 @@ class Design(Shown):
 
         return DesignFigures(self)
 
-    def save(self, directory: str | Path, *, force: bool = False, figures: bool = True) -> Path:
+    @renamed(force="overwrite")
+    def save(self, directory: str | Path, *, overwrite: bool = False, figures: bool = True) -> Path:
         """Write a result directory; see `save_design`.
 
         Parameters
@@ -256,7 +258,7 @@ class Design(Shown):
         """
         from thermobearing.design.output import save_design
 
-        return save_design(self, Path(directory), force=force, figures=figures)
+        return save_design(self, Path(directory), overwrite=overwrite, figures=figures)
 
 
 @dataclass(frozen=True, repr=False)
@@ -335,7 +337,8 @@ class BoundsReport(Shown):
 
         return BoundsFigures(self)
 
-    def save(self, directory: str | Path, *, force: bool = False, figures: bool = True) -> Path:
+    @renamed(force="overwrite")
+    def save(self, directory: str | Path, *, overwrite: bool = False, figures: bool = True) -> Path:
         """Write a result directory; see `save_bounds`.
 
         Parameters
@@ -352,7 +355,7 @@ class BoundsReport(Shown):
         """
         from thermobearing.design.output import save_bounds
 
-        return save_bounds(self, Path(directory), force=force, figures=figures)
+        return save_bounds(self, Path(directory), overwrite=overwrite, figures=figures)
 
 
 @dataclass(frozen=True, repr=False)
@@ -441,7 +444,8 @@ class FactorReport(Shown):
 
         return FactorFigures(self)
 
-    def save(self, directory: str | Path, *, force: bool = False, figures: bool = True) -> Path:
+    @renamed(force="overwrite")
+    def save(self, directory: str | Path, *, overwrite: bool = False, figures: bool = True) -> Path:
         """Write a result directory; see `save_factors`.
 
         Parameters
@@ -458,4 +462,4 @@ class FactorReport(Shown):
         """
         from thermobearing.design.output import save_factors
 
-        return save_factors(self, Path(directory), force=force, figures=figures)
+        return save_factors(self, Path(directory), overwrite=overwrite, figures=figures)

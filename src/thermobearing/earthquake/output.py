@@ -32,7 +32,7 @@ def save_earthquake(
     result: EarthquakeResult,
     directory: Path,
     *,
-    force: bool = False,
+    overwrite: bool = False,
     figures: bool = True,
     compared: dict[str, EarthquakeResult] | None = None,
 ) -> Path:
@@ -44,7 +44,7 @@ def save_earthquake(
     ----------
     result : what to write.
     directory : made if needed, with its parents.
-    force : replace an earlier result directory.
+    overwrite : replace an earlier result directory.
     figures : draw the figures too.
     compared : results of the same study by model (`compare_models`): adds a table, two figures
         and a verdict in summary.json.
@@ -73,7 +73,7 @@ def save_earthquake(
             told["verdict"] = _write_comparison(compared, folder, figures=figures)
         write_summary(folder, told)
 
-    return write_directory(directory, fill, force=force)
+    return write_directory(directory, fill, overwrite=overwrite)
 
 
 def _write_comparison(results: dict[str, EarthquakeResult], folder: Path, *, figures: bool) -> str:

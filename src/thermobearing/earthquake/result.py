@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from thermobearing.border.deprecated import renamed
 from thermobearing.border.showing import Shown
 from thermobearing.core.records import Floats
 from thermobearing.earthquake.measures import (
@@ -405,11 +406,12 @@ class EarthquakeResult(Shown):
 
         return EarthquakeFigures(self)
 
-    def save(self, directory: str | Path, *, force: bool = False, figures: bool = True) -> Path:
+    @renamed(force="overwrite")
+    def save(self, directory: str | Path, *, overwrite: bool = False, figures: bool = True) -> Path:
         """Write a result directory; see docs/files.md."""
         from thermobearing.earthquake.output import save_earthquake
 
-        return save_earthquake(self, Path(directory), force=force, figures=figures)
+        return save_earthquake(self, Path(directory), overwrite=overwrite, figures=figures)
 
 
 def run_name(bearing: str, motion: str, ambient: float, mode: str) -> str:

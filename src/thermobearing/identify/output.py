@@ -38,7 +38,7 @@ from thermobearing.results.writing import without_formulas, write_csv, write_sum
 
 
 def save_checks(
-    reports: list[CheckReport], directory: Path, *, force: bool = False, figures: bool = True
+    reports: list[CheckReport], directory: Path, *, overwrite: bool = False, figures: bool = True
 ) -> Path:
     """Write summary.json and a figure per record.
 
@@ -46,7 +46,7 @@ def save_checks(
     ----------
     reports : from `check_test`, one per record.
     directory : made if needed, with its parents.
-    force : replace an earlier result directory.
+    overwrite : replace an earlier result directory.
     figures : draw the figures too.
 
     Returns
@@ -74,7 +74,7 @@ def save_checks(
         if figures:
             _draw_checks(reports, folder / FIGURES)
 
-    return write_directory(directory, fill, force=force)
+    return write_directory(directory, fill, overwrite=overwrite)
 
 
 def _draw_checks(reports: list[CheckReport], folder: Path) -> None:
@@ -92,7 +92,7 @@ def save_identification(
     found: Identification,
     directory: Path,
     *,
-    force: bool = False,
+    overwrite: bool = False,
     figures: bool = True,
     forecast: Forecast | None = None,
 ) -> Path:
@@ -103,7 +103,7 @@ def save_identification(
     ----------
     found : what to write.
     directory : made if needed, with its parents.
-    force : replace an earlier result directory.
+    overwrite : replace an earlier result directory.
     figures : draw the figures too.
     forecast : samples of the posterior and bands at other temperatures, from `forecast`.
 
@@ -131,7 +131,7 @@ def save_identification(
     def fill(folder: Path) -> None:
         fill_identification(folder, found, found.summary(), forecast, figures=figures)
 
-    return write_directory(directory, fill, force=force)
+    return write_directory(directory, fill, overwrite=overwrite)
 
 
 def fill_identification(

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 import thermobearing
 from thermobearing.bearing.model import Bearing, Validity
 from thermobearing.bearing.plausible import implausible
+from thermobearing.border.deprecated import renamed
 from thermobearing.border.showing import Shown
 from thermobearing.identify.fit.forward import Prediction
 from thermobearing.identify.fit.parameters import ParameterSet
@@ -265,11 +266,12 @@ class Identification(Shown):
 
         return IdentificationFigures(self)
 
+    @renamed(force="overwrite")
     def save(
         self,
         directory: str | Path,
         *,
-        force: bool = False,
+        overwrite: bool = False,
         figures: bool = True,
         forecast: "Forecast | None" = None,
     ) -> Path:
@@ -290,7 +292,7 @@ class Identification(Shown):
         from thermobearing.identify.output import save_identification
 
         return save_identification(
-            self, Path(directory), force=force, figures=figures, forecast=forecast
+            self, Path(directory), overwrite=overwrite, figures=figures, forecast=forecast
         )
 
 

@@ -284,7 +284,7 @@ def save_intakes(
     found: Intakes,
     directory: Path,
     *,
-    force: bool = False,
+    overwrite: bool = False,
     figures: bool = True,
     beside: bool = False,
 ) -> Path:
@@ -294,7 +294,7 @@ def save_intakes(
     ----------
     found : from `take_in`.
     directory : made if needed, with its parents.
-    force : replace an earlier result directory; never a sidecar beside a file.
+    overwrite : replace an earlier result directory; never a sidecar beside a file.
     figures : draw the pictures too.
     beside : put each sidecar beside its file too, where `load_test` finds it.
 
@@ -306,7 +306,7 @@ def save_intakes(
     ------
     OutputError : see `write_directory`; a sidecar that is there already. Nothing is left.
     """
-    check_target(directory, force=force)
+    check_target(directory, overwrite=overwrite)
     names = file_names(item.file.stem for item in found.files)
     targets = [item.file.with_suffix(".toml") for item in found.files] if beside else []
     there = [str(path) for path in targets if path.exists()]
@@ -329,7 +329,7 @@ def save_intakes(
             }
             save_figures(drawn, folder / FIGURES)
 
-    written = write_directory(directory, fill, force=force)
+    written = write_directory(directory, fill, overwrite=overwrite)
     for item, path in zip(found.files, targets, strict=False):
         _put(path, _sidecar_text(item, path.parent))
     return written

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from thermobearing.border.deprecated import renamed
 from thermobearing.border.guess import ColumnGuess
 from thermobearing.identify.records.checks import CheckReport
 from thermobearing.identify.records.record import TestRecord
@@ -110,11 +111,12 @@ class Intakes:
             "files": [item.summary() for item in self.files],
         }
 
+    @renamed(force="overwrite")
     def save(
         self,
         directory: str | Path,
         *,
-        force: bool = False,
+        overwrite: bool = False,
         figures: bool = True,
         beside: bool = False,
     ) -> Path:
@@ -134,4 +136,6 @@ class Intakes:
         """
         from thermobearing.intake.output import save_intakes
 
-        return save_intakes(self, Path(directory), force=force, figures=figures, beside=beside)
+        return save_intakes(
+            self, Path(directory), overwrite=overwrite, figures=figures, beside=beside
+        )

@@ -137,7 +137,7 @@ def spectrum_figure(
 
 
 def save_motion(
-    result: MotionResult, directory: Path, *, force: bool = False, figures: bool = True
+    result: MotionResult, directory: Path, *, overwrite: bool = False, figures: bool = True
 ) -> Path:
     """Write summary.json, motion.csv, spectrum.csv and figures.
 
@@ -154,7 +154,7 @@ def save_motion(
             (folder / FIGURES).mkdir()
             save_figures(result, folder / FIGURES)
 
-    return write_directory(directory, fill, force=force)
+    return write_directory(directory, fill, overwrite=overwrite)
 
 
 def _write_motion(result: MotionResult, path: Path) -> None:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 import thermobearing
+from thermobearing.border.deprecated import renamed
 from thermobearing.core.types import Floats
 from thermobearing.motions.jra import standard_spectrum
 from thermobearing.motions.matching import LARGEST_MISFIT
@@ -111,13 +112,14 @@ class MotionResult:
             "standard_spectrum": standard,
         }
 
-    def save(self, directory: str | Path, *, force: bool = False, figures: bool = True) -> Path:
+    @renamed(force="overwrite")
+    def save(self, directory: str | Path, *, overwrite: bool = False, figures: bool = True) -> Path:
         """Write summary.json, motion.csv, spectrum.csv and figures.
 
         Parameters
         ----------
         directory : to be made; see `force`.
-        force : replace an earlier result directory.
+        overwrite : replace an earlier result directory.
         figures : draw them.
 
         Raises
@@ -126,4 +128,4 @@ class MotionResult:
         """
         from thermobearing.motions.output import save_motion
 
-        return save_motion(self, Path(directory), force=force, figures=figures)
+        return save_motion(self, Path(directory), overwrite=overwrite, figures=figures)

@@ -10,6 +10,7 @@ from typing import Any
 import pandas as pd
 
 from thermobearing import __version__
+from thermobearing.border.deprecated import renamed
 from thermobearing.border.showing import Shown
 from thermobearing.reproduce.claims import (
     CONTRADICTED,
@@ -144,12 +145,13 @@ class Reproduction(Shown):
             "tables": sorted(name for name, t in self.tables.items() if not isinstance(t, str)),
         }
 
-    def save(self, directory: str | Path, *, force: bool = False) -> Path:
+    @renamed(force="overwrite")
+    def save(self, directory: str | Path, *, overwrite: bool = False) -> Path:
         """Write a result directory; see `_save_reproduction`.
 
         Parameters
         ----------
-        directory, force : as in `_save_reproduction`.
+        directory, overwrite : as in `_save_reproduction`.
 
         Returns
         -------
@@ -159,7 +161,7 @@ class Reproduction(Shown):
         ------
         OutputError : the directory exists and `force` is False, or it cannot be written.
         """
-        return _save_reproduction(self, Path(directory), force=force)
+        return _save_reproduction(self, Path(directory), overwrite=overwrite)
 
 
 CHAPTERS = {
@@ -172,14 +174,14 @@ CHAPTERS = {
 }
 
 
-def _save_reproduction(found: Reproduction, directory: Path, *, force: bool = False) -> Path:
+def _save_reproduction(found: Reproduction, directory: Path, *, overwrite: bool = False) -> Path:
     """Write summary.json, ledger.csv, ledger.json, index.md, tables/ and figures/.
 
     Parameters
     ----------
     found : what to write.
     directory : made if needed, with its parents.
-    force : replace an earlier result directory.
+    overwrite : replace an earlier result directory.
 
     Returns
     -------
@@ -205,7 +207,7 @@ def _save_reproduction(found: Reproduction, directory: Path, *, force: bool = Fa
             if item.image is not None:
                 (folder / FIGURES / f"{item.name}.png").write_bytes(item.image)
 
-    return write_directory(directory, fill, force=force)
+    return write_directory(directory, fill, overwrite=overwrite)
 
 
 def _ledger_records(found: Reproduction) -> list[dict[str, object]]:

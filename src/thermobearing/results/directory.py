@@ -196,7 +196,7 @@ def check_seal(file: Path) -> None:
         raise InputError("is damaged: it was changed after it was written", str(file))
 
 
-FORCE = "--force (in Python force=True)"
+OVERWRITE = "--overwrite (in Python overwrite=True)"
 SUMMARY, DATASET, HISTORY = "summary.json", "result.nc", "history.csv"
 RESOLVED, FIGURES, COMPARISON = "case.resolved.toml", "figures", "comparison.csv"
 TABLE, MODES, RIG, PARTS = "table.csv", "modes.csv", "rig.csv", "parts"
@@ -227,7 +227,7 @@ RESULT_NAMES |= {LEDGER, LEDGER_JSON, INDEX, TABLES}
 RESULT_NAMES |= {REPORT_HTML, REPORT_PDF, WORKBOOK, TITLE, LOGO}
 
 
-def check_target(directory: Path, *, force: bool) -> None:
+def check_target(directory: Path, *, overwrite: bool) -> None:
     """Refuse a target that a run may not write to, before anything is computed.
 
     Raises
@@ -258,11 +258,13 @@ def check_target(directory: Path, *, force: bool) -> None:
     if SUMMARY not in names or foreign:
         held = f" (it holds {', '.join(foreign[:3])})" if foreign else ""
         raise OutputError(f"{directory}: exists and is not a result directory{held}; {choose}")
-    if not force:
-        raise OutputError(f"{directory}: exists; give {FORCE} to replace it, or {choose}")
+    if not overwrite:
+        raise OutputError(f"{directory}: exists; give {OVERWRITE} to replace it, or {choose}")
 
 
-def write_directory(directory: Path, fill: Callable[[Path], None], *, force: bool = False) -> Path:
+def write_directory(
+    directory: Path, fill: Callable[[Path], None], *, overwrite: bool = False
+) -> Path:
     """Let `fill` write its files into a new directory, and put it in place when it is complete.
 
     Raises
@@ -271,7 +273,7 @@ def write_directory(directory: Path, fill: Callable[[Path], None], *, force: boo
         another run may have written there meanwhile; or the disk is full or not writable.
         Nothing is left.
     """
-    check_target(directory, force=force)
+    check_target(directory, overwrite=overwrite)
     final = directory.resolve()
     above = [path for path in final.parents if not path.exists()]
     try:
@@ -281,7 +283,7 @@ def write_directory(directory: Path, fill: Callable[[Path], None], *, force: boo
                 fill(partial)
                 if (partial / DATASET).exists():
                     seal(partial / DATASET)
-                put_in_place(partial, final, lambda: check_target(directory, force=force))
+                put_in_place(partial, final, lambda: check_target(directory, overwrite=overwrite))
             finally:  # half written, or the result that was replaced
                 shutil.rmtree(partial, ignore_errors=True)
     except (OSError, RuntimeError) as error:  # netCDF tells a failing disk as either

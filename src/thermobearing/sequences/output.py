@@ -27,7 +27,7 @@ from thermobearing.sequences.result import SequenceResult
 
 
 def save_sequence(
-    result: SequenceResult, directory: Path, *, force: bool = False, figures: bool = True
+    result: SequenceResult, directory: Path, *, overwrite: bool = False, figures: bool = True
 ) -> Path:
     """Write summary.json, table.csv, case.resolved.toml, a figure, and parts/NN-name.
 
@@ -47,7 +47,7 @@ def save_sequence(
             (folder / FIGURES).mkdir()
             result.plot.save_all(folder / FIGURES)
 
-    return write_directory(directory, fill, force=force)
+    return write_directory(directory, fill, overwrite=overwrite)
 
 
 def load_sequence(path: str | Path) -> SequenceResult:

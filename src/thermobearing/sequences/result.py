@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 
 import thermobearing
+from thermobearing.border.deprecated import renamed
 from thermobearing.border.showing import Shown
 from thermobearing.cyclic.result import Result
 from thermobearing.earthquake.result import EarthquakeResult
@@ -172,11 +173,12 @@ class SequenceResult(Shown):
 
         return SequenceFigures(self)
 
-    def save(self, directory: str | Path, *, force: bool = False, figures: bool = True) -> Path:
+    @renamed(force="overwrite")
+    def save(self, directory: str | Path, *, overwrite: bool = False, figures: bool = True) -> Path:
         """Write a result directory with a folder of each part; see docs/files.md."""
         from thermobearing.sequences.output import save_sequence
 
-        return save_sequence(self, Path(directory), force=force, figures=figures)
+        return save_sequence(self, Path(directory), overwrite=overwrite, figures=figures)
 
 
 def _passed(table: pd.DataFrame) -> str:

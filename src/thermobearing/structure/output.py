@@ -19,7 +19,7 @@ from thermobearing.structure.result import TONNES, StructureResult
 
 
 def save_structure(
-    result: StructureResult, directory: Path, *, force: bool = False, figures: bool = True
+    result: StructureResult, directory: Path, *, overwrite: bool = False, figures: bool = True
 ) -> Path:
     """Write summary.json, parts.csv, periods.csv, the structure as TOML, and figures.
 
@@ -38,7 +38,7 @@ def save_structure(
         if figures:
             result.plot.save_all(folder / FIGURES)
 
-    return write_directory(directory, fill, force=force)
+    return write_directory(directory, fill, overwrite=overwrite)
 
 
 def print_structures(names: list[str]) -> None:

@@ -12,6 +12,7 @@ import pandas as pd
 
 import thermobearing
 from thermobearing.bearing.plausible import sentence, usual_values
+from thermobearing.border.deprecated import renamed
 from thermobearing.border.errors import InputError
 from thermobearing.border.units import parse_quantity
 from thermobearing.core.records import Floats
@@ -200,7 +201,8 @@ class StructureResult:
 
         return StructureFigures(self)
 
-    def save(self, directory: str | Path, *, force: bool = False, figures: bool = True) -> Path:
+    @renamed(force="overwrite")
+    def save(self, directory: str | Path, *, overwrite: bool = False, figures: bool = True) -> Path:
         """Write summary.json, parts.csv, periods.csv and figures.
 
         Raises
@@ -209,7 +211,7 @@ class StructureResult:
         """
         from thermobearing.structure.output import save_structure
 
-        return save_structure(self, Path(directory), force=force, figures=figures)
+        return save_structure(self, Path(directory), overwrite=overwrite, figures=figures)
 
 
 def examine_structure(

@@ -270,7 +270,7 @@ def keep_asked(directory: Path, asked: Asked) -> None:
         for key, unit in (("rate", "1/year"), ("return_period", "year")):
             if key in hazard:
                 hazard[key] = [with_unit(value, unit) for value in hazard[key]]
-    write_file(directory / QUESTION, tomli_w.dumps(table), force=True)
+    write_file(directory / QUESTION, tomli_w.dumps(table), overwrite=True)
 
 
 def asked_over(kept: Asked, options: Mapping[str, Any], folder: Path = Path()) -> Asked:

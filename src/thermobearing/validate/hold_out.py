@@ -16,6 +16,7 @@ import numpy as np
 import pandas as pd
 
 from thermobearing.bearing.model import Bearing
+from thermobearing.border.deprecated import renamed
 from thermobearing.border.errors import InputError, shortened
 from thermobearing.border.units import is_number
 from thermobearing.identify.case import IdentifyCase, Test, make_identify_case
@@ -182,11 +183,12 @@ class CrossValidation:
 
         return CrossValidationFigures(self)
 
+    @renamed(force="overwrite")
     def save(
         self,
         directory: str | Path,
         *,
-        force: bool = False,
+        overwrite: bool = False,
         figures: bool = True,
         forecast: "Forecast | None" = None,
     ) -> Path:
@@ -207,7 +209,7 @@ class CrossValidation:
         from thermobearing.validate.output import save_cross_validation
 
         return save_cross_validation(
-            self, Path(directory), force=force, figures=figures, forecast=forecast
+            self, Path(directory), overwrite=overwrite, figures=figures, forecast=forecast
         )
 
 

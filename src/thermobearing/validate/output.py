@@ -31,7 +31,7 @@ from thermobearing.validate.result import BEYOND, Validation
 
 
 def save_validation(
-    found: Validation, directory: Path, *, force: bool = False, figures: bool = True
+    found: Validation, directory: Path, *, overwrite: bool = False, figures: bool = True
 ) -> Path:
     """Write summary.json, table.csv, cycles.csv, fit.csv, thermocouples.csv and figures.
 
@@ -39,7 +39,7 @@ def save_validation(
     ----------
     found : what to write.
     directory : made if needed, with its parents.
-    force : replace an earlier result directory.
+    overwrite : replace an earlier result directory.
     figures : draw the figures too.
 
     Returns
@@ -62,14 +62,14 @@ def save_validation(
         if figures:
             found.plot.save_all(folder / FIGURES)
 
-    return write_directory(directory, fill, force=force)
+    return write_directory(directory, fill, overwrite=overwrite)
 
 
 def save_cross_validation(
     found: CrossValidation,
     directory: Path,
     *,
-    force: bool = False,
+    overwrite: bool = False,
     figures: bool = True,
     forecast: Forecast | None = None,
 ) -> Path:
@@ -79,7 +79,7 @@ def save_cross_validation(
     ----------
     found : what to write.
     directory : made if needed, with its parents.
-    force : replace an earlier result directory.
+    overwrite : replace an earlier result directory.
     figures : draw the figures too.
     forecast : samples of the posterior of the final fit, and bands.
 
@@ -101,7 +101,7 @@ def save_cross_validation(
         if figures:
             found.plot.save_all(folder / FIGURES)
 
-    return write_directory(directory, fill, force=force)
+    return write_directory(directory, fill, overwrite=overwrite)
 
 
 def samples(found: Validation) -> pd.DataFrame:

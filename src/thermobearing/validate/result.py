@@ -10,6 +10,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 import thermobearing
+from thermobearing.border.deprecated import renamed
 from thermobearing.border.showing import Shown
 from thermobearing.identify.fit.forward import Prediction
 from thermobearing.identify.records.conditions import cycle_row, record_conditions
@@ -275,7 +276,8 @@ class Validation(Shown):
 
         return ValidationFigures(self)
 
-    def save(self, directory: str | Path, *, force: bool = False, figures: bool = True) -> Path:
+    @renamed(force="overwrite")
+    def save(self, directory: str | Path, *, overwrite: bool = False, figures: bool = True) -> Path:
         """Write a result directory; see `save_validation`.
 
         Parameters
@@ -292,7 +294,7 @@ class Validation(Shown):
         """
         from thermobearing.validate.output import save_validation
 
-        return save_validation(self, Path(directory), force=force, figures=figures)
+        return save_validation(self, Path(directory), overwrite=overwrite, figures=figures)
 
 
 def _number(value: float) -> float | None:

@@ -10,6 +10,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from thermobearing.bearing.model import Bearing
+from thermobearing.border.deprecated import renamed
 from thermobearing.border.errors import InputError, printable
 from thermobearing.border.sidecar import read_laboratory
 from thermobearing.identify.fit.forward import PAUSE
@@ -46,7 +47,8 @@ class MeasuredCycles:
     rows: list[slice]
     total_rubber_thickness: float
 
-    def save(self, directory: str | Path, *, force: bool = False, figures: bool = True) -> Path:
+    @renamed(force="overwrite")
+    def save(self, directory: str | Path, *, overwrite: bool = False, figures: bool = True) -> Path:
         """Write a result directory; see `_save_measured`.
 
         Parameters
@@ -61,7 +63,7 @@ class MeasuredCycles:
         ------
         OutputError : the directory exists and `force` is False, or it cannot be written.
         """
-        return _save_measured(self, Path(directory), force=force, figures=figures)
+        return _save_measured(self, Path(directory), overwrite=overwrite, figures=figures)
 
 
 def measured_cycles(path: str | Path, bearing: Bearing) -> MeasuredCycles:
@@ -164,7 +166,7 @@ def _measured_table(found: MeasuredCycles) -> pd.DataFrame:
 
 
 def _save_measured(
-    found: MeasuredCycles, directory: Path, *, force: bool = False, figures: bool = True
+    found: MeasuredCycles, directory: Path, *, overwrite: bool = False, figures: bool = True
 ) -> Path:
     """Write summary.json, cycles.csv and the picture of the loops.
 
@@ -172,7 +174,7 @@ def _save_measured(
     ----------
     found : from `measured_cycles`.
     directory : made if needed, with its parents.
-    force : replace an earlier result directory.
+    overwrite : replace an earlier result directory.
     figures : draw the picture too.
 
     Returns
@@ -198,7 +200,7 @@ def _save_measured(
         if figures:
             drawing.save_figures({"loops": lambda: _loops_figure(found)}, folder / FIGURES)
 
-    return write_directory(directory, fill, force=force)
+    return write_directory(directory, fill, overwrite=overwrite)
 
 
 def _loops_figure(found: MeasuredCycles) -> Figure:

@@ -192,7 +192,7 @@ def check_start(
     if executor == "process" and address is not None:
         raise InputError('address: only of executor "dask"')
     if not (directory / MANIFEST).exists():
-        check_target(directory, force=False)
+        check_target(directory, overwrite=False)
     return part
 
 

@@ -147,14 +147,14 @@ def read_notes(path: Path, *, sealed: bool = True) -> tuple[dict[str, Any], int]
 MOST_ROWS = 1_048_575  # of a sheet of a workbook, beside its head
 
 
-def write_table(table: pd.DataFrame, path: Path, *, force: bool = False) -> None:
+def write_table(table: pd.DataFrame, path: Path, *, overwrite: bool = False) -> None:
     """A table of runs as text (.csv) or as a workbook (.xlsx).
 
     Parameters
     ----------
     table : of runs.
     path : of the file.
-    force : replace one that is there.
+    overwrite : replace one that is there.
 
     Raises
     ------
@@ -162,7 +162,7 @@ def write_table(table: pd.DataFrame, path: Path, *, force: bool = False) -> None
     OutputError : the file is there, or cannot be written.
     """
     if path.suffix == ".csv":
-        write_file(path, without_formulas(table).to_csv(index=False), force=force)
+        write_file(path, without_formulas(table).to_csv(index=False), overwrite=overwrite)
         return
     if path.suffix != ".xlsx":
         raise InputError(f'"{path}": a table of runs is written as .csv or .xlsx')
@@ -173,4 +173,4 @@ def write_table(table: pd.DataFrame, path: Path, *, force: bool = False) -> None
     the_writer()
     book = BytesIO()
     table.to_excel(book, index=False, sheet_name="runs", engine="openpyxl")
-    write_file(path, book.getvalue(), force=force)
+    write_file(path, book.getvalue(), overwrite=overwrite)
