@@ -2,59 +2,25 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
+
+from thermobearing.quantities.register import Quantity
+from thermobearing.quantities.tables import Table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Floats = NDArray[np.float64]
 
+# Names that analyses use until all their tables come from the register.
+Column: TypeAlias = Quantity
+ReportTable: TypeAlias = Table
+
 # Verdicts of a check; the third where there is no limit, or nothing to hold beside it.
 PASSED, EXCEEDED, NOT_JUDGED = "within", "exceeded", "not judged"
-
-
-@dataclass(frozen=True)
-class Column:
-    """A column of a table.
-
-    Attributes
-    ----------
-    head : words above it, without the unit.
-    unit : such as "kN"; "" for words and pure numbers.
-    form : of Python's format for its numbers, such as ".1f" or ".3g".
-
-    Examples
-    --------
-    >>> Column("Peak force", "kN", ".0f").text(312.6)
-    '313'
-    >>> Column("Motion").text("jra-ii-i-1")
-    'jra-ii-i-1'
-    """
-
-    head: str
-    unit: str = ""
-    form: str = ".4g"
-
-    def text(self, value: Any) -> str:
-        """A cell of this column as a reader sees it; nothing for None and NaN."""
-        if value is None or (isinstance(value, float | np.floating) and not np.isfinite(value)):
-            return ""
-        if isinstance(value, bool | np.bool_):
-            return "yes" if value else "no"
-        if isinstance(value, int | float | np.integer | np.floating):
-            # A true minus sign; no zero with a sign.
-            text = format(value, self.form)
-            text = text.lstrip("-") if float(text) == 0.0 else text
-            return text.replace("-", "\N{MINUS SIGN}")
-        return str(value)
-
-    @property
-    def title(self) -> str:
-        """Head with the unit in brackets."""
-        return f"{self.head} [{self.unit}]" if self.unit else self.head
 
 
 class Link(str):
@@ -73,28 +39,6 @@ class Link(str):
         made = super().__new__(cls, words)
         made.to = to
         return made
-
-
-@dataclass(frozen=True)
-class ReportTable:
-    """A table that an engineer can quote.
-
-    Attributes
-    ----------
-    caption : what it holds, a sentence without a full stop.
-    columns : heads, units and digits.
-    rows : values as they are (numbers stay numbers, so that they sort and go into a workbook).
-    keys : leading columns that say what a row is.
-    marked : (row, column) of cells beyond what the bearing was tested at; drawn with a mark.
-    note : below the table: what marks and symbols mean.
-    """
-
-    caption: str
-    columns: Sequence[Column]
-    rows: Sequence[Sequence[Any]]
-    keys: int = 1
-    marked: frozenset[tuple[int, int]] = frozenset()
-    note: str = ""
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ import threading
 import warnings
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 import matplotlib as mpl
 import numpy as np
@@ -261,6 +261,27 @@ def save_figures(
         if vector:
             (folder / f"{name}.svg").write_bytes(_vector_bytes(figure))
     return written
+
+
+class Figures:
+    """Base of the figures of a result.
+
+    A class that inherits from it gives `draw_all`: what draws each figure that the result holds
+    data for, by name of its file.
+    """
+
+    vector: ClassVar[bool] = False  # as SVG too
+
+    def __init__(self, result: Any) -> None:
+        self._result = result
+
+    def draw_all(self) -> dict[str, Callable[[], Figure]]:
+        """Return what draws each figure, by name of its file."""
+        return {}
+
+    def save_all(self, folder: str | Path) -> list[Path]:
+        """Write every figure that the result holds data for, and return the files."""
+        return save_figures(self.draw_all(), Path(folder), vector=self.vector)
 
 
 def scaling(factor: float) -> tuple[Callable[[Any], Any], Callable[[Any], Any]]:

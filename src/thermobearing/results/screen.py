@@ -10,6 +10,8 @@ from collections.abc import Iterable, Sequence
 from rich.console import Console
 from rich.text import Text
 
+from thermobearing.quantities.tables import Table
+
 GAP = "  "  # between two columns
 Row = Sequence[str]
 
@@ -76,6 +78,42 @@ def print_table(
             style = "bold" if line == 0 else (styles[line - 1] if styles else "")
             console = Console(highlight=False)
             console.print(Text(text, style=style, no_wrap=True), soft_wrap=True)
+
+
+def show_table(table: Table, names: Iterable[str] | None = None) -> None:
+    """Print a table: its caption, heads with units, a mark beyond the tested range, its note.
+
+    Parameters
+    ----------
+    table : from `quantities.tables.make_table`.
+    names : columns to print, by name; the keys come first in any case. All by default.
+
+    Examples
+    --------
+    >>> import pandas as pd
+    >>> from thermobearing.quantities.tables import make_table
+    >>> show_table(make_table(pd.DataFrame({"motion": ["a"], "bearing_strain_max": [2.5]})))
+    Motion  Strain [%]
+    a              250
+    """
+    cells = table.texts()
+    for row, column in table.marked:
+        cells[row][column] += "!"
+    wanted = None if names is None else set(names)
+    kept = [
+        k
+        for k, column in enumerate(table.columns)
+        if k < table.keys or wanted is None or column.name in wanted
+    ]
+    print_table(
+        [table.columns[k].title for k in kept],
+        [[row[k] for k in kept] for row in cells],
+        title=table.caption,
+        keys=table.keys,
+        styles=["red" if k in table.failed else "" for k in range(len(cells))],
+    )
+    if table.note:
+        say(table.note)
 
 
 def _screen_width() -> int | None:

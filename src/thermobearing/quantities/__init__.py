@@ -1,0 +1,1 @@
+"""The register of quantities, and tables that are described by it."""

@@ -1,0 +1,152 @@
+"""The one place where a quantity has its words, unit and format.
+
+The rows stand in ``data/quantities/*.toml``, by the name that the quantity has in tables and CSV
+files. Labels of datasets, heads of tables on the console and in reports, sheets of workbooks and
+labels of axes come from here.
+"""
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from thermobearing.border.library import data_path
+
+MINUS = "\N{MINUS SIGN}"
+FACTORS = {  # from a stored unit to the unit that readers see
+    ("1", "%"): 100.0,
+    ("kN mm", "kJ"): 1e-3,
+    ("kN mm", "kN m"): 1e-3,
+    ("kN mm/rad", "kN m/rad"): 1e-3,
+    ("kN s^2/mm", "t"): 1e3,
+    ("kN mm s^2", "t m²"): 1e-3,
+}
+TYPESET = {
+    **{"1": "", "degC": "°C", "m/s2": "m/s²", "mm2": "mm²", "kg/m^3": "kg/m³"},
+    **{"W/(m^2 K)": "W/(m² K)", "kJ/(m^2 K)": "kJ/(m² K)"},
+}
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A quantity as readers see it; also a column of a table.
+
+    Attributes
+    ----------
+    head : str
+        Words above a column, without the unit.
+    unit : str
+        Unit that readers see, such as "kN"; "" for words and pure numbers.
+    form : str
+        Python format of a number in `unit`, such as ".1f".
+    name : str
+        Name in tables and CSV files, such as "bearing_force_max_kN".
+    stored : str
+        Unit of the stored number; "1" for pure numbers.
+    factor : float
+        From a stored number to one in `unit`.
+    meaning : str
+        What it is: the long name in datasets, and the label of an axis.
+    symbol : str
+        In equations, such as "K_eq".
+
+    Examples
+    --------
+    >>> strain = quantity("bearing_strain_max")
+    >>> strain.title, strain.text(strain.shown(2.613)), strain.stored
+    ('Strain [%]', '261', '1')
+    """
+
+    head: str
+    unit: str = ""
+    form: str = ".4g"
+    name: str = ""
+    stored: str = ""
+    factor: float = 1.0
+    meaning: str = ""
+    symbol: str = ""
+
+    @property
+    def title(self) -> str:
+        """Head with the unit in brackets."""
+        return f"{self.head} [{self.unit}]" if self.unit else self.head
+
+    @property
+    def label(self) -> str:
+        """Label of an axis: the meaning, or the head, with the unit in brackets."""
+        words = self.meaning or self.head
+        return f"{words} [{self.unit}]" if self.unit else words
+
+    @property
+    def attributes(self) -> dict[str, str]:
+        """Attributes of a variable of a dataset: `units` and `long_name`."""
+        return {"units": self.stored or "1", "long_name": self.meaning or self.head}
+
+    def shown(self, value: Any) -> Any:
+        """Return a stored number in the unit that readers see; words and integers as they are."""
+        if self.factor == 1.0 or value is None or isinstance(value, str):
+            return value
+        return self.factor * value
+
+    def text(self, value: Any) -> str:
+        """Return a cell with a value in `unit`; nothing for None and NaN."""
+        if value is None or (isinstance(value, float | np.floating) and not np.isfinite(value)):
+            return ""
+        if isinstance(value, bool | np.bool_):
+            return "yes" if value else "no"
+        if isinstance(value, int | float | np.integer | np.floating):
+            text = format(int(value) if self.form == "d" else value, self.form)
+            text = text.lstrip("-") if float(text) == 0.0 else text
+            return text.replace("-", MINUS)
+        return str(value)
+
+
+@cache
+def _register() -> Mapping[str, Quantity]:
+    """Return all rows of the register by name."""
+    found: dict[str, Quantity] = {}
+    for file in sorted(data_path("quantities").iterdir(), key=lambda path: path.name):
+        for name, row in tomllib.loads(file.read_text(encoding="utf-8")).items():
+            if name in found:
+                raise ValueError(f"{file.name}: {name} is registered twice")
+            stored = row.pop("unit", "")
+            unit = row.pop("shown", TYPESET.get(stored, stored))
+            factor = FACTORS.get((stored, unit), 1.0)
+            if factor == 1.0 and unit != TYPESET.get(stored, stored):
+                raise ValueError(f"{file.name}: {name}: no factor from {stored} to {unit}")
+            found[name] = Quantity(unit=unit, name=name, stored=stored, factor=factor, **row)
+    return found
+
+
+def quantity(name: str, **changes: Any) -> Quantity:
+    """Return a row of the register.
+
+    Parameters
+    ----------
+    name : str
+        Name in tables, such as "bearing_force_max_kN".
+    **changes : str
+        Fields of `Quantity` that differ in one place, such as ``head="Force of all"``.
+
+    Raises
+    ------
+    KeyError
+        No such quantity; the register has it not.
+
+    Examples
+    --------
+    >>> quantity("bearing_force_max_kN").title
+    'Force of one [kN]'
+    >>> quantity("bearing_force_max_kN", head="Peak force", form=".1f").title
+    'Peak force [kN]'
+    """
+    found = _register()[name]
+    return replace(found, **changes) if changes else found
+
+
+def is_registered(name: str) -> bool:
+    """Return whether the register has a quantity of that name."""
+    return name in _register()

@@ -1,0 +1,139 @@
+"""Tables for readers: one description for the console, reports and workbooks.
+
+A `Table` is made once of a DataFrame by the register. `results.screen.show_table` prints it, and
+the report engine writes it into HTML, PDF and workbooks. CSV files hold the DataFrame itself.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from thermobearing.quantities.register import Quantity, is_registered, quantity
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table that an engineer can quote.
+
+    Attributes
+    ----------
+    caption : str
+        What it holds, without a full stop.
+    columns : sequence of Quantity
+        Heads, units and formats.
+    rows : sequence of sequences
+        Values in the units of the columns; numbers stay numbers.
+    keys : int
+        Leading columns that say what a row is.
+    marked : frozenset of (row, column)
+        Cells beyond what the bearing was tested at; drawn with a mark.
+    note : str
+        Below the table: what marks and symbols mean.
+    failed : frozenset of int
+        Rows of runs that did not complete.
+    """
+
+    caption: str
+    columns: Sequence[Quantity]
+    rows: Sequence[Sequence[Any]]
+    keys: int = 1
+    marked: frozenset[tuple[int, int]] = frozenset()
+    note: str = ""
+    failed: frozenset[int] = frozenset()
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    def texts(self) -> list[list[str]]:
+        """Return the cells as readers see them, without marks."""
+        return [
+            [column.text(value) for column, value in zip(self.columns, row, strict=True)]
+            for row in self.rows
+        ]
+
+
+def make_table(
+    frame: "pd.DataFrame",
+    names: Iterable[str | Quantity] | None = None,
+    caption: str = "",
+    *,
+    keys: int = 1,
+    heads: Mapping[str, str] | None = None,
+    marked: Mapping[str, Sequence[bool]] | None = None,
+    note: str = "",
+    drop_empty: bool = True,
+) -> Table:
+    """Return a table of some columns of a DataFrame, in the words and units of the register.
+
+    Parameters
+    ----------
+    frame : DataFrame
+        Stored numbers, a row each.
+    names : iterable of str or Quantity, optional
+        Columns, in order; those that the frame does not have are left out. All by default. A
+        `Quantity` whose `name` is a column stands for that column where one place differs.
+    caption : str
+        What the table holds.
+    keys : int
+        Leading columns that say what a row is; of those that are left.
+    heads : mapping of str to str, optional
+        Heads that differ here, by column.
+    marked : mapping of str to sequence of bool, optional
+        Whether each row is beyond the tested range, by column.
+    note : str
+        Below the table.
+    drop_empty : bool
+        Leave out columns without any value.
+
+    Raises
+    ------
+    KeyError
+        A column of numbers that the register does not have.
+
+    Examples
+    --------
+    >>> import pandas as pd
+    >>> frame = pd.DataFrame({"motion": ["a"], "bearing_energy_kN_mm": [5230.0], "note": [""]})
+    >>> table = make_table(frame, caption="Runs")
+    >>> [column.title for column in table.columns], table.texts()
+    (['Motion', 'Energy of one [kJ]'], [['a', '5.2']])
+    """
+    wanted = list(frame.columns) if names is None else list(names)
+    columns: list[Quantity] = []
+    for item in wanted:
+        name = item.name if isinstance(item, Quantity) else str(item)
+        if name in frame and not (drop_empty and _is_empty(frame[name])):
+            found = item if isinstance(item, Quantity) else _find(frame[name])
+            head = (heads or {}).get(name)
+            columns.append(replace(found, head=head) if head else found)
+    stored = [frame[column.name].tolist() for column in columns]
+    shown = [[c.shown(v) for v in values] for c, values in zip(columns, stored, strict=True)]
+    places = [column.name for column in columns]
+    marks = {
+        (row, places.index(name))
+        for name, flags in (marked or {}).items()
+        if name in places
+        for row, flag in enumerate(flags)
+        if flag
+    }
+    failed: frozenset[int] = frozenset()
+    if "outcome" in frame:
+        ended = frame["outcome"].tolist()
+        failed = frozenset(k for k, outcome in enumerate(ended) if outcome != "completed")
+    rows = [list(row) for row in zip(*shown, strict=True)]
+    return Table(caption, columns, rows, keys, frozenset(marks), note, failed)
+
+
+def _is_empty(column: "pd.Series[Any]") -> bool:
+    return bool((column.isna() | (column.astype(object) == "")).all())
+
+
+def _find(column: "pd.Series[Any]") -> Quantity:
+    """Return the row of the register, or a column of words under its own name."""
+    name = str(column.name)
+    if is_registered(name) or column.dtype.kind in "iufc":
+        return quantity(name)
+    return Quantity(name.replace("_", " ").capitalize(), name=name)

@@ -1,0 +1,191 @@
+"""The base of all results: outcome, tables, console, notebook, directory, report.
+
+A result is data. What is drawn, written and reported of it stands in the modules beside the one
+that defines its class (`figures`, `report`), which are imported when they are first asked for: a
+result imports no view.
+"""
+
+from importlib import import_module
+from pathlib import Path
+from typing import Any, ClassVar
+
+import pandas as pd
+import xarray as xr
+
+from thermobearing.border.showing import table_html
+from thermobearing.quantities.tables import Table
+from thermobearing.results.directory import FIGURES, write_directory
+from thermobearing.results.ranges import largest_tested
+from thermobearing.results.screen import print_warnings, say, show_table
+from thermobearing.results.writing import (
+    compared_rows,
+    exposure_summary,
+    from_attribute,
+    limits_summary,
+    write_limits,
+    write_summary,
+)
+
+COMPLETED = "completed"
+
+
+class Result:
+    """What every result can do.
+
+    A class that inherits from it gives `table` and `summary()`, usually `outcome`, `sentence`,
+    `warnings`, `tables()`, `notes()` and `_write(folder)`, and names its class of figures in
+    `_figures`, to be found in the module `figures` of its package.
+    """
+
+    _figures: ClassVar[str] = ""
+
+    outcome: Any = COMPLETED
+    sentence: Any = ""
+    warnings: Any = ()
+    table: Any
+
+    @property
+    def headline(self) -> str:
+        """What it is and how it ended, in a line."""
+        return f"{type(self).__name__}: {self.outcome}"
+
+    def __repr__(self) -> str:
+        return f"<{self.headline}>"
+
+    def _repr_html_(self) -> str:
+        return table_html(self.headline, self.table, list(self.warnings))
+
+    @property
+    def rig(self) -> pd.DataFrame:
+        """How far each run uses each limit of the rig; empty without a rig."""
+        return pd.DataFrame()
+
+    @property
+    def tested_range(self) -> pd.DataFrame:
+        """How far each run goes in the range that its bearing was tested in; empty if unknown."""
+        return pd.DataFrame()
+
+    def tables(self) -> dict[str, Table]:
+        """Tables for readers, by name: the console prints them, and reports hold them."""
+        return {}
+
+    def notes(self) -> list[str]:
+        """Sentences that the console prints below the tables, such as the energy balance."""
+        return []
+
+    def show(self) -> None:
+        """Print what the command prints: title, warnings, tables, notes."""
+        say(self.headline, "bold")
+        print_warnings(self.warnings)
+        for table in self.tables().values():
+            show_table(table)
+        for note in self.notes():
+            say(note)
+
+    def summary(self) -> dict[str, Any]:
+        """Return the content of summary.json; see docs/files.md."""
+        raise NotImplementedError
+
+    @property
+    def plot(self) -> Any:
+        """Figures of the result, each a matplotlib Figure."""
+        return getattr(self._view("figures"), self._figures)(self)
+
+    def save(self, directory: str | Path, *, overwrite: bool = False, figures: bool = True) -> Path:
+        """Write a result directory; see docs/files.md.
+
+        Parameters
+        ----------
+        directory : str or Path
+            Made if needed, with its parents.
+        overwrite : bool
+            Replace an earlier result directory.
+        figures : bool
+            Draw the figures too.
+
+        Returns
+        -------
+        Path
+            The directory.
+
+        Raises
+        ------
+        OutputError
+            The directory exists and `overwrite` is False, or it cannot be written; nothing is
+            left.
+        """
+
+        def fill(folder: Path) -> None:
+            self._write(folder)
+            write_limits(folder, self.rig, self.tested_range)
+            if figures and self._figures:
+                self.plot.save_all(folder / FIGURES)
+            write_summary(folder, self.summary())
+
+        return write_directory(Path(directory), fill, force=overwrite)
+
+    def _write(self, folder: Path) -> None:
+        """Write the files of the analysis but summary.json, limits and figures."""
+
+    def report(self, directory: str | Path, **options: Any) -> list[Path]:
+        """Write report.html and report.pdf; see `thermobearing.make_report`."""
+        return list(
+            import_module("thermobearing.reporting").make_report(self, directory, **options)
+        )
+
+    def _view(self, name: str) -> Any:
+        """Return the module of that name beside the one that defines the class."""
+        return import_module(f"{type(self).__module__.rpartition('.')[0]}.{name}")
+
+
+class DatasetResult(Result):
+    """A result that is one labelled dataset, of runs along a dimension.
+
+    Attributes
+    ----------
+    dataset : xarray.Dataset
+        Every variable has its unit. Lists of sentences, warnings, limits and exposure are
+        attributes in JSON.
+    """
+
+    dataset: Any
+
+    def __getitem__(self, name: str) -> xr.DataArray:
+        found: xr.DataArray = self.dataset[name]
+        return found
+
+    @property
+    def outcome(self) -> str:
+        """What ended the first run that did not complete, else completed."""
+        if self.dataset.attrs.get("interrupted"):
+            return "interrupted"
+        ended = [str(name) for name in self.dataset["outcome"].values]
+        return next((name for name in ended if name != COMPLETED), COMPLETED)
+
+    @property
+    def sentence(self) -> str:
+        """What the outcome means, and what to try."""
+        return str(from_attribute(self.dataset, "sentences").get(self.outcome, ""))
+
+    @property
+    def warnings(self) -> list[str]:
+        """What a reader must know before using the numbers."""
+        return list(from_attribute(self.dataset, "warnings"))
+
+    @property
+    def rig(self) -> pd.DataFrame:
+        """How far each run uses each limit of the rig; empty without a rig."""
+        return compared_rows(self.dataset, "rig")
+
+    @property
+    def tested_range(self) -> pd.DataFrame:
+        """How far each run goes in the range that its bearing was tested in; empty if unknown."""
+        return compared_rows(self.dataset, "tested_range")
+
+    def largest_tested(self, run: str, limit: str) -> float:
+        """Return the largest tested value of a quantity that a run exceeds; else infinity."""
+        return largest_tested(self.tested_range.to_dict("records"), run, limit)
+
+    def _limits_summary(self) -> dict[str, Any]:
+        """Return what summary.json holds of limits and of the exposure of the bearings."""
+        return limits_summary(self.rig, self.tested_range) | exposure_summary(self.dataset)

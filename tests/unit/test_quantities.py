@@ -1,0 +1,70 @@
+"""The register of quantities, and tables that it describes."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from thermobearing.border.units import conversion
+from thermobearing.quantities import register
+from thermobearing.quantities.register import Quantity
+from thermobearing.quantities.tables import make_table
+from thermobearing.results.screen import show_table
+
+ROWS = register._register()
+
+
+def test_factors_are_those_of_the_units() -> None:
+    for (stored, shown), factor in register.FACTORS.items():
+        written = {"%": "percent", "t": "tonne", "t m²": "tonne*m^2"}.get(shown, shown)
+        assert conversion(stored, written)[0] == pytest.approx(factor)
+
+
+@pytest.mark.parametrize("name", ROWS)
+def test_a_row_formats_numbers_and_says_its_unit_in_its_name(name: str) -> None:
+    row = ROWS[name]
+    assert row.head[:1].isupper() or row.symbol or row.head[:1].islower()
+    for value in (0.0, -12.5, 1e5):
+        float(row.text(value if row.form != "d" else int(value)).replace(register.MINUS, "-"))
+    ends = {"_kN": "kN", "_degC": "degC", "_kN_mm": ("kN mm", "kN/mm"), "_MPa": "MPa", "_s": "s"}
+    for end, unit in ends.items():
+        if name.endswith(end):
+            assert row.stored in unit if isinstance(unit, tuple) else row.stored == unit
+
+
+def test_numbers_are_shown_in_the_unit_of_the_head() -> None:
+    frame = pd.DataFrame(
+        {
+            "motion": ["a", "b"],
+            "bearing_energy_kN_mm": [5230.0, np.nan],
+            "outcome": ["completed"] * 2,
+        }
+    )
+    table = make_table(frame, ["motion", "bearing_energy_kN_mm", "pier_ductility"], "Runs")
+    assert [c.title for c in table.columns] == ["Motion", "Energy of one [kJ]"]
+    assert table.rows[0] == ["a", pytest.approx(5.23)]
+    assert table.texts() == [["a", "5.2"], ["b", ""]]
+
+
+def test_a_number_without_a_row_is_an_error_and_words_are_not() -> None:
+    with pytest.raises(KeyError):
+        make_table(pd.DataFrame({"no_such_number": [1.0]}))
+    assert make_table(pd.DataFrame({"no_such_word": ["x"]})).columns[0].head == "No such word"
+
+
+def test_marks_and_failed_runs(capsys: pytest.CaptureFixture[str]) -> None:
+    frame = pd.DataFrame({"motion": ["a", "b"], "bearing_strain_max": [1.0, 3.0]})
+    frame["outcome"] = ["completed", "pier_beyond_limit"]
+    table = make_table(
+        frame, ["motion", "bearing_strain_max"], marked={"bearing_strain_max": [False, True]}
+    )
+    assert table.marked == {(1, 1)}
+    assert table.failed == {1}
+    show_table(table)
+    assert "300!" in capsys.readouterr().out
+
+
+def test_text_of_numbers() -> None:
+    column = Quantity("Force", "kN", ".1f")
+    assert [column.text(v) for v in (-2.04, -0.01, np.nan, None, True, "x")] == [
+        *("\N{MINUS SIGN}2.0", "0.0", "", "", "yes", "x")
+    ]
