@@ -1,8 +1,9 @@
 """Shared by all tests: what they measured, and what they skipped.
 
-A test that needs the given data or an optional program skips elsewhere, with a reason; in
-CI everything is there, so every skip must stand in tests/expected_skips.txt: CI fails when a
-test is skipped that is not expected to be, and the other way round.
+A test that needs an optional program skips where it is absent, with a reason; in CI everything
+is there, so every skip must stand in tests/expected_skips.txt: CI fails when a test is skipped
+that is not expected to be, and the other way round. Tests on real records, which the project may
+not contain, skip where the folder of the records is absent.
 
 Tests may run in several processes (pytest-xdist). Each reports what it measured and skipped to
 the one that was called, which writes it down.
@@ -18,6 +19,7 @@ from typing import Any
 
 import pytest
 
+from tests.shared_data import ABSENT
 from tests.told_numbers import disagreements, told_rows
 
 EXPECTED = Path(__file__).with_name("expected_skips.txt")
@@ -68,13 +70,18 @@ def measured(request: pytest.FixtureRequest) -> Recorder:
 
 def pytest_collectreport(report: pytest.CollectReport) -> None:
     """Note a file that skips as a whole."""
-    if report.skipped:
+    if report.skipped and not _without_records(report):
         SKIPPED.add(report.nodeid)
+
+
+def _without_records(report: pytest.CollectReport | pytest.TestReport) -> bool:
+    """Return whether a test skipped since the folder of real records is absent."""
+    return isinstance(report.longrepr, tuple) and ABSENT in report.longrepr[2]
 
 
 def pytest_runtest_logreport(report: pytest.TestReport) -> None:
     """Note what a test measured, and whether it skipped; in each process, and where all end."""
-    if report.skipped and not hasattr(report, "wasxfail"):
+    if report.skipped and not hasattr(report, "wasxfail") and not _without_records(report):
         SKIPPED.add(report.nodeid)
     if report.when == "teardown":  # the last report of a test has all its properties
         PROPERTIES.extend(report.user_properties)

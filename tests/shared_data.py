@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 BESIDE = Path(__file__).parents[2] / "shared"
+ABSENT = "the folder of real records is absent"
 
 
 def shared_data(name: str) -> Path:
@@ -14,6 +15,8 @@ def shared_data(name: str) -> Path:
     The folder is ../shared beside the repository, or where THERMOBEARING_SHARED says.
     """
     folder = Path(os.environ.get("THERMOBEARING_SHARED") or BESIDE)
+    if not (folder / "data").is_dir():
+        pytest.skip(f"{ABSENT}: {folder}; THERMOBEARING_SHARED may name it")
     path = folder / "data" / name
     if not path.exists():
         pytest.skip(f"{path} is not there; THERMOBEARING_SHARED may name the folder that holds it")
