@@ -25,7 +25,8 @@ def test_option_force_is_overwrite_and_hidden(tmp_path: Path) -> None:
         "hz",
         "-o",
         out,
-        *"--compound jra-hdr-g10 --plan 500x500mm --layers 10x8mm --shim 3mm".split(),
+        *("--compound", "jra-hdr-g10", "--plan", "500x500mm"),
+        *("--layers", "10x8mm", "--shim", "3mm"),
     ]
     first, again, forced = (
         CliRunner().invoke(app, [*words, *more, "-q"]) for more in ([], [], ["--force"])
