@@ -12,6 +12,7 @@ from typing import Any, ClassVar
 import pandas as pd
 import xarray as xr
 
+from thermobearing.border.deprecated import renamed
 from thermobearing.border.showing import table_html
 from thermobearing.quantities.tables import Table
 from thermobearing.results.directory import FIGURES, write_directory
@@ -91,6 +92,7 @@ class Result:
         """Figures of the result, each a matplotlib Figure."""
         return getattr(self._view("figures"), self._figures)(self)
 
+    @renamed(force="overwrite")
     def save(self, directory: str | Path, *, overwrite: bool = False, figures: bool = True) -> Path:
         """Write a result directory; see docs/files.md.
 
@@ -122,7 +124,7 @@ class Result:
                 self.plot.save_all(folder / FIGURES)
             write_summary(folder, self.summary())
 
-        return write_directory(Path(directory), fill, force=overwrite)
+        return write_directory(Path(directory), fill, overwrite=overwrite)
 
     def _write(self, folder: Path) -> None:
         """Write the files of the analysis but summary.json, limits and figures."""
