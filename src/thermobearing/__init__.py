@@ -10,16 +10,8 @@ A dozen names are here; the rest is in the rooms: `tb.motions`, `tb.design`, `tb
 `import thermobearing` is quick.
 """
 
-from typing import Any
-
 import lazy_loader
 
 __version__ = "0.2.0"
 
-_find, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
-
-
-def __getattr__(name: str) -> Any:
-    from thermobearing.border import moved
-
-    return moved.found(name) if name in moved.ROOMS else _find(name)
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -15,6 +15,7 @@ from . import results as results
 from . import sequences as sequences
 from . import structure as structure
 from . import studies as studies
+from . import tables as tables
 from . import validate as validate
 from .bearing.ambient import Ambient as Ambient
 from .bearing.library import load_bearing as load_bearing

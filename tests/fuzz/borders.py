@@ -14,8 +14,6 @@ from tests.fuzz import grammar, sheets
 from tests.fuzz.judge import COMPLETED, TYPED, Example, check_numbers
 from tests.fuzz.mutations import UNITS, damaged, plain_numbers, rows_of_numbers, toml_files
 from thermobearing.bearing.bilinear import load_bilinear
-from thermobearing.border.layout import Layout
-from thermobearing.border.tables import read_columns
 from thermobearing.border.units import parse_quantity
 from thermobearing.commands.check import check_file
 from thermobearing.cyclic.case import load_case, make_case
@@ -37,6 +35,7 @@ from thermobearing.motions.spectrum import response_spectrum
 from thermobearing.results.metrics import measure_history
 from thermobearing.sequences.case import load_sequence_case
 from thermobearing.structure.model import load_structure
+from thermobearing.tables.columns import Layout, read_columns
 
 Files = dict[str, bytes]
 

@@ -17,7 +17,7 @@ from tests.unit.inputs import (
     write_toml,
 )
 from thermobearing.bearing.bilinear import load_bilinear
-from thermobearing.border import encodings, errors, tables
+from thermobearing.border import errors
 from thermobearing.border.errors import InputError
 from thermobearing.border.toml import DEEPEST
 from thermobearing.border.units import parse_quantity
@@ -33,6 +33,7 @@ from thermobearing.motions.library import load_motion
 from thermobearing.motions.spectrum import response_spectrum
 from thermobearing.results.metrics import measure_history
 from thermobearing.structure.model import load_structure
+from thermobearing.tables import columns, text
 
 LOADERS: list[Callable[[Path], Any]] = [
     tb.load_bearing,
@@ -146,12 +147,12 @@ def test_names_longer_than_the_system_allows(call: Callable[[Path], Any], tmp_pa
 
 def test_files_without_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A device that never stops, and a file too large to be meant."""
-    monkeypatch.setattr(encodings, "LARGEST_FILE", 1000)
+    monkeypatch.setattr(text, "LARGEST_FILE", 1000)
     endless = Path("/dev/zero")
     if endless.exists():
-        told(lambda: encodings.read_text(endless), "is larger than 0.001 MB")
+        told(lambda: text.read_text(endless), "is larger than 0.001 MB")
     (tmp_path / "large.csv").write_text("1" * 1001)
-    told(lambda: encodings.read_text(tmp_path / "large.csv"), "is larger than")
+    told(lambda: text.read_text(tmp_path / "large.csv"), "is larger than")
     assert errors.read_bytes(tmp_path / "large.csv", 1001) == b"1" * 1001
 
 
@@ -160,7 +161,7 @@ def test_text_that_is_too_long_to_be_searched(tmp_path: Path) -> None:
     told(lambda: parse_quantity("1 mm" + " " * 500 + "s", "mm"), "not a number with a unit")
     path = tmp_path / "t.csv"
     path.write_text("time_s,displacement" + " " * 500 + "_mm\n0,0\n1,1\n")
-    told(lambda: tables.read_columns(path, {"displacement": "mm"}), "no column")
+    told(lambda: columns.read_columns(path, {"displacement": "mm"}), "no column")
 
 
 @pytest.mark.parametrize("options", [["--duration", 1e-9], ["--dt", 1e-9], ["--dt", "nan"]])

@@ -8,8 +8,8 @@ from numpy.testing import assert_allclose
 
 from tests import tolerances as tol
 from thermobearing.border.errors import InputError
-from thermobearing.border.sidecar import ASSUMED_SPEED
 from thermobearing.identify.records.record import ASSUMED_AMBIENT, load_test
+from thermobearing.tables.laboratory import ASSUMED_SPEED
 
 TIME = np.arange(400) * 0.02
 X = 30.0 * np.sin(2.0 * np.pi * 0.5 * TIME)

@@ -9,13 +9,16 @@ from numpy.testing import assert_allclose
 
 import thermobearing as tb
 from tests import tolerances as tol
-from thermobearing.border.layout import Layout
-from thermobearing.border.sheets import read_sheets
-from thermobearing.border.sidecar import read_laboratory
-from thermobearing.border.stamps import elapsed_seconds
-from thermobearing.border.tables import list_columns, usable_table
-from thermobearing.border.titles import name_and_unit
 from thermobearing.identify.records.record import load_test
+from thermobearing.tables.columns import (
+    Layout,
+    list_columns,
+    name_and_unit,
+    seconds_and_start,
+    usable_table,
+)
+from thermobearing.tables.laboratory import read_laboratory
+from thermobearing.tables.text import read_sheets
 
 PLAIN = "time_s,displacement_mm,force_kN\n0,0,0\n0.5,1.25,3\n1,-1250,-3.5\n"
 VALUES = {
@@ -123,12 +126,12 @@ STAMPS = {
 
 @pytest.mark.parametrize("kind", STAMPS)
 def test_time_stamps(kind: str) -> None:
-    assert_allclose(elapsed_seconds(STAMPS[kind]), [0.0, 0.5, 1.75], atol=tol.CONVERSION * 1e5)
+    assert_allclose(seconds_and_start(STAMPS[kind])[0], [0.0, 0.5, 1.75], atol=tol.CONVERSION * 1e5)
 
 
 def test_day_and_month_are_in_the_order_that_makes_the_record_short() -> None:
-    assert elapsed_seconds(["01/02/2024 12:00", "02/02/2024 12:00"])[-1] == 86400.0
-    assert elapsed_seconds(["02/01/2024 12:00", "02/02/2024 12:00"])[-1] == 86400.0
+    assert seconds_and_start(["01/02/2024 12:00", "02/02/2024 12:00"])[0][-1] == 86400.0
+    assert seconds_and_start(["02/01/2024 12:00", "02/02/2024 12:00"])[0][-1] == 86400.0
 
 
 def test_stamps_coarser_than_the_sampling_are_spread(tmp_path: Path) -> None:

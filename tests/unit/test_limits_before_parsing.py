@@ -10,11 +10,11 @@ from pathlib import Path
 import pytest
 
 import thermobearing as tb
-from thermobearing.border import sheets
-from thermobearing.border.sheets import MOST_ROWS, is_numeric, is_stamp
 from thermobearing.border.toml import read_toml
 from thermobearing.identify.records.record import load_test
 from thermobearing.results import directory as swap
+from thermobearing.tables import text as sheets
+from thermobearing.tables.text import MOST_ROWS, is_numeric, is_stamp
 
 SOON = 15.0  # [s] on a busy machine; each of them took more than a minute
 HEAD = "time_s,displacement_mm,force_kN\n"

@@ -1,4 +1,4 @@
-"""The public interface: a dozen names at the top, rooms behind them, old places with a warning."""
+"""The public interface: a dozen names at the top, rooms behind them."""
 
 import inspect
 import re
@@ -11,7 +11,6 @@ from typing import Any, get_args, is_typeddict
 import pytest
 
 import thermobearing as tb
-from thermobearing.border.moved import ROOMS as MOVED
 
 ROOMS = sorted(name for name in tb.__all__ if isinstance(getattr(tb, name), ModuleType))
 TOP = sorted(set(tb.__all__) - set(ROOMS))
@@ -49,16 +48,6 @@ def test_a_room_offers_what_is_its_own(room: str) -> None:
         assert item.__module__.startswith(f"thermobearing.{room}.")
         # A module of the same name would hide the function once it is imported.
         assert not isinstance(sys.modules.get(f"thermobearing.{room}.{name}"), ModuleType)
-
-
-@pytest.mark.parametrize("name", sorted(MOVED))
-def test_an_old_place_still_works_and_tells_the_new_one(name: str) -> None:
-    assert name not in tb.__all__
-    new = f"thermobearing.{MOVED[name]}.{name}"
-    with pytest.warns(DeprecationWarning, match=re.escape(f"is now {new};")) as caught:
-        old = getattr(tb, name)
-    assert old is getattr(getattr(tb, MOVED[name]), name)
-    assert caught[0].filename == __file__
 
 
 def test_an_unknown_name_is_told() -> None:

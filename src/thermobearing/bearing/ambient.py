@@ -4,19 +4,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-from thermobearing.border.encodings import LARGEST_FILE
-from thermobearing.border.errors import InputError, read_bytes
-from thermobearing.border.guess import guessed_air
-from thermobearing.border.layout import Layout
-from thermobearing.border.sheets import Told, read_sheets
-from thermobearing.border.tables import Columns, list_columns, usable_table
+from thermobearing.border.errors import InputError
 from thermobearing.border.units import is_number, refuse_hidden
+from thermobearing.core.records import Floats
+from thermobearing.tables.guess import read_air_columns
 
-Floats = NDArray[np.float64]
 COLDEST, HOTTEST = -100.0, 100.0  # plausible range of an ambient temperature [degC]
-LOOKED_AT = 10_000  # bytes that the titles of a table are among
 
 
 @dataclass(frozen=True)
@@ -60,7 +54,7 @@ class Ambient:
     @classmethod
     def from_csv(cls, path: str | Path) -> "Ambient":
         """A series from a table with columns time and temperature."""
-        data = air_columns(path).values
+        data = read_air_columns(path).values
         return cls.series(data["time"], data["temperature"], str(path))
 
     def at(self, time: float) -> float:
@@ -78,40 +72,6 @@ class Ambient:
             [[0.0], np.cumsum(0.5 * (values[1:] + values[:-1]) * np.diff(nodes))]
         )
         return np.asarray(np.diff(np.interp(edges, nodes, areas)) / np.diff(edges))
-
-
-def air_columns(path: str | Path) -> Columns:
-    """Columns `time` [s] and `temperature` [degC] of a file, the one way to read air from a table.
-
-    Parameters
-    ----------
-    path : text or `.xlsx`; times with their unit, or dates in one zone without summer time.
-
-    Raises
-    ------
-    InputError : unreadable file, no such column.
-    """
-    told = Told(separator=_separator(read_bytes(Path(path), LARGEST_FILE)))
-    problems: list[str] = []
-    for sheet in read_sheets(Path(path), told):
-        try:
-            table = usable_table(sheet, Layout())
-            layout = Layout(titles=guessed_air(table))
-            return list_columns(table, {"time": "s", "temperature": "degC"}, (), layout)
-        except InputError as error:
-            problems = problems or error.problems
-    raise InputError(problems or ["is empty"], str(path))
-
-
-def _separator(raw: bytes) -> str | None:
-    """The mark between the titles; None where it is not plain.
-
-    "2024-01-31 22:00,5" alone may be 5 degC, or half a second in a column of times.
-    """
-    lines = raw[:LOOKED_AT].decode("utf-8-sig", errors="replace").splitlines()
-    titles = next((line for line in lines if line[:1].isalpha()), "")
-    marks = [mark for mark in ("\t", ";", ",") if mark in titles]
-    return marks[0] if len(marks) == 1 else None
 
 
 def check_temperature(value: float, where: str) -> float:

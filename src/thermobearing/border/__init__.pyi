@@ -1,4 +1,3 @@
 # What this room offers: read by type checkers, and by lazy_loader when it is first used.
 from .errors import InputError as InputError
 from .errors import OutputError as OutputError
-from .tables import read_columns as read_columns

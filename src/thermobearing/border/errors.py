@@ -31,6 +31,10 @@ class InputError(ThermobearingError, ValueError):
         before = "".join(f"{part}: " for part in (key, self.where) if part)
         return [f"{before}{problem}" for problem in self.problems]
 
+    def located(self, where: object) -> "InputError":
+        """Return the same fault under the name of a file, unless it names one already."""
+        return self if self.where else InputError(self.problems, str(where))
+
     def message(self) -> str:
         """All problems as one text, under the name of the file they are in."""
         if not self.where:

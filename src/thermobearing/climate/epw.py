@@ -11,9 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from thermobearing.border.encodings import LARGEST_FILE, read_text
 from thermobearing.border.errors import InputError, read_bytes, shortened
 from thermobearing.climate.hourly import Dates, Floats, Hourly
+from thermobearing.tables.text import LARGEST_FILE, read_text
 
 FIRST = "LOCATION,"  # of the file
 DRY_BULB, MINUTE = 6, 4  # columns, from 0

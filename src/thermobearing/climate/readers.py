@@ -4,10 +4,11 @@ from pathlib import Path
 
 import numpy as np
 
-from thermobearing.bearing.ambient import Ambient, air_columns
+from thermobearing.bearing.ambient import Ambient
 from thermobearing.border.errors import InputError
 from thermobearing.climate.epw import LONGEST_GAP, is_epw, read_epw
 from thermobearing.climate.hourly import HOUR, Hourly
+from thermobearing.tables.guess import read_air_columns
 
 
 def read_weather(path: str | Path) -> Hourly:
@@ -40,7 +41,7 @@ def read_weather(path: str | Path) -> Hourly:
     path = Path(path)
     if is_epw(path):
         return read_epw(path)
-    found = air_columns(path)
+    found = read_air_columns(path)
     time, values = found.values["time"], found.values["temperature"]
     gaps = np.diff(time)
     if not (gaps > 0.0).all():

@@ -11,7 +11,6 @@ from thermobearing.bearing.model import Bearing, TemperatureLaw, Validity
 from thermobearing.bearing.plausible import Usuals, implausible
 from thermobearing.border.errors import InputError, is_file
 from thermobearing.border.schema import Strict, validated
-from thermobearing.border.sidecar import Sidecar
 from thermobearing.border.toml import read_toml, split_sources
 from thermobearing.climate.generator import Climate
 from thermobearing.cyclic.case import LIMITS, Case, load_case, load_rig
@@ -37,6 +36,7 @@ from thermobearing.studies.definition.designs import plan
 from thermobearing.studies.definition.factors import Posterior
 from thermobearing.studies.definition.record import Study
 from thermobearing.studies.inputs.motions import with_stand_ins
+from thermobearing.tables.laboratory import Sidecar
 
 # Kind: keys that tell it, and the record that it is; None where it is read key by key.
 DATA: dict[str, tuple[set[str], type[Strict] | None]] = {

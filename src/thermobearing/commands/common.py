@@ -216,7 +216,7 @@ class Documents:
         self.block().logo_bytes()
         # Imported where they are needed: drawing alone takes as long to import as a small run.
         if self.template is not None:
-            from thermobearing.border.encodings import read_text
+            from thermobearing.tables.text import read_text
 
             read_text(self.template)
         if self.report:

@@ -15,9 +15,9 @@ from pydantic import Field
 
 from thermobearing.border.errors import InputError
 from thermobearing.border.schema import Name, Strict, in_unit, validated
-from thermobearing.border.sidecar import read_laboratory
 from thermobearing.border.units import number_list
 from thermobearing.model.effort import MAX_STEPS
+from thermobearing.tables.laboratory import read_laboratory
 
 Floats = NDArray[np.float64]
 START = 1e-3  # of the largest displacement (1 mm at least): how far off a recording may start
@@ -28,7 +28,7 @@ def read_recording(path: str, start: float | None) -> tuple[Floats, Floats, list
 
     Parameters
     ----------
-    path : table with columns time and displacement, or its sidecar (border/sidecar.py).
+    path : table with columns time and displacement, or its sidecar (tables/laboratory.py).
     start : where the bearing is when the recording begins [mm]; None if that is not known.
 
     Raises

@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 
-from thermobearing.border.encodings import read_text
 from thermobearing.border.toml import read_toml, split_sources
 from thermobearing.cyclic.reported import (
     analysis_table,
@@ -45,6 +44,7 @@ from thermobearing.results.directory import BEARINGS, RESOLVED
 from thermobearing.results.ranges import rate_note
 from thermobearing.results.saved import SavedResult
 from thermobearing.structure.report import structure_table
+from thermobearing.tables.text import read_text
 
 BOUNDS_CAPTIONS = {
     "bounds": "Demands of the two bounds and of the coupled model, and their envelope."

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from thermobearing.border.deprecated import renamed
-from thermobearing.border.guess import ColumnGuess
 from thermobearing.identify.records.checks import CheckReport
 from thermobearing.identify.records.record import TestRecord
 from thermobearing.identify.records.treatment import Treatment
+from thermobearing.tables.guess import ColumnGuess
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -9,12 +9,12 @@ from typing import Any
 
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
-from thermobearing.border.guess import ColumnGuess
-from thermobearing.border.sheets import SEPARATORS
-from thermobearing.border.sidecar import COLUMNS, Readings, read_laboratory
 from thermobearing.identify.records.checks import check_test
 from thermobearing.identify.records.record import build_record
 from thermobearing.intake.result import Intake, Intakes
+from thermobearing.tables.guess import ColumnGuess
+from thermobearing.tables.laboratory import COLUMNS, Readings, read_laboratory
+from thermobearing.tables.text import SEPARATORS
 
 FEWEST = 10  # rows of numbers that make a test
 TABLES = ("columns", "units", "thermocouples")

@@ -11,11 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from thermobearing.border.encodings import read_text
 from thermobearing.border.errors import InputError, nearest, printable, shortened
-from thermobearing.border.layout import number_of
-from thermobearing.border.sheets import COMMENTS, NOT_FINITE, Sheet, read_sheets, sheet_of_text
-from thermobearing.border.titles import is_called, name_and_unit, plain_unit
 from thermobearing.border.units import HUGEST, conversion
 from thermobearing.core.types import Floats
 from thermobearing.motions.record import (
@@ -24,6 +20,15 @@ from thermobearing.motions.record import (
     MOST_SAMPLES,
     GroundMotion,
     acceleration_unit,
+)
+from thermobearing.tables.columns import is_called, name_and_unit, number_of, plain_unit
+from thermobearing.tables.text import (
+    COMMENTS,
+    NOT_FINITE,
+    Sheet,
+    read_sheets,
+    read_text,
+    sheet_of_text,
 )
 
 # A record is used to shake structures. In files whose unit is only a word (or an argument),
@@ -219,7 +224,7 @@ def _without_gaps(sheet: Sheet) -> Sheet:
     if len(kept) == width:
         return sheet
     rows = [(at, [cells[c] for c in kept if c < len(cells)]) for at, cells in sheet.rows]
-    return replace(sheet, rows=rows)
+    return sheet._replace(rows=rows)
 
 
 def _numbers(sheet: Sheet, first: int, width: int) -> tuple[list[int], list[list[float]]]:

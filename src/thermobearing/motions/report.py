@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 
-from thermobearing.border.encodings import read_text
 from thermobearing.motions.matching import LARGEST_MISFIT
 from thermobearing.report.html_plots import history, rounded
 from thermobearing.report.pieces import (
@@ -23,6 +22,7 @@ from thermobearing.report.saved import saved_figures, with_plot
 from thermobearing.report.words import identity_rows, tidy
 from thermobearing.results.directory import MOTION
 from thermobearing.results.saved import SavedResult
+from thermobearing.tables.text import read_text
 
 CAPTIONS = {
     "motion": "Acceleration, velocity and displacement of the ground.",

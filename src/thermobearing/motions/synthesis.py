@@ -10,9 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from thermobearing.border.errors import InputError, is_file
-from thermobearing.border.layout import Table, make_table
 from thermobearing.border.library import unknown_name
-from thermobearing.border.sheets import read_sheets
 from thermobearing.core.types import Floats
 from thermobearing.motions.jra import (
     GROUNDS,
@@ -33,6 +31,8 @@ from thermobearing.motions.matching import (
 from thermobearing.motions.phases import motion_name, near_fault, phases
 from thermobearing.motions.process import padded
 from thermobearing.motions.record import GroundMotion, acceleration_unit
+from thermobearing.tables.columns import Table, make_table
+from thermobearing.tables.text import read_sheets
 
 CITATION = (
     "Standard spectrum: Japan Road Association, Specifications for Highway Bridges, Part V (2012)"

@@ -15,7 +15,6 @@ import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 
-from thermobearing.border.encodings import read_text
 from thermobearing.border.errors import InputError, closest
 from thermobearing.border.library import data_path
 from thermobearing.report.pieces import (
@@ -36,6 +35,7 @@ from thermobearing.report.pieces import (
     ReportTable,
     TableBlock,
 )
+from thermobearing.tables.text import read_text
 
 PLACEHOLDER = re.compile(r"\{\{\s*(\w+)(?:\s+([\w.-]+)(\?)?)?\s*\}\}")
 HEADING = re.compile(r"(#{1,3})\s+(.+)")

@@ -12,7 +12,6 @@ from matplotlib.figure import Figure
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.deprecated import renamed
 from thermobearing.border.errors import InputError, printable
-from thermobearing.border.sidecar import read_laboratory
 from thermobearing.identify.fit.forward import PAUSE
 from thermobearing.identify.records.checks import plausibility
 from thermobearing.identify.records.cycles import full_cycles
@@ -22,6 +21,7 @@ from thermobearing.results import drawing
 from thermobearing.results.directory import FIGURES, VALIDATED_CYCLES, write_directory
 from thermobearing.results.metrics import CycleMeasures, found_cycles, measure_history
 from thermobearing.results.writing import without_formulas, write_summary
+from thermobearing.tables.laboratory import read_laboratory
 
 STILL = 0.02  # of the largest displacement: moved less over a gap in time, the bearing rested
 

@@ -1,7 +1,7 @@
 """A laboratory's test as data, for a fit or a validation.
 
 `TestRecord` holds all samples in one line of time; how they are read from files and sidecars is in
-border/sidecar.py. What had to be assumed (clock, ambient temperature) is written down.
+tables/laboratory.py. What had to be assumed (clock, ambient temperature) is written down.
 """
 
 from dataclasses import dataclass, field, replace
@@ -18,9 +18,9 @@ from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
 from thermobearing.border.library import data_path
 from thermobearing.border.schema import Strict, in_unit, validated
-from thermobearing.border.sidecar import Readings, read_laboratory
 from thermobearing.border.toml import read_toml, split_sources
 from thermobearing.border.units import number_list
+from thermobearing.tables.laboratory import Readings, read_laboratory
 
 Floats = NDArray[np.float64]
 PARTS = 20  # of the test, in time: noise and a door that was opened are no drift

@@ -9,11 +9,11 @@ import numpy as np
 from thermobearing.bearing.library import as_bearing, load_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.bearing.scaling import compound_of, lead_cores, split_parts
-from thermobearing.border.encodings import read_text
 from thermobearing.border.errors import InputError, is_file, nearest
 from thermobearing.border.schema import validated
 from thermobearing.identify.fit.parameters import BY_KEY, C_V, D_Y, K_L, K_R, K_V, KINDS
 from thermobearing.results.directory import IDENTIFIED, SAMPLES
+from thermobearing.tables.text import read_text
 
 MOST = 10_000  # samples that can be asked for
 SIZED = (K_R, D_Y, K_L, K_V, C_V)  # numbers that go with the size of a bearing

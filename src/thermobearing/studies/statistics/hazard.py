@@ -21,10 +21,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from thermobearing.border.errors import InputError
-from thermobearing.border.tables import read_columns
-from thermobearing.border.titles import plain_title
 from thermobearing.studies.definition.factors import INTENSITY_UNITS
 from thermobearing.studies.statistics.bootstrap import LEVEL, percentiles, widened
+from thermobearing.tables.columns import plain_title, read_columns
 
 Floats = NDArray[np.float64]
 STEP = 0.02  # of the logarithm of intensity, at most, in the integral

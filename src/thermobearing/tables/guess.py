@@ -3,26 +3,31 @@
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-from thermobearing.border.errors import InputError
-from thermobearing.border.layout import Layout, Table
-from thermobearing.border.sheets import is_stamp
-from thermobearing.border.titles import (
+from thermobearing.border.errors import InputError, read_bytes
+from thermobearing.core.records import Floats
+from thermobearing.tables.columns import (
+    Columns,
+    Layout,
+    Table,
+    first_readable,
     holds_word,
     is_called,
+    list_columns,
     measured_in,
     name_and_unit,
     plain_title,
     plain_unit,
+    usable_table,
 )
-
-Floats = NDArray[np.float64]
+from thermobearing.tables.text import LARGEST_FILE, Form, Sheet, is_stamp
 
 UNITS = {"time": "s", "displacement": "mm", "force": "kN", "ambient": "degC"}
 SAMPLE = 20_000  # rows that are looked at
+TITLE_BYTES = 10_000  # that hold the titles of a table
 MOST_PAIRED = 20  # columns without a telling title that are tried against each other
 ALONG = 0.3  # correlation of a force with the displacement, or more
 EVEN = 0.5  # of the usual step: how much the steps of a clock may differ
@@ -30,20 +35,21 @@ CALLED, WORD, UNIT = 4, 2, 1  # what speaks for a column: its whole title, a wor
 # What speaks for a column without a telling title.
 DOUBTFUL = ("its even steps", "loops with the force", "loops with the displacement", "its unit")
 _PLACE = re.compile(r"(?:rubber|layer|gummi|ゴム|層)\s*[_#-]?\s*([1-9]\d?)\b", re.IGNORECASE)
+Taken = dict[int, tuple[str, str]]  # quantity and reason by the number of the column
 
 
 @dataclass(frozen=True)
 class ColumnGuess:
-    """One column of a file.
+    """One column of a file, and what it is taken for.
 
     Attributes
     ----------
     title : in the file.
-    unit : "" where neither title nor a row of units says it.
+    unit : "" where neither title nor a row of units states it.
     holds : time, displacement, force, ambient, temperature, strain, numbers, words or nothing.
     why : what speaks for it.
-    place : of a thermocouple, where its title says it.
-    assumed : the unit that is taken where the file says none.
+    place : of a thermocouple, where its title states it.
+    assumed : the unit that is taken where the file states none.
     """
 
     title: str
@@ -66,6 +72,10 @@ class _Column:
     empty: bool
     scores: dict[str, int] = field(default_factory=dict)
 
+    @property
+    def signal(self) -> Floats:
+        return np.zeros(2) if self.values is None else self.values
+
 
 def guessed_columns(
     table: Table,
@@ -73,27 +83,15 @@ def guessed_columns(
     places: Mapping[str, str] | None = None,
     needed: Sequence[str] = ("displacement", "force"),
 ) -> list[ColumnGuess]:
-    """Return what each column of a table holds.
+    """Return what each column of a table holds, in the order of the file.
 
-    Parameters
-    ----------
-    table : from `make_table`.
-    layout : titles by quantity and units, which are then not guessed.
-    places : of thermocouples by title, likewise.
-    needed : quantities without which the table is no test.
-
-    Returns
-    -------
-    list of ColumnGuess : in the order of the file.
-
-    Raises
-    ------
-    InputError : no column looks like a needed quantity.
+    Titles by quantity in `layout`, and the places of thermocouples by title, are not guessed.
+    Raises InputError if no column looks like a needed quantity.
     """
     layout, places = layout or Layout(), places or {}
-    columns = [_looked_at(table, number, layout) for number in range(len(table.titles))]
+    columns = [_examined(table, number, layout) for number in range(len(table.titles))]
     known = {title: name for name, title in layout.titles.items() if name in UNITS}
-    taken = {c.number: (known[c.title], "sidecar") for c in columns if c.title in known}
+    taken: Taken = {c.number: (known[c.title], "sidecar") for c in columns if c.title in known}
     for quantity in ("time", "ambient", "displacement", "force"):
         best = None if quantity in known.values() else _best(columns, quantity, taken)
         if best is not None and best.title not in places:
@@ -104,7 +102,7 @@ def guessed_columns(
     if missing:
         other = [
             f'"{column.title}" is called a {name}, but "{column.unit}" cannot be converted to '
-            f"{UNITS[name]}"
+            f"{UNITS[name]}; give its unit in [units] of a sidecar"
             for name in missing
             for column in columns
             if column.unit
@@ -112,32 +110,37 @@ def guessed_columns(
             and (is_called(column.name, name) or holds_word(column.name, name))
             and not holds_word(column.name, "other")
         ]
-        if other:
-            raise InputError([f"{text}; give its unit in [units] of a sidecar" for text in other])
         shown = ", ".join(f'"{column.title}"' for column in columns[:12] if not column.empty)
         raise InputError(
-            f"no column looks like a {' or a '.join(missing)}; columns: {shown or 'none'}; name "
+            other
+            or f"no column looks like a {' or a '.join(missing)}; columns: {shown or 'none'}; name "
             "them in [columns] of a sidecar"
         )
     return [_described(column, taken, layout, places) for column in columns]
 
 
-def guessed_air(table: Table) -> dict[str, str]:
-    """Return the titles of time and temperature in a table of weather, by quantity.
+def read_air_columns(path: str | Path) -> Columns:
+    """Return the columns `time` [s] and `temperature` [degC] of a table of weather.
 
-    Parameters
-    ----------
-    table : from `make_table`.
-
-    Returns
-    -------
-    dict : without a quantity that no column looks like; the caller says what is missing.
-
-    Raises
-    ------
-    InputError : several columns look as much like the temperature of the air.
+    Times have their unit, or are dates in one zone without summer time.
     """
-    columns = [_looked_at(table, number, Layout()) for number in range(len(table.titles))]
+
+    def read(sheet: Sheet) -> Columns:
+        table = usable_table(sheet)
+        layout = Layout(titles=_guessed_air(table))
+        return list_columns(table, {"time": "s", "temperature": "degC"}, (), layout)
+
+    # "2024-01-31 22:00,5" alone may be 5 degC, or half a second: the titles state the separator.
+    raw = read_bytes(Path(path), LARGEST_FILE)[:TITLE_BYTES]
+    lines = raw.decode("utf-8-sig", errors="replace").splitlines()
+    titles = next((line for line in lines if line[:1].isalpha()), "")
+    marks = [mark for mark in ("\t", ";", ",") if mark in titles]
+    return first_readable(path, read, Form(marks[0] if len(marks) == 1 else None))
+
+
+def _guessed_air(table: Table) -> dict[str, str]:
+    """Titles of time and temperature by quantity, without those that no column looks like."""
+    columns = [_examined(table, number, Layout()) for number in range(len(table.titles))]
     found = {}
     if not any(is_called(c.name, "time") for c in columns):
         time = _best(columns, "time", {})
@@ -152,7 +155,8 @@ def guessed_air(table: Table) -> dict[str, str]:
     return found | ({"temperature": some[0].title} if some else {})
 
 
-def _looked_at(table: Table, number: int, layout: Layout) -> _Column:
+def _examined(table: Table, number: int, layout: Layout) -> _Column:
+    """A column with its numbers, and what speaks for each quantity."""
     title = table.titles[number]
     name, _ = name_and_unit(title)
     unit = table.unit(number)
@@ -181,7 +185,7 @@ def _looked_at(table: Table, number: int, layout: Layout) -> _Column:
 
 
 def _numbers(table: Table, cells: list[str]) -> Floats | None:
-    """Numbers of a column, nan where there is none; None if it holds words."""
+    """Numbers of a column, interpolated where there is none; None if it holds words."""
     values = np.full(len(cells), np.nan)
     wrong = 0
     for k, cell in enumerate(cells):
@@ -195,27 +199,18 @@ def _numbers(table: Table, cells: list[str]) -> Floats | None:
     return np.asarray(np.interp(np.arange(len(values)), np.flatnonzero(good), values[good]))
 
 
-def _best(
-    columns: list[_Column], quantity: str, taken: dict[int, tuple[str, str]]
-) -> _Column | None:
+def _best(columns: list[_Column], quantity: str, taken: Taken) -> _Column | None:
     """The column that most speaks for; where several do as much, the one that moves most."""
     some = [c for c in columns if c.number not in taken and c.scores.get(quantity, 0) > 0]
     if quantity == "time":
-        some = [
-            c
-            for c in some
-            if c.stamped
-            or is_called(c.name, quantity)
-            or (c.values is not None and _runs(c.values))
-        ]
+        some = [c for c in some if c.stamped or is_called(c.name, quantity) or _runs(c.signal)]
 
     def speaks(column: _Column) -> tuple[int, bool, bool, float]:
-        way = 0.0 if column.values is None else float(np.abs(np.diff(column.values)).sum())
-        plain = plain_title(column.name) == quantity
-        fits = column.unit == UNITS[quantity]
-        return column.scores[quantity], fits, plain, 0.0 if quantity == "time" else way
+        way = 0.0 if quantity == "time" else float(np.abs(np.diff(column.signal)).sum())
+        fits, plain = column.unit == UNITS[quantity], plain_title(column.name) == quantity
+        return column.scores[quantity], fits, plain, way
 
-    return max(some, key=speaks) if some else None
+    return max(some, key=speaks, default=None)
 
 
 def _runs(values: Floats) -> bool:
@@ -232,72 +227,65 @@ def _reason(column: _Column, quantity: str) -> str:
     return "a word in the title" if holds_word(column.name, quantity) else DOUBTFUL[3]
 
 
-def _by_numbers(columns: list[_Column], taken: dict[int, tuple[str, str]]) -> None:
-    """What no title tells: a clock that runs evenly, a pair of columns that makes loops."""
+def _by_numbers(columns: list[_Column], taken: Taken) -> None:
+    """Take what no title states: a clock that runs evenly, a pair of columns that makes loops."""
     free = [c for c in columns if c.number not in taken and c.values is not None and not c.unit]
     held = {quantity for quantity, _ in taken.values()}
     if "time" not in held:
         for column in free:
-            steps = np.diff(column.values) if column.values is not None else np.zeros(0)
+            steps = np.diff(column.signal)
             usual = float(np.median(steps)) if len(steps) else 0.0
             if usual > 0.0 and (np.abs(steps - usual) < EVEN * usual).mean() > 0.95:
                 taken[column.number] = ("time", DOUBTFUL[0])
                 break
     if {"displacement", "force"} <= held:
         return
-    free = [c for c in free if c.number not in taken and np.ptp(_of(c)) > 0.0][:MOST_PAIRED]
-    known = {quantity: c for c in columns for quantity, _ in [taken.get(c.number, ("", ""))]}
-    ways = [known["displacement"]] if "displacement" in known else free
-    forces = [known["force"]] if "force" in known else free
-    best: tuple[float, _Column, _Column] | None = None
-    for way in ways:
-        for force in forces:
-            if way.number == force.number:
-                continue
-            along = _along(_of(way), _of(force))
-            work = np.sign(along) * float(np.trapezoid(_of(force), _of(way)))
-            if abs(along) > ALONG and work > 0.0 and (best is None or abs(along) > best[0]):
-                best = abs(along), way, force
-    if best is not None:
-        taken.setdefault(best[1].number, ("displacement", DOUBTFUL[1]))
-        taken.setdefault(best[2].number, ("force", DOUBTFUL[2]))
+    free = [c for c in free if c.number not in taken and np.ptp(c.signal) > 0.0][:MOST_PAIRED]
+    known = {taken[c.number][0]: c for c in columns if c.number in taken}
+    pairs: list[tuple[float, _Column, _Column]] = []
+    for way in [known["displacement"]] if "displacement" in known else free:
+        for force in [known["force"]] if "force" in known else free:
+            along = _correlation(way.signal, force.signal)
+            work = np.sign(along) * float(np.trapezoid(force.signal, way.signal))
+            if way is not force and abs(along) > ALONG and work > 0.0:
+                pairs.append((abs(along), way, force))
+    if pairs:
+        _, way, force = max(pairs, key=lambda pair: pair[0])
+        taken.setdefault(way.number, ("displacement", DOUBTFUL[1]))
+        taken.setdefault(force.number, ("force", DOUBTFUL[2]))
 
 
-def _along(way: Floats, force: Floats) -> float:
+def _correlation(way: Floats, force: Floats) -> float:
     """Correlation of two columns; 0 where one of them does not move."""
     a, b = way - way.mean(), force - force.mean()
     size = float(np.sqrt(np.sum(a**2)) * np.sqrt(np.sum(b**2)))
     return float(np.sum(a * b)) / size if size > 1e-100 else 0.0
 
 
-def _of(column: _Column) -> Floats:
-    return np.zeros(2) if column.values is None else column.values
-
-
 def _described(
-    column: _Column, taken: dict[int, tuple[str, str]], layout: Layout, places: Mapping[str, str]
+    column: _Column, taken: Taken, layout: Layout, places: Mapping[str, str]
 ) -> ColumnGuess:
-    said = plain_unit(column.unit) if column.unit else ""
+    unit = plain_unit(column.unit) if column.unit else ""
     quantity, why = taken.get(column.number, ("", ""))
-    said = layout.units.get(quantity or column.title, said)
+    unit = layout.units.get(quantity or column.title, unit)
+    place = assumed = ""
     if quantity:
-        assumed = "" if said or column.stamped else UNITS[quantity]
-        return ColumnGuess(column.title, said, quantity, why, assumed=assumed)
-    if column.title in places:
-        place, assumed = places[column.title], "" if said else "degC"
-        return ColumnGuess(column.title, said, "temperature", "sidecar", place, assumed)
-    if column.empty:
-        return ColumnGuess(column.title, said, "nothing", "no cell holds anything")
-    if column.values is None:
-        return ColumnGuess(column.title, said, "words", "no numbers")
-    warm = column.target == "degC" or (not column.unit and holds_word(column.name, "temperature"))
-    if warm:
+        assumed = "" if unit or column.stamped else UNITS[quantity]
+    elif column.title in places:
+        quantity, why, place = "temperature", "sidecar", places[column.title]
+        assumed = "" if unit else "degC"
+    elif column.empty:
+        quantity, why = "nothing", "no cell holds anything"
+    elif column.values is None:
+        quantity, why = "words", "no numbers"
+    elif column.target == "degC" or (not column.unit and holds_word(column.name, "temperature")):
         found = _PLACE.search(column.name)
         place = f"rubber {found[1]}" if found else "lead" if holds_word(column.name, "lead") else ""
-        why = "unit" if column.target == "degC" else "a word in the title"
+        quantity, why = "temperature", "unit" if column.target == "degC" else "a word in the title"
         assumed = "" if column.unit else "degC"
-        return ColumnGuess(column.title, said, "temperature", why, place, assumed)
-    if holds_word(column.title, "strain") and column.target in (None, "percent"):
-        unit = "percent" if said in ("%", "percent") else ""
-        return ColumnGuess(column.title, unit, "strain", "a word in the title")
-    return ColumnGuess(column.title, said, "numbers", "not needed for a test")
+    elif holds_word(column.title, "strain") and column.target in (None, "percent"):
+        unit = "percent" if unit in ("%", "percent") else ""
+        quantity, why = "strain", "a word in the title"
+    else:
+        quantity, why = "numbers", "not needed for a test"
+    return ColumnGuess(column.title, unit, quantity, why, place, assumed)

@@ -1,44 +1,48 @@
-"""Files as rows of cells: text with any usual separator and decimal mark, and Excel workbooks.
+"""Text files and Excel workbooks as rows of cells.
 
-The readers are Python's own csv and openpyxl; what is decided here is only which separator and
-which decimal mark a file has.
+Python's own csv and openpyxl split the cells; encoding, separator and decimal mark are found here.
 """
 
+import codecs
 import csv
 import datetime
 import io
 import re
 import zipfile
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
-from thermobearing.border.encodings import LARGEST_FILE, decoded
 from thermobearing.border.errors import InputError, nearest, read_bytes, shortened
 
 Row = tuple[int, list[str]]  # number of the line in its file, cells
 
-COMMENTS = ("#", "%", "!", "//", "*")
-SEPARATORS = {"\t": "tab", ";": ";", ",": ",", " ": "blank"}
-LOOKED_AT = 300  # rows that tell the separator
+LARGEST_FILE = 100_000_000  # bytes; in memory, cell by cell, it is ten times that
 LARGEST_SHEET = 20_000_000  # cells
 MOST_ROWS = 2**20  # of a sheet, as in Excel
 MOST_COLUMNS = 1000
 LONGEST_NUMBER = 60  # characters of a cell that may be a number or a time stamp
+# What Windows writes in Japan and in Western Europe. More would be worse: a head of a few words
+# says little, and with all encodings to choose from "初期" is taken for Korean.
+LEGACY = ("cp932", "cp1252")
+LEGACY_BYTES = 20_000  # of lines that are not plain ASCII: enough to recognise an encoding
+COMMENTS = ("#", "%", "!", "//", "*")
+SEPARATORS = {"\t": "tab", ";": ";", ",": ",", " ": "blank"}
+SEPARATOR_ROWS = 300  # rows that decide on the separator
+NOT_FINITE = ("nan", "inf", "infinity", "nan.0", "1.#qnan")
 _WORKBOOK, _OLD_WORKBOOK = b"PK\x03\x04", b"\xd0\xcf\x11\xe0"
+# One half-width katakana among plain letters: "°" or "²" of cp1252 read as cp932.
+_LONE_KATAKANA = re.compile(r"(?<![^\x00-\x7f])[｡-ﾟ](?![^\x00-\x7f])")
 _EXPONENT = r"(?:[eEdD][-+]?\d+)?"
 _POINT = re.compile(rf"[-+]?(?:\d+(?:\.\d*)?|\.\d+){_EXPONENT}")
 _COMMA = re.compile(rf"[-+]?(?:\d+,\d+|,\d+){_EXPONENT}")
 _BOTH = re.compile(r"[-+]?\d{1,3}(?:([.,])\d{3})+([.,])\d+")
 _THOUSANDS = re.compile(r"[-+]?[1-9]\d{0,2}(?:,\d{3})+")
 _STAMP = re.compile(r"(?:\d+[-/.:]\d+[-/.:]\d|\d+:\d)[^;,\t]*(?:,\d+)?")
-NOT_FINITE = ("nan", "inf", "infinity", "nan.0", "1.#qnan")
 
 
-@dataclass(frozen=True)
-class Told:
-    """What a user says about the form of a file; None is found by looking."""
+class Form(NamedTuple):
+    """The form of a file where the user states it; None is found by looking."""
 
     separator: str | None = None
     decimal: str | None = None
@@ -46,16 +50,11 @@ class Told:
     sheet: str | None = None
 
 
-@dataclass(frozen=True)
-class Sheet:
-    """One table of cells: a text file, or a sheet of a workbook.
+class Sheet(NamedTuple):
+    """One table of cells: a text file (its name is ""), or a sheet of a workbook.
 
-    Attributes
-    ----------
-    name : of the sheet; "" for text.
-    rows : those that hold anything, without comments.
-    comments : lines that begin with a mark of comments, without it.
-    separator, decimal : that the file was found to have.
+    `rows` are those with any content, `comments` the comment lines without their mark, both with
+    their line in the file.
     """
 
     name: str
@@ -65,7 +64,7 @@ class Sheet:
     decimal: str = "."
 
     def plain(self, cell: str) -> str:
-        """A cell as Python writes numbers: decimals with a point, no marks of thousands."""
+        """Return a cell as Python writes numbers: a decimal point, no marks of thousands."""
         cell = cell.strip()
         if self.decimal == ",":
             grouped = "." in cell and "," in cell and _BOTH.fullmatch(cell)
@@ -81,75 +80,103 @@ def is_stamp(cell: str) -> bool:
     return len(cell) <= LONGEST_NUMBER and bool(_STAMP.fullmatch(cell))
 
 
+def is_not_finite(cell: str) -> bool:
+    """Whether a cell holds NaN or infinity in one of their usual spellings."""
+    return cell.strip().lstrip("+-").lower() in NOT_FINITE
+
+
 def is_numeric(cell: str) -> bool:
     """Whether a cell is a number with either decimal mark, not a finite one, or a time stamp."""
     cell = cell.strip()
-    return len(cell) <= LONGEST_NUMBER and bool(
-        _POINT.fullmatch(cell)
-        or _COMMA.fullmatch(cell)
-        or _BOTH.fullmatch(cell)
-        or _THOUSANDS.fullmatch(cell)
-        or cell.lstrip("+-").lower() in NOT_FINITE
-        or is_stamp(cell)
-    )
+    if len(cell) > LONGEST_NUMBER:
+        return False
+    forms = (_POINT, _COMMA, _BOTH, _THOUSANDS)
+    return any(f.fullmatch(cell) for f in forms) or is_not_finite(cell) or is_stamp(cell)
 
 
-def read_sheets(path: Path, told: Told | None = None) -> list[Sheet]:
-    """The tables of cells in a file: one of a text, one for each sheet of a workbook.
+def read_text(path: Path, encoding: str | None = None) -> str:
+    """Return the text of a file: UTF-8, UTF-16 with its mark, cp932, cp1252, or as stated.
 
-    Parameters
-    ----------
-    path : text or `.xlsx`.
-    told : what the user says about its form.
-
-    Raises
-    ------
-    InputError : unreadable file, no text, no workbook, a reader that is not installed.
+    Raises InputError for a file that cannot be read, is no text, or is in none of these encodings.
     """
-    told = told or Told()
+    return _decoded(read_bytes(path, LARGEST_FILE), str(path), encoding)
+
+
+def read_sheets(path: Path, form: Form | None = None) -> list[Sheet]:
+    """Return the tables of cells in a file: one of a text, one for each sheet of a workbook."""
+    form = form or Form()
     raw = read_bytes(path, LARGEST_FILE)
     if raw.startswith(_OLD_WORKBOOK):
         raise InputError("is an old Excel workbook (.xls); save it as .xlsx or CSV", str(path))
     try:
         if raw.startswith(_WORKBOOK):
-            return _workbook(raw, told)
-        return [sheet_of_text(decoded(raw, str(path), told.encoding), told)]
+            return _workbook(raw, form)
+        return [sheet_of_text(_decoded(raw, str(path), form.encoding), form)]
     except InputError as error:
-        raise error if error.where else InputError(error.problems, str(path)) from None
+        raise error.located(path) from None
 
 
-def sheet_of_text(text: str, told: Told | None = None, *, quotes: bool = True) -> Sheet:
-    r"""A text as a table of cells.
+def _decoded(raw: bytes, where: str, encoding: str | None) -> str:
+    if encoding is None and raw.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        encoding = "utf-16"
+    if encoding is None:
+        if b"\0" in raw:
+            raise InputError("is not a text file: it holds null bytes", where)
+        try:
+            return raw.decode("utf-8-sig")
+        except UnicodeDecodeError:
+            encoding = _legacy(raw, where)
+    try:
+        text = raw.decode(encoding)
+    except (UnicodeError, LookupError):
+        raise InputError(f'is no text in the encoding "{shortened(encoding)}"', where) from None
+    if "\0" in text:
+        raise InputError("is not a text file: it holds null bytes", where)
+    return text
 
-    Parameters
-    ----------
-    text : of the file.
-    told : separator and decimal mark, if they are not to be found by looking.
-    quotes : whether a cell may stand in quotation marks; below a free header they are but marks.
 
-    Raises
-    ------
-    InputError : quotes that do not close, a cell without end, a decimal mark that cannot be told.
+def _legacy(raw: bytes, where: str) -> str:
+    """The older encoding of the lines that hold more than ASCII."""
+    from charset_normalizer import from_bytes
 
-    Examples
-    --------
+    lines = b"\n".join(line for line in raw.splitlines() if not line.isascii())[:LEGACY_BYTES]
+    best = from_bytes(lines, cp_isolation=list(LEGACY)).best()
+    if best is None:
+        raise InputError(
+            "is neither UTF-8 nor cp932 nor cp1252 text; save it as UTF-8, or give encoding in "
+            "its sidecar",
+            where,
+        )
+    if best.encoding == "cp932":
+        strange = re.findall(r"[^\x00-\x7f]", str(best))
+        if len(_LONE_KATAKANA.findall(str(best))) == len(strange):
+            return "cp1252"
+    return str(best.encoding)
+
+
+def sheet_of_text(text: str, form: Form | None = None, *, quotes: bool = True) -> Sheet:
+    r"""Return a text as a table of cells.
+
+    With `quotes`, a cell may stand in quotation marks; below a free header they are but marks.
+    Raises InputError for quotes that do not close, a cell without end, an unclear decimal mark.
+
     >>> sheet = sheet_of_text("t;x\n0,5;1,25\n")
     >>> sheet.separator, sheet.decimal, sheet.plain("1,25")
     (';', ',', '1.25')
     """
-    told = told or Told()
+    form = form or Form()
     lines = io.StringIO(text, newline=None).readlines()
     comments = [
         (number, line.strip().lstrip("".join(COMMENTS)).strip())
         for number, line in enumerate(lines, 1)
         if _is_comment(line)
     ]
-    separator = told.separator or _separator(lines)
+    separator = form.separator or _separator(lines)
     try:
         rows = list(_split(lines, separator, strict=True, quotes=quotes))
     except csv.Error as error:
         raise InputError(str(error)) from None
-    decimal = told.decimal or _decimal([cell for _, cells in rows for cell in cells])
+    decimal = form.decimal or _decimal([cell for _, cells in rows for cell in cells])
     return Sheet("", rows, comments, separator, decimal)
 
 
@@ -180,13 +207,13 @@ def _split(lines: list[str], separator: str, *, strict: bool, quotes: bool = Tru
 
 
 def _separator(lines: list[str]) -> str:
-    """The one by which most of what is in the cells are numbers."""
-    some = [line for line in lines if line.strip() and not _is_comment(line)][:LOOKED_AT]
+    """The separator by which most of what is in the cells are numbers."""
+    some = [line for line in lines if line.strip() and not _is_comment(line)][:SEPARATOR_ROWS]
     best, found = (0, 0.0, 0), ","
     for separator in SEPARATORS:
         try:
             rows = [row for _, row in _split(some, separator, strict=False)]
-        except csv.Error:  # a cell without end, which is told when the whole file is read
+        except csv.Error:  # a cell without end: an error when the whole file is read
             continue
         score = _score(rows, words=separator != " ")
         if score > best:
@@ -213,18 +240,9 @@ def _score(rows: list[list[str]], words: bool) -> tuple[int, float, int]:
 
 
 def _decimal(cells: list[str]) -> str:
-    """The decimal mark of a file.
-
-    Raises
-    ------
-    InputError : "1,234" and nothing that tells whether that is a thousand or one.
-    """
-    doubtful = [cell.strip() for cell in cells if "," in cell]
-    if not doubtful:
-        return "."
-    commas = 0
-    unclear = ""
-    for cell in doubtful:
+    """The decimal mark; InputError for "1,234" alone, which may be a thousand or one."""
+    commas, unclear = 0, ""
+    for cell in (cell.strip() for cell in cells if "," in cell):
         both = _BOTH.fullmatch(cell)
         if both and both[1] != both[2]:
             return both[2]
@@ -232,8 +250,11 @@ def _decimal(cells: list[str]) -> str:
             unclear = unclear or cell
         elif _COMMA.fullmatch(cell):
             commas += 1
-    others = (cell.strip() for cell in cells if "." in cell and "," not in cell)
-    points = any(map(_POINT.fullmatch, others))
+    if not (commas or unclear):
+        return "."
+    points = any(
+        _POINT.fullmatch(cell.strip()) for cell in cells if "." in cell and "," not in cell
+    )
     if commas and points:
         raise InputError(
             'has numbers with a decimal point and others with a decimal comma; give decimal = "." '
@@ -247,7 +268,7 @@ def _decimal(cells: list[str]) -> str:
     return "," if commas else "."
 
 
-def _workbook(raw: bytes, told: Told) -> list[Sheet]:
+def _workbook(raw: bytes, form: Form) -> list[Sheet]:
     """Sheets of an Excel workbook, as shown: results of formulas, times as stamps."""
     try:
         import openpyxl
@@ -263,30 +284,28 @@ def _workbook(raw: bytes, told: Told) -> list[Sheet]:
             raise InputError(f"unpacks to {size / 1e6:.0f} MB, more than can be read")
         book = openpyxl.load_workbook(io.BytesIO(raw), read_only=True, data_only=True)
         names = [sheet.title for sheet in book.worksheets]
-        if told.sheet is not None and told.sheet not in names:
-            raise InputError(f'no sheet "{told.sheet}"{nearest(told.sheet, names)}')
-        wanted = [sheet for sheet in book.worksheets if told.sheet in (None, sheet.title)]
-        sheets = [_sheet(sheet) for sheet in wanted]
+        if form.sheet is not None and form.sheet not in names:
+            raise InputError(f'no sheet "{form.sheet}"{nearest(form.sheet, names)}')
+        return [_sheet(sheet) for sheet in book.worksheets if form.sheet in (None, sheet.title)]
     except InputError:
         raise
     except Exception as error:  # whatever openpyxl meets in a file that is damaged, or no workbook
         about = shortened(str(error) or type(error).__name__)
         raise InputError(f"is not an .xlsx workbook that can be read: {about}") from None
-    return sheets
 
 
 def _sheet(sheet: Any) -> Sheet:
     sheet.reset_dimensions()  # what a file says of its own size may be wrong, and is then believed
     rows: list[Row] = []
-    held = 0
+    held, named = 0, f'sheet "{sheet.title}" has more than'
     for number, values in enumerate(sheet.iter_rows(values_only=True), 1):
         held += len(values)
         if number > MOST_ROWS:
-            raise InputError(f'sheet "{sheet.title}" has more than {MOST_ROWS} rows')
+            raise InputError(f"{named} {MOST_ROWS} rows")
         if held > LARGEST_SHEET:
-            raise InputError(f'sheet "{sheet.title}" has more than {LARGEST_SHEET:g} cells')
+            raise InputError(f"{named} {LARGEST_SHEET:g} cells")
         if len(values) > MOST_COLUMNS and any(values[MOST_COLUMNS:]):
-            raise InputError(f'sheet "{sheet.title}" has more than {MOST_COLUMNS} columns')
+            raise InputError(f"{named} {MOST_COLUMNS} columns")
         cells = [_cell(value) for value in values[:MOST_COLUMNS]]
         if any(cells):
             rows.append((number, cells))
@@ -296,8 +315,6 @@ def _sheet(sheet: Any) -> Sheet:
 
 
 def _cell(value: Any) -> str:
-    if value is None:
-        return ""
     if isinstance(value, datetime.datetime | datetime.date | datetime.time):
         return value.isoformat()
-    return str(value).strip()
+    return "" if value is None else str(value).strip()

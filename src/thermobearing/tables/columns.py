@@ -1,0 +1,553 @@
+"""Columns of a table by name or meaning: titles, units, parts below each other, time stamps.
+
+A title is `name_unit` or `name [unit]`: `time_s`, `displacement_mm`, `force [kN]`; the unit may
+also stand in a row of its own below.
+"""
+
+import math
+import re
+import unicodedata
+import warnings
+from collections.abc import Callable, Collection, Mapping
+from functools import cache
+from pathlib import Path
+from types import MappingProxyType
+from typing import NamedTuple, TypeVar
+
+import numpy as np
+
+from thermobearing.border.errors import InputError, nearest, shortened
+from thermobearing.border.library import data_path
+from thermobearing.border.toml import read_toml
+from thermobearing.border.units import HUGEST, conversion
+from thermobearing.core.records import Floats
+from thermobearing.tables.text import (
+    LONGEST_NUMBER,
+    Form,
+    Row,
+    Sheet,
+    is_not_finite,
+    is_numeric,
+    is_stamp,
+    read_sheets,
+)
+
+T = TypeVar("T")
+LONGEST_TITLE = 200  # characters that are looked at
+# What a unit of a column may measure, by the unit of this package.
+MEASURED = ("mm", "kN", "s", "degC", "mm/s^2", "mm/s", "Hz", "MPa", "percent", "degree", "V")
+DATA = 0.5  # of the cells that hold anything are numbers: a row of data, with faults perhaps
+USUAL = 200  # rows whose cells are counted
+UNITLESS = re.compile(r"[-–]*|[hHmMsSdDyY./: -]*[:/.][hHmMsSdDyY./: -]*f*")  # in a row of units
+DAY = 86400.0  # [s]
+_BRACKET = re.compile(r"^(?P<name>[^\[(（]*)[\[(（](?P<unit>[^\])）]*)[\])）]?$")
+_JOINED = re.compile(r"^(?P<name>.*[^\s_])_(?P<unit>[^_\d][^_]*)$")
+_APART = re.compile(r"^(?P<name>.*\S)(?:\s*[,:/]\s*|\s+)(?P<unit>\S+)$")
+_COMMA = re.compile(r"(:\d+),(\d+)")
+_YEAR_LAST = re.compile(r"^\d{1,2}[./-]\d{1,2}[./-]\d{4}\b")
+
+
+@cache
+def words(table: str) -> Mapping[str, tuple[str, ...]]:
+    """Return one table of data/tables/words.toml: names, within or units."""
+    content = read_toml(data_path("tables", "words.toml"))
+    return {name: tuple(some) for name, some in content[table].items()}
+
+
+def plain_title(text: str) -> str:
+    """Return a title in small letters, with single blanks between its words.
+
+    >>> plain_title(" Temp_Ambient "), plain_title("Ｔ－ａｍｂ")
+    ('temp ambient', 't-amb')
+    """
+    flat = unicodedata.normalize("NFKC", text[:LONGEST_TITLE]).lower()
+    return " ".join(re.split(r"[\s_]+", flat.strip(" _\t")))
+
+
+def plain_unit(text: str) -> str:
+    """Return a unit as pint spells it, where laboratories have other ways ("sec", "℃", "tf")."""
+    flat = unicodedata.normalize("NFKC", text).strip()
+    return next((unit for unit, some in words("units").items() if flat.lower() in some), flat)
+
+
+@cache
+def measured_in(unit: str) -> str | None:
+    """Return the unit of this package that a column's unit can be converted to, if there is any.
+
+    >>> measured_in("tf"), measured_in("cm"), measured_in("no")
+    ('kN', 'mm', None)
+    """
+    for target in MEASURED:
+        try:
+            conversion(plain_unit(unit), target)
+        except InputError:
+            continue
+        return target
+    return None
+
+
+def name_and_unit(title: str) -> tuple[str, str]:
+    """Return the two parts of "time_s", "Force [kN]", "Weg, mm"; no unit is "".
+
+    >>> name_and_unit("temp_ambient_C"), name_and_unit("Force [kN]"), name_and_unit("Shear disp")
+    (('temp_ambient', 'C'), ('Force', 'kN'), ('Shear disp', ''))
+    """
+    text = title.strip()
+    if len(text) > LONGEST_TITLE:
+        return text[:LONGEST_TITLE], ""
+    bracket = _BRACKET.match(text)
+    if bracket and bracket["name"].strip(" _"):
+        return bracket["name"].strip(" _"), bracket["unit"].strip()
+    joined = _JOINED.match(text)
+    if joined:
+        whole = plain_title(text)
+        if any(whole in some for some in words("names").values()) and not _known(joined["unit"]):
+            return text, ""
+        return joined["name"].strip(), joined["unit"].strip()
+    apart = _APART.match(text)
+    if apart and _known(apart["unit"]):
+        return apart["name"].rstrip(" ,:/"), apart["unit"].strip()
+    return text, ""
+
+
+def _known(unit: str) -> bool:
+    return not unit[0].isdigit() and measured_in(unit) is not None
+
+
+def is_called(name: str, quantity: str) -> bool:
+    """Whether a column of this name holds a quantity ("disp" is a displacement)."""
+    flat = plain_title(name)
+    return flat == quantity or flat in words("names").get(quantity, ())
+
+
+def holds_word(name: str, quantity: str) -> bool:
+    """Whether one of the words of a title refers to a quantity.
+
+    >>> holds_word("Chamber air T3", "ambient"), holds_word("repair", "ambient")
+    (True, False)
+    """
+    flat = plain_title(name)
+    tokens = {re.sub(r"[\d.]+$", "", token) for token in re.split(r"[^\w]+|_", flat)}
+    return any(
+        word in tokens or (word in flat and (" " in word or not word.isascii()))
+        for word in words("within")[quantity]
+    )
+
+
+class Layout(NamedTuple):
+    """How a file differs from a plain table.
+
+    `lines_before` counts the lines before the line of titles and `lines_after` the rows between
+    it and the first numbers; 0 finds them. `titles` holds the file's own title and `units` the unit
+    of a column by the name that it is wanted by; such a unit wins over that in the title.
+    """
+
+    lines_before: int = 0
+    lines_after: int = 0
+    titles: Mapping[str, str] = MappingProxyType({})
+    units: Mapping[str, str] = MappingProxyType({})
+    form: Form = Form()
+
+
+class Table(NamedTuple):
+    """Rows of numbers of a sheet, with their line in the file, below their titles.
+
+    Each title occurs once: a second "force_kN" is "force_kN (2)". `units` come from a row of units,
+    "" where there is none. `parts` are the numbers of the rows that parts begin with: a title
+    repeated or a row with one word ends a part.
+    """
+
+    sheet: Sheet
+    titles: list[str]
+    units: list[str]
+    rows: list[Row]
+    parts: list[int]
+
+    def cells(self, column: int) -> list[str]:
+        """Return the text of the cells of a column."""
+        return [row[column].strip() if column < len(row) else "" for _, row in self.rows]
+
+    def unit(self, column: int) -> str:
+        """Return the unit of a column from its title or the row of units, or ""."""
+        return name_and_unit(self.titles[column])[1] or self.units[column]
+
+    def numbers(self, column: int, scale: float = 1.0, offset: float = 0.0) -> Floats:
+        """Return a converted column; an error names the line of the first cell without a number."""
+        values = np.empty(len(self.rows))
+        plain = self.sheet.plain
+        for i, (line, row) in enumerate(self.rows):
+            try:
+                values[i] = number_of(plain(row[column]) if column < len(row) else "")
+            except InputError as error:
+                raise InputError(error.lines(f"line {line}, {self.titles[column]}")) from None
+        return values * scale + offset
+
+
+def number_of(text: str) -> float:
+    """Return a finite float of a plausible size; Python would also take "1_0" and "nan"."""
+    try:
+        value = float(text.replace("_", "x").replace("D", "E").replace("d", "e"))
+    except ValueError:
+        finite = "finite " if is_not_finite(text) else ""
+        raise InputError(f'"{shortened(text)}" is not a {finite}number') from None
+    if not math.isfinite(value):
+        raise InputError(f'"{shortened(text)}" is not a finite number')
+    if abs(value) > HUGEST:
+        raise InputError(f'"{shortened(text)}" is too large, more than {HUGEST:g}')
+    return value
+
+
+def _filled(row: list[str]) -> list[str]:
+    """Cells with content: "Date;05.02.2026" above a table has fewer than its rows."""
+    return [cell.strip() for cell in row if cell.strip()]
+
+
+def _share(row: list[str]) -> float:
+    """Share of numbers in the cells with content."""
+    numeric = [is_numeric(cell) for cell in _filled(row)]
+    return sum(numeric) / max(len(numeric), 1)
+
+
+def _bare_units(row: list[str]) -> list[str] | None:
+    """The units in a row of "[s]", "kN", "-", ...; None for another row."""
+    bare = [cell.strip().strip("[]()").strip() for cell in row]
+    if any(len(text) > LONGEST_NUMBER for text in bare):
+        return None
+    some = [text for text in bare if not UNITLESS.fullmatch(text)]
+    return bare if some and all(measured_in(text) for text in some) else None
+
+
+def make_table(sheet: Sheet, layout: Layout | None = None) -> Table | None:
+    """Return the table in a sheet: titles, units, rows; None where there is nothing.
+
+    Raises InputError for fewer lines than the layout says.
+    """
+    layout = layout or Layout()
+    rows = sheet.rows
+    if layout.lines_before:
+        rows = [row for row in rows if row[0] > layout.lines_before]
+        if not rows and sheet.rows:
+            last = sheet.rows[-1][0]
+            raise InputError(f"has {last} lines, not {layout.lines_before} before its header")
+    if not rows:
+        return None
+    head = 0 if layout.lines_before else _head(rows)
+    titles, first = rows[head][1], head + 1
+    if head == 0 and not layout.lines_before and _share(titles) > DATA:
+        titles, first = _commented(sheet, len(titles)), 0
+    units = [""] * len(titles)
+    body = rows[first:]
+    skipped = layout.lines_after or next(
+        (n for n, (_, row) in enumerate(body) if _share(row) >= DATA or not _looks_like_head(row)),
+        len(body),
+    )
+    for _, row in body[:skipped]:
+        if (bare := _bare_units(row)) is not None:
+            units = ["" if UNITLESS.fullmatch(unit := text.strip(" -")) else unit for text in bare]
+            units += [""] * (len(titles) - len(units))
+    kept, parts = _in_parts(body[skipped:], titles)
+    return Table(sheet, _once(titles), units, kept, parts)
+
+
+def _looks_like_head(row: list[str]) -> bool:
+    """Whether a row holds units or names of channels: words, and more than one."""
+    held = _filled(row)
+    return len(held) > 1 and not any(map(is_numeric, held))
+
+
+def _head(rows: list[Row]) -> int:
+    """Number of the row of titles: the widest row of words before the first row of numbers."""
+    usual = int(np.median([len(_filled(row)) for _, row in rows[:USUAL]]))
+    first = next(
+        (
+            n
+            for n, (_, row) in enumerate(rows)
+            if _share(row) >= DATA and (len(_filled(row)) >= usual or is_numeric(row[0]))
+        ),
+        len(rows),
+    )
+    before = [row for _, row in rows[:first]]
+    if not before:
+        return 0
+    most = len(rows[first][1]) if first < len(rows) else len(max(before, key=len))
+    widths = [min(len(_filled(row)), most) for row in before]
+    wide = [n for n in range(len(before)) if widths[n] == max(widths)]
+    titled = [n for n in wide if _bare_units(before[n]) is None]
+    # Of several the last, but not a row of channel numbers below one that says what they are.
+    called = [n for n in titled if any(_means(cell) for cell in before[n])]
+    return called[0] if called else (titled or wide)[-1]
+
+
+def _means(title: str) -> bool:
+    name = name_and_unit(title)[0]
+    return any(is_called(name, wanted) for wanted in ("time", "displacement", "force"))
+
+
+def _commented(sheet: Sheet, width: int) -> list[str]:
+    """Titles from a comment above the numbers; else the columns are called by their numbers."""
+    for line, text in reversed(sheet.comments):
+        cells = re.split(r"\s*[;,\t]\s*|\s+", text)
+        if line < sheet.rows[0][0] and len(cells) == width and not all(map(is_numeric, cells)):
+            return cells
+    return [f"column {n}" for n in range(1, width + 1)]
+
+
+def _once(titles: list[str]) -> list[str]:
+    """Titles without blanks around them; the second of a kind gets a number."""
+    found: list[str] = []
+    for number, text in enumerate(titles, 1):
+        title = text.strip() or f"column {number}"
+        count = sum(one == title or one.startswith(f"{title} (") for one in found) + 1
+        found.append(title if count == 1 or title not in found else f"{title} ({count})")
+    return found
+
+
+def _in_parts(rows: list[Row], titles: list[str]) -> tuple[list[Row], list[int]]:
+    """Rows of numbers, and where a new part begins: after titles repeated, or one word alone."""
+    names = [title.strip() for title in titles]
+    kept: list[Row] = []
+    parts, fresh = [0], False
+    for line, row in rows:
+        held = _filled(row)
+        alone = len(names) > 1 and len(held) == 1 and not is_numeric(held[0])
+        if alone or [cell.strip() for cell in row] == names:
+            fresh = True
+        elif not fresh or _share(row) > 0.0 or _bare_units(row) is None:
+            if fresh and kept:
+                parts.append(len(kept))
+            fresh = False
+            kept.append((line, row))
+    return kept, parts
+
+
+class Columns(NamedTuple):
+    """What was read from a file.
+
+    `values` are in the wanted units, by the wanted names; `parts` the numbers of the samples that
+    parts begin with; `unused` the titles of other columns with content. `begins` is the date of the
+    first stamp, if the time came from stamps (`stamped`) and these have dates.
+    """
+
+    values: dict[str, Floats]
+    parts: list[int]
+    unused: list[str]
+    stamped: bool = False
+    begins: np.datetime64 | None = None
+
+
+def read_columns(
+    path: Path | str,
+    wanted: dict[str, str],
+    *,
+    optional: Collection[str] = (),
+    layout: Layout | None = None,
+) -> dict[str, Floats]:
+    r"""Return columns of a file by name, converted to the wanted units.
+
+    Parameters
+    ----------
+    path : text with any separator, or `.xlsx`; a line names the columns and their units.
+    wanted : unit by column name, such as {"time": "s", "displacement": "mm"}.
+    optional : names that may be missing; they are then missing from what is returned.
+    layout : extra lines and other titles and units, if the file is not a plain table.
+
+    Raises
+    ------
+    InputError : unreadable or empty file, missing column, wrong unit, a cell that is not a
+        finite number (with its line).
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> file = Path(tempfile.mkdtemp()) / "ramp.csv"
+    >>> _ = file.write_text("time_s;displacement_cm\n0;0\n1;2,5\n")
+    >>> read_columns(file, {"time": "s", "displacement": "mm"})["displacement"].tolist()
+    [0.0, 25.0]
+    """
+    form = layout or Layout()
+
+    def read(sheet: Sheet) -> Columns:
+        return list_columns(usable_table(sheet, form), wanted, optional, form)
+
+    return first_readable(path, read, form.form).values
+
+
+def first_readable(path: Path | str, read: Callable[[Sheet], T], form: Form | None = None) -> T:
+    """Return what `read` makes of the first sheet of a file that it can read."""
+    first: InputError | None = None
+    for sheet in read_sheets(Path(path), form):
+        try:
+            return read(sheet)
+        except InputError as error:
+            first = first or error
+    raise (first or InputError("is empty")).located(path) from None
+
+
+def usable_table(sheet: Sheet, layout: Layout | None = None) -> Table:
+    """Return the table in a sheet; InputError for fewer than two rows of numbers."""
+    table = make_table(sheet, layout)
+    if table is None:
+        raise InputError("is empty")
+    width, problems = len(table.titles), []
+    doubled = bool(table.rows) and all(len(row) == 2 * width for _, row in table.rows[:50])
+    if sheet.separator == "," and width > 1 and doubled:
+        problems.append(
+            f"has {width} titles and {2 * width} numbers in a row: decimal commas between commas "
+            "cannot be told apart; write it with semicolons"
+        )
+    if len(table.rows) < 2:
+        problems.append(f"has {len(table.rows)} rows of numbers; at least 2 are needed")
+    if problems:
+        raise InputError(problems)
+    return table
+
+
+def list_columns(
+    table: Table, wanted: dict[str, str], optional: Collection[str], layout: Layout
+) -> Columns:
+    """Return the wanted columns of a table, its parts and its unused titles; see `read_columns`."""
+    picked: dict[str, tuple[int, float, float]] = {}
+    problems: list[str] = []
+    for name, unit in wanted.items():
+        try:
+            found = _found(table, name, unit, layout, needed=name not in optional)
+            if found is not None:
+                picked[name] = found
+        except InputError as error:
+            problems += error.problems
+    if problems:
+        raise InputError(problems)
+    used = {column for column, *_ in picked.values()}
+    values: dict[str, Floats] = {}
+    stamped, begins = False, None
+    for name, (column, scale, offset) in picked.items():
+        if name == "time" and is_stamp(table.cells(column)[0]):
+            values[name], begins, dates = _stamps(table, column)
+            used |= dates
+            stamped = True
+        else:
+            values[name] = table.numbers(column, scale, offset)
+    unused = [
+        title for n, title in enumerate(table.titles) if n not in used and any(table.cells(n)[:50])
+    ]
+    return Columns(values, table.parts, unused, stamped, begins)
+
+
+def _found(
+    table: Table, name: str, unit: str, layout: Layout, *, needed: bool
+) -> tuple[int, float, float] | None:
+    """Column number of a quantity, scale and offset to the wanted unit; None if it may be missing.
+
+    Raises InputError where there is none and it is needed, or none with a fitting unit.
+    """
+    if name in layout.titles:
+        title = layout.titles[name]
+        if title not in table.titles:
+            raise InputError(f'no column "{title}"{nearest(title, table.titles)}')
+        some = [table.titles.index(title)]
+    else:
+        names = [name_and_unit(title)[0] for title in table.titles]
+        some = [n for n, one in enumerate(names) if is_called(one, name)]
+        some.sort(key=lambda n: plain_title(names[n]) != name)
+    for n in some:
+        if name == "time" and table.rows and is_stamp(table.cells(n)[0]):
+            return n, 1.0, 0.0
+    given = {n: layout.units.get(name) or table.unit(n) for n in some}
+    best = next((n for n, own in given.items() if own == unit), None)
+    if best is not None:
+        return best, 1.0, 0.0
+    for n, own in given.items():
+        if own:
+            try:
+                return n, *conversion(plain_unit(own), unit)
+            except InputError as error:
+                raise InputError(error.lines(f'column "{table.titles[n]}"')) from None
+    if not needed and not (name in layout.titles or name in layout.units):
+        return None
+    if name in layout.titles or (some and name in layout.units):
+        raise InputError(f'column "{table.titles[some[0]]}" has no unit; give units.{name}')
+    shown = name if name in layout.units else f"{name}_{unit}"
+    raise InputError(f'no column "{shown}"{nearest(shown, table.titles)}')
+
+
+def _stamps(table: Table, column: int) -> tuple[Floats, np.datetime64 | None, set[int]]:
+    """Seconds of a column of stamps, their start, and the column of dates beside times of day."""
+    names = [name_and_unit(title)[0] for title in table.titles]
+    heads = {n: table.cells(n)[0] for n in range(len(names)) if n != column}
+    cells = table.cells(column)
+    beside: list[int] = []
+    if ":" not in cells[0]:  # a date: the time of day stands in the column beside it
+        beside = [n for n, head in heads.items() if ":" in head][:1]
+        pairs = [(cells, table.cells(n)) for n in beside]
+    elif " " not in cells[0]:
+        days = [n for n, head in heads.items() if is_stamp(head) and ":" not in head]
+        beside = [n for n in days if is_called(names[n], "time")][:1]
+        pairs = [(table.cells(n), cells) for n in beside]
+    else:
+        pairs = []
+    for dates, times in pairs:
+        cells = [f"{day} {time}" for day, time in zip(dates, times, strict=True)]
+    try:
+        return *seconds_and_start(cells), set(beside)
+    except InputError as error:
+        raise InputError(error.lines(f'column "{table.titles[column]}"')) from None
+
+
+def seconds_and_start(stamps: list[str]) -> tuple[Floats, np.datetime64 | None]:
+    """Return the seconds since the first stamp, and its date (None for a clock without dates).
+
+    Stamps are all dates with times, or all times ("23:59:58.5", also hours of a running clock). A
+    clock without dates that passes midnight goes on. Of day and month, whose order a stamp may
+    leave open, that order is taken which makes the record shorter. A time zone is dropped. The
+    seconds are not checked to increase.
+
+    >>> seconds_and_start(["23:59:59.5", "00:00:00,5"])[0].tolist()
+    [0.0, 1.0]
+    >>> seconds_and_start(["31.01.2024 23:59", "01.02.2024 00:01"])[0].tolist()
+    [0.0, 120.0]
+    """
+    cells = [_COMMA.sub(r"\1.\2", cell.strip().replace("/", "-")) for cell in stamps]
+    if all(re.match(r"^\d+:", cell) for cell in cells):
+        return _clock(cells), None
+    orders = (True, False) if _YEAR_LAST.match(cells[0]) else (False,)
+    some = [one for day_first in orders if (one := _parsed(cells, day_first)) is not None]
+    if not some:
+        raise InputError(f'"{shortened(cells[0])}" or a stamp below it is not a date and time')
+    forward = [one for one in some if (np.diff(one[0]) >= 0.0).all()] or some
+    return min(forward, key=lambda one: float(np.ptp(one[0])))
+
+
+def _clock(cells: list[str]) -> Floats:
+    """Seconds of times of day since the first."""
+    import pandas as pd
+
+    whole = [cell if cell.count(":") > 1 else f"{cell}:00" for cell in cells]
+    if all(cell.count(":") == 1 and "." in cell for cell in cells):
+        whole = [f"00:{cell}" for cell in cells]  # minutes and seconds with decimals
+    try:
+        values = pd.to_timedelta(pd.Series(whole)).dt.total_seconds().to_numpy(dtype=float)
+    except (ValueError, OverflowError):
+        values = np.array([np.nan])
+    if not np.isfinite(values).all():
+        raise InputError("holds a cell that is not a time of day such as 23:59:58.5")
+    midnights = np.cumsum(np.concatenate([[0.0], np.diff(values) < -0.5 * DAY]))
+    shifted = values + DAY * midnights
+    return np.asarray(shifted - shifted[0], dtype=np.float64)
+
+
+def _parsed(cells: list[str], day_first: bool) -> tuple[Floats, np.datetime64] | None:
+    """Seconds since the first, and its date; None if they are not all dates of this order."""
+    import pandas as pd
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # pandas says how it guessed, which is judged here
+        for form in ("ISO8601", None, "mixed"):
+            try:
+                when = pd.to_datetime(pd.Series(cells), format=form, dayfirst=day_first)
+                values = (when - when.iloc[0]).dt.total_seconds().to_numpy(dtype=float)
+            except (ValueError, TypeError, OverflowError, AttributeError):
+                continue
+            if np.isfinite(values).all():
+                start = when.iloc[0].tz_localize(None).to_datetime64()
+                return np.asarray(values, dtype=np.float64), start
+    return None

@@ -1,0 +1,420 @@
+"""A laboratory's file as histories: columns of samples, and a TOML sidecar that explains them.
+
+A test is one or several blocks with rests between them, in one file or several; `Readings` holds
+all samples in one line of time, and lists what had to be assumed.
+"""
+
+import re
+from collections.abc import Collection
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+from pathlib import Path
+from typing import Annotated, Any, Literal, NamedTuple
+
+import numpy as np
+from pydantic import Field
+
+from thermobearing.border.errors import InputError, is_file, nearest
+from thermobearing.border.schema import OneLine, Strict, in_unit, validated
+from thermobearing.border.toml import read_toml, split_sources
+from thermobearing.core.records import Floats, Ints
+from thermobearing.tables.columns import (
+    Columns,
+    Layout,
+    Table,
+    list_columns,
+    make_table,
+    usable_table,
+)
+from thermobearing.tables.guess import DOUBTFUL, ColumnGuess, guessed_columns
+from thermobearing.tables.text import SEPARATORS, Form, Sheet, read_sheets
+
+ASSUMED_SPEED = 30.0  # mean loading rate of Table 3.4 [mm/s], where a file has no clock
+SHORTEST_STEP = 1e-4  # between samples whose clock is made from an assumed speed [s]
+PERCENT = 10.0  # largest number from which a column of strains without a unit is in percent
+COLUMNS = {"time": "s", "displacement": "mm", "force": "kN", "ambient": "degC"}  # of a sidecar
+PLACE = re.compile(r"^(?:rubber ([1-9]\d*)|lead)$")
+
+Temperature = Annotated[float, in_unit("degC"), Field(ge=-100, le=100)]
+Weight = Annotated[float, Field(ge=0, le=100)]
+Word = Annotated[str, Field(min_length=1)]
+Part = dict[str, Floats]
+
+
+class BlockFile(Strict):
+    """One part of a test: a file, a sheet or a part of it, and the rest before it."""
+
+    file: Word
+    sheet: Word | None = None
+    part: Annotated[int, Field(ge=1, le=10_000)] | None = None
+    rest_before: Annotated[float, in_unit("s"), Field(ge=0, le=1e8)] = 0.0
+
+
+class Sidecar(Strict):
+    """What the numbers of a test mean: the keys of the TOML file beside a table of samples.
+
+    `columns` gives the file's own titles of time, displacement, force and ambient, `units` their
+    units where the titles do not state them. `thermocouples` maps a title to "rubber 1" (the
+    outer layer), "rubber 2", ... or "lead". `separator` (tab, blank, a semicolon, a comma),
+    `decimal`, `encoding` and `sheet` are found by looking where they are not given.
+    """
+
+    file: Word | None = None
+    blocks: Annotated[list[BlockFile], Field(min_length=1)] | None = None
+    name: Annotated[str, OneLine] = ""
+    bearing: str | None = None
+    ambient: Temperature | None = None
+    ambient_uncertainty: Annotated[float, in_unit("K"), Field(ge=0, le=20)] | None = None
+    lines_before: Annotated[int, Field(ge=0, le=1000)] = 0
+    lines_after: Annotated[int, Field(ge=0, le=1000)] = 0
+    separator: Word | None = None
+    decimal: Word | None = None
+    encoding: Word | None = None
+    sheet: Word | None = None
+    columns: dict[str, str] = Field(default_factory=dict)
+    units: dict[str, str] = Field(default_factory=dict)
+    thermocouples: dict[str, str] = Field(default_factory=dict)
+    speed: Annotated[float, in_unit("mm/s"), Field(gt=0)] | None = None
+    sampling: Annotated[float, in_unit("Hz"), Field(gt=0)] | None = None
+    flip_force: bool = False
+    force_offset: Annotated[float, in_unit("kN")] = 0.0
+    displacement_offset: Annotated[float, in_unit("mm")] = 0.0
+    weight: Weight = 1.0
+    first_cycle_weight: Weight = 1.0
+    cycle_balance: Annotated[float, Field(ge=0, le=1)] = 0.0
+    despike: bool = False
+    detrend: Literal["", "force", "displacement", "both"] = ""
+
+    @classmethod
+    def conflicts(cls, given: dict[str, Any]) -> list[str]:
+        """One way to name the files, one way to make a clock, known names only."""
+        faults = [
+            f"give either {one} or {other}"
+            for one, other in (("file", "blocks"), ("speed", "sampling"))
+            if one in given and other in given
+        ]
+        # Of any type yet: what is no table is found later.
+        tables = {key: value for key, value in given.items() if isinstance(value, dict)}
+        places = tables.get("thermocouples", {})
+        for key, known in (("columns", {*COLUMNS}), ("units", {*COLUMNS, *places})):
+            strange = sorted(set(tables.get(key, {})) - known)
+            if strange:
+                faults.append(f"{key}: unknown {strange[0]!r}; known: {', '.join(sorted(known))}")
+        faults += [
+            f'thermocouples.{title} = {place!r}: must be "rubber 1", ... or "lead"'
+            for title, place in places.items()
+            if not isinstance(place, str) or not PLACE.match(place)
+        ]
+        for key, marks in (
+            ("separator", [*SEPARATORS, *SEPARATORS.values()]),
+            ("decimal", [".", ","]),
+        ):
+            if key in given and given[key] not in marks:
+                shown = ", ".join(f'"{mark}"' for mark in marks if mark.strip())
+                faults.append(f"{key} = {given[key]!r}: must be one of {shown}")
+        return faults
+
+
+class Recognised(NamedTuple):
+    """The table that a file holds, and what its columns are taken for.
+
+    `alike` are the names of the sheets with the same titles, which are read one after the other.
+    """
+
+    file: Path
+    sheet: Sheet
+    alike: list[str]
+    columns: list[ColumnGuess]
+
+
+@dataclass(frozen=True)
+class Readings:
+    """All samples of a laboratory's file or files, in kN, mm, s, degC.
+
+    Attributes
+    ----------
+    sidecar : what was stated about them, with the thermocouples and the sign that were found.
+    file : they came from, the table or its sidecar; names in the sidecar are seen from its folder.
+    values : samples by name: time, displacement, force, ambient, strain [percent], and
+        thermocouples by title.
+    block : number of the block that each sample belongs to.
+    recognised : the first file.
+    given : the keys of the sidecar as they stand in it.
+    assumptions : what the file did not state.
+    unused : titles of columns that nothing was made of.
+    """
+
+    sidecar: Sidecar
+    file: Path
+    values: Part
+    block: Ints
+    recognised: Recognised
+    given: dict[str, Any] = field(default_factory=dict)
+    assumptions: list[str] = field(default_factory=list)
+    unused: list[str] = field(default_factory=list)
+
+    @property
+    def displacement(self) -> Floats:
+        """Samples without their offset [mm]."""
+        return np.asarray(self.values["displacement"] - self.sidecar.displacement_offset)
+
+    @property
+    def force(self) -> Floats:
+        """Samples without their offset, with the sign of displacement [kN]."""
+        sign = -1.0 if self.sidecar.flip_force else 1.0
+        return np.asarray(sign * (self.values["force"] - self.sidecar.force_offset))
+
+
+def read_laboratory(
+    path: str | Path, *, optional: Collection[str] = ("time", "ambient")
+) -> Readings:
+    r"""Return the histories in a table of samples, or in the files that a sidecar names.
+
+    Every command reads tests in this way. `test.csv` or `test.xlsx` has its sidecar `test.toml`
+    beside it, if there is one. What the sidecar does not state is found by looking: encoding,
+    separator, decimal mark, sheets, columns, units, thermocouples, the sign of the force. What had
+    to be assumed is listed in `assumptions`. `optional` names the quantities that may be missing.
+
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = Path(folder) / "cold.csv"
+    ...     _ = file.write_text("Zeit [s];Weg [cm];Kraft [kN]\n0;0;0\n1;0,5;9\n2;0;-1\n")
+    ...     readings = read_laboratory(file)
+    >>> readings.displacement.tolist(), readings.force.tolist()
+    ([0.0, 5.0, 0.0], [0.0, 9.0, -1.0])
+    """
+    path = Path(path)
+    given: dict[str, Any] = {}
+    name, beside = str(path.absolute()), path.parent / f"{path.stem}.toml"
+    if path.suffix.lower() == ".toml":
+        given, name = split_sources(read_toml(path))[0], path.with_suffix(".csv").name
+    elif is_file(beside) and not _is_a_bearing(found := read_toml(beside)):
+        given, path, name = split_sources(found)[0], beside, path.name
+    sidecar = validated(Sidecar, given, str(path))
+    readings = replace(_Reader(sidecar, path, optional).read(name), given=given)
+    way, force = readings.values["displacement"], readings.values.get("force")
+    if "force" in optional or force is None or "flip_force" in given:
+        return readings
+    if way @ (force - force.mean()) >= 0.0:
+        return readings
+    note = (
+        "the recorded force has the opposite sign of the displacement: its sign was reversed; "
+        "flip_force in the sidecar states the sign"
+    )
+    flipped = readings.sidecar.model_copy(update={"flip_force": True})
+    return replace(readings, sidecar=flipped, assumptions=[*readings.assumptions, note])
+
+
+def _is_a_bearing(table: dict[str, Any]) -> bool:
+    """Whether a TOML file beside a test describes the bearing, and not the test."""
+    geometry = table.get("geometry")
+    return isinstance(geometry, dict) and "plan" in geometry
+
+
+class _Reader:
+    """Reads the blocks of one test, and notes assumptions and unused columns on the way."""
+
+    def __init__(self, sidecar: Sidecar, path: Path, optional: Collection[str]) -> None:
+        self.sidecar, self.path, self.optional = sidecar, path, optional
+        self.assumptions: list[str] = []
+        self.unused: list[str] = []
+
+    def read(self, name: str) -> Readings:
+        """All blocks of the test in one line of time."""
+        blocks = self.sidecar.blocks or [BlockFile(file=self.sidecar.file or name)]
+        parts: list[Part] = []
+        joins: list[tuple[Path, float]] = []
+        recognised: list[Recognised] = []
+        for block in blocks:
+            file = self.path.parent / block.file
+            try:
+                some, found = self._block(block, file)
+            except InputError as error:
+                raise error.located(file) from None
+            parts += some
+            joins += [(file, block.rest_before)] + [(file, 0.0)] * (len(some) - 1)
+            recognised.append(found)
+        if _one_line_of_time(parts, joins):
+            self.assumptions.append(
+                "the clock of the file starts anew in its blocks: no rest assumed between them; "
+                "give rest_before in blocks of the sidecar"
+            )
+        held = [name for name in parts[0] if all(name in part for part in parts)]
+        counts = [len(part["time"]) for part in parts]
+        places = {c.title: c.place for c in recognised[0].columns if c.place and c.title in held}
+        return Readings(
+            sidecar=self.sidecar.model_copy(update={"thermocouples": places}),
+            file=self.path,
+            values={name: np.concatenate([part[name] for part in parts]) for name in held},
+            block=np.repeat(np.arange(len(parts), dtype=np.int64), counts),
+            recognised=recognised[0],
+            assumptions=list(dict.fromkeys(self.assumptions)),
+            unused=list(dict.fromkeys(self.unused)),
+        )
+
+    def _block(self, block: BlockFile, file: Path) -> tuple[list[Part], Recognised]:
+        """The parts of one file: sheets, tables below each other, or a clock that starts anew."""
+        s = self.sidecar
+        marks = {name: mark for mark, name in SEPARATORS.items()}
+        separator = None if s.separator is None else marks.get(s.separator, s.separator)
+        form = Form(separator, s.decimal, s.encoding, block.sheet or s.sheet)
+        titles = {**s.columns, **{title: title for title in s.thermocouples}}
+        layout = Layout(s.lines_before, s.lines_after, titles, s.units, form)
+        sheets = read_sheets(file, form)
+        recognised, tables = self._recognised(file, sheets, layout)
+        layout, wanted = self._completed(tables[0], layout, recognised.columns)
+        parts: list[Part] = []
+        for table in tables:
+            found = list_columns(table, wanted, self.optional, layout)
+            self.unused += found.unused
+            parts += self._parts(found)
+        left = [one.name for one in sheets if one.rows and one.name not in recognised.alike]
+        if left and form.sheet is None:
+            self.assumptions.append(f"sheets that were not read: {_quoted(left)}")
+        if len(tables) > 1:
+            self.assumptions.append(
+                f"the sheets {_quoted(recognised.alike)} are read one after the other, without a "
+                "rest between them; give sheet, or blocks with sheet and rest_before"
+            )
+        if block.part is not None:
+            if block.part > len(parts):
+                raise InputError(f"has {len(parts)} parts, not {block.part}")
+            parts = parts[block.part - 1 : block.part]
+        return parts, recognised
+
+    def _recognised(
+        self, file: Path, sheets: list[Sheet], layout: Layout
+    ) -> tuple[Recognised, list[Table]]:
+        """The first sheet that holds a test, and the tables of those with the same titles."""
+        needed = [name for name in ("displacement", "force") if name not in self.optional]
+        problems: list[str] = []
+        for sheet in sheets:
+            try:
+                table = usable_table(sheet, layout)
+                for title in layout.titles.values():
+                    if title not in table.titles:
+                        raise InputError(f'no column "{title}"{nearest(title, table.titles)}')
+                columns = guessed_columns(table, layout, self.sidecar.thermocouples, needed)
+            except InputError as error:
+                named = f'sheet "{sheet.name}" ' if sheet.name else ""
+                problems += [f"{named}{text}" for text in error.problems]
+                continue
+            found = {
+                one.name: other
+                for one in sheets
+                if (other := table if one is sheet else make_table(one, layout)) is not None
+                and other.titles == table.titles
+                and len(other.rows) > 1
+            }
+            return Recognised(file, sheet, list(found), columns), list(found.values())
+        raise InputError(problems[:5] or ["is empty"])
+
+    def _completed(
+        self, table: Table, layout: Layout, columns: list[ColumnGuess]
+    ) -> tuple[Layout, dict[str, str]]:
+        """The layout with what was guessed, and the units wanted by name.
+
+        Without a force it is a recorded motion, of which only time and displacement are wanted.
+        """
+        titles, units = dict(layout.titles), dict(layout.units)
+        wanted = {**COLUMNS, **{title: "degC" for title in titles if title not in COLUMNS}}
+        if "force" in self.optional:
+            wanted = {name: wanted[name] for name in ("time", "displacement")}
+            columns = [column for column in columns if column.holds in wanted]
+        for column in columns:
+            name = column.title if column.place else column.holds
+            if name in titles or not (column.place or name in (*COLUMNS, "strain")):
+                continue
+            assumed = column.assumed
+            if name not in COLUMNS:  # what a test can do without
+                try:
+                    largest = np.abs(table.numbers(table.titles.index(column.title))).max()
+                except InputError as error:
+                    self.assumptions.append(f"not used: {error.problems[0]}")
+                    continue
+                wanted[name] = "degC" if column.place else "percent"
+                if name == "strain" and not column.unit:
+                    assumed = "percent" if largest >= PERCENT else "dimensionless"
+            titles[name] = column.title
+            if assumed:
+                units[name] = assumed
+            if column.assumed:
+                self.assumptions.append(
+                    f'column "{column.title}" has no unit: {assumed} assumed; give units.{name} in '
+                    "the sidecar"
+                )
+            if column.why in DOUBTFUL:
+                self.assumptions.append(
+                    f'column "{column.title}" is taken as the {name} because of {column.why}; '
+                    "columns in the sidecar names them"
+                )
+        return layout._replace(titles=titles, units=units), wanted
+
+    def _parts(self, found: Columns) -> list[Part]:
+        """The parts of one table, each with a clock."""
+        data = dict(found.values)
+        if "time" not in data:
+            data["time"] = self._clock(data.get("displacement", data.get("force", np.zeros(0))))
+        elif found.stamped:
+            data["time"] = self._spread(data["time"])
+        # Parts begin where the file says so, and where its clock goes back to its start.
+        time, starts = data["time"], set(found.parts)
+        begin = float(time[0])
+        for k in (np.flatnonzero(np.diff(time) < 0.0) + 1).tolist():
+            if time[k] <= begin:
+                starts.add(k)
+                begin = float(time[k])
+        bounds = [*sorted(starts), len(time)]
+        return [{name: values[a:b] for name, values in data.items()} for a, b in pairwise(bounds)]
+
+    def _spread(self, time: Floats) -> Floats:
+        """Samples of stamps that are coarser than the sampling, evenly between the stamps [s]."""
+        ticks = np.flatnonzero(np.diff(time) > 0.0) + 1
+        if len(ticks) < 2 or len(ticks) == len(time) - 1 or (np.diff(time) < 0.0).any():
+            return time
+        counts, steps = np.diff(ticks), np.diff(time[ticks])
+        rate = float(np.median(counts / steps))
+        number = np.arange(len(time), dtype=np.float64)
+        spread = np.interp(number, ticks, time[ticks])
+        spread = np.where(number < ticks[0], time[ticks[0]] - (ticks[0] - number) / rate, spread)
+        spread = np.where(number > ticks[-1], time[ticks[-1]] + (number - ticks[-1]) / rate, spread)
+        self.assumptions.append(
+            f"time stamps are {np.median(steps):.3g} s apart, with {np.median(counts):.3g} samples "
+            "each: spread evenly between them"
+        )
+        return np.asarray(spread - spread[0])
+
+    def _clock(self, displacement: Floats) -> Floats:
+        """Time of samples that have none, from a sampling rate or a speed [s]."""
+        count, sidecar = len(displacement), self.sidecar
+        if sidecar.sampling is not None:
+            self.assumptions.append(
+                f"no time column: sampled at {sidecar.sampling:g} Hz, as the sidecar states"
+            )
+            return np.arange(count) / sidecar.sampling
+        speed, origin = ASSUMED_SPEED, "assumed; give speed or sampling"
+        if sidecar.speed is not None:
+            speed, origin = sidecar.speed, "as the sidecar states"
+        self.assumptions.append(f"no time column: moved at {speed:g} mm/s throughout, {origin}")
+        way = np.abs(np.diff(displacement)) / speed
+        return np.concatenate([[0.0], np.cumsum(np.maximum(way, SHORTEST_STEP))])
+
+
+def _quoted(names: list[str]) -> str:
+    return ", ".join(f'"{name}"' for name in names)
+
+
+def _one_line_of_time(parts: list[Part], joins: list[tuple[Path, float]]) -> bool:
+    """Shift the clocks of parts to follow each other; whether a rest had to be assumed."""
+    end, own_end, shift, assumed = 0.0, 0.0, 0.0, False
+    for number, (part, (file, rest)) in enumerate(zip(parts, joins, strict=True)):
+        time = part["time"]
+        same = number > 0 and file == joins[number - 1][0] and rest == 0.0
+        if number and not (same and time[0] > own_end):
+            step = float(np.median(np.diff(time))) if len(time) > 1 else SHORTEST_STEP
+            shift = end + max(rest, step) - float(time[0])
+            assumed = assumed or same
+        own_end = float(time[-1])
+        part["time"] = time + shift
+        end = float(part["time"][-1])
+    return assumed
