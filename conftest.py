@@ -27,7 +27,7 @@ import thermobearing as tb
 tb.run("shen-lhdr-specimen", tb.cyclic_test(strain=[0.5], cycles=1, dt=0.05))
 tb.bridge("shen-lhdr-bridge", "jra-ii-i-1", -20.0, duration=0.1)
 tb.hybrid("shen-lhdr-specimen", ambient=-20.0, duration=0.1, laboratory={"mode": "pd"})
-tb.motions.response_spectrum(tb.load_motion("jra-ii-i-1"), [1.0])
+tb.response_spectrum(tb.load_motion("jra-ii-i-1"), [1.0])
 """
 
 

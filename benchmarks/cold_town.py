@@ -12,12 +12,14 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from thermobearing.climate import Hourly, generate_weather
+from thermobearing.climate.generator import generate_weather
+from thermobearing.climate.hourly import Hourly
 from thermobearing.earthquake.soaking import bearing_weather
 from thermobearing.model.outcomes import PIER_BEYOND_LIMIT
 from thermobearing.results import drawing
-from thermobearing.studies import load_study, run_study
+from thermobearing.studies.definition.case import load_study
 from thermobearing.studies.run.demand_parameters import COMPLETED
+from thermobearing.studies.run.engine import run_study
 from thermobearing.studies.statistics.failed_runs import OUTCOME, counted
 from thermobearing.studies.statistics.fragility import Fragility, fragility_curves
 from thermobearing.studies.statistics.hazard import Hazard, Rate, annual_rate, ratio

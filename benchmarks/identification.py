@@ -29,7 +29,7 @@ CHAMBERS = {"HDR": 8, "LHDR": 5, "LRB": 3}  # problems with the ambient temperat
 NAMES = {"HDR": "shen-hdr-specimen", "LHDR": "shen-lhdr-specimen", "LRB": "lrb-example"}
 
 
-def tests_of(bearing: tb.bearing.Bearing, seed: int, **options: float) -> list[TestRecord]:
+def tests_of(bearing: tb.Bearing, seed: int, **options: float) -> list[TestRecord]:
     """Table 3.4 at three temperatures with 2 % of noise."""
     return [
         synthetic_record(bearing, at, seed=10 * seed + i, **options)  # type: ignore[arg-type]
@@ -37,7 +37,7 @@ def tests_of(bearing: tb.bearing.Bearing, seed: int, **options: float) -> list[T
     ]
 
 
-def true_value(bearing: tb.bearing.Bearing, key: str) -> float:
+def true_value(bearing: tb.Bearing, key: str) -> float:
     """A number of a bearing by dotted key."""
     table, name = key.split(".")
     return float(getattr(getattr(bearing, table), name))
@@ -72,7 +72,7 @@ def recovery(kind: str) -> list[Row]:
     ]
 
 
-def held(found: Identification, truth: tb.bearing.Bearing) -> list[bool]:
+def held(found: Identification, truth: tb.Bearing) -> list[bool]:
     """Whether each 95 % interval of a fit holds the truth."""
     items = found.uncertainty.estimates.items()
     return [item.lower <= true_value(truth, key) <= item.upper for key, item in items]
@@ -161,7 +161,7 @@ def chamber_off(kind: str, kelvin: float) -> Row:
     return Row(what, share, "%", "90 to 100 %", share >= 90.0)
 
 
-def with_another_file(bearing: tb.bearing.Bearing, seed: int) -> tb.bearing.Bearing:
+def with_another_file(bearing: tb.Bearing, seed: int) -> tb.Bearing:
     """A bearing whose numbers that a fit takes from the file are off, by chance."""
     rng = np.random.default_rng(seed)
     for group in assumed_groups(bearing, default_free(bearing, AMBIENTS), usual_groups()):

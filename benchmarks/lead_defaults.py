@@ -12,7 +12,7 @@ from thermobearing.model.constants import LeadEnds
 WAYS: tuple[LeadEnds, ...] = ("half-space", "finite-plate")
 AMBIENT = -20.0  # [degC]
 CYCLES = {"step": "cycles", "strain": 1.75, "wave": "sine", "period": 2.0, "count": 11}
-TEST = tb.cyclic.CyclicTest(steps=[CYCLES, {"step": "rest", "duration": 600.0}, CYCLES])
+TEST = tb.CyclicTest(steps=[CYCLES, {"step": "rest", "duration": 600.0}, CYCLES])
 COLUMNS = (("lead_degC", "lead, degC"), ("characteristic_strength_kN", "Q_d, kN"))
 ENERGY = ("energy_kN_mm", "energy, kJ")
 MOTION, LENGTH = "jra-ii-i-1", 60.0  # [s]

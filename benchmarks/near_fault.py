@@ -174,7 +174,7 @@ def main() -> None:
     columns: list[dict[str, str]] = []
     for text in chosen:
         name, _, factor = text.partition("*")
-        motion = scaled(tb.motions.load_motion(name), float(factor or 1.0))
+        motion = scaled(tb.load_motion(name), float(factor or 1.0))
         case = {"name": name, "factor": float(factor or 1.0)}
         columns.append(motion_lines(motion) | hybrid_lines(case))
     print("| | " + " | ".join(chosen) + " |")

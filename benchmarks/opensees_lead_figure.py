@@ -29,9 +29,7 @@ def main() -> None:
     bearing = stiff_example()
     cycles = {"step": "cycles", "amplitude": AMPLITUDE, "wave": "sine", "period": PERIOD}
     steps = [cycles | {"count": CYCLES}, {"step": "rest", "duration": REST}]
-    ours = tb.run(
-        bearing, tb.cyclic.CyclicTest(dt=DT, steps=steps), ambient=AMBIENT, model="lead-alone"
-    )
+    ours = tb.run(bearing, tb.CyclicTest(dt=DT, steps=steps), ambient=AMBIENT, model="lead-alone")
     figure = Figure(figsize=(7.5, 4.2), layout="constrained")
     ax = figure.subplots()
     lead = ours["lead_temperature"].values[0] - AMBIENT

@@ -14,7 +14,9 @@ import thermobearing.structure.lanes as shaken
 import thermobearing.structure.run as structure
 from benchmarks.rows import Row, at_most, failed
 from thermobearing.border.threads import one_blas_thread
-from thermobearing.studies import Study, make_study, run_study
+from thermobearing.studies.definition.case import make_study
+from thermobearing.studies.definition.record import Study
+from thermobearing.studies.run.engine import run_study
 
 AROUND, MEMORY = 15.0, 1000.0  # of the whole time [%]; [MB]
 WAYS = {"one by one": 2000, "in lockstep": 10_000}  # runs

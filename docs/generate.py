@@ -16,6 +16,8 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
+from thermobearing.design.factors import scale_study
+
 DOCS = Path(__file__).parent
 README = DOCS.parent / "README.md"
 TEXTS = DOCS / "texts"  # written by hand, between the tables of verification.md
@@ -342,12 +344,12 @@ def draw() -> None:
     bearings = ["shen-hdr-bridge", "shen-lhdr-bridge"]
     study = tb.bridge(bearings, ["jra-i-i-1", "jra-ii-i-1"], [23.0, 0.0, -20.0])
     bearing = tb.load_bearing("shen-hdr-bridge")
-    motions = [name for name in tb.motions.list_motions() if name.split("-")[2] == "i"]
+    motions = [name for name in tb.list_motions() if name.split("-")[2] == "i"]
     title = "shen-hdr-bridge: bounds (bars), coupled (dots)"
-    figure = draw_bounds(tb.design.bounds_study(bearing, motions), title)
+    figure = draw_bounds(tb.bounds_study(bearing, motions), title)
     save_figure(figure, DOCS / "figures" / "bounds.png", dpi=80)
     lead = tb.load_bearing("shen-lhdr-bridge")
-    _, results = tb.design.scale_study(lead)
+    _, results = scale_study(lead)
     save_figure(draw_scale(lead, results), DOCS / "figures" / "scale.png", dpi=80)
     save_figure(study.plot.loops(), DOCS / "figures" / "bridge.png", dpi=110)
 

@@ -11,7 +11,7 @@ import thermobearing as tb
 test = tb.cyclic_test(strain=[1.75], cycles=10, wave="sine", frequency=0.5, rest=None)
 models = ["multi-layer", "single-temperature", "adiabatic", "temperature-blind"]
 results = {name: tb.run("shen-hdr-specimen", test, ambient=-20, model=name) for name in models}
-tb.results.overlay(results, title="ten cycles at -20 degC")
+tb.overlay(results, title="ten cycles at -20 degC")
 
 # %%
 # The modulus of the tenth cycle over that of the first: how far each softens.

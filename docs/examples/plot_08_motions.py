@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import thermobearing as tb
+from thermobearing.motions.jra import standard_spectrum
 
 motion = tb.load_motion("jra-ii-i-1")
 figure = Figure(figsize=(7.0, 2.6), layout="constrained")
@@ -21,12 +22,10 @@ figure
 # Response spectrum with 5 % damping.
 
 periods = np.geomspace(0.1, 5.0, 60)
-spectrum = tb.motions.response_spectrum(motion, periods)
+spectrum = tb.response_spectrum(motion, periods)
 figure = Figure(figsize=(5.0, 3.4), layout="constrained")
 axes = figure.add_subplot(xscale="log", xlabel="period [s]", ylabel="acceleration [m/s2]")
 axes.plot(periods, spectrum.acceleration / 1000.0, label=motion.name)
-axes.plot(
-    periods, tb.motions.standard_spectrum("II", "I", periods) / 1000.0, "--", label="standard"
-)
+axes.plot(periods, standard_spectrum("II", "I", periods) / 1000.0, "--", label="standard")
 axes.legend(frameon=False)
 figure

@@ -10,7 +10,7 @@ the model with noise, so that the true values are known; yours come from
 import thermobearing as tb
 
 test = tb.cyclic_test(strain=[0.5, 1.0, 1.75], cycles=3, rest=None)
-records = [tb.identify.synthetic_record("shen-hdr-specimen", t, test, seed=1) for t in (-20, 23)]
+records = [tb.synthetic_record("shen-hdr-specimen", t, test, seed=1) for t in (-20, 23)]
 free = ["alpha_0", "K_r", "d_y", "b", "m_T", "n_T"]
 fit = tb.identify_bearing(records, "shen-hdr-specimen", free=free, starts=1)
 fit.show()

@@ -10,8 +10,8 @@ import thermobearing as tb
 
 test = tb.cyclic_test(strain=[1.0, 1.75], cycles=3, wave="sine", rest=None)
 names = ["shen-lhdr-specimen", "shen-hdr-specimen"]
-records = [tb.identify.synthetic_record(name, 0, test, seed=3) for name in names]
-found = tb.validate.validate("shen-lhdr-specimen", records)
+records = [tb.synthetic_record(name, 0, test, seed=3) for name in names]
+found = tb.validate_bearing("shen-lhdr-specimen", records)
 found.plot.loops()
 
 # %%

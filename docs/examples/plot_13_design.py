@@ -7,10 +7,11 @@ source). Layered bearings of the stiffness that was found are then judged on the
 """
 
 import thermobearing as tb
+from thermobearing.design.case import make_design_case
 
-case = tb.design.make_design_case({"motions": ["jra-ii-i-1"]}, "example")
+case = make_design_case({"motions": ["jra-ii-i-1"]}, "example")
 templates = [tb.load_bearing("shen-hdr-bridge")]
-design = tb.design.run_design(case, templates=templates)
+design = tb.run_design(case, templates=templates)
 design.plot.rounds()
 
 # %%

@@ -8,7 +8,7 @@ file for your own.
 
 import thermobearing as tb
 
-looked = tb.structure.examine_structure("pier-p1")
+looked = tb.examine_structure("pier-p1")
 looked.plot.model()
 
 # %%

@@ -5,13 +5,22 @@
 >>> result.outcome
 'completed'
 
-A dozen names are here; the rest is in the rooms: `tb.motions`, `tb.design`, `tb.identify`, ...
-`__init__.pyi` lists them. They are imported when they are first used, so that
-`import thermobearing` is quick.
+The public names are listed in `__init__.pyi`; all else may change without notice. They are imported
+when they are first used, so that `import thermobearing` is quick.
 """
+
+from typing import Any
 
 import lazy_loader
 
 __version__ = "0.2.0"
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+_find, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+
+
+def __getattr__(name: str) -> Any:
+    if name in __all__:
+        return _find(name)
+    from thermobearing.border.deprecated import find_moved
+
+    return find_moved(__name__)(name)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import thermobearing as tb
 from tests.unit.inputs import command
+from thermobearing.bearing.model import Validity
 from thermobearing.cyclic.case import make_case
 from thermobearing.cyclic.output import save_result
 from thermobearing.cyclic.run import compare_models, run_case
@@ -31,10 +32,10 @@ PARTS = [
 
 
 @cache
-def record() -> tb.identify.TestRecord:
+def record() -> tb.TestRecord:
     """A test that the model made itself."""
     test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None, closing_strain=None, dt=0.02)
-    return replace(tb.identify.synthetic_record(SPECIMEN, -20.0, test), name="cold")
+    return replace(tb.synthetic_record(SPECIMEN, -20.0, test), name="cold")
 
 
 def cyclic(folder: Path) -> Path:
@@ -74,16 +75,16 @@ def identify(folder: Path) -> Path:
 
 def checked(folder: Path) -> Path:
     """Tests looked at, and not fitted."""
-    return save_checks([tb.identify.check_test(record())], folder, figures=False)
+    return save_checks([tb.check_test(record())], folder, figures=False)
 
 
 def validate(folder: Path) -> Path:
     """Of a bearing that is too soft, and was not tested at that temperature."""
     bearing = tb.load_bearing(SPECIMEN)
     soft = bearing.hysteresis.model_copy(update={"layer_stiffness": 20.0})
-    tested = tb.bearing.Validity(ambient=[0.0, 30.0])
+    tested = Validity(ambient=[0.0, 30.0])
     changed = bearing.model_copy(update={"hysteresis": soft, "tested_range": tested})
-    found = tb.validate.validate(changed, record())
+    found = tb.validate_bearing(changed, record())
     saved = found.save(folder, figures=False)
     save_figures({"loops": found.plot.loops}, saved / "figures", vector=True)
     return saved

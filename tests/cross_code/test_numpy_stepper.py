@@ -50,7 +50,7 @@ def test_core_agrees_with_numpy(name: str, measured: Recorder) -> None:
     case = SITUATIONS[name]
     bearing = tb.load_bearing(case.bearing)
     test = tb.cyclic_test(strain=case.strain, cycles=2, wave=case.wave, rest=case.rest)
-    face = tb.model.EndFace(eta=case.eta)
+    face = tb.EndFace(eta=case.eta)
     result = tb.run(
         bearing,
         test,

@@ -34,7 +34,7 @@ def motion() -> tuple[Floats, Floats, Floats]:
 
 
 def test_lead_temperature_and_strength_while_heating(measured: Recorder) -> None:
-    test = tb.cyclic.CyclicTest(
+    test = tb.CyclicTest(
         dt=DT,
         steps=[
             {

@@ -7,7 +7,7 @@ import re
 import shlex
 import sys
 from pathlib import Path
-from types import ModuleType, SimpleNamespace
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -117,15 +117,9 @@ def dotted_value(text: str, name: str, names: dict[str, Any]) -> Any:
 
 def test_a_dozen_examples_and_a_page_for_each_name() -> None:
     assert len(EXAMPLES) >= 12
-    listed = {room: set(names) for room, names in api.rooms().items()}
-    top = {name for name in tb.__all__ if not isinstance(getattr(tb, name), ModuleType)}
-    assert listed.pop("thermobearing") == top
-    assert set(listed) == {f"thermobearing.{name}" for name in set(tb.__all__) - top}
-    for room, names in listed.items():
-        module = getattr(tb, room.split(".")[1])
-        also_at_top = set(module.__all__) & top
-        assert names == set(module.__all__) - also_at_top
-        assert all(f"tb.{name}" in api.room_page(room, sorted(names)) for name in also_at_top)
+    listed = [name for _, names in api.groups() for name in names]
+    assert sorted(listed) == sorted(tb.__all__)
+    assert all(f"   {name}\n" in api.names_page() for name in listed)
 
 
 PAGE = '<html><body><p class="edition">x 1.0, built today</p><h1 id="a">A</h1>{}</body></html>'

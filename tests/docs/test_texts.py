@@ -19,7 +19,7 @@ from tests import tolerances as tol
 from tests.told_numbers import disagreements
 from tests.unit.inputs import command
 from tests.unit.studies import small_study
-from thermobearing.studies import run_study
+from thermobearing.studies.run.engine import run_study
 from thermobearing.studies.store.directory import Store
 
 LIBRARY = Path(str(resources.files("thermobearing") / "data"))

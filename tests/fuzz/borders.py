@@ -333,7 +333,7 @@ def _arguments(draw: st.DrawFn) -> Example:
             "arrays": lambda: check_test(record_from_arrays(one, two, one, 23.0)),
             "parameters": lambda: parameter_set(specimen, [str(one), f"n_T={two}*m_T"], [0.0]),
             "scaled": lambda: scaled_bearing(specimen, one),
-            "face": lambda: tb.model.EndFace(eta=one, film=two),
+            "face": lambda: tb.EndFace(eta=one, film=two),
         }
         call = calls[name]
     return Example({}, done(lambda _: call()), f"{name}({given!r})")

@@ -14,14 +14,14 @@ Floats = NDArray[np.float64]
 STIFF = 165.0  # kN/mm: so stiff that yielding is sharp in both (Bouc-Wen there, bilinear here)
 
 
-def stiff_example() -> tb.bearing.Bearing:
+def stiff_example() -> tb.Bearing:
     """The example lead rubber bearing with a stiff core."""
     example = tb.load_bearing("lrb-example")
     assert example.lead is not None
     return example.model_copy(update={"lead": example.lead.model_copy(update={"stiffness": STIFF})})
 
 
-def _element(b: tb.bearing.Bearing) -> None:
+def _element(b: tb.Bearing) -> None:
     g, lead = b.geometry, b.lead
     assert lead is not None
     assert g.plan.shape == "circular"
@@ -40,7 +40,7 @@ def _element(b: tb.bearing.Bearing) -> None:
 
 
 def lead_rubber_x(
-    b: tb.bearing.Bearing, motion: tuple[Floats, Floats, Floats], dt: float, start: float = 0.0
+    b: tb.Bearing, motion: tuple[Floats, Floats, Floats], dt: float, start: float = 0.0
 ) -> tuple[Floats, Floats]:
     """Lead temperature rise [K] and strength [kN] after each step of an imposed motion.
 

@@ -83,7 +83,7 @@ WRITTEN = {
 def _python_restart(target: Path) -> None:
     """From one of several runs of a result: the one at the same ambient temperature."""
     sine = {"step": "cycles", "strain": 2.0, "wave": "sine", "period": 2.0, "count": 2}
-    test = tb.cyclic.CyclicTest(dt=0.02, steps=[sine])
+    test = tb.CyclicTest(dt=0.02, steps=[sine])
     first = tb.run(LHDR, test, [-20.0, 5.0, 23.0])
     tb.run(LHDR, test, 5.0, initial=first, keep_every=1000).save(target, figures=False)
 

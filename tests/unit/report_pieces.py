@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from thermobearing.report import Check, Column, Pieces, ReportFigure, ReportTable
+from thermobearing.report.pieces import Check, Column, Pieces, ReportFigure, ReportTable
 from thermobearing.results.writing import write_summary
 
 EVIL = '=1+1 #evil[ $x$ \\n "<b>*_`@[1]~//'

@@ -3,7 +3,8 @@
 from pathlib import Path
 from typing import Any
 
-from thermobearing.studies import Study, make_study
+from thermobearing.studies.definition.case import make_study
+from thermobearing.studies.definition.record import Study
 
 SHORT: dict[str, Any] = {"duration": "0.5 s"}
 FACTORS: dict[str, Any] = {

@@ -53,7 +53,7 @@ def test_means_add_up_whatever_the_steps() -> None:
 def test_run_begins_at_the_start_of_the_series_and_follows_it() -> None:
     """After a long rest under a steady end of the series, the bearing has its temperature."""
     series = tb.Ambient.series([0.0, 600.0], [5.0, -15.0])
-    test = tb.cyclic.CyclicTest(steps=[{"step": "rest", "duration": 1e6}])
+    test = tb.CyclicTest(steps=[{"step": "rest", "duration": 1e6}])
     result = tb.run(SPECIMEN, test, ambient=series)
     assert result["ambient"].values.tolist() == [5.0]
     assert_array_equal(result["initial_temperature"].values[0], 5.0)

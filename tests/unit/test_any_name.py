@@ -12,6 +12,7 @@ import thermobearing as tb
 from thermobearing.bearing.library import changed_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.text_file import file_names
+from thermobearing.cyclic.case import Rig
 from thermobearing.cyclic.result import Result
 from thermobearing.design.bounds import BoundModel, opensees_text
 from thermobearing.model.earlier import BilinearParameters
@@ -59,13 +60,13 @@ def test_names_of_other_things_are_lines(what: str) -> None:
     name = "x\nimport os"
     make: dict[str, Any] = {
         "structure": lambda: (
-            tb.structure.load_structure("pier-p1")
+            tb.load_structure("pier-p1")
             .model_copy()
-            .model_validate({**tb.structure.load_structure("pier-p1").model_dump(), "name": name})
+            .model_validate({**tb.load_structure("pier-p1").model_dump(), "name": name})
         ),
         "motion": lambda: Motion(name="jra-ii-i-1", label=name),
-        "test": lambda: tb.cyclic.CyclicTest(name=name, steps=[{"step": "rest", "duration": 1.0}]),
-        "rig": lambda: tb.cyclic.Rig(name=name),
+        "test": lambda: tb.CyclicTest(name=name, steps=[{"step": "rest", "duration": 1.0}]),
+        "rig": lambda: Rig(name=name),
     }
     with pytest.raises(ValueError, match="one line"):
         make[what]()

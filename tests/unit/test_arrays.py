@@ -10,7 +10,8 @@ from numpy.testing import assert_array_equal
 import thermobearing as tb
 from tests.unit import motion_files as files
 from thermobearing.earthquake.case import load_earthquake_case, make_earthquake_case
-from thermobearing.motions import GroundMotion, motion_from_arrays
+from thermobearing.motions.arrays import motion_from_arrays
+from thermobearing.motions.record import GroundMotion
 
 SHORT = files.shaking(3000.0)
 QUICK: dict[str, Any] = {"bearing": "shen-bilinear-bridge", "ambient": 23, "duration": 1.0}
@@ -117,7 +118,7 @@ def test_a_history_is_run_as_its_file_is(tmp_path: Path) -> None:
     rows = "".join(f"{t!r},{u!r}\n" for t, u in zip(time.tolist(), x.tolist(), strict=True))
     file.write_text("time_s,displacement_mm\n" + rows)
     steps = [{"step": "recorded", "file": str(file)}]
-    expected = tb.run("shen-hdr-specimen", tb.cyclic.CyclicTest(steps=steps), ambient=-20)
+    expected = tb.run("shen-hdr-specimen", tb.CyclicTest(steps=steps), ambient=-20)
     found = tb.run("shen-hdr-specimen", history=(time, x), ambient=-20)
     assert_array_equal(found["force"], expected["force"])
     found.save(tmp_path / "out", figures=False)

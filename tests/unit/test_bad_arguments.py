@@ -79,13 +79,13 @@ def test_bad_argument_of_cyclic_test(options: dict[str, Any], pieces: list[str])
 @pytest.mark.parametrize(
     ("make", "pieces"),
     [
-        (lambda: tb.model.EndFace(eta=5), ["EndFace()", "eta = 5", "at most 3"]),
-        (lambda: tb.model.EndFace(eta=2.0, film=3.0), ["EndFace()", "either eta", "or film"]),
+        (lambda: tb.EndFace(eta=5), ["EndFace()", "eta = 5", "at most 3"]),
+        (lambda: tb.EndFace(eta=2.0, film=3.0), ["EndFace()", "either eta", "or film"]),
         (
-            lambda: tb.model.EndFace(film=-3.0),
+            lambda: tb.EndFace(film=-3.0),
             ["film = -3.0", "at least 0 and at most 100000 W/(m^2 K)"],
         ),
-        (lambda: tb.cyclic.CyclicTest(steps=[]), ["CyclicTest()", "steps = []", "at least 1"]),
+        (lambda: tb.CyclicTest(steps=[]), ["CyclicTest()", "steps = []", "at least 1"]),
         (lambda: tb.Ambient.constant(500), ["ambient", "500 degC", "-100 to 100 degC"]),
         (lambda: tb.Ambient.constant("cold"), ["ambient", "'cold'"]),
         (lambda: tb.Ambient.series([0, 1], [0]), ["equally long"]),

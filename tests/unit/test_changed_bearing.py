@@ -12,7 +12,7 @@ SPECIMEN = "shen-hdr-specimen"
 
 def test_what_is_told_changes_and_nothing_else() -> None:
     before = tb.load_bearing(SPECIMEN)
-    made = tb.bearing.changed_bearing(
+    made = tb.changed_bearing(
         SPECIMEN, name="mine", hysteresis={"layer_stiffness": "40 kN/mm", "hardening": 0.3}
     )
     assert (made.name, made.hysteresis.layer_stiffness, made.hysteresis.hardening) == (
@@ -29,13 +29,13 @@ def test_what_is_told_changes_and_nothing_else() -> None:
 
 def test_sources_follow_the_numbers() -> None:
     before = tb.load_bearing(SPECIMEN)
-    made = tb.bearing.changed_bearing(before, hysteresis={"layer_stiffness": 40.0})
+    made = tb.changed_bearing(before, hysteresis={"layer_stiffness": 40.0})
     assert made.sources["hysteresis.layer_stiffness"] == "changed, was 30.738"
     assert made.sources["hysteresis.hardening"] == before.sources["hysteresis.hardening"]
 
 
 def test_plans_and_records_are_taken_whole() -> None:
-    made = tb.bearing.changed_bearing(
+    made = tb.changed_bearing(
         SPECIMEN,
         geometry={"plan": {"shape": "circular", "diameter": 270.0}},
         cells=Cells(rubber=4, shim=2),
@@ -55,19 +55,19 @@ def test_plans_and_records_are_taken_whole() -> None:
 )
 def test_nonsense_is_refused(changes: dict[str, object], said: str) -> None:
     with pytest.raises(tb.InputError, match="changed_bearing") as told:
-        tb.bearing.changed_bearing(SPECIMEN, **changes)
+        tb.changed_bearing(SPECIMEN, **changes)
     assert said in str(told.value)
 
 
 def test_a_file_reads_back_and_is_not_written_over(tmp_path: Path) -> None:
-    made = tb.bearing.changed_bearing("shen-lhdr-specimen", name="mine", lead={"yield_stress": 9.0})
-    path = tb.bearing.save_bearing(made, tmp_path / "mine.toml")
+    made = tb.changed_bearing("shen-lhdr-specimen", name="mine", lead={"yield_stress": 9.0})
+    path = tb.save_bearing(made, tmp_path / "mine.toml")
     again = tb.load_bearing(path)
     assert again == made
     assert again.sources == made.sources
     with pytest.raises(tb.OutputError, match="overwrite=True"):
-        tb.bearing.save_bearing(made, path)
-    tb.bearing.save_bearing(tb.load_bearing(SPECIMEN), path, overwrite=True)
+        tb.save_bearing(made, path)
+    tb.save_bearing(tb.load_bearing(SPECIMEN), path, overwrite=True)
     assert tb.load_bearing(path).name == SPECIMEN
 
 

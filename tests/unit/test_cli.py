@@ -25,6 +25,8 @@ from tests.unit.inputs import (
     summary,
     write_toml,
 )
+from thermobearing.bearing.compound import list_compounds
+from thermobearing.structure.model import list_structures
 
 SUMMARY_KEYS = {"command", "bearing", "scheme", "version", "outcome", "runs"}
 RUN_KEYS = {"ambient_degC", "outcome", "layer_force_mismatch_max_kN", "cycles", "energy"}
@@ -206,13 +208,13 @@ def test_list() -> None:
     done = command("list", "--json")
     assert done.exit_code == 0
     told = last_line(done)
-    assert told["bearings"] == tb.bearing.list_bearings()
-    assert told["compounds"] == tb.bearing.list_compounds()
-    assert told["structures"] == tb.structure.list_structures()
-    assert told["motions"] == tb.motions.list_motions()
+    assert told["bearings"] == tb.list_bearings()
+    assert told["compounds"] == list_compounds()
+    assert told["structures"] == list_structures()
+    assert told["motions"] == tb.list_motions()
     shown = [
-        *tb.bearing.list_bearings(),
-        *tb.structure.list_structures(),
+        *tb.list_bearings(),
+        *list_structures(),
         *told["bilinear_bearings"],
     ]
     assert all(name in done.stdout for name in shown)

@@ -11,17 +11,20 @@ from tests import tolerances as tol
 from thermobearing.climate.generator import (
     MONTH_OF,
     YEAR,
+    Climate,
+    ColdSpells,
     autoregressive,
     daily_cycle,
     hour_of_year,
+    load_climate,
     mean_of_spells,
     seasonal,
     spells,
 )
 
-STEPS = tb.climate.Hourly([5.0, 4.0, 2.0, 3.0])
+STEPS = tb.Hourly([5.0, 4.0, 2.0, 3.0])
 ALIKE = {"monthly_mean": [-3.0] * 12, "daily_range": [0.0] * 12, "weather_deviation": [0.0] * 12}
-SPELLS = tb.climate.ColdSpells(months=[12, 1, 2], per_year=4.0, depth=6.0, length=96.0)
+SPELLS = ColdSpells(months=[12, 1, 2], per_year=4.0, depth=6.0, length=96.0)
 
 
 def test_air_before_an_earthquake() -> None:
@@ -31,7 +34,7 @@ def test_air_before_an_earthquake() -> None:
 
 
 def test_typical_year_follows_itself() -> None:
-    year = tb.climate.Hourly(STEPS.temperature, recurs=True)
+    year = tb.Hourly(STEPS.temperature, recurs=True)
     assert_array_equal(year.before(1, history=3).temperature, [2.0, 3.0, 5.0, 4.0])
     assert_array_equal(year.hours_at(np.array([0.0, 0.99]), history=3), [0, 3])
 
@@ -42,7 +45,7 @@ def test_every_hour_is_as_probable() -> None:
 
 
 def test_dates_and_months() -> None:
-    weather = tb.climate.Hourly(np.zeros(48), begins=np.datetime64("2024-02-29T00"))
+    weather = tb.Hourly(np.zeros(48), begins=np.datetime64("2024-02-29T00"))
     assert_array_equal(weather.months, np.repeat([2, 3], 24))
     assert str(weather.to_frame()["date"].iloc[24]) == "2024-03-01 00:00:00"
 
@@ -50,23 +53,23 @@ def test_dates_and_months() -> None:
 @pytest.mark.parametrize(
     ("act", "told"),
     [
-        (lambda: tb.climate.Hourly([1.0]), "needs 2 to"),
-        (lambda: tb.climate.Hourly([1.0, np.nan]), "hour 1: nan degC is outside -100 to 100 degC"),
-        (lambda: tb.climate.Hourly([120.0, 1.0]), "hour 0: 120 degC"),
-        (lambda: tb.climate.Hourly(["a", "b"]), "needs a list of temperatures"),
+        (lambda: tb.Hourly([1.0]), "needs 2 to"),
+        (lambda: tb.Hourly([1.0, np.nan]), "hour 1: nan degC is outside -100 to 100 degC"),
+        (lambda: tb.Hourly([120.0, 1.0]), "hour 0: 120 degC"),
+        (lambda: tb.Hourly(["a", "b"]), "needs a list of temperatures"),
         (lambda: STEPS.before(2, history=3), "hour 2 with 3 h before it: must be 3 to 3"),
         (lambda: STEPS.before(4, history=1), "must be 1 to 3"),
         (lambda: STEPS.before(2, history=0), "history = 0: must be 1 to"),
         (lambda: STEPS.hours_at([1.0]), "less than 1"),
         (lambda: STEPS.hours_at([0.5], history=4), "has 4 hours; a history of 4 h needs more"),
         (lambda: STEPS.months, "has no dates"),
-        (lambda: tb.climate.load_climate("cold-twon"), 'did you mean "cold-town"?'),
-        (lambda: tb.climate.generate_weather("cold-town", years=0), "years = 0"),
-        (lambda: tb.climate.generate_weather("cold-town", seed=-1), "seed = -1"),
-        (lambda: tb.climate.generate_weather("cold-town", seed=0.5), "seed = 0.5"),
-        (lambda: tb.climate.Climate(**{**ALIKE, "monthly_mean": [1.0] * 11}), "at least 12"),
-        (lambda: tb.climate.Climate(**ALIKE, coldest_hour=14.0, warmest_hour=14.0), "the same"),
-        (lambda: tb.climate.ColdSpells(**{**SPELLS.model_dump(), "months": [1, 1]}), "than once"),
+        (lambda: load_climate("cold-twon"), 'did you mean "cold-town"?'),
+        (lambda: tb.generate_weather("cold-town", years=0), "years = 0"),
+        (lambda: tb.generate_weather("cold-town", seed=-1), "seed = -1"),
+        (lambda: tb.generate_weather("cold-town", seed=0.5), "seed = 0.5"),
+        (lambda: Climate(**{**ALIKE, "monthly_mean": [1.0] * 11}), "at least 12"),
+        (lambda: Climate(**ALIKE, coldest_hour=14.0, warmest_hour=14.0), "the same"),
+        (lambda: ColdSpells(**{**SPELLS.model_dump(), "months": [1, 1]}), "than once"),
     ],
 )
 def test_refused(act, told: str) -> None:
@@ -80,20 +83,20 @@ def test_file_of_a_climate_says_its_units(tmp_path: Path) -> None:
     means = ", ".join(["-3.0"] * 12)
     file.write_text(f"monthly_mean = [{means}]\ndaily_range = []\n", encoding="utf-8")
     with pytest.raises(tb.InputError) as caught:
-        tb.climate.load_climate(file)
+        load_climate(file)
     assert "weather_deviation" in str(caught.value)
     assert "degC" in str(caught.value)
 
 
 def test_same_seed_same_weather() -> None:
-    one, two, other = (tb.climate.generate_weather("cold-town", 1, seed) for seed in (1, 1, 2))
+    one, two, other = (tb.generate_weather("cold-town", 1, seed) for seed in (1, 1, 2))
     assert_array_equal(one.temperature, two.temperature)
     assert np.abs(one.temperature - other.temperature).max() > 1.0
-    assert len(tb.climate.generate_weather("cold-town", 4)) == 4 * 8760 + 24
+    assert len(tb.generate_weather("cold-town", 4)) == 4 * 8760 + 24
 
 
 def test_monthly_means_of_the_seasons_are_as_told() -> None:
-    climate = tb.climate.load_climate("cold-town")
+    climate = load_climate("cold-town")
     curve = seasonal(climate)
     means = [curve[month == MONTH_OF].mean() for month in range(12)]
     assert_allclose(means, climate.monthly_mean, atol=tol.MEAN)
@@ -142,8 +145,8 @@ def test_spells_take_what_they_are_expected_to() -> None:
 
 def test_weather_of_a_climate_has_its_monthly_means() -> None:
     """Of 100 years, spells and all; the standard error of a January is 0.2 K."""
-    climate = tb.climate.load_climate("cold-town")
-    weather = tb.climate.generate_weather(climate, years=100, seed=8)
+    climate = load_climate("cold-town")
+    weather = tb.generate_weather(climate, years=100, seed=8)
     means = [weather.temperature[weather.months == m].mean() for m in range(1, 13)]
     assert_allclose(means, climate.monthly_mean, atol=tol.MONTHLY_MEAN)
     january = weather.temperature[weather.months == 1]
@@ -152,5 +155,5 @@ def test_weather_of_a_climate_has_its_monthly_means() -> None:
 
 
 def test_nothing_but_the_mean() -> None:
-    weather = tb.climate.generate_weather(tb.climate.Climate(**ALIKE), years=1)
+    weather = tb.generate_weather(Climate(**ALIKE), years=1)
     assert_allclose(weather.temperature, -3.0, atol=tol.MEAN)

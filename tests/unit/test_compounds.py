@@ -10,8 +10,13 @@ from typer.testing import CliRunner
 
 import thermobearing as tb
 from tests import tolerances as tol
-from thermobearing.bearing.compound import Compound, as_compound, compound_from_table
-from thermobearing.bearing.scaling import lead_cores, resized
+from thermobearing.bearing.compound import (
+    Compound,
+    as_compound,
+    compound_from_table,
+    list_compounds,
+)
+from thermobearing.bearing.scaling import bearing_of, compound_of, lead_cores, resized
 from thermobearing.border.toml import sourced_toml, to_table
 from thermobearing.cli import app
 from thermobearing.commands.check import check_file
@@ -29,18 +34,16 @@ COMMAND = ["new", "pier", *(word for key, value in NEW.items() for word in (f"--
 PAIRS = {"shen-hdr": "shen-hdr-specimen", "shen-lhdr": "shen-lhdr-specimen"}
 
 
-def made(**changes: Any) -> tb.bearing.Bearing:
-    return tb.bearing.new_bearing("pier", **{**NEW, **changes})
+def made(**changes: Any) -> tb.Bearing:
+    return tb.new_bearing("pier", **{**NEW, **changes})
 
 
-@pytest.mark.parametrize("name", tb.bearing.list_bearings())
+@pytest.mark.parametrize("name", tb.list_bearings())
 def test_a_bearing_of_its_own_compound_and_size_is_itself(name: str) -> None:
     bearing = tb.load_bearing(name)
-    compound = tb.bearing.compound_of(bearing)
+    compound = compound_of(bearing)
     assert resized(bearing, bearing.geometry).hysteresis == bearing.hysteresis
-    again = tb.bearing.bearing_of(
-        compound, name, bearing.geometry, lead_cores(bearing), cells=bearing.cells
-    )
+    again = bearing_of(compound, name, bearing.geometry, lead_cores(bearing), cells=bearing.cells)
     assert again.kind == bearing.kind
     before, after = (to_table(item) for item in (bearing, again))
     ranges = ("temperature_law", "tested_range")
@@ -58,8 +61,8 @@ def test_the_compounds_of_the_source_are_those_of_its_specimens(
     compound: str, bearing: str
 ) -> None:
     """Six digits are in the file."""
-    shipped = tb.bearing.load_compound(compound)
-    divided = tb.bearing.compound_of(tb.load_bearing(bearing))
+    shipped = tb.load_compound(compound)
+    divided = compound_of(tb.load_bearing(bearing))
     for table in ("rubber", "lead", "rate"):
         mine, theirs = getattr(shipped, table), getattr(divided, table)
         if theirs is None:
@@ -78,7 +81,7 @@ def test_every_rule_of_size() -> None:
     """Of the LHDR specimen's compound: layers 2.5 times as thick, 1.5 times as many, a plan of
     its own and cores of another size."""
     small = tb.load_bearing("shen-lhdr-specimen")
-    large = tb.bearing.new_bearing(
+    large = tb.new_bearing(
         "large", small, plan="60x50cm", layers="9x12.5mm", shim="4mm", lead="60mm", cores=6
     )
     h, was = large.hysteresis, small.hysteresis
@@ -113,8 +116,7 @@ def test_stress_at_a_strain_is_that_of_the_compound() -> None:
         {"diameter": "800mm", "layers": "3x30mm"},
     )
     cycles = [
-        isothermal_cycle(tb.bearing.new_bearing("x", "shen-hdr", shim="3mm", **size), 1.5)
-        for size in sizes
+        isothermal_cycle(tb.new_bearing("x", "shen-hdr", shim="3mm", **size), 1.5) for size in sizes
     ]
     for cycle in cycles[1:]:
         assert cycle.G_eq_MPa == pytest.approx(cycles[0].G_eq_MPa, rel=tol.LOOP)
@@ -174,8 +176,8 @@ def test_a_bearing_is_its_compound(tmp_path: Path) -> None:
     file = tmp_path / "fit.toml"
     file.write_text(sourced_toml(tb.load_bearing("shen-lhdr-specimen"), {}), encoding="utf-8")
     size = {"plan": "500x500mm", "layers": "6x17mm", "shim": "3mm", "lead": "60mm"}
-    by_file = tb.bearing.new_bearing("x", file, **size)
-    by_name = tb.bearing.new_bearing("x", "shen-lhdr", **size)
+    by_file = tb.new_bearing("x", file, **size)
+    by_name = tb.new_bearing("x", "shen-lhdr", **size)
     assert by_file.hysteresis.layer_stiffness == pytest.approx(
         by_name.hysteresis.layer_stiffness, rel=tol.SIX_DIGITS
     )
@@ -187,9 +189,9 @@ def test_a_bearing_is_its_compound(tmp_path: Path) -> None:
 def test_the_jra_compounds_meet_their_curves(kind: Any, grade: str) -> None:
     """As well as their files say; python -m benchmarks.jra_compounds looks at more strains."""
     name = f"jra-{kind}-{grade}".lower()
-    said = tb.bearing.load_compound(name).sources["rubber.shear_modulus"]
+    said = tb.load_compound(name).sources["rubber.shear_modulus"]
     stiffness, damping = (float(word) / 100 for word in re.findall(r"within (\d+) %", said))
-    bearing = tb.bearing.new_bearing(name, name, plan="500x500mm", layers="6x15mm", shim="3mm")
+    bearing = tb.new_bearing(name, name, plan="500x500mm", layers="6x15mm", shim="3mm")
     curve = load_rubber(grade, kind)
     off = []
     for strain in (0.5, 1.0, 1.75, 2.5):
@@ -200,16 +202,16 @@ def test_the_jra_compounds_meet_their_curves(kind: Any, grade: str) -> None:
 
 
 def test_what_a_jra_compound_does_not_know_is_marked() -> None:
-    sources = tb.bearing.load_compound("jra-hdr-g8").sources
+    sources = tb.load_compound("jra-hdr-g8").sources
     for key in ("elastic_temperature_coefficient", "hysteretic_temperature_coefficient", "shape"):
         assert sources[f"rubber.{key}"].startswith("borrowed from shen-hdr")
     assert sources["rubber.reference_temperature"].startswith("assumed")
-    assert tb.bearing.load_compound("jra-hdr-g8").temperature_law is None
+    assert tb.load_compound("jra-hdr-g8").temperature_law is None
 
 
-@pytest.mark.parametrize("name", tb.bearing.list_compounds())
+@pytest.mark.parametrize("name", list_compounds())
 def test_built_in_compounds_are_checked_and_cited(name: str) -> None:
-    compound = tb.bearing.load_compound(name)
+    compound = tb.load_compound(name)
     assert compound.citation
     table = to_table(compound)
     for key in (*(f"rubber.{k}" for k in table["rubber"]), "materials.rubber.conductivity"):
@@ -252,7 +254,7 @@ def test_bad_drawings(changes: dict[str, Any], words: list[str]) -> None:
 @pytest.mark.parametrize("name", ["", "a/b"])
 def test_a_name_is_that_of_a_file(name: str) -> None:
     with pytest.raises(tb.InputError, match="name"):
-        tb.bearing.new_bearing(name, **NEW)
+        tb.new_bearing(name, **NEW)
 
 
 @pytest.mark.parametrize(
@@ -266,7 +268,7 @@ def test_a_name_is_that_of_a_file(name: str) -> None:
     ],
 )
 def test_bad_compounds(changes: dict[str, Any], words: list[str]) -> None:
-    table = to_table(tb.bearing.load_compound("shen-hdr"))
+    table = to_table(tb.load_compound("shen-hdr"))
     for key, value in changes.items():
         table[key] = {**table.get(key, {}), **value} if isinstance(value, dict) else value
     with pytest.raises(tb.InputError) as caught:
@@ -276,11 +278,11 @@ def test_bad_compounds(changes: dict[str, Any], words: list[str]) -> None:
 
 
 def test_lead_of_a_compound_needs_its_material_and_a_ratio_linear_rubber() -> None:
-    table = to_table(tb.bearing.load_compound("shen-lhdr"))
+    table = to_table(tb.load_compound("shen-lhdr"))
     del table["materials"]["lead"]
     with pytest.raises(tb.InputError, match=r"materials\.lead"):
         compound_from_table(table, "mine.toml")
-    table = to_table(tb.bearing.load_compound("shen-lhdr"))
+    table = to_table(tb.load_compound("shen-lhdr"))
     del table["lead"]["shear_modulus"]
     table["lead"]["stiffness_ratio"] = 10.0
     with pytest.raises(tb.InputError, match="linear"):
@@ -315,7 +317,7 @@ def test_the_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 def test_new_lists_thermal_constants_that_nobody_measured(tmp_path: Path) -> None:
     """A compound from somebody's fit: heat constants are still those of the record it began with
     (before: listed only where the record itself said "assumed" or "borrowed")."""
-    began = tb.bearing.load_compound("shen-hdr")
+    began = tb.load_compound("shen-hdr")
     keys = [key for key in began.sources if key.startswith("materials.")]
     assert len(keys) == 7
     measured = "materials.rubber.conductivity"

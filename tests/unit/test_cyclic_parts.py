@@ -118,9 +118,7 @@ def test_mismatch_is_the_largest_and_softened_steps_add_up(monkeypatch: pytest.M
 def short_run(**options: Any) -> history.History:
     """A warming ramp of the air, and of the bearing to 100 %."""
     model = build_model(HDR)
-    test = tb.cyclic.CyclicTest(
-        dt=0.02, steps=[{"step": "ramp", "to_strain": 1.0, "duration": 2.0}]
-    )
+    test = tb.CyclicTest(dt=0.02, steps=[{"step": "ramp", "to_strain": 1.0, "duration": 2.0}])
     air = tb.Ambient.series(np.array([0.0, 1.0, 2.0]), np.array([-20.0, 30.0, -20.0]))
     cells = np.full(len(model.stack.part), -20.0)
     segments = build_segments(test, HDR.total_rubber_thickness)
@@ -156,8 +154,8 @@ def test_heat_is_lost_where_it_can_leave(through: str) -> None:
     """A warm bearing at rest, adiabatic but for its ends or its sides."""
     film = {"side_film": 0.0 if through == "ends" else 20.0}
     bearing = HDR.model_copy(update={"materials": HDR.materials.model_copy(update=film)})
-    face = tb.model.EndFace(eta=3.0 if through == "ends" else 1.0)
-    test = tb.cyclic.CyclicTest(dt=1.0, steps=[{"step": "rest", "duration": 600.0}])
+    face = tb.EndFace(eta=3.0 if through == "ends" else 1.0)
+    test = tb.CyclicTest(dt=1.0, steps=[{"step": "rest", "duration": 600.0}])
     result = tb.run(bearing, test, -20.0, initial=20.0, upper_face=face, lower_face=face)
     books = result.energy.iloc[0]
     lost = {name: books[f"heat_lost_{name}_kN_mm"] for name in ("ends", "sides")}
@@ -176,7 +174,7 @@ def test_inner_layer_of_a_half_and_of_a_whole_stack(half: int, inner: int) -> No
     dataset = xr.Dataset(
         {"rubber_temperature": (("ambient", "time", "layer"), values)}, attrs={"half_stack": half}
     )
-    result = tb.cyclic.Result(dataset)
+    result = tb.Result(dataset)
     assert_allclose(_temperatures(result, 0, "inner layer"), [inner, 6 + inner])
     assert_allclose(_temperatures(result, 0, "outer layer"), [0, 6])
 
@@ -206,7 +204,7 @@ def test_largest_mismatch_of_a_run_is_that_of_its_worst_step() -> None:
     """Far and cold: hardening is shared on the way back, and no more at the end."""
     sine = {"step": "cycles", "strain": 3.0, "wave": "sine", "period": 4.0, "count": 1}
     rest = {"step": "rest", "duration": 1.0}
-    result = tb.run(HDR, tb.cyclic.CyclicTest(dt=0.05, steps=[sine, rest]), -40.0)
+    result = tb.run(HDR, tb.CyclicTest(dt=0.05, steps=[sine, rest]), -40.0)
     steps = result["layer_force_mismatch"].values[0]
     worst = float(result["layer_force_mismatch_max"].values[0])
     assert worst == steps.max() > 10.0 * steps[-1]

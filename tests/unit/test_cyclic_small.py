@@ -20,7 +20,7 @@ def test_history_has_the_steps_of_each_temperature_and_no_more() -> None:
         {"step": "ramp", "to_strain": 1.0, "duration": 1.0},
         {"step": "rest", "within": "0.5 K"},
     ]
-    test = tb.cyclic.CyclicTest.model_validate({"dt": 0.05, "steps": steps})
+    test = tb.CyclicTest.model_validate({"dt": 0.05, "steps": steps})
     result = tb.run("shen-hdr-specimen", test, [-20.0, 40.0])
     kept = (result["segment"].values >= 0).sum(axis=1)
     assert kept[0] != kept[1]

@@ -11,9 +11,9 @@ from thermobearing.cli import app
 
 def test_keyword_force_is_overwrite_with_one_warning(tmp_path: Path) -> None:
     bearing = tb.load_bearing("shen-hdr-specimen")
-    path = tb.bearing.save_bearing(bearing, tmp_path / "mine.toml")
+    path = tb.save_bearing(bearing, tmp_path / "mine.toml")
     with pytest.warns(DeprecationWarning, match="overwrite=") as warned:
-        tb.bearing.save_bearing(bearing, path, **{"force": True})
+        tb.save_bearing(bearing, path, **{"force": True})
     assert len(warned) == 1
     assert Path(warned[0].filename) == Path(__file__)
 

@@ -18,7 +18,7 @@ import thermobearing as tb
 assert tb.__file__.startswith(sys.argv[1]), tb.__file__
 test = tb.cyclic_test(strain=[0.5], cycles=1, dt=0.1)
 print(tb.run("lrb-example", test, ambient=-20).outcome)
-print(len(tb.motions.list_motions()), tb.structure.load_structure("pier-p1").name)
+print(len(tb.list_motions()), tb.load_structure("pier-p1").name)
 """
 
 

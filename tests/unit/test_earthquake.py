@@ -204,7 +204,7 @@ def test_weather_is_the_same_heat_model() -> None:
     assert lead == pytest.approx(-12.0)
     drop = Ambient.series([0.0, 1.0, 7200.0], [0.0, -20.0, -20.0])
     cells, lead = soaked(device, drop)
-    test = tb.cyclic.CyclicTest(dt=10.0, steps=[{"step": "rest", "duration": 7200.0}])
+    test = tb.CyclicTest(dt=10.0, steps=[{"step": "rest", "duration": 7200.0}])
     bearing = tb.load_bearing("shen-lhdr-bridge")
     rest = tb.run(bearing, test, ambient=-20.0, initial=0.0)
     assert np.allclose(cells, rest["final_temperature"].values[0], atol=0.05)

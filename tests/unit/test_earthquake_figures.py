@@ -16,7 +16,7 @@ MOTIONS = ["jra-ii-i-1", "jra-ii-ii-1"]
 
 
 @pytest.fixture(scope="module")
-def study() -> tb.earthquake.EarthquakeResult:
+def study() -> tb.EarthquakeResult:
     """Long enough for the strong part of both motions, with room before and after it."""
     return tb.bridge([LHDR, BILINEAR], MOTIONS, [23, -20], duration=20, dt=0.01, keep_every=1)
 
@@ -72,7 +72,7 @@ def test_hinge_shows_its_yield_point_and_ductility(study: Any) -> None:
     figure = study.plot.hinge()
     axes = figure.axes
     assert "ductility" in figure.get_suptitle()
-    hinge = tb.structure.load_structure("pier-p1").hinges[0]
+    hinge = tb.load_structure("pier-p1").hinges[0]
     for ax in axes:
         marks = [line for line in ax.get_lines() if line.get_marker() == "D"]
         assert_allclose([abs(mark.get_xdata()[0]) for mark in marks], 1e3 * hinge.yield_rotation)

@@ -205,7 +205,7 @@ def test_printed_pseudo_dynamic_column_is_the_same_test() -> None:
     bearing = tb.load_bearing("shen-lhdr-specimen")
     constants = build_model(bearing).constants
     line = Line(constants, np.full(len(constants.cells.capacity), -20.0), speed=10.0)
-    motion = tb.motions.load_motion("jra-ii-ii-1")
+    motion = tb.load_motion("jra-ii-ii-1")
     ground = np.interp(0.005 * np.arange(2201), motion.time, motion.acceleration)
     air = np.full(2200, -20.0)
     forces = [

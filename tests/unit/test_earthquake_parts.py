@@ -105,7 +105,7 @@ def test_what_needs_a_specimen_that_moves_once_per_step(lab: dict[str, str]) -> 
 def test_backbone_of_a_bilinear_bearing(monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[Any] = []
     monkeypatch.setattr(run, "bilinear_constants", asked.append)
-    bearing = tb.bearing.load_bilinear(BILINEAR)
+    bearing = tb.load_bilinear(BILINEAR)
     run.build_device(case_of(bearings=[BILINEAR]), bearing)
     (p,) = asked
     assert (p.strength, p.initial, p.post_yield) == (

@@ -12,6 +12,7 @@ from tests.verification.structures import real_bearing, shaken
 from thermobearing.cyclic.equivalent import MOST_STEPS, isothermal_cycle
 from thermobearing.cyclic.history import build_segments
 from thermobearing.cyclic.protocol import MAX_CYCLES, survey
+from thermobearing.design.factors import scaled_bearing
 from thermobearing.identify.fit.synthetic import synthetic_record
 from thermobearing.model.effort import MAX_CELL_STEPS, MAX_KEPT, MAX_STEPS, study_too_much, too_much
 from thermobearing.structure import newmark
@@ -21,8 +22,8 @@ HDR = "shen-hdr-bridge"
 RUBBER = 30.0
 
 
-def steps(*given: dict[str, Any], **options: Any) -> tb.cyclic.CyclicTest:
-    return tb.cyclic.CyclicTest(steps=list(given), **options)
+def steps(*given: dict[str, Any], **options: Any) -> tb.CyclicTest:
+    return tb.CyclicTest(steps=list(given), **options)
 
 
 def cycles(**changes: Any) -> dict[str, Any]:
@@ -42,7 +43,7 @@ COUNTED = {
 
 
 @pytest.mark.parametrize("test", COUNTED.values(), ids=COUNTED)
-def test_steps_are_known_before_they_are_made(test: tb.cyclic.CyclicTest) -> None:
+def test_steps_are_known_before_they_are_made(test: tb.CyclicTest) -> None:
     _, counted = survey(test, RUBBER)
     made = sum(len(segment.x) for segment in build_segments(test, RUBBER))
     assert made <= counted + 8.0
@@ -102,11 +103,11 @@ def test_steps_are_known_before_they_are_made(test: tb.cyclic.CyclicTest) -> Non
             ["evaluations = 1000000000", "from 1 to 1000000"],
         ),
         (
-            lambda: tb.design.equal_bearing("shen-hdr-bridge", 2.0, 5e4),
+            lambda: tb.equal_bearing("shen-hdr-bridge", 2.0, 5e4),
             ["1681 layers", "at most 200"],
         ),
         (
-            lambda: tb.design.equal_bearing("shen-hdr-bridge", float("nan"), 200),
+            lambda: tb.equal_bearing("shen-hdr-bridge", float("nan"), 200),
             ["stiffness = nan"],
         ),
         (lambda: synthetic_record(SPECIMEN, 23.0, sampling=0.0), ["sampling = 0.0"]),
@@ -129,7 +130,7 @@ def test_too_much_is_told(
 RECORD = synthetic_record(SPECIMEN, 23.0, steps(cycles(count=2)))
 
 
-def large_stack() -> tb.bearing.Bearing:
+def large_stack() -> tb.Bearing:
     """A hundred layers of two cells in the half stack."""
     bearing = tb.load_bearing(SPECIMEN)
     geometry = bearing.geometry.model_copy(update={"rubber_layers": 200})
@@ -162,8 +163,7 @@ def test_a_cycle_without_heat_has_a_bounded_number_of_steps(
 
     monkeypatch.setattr(equivalent, "run_segments", counted)
     small, large = (
-        isothermal_cycle(tb.design.scaled_bearing("shen-hdr-bridge", factor), 1.75)
-        for factor in (1.0, 100.0)
+        isothermal_cycle(scaled_bearing("shen-hdr-bridge", factor), 1.75) for factor in (1.0, 100.0)
     )
     assert lengths[0] < lengths[1] <= 3 * 4 * MOST_STEPS
     assert large.h_eq == pytest.approx(small.h_eq, rel=1e-3)

@@ -162,7 +162,7 @@ def test_an_element_goes_on_where_a_test_ended(name: str) -> None:
     test = tb.cyclic_test(strain=[1.0], cycles=1, rest=None, dt=0.01, closing_strain=None)
     first = tb.run(name, test, ambient=AIR)
     second = tb.run(name, test, ambient=AIR, initial=first)
-    element = tb.element(name, ambient=AIR, initial=tb.cyclic.end_state(first, name))
+    element = tb.element(name, ambient=AIR, initial=tb.end_state(first, name))
     x, clock = second["displacement"].values[0], second["time"].values
     forces = [float(element.state.books["force"][0])]
     for k in range(1, len(x)):
@@ -178,13 +178,13 @@ def test_an_element_begins_only_where_its_bearing_was() -> None:
     test = tb.cyclic_test(strain=[0.5], cycles=1, rest=None, dt=0.02)
     result = tb.run("shen-hdr-specimen", test, ambient=[AIR, 23.0])
     with pytest.raises(tb.InputError, match="not of this"):
-        tb.cyclic.end_state(result, "shen-lhdr-specimen", AIR)
+        tb.end_state(result, "shen-lhdr-specimen", AIR)
     with pytest.raises(tb.InputError, match="2 runs"):
-        tb.cyclic.end_state(result, "shen-hdr-specimen")
-    warm = tb.cyclic.end_state(result, "shen-hdr-specimen", 23.0)
+        tb.end_state(result, "shen-hdr-specimen")
+    warm = tb.end_state(result, "shen-hdr-specimen", 23.0)
     assert min(warm.temperature) > 22.0
     with pytest.raises(tb.InputError, match="end_state"):
         tb.element("shen-hdr-specimen", initial=result)
-    fine = tb.bearing.changed_bearing("shen-hdr-specimen", cells={"rubber": 4})
+    fine = tb.changed_bearing("shen-hdr-specimen", cells={"rubber": 4})
     with pytest.raises(tb.InputError, match="cells"):
         tb.element(fine, initial=warm)

@@ -159,7 +159,7 @@ def test_earlier_models_and_the_equivalent_bilinear_model_have_them_once() -> No
 
 
 def test_a_fit_refuses_them_and_the_forward_model_has_them_once() -> None:
-    record = tb.identify.synthetic_record(tb.load_bearing(LAYERED[0]), 23.0, TEST)
+    record = tb.synthetic_record(tb.load_bearing(LAYERED[0]), 23.0, TEST)
     with pytest.raises(tb.InputError, match="table exposure"):
         tb.identify_bearing(record, with_table(LAYERED[0]), free=["K_r"])
     bearing = with_table(LAYERED[0])
@@ -171,8 +171,8 @@ def test_a_fit_refuses_them_and_the_forward_model_has_them_once() -> None:
 
 
 def test_a_validation_names_them() -> None:
-    record = tb.identify.synthetic_record(tb.load_bearing(LAYERED[0]), 23.0, TEST)
-    found = tb.validate.validate(with_table(LAYERED[0]), record)
+    record = tb.synthetic_record(tb.load_bearing(LAYERED[0]), 23.0, TEST)
+    found = tb.validate_bearing(with_table(LAYERED[0]), record)
     assert "exposure: stiffness x 1.3" in found.summary()["warnings"][0]
 
 

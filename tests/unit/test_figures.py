@@ -21,14 +21,12 @@ PNG = b"\x89PNG\r\n\x1a\n"
 TEMPERATURES = [-20.0, 0.0, 23.0]
 
 
-def steps(*given: dict[str, object]) -> tb.cyclic.CyclicTest:
-    return tb.cyclic.CyclicTest.model_validate(
-        {"name": "test", "dt": "0.02 s", "steps": list(given)}
-    )
+def steps(*given: dict[str, object]) -> tb.CyclicTest:
+    return tb.CyclicTest.model_validate({"name": "test", "dt": "0.02 s", "steps": list(given)})
 
 
 @pytest.fixture(scope="module")
-def result() -> tb.cyclic.Result:
+def result() -> tb.Result:
     test = tb.cyclic_test(strain=[0.5, 1.0], cycles=3, dt=0.01)
     return tb.run(BEARING, test, ambient=TEMPERATURES)
 
@@ -50,7 +48,7 @@ def drawn(ax: Axes) -> list[np.ndarray]:
     return [np.asarray(y) for line in ax.get_lines() if len(y := line.get_ydata(orig=True)) > 2]
 
 
-def test_save_all_writes_six_png(result: tb.cyclic.Result, tmp_path: Path) -> None:
+def test_save_all_writes_six_png(result: tb.Result, tmp_path: Path) -> None:
     files = result.plot.save_all(tmp_path / "new" / "figures")
     assert [file.stem for file in files] == NAMES
     for file in files:
@@ -61,7 +59,7 @@ def test_save_all_writes_six_png(result: tb.cyclic.Result, tmp_path: Path) -> No
         assert height > 2.5 * COARSE
 
 
-def test_displacement_cuts_the_rest_out(result: tb.cyclic.Result) -> None:
+def test_displacement_cuts_the_rest_out(result: tb.Result) -> None:
     figure = result.plot.displacement()
     ax = figure.axes[0]
     assert "[s]" in ax.get_xlabel()
@@ -77,7 +75,7 @@ def test_displacement_cuts_the_rest_out(result: tb.cyclic.Result) -> None:
     assert {"50 %", "100 %"} <= set(texts)
 
 
-def test_second_axis_is_strain(result: tb.cyclic.Result) -> None:
+def test_second_axis_is_strain(result: tb.Result) -> None:
     figure = result.plot.displacement()
     figure.draw_without_rendering()
     ax = figure.axes[0]
@@ -98,7 +96,7 @@ def test_loops_have_a_panel_per_temperature(count: int) -> None:
     assert len({ax.get_lines()[0].get_color() for ax in figure.axes}) == count
 
 
-def test_loops_reach_the_peaks(result: tb.cyclic.Result) -> None:
+def test_loops_reach_the_peaks(result: tb.Result) -> None:
     for run, ax in enumerate(result.plot.loops().axes):
         line = ax.get_lines()[0]
         stress = result["stress"].values[run]
@@ -107,7 +105,7 @@ def test_loops_reach_the_peaks(result: tb.cyclic.Result) -> None:
         assert np.nanmin(line.get_ydata()) == stress.min()
 
 
-def test_measures_draw_cycles_by_temperature(result: tb.cyclic.Result) -> None:
+def test_measures_draw_cycles_by_temperature(result: tb.Result) -> None:
     figure = result.plot.measures()
     left, right = figure.axes
     assert labels(left) == ("shear strain amplitude [%]", "equivalent shear modulus $G_e$ [MPa]")
@@ -129,7 +127,7 @@ def test_measures_take_the_cycles_there_are(cycles: int, expected: list[int]) ->
     assert shown(figure)[1:] == [f"cycle {n}" for n in expected]
 
 
-def test_layer_temperatures(result: tb.cyclic.Result) -> None:
+def test_layer_temperatures(result: tb.Result) -> None:
     figure = result.plot.layer_temperatures()
     assert titles(figure) == ["ambient −20 °C", "ambient 0 °C", "ambient 23 °C"]
     assert all(ax.get_ylabel() == "rubber temperature [°C]" for ax in figure.axes)
@@ -146,7 +144,7 @@ def test_layer_temperatures(result: tb.cyclic.Result) -> None:
             assert line[-2] == values[-1]  # the last point before the closing NaN
 
 
-def test_profiles_are_those_at_the_end_of_the_cycles(result: tb.cyclic.Result) -> None:
+def test_profiles_are_those_at_the_end_of_the_cycles(result: tb.Result) -> None:
     figure = result.plot.profiles()
     assert labels(figure.axes[0]) == ("temperature [°C]", "distance from the upper face [mm]")
     assert shown(figure) == ["50 %", "100 %", "ambient"]
@@ -182,7 +180,7 @@ def test_layers_are_drawn_at_their_last_peak() -> None:
         tb.run("shen-hdr-specimen", test).plot.layer_shear()
 
 
-def test_energy_gives_the_residual(result: tb.cyclic.Result) -> None:
+def test_energy_gives_the_residual(result: tb.Result) -> None:
     figure = result.plot.energy()
     assert all(ax.get_ylabel() == "energy [kJ = kN m]" for ax in figure.axes)
     assert all(len(drawn(ax)) == 6 for ax in figure.axes)
@@ -202,7 +200,7 @@ def test_energy_shows_that_the_published_scheme_loses_the_balance() -> None:
 
 def test_full_stack_shows_the_whole_height(tmp_path: Path) -> None:
     test = tb.cyclic_test(strain=[0.5], cycles=1, dt=0.02)
-    result = tb.run(BEARING, test, lower_face=tb.model.EndFace(film=5.0))
+    result = tb.run(BEARING, test, lower_face=tb.EndFace(film=5.0))
     figure = result.plot.profiles()
     texts = [text.get_text() for text in figure.axes[0].texts]
     assert {"upper face", "lower face", "rubber 6"} <= set(texts)
@@ -286,7 +284,7 @@ def test_interrupted_run_is_drawn_as_far_as_it_got(tmp_path: Path) -> None:
     assert len(result.plot.save_all(tmp_path)) == 6
 
 
-def test_shortened_rest_starts_to_scale_and_fills_its_room(result: tb.cyclic.Result) -> None:
+def test_shortened_rest_starts_to_scale_and_fills_its_room(result: tb.Result) -> None:
     axis = TimeAxis(result)
     rest = axis.stretches[1]
     assert rest.rest
@@ -296,7 +294,7 @@ def test_shortened_rest_starts_to_scale_and_fills_its_room(result: tb.cyclic.Res
     assert float(rest.place(np.array(rest.longest))) == pytest.approx(rest.right)
 
 
-def test_trace_is_continuous_and_monotone(result: tb.cyclic.Result) -> None:
+def test_trace_is_continuous_and_monotone(result: tb.Result) -> None:
     axis = TimeAxis(result)
     x, _ = axis.trace(0, result["force"].values[0])
     x = x[~np.isnan(x)]

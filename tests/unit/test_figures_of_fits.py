@@ -13,15 +13,15 @@ HDR = tb.load_bearing("shen-hdr-specimen")
 
 
 @pytest.fixture(scope="module")
-def fit() -> tb.identify.Identification:
+def fit() -> tb.Identification:
     """A warm test, and a cold one that is 5 % stronger than the law."""
     test = tb.cyclic_test(strain=[0.5, 1.0], cycles=2, rest=None)
-    warm, cold = (tb.identify.synthetic_record(HDR, ambient, test) for ambient in (23.0, -20.0))
+    warm, cold = (tb.synthetic_record(HDR, ambient, test) for ambient in (23.0, -20.0))
     records = [warm, replace(cold, force=1.05 * cold.force)]
     return tb.identify_bearing(records, HDR, free=["K_r"], starts=1)
 
 
-def test_loops_of_a_fit_have_one_force_scale(fit: tb.identify.Identification) -> None:
+def test_loops_of_a_fit_have_one_force_scale(fit: tb.Identification) -> None:
     """The cold test is the stronger one, and looks it; the test is a band around the model."""
     warm, cold = fit.plot.loops().axes
     assert warm.get_ylim() == cold.get_ylim()
@@ -31,7 +31,7 @@ def test_loops_of_a_fit_have_one_force_scale(fit: tb.identify.Identification) ->
     assert np.max(band.get_ydata()) == fit.records[1].force.max()
 
 
-def test_cycles_of_a_fit_are_absolute(fit: tb.identify.Identification) -> None:
+def test_cycles_of_a_fit_are_absolute(fit: tb.Identification) -> None:
     """Test and model in their unit, from zero, and how far the model is off."""
     modulus, _, energy, peak = fit.plot.cycles().axes
     assert energy.get_ylabel() == "energy [kJ = kN m]"
@@ -49,7 +49,7 @@ def test_cycles_of_a_fit_are_absolute(fit: tb.identify.Identification) -> None:
     assert text.replace("-", "−") in energy.get_title(loc="left")
 
 
-def test_a_band_lies_around_the_loops(fit: tb.identify.Identification) -> None:
+def test_a_band_lies_around_the_loops(fit: tb.Identification) -> None:
     """Legs in the band, and the force at each turn with its ends."""
     band = forecast(fit, [-30.0]).bands[0]
     loops, turns = fit.plot.band(band).axes

@@ -17,19 +17,19 @@ from thermobearing.results.writing import write_dataset
 
 
 @pytest.fixture(scope="module")
-def result() -> tb.cyclic.Result:
+def result() -> tb.Result:
     test = tb.cyclic_test(strain=[0.5, 1.0], cycles=2, dt=0.01)
     return tb.run("shen-lhdr-specimen", test, ambient=[-20.0, 23.0], histories="complete")
 
 
-def test_netcdf_is_compressed_without_loss(result: tb.cyclic.Result, tmp_path: Path) -> None:
+def test_netcdf_is_compressed_without_loss(result: tb.Result, tmp_path: Path) -> None:
     path = tmp_path / "result.nc"
     write_dataset(result.dataset, path)
     assert xr.load_dataset(path, engine="netcdf4").identical(result.dataset)
     assert path.stat().st_size < 0.6 * result.dataset.nbytes
 
 
-def test_history_has_the_digits_that_count(result: tb.cyclic.Result, tmp_path: Path) -> None:
+def test_history_has_the_digits_that_count(result: tb.Result, tmp_path: Path) -> None:
     save_result(result, tmp_path / "out", figures=False)
     table = pd.read_csv(tmp_path / "out" / "history.csv")
     assert len(table) == 2 * result.dataset.sizes["time"]
@@ -50,7 +50,7 @@ def test_history_has_the_digits_that_count(result: tb.cyclic.Result, tmp_path: P
 
 @pytest.mark.parametrize("name", ["loops", "layer_temperatures"])
 def test_figures_have_a_palette_and_look_the_same(
-    name: str, result: tb.cyclic.Result, tmp_path: Path
+    name: str, result: tb.Result, tmp_path: Path
 ) -> None:
     full, small = tmp_path / "full.png", tmp_path / "small.png"
     getattr(result.plot, name)().savefig(full, dpi=DPI)

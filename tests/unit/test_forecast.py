@@ -15,21 +15,21 @@ SHORT = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
 
 
 @pytest.fixture(scope="module")
-def exact() -> tb.identify.Identification:
+def exact() -> tb.Identification:
     """A fit to what the model itself said, of a bearing whose film and b are the file's."""
-    record = tb.identify.synthetic_record(BEARING, 23.0, SHORT, noise=2e-4, memory=0.9)
+    record = tb.synthetic_record(BEARING, 23.0, SHORT, noise=2e-4, memory=0.9)
     return tb.identify_bearing(record, BEARING, free=["K_r"], starts=1)
 
 
-def test_a_forecast_is_public(exact: tb.identify.Identification) -> None:
-    drawn = tb.identify.forecast(exact, [-20.0])
+def test_a_forecast_is_public(exact: tb.Identification) -> None:
+    drawn = tb.forecast(exact, [-20.0])
     (band,) = drawn.bands
     assert band.peak_lower < band.peak < band.peak_upper
     assert np.all(band.lower <= band.upper)
     assert any("-20 degC" in text for text in drawn.warnings)
 
 
-def test_no_cause_is_named_for_no_misfit(exact: tb.identify.Identification) -> None:
+def test_no_cause_is_named_for_no_misfit(exact: tb.Identification) -> None:
     """Residuals of 0.02 % are no misfit, whatever takes them away."""
     assumed = exact.uncertainty.assumed
     told = tuple(replace(item, explained=0.9, sigmas=50.0, stderr=1.0) for item in assumed.told)

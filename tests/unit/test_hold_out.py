@@ -23,7 +23,7 @@ FIT: dict[str, Any] = {"free": ["K_r", "d_y"], "starts": 1}
 
 
 def made(ambient: float, name: str, factor: float = 1.0) -> TestRecord:
-    record = tb.identify.synthetic_record(HDR, ambient, TEST, noise=0.002, sampling=25.0)
+    record = tb.synthetic_record(HDR, ambient, TEST, noise=0.002, sampling=25.0)
     return replace(record, name=name, force=factor * record.force)
 
 
@@ -64,7 +64,7 @@ def test_it_is_the_validation_of_the_fitted_bearing(good: list[TestRecord]) -> N
     """One judge: the same numbers as `validate` with the bearing of the same fit."""
     found = cross_validate(good[:2], HDR, hold_out=good[2], **FIT)
     fit = tb.identify_bearing(good[:2], HDR, **FIT)
-    again = tb.validate.validate(fit.bearing, good[2])
+    again = tb.validate_bearing(fit.bearing, good[2])
     assert found.final.values == fit.values
     pd.testing.assert_frame_equal(found.held_out.table, again.table)
     assert found.held_out.limits == again.limits
@@ -258,13 +258,13 @@ def test_command_with_folds(tmp_path: Path, good: list[TestRecord]) -> None:
 def test_a_test_is_judged_as_it_is_fitted() -> None:
     """Before: R2 0.97 for 0.996, since rests that relax and spikes taken out counted."""
     steps = tb.cyclic_test(strain=[0.5, 1.0], cycles=2, rest=120.0)
-    record = tb.identify.synthetic_record(
+    record = tb.synthetic_record(
         "shen-hdr-specimen", 0.0, steps, noise=0.005, sampling=20.0, through_rests=True, jitter=0.02
     )
     force = record.force + 0.2 * record.peak_force * (np.abs(record.displacement) < 0.2)
     force[len(force) // 3] += 3.0 * record.peak_force
     record = replace(record, force=force, despike=True)
-    found = tb.validate.validate("shen-hdr-specimen", record).comparisons[0]
+    found = tb.validate_bearing("shen-hdr-specimen", record).comparisons[0]
     assert found.R2 > 0.97
     assert found.NRMSE < 0.05
     held = cross_validate(

@@ -94,10 +94,10 @@ def test_fitted_bearing_is_a_library_file(folder: Path, tmp_path: Path) -> None:
     assert bearing.sources["geometry.rubber_layers"] == "Table 3.1"
     again = tb.run(bearing, tb.cyclic_test(strain=[1.0], cycles=1), ambient=23)
     assert again.outcome == "completed"
-    compound = tb.bearing.load_compound(out / "compound.toml")
+    compound = tb.load_compound(out / "compound.toml")
     assert "identified from at23" in compound.sources["rubber.shear_modulus"]
     size = {"plan": "240x240mm", "layers": "6x5mm", "shim": "3.2mm"}
-    made = tb.bearing.new_bearing("again", compound, **size)
+    made = tb.new_bearing("again", compound, **size)
     for key, value in bearing.hysteresis.model_dump().items():
         same = value if value is None else pytest.approx(value, rel=tol.ROUNDING)
         assert getattr(made.hysteresis, key) == same, key

@@ -71,7 +71,7 @@ def test_turns_in_noise() -> None:
 
 
 @pytest.mark.parametrize(("bearing", "at"), [(HDR, -20.0), (LHDR, -20.0), (HDR, 23.0)])
-def test_coarse_steps_are_near_all_steps(bearing: tb.bearing.Bearing, at: float) -> None:
+def test_coarse_steps_are_near_all_steps(bearing: tb.Bearing, at: float) -> None:
     record = synthetic_record(bearing, at, SHORT, noise=0.0)
     coarse, fine = (ForwardModel(record, bearing, fine=fine) for fine in (False, True))
     assert coarse.steps < 0.8 * fine.steps

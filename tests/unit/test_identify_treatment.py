@@ -72,13 +72,13 @@ def test_slow_turns_are_no_rests(period: float) -> None:
     t = np.linspace(0.0, 4.0, 4001) * period
     x = 50.0 * np.sin(2.0 * np.pi * t / period)
     x = x + np.random.default_rng(0).normal(0.0, JITTER, len(t))
-    assert find_rests(tb.identify.record_from_arrays(t, x, 2.0 * x, 23.0)) == []
+    assert find_rests(tb.record_from_arrays(t, x, 2.0 * x, 23.0)) == []
 
 
 def test_a_slow_creep_is_not_held_as_one_rest() -> None:
     t = np.linspace(0.0, 1000.0, 10001)
     x = np.where(t < 20.0, 50.0 * np.sin(np.pi * t / 5.0), 0.005 * (t - 20.0))
-    record = tb.identify.record_from_arrays(t, x, 2.0 * x, 23.0)
+    record = tb.record_from_arrays(t, x, 2.0 * x, 23.0)
     assert all(np.ptp(x[a : b + 1]) <= 0.004 * 50.0 + 1e-9 for a, b in find_rests(record))
 
 

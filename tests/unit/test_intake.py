@@ -85,7 +85,7 @@ def test_the_sidecar_reads_what_was_found(tmp_path: Path) -> None:
     file = laboratory(tmp_path / "lab.csv")
     bare = load_test(file)
     assert_allclose(bare.force, history()[2], atol=tol.FOUR_DECIMALS)
-    (found,) = tb.intake.take_in(file).files
+    (found,) = tb.take_in(file).files
     assert command("intake", file, "--beside", "--no-figures", "-o", tmp_path / "a/b/out")[0] == 0
     for path in (file, tmp_path / "a/b/out/sidecars/lab.toml"):
         record = load_test(path)
@@ -117,7 +117,7 @@ def test_a_sidecar_that_is_there_wins_and_stays(tmp_path: Path) -> None:
     assert not (tmp_path / "out").exists()
     assert file.with_suffix(".toml").read_text(encoding="utf-8") == kept
     file.with_suffix(".toml").write_text('ambient = "5 degC"\nflip_force = false\n')
-    (found,) = tb.intake.take_in(file).files
+    (found,) = tb.take_in(file).files
     assert found.record.ambient == 5.0
     assert "flip_force" not in found.sidecar or found.sidecar["flip_force"] is False
     assert found.sidecar["columns"]["force"] == "Kraft"
@@ -128,7 +128,7 @@ def test_columns_without_titles_and_units(tmp_path: Path) -> None:
     t, x, f = history()
     path = tmp_path / "bare.txt"
     np.savetxt(path, np.column_stack([f[:1600], t[:1600], x[:1600]]), fmt="%.5f")
-    (found,) = tb.intake.take_in(path).files
+    (found,) = tb.take_in(path).files
     assert [column.holds for column in found.columns] == ["force", "time", "displacement"]
     assert found.sidecar["units"] == {"time": "s", "displacement": "mm", "force": "kN"}
 
@@ -138,7 +138,7 @@ def test_blocks_and_sheets(tmp_path: Path) -> None:
     rows = "".join(f"{a:.3f},{b:.3f},{c:.3f}\n" for a, b, c in zip(t, x, f, strict=True))
     path = tmp_path / "two.csv"
     path.write_text(("time_s,disp_mm,load_kN\n" + rows) * 2)
-    (found,) = tb.intake.take_in(path).files
+    (found,) = tb.take_in(path).files
     assert found.blocks == 2
     assert [block.get("rest_before") for block in found.sidecar["blocks"]] == [None, "0 s"]
     openpyxl = pytest.importorskip("openpyxl", reason="pip install 'thermobearing[xlsx]'")
@@ -149,7 +149,7 @@ def test_blocks_and_sheets(tmp_path: Path) -> None:
         for a, b, c in zip(t, x, f, strict=True):
             sheet.append([float(a), float(b), float(c) / 9.80665, 21.5])
     book.save(tmp_path / "book.xlsx")
-    found = tb.intake.take_in([path, tmp_path / "book.xlsx"]).files[1]
+    found = tb.take_in([path, tmp_path / "book.xlsx"]).files[1]
     assert [block["sheet"] for block in found.sidecar["blocks"]] == ["50%", "100%"]
     assert found.record.ambient == 21.5
     assert_allclose(found.record.force[:800], f, atol=tol.FOUR_DECIMALS)
@@ -233,7 +233,7 @@ def test_a_chamber_that_warms_is_told(tmp_path: Path, warmer: float, told: str) 
 def test_rests_do_not_fill_the_picture(tmp_path: Path) -> None:
     """Four rests of 75 s beside loadings of 40 s had two thirds of its time axis; a rest of an
     hour all of it."""
-    (found,) = tb.intake.take_in(laboratory(tmp_path / "lab.csv")).files
+    (found,) = tb.take_in(laboratory(tmp_path / "lab.csv")).files
     axis = time_axis(found)
     rests = [s for s in axis.stretches if s.rest]
     assert len(rests) == 4

@@ -138,7 +138,7 @@ def test_heat_of_a_core_by_hand() -> None:
 def test_books_of_a_few_coarse_steps_close(source: str) -> None:
     """Rubber, lead and rate dependence, out and back and out again in steps of 5 mm."""
     ramps = [{"step": "ramp", "to": f"{x} mm", "speed": "100 mm/s"} for x in (30, -20, 45)]
-    test = tb.cyclic.CyclicTest(dt=0.05, steps=[*ramps, {"step": "rest", "duration": 2.0}])
+    test = tb.CyclicTest(dt=0.05, steps=[*ramps, {"step": "rest", "duration": 2.0}])
     books = tb.run(LHDR, test, -20.0, heat_source=source).energy.iloc[0]
     for kind in ("mechanical", "thermal"):
         assert abs(books[f"{kind}_residual"]) < tol.ENERGY_BOOKS
@@ -147,8 +147,8 @@ def test_books_of_a_few_coarse_steps_close(source: str) -> None:
 
 def test_heat_of_one_long_step_is_booked_as_it_was_lost() -> None:
     """A warm bearing at rest; a film on its ends, its sides in the wind, one step of 0.1 s."""
-    test = tb.cyclic.CyclicTest(dt=0.1, steps=[{"step": "rest", "duration": 0.1}])
-    face = tb.model.EndFace(film=30.0)
+    test = tb.CyclicTest(dt=0.1, steps=[{"step": "rest", "duration": 0.1}])
+    face = tb.EndFace(film=30.0)
     result = tb.run(HDR, test, -20.0, initial=20.0, upper_face=face, lower_face=face)
     assert int(result["steps"].sum()) == 1
     books = result.energy.iloc[0]
@@ -162,7 +162,7 @@ def test_side_loss_of_one_step(published: bool) -> None:
     options = ModelOptions(scheme="published" if published else "conservative")
     model = build_model(HDR, options)
     rest = {"step": "rest", "duration": 0.1}
-    test = tb.cyclic.CyclicTest(dt=0.1, steps=[rest])
+    test = tb.CyclicTest(dt=0.1, steps=[rest])
     result = tb.run(HDR, test, -20.0, initial=20.0, scheme=options.scheme)
     before, after = (result[f"{when}_temperature"].values[0] for when in ("initial", "final"))
     above = (before if published else 0.5 * (before + after)) + 20.0
@@ -184,12 +184,10 @@ def test_histories_are_the_same_however_many_steps_were_done() -> None:
             {"step": "ramp", "to": f"{3 * n} mm", "duration": f"{0.1 * (n - m)} s"}
             for m, n in pairwise(np.cumsum([0, *counts]).tolist())
         ]
-        test = tb.cyclic.CyclicTest(dt=0.1, steps=steps)
+        test = tb.CyclicTest(dt=0.1, steps=steps)
         result = tb.run(HDR, test, 0.0)
         assert_allclose(result["displacement"].values[0], [0.0, 3.0, 6.0, 9.0], rtol=tol.RAMP)
-        whole = tb.cyclic.CyclicTest(
-            dt=0.1, steps=[{"step": "ramp", "to": "9 mm", "duration": "0.3 s"}]
-        )
+        whole = tb.CyclicTest(dt=0.1, steps=[{"step": "ramp", "to": "9 mm", "duration": "0.3 s"}])
         expected = tb.run(HDR, whole, 0.0)["force"].values[0]
         assert_allclose(result["force"].values[0], expected, rtol=1e-9)
 

@@ -25,8 +25,8 @@ STEPS = [
     {"step": "rest", "duration": 60.0},
     {"step": "ramp", "to_strain": 0.7, "speed": 30.0},
 ]
-TEST = tb.cyclic.CyclicTest(dt=0.02, steps=STEPS)
-FACE = tb.model.EndFace(film=20.0)
+TEST = tb.CyclicTest(dt=0.02, steps=STEPS)
+FACE = tb.EndFace(film=20.0)
 
 
 def list_numbers(model: BaseModel, key: str = "") -> Iterator[tuple[str, float | int]]:
@@ -57,14 +57,14 @@ def perturbed(bearing: Bearing, key: str) -> Bearing:
     return validated(Bearing, table, "table", from_file=False)
 
 
-def fingerprint(result: tb.cyclic.Result) -> list[NDArray[Any]]:
+def fingerprint(result: tb.Result) -> list[NDArray[Any]]:
     """What an analysis computed: histories, final profile, and which variables there are."""
     data = result.dataset
     numbers = [data[name].values for name in sorted(map(str, data.variables)) if name != "outcome"]
     return [np.array(sorted(map(str, data.variables))), *numbers]
 
 
-def differ(one: tb.cyclic.Result, other: tb.cyclic.Result) -> bool:
+def differ(one: tb.Result, other: tb.Result) -> bool:
     a, b = fingerprint(one), fingerprint(other)
     return len(a) != len(b) or not all(map(same, a, b))
 
@@ -111,7 +111,7 @@ KEYS = [
 
 
 @pytest.fixture(scope="module")
-def results() -> dict[str, tb.cyclic.Result]:
+def results() -> dict[str, tb.Result]:
     return {
         shape: tb.run(bearing, TEST, ambient=-10, upper_face=FACE, lower_face=FACE)
         for shape, bearing in PLANS.items()
@@ -126,14 +126,14 @@ def test_keys_are_all_there() -> None:
     assert {"hysteresis.reference_temperature", "cells.shim", "materials.side_film"} <= names
 
 
-def test_same_input_same_output(results: dict[str, tb.cyclic.Result]) -> None:
+def test_same_input_same_output(results: dict[str, tb.Result]) -> None:
     """The comparison is to the bit, so it must say "the same" where nothing was changed."""
     again = tb.run(PLANS["square"], TEST, ambient=-10, upper_face=FACE, lower_face=FACE)
     assert not differ(results["square"], again)
 
 
 @pytest.mark.parametrize(("shape", "key"), KEYS)
-def test_numbers_of_a_bearing(results: dict[str, tb.cyclic.Result], shape: str, key: str) -> None:
+def test_numbers_of_a_bearing(results: dict[str, tb.Result], shape: str, key: str) -> None:
     """Histories of force, not only geometry in the labels, must feel the change."""
     changed = perturbed(PLANS[shape], key)
     result = tb.run(changed, TEST, ambient=-10, upper_face=FACE, lower_face=FACE)
@@ -144,7 +144,7 @@ def test_numbers_of_a_bearing(results: dict[str, tb.cyclic.Result], shape: str, 
     assert not (same_force and same_heat)
 
 
-def run(test: tb.cyclic.CyclicTest = TEST, **options: Any) -> tb.cyclic.Result:
+def run(test: tb.CyclicTest = TEST, **options: Any) -> tb.Result:
     return tb.run(SPECIMEN, test, **({"ambient": -10} | options))
 
 
@@ -153,9 +153,9 @@ OPTIONS: dict[str, Any] = {
     "integrator": "euler",
     "heat_source": "dissipation",
     "stack": "full",
-    "upper_face": tb.model.EndFace(eta=3.0),
-    "lower_face": tb.model.EndFace(film=3.0),
-    "side": tb.model.Side(film=25.0, cover=5.0),
+    "upper_face": tb.EndFace(eta=3.0),
+    "lower_face": tb.EndFace(film=3.0),
+    "side": tb.Side(film=25.0, cover=5.0),
     "model": "adiabatic",
     "keep_every": 3,
     "keep": ["rubber", "hysteretic", "layer_displacement"],
@@ -167,12 +167,12 @@ OPTIONS: dict[str, Any] = {
 
 
 @pytest.fixture(scope="module")
-def plain() -> tb.cyclic.Result:
+def plain() -> tb.Result:
     return run()
 
 
 @pytest.mark.parametrize("option", OPTIONS)
-def test_options(plain: tb.cyclic.Result, option: str) -> None:
+def test_options(plain: tb.Result, option: str) -> None:
     name = "initial" if option == "initial_profile" else option
     assert differ(plain, run(**{name: OPTIONS[option]}))
 
@@ -190,7 +190,7 @@ def test_every_option_of_a_case_was_tried() -> None:
     assert {*Analysis.model_fields, *Case.model_fields} - elsewhere <= set(OPTIONS)
 
 
-def test_choices_of_lead(results: dict[str, tb.cyclic.Result]) -> None:
+def test_choices_of_lead(results: dict[str, tb.Result]) -> None:
     table = with_lead().model_dump()
     changed = validated(
         Bearing, table | {"lead": table["lead"] | {"confined": True}}, "table", from_file=False
@@ -234,7 +234,7 @@ def test_keeping_less_changes_no_measure() -> None:
             assert_allclose(less[name], whole[name], rtol=tol.LOOP, err_msg=name)
 
 
-def test_ambient_series(plain: tb.cyclic.Result) -> None:
+def test_ambient_series(plain: tb.Result) -> None:
     series = tb.Ambient.series([0.0, 10.0], [-10.0, -11.0])
     assert differ(plain, run(ambient=series))
 
@@ -244,7 +244,7 @@ def test_ambient_series(plain: tb.cyclic.Result) -> None:
     [({"eta": 2.0}, {"eta": 2.1}), ({"film": 5.0}, {"film": 6.0}), ({"eta": 1.0}, {"film": 1.0})],
 )
 def test_faces(face: dict[str, float], other: dict[str, float]) -> None:
-    one, two = (run(upper_face=tb.model.EndFace(**f), initial=20.0) for f in (face, other))
+    one, two = (run(upper_face=tb.EndFace(**f), initial=20.0) for f in (face, other))
     assert differ(one, two)
 
 
@@ -272,8 +272,7 @@ STEP_KEYS: list[tuple[str, dict[str, Any], dict[str, Any]]] = [
 )
 def test_keys_of_steps(kind: str, keys: dict[str, Any], change: dict[str, Any]) -> None:
     tests = [
-        tb.cyclic.CyclicTest(dt=0.02, steps=[{"step": kind, **keys, **more}])
-        for more in ({}, change)
+        tb.CyclicTest(dt=0.02, steps=[{"step": kind, **keys, **more}]) for more in ({}, change)
     ]
     one, two = (run(test, initial=20.0) for test in tests)
     assert differ(one, two)

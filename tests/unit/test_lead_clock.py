@@ -63,7 +63,7 @@ def test_the_option_goes_before_the_bearing_and_that_before_the_scheme(
 
 def test_no_bearing_of_the_library_has_one() -> None:
     """So that `published` is the print for all of them."""
-    for name in tb.bearing.list_bearings():
+    for name in tb.list_bearings():
         lead = tb.load_bearing(name).lead
         assert lead is None or lead.clock is None
 

@@ -14,7 +14,7 @@ from thermobearing.structure.run import Method
 MELTS = "temperature_runaway"
 LEAD = "shen-lhdr-specimen"
 CYCLES = {"step": "cycles", "strain": 2.5, "speed": 1000.0, "count": 60}
-HOT = tb.cyclic.CyclicTest(dt=0.02, steps=[CYCLES])
+HOT = tb.CyclicTest(dt=0.02, steps=[CYCLES])
 
 
 @pytest.fixture(scope="module")
@@ -50,8 +50,8 @@ def test_structures(method: Method, shake: dict[str, object]) -> None:
 def test_validation(tmp_path: Path) -> None:
     t = np.arange(0.0, 12.0, 0.005)
     x = 75.0 * np.sin(2.0 * np.pi * t / 0.3)
-    record = tb.identify.record_from_arrays(t, x, 3.0 * x + 90.0 * np.sign(np.gradient(x)), 23.0)
-    found = tb.validate.validate(LEAD, record)
+    record = tb.record_from_arrays(t, x, 3.0 * x + 90.0 * np.sign(np.gradient(x)), 23.0)
+    found = tb.validate_bearing(LEAD, record)
     assert list(found.table["outcome"]) == [MELTS]
     assert found.outcome == "partly"
     assert SENTENCES[MELTS] in found.sentence
@@ -61,7 +61,7 @@ def test_validation(tmp_path: Path) -> None:
 def test_factors_and_bounds(shake: dict[str, object]) -> None:
     with pytest.raises(tb.InputError, match=r"temperature_runaway at 250%: .* melts"):
         run_factors([LEAD], temperatures=[0.0], strains=[2.5], speed=1000.0, cycles=[100])
-    pier = tb.structure.load_structure("pier-p1")
+    pier = tb.load_structure("pier-p1")
     limits = pier.limits.model_copy(update={"ductility": 1000.0, "drift": 1.0})
     pier = pier.model_copy(update={"limits": limits})  # or the pier ends the run before
     report = run_bounds(["shen-lhdr-bridge"], [shake], [23.0, 0.0], structure=pier)

@@ -28,7 +28,7 @@ def entries(table: dict[str, Any], key: str = "") -> Iterator[tuple[str, Any]]:
             yield dotted, value
 
 
-@pytest.mark.parametrize("name", tb.bearing.list_bearings())
+@pytest.mark.parametrize("name", tb.list_bearings())
 def test_every_number_has_a_source(name: str) -> None:
     raw = dict(entries(BEARINGS.table(name)[0]))
     sourced = set(raw) - TEXT_KEYS
@@ -45,7 +45,7 @@ def test_every_number_has_a_source(name: str) -> None:
     assert bearing.description
 
 
-@pytest.mark.parametrize("name", tb.bearing.list_bearings())
+@pytest.mark.parametrize("name", tb.list_bearings())
 def test_table_round_trip(name: str, tmp_path: Path) -> None:
     bearing = tb.load_bearing(name)
     again = tb.load_bearing(write_toml(tmp_path / "again.toml", to_table(bearing)))
@@ -165,8 +165,8 @@ def test_lead_must_leave_room_for_rubber(diameter: str, fits: bool, tmp_path: Pa
 def test_bilinear_bearing_is_stiff_first() -> None:
     given = {"name": "b", "total_rubber_thickness": 100.0, "strength": 90.0}
     with pytest.raises(tb.InputError, match="must be greater than post_yield_stiffness"):
-        tb.bearing.BilinearBearing(**given, initial_stiffness=2.0, post_yield_stiffness=2.0)
-    assert tb.bearing.BilinearBearing(**given, initial_stiffness=2.0, post_yield_stiffness=1.9)
+        tb.BilinearBearing(**given, initial_stiffness=2.0, post_yield_stiffness=2.0)
+    assert tb.BilinearBearing(**given, initial_stiffness=2.0, post_yield_stiffness=1.9)
 
 
 def test_what_is_read_once_is_nobodys_to_change() -> None:

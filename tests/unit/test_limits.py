@@ -84,7 +84,7 @@ def numbers(model: BaseModel) -> Iterator[tuple[type[BaseModel], str, float]]:
 
 
 LIBRARY: list[Strict] = [
-    *(tb.load_bearing(name) for name in tb.bearing.list_bearings()),
+    *(tb.load_bearing(name) for name in tb.list_bearings()),
     *(load_bilinear(name) for name in list_bilinear()),
     *(load_structure(name) for name in list_structures()),
 ]

@@ -29,7 +29,8 @@ from thermobearing.structure.model import (
     reported_line,
 )
 from thermobearing.structure.result import implausible_structure
-from thermobearing.studies import plan, run_shard
+from thermobearing.studies.definition.designs import plan
+from thermobearing.studies.run.shard import run_shard
 from thermobearing.studies.statistics.failed_runs import counted
 
 MOTION: dict[str, Any] = {"motion": "jra-ii-i-1", "duration": 6.0}
@@ -74,14 +75,14 @@ def bridge_of(structure: dict[str, Any]) -> Structure:
 
 
 @pytest.fixture(scope="module")
-def study() -> tb.earthquake.EarthquakeResult:
+def study() -> tb.EarthquakeResult:
     """Of the pier with a hinge; the air of one line is its own."""
     lines = [{"line": "on A", "ambient": "-20 degC"}]
     structure = bridge_of(two_piers())
     return tb.bridge("shen-hdr-bridge", ambient=[23.0], structure=structure, lines=lines, **MOTION)
 
 
-def test_the_table_holds_the_governing_values(study: tb.earthquake.EarthquakeResult) -> None:
+def test_the_table_holds_the_governing_values(study: tb.EarthquakeResult) -> None:
     """The largest of all lines and piers with its place; before: line and pier of the report."""
     lines, piers = study.lines.set_index("line"), study.piers.set_index("pier")
     row = study.table.iloc[0]
@@ -104,7 +105,7 @@ def test_the_table_holds_the_governing_values(study: tb.earthquake.EarthquakeRes
     assert piers.loc["B", "displacement_max_mm"] == pytest.approx(1e4 * turned)
 
 
-def test_the_document_is_about_all_lines(study: tb.earthquake.EarthquakeResult) -> None:
+def test_the_document_is_about_all_lines(study: tb.EarthquakeResult) -> None:
     """Answer, first table and peaks; before: 155 kN of the line of the report."""
     pieces = build_pieces(study)
     force = study.lines["force_max_kN"].max()
@@ -194,7 +195,7 @@ def test_the_default_study_exceeds_the_limit_of_a_pier() -> None:
     assert result.table["pier_ductility"][1] == pytest.approx(10.7, abs=0.05)
 
 
-def test_a_line_in_colder_air(study: tb.earthquake.EarthquakeResult) -> None:
+def test_a_line_in_colder_air(study: tb.EarthquakeResult) -> None:
     lines = study.lines.set_index("line")
     assert list(lines["line_ambient_degC"]) == [-20.0, 23.0]
     assert lines.loc["on A", "rubber_max_degC"] < 23.0 < lines.loc["on B", "rubber_max_degC"]
@@ -210,7 +211,7 @@ def case_of(structure: dict[str, Any], **more: Any) -> Any:
 
 
 def test_files_say_every_line_and_pier(
-    study: tb.earthquake.EarthquakeResult, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    study: tb.EarthquakeResult, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     from thermobearing.earthquake.output import print_study
 
@@ -232,9 +233,7 @@ def test_files_say_every_line_and_pier(
     assert "ductility" in shown
 
 
-def test_the_figure_has_a_dot_for_every_part(
-    study: tb.earthquake.EarthquakeResult, tmp_path: Path
-) -> None:
+def test_the_figure_has_a_dot_for_every_part(study: tb.EarthquakeResult, tmp_path: Path) -> None:
     figure = study.plot.parts()
     panels = {ax.get_ylabel(): ax for ax in figure.axes}
     assert set(panels) == {
@@ -272,7 +271,7 @@ def test_counts_go_into_the_structure() -> None:
 
 def test_lines_of_another_bearing_are_told_about_with_their_own_numbers() -> None:
     """Bilinear ones, half as strong on A: plain Python would not compile for two kinds."""
-    weak = tb.bearing.load_bilinear("shen-bilinear-bridge").model_copy(
+    weak = tb.load_bilinear("shen-bilinear-bridge").model_copy(
         update={"name": "weak", "total_rubber_thickness": 56.0}
     )
     case = case_of(two_piers(), bearings=["shen-bilinear-bridge"])
@@ -330,7 +329,7 @@ def test_the_line_of_the_report_may_be_said() -> None:
 def test_a_fixed_base_is_that_of_stiff_springs() -> None:
     """The footing held, beside the footing on springs a million times as stiff."""
     held = tb.bridge("shen-bilinear-bridge", ambient=23, fixed_base=True, **MOTION)
-    stiff = tb.structure.load_structure("pier-p1")
+    stiff = tb.load_structure("pier-p1")
     springs = [
         spring.model_copy(
             update={
@@ -352,10 +351,10 @@ def test_a_fixed_base_is_that_of_stiff_springs() -> None:
 
 def test_what_has_no_foundation_has_none_to_hold() -> None:
     with pytest.raises(tb.InputError, match="no body stands on springs"):
-        fixed_base(tb.structure.load_structure("hybrid-pier"))
+        fixed_base(tb.load_structure("hybrid-pier"))
     with pytest.raises(tb.InputError, match="true or false"):
         make_earthquake_case({"fixed_base": "yes"}, "test")
-    assert coordinates(fixed_base(tb.structure.load_structure("pier-p1")))[0] == "deck x"
+    assert coordinates(fixed_base(tb.load_structure("pier-p1")))[0] == "deck x"
 
 
 def test_air_of_lines_is_added_to_that_of_the_run() -> None:
@@ -395,7 +394,7 @@ def test_bounds_judge_every_line_and_pier() -> None:
 
 
 def test_the_largest_of_all_lines_and_piers_is_said(
-    study: tb.earthquake.EarthquakeResult, capsys: pytest.CaptureFixture[str]
+    study: tb.EarthquakeResult, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """Before, the first table was about one line and pier and did not say which."""
     rows = governing_runs(study).set_index("what")
@@ -454,7 +453,7 @@ def test_a_misspelled_file_is_told_its_neighbour(tmp_path: Path) -> None:
         tb.load_bearing(tmp_path / "hdr-720-10x71.toml")
 
 
-def test_histories_of_every_pier_and_line(study: tb.earthquake.EarthquakeResult) -> None:
+def test_histories_of_every_pier_and_line(study: tb.EarthquakeResult) -> None:
     """Before: of those that the tables are about."""
     data, run = study.dataset, 0
     kept = np.isfinite(data["time"].values[run])

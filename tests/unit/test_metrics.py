@@ -9,14 +9,20 @@ from numpy.typing import NDArray
 
 import thermobearing as tb
 from tests import tolerances as tol
-from thermobearing.results.metrics import CycleMeasures, find_cycles, found_cycles, loop_energy
+from thermobearing.results.metrics import (
+    CycleMeasures,
+    find_cycles,
+    found_cycles,
+    loop_energy,
+    measure_cycle,
+)
 
 Floats = NDArray[np.float64]
 AREA, RUBBER = 57600.0, 30.0  # mm2, mm
 
 
 def measured(d: Floats, f: Floats) -> CycleMeasures:
-    return tb.results.measure_cycle(d, f, area=AREA, total_rubber_thickness=RUBBER)
+    return measure_cycle(d, f, area=AREA, total_rubber_thickness=RUBBER)
 
 
 def test_ellipse() -> None:
@@ -86,7 +92,7 @@ def test_forces_of_a_lopsided_loop() -> None:
     assert_allclose([m.force_max_kN, m.force_min_kN], [100.0, -90.0], rtol=tol.LOOP)
     assert_allclose(m.stiffness_kN_mm, 190.0 / 80.0, rtol=tol.LOOP)
     assert_allclose(m.amplitude_mm, 40.0, rtol=tol.LOOP)
-    loop = tb.results.measure_cycle(d, f, area=AREA, total_rubber_thickness=RUBBER, work=1000.0)
+    loop = measure_cycle(d, f, area=AREA, total_rubber_thickness=RUBBER, work=1000.0)
     assert_allclose(loop.h_eq, 1000.0 / (2.0 * np.pi * 190.0 / 80.0 * 40.0**2), rtol=tol.LOOP)
 
 
@@ -105,7 +111,7 @@ def test_cycles_are_cut_where_they_cross_zero() -> None:
     f = np.where([True, False, False, False, False, True, True, True], q, -q) + k2 * d
     d = np.concatenate([[0.0, 10.0], np.tile(d, 3), [a]])
     f = np.concatenate([[0.0, q + 10.0 * k2], np.tile(f, 3), [q + k2 * a]])
-    cycles = tb.results.measure_history(d, f, area=AREA, total_rubber_thickness=RUBBER)
+    cycles = tb.measure_history(d, f, area=AREA, total_rubber_thickness=RUBBER)
     assert len(cycles) == 3
     energy = [cycle.energy_kN_mm for cycle in cycles[1:]]
     assert_allclose(energy, 4.0 * q * (a - q / (k1 - k2)), rtol=tol.LOOP)
@@ -178,7 +184,7 @@ def test_no_cycles() -> None:
 )
 def test_unusable_histories(d: Floats, f: Floats, words: str) -> None:
     with pytest.raises(tb.InputError, match=words):
-        tb.results.measure_history(d, f, area=AREA, total_rubber_thickness=RUBBER)
+        tb.measure_history(d, f, area=AREA, total_rubber_thickness=RUBBER)
 
 
 @pytest.mark.parametrize("points", [40, 200, 1003])
@@ -186,7 +192,7 @@ def test_cycles_share_no_energy(points: int) -> None:
     """However coarse and wherever its points lie, each cycle counts its own area once."""
     t = np.arange(0.3, 4.2 * points) / points
     d, f = 30.0 * np.sin(2 * np.pi * t), 50.0 * np.cos(2 * np.pi * t)
-    cycles = tb.results.measure_history(d, f, area=AREA, total_rubber_thickness=RUBBER)
+    cycles = tb.measure_history(d, f, area=AREA, total_rubber_thickness=RUBBER)
     polygon = 0.5 * points * np.sin(2 * np.pi / points) * 1500.0
     assert len(cycles) == 4
     energy = [cycle.energy_kN_mm for cycle in cycles[1:]]
@@ -195,7 +201,7 @@ def test_cycles_share_no_energy(points: int) -> None:
 
 def test_known_work_needs_peaks_and_zeros_only() -> None:
     d, f = np.array([0.0, 30.0, 0.0, -30.0, 0.0]), np.array([9.0, 60.0, -9.0, -60.0, 9.0])
-    m = tb.results.measure_cycle(d, f, area=AREA, total_rubber_thickness=RUBBER, work=700.0)
+    m = measure_cycle(d, f, area=AREA, total_rubber_thickness=RUBBER, work=700.0)
     assert_allclose(m.h_eq, 700.0 / (2.0 * np.pi * 2.0 * 900.0), rtol=tol.LOOP)
 
 
@@ -209,7 +215,7 @@ def test_known_work_needs_peaks_and_zeros_only() -> None:
     ],
 )
 def test_no_numbers(d: Floats, f: Floats, words: str) -> None:
-    for measure in (tb.results.measure_history, tb.results.measure_cycle):
+    for measure in (tb.measure_history, measure_cycle):
         with pytest.raises(tb.InputError, match=words):
             measure(d, f, area=AREA, total_rubber_thickness=RUBBER)
 
@@ -218,9 +224,7 @@ def test_unusable_cycles() -> None:
     with pytest.raises(tb.InputError, match="5 points"):
         measured(np.arange(5.0), np.arange(5.0))
     with pytest.raises(tb.InputError, match="must be positive"):
-        tb.results.measure_cycle(
-            np.arange(9.0), np.arange(9.0), area=0.0, total_rubber_thickness=1.0
-        )
+        measure_cycle(np.arange(9.0), np.arange(9.0), area=0.0, total_rubber_thickness=1.0)
     with pytest.raises(tb.InputError, match="without displacement"):
         measured(np.zeros(50), np.ones(50))
 
@@ -244,7 +248,7 @@ def test_strength_of_cycles_before_a_rest(
     """The force that is lost in a rest belongs to no cycle, whether the rest is known or not."""
     d, f, rests = rested(gap, jitter, level)
     known = rests if told else []
-    cycles = tb.results.measure_history(d, f, area=AREA, total_rubber_thickness=RUBBER, rests=known)
+    cycles = tb.measure_history(d, f, area=AREA, total_rubber_thickness=RUBBER, rests=known)
     strengths = [cycle.characteristic_strength_kN for cycle in cycles]
     assert_allclose(strengths, 30.0, rtol=tol.FORCE_AT_A_REST)
     assert [cycle.ends for cycle in found_cycles(d, rests=known)] == (
@@ -255,7 +259,7 @@ def test_strength_of_cycles_before_a_rest(
 @pytest.mark.parametrize("level", [-0.4, 0.4])
 def test_rests_beside_zero(level: float) -> None:
     d, f, rests = rested(500, 0.02, level)
-    cycles = tb.results.measure_history(d, f, area=AREA, total_rubber_thickness=RUBBER, rests=rests)
+    cycles = tb.measure_history(d, f, area=AREA, total_rubber_thickness=RUBBER, rests=rests)
     strengths = [cycle.characteristic_strength_kN for cycle in cycles]
     assert_allclose(strengths, 30.0, rtol=tol.FORCE_AT_A_REST)
 

@@ -23,7 +23,7 @@ from thermobearing.model.outcomes import (
 )
 
 LIMITS = temperature_limits()
-FAST = tb.cyclic.CyclicTest(
+FAST = tb.CyclicTest(
     steps=[{"step": "cycles", "strain": 1.5, "wave": "sine", "period": 1.0, "count": 60}]
 )
 
@@ -116,7 +116,7 @@ def test_a_rest_does_not_ring(dt: float) -> None:
 
     42 degC were reached on the way from -20 to 23 degC.
     """
-    rest = tb.cyclic.CyclicTest(dt=dt, steps=[{"step": "rest", "duration": 4500.0}])
+    rest = tb.CyclicTest(dt=dt, steps=[{"step": "rest", "duration": 4500.0}])
     result = tb.run("shen-hdr-bridge", rest, 23.0, initial=-20.0)
     assert float(result["temperature"].min()) >= -20.0
     assert float(result["temperature"].max()) <= 23.0

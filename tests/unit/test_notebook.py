@@ -14,20 +14,21 @@ import thermobearing as tb
 from tests.unit.inputs import told
 from thermobearing.design.run import run_bounds, run_factors
 from thermobearing.motions.run import examine_motion
-from thermobearing.results import SavedResult, overlay
+from thermobearing.results.profiles import overlay
+from thermobearing.results.saved import SavedResult
 
 SHORT = 300  # letters
 NAMES = ["shen-lhdr-bridge", "shen-hdr-bridge"]
 
 
 @pytest.fixture(scope="module")
-def result() -> tb.cyclic.Result:
+def result() -> tb.Result:
     test = tb.cyclic_test(strain=[0.5, 1.0], cycles=2, rest=None, dt=0.02)
     return tb.run("shen-lhdr-specimen", test, ambient=[-20.0, 23.0])
 
 
 @pytest.fixture(scope="module")
-def study() -> tb.earthquake.EarthquakeResult:
+def study() -> tb.EarthquakeResult:
     motions = ["jra-ii-i-1", "jra-i-i-1"]
     return tb.bridge(NAMES, motions, [23, -20], duration=2, rig="shen-rig")
 
@@ -35,15 +36,15 @@ def study() -> tb.earthquake.EarthquakeResult:
 @pytest.fixture(scope="module")
 def fit() -> Any:
     test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None, dt=0.02)
-    record = tb.identify.synthetic_record("shen-hdr-specimen", 23.0, test)
+    record = tb.synthetic_record("shen-hdr-specimen", 23.0, test)
     return tb.identify_bearing(record, "shen-hdr-specimen", free=["K_r"], starts=1)
 
 
 def test_words_are_short_and_html_holds_the_numbers(
-    result: tb.cyclic.Result, study: tb.earthquake.EarthquakeResult, fit: Any
+    result: tb.Result, study: tb.EarthquakeResult, fit: Any
 ) -> None:
     bearing = tb.load_bearing("shen-lhdr-specimen")
-    validation = tb.validate.validate("shen-hdr-specimen", fit.records)
+    validation = tb.validate_bearing("shen-hdr-specimen", fit.records)
     for item, held in (
         (bearing, "mm2"),
         (result, "G_eq_MPa"),
@@ -62,8 +63,8 @@ def test_words_are_short_and_html_holds_the_numbers(
 
 
 def test_show_prints_what_the_command_prints(
-    result: tb.cyclic.Result,
-    study: tb.earthquake.EarthquakeResult,
+    result: tb.Result,
+    study: tb.EarthquakeResult,
     fit: Any,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
@@ -72,7 +73,7 @@ def test_show_prints_what_the_command_prints(
         assert words in capsys.readouterr().out
 
 
-def test_some_runs_of_a_study(study: tb.earthquake.EarthquakeResult) -> None:
+def test_some_runs_of_a_study(study: tb.EarthquakeResult) -> None:
     one = study.sel(bearing=NAMES[1], motion="jra-i-i-1", ambient=-20)
     number = next(
         k
@@ -88,7 +89,7 @@ def test_some_runs_of_a_study(study: tb.earthquake.EarthquakeResult) -> None:
     assert study.sel(bearing=NAMES[0]).runs == study.runs // 2
 
 
-def test_labels_become_dimensions_in_their_order(study: tb.earthquake.EarthquakeResult) -> None:
+def test_labels_become_dimensions_in_their_order(study: tb.EarthquakeResult) -> None:
     grid = study.to_dataset()
     assert list(grid["bearing"].values) == NAMES
     assert list(grid["ambient"].values) == [23.0, -20.0]
@@ -102,13 +103,13 @@ def test_labels_become_dimensions_in_their_order(study: tb.earthquake.Earthquake
         assert there.attrs["units"] == "kN"
 
 
-def test_a_grid_with_a_hole(study: tb.earthquake.EarthquakeResult) -> None:
+def test_a_grid_with_a_hole(study: tb.EarthquakeResult) -> None:
     data = study.dataset.isel(run=slice(1, None))
-    grid = tb.earthquake.EarthquakeResult(data).to_dataset()["bearing_force_max"]
+    grid = tb.EarthquakeResult(data).to_dataset()["bearing_force_max"]
     assert int(np.isnan(grid).sum()) == 1
 
 
-def test_measures_have_labels(result: tb.cyclic.Result) -> None:
+def test_measures_have_labels(result: tb.Result) -> None:
     measures = result.to_dataset()
     for row in result.cycles.to_dict("records"):
         there = measures.sel(
@@ -129,13 +130,13 @@ def test_a_strain_that_comes_twice_is_numbered() -> None:
     assert list(found["number"].values) == [1, 2, 3, 4]
 
 
-def test_selection_of_a_thinned_result(result: tb.cyclic.Result, tmp_path: Path) -> None:
+def test_selection_of_a_thinned_result(result: tb.Result, tmp_path: Path) -> None:
     loaded = tb.load_result(result.save(tmp_path / "out", figures=False))
-    assert isinstance(loaded, tb.cyclic.Result)
+    assert isinstance(loaded, tb.Result)
     assert list(loaded.sel(ambient=23).cycles["ambient_degC"]) == [23.0] * 4
 
 
-def test_sweeps(study: tb.earthquake.EarthquakeResult) -> None:
+def test_sweeps(study: tb.EarthquakeResult) -> None:
     found = tb.sweep(NAMES, motion=["jra-ii-i-1", "jra-i-i-1"], ambient=[23, -20], duration=2)
     same = study.to_dataset()["bearing_strain_max"]
     assert_array_equal(found["bearing_strain_max"].values, same.values)
@@ -147,7 +148,7 @@ def test_sweeps(study: tb.earthquake.EarthquakeResult) -> None:
     assert np.isfinite(measured["G_eq_MPa"]).all()
 
 
-def test_bad_labels(study: tb.earthquake.EarthquakeResult, result: tb.cyclic.Result) -> None:
+def test_bad_labels(study: tb.EarthquakeResult, result: tb.Result) -> None:
     told(lambda: study.sel(bering="x"), 'no label "bering"', "bearing")
     told(lambda: study.sel(ambient=5), "no run with ambient = 5", "23.0, -20.0")
     told(lambda: study.sel(ambient="cold"), "no run with ambient = 'cold'")
@@ -157,7 +158,7 @@ def test_bad_labels(study: tb.earthquake.EarthquakeResult, result: tb.cyclic.Res
     told(lambda: tb.element("shen-hdr-bridge", ambinet=-20), 'unknown key "ambinet"')
 
 
-def test_a_notebook_gets_a_picture(result: tb.cyclic.Result) -> None:
+def test_a_notebook_gets_a_picture(result: tb.Result) -> None:
     figure: Any = result.plot.loops()
     assert isinstance(figure, Figure)
     assert figure._repr_png_().startswith(b"\x89PNG")
@@ -176,14 +177,14 @@ def test_loops_go_into_a_panel_of_somebody_else(kind: str, request: pytest.Fixtu
     assert ax.get_xlabel()
 
 
-def test_panels_of_a_study_take_an_ax(study: tb.earthquake.EarthquakeResult) -> None:
+def test_panels_of_a_study_take_an_ax(study: tb.EarthquakeResult) -> None:
     for name in ("strain", "pier", "pier_acceleration", "hinge", "deck", "energy"):
         ax = Figure().subplots()
         getattr(study.plot, name)(ax=ax)
         assert len(ax.get_lines()) == study.runs
 
 
-def test_overlay(result: tb.cyclic.Result, study: Any, fit: Any) -> None:
+def test_overlay(result: tb.Result, study: Any, fit: Any) -> None:
     both = overlay({"cold": result.sel(ambient=-20), "warm": result.sel(ambient=23)})
     (ax,) = both.axes
     assert [text.get_text() for text in ax.get_legend().get_texts()] == ["cold", "warm"]
@@ -194,11 +195,11 @@ def test_overlay(result: tb.cyclic.Result, study: Any, fit: Any) -> None:
 
 
 def test_every_kind_of_result_is_read_again(
-    result: tb.cyclic.Result, study: Any, fit: Any, tmp_path: Path
+    result: tb.Result, study: Any, fit: Any, tmp_path: Path
 ) -> None:
     reports = {
         "identify": fit,
-        "validate": tb.validate.validate("shen-hdr-specimen", fit.records),
+        "validate": tb.validate_bearing("shen-hdr-specimen", fit.records),
         "lambda": run_factors(["shen-hdr-bridge"], temperatures=[-20.0], strains=[1.0]),
         "motions show": examine_motion(tb.load_motion("jra-ii-i-1")),
         "bounds": run_bounds(["shen-hdr-bridge"], ["jra-ii-i-1"], [23.0, -20.0]),
@@ -218,7 +219,7 @@ def test_every_kind_of_result_is_read_again(
     assert bearing.hysteresis == fit.bearing.hysteresis
     assert len(fitted["fit"]) == sum(len(r.time) for r in fit.records)
     told(lambda: fitted["nonsense"], 'no table "nonsense"', "fit")
-    for item, kind in ((result, tb.cyclic.Result), (study, tb.earthquake.EarthquakeResult)):
+    for item, kind in ((result, tb.Result), (study, tb.EarthquakeResult)):
         folder = item.save(tmp_path / kind.__name__, figures=False)
         assert isinstance(tb.load_result(folder), kind)
         (folder / "result.nc").unlink()

@@ -47,11 +47,11 @@ def test_masked_and_complex_numbers_are_refused(values: Any) -> None:
     for use in (
         lambda: tb.run("shen-hdr-specimen", history=(time, values)),
         lambda: tb.run("shen-hdr-specimen", history=(values, time)),
-        lambda: tb.motions.motion_from_arrays(values, unit="m/s2", dt=0.01),
+        lambda: tb.motion_from_arrays(values, unit="m/s2", dt=0.01),
         lambda: tb.Ambient.series(time, values),
         lambda: tb.element("shen-hdr-specimen", initial=values),
     ):
         with pytest.raises(tb.InputError, match=r"masked|complex"):
             use()
     whole = np.ma.array([0.0, 1.0, 2.0])  # nothing hidden
-    assert tb.motions.motion_from_arrays(whole, unit="m/s2", dt=0.01).pga == 2000.0
+    assert tb.motion_from_arrays(whole, unit="m/s2", dt=0.01).pga == 2000.0

@@ -17,6 +17,7 @@ from thermobearing.bearing.library import as_bearing
 from thermobearing.core.types import HEAT_FROM_DISSIPATION, HEAT_FROM_WORK
 from thermobearing.cyclic.case import make_case, to_table
 from thermobearing.cyclic.equivalent import bilinear_parameters, isothermal_cycle
+from thermobearing.design.factors import scale_study, scaled_bearing
 from thermobearing.earthquake.case import make_earthquake_case
 from thermobearing.earthquake.run import build_device
 from thermobearing.identify.fit.forward import ForwardModel
@@ -45,16 +46,16 @@ TAKERS: dict[str, Callable[[Any], Any]] = {
     "BearingElement": lambda b: tb.BearingElement(b, 23.0).set_trial(5.0, 0.1, 23.0).force,
     "bilinear_parameters": lambda b: [getattr(bilinear_parameters(b), n) for n in PARAMETERS],
     "isothermal_cycle": lambda b: isothermal_cycle(b, 1.0).energy_kN_mm,
-    "bounds_study": lambda b: tb.design.bounds_study(b, "jra-ii-i-1", [0.0, 23.0], duration=1),
-    "check_test": lambda b: tb.identify.check_test(RECORD, b).outcome,
-    "equal_bearing": lambda b: tb.design.equal_bearing(b, 2.0, 150.0).stiffness,
+    "bounds_study": lambda b: tb.bounds_study(b, "jra-ii-i-1", [0.0, 23.0], duration=1),
+    "check_test": lambda b: tb.check_test(RECORD, b).outcome,
+    "equal_bearing": lambda b: tb.equal_bearing(b, 2.0, 150.0).stiffness,
     "forgotten": lambda b: forgotten(b).model_dump_json(),
     "identify_bearing": lambda b: list(
         tb.identify_bearing(RECORD, b, free=["K_r"], starts=1, blind=False).values.values()
     ),
     "parameter_set": lambda b: parameter_set(b, ["K_r"], [23.0]).start,
-    "scale_study": lambda b: tb.design.scale_study(b, factors=[0.5], dt=0.05)[0],
-    "scaled_bearing": lambda b: tb.design.scaled_bearing(b, 0.5).model_dump_json(),
+    "scale_study": lambda b: scale_study(b, factors=[0.5], dt=0.05)[0],
+    "scaled_bearing": lambda b: scaled_bearing(b, 0.5).model_dump_json(),
     "synthetic_record": lambda b: synthetic_record(b, 23.0, SHORT).force,
     "temperature_factors": _factors,
     "temperature_factors, several": lambda b: _factors([b, b]),
@@ -97,7 +98,7 @@ def test_a_table_is_a_bearing() -> None:
     assert as_bearing(to_table(bearing)).model_dump() == bearing.model_dump()  # sources apart
 
 
-@pytest.mark.parametrize("name", tb.bearing.list_bearings())
+@pytest.mark.parametrize("name", tb.list_bearings())
 def test_one_heat_source_everywhere(name: str) -> None:
     """Natural rubber gives its elastic work back, whoever asks."""
     bearing = tb.load_bearing(name)

@@ -42,7 +42,7 @@ def command(*words: object) -> tuple[int, dict[str, Any]]:
 def test_every_command_takes_the_column_of_the_chamber(tmp_path: Path) -> None:
     """Before: `validate` and `identify` assumed 23 degC, or did not find the columns."""
     file, out = laboratory(tmp_path / "lab.csv"), tmp_path / "out"
-    (taken,) = tb.intake.take_in(file).files
+    (taken,) = tb.take_in(file).files
     record = load_test(file)
     assert record.ambient == taken.record.ambient == -20.0
     assert_allclose(record.force, FORCE, atol=tol.FOUR_DECIMALS)
@@ -91,7 +91,7 @@ def test_an_unknown_ambient_temperature_is_a_warning(tmp_path: Path) -> None:
 def test_strains_are_compared_with_the_displacement(tmp_path: Path) -> None:
     """The specimen has 30 mm of rubber; a column of strains tells how much the file has."""
     right, wrong = (
-        tb.identify.check_test(laboratory(tmp_path / f"{size}.csv", strain=size), BEARING)
+        tb.check_test(laboratory(tmp_path / f"{size}.csv", strain=size), BEARING)
         for size in (30.0, 25.0)
     )
     assert_allclose(wrong.record.rubber_thickness, 25.0, rtol=tol.FOUR_DECIMALS)
@@ -116,7 +116,7 @@ def test_what_a_recording_assumes_is_a_warning(tmp_path: Path) -> None:
     """Columns without units: s and mm are assumed."""
     (tmp_path / "h.csv").write_text("Zeit;Weg\n0;0\n1;10\n2;0\n")
     case = steps_case(tmp_path / "case.toml", {"step": "recorded", "file": "h.csv"})
-    result = tb.cyclic.run_case(tb.load_case(case))
+    result = tb.run_case(tb.load_case(case))
     assert sum("has no unit" in text for text in result.warnings) == 2
 
 
@@ -131,7 +131,7 @@ def test_what_a_recording_assumes_is_a_warning(tmp_path: Path) -> None:
 def test_weather_reads_the_same_tables(tmp_path: Path, titles: str, rows: str, air: float) -> None:
     file = tmp_path / "town.csv"
     file.write_text("\n".join([titles, *(rows.format(h=h) for h in range(1, 6))]))
-    weather = tb.climate.read_weather(file)
+    weather = tb.read_weather(file)
     assert weather.temperature[0] == air
     assert len(weather) == 5
 
@@ -140,7 +140,7 @@ def test_weather_with_two_air_temperatures_is_refused(tmp_path: Path) -> None:
     file = tmp_path / "town.csv"
     file.write_text("time [h];air 1 [degC];air 2 [degC]\n1;2;3\n2;3;4\n")
     with pytest.raises(tb.InputError, match="may each be"):
-        tb.climate.read_weather(file)
+        tb.read_weather(file)
 
 
 MOTIONS = {
@@ -188,8 +188,8 @@ def test_a_guessed_place_that_the_bearing_does_not_have_is_not_used(tmp_path: Pa
     record = load_test(file)
     assert len(record.places) == 3
     assert record.of_bearing(tb.load_bearing(BEARING)).places == {"layer 2 [degC]": "rubber 2"}
-    found = tb.validate.validate(BEARING, file)
+    found = tb.validate_bearing(BEARING, file)
     assert list(found.thermocouples["thermocouple"]) == ["layer 2 [degC]"]
     file.with_suffix(".toml").write_text('[thermocouples]\n"core [degC]" = "lead"\n')
     with pytest.raises(tb.InputError, match="no lead"):
-        tb.validate.validate(BEARING, file)
+        tb.validate_bearing(BEARING, file)

@@ -11,7 +11,7 @@ from tests.unit.inputs import command, summary
 from thermobearing.border.toml import to_toml
 from thermobearing.cyclic.equivalent import backbone, bilinear_parameters, post_yield_ratio
 from thermobearing.design.published import coldest_factors, published_codes, published_tables
-from thermobearing.identify import posterior_bearings
+from thermobearing.identify.uncertainty.samples import posterior_bearings
 
 NAME = "shen-hdr-specimen"
 
@@ -46,7 +46,7 @@ def test_samples_are_told_apart_in_a_sweep(tmp_path: Path) -> None:
 def test_a_full_size_bearing_takes_the_samples_of_its_specimen(tmp_path: Path) -> None:
     """Before: K_r and d_y of the specimen in the large bearing, whose band left out its factor."""
     specimen = tb.load_bearing("shen-lhdr-specimen")
-    large = tb.bearing.new_bearing(
+    large = tb.new_bearing(
         "large", specimen, plan="900x900mm", layers="6x22mm", shim="4.5mm", lead="130mm", cores=4
     )
     h, lead = specimen.hysteresis, specimen.lead

@@ -80,7 +80,7 @@ def bearings(draw: st.DrawFn) -> Bearing:
 
 
 @st.composite
-def motions(draw: st.DrawFn) -> tb.cyclic.CyclicTest:
+def motions(draw: st.DrawFn) -> tb.CyclicTest:
     """Two to five legs to random strains, rests among them, at one random time step."""
     dt = draw(between(1e-4, 0.05))
     steps: list[dict[str, Any]] = []
@@ -91,10 +91,10 @@ def motions(draw: st.DrawFn) -> tb.cyclic.CyclicTest:
         else:
             strain = draw(between(-3.5, 3.5))
             steps.append({"step": "ramp", "to_strain": strain, "duration": duration})
-    return tb.cyclic.CyclicTest(dt=dt, steps=steps)
+    return tb.CyclicTest(dt=dt, steps=steps)
 
 
-def residuals(result: tb.cyclic.Result) -> tuple[float, float, float]:
+def residuals(result: tb.Result) -> tuple[float, float, float]:
     """What is missing from the mechanical and thermal books, and what may be [kN mm].
 
     A run that hardly moves or heats has no work to compare with: then the temperatures, which
@@ -112,15 +112,15 @@ def residuals(result: tb.cyclic.Result) -> tuple[float, float, float]:
     return mechanical, thermal, tol.ENERGY_BOOKS * scale + rounding
 
 
-def end_state_at(test: tb.cyclic.CyclicTest, bearing: Bearing) -> float:
+def end_state_at(test: tb.CyclicTest, bearing: Bearing) -> float:
     """Where the last ramp leads [mm]."""
     ramps = [step for step in test.steps if step.step == "ramp"]
     return ramps[-1].target(bearing.total_rubber_thickness) if ramps else 0.0
 
 
 FACES = st.one_of(
-    between(1.0, 3.0).map(lambda eta: tb.model.EndFace(eta=eta)),
-    between(0.0, 1000.0).map(lambda film: tb.model.EndFace(film=film)),
+    between(1.0, 3.0).map(lambda eta: tb.EndFace(eta=eta)),
+    between(0.0, 1000.0).map(lambda film: tb.EndFace(film=film)),
 )
 OPTIONS = st.fixed_dictionaries(
     {
@@ -143,9 +143,9 @@ OPTIONS = st.fixed_dictionaries(
 )
 def test_any_run_ends_well_or_says_why(
     bearing: Bearing,
-    test: tb.cyclic.CyclicTest,
+    test: tb.CyclicTest,
     options: dict[str, Any],
-    faces: tuple[tb.model.EndFace, tb.model.EndFace],
+    faces: tuple[tb.EndFace, tb.EndFace],
     full: bool,
 ) -> None:
     upper, lower = faces

@@ -17,7 +17,7 @@ RUBBER = 30.0  # total rubber thickness of the specimen [mm]
 
 
 def built(*steps: dict[str, Any], dt: float = 0.01) -> list[Segment]:
-    return build_segments(tb.cyclic.CyclicTest(dt=dt, steps=list(steps)), RUBBER)
+    return build_segments(tb.CyclicTest(dt=dt, steps=list(steps)), RUBBER)
 
 
 def cycles(**changes: Any) -> dict[str, Any]:
@@ -155,7 +155,7 @@ def test_rest_grows_its_steps_and_ends_exactly(duration: float) -> None:
 
 def test_rest_within_ends_when_settled() -> None:
     """The heated bearing rests until every cell is that close to the air, and not a step more."""
-    test = tb.cyclic.CyclicTest(
+    test = tb.CyclicTest(
         dt=0.01, steps=[cycles(speed=60.0, count=3), {"step": "rest", "within": 0.5}]
     )
     result = tb.run(SPECIMEN, test, ambient=0)
@@ -169,7 +169,7 @@ def test_rest_within_ends_when_settled() -> None:
 
 
 def test_rest_within_ends_at_once_in_a_settled_bearing() -> None:
-    test = tb.cyclic.CyclicTest(steps=[{"step": "rest", "within": 0.5}])
+    test = tb.CyclicTest(steps=[{"step": "rest", "within": 0.5}])
     result = tb.run(SPECIMEN, test, ambient=0)
     assert int(result["steps"][0]) == 1
 
@@ -231,4 +231,4 @@ def test_python_and_toml_tests_are_the_same() -> None:
     }
     from thermobearing.border.schema import validated
 
-    assert validated(tb.cyclic.CyclicTest, given, "toml") == tb.cyclic_test(strain=1.0, cycles=3)
+    assert validated(tb.CyclicTest, given, "toml") == tb.cyclic_test(strain=1.0, cycles=3)

@@ -11,7 +11,7 @@ import thermobearing as tb
 from tests.unit.inputs import command
 from tests.unit.report_words import assert_well_formed, numbers_in
 from thermobearing.border.errors import InputError
-from thermobearing.report import arranged
+from thermobearing.report.template import arranged
 from thermobearing.reporting import build_pieces
 from thermobearing.results.drawing import save_figures
 

@@ -20,6 +20,7 @@ from tests.unit.test_killed_and_together import killed
 from thermobearing.commands.common import DOCUMENTS
 from thermobearing.report.title import TitleBlock, read_title, title_given
 from thermobearing.results.directory import RESULT_NAMES, check_target
+from thermobearing.results.saved import SavedResult
 
 WITH_OPTIONS = {"cyclic", "bridge", "hybrid", "sequence", "validate", "identify", "design"}
 WITH_OPTIONS |= {"lambda", "bounds", "motions show"}
@@ -53,7 +54,7 @@ def test_a_document_of_a_directory(saved: Path) -> None:
         *(*names, "report.toml", "summary.json", "table.csv")
     }
     assert "evil" in (saved / "report.html").read_text(encoding="utf-8")
-    assert isinstance(tb.load_result(saved), tb.results.SavedResult)
+    assert isinstance(tb.load_result(saved), SavedResult)
     check_target(saved, overwrite=True)
 
 

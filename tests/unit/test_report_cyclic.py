@@ -6,13 +6,14 @@ from matplotlib.figure import Figure
 
 import thermobearing as tb
 from tests.unit.report_words import as_data, assert_well_formed, numbers_in
+from thermobearing.bearing.library import BEARINGS
 from thermobearing.cyclic.report import build_pieces
 from thermobearing.cyclic.result import Result
-from thermobearing.report import arranged
 from thermobearing.report.pieces import EXCEEDED, PASSED, Pieces
+from thermobearing.report.template import arranged
 
 
-def short_test(strain: list[float], cycles: int = 2) -> tb.cyclic.CyclicTest:
+def short_test(strain: list[float], cycles: int = 2) -> tb.CyclicTest:
     return tb.cyclic_test(strain=strain, cycles=cycles, rest=60.0, dt=0.02)
 
 
@@ -109,7 +110,7 @@ def test_inputs_have_units_and_sources(pieces: Pieces) -> None:
 
 def test_sources_of_an_own_file(tmp_path) -> None:
     """They come from the file, of which the resolved case has only the numbers."""
-    text = (tb.bearing.library.BEARINGS.path("shen-hdr-specimen")).read_text(encoding="utf-8")
+    text = BEARINGS.path("shen-hdr-specimen").read_text(encoding="utf-8")
     text = text.replace('name = "shen-hdr-specimen"', 'name = "mine"')
     path = tmp_path / "mine.toml"
     path.write_text(text.replace('source = "Table 4.2"', 'source = "our test 12"'))
@@ -160,9 +161,7 @@ def test_ended_early() -> None:
 
 def test_no_cycle() -> None:
     steps = [{"step": "ramp", "to_strain": 1.0, "speed": 30.0}, {"step": "rest", "duration": 5.0}]
-    ramp = build_pieces(
-        tb.run("shen-hdr-specimen", tb.cyclic.CyclicTest(dt=0.02, steps=steps), ambient=0)
-    )
+    ramp = build_pieces(tb.run("shen-hdr-specimen", tb.CyclicTest(dt=0.02, steps=steps), ambient=0))
     assert_well_formed(ramp)
     assert "No cycle was closed" in ramp.answer[0]
     arranged(ramp)

@@ -9,8 +9,8 @@ from thermobearing.border.library import data_path
 from thermobearing.earthquake.case import load_earthquake_case
 from thermobearing.earthquake.report import build_pieces
 from thermobearing.earthquake.result import EarthquakeResult
-from thermobearing.report import arranged
 from thermobearing.report.pieces import EXCEEDED, NOT_JUDGED, PASSED, Pieces
+from thermobearing.report.template import arranged
 from thermobearing.structure.model import fixed_base, load_structure
 
 BEARINGS = ["shen-bilinear-bridge", "shen-lhdr-bridge"]

@@ -10,6 +10,7 @@ import pytest
 import thermobearing as tb
 from tests.regression.cases import INPUTS
 from tests.unit.report_words import assert_well_formed, numbers_in
+from thermobearing.bearing.model import Validity
 from thermobearing.design import report as design_report
 from thermobearing.design.case import make_design_case
 from thermobearing.design.run import run_bounds, run_design, run_factors
@@ -17,8 +18,8 @@ from thermobearing.identify import report as identify_report
 from thermobearing.motions import report as motions_report
 from thermobearing.motions.library import load_motion
 from thermobearing.motions.run import examine_motion
-from thermobearing.report import arranged
 from thermobearing.report.pieces import EXCEEDED, PASSED, Pieces
+from thermobearing.report.template import arranged
 from thermobearing.results.drawing import save_figures
 from thermobearing.results.saved import SavedResult
 from thermobearing.validate import report as validate_report
@@ -33,13 +34,13 @@ def loaded(path: Path) -> SavedResult:
 
 
 @pytest.fixture(scope="module")
-def record() -> tb.identify.TestRecord:
+def record() -> tb.TestRecord:
     test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None, closing_strain=None, dt=0.02)
-    return replace(tb.identify.synthetic_record(SPECIMEN, -20.0, test), name="cold")
+    return replace(tb.synthetic_record(SPECIMEN, -20.0, test), name="cold")
 
 
 @pytest.fixture(scope="module")
-def fitted(record: tb.identify.TestRecord, tmp_path_factory) -> SavedResult:
+def fitted(record: tb.TestRecord, tmp_path_factory) -> SavedResult:
     found = tb.identify_bearing(record, SPECIMEN, free=["K_r", "d_y"], starts=1)
     saved = found.save(tmp_path_factory.mktemp("fit") / "out", figures=False)
     save_figures({"loops": found.plot.loops}, saved / "figures", vector=True)
@@ -116,23 +117,23 @@ def test_poorly_determined_parameters_are_told(fitted: SavedResult) -> None:
     assert weak.tables["undetermined"].rows[0][0] == "K_r"
 
 
-def test_checks_of_tests(record: tb.identify.TestRecord, tmp_path) -> None:
+def test_checks_of_tests(record: tb.TestRecord, tmp_path) -> None:
     from thermobearing.identify.output import save_checks
 
-    saved = save_checks([tb.identify.check_test(record)], tmp_path / "check", figures=False)
+    saved = save_checks([tb.check_test(record)], tmp_path / "check", figures=False)
     looked = identify_report.build_pieces(loaded(saved))
     assert_well_formed(looked)
     arranged(looked)
     assert "can be used" in looked.answer[0]
 
 
-def test_validation(record: tb.identify.TestRecord, tmp_path) -> None:
+def test_validation(record: tb.TestRecord, tmp_path) -> None:
     """Of a bearing that is too soft, and was not tested at that temperature."""
     bearing = tb.load_bearing(SPECIMEN)
     soft = bearing.hysteresis.model_copy(update={"layer_stiffness": 20.0})
-    tested = tb.bearing.Validity(ambient=[0.0, 30.0])
+    tested = Validity(ambient=[0.0, 30.0])
     bearing = bearing.model_copy(update={"hysteresis": soft, "tested_range": tested})
-    found = tb.validate.validate(bearing, record)
+    found = tb.validate_bearing(bearing, record)
     saved = loaded(found.save(tmp_path / "out", figures=False))
     pieces = validate_report.build_pieces(saved)
     assert_well_formed(pieces)
@@ -224,11 +225,11 @@ def test_motion(tmp_path) -> None:
     assert [check.verdict for check in pieces.checks] == [PASSED]
 
 
-def test_held_out_tests_beyond_the_fit_are_told(record: tb.identify.TestRecord, tmp_path) -> None:
+def test_held_out_tests_beyond_the_fit_are_told(record: tb.TestRecord, tmp_path) -> None:
     """On the screen, in the summary, and as validity in the document."""
     test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None, closing_strain=None, dt=0.02)
-    warm = replace(tb.identify.synthetic_record(SPECIMEN, 23.0, test), name="warm")
-    found = tb.validate.cross_validate(record, SPECIMEN, hold_out=warm, free=["K_r"], starts=1)
+    warm = replace(tb.synthetic_record(SPECIMEN, 23.0, test), name="warm")
+    found = tb.cross_validate(record, SPECIMEN, hold_out=warm, free=["K_r"], starts=1)
     saved = loaded(found.save(tmp_path / "out", figures=False))
     assert any("held out" in text and "ambient 23 degC" in text for text in saved.warnings)
     pieces = identify_report.build_pieces(saved)

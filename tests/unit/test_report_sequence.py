@@ -5,11 +5,11 @@ import pytest
 
 import thermobearing as tb
 from tests.unit.report_words import as_data, assert_well_formed, numbers_in
-from thermobearing.report import arranged
 from thermobearing.report.pieces import EXCEEDED, Pieces
-from thermobearing.sequences import SequenceResult
+from thermobearing.report.template import arranged
 from thermobearing.sequences.case import make_sequence_case
 from thermobearing.sequences.report import build_pieces
+from thermobearing.sequences.result import SequenceResult
 from thermobearing.sequences.run import run_sequence
 
 CYCLE = {"step": "cycles", "strain": 3.0, "speed": "60 mm/s", "count": 1}

@@ -5,15 +5,20 @@ from dataclasses import replace
 import pytest
 
 from thermobearing.border.errors import InputError
-from thermobearing.report import Check, Column, Pieces, ReportFigure, ReportTable, arranged
 from thermobearing.report.pieces import (
     Bullets,
+    Check,
     ChecksBlock,
+    Column,
     FigureBlock,
     Heading,
     Paragraph,
+    Pieces,
+    ReportFigure,
+    ReportTable,
     TableBlock,
 )
+from thermobearing.report.template import arranged
 
 TABLE = ReportTable("Cycles", [Column("Cycle", "", "d"), Column("Force", "kN", ".1f")], [(1, 2.0)])
 PIECES = Pieces(

@@ -12,7 +12,8 @@ import pytest
 
 from tests.unit.report_pieces import EVIL, PIECES
 from thermobearing.border.errors import InputError
-from thermobearing.report import Column, ReportTable, workbook
+from thermobearing.report import workbook
+from thermobearing.report.pieces import Column, ReportTable
 from thermobearing.report.workbook import History, history_tables, sheet_name, workbook_bytes
 
 COLUMNS = [Column("time", "s"), Column("force", "kN")]

@@ -136,7 +136,7 @@ def test_what_one_choice_changes() -> None:
 
 
 def test_structures_of_a_set() -> None:
-    pier, printed = rocking_pier(10.0), tb.structure.load_structure("pier-p1")
+    pier, printed = rocking_pier(10.0), tb.load_structure("pier-p1")
     ours = [s.rotational_stiffness for s in pier.springs]
     theirs = [s.rotational_stiffness for s in printed.springs]
     assert ours[0] is theirs[0] is None

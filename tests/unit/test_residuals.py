@@ -26,14 +26,14 @@ def test_relative_to_the_largest_energy_or_the_least() -> None:
 def test_hardly_any_motion(amplitude: float, model: str) -> None:
     """Rounding of temperatures alone came to a residual of 0.99 at 1e-4 mm."""
     steps = [{"step": "cycles", "amplitude": amplitude, "period": 2.0, "count": 2}]
-    result = tb.run("shen-lhdr-specimen", tb.cyclic.CyclicTest(steps=steps), -20, model=model)
+    result = tb.run("shen-lhdr-specimen", tb.CyclicTest(steps=steps), -20, model=model)
     assert result.outcome == "completed"
     assert result.energy[RESIDUALS].abs().max(axis=None) < tol.LEAST_RESIDUAL
 
 
 @pytest.mark.parametrize("start", [None, 10.0], ids=["at ambient", "warmer"])
 def test_no_motion(start: float | None) -> None:
-    test = tb.cyclic.CyclicTest(steps=[{"step": "rest", "duration": 100.0}])
+    test = tb.CyclicTest(steps=[{"step": "rest", "duration": 100.0}])
     energy = tb.run(HDR, test, -20, initial=start).energy
     assert energy["work_in_kN_mm"][0] == 0.0
     assert energy[RESIDUALS].abs().max(axis=None) < tol.ENERGY_BOOKS

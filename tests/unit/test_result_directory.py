@@ -352,7 +352,7 @@ def test_a_study_is_read_back(study: Any, options: dict[str, Any], tmp_path: Pat
     saved.save(tmp_path / "out", figures=False)
     for path in (tmp_path / "out", tmp_path / "out" / "result.nc"):
         found = tb.load_result(path)
-        assert isinstance(found, tb.earthquake.EarthquakeResult)
+        assert isinstance(found, tb.EarthquakeResult)
         assert found.outcome == saved.outcome
         assert json.dumps(found.summary()) == json.dumps(saved.summary())
         assert found.history(0).equals(saved.history(0))

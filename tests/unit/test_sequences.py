@@ -13,7 +13,11 @@ from typer.testing import CliRunner
 import thermobearing as tb
 from tests.unit.inputs import command
 from thermobearing.cli import app
-from thermobearing.sequences import SequenceResult, load_sequence_case, make_sequence_case
+from thermobearing.cyclic.case import load_rig, make_case
+from thermobearing.earthquake.case import load_earthquake_case, make_earthquake_case
+from thermobearing.earthquake.run import run_earthquake
+from thermobearing.sequences.case import load_sequence_case, make_sequence_case
+from thermobearing.sequences.result import SequenceResult
 
 CYCLE = {"step": "cycles", "strain": 0.5, "speed": "60 mm/s", "count": 1}
 BACK = {"step": "ramp", "to": "0 mm", "speed": "10 mm/s"}
@@ -132,7 +136,7 @@ def test_files_are_whole_and_read_back(result: SequenceResult, tmp_path: Path) -
 def test_each_part_runs_again_by_itself(result: SequenceResult, tmp_path: Path) -> None:
     out = result.save(tmp_path / "out", figures=False)
     place = out / "parts" / "03-hybrid" / "case.resolved.toml"
-    alone = tb.earthquake.run_earthquake(tb.earthquake.load_earthquake_case(place))
+    alone = run_earthquake(load_earthquake_case(place))
     assert np.array_equal(alone["bearing_force"], result[2].dataset["bearing_force"])
 
 
@@ -162,11 +166,11 @@ def test_a_part_that_ends_early_is_the_last() -> None:
 
 def test_a_rig_in_a_test_and_in_a_study() -> None:
     """The limits of the source, of Table 3.2; the speed of a slow test is that of the specimen."""
-    rig = tb.cyclic.load_rig("shen-rig")
+    rig = load_rig("shen-rig")
     assert (rig.force, rig.stroke, rig.speed) == (400.0, 200.0, 630.0)
     table = {"rig": "shen-rig", "ambient": ["-20 degC"], "bearing": "shen-lhdr-specimen"}
     test = tb.cyclic_test([2.5], cycles=1, wave="sine", dt=0.02)
-    cold = tb.cyclic.run_case(tb.cyclic.make_case(table, "case", test=test))
+    cold = tb.run_case(make_case(table, "case", test=test))
     assert any("more than the 400 kN of shen-rig" in text for text in cold.summary()["warnings"])
     asked = cold.rig.set_index("limit")
     assert asked.loc["force", "asked"] == np.abs(cold["force"]).max()
@@ -174,8 +178,8 @@ def test_a_rig_in_a_test_and_in_a_study() -> None:
     assert cold.outcome == "completed"
     lab = {"mode": "pd", "speed": "10 mm/s"}
     study = {"command": "hybrid", "rig": {"speed": "9 mm/s"}, "laboratory": lab}
-    case = tb.earthquake.make_earthquake_case(study, "case", ambient=[23.0], duration=1.0)
-    told = tb.earthquake.run_earthquake(case)
+    case = make_earthquake_case(study, "case", ambient=[23.0], duration=1.0)
+    told = run_earthquake(case)
     assert [row["limit"] for row in told.summary()["rig"]] == ["speed", "speed"]
     assert told.rig["passed"].all()
     assert list(told.table["beyond_rig"]) == ["speed", "speed"]

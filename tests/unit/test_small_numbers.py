@@ -19,6 +19,7 @@ from thermobearing.identify.fit.problem import ROBUST_SCALE, robust_weights, sam
 from thermobearing.identify.records.cycles import full_cycles
 from thermobearing.identify.records.record import TestRecord, record_from_arrays
 from thermobearing.motions.measures import significant_interval
+from thermobearing.motions.readers import read_motion
 from thermobearing.motions.record import GroundMotion
 
 
@@ -30,7 +31,7 @@ def test_coarse_steps_are_told_from_one_yield_displacement_on(
     step = layer_increment * bearing.hysteresis.yield_displacement * bearing.geometry.rubber_layers
     ramp = {"step": "ramp", "to": 4.0 * step, "duration": 4.0}
     slow = {"step": "ramp", "to": 0.0, "duration": 40.0}  # the largest counts, not the mean
-    result = tb.run(bearing, tb.cyclic.CyclicTest(dt=1.0, steps=[ramp, slow]))
+    result = tb.run(bearing, tb.CyclicTest(dt=1.0, steps=[ramp, slow]))
     assert any("coarse" in warning for warning in result.warnings) is warned
 
 
@@ -61,10 +62,10 @@ def test_knet_maximum_that_is_off_by_a_few_per_cent(
     largest = float(np.abs(values - values.mean()).max())
     path = files.write(tmp_path / "a.NS", files.knet_text(largest=told / 300.0 * largest))
     if not refused:
-        tb.motions.read_motion(path)
+        read_motion(path)
         return
     with pytest.raises(tb.InputError, match=r"Max\. Acc\."):
-        tb.motions.read_motion(path)
+        read_motion(path)
 
 
 def sines(amplitudes: list[float], **options: float) -> TestRecord:

@@ -20,7 +20,7 @@ from thermobearing.earthquake.soaking import (
 )
 from thermobearing.earthquake.task import Device
 
-WEATHER = tb.climate.generate_weather("cold-town", years=1, seed=2)
+WEATHER = tb.generate_weather("cold-town", years=1, seed=2)
 LOOKED_AT = 800
 UNSETTLED = ("LHDR, half-space", "LHDR, published")
 OPTIONS = {
@@ -73,7 +73,7 @@ def test_weights_of_a_history_are_its_hours_in_a_row(name: str) -> None:
     air = WEATHER.temperature[: hours + 1]
     weights = history_weights(device.constants, hours)
     temperature, lead = soaked_history(device.constants, weights, air)
-    one_by_one = soaked_hours(device, tb.climate.Hourly(air), np.array([hours]))
+    one_by_one = soaked_hours(device, tb.Hourly(air), np.array([hours]))
     assert_allclose(temperature, one_by_one.temperature[0], atol=tol.HOURS_OF_REST)
     if lead is not None:
         assert_allclose(lead, one_by_one.at(0)[1], atol=tol.HOURS_OF_REST)
@@ -90,14 +90,14 @@ def test_some_hours_are_those_of_all() -> None:
 
 def test_even_air_stays() -> None:
     for name in ("shen-hdr-bridge", "shen-lhdr-bridge"):
-        found = soaked_hours(device_of(name), tb.climate.Hourly(np.full(500, -7.0)))
+        found = soaked_hours(device_of(name), tb.Hourly(np.full(500, -7.0)))
         assert_allclose(found.temperature, -7.0, atol=tol.HOURS_OF_REST)
 
 
 def test_typical_year_has_had_the_days_before() -> None:
     device = device_of("shen-hdr-bridge")
-    year = tb.climate.Hourly(WEATHER.temperature[:2000], recurs=True)
-    twice = tb.climate.Hourly(np.tile(WEATHER.temperature[:2000], 2))
+    year = tb.Hourly(WEATHER.temperature[:2000], recurs=True)
+    twice = tb.Hourly(np.tile(WEATHER.temperature[:2000], 2))
     assert SPIN_UP < 2000
     first = soaked_hours(device, year, np.array([0, 10])).temperature
     second = soaked_hours(device, twice, np.array([2000, 2010])).temperature
@@ -116,7 +116,7 @@ def test_bilinear_has_no_temperature() -> None:
     assert found.temperature.shape == (2, 1)
     assert found.at(1)[1] is None
     with pytest.raises(tb.InputError, match="has no temperature"):
-        tb.earthquake.bearing_weather("shen-bilinear-bridge", WEATHER)
+        tb.bearing_weather("shen-bilinear-bridge", WEATHER)
 
 
 def test_hours_that_are_not_there() -> None:

@@ -51,7 +51,7 @@ def test_lead_reaches_from_plate_to_plate() -> None:
     assert beside == {"sealing_plate", "rubber", "shim"}
     cells = len(stack.part)
     profile = np.linspace(-20.0, 40.0, cells)
-    test = tb.cyclic.CyclicTest(dt=0.01, steps=[{"step": "rest", "duration": 0.01}])
+    test = tb.CyclicTest(dt=0.01, steps=[{"step": "rest", "duration": 0.01}])
     result = tb.run(LHDR, test, 0.0, initial=profile)
     mean = float(stack.beside_lead @ profile / stack.beside_lead.sum())
     assert_allclose(result["lead_temperature"].values[0, 0], mean)
@@ -126,7 +126,7 @@ def test_numbers_of_lead_and_rate(clock: str) -> None:
 def test_one_temperature_loses_heat_through_both_ends_and_the_sides() -> None:
     """Eq. 2.12, first step of a rest at -20 degC; half a layer and the plate to each end."""
     dt = 0.1
-    test = tb.cyclic.CyclicTest(dt=dt, steps=[{"step": "rest", "duration": dt}])
+    test = tb.CyclicTest(dt=dt, steps=[{"step": "rest", "duration": dt}])
     result = tb.run(HDR, test, -20.0, initial=20.0, model="single-temperature")
     resistance = 1e3 * (2.5 / RUBBER.conductivity + 25.0 / STEEL.conductivity)
     rubber, shims = 30.0 * RUBBER.volumetric_heat, 16.0 * STEEL.volumetric_heat

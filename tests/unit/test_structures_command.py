@@ -52,7 +52,7 @@ def test_show_without_a_directory_and_a_bad_name(tmp_path: Path) -> None:
 
 def test_effective_masses_are_all_mass_that_moves() -> None:
     """And the modes of two unlike piers are those of the matrices."""
-    result = tb.structure.examine_structure(bridge_of(two_piers()))
+    result = tb.examine_structure(bridge_of(two_piers()))
     assert_allclose(result.effective_masses.sum(), 1.0, rtol=1e-9)
     shapes = result.table[result.prepared.matrices.coordinates].to_numpy()
     assert_allclose(np.abs(shapes).max(axis=1), 1.0)
@@ -71,7 +71,7 @@ def test_piers_stand_side_by_side_and_the_deck_lies_over_them() -> None:
 
 @pytest.mark.parametrize("name", ["pier-p1", "hybrid-pier"])
 def test_figures_say_every_part(name: str) -> None:
-    result = tb.structure.examine_structure(name)
+    result = tb.examine_structure(name)
     (ax,) = result.plot.model().axes
     shown = " ".join(text.get_text() for text in ax.texts)
     for part in result.parts["name"]:

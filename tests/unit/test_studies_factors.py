@@ -12,12 +12,14 @@ import thermobearing as tb
 from tests import tolerances as tol
 from tests.unit.test_studies_plan import study
 from thermobearing.bearing.new import new_bearing
-from thermobearing.climate import generate_weather
+from thermobearing.climate.generator import generate_weather
 from thermobearing.earthquake.run import build_device, soaked
 from thermobearing.earthquake.soaking import soaked_hours
 from thermobearing.earthquake.task import Task
-from thermobearing.studies import Study, make_study, plan
+from thermobearing.studies.definition.case import make_study
+from thermobearing.studies.definition.designs import plan
 from thermobearing.studies.definition.distributions import Distribution
+from thermobearing.studies.definition.record import Study
 from thermobearing.studies.definition.targets import number_paths, value_at, with_numbers
 from thermobearing.studies.run.prepare import Preparer
 
@@ -54,7 +56,7 @@ def test_a_number_of_the_bearing_is_as_if_its_file_said_it(bearing: str) -> None
         stiffness = row["bearing.K_r"] * before.hysteresis.layer_stiffness
         heat = row["bearing.materials.rubber.conductivity"]
         heat *= before.materials.rubber.conductivity
-        changed = tb.bearing.changed_bearing(
+        changed = tb.changed_bearing(
             before,
             hysteresis={"layer_stiffness": stiffness},
             materials={"rubber": {"conductivity": heat}},
@@ -62,7 +64,7 @@ def test_a_number_of_the_bearing_is_as_if_its_file_said_it(bearing: str) -> None
         assert alike(task.device.constants, build_device(made.case, changed).constants)
     for row, task in zip(plain.to_dict("records"), quick, strict=True):
         stiffness = row["bearing.K_r"] * before.hysteresis.layer_stiffness
-        changed = tb.bearing.changed_bearing(before, hysteresis={"layer_stiffness": stiffness})
+        changed = tb.changed_bearing(before, hysteresis={"layer_stiffness": stiffness})
         assert alike(task.device.constants, build_device(made.case, changed).constants)
 
 
@@ -86,7 +88,7 @@ def test_long_cold_stays_on_a_bearing_that_is_varied() -> None:
     before = tb.load_bearing(LHDR)
     for row, task in zip(runs.to_dict("records"), done, strict=True):
         stiffness = row["bearing.K_r"] * before.hysteresis.layer_stiffness
-        changed = tb.bearing.changed_bearing(before, hysteresis={"layer_stiffness": stiffness})
+        changed = tb.changed_bearing(before, hysteresis={"layer_stiffness": stiffness})
         assert alike(task.device.constants, build_device(made.case, changed).constants)
 
 
@@ -125,7 +127,7 @@ def fit(folder: Path, count: int = 4) -> Path:
     """What `identify --posterior` leaves behind, as far as a study looks."""
     folder.mkdir()
     bearing = tb.load_bearing("shen-hdr-specimen")
-    tb.bearing.save_bearing(bearing, folder / "bearing.toml")
+    tb.save_bearing(bearing, folder / "bearing.toml")
     rows = "".join(f"{30 + k},-1.{k}\n" for k in range(count))
     (folder / "posterior.csv").write_text(f"K_r,m_T\n{rows}")
     return folder
@@ -174,8 +176,8 @@ def test_an_hour_of_the_climate() -> None:
 
 
 def test_bearings_whose_lead_differs_are_not_as_warm(tmp_path: Path) -> None:
-    thin = tb.bearing.changed_bearing(LHDR, name="thin", lead={"diameter": 150.0})
-    tb.bearing.save_bearing(thin, tmp_path / "thin.toml")
+    thin = tb.changed_bearing(LHDR, name="thin", lead={"diameter": 150.0})
+    tb.save_bearing(thin, tmp_path / "thin.toml")
     air = {"climate": "cold-town", "years": 1}
     levels = [LHDR, str(tmp_path / "thin.toml")]
     runs, done = tasks(study(DRAWS, bearing=levels, ambient=air))

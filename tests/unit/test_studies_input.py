@@ -8,7 +8,8 @@ import pytest
 from tests.unit.test_studies_factors import fit
 from thermobearing.border.errors import InputError
 from thermobearing.commands.check import check_file
-from thermobearing.studies import load_study, make_study, plan
+from thermobearing.studies.definition.case import load_study, make_study
+from thermobearing.studies.definition.designs import plan
 
 ONE = {"bearing": "shen-hdr-bridge", "motion": "jra-ii-i-1", "ambient": "0 degC"}
 NORMAL = {"distribution": "normal", "mean": 1.0, "cov": 0.1}

@@ -11,11 +11,12 @@ import pytest
 
 import thermobearing as tb
 from thermobearing.border.errors import InputError
+from thermobearing.earthquake.case import make_earthquake_case
 from thermobearing.earthquake.run import build_tasks, run_task
-from thermobearing.studies import Study, make_study, plan
-from thermobearing.studies.definition.designs import MANY, in_lockstep
+from thermobearing.studies.definition.case import make_study
+from thermobearing.studies.definition.designs import MANY, in_lockstep, plan
 from thermobearing.studies.definition.factors import ScaleFactor, intensity
-from thermobearing.studies.definition.record import Keep
+from thermobearing.studies.definition.record import Keep, Study
 from thermobearing.studies.run.prepare import Preparer
 
 BEARINGS = ["shen-hdr-bridge", "shen-bilinear-bridge"]
@@ -45,7 +46,7 @@ def test_levels_meet_in_every_combination() -> None:
 
 def test_a_run_of_a_study_is_that_of_bridge() -> None:
     made = study(bearing=BEARINGS, ambient=["23 degC", "-20 degC"])
-    case = tb.earthquake.make_earthquake_case(
+    case = make_earthquake_case(
         {"command": "bridge"},
         "bridge",
         bearings=BEARINGS,

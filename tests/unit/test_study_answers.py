@@ -15,11 +15,11 @@ import thermobearing as tb
 from tests.unit.studies import small_study
 from thermobearing.border.errors import InputError
 from thermobearing.commands import study as study_drawn
-from thermobearing.studies import run_study
 from thermobearing.studies.options import Asked, asked_over, keep_asked, kept_asked, make_asked
 from thermobearing.studies.output import study_result
 from thermobearing.studies.report import build_pieces
 from thermobearing.studies.result import StudyResult
+from thermobearing.studies.run.engine import run_study
 
 SITE = "PGA [m/s^2],return_period [year]\n0.05,2\n1,20\n5,400\n10,2000\n20,20000\n"
 CAPACITY = 0.00035  # strain, in a study of half a second

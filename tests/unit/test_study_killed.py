@@ -16,8 +16,9 @@ import pytest
 import thermobearing.studies.run.demand_parameters as peaks
 from tests.unit.studies import kept, small_study
 from thermobearing.border.errors import InputError, OutputError
-from thermobearing.studies import run_study, study_status
+from thermobearing.studies.run.engine import run_study
 from thermobearing.studies.run.processes import HERE
+from thermobearing.studies.run.status import study_status
 from thermobearing.studies.store.directory import Store
 
 needs_fork = pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork, as POSIX has it")
@@ -199,7 +200,7 @@ def test_processes_end_with_the_one_that_made_them(tmp_path: Path, whole: dict[s
     program = f"""
         import multiprocessing, time
         from tests.unit.studies import small_study
-        from thermobearing.studies import run_study
+        from thermobearing.studies.run.engine import run_study
 
         def first(done, total):
             if done == 1:

@@ -19,18 +19,14 @@ from tests.unit.studies import kept, small_study
 from thermobearing.border.errors import InputError, OutputError
 from thermobearing.cli import app
 from thermobearing.commands.check import check_file
-from thermobearing.motions import list_spectra, load_motion, load_spectrum, standard_spectrum
+from thermobearing.motions.jra import standard_spectrum
+from thermobearing.motions.library import load_motion
 from thermobearing.motions.matching import LARGEST_MISFIT, misfit
 from thermobearing.motions.spectrum import response_spectrum
-from thermobearing.studies import (
-    Preparer,
-    Study,
-    load_study,
-    plan,
-    repeat_run,
-    run_study,
-    study_status,
-)
+from thermobearing.motions.synthesis import list_spectra, load_spectrum
+from thermobearing.studies.definition.case import load_study
+from thermobearing.studies.definition.designs import plan
+from thermobearing.studies.definition.record import Study
 from thermobearing.studies.inputs.motions import (
     MADE,
     Recipe,
@@ -40,7 +36,11 @@ from thermobearing.studies.inputs.motions import (
     with_matched,
 )
 from thermobearing.studies.run.dry_run import forecast
+from thermobearing.studies.run.engine import run_study
+from thermobearing.studies.run.prepare import Preparer
 from thermobearing.studies.run.shard import packed
+from thermobearing.studies.run.status import study_status
+from thermobearing.studies.run.worst import repeat_run
 from thermobearing.studies.store.directory import Store
 
 # Coarse steps, and motions that are near the spectrum already: a fit takes a third of a second.

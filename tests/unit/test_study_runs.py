@@ -19,10 +19,12 @@ from tests.unit.studies import kept, small_study
 from thermobearing.border.errors import InputError, OutputError
 from thermobearing.core.lanes.memory import WIDTH
 from thermobearing.earthquake.measures import COLUMNS
-from thermobearing.studies import Preparer, plan, run_shard, run_study, study_status
+from thermobearing.studies.definition.designs import plan
 from thermobearing.studies.run.demand_parameters import RESULT_COLUMNS
-from thermobearing.studies.run.engine import only_writer
-from thermobearing.studies.run.status import count_failures
+from thermobearing.studies.run.engine import only_writer, run_study
+from thermobearing.studies.run.prepare import Preparer
+from thermobearing.studies.run.shard import run_shard
+from thermobearing.studies.run.status import count_failures, study_status
 from thermobearing.studies.run.worst import worst_runs
 from thermobearing.studies.store.directory import FEWEST, MOST, Pace, Store, duration, shard_size
 from thermobearing.studies.store.parquet import About, about_columns, read_notes, write_parquet

@@ -10,8 +10,12 @@ from numpy.testing import assert_array_equal
 import thermobearing.studies.inputs.bearing_temperatures as warmth
 import thermobearing.studies.inputs.levels as levels
 from tests.unit.studies import kept
-from thermobearing.climate import generate_weather
-from thermobearing.studies import Preparer, Study, load_study, make_study, plan, run_study
+from thermobearing.climate.generator import generate_weather
+from thermobearing.studies.definition.case import load_study, make_study
+from thermobearing.studies.definition.designs import plan
+from thermobearing.studies.definition.record import Study
+from thermobearing.studies.run.engine import run_study
+from thermobearing.studies.run.prepare import Preparer
 from thermobearing.studies.run.shard import packed
 from thermobearing.studies.store.directory import Store
 

@@ -14,7 +14,7 @@ from thermobearing.earthquake.report import input_tables
 from thermobearing.earthquake.run import build_device
 from thermobearing.model.options import EndFace, ModelOptions, Side, build_model, outdoors
 from thermobearing.model.stack import film_at_face, through_side
-from thermobearing.studies import make_study
+from thermobearing.studies.definition.case import make_study
 from thermobearing.studies.definition.columns import list_targets
 from thermobearing.studies.definition.targets import moves_warmth
 from thermobearing.studies.inputs.bearing_temperatures import thermal_key
@@ -65,9 +65,7 @@ def test_keys_of_the_user_count(night: str) -> None:
     assert exchange(study_of(TOWN, analysis=given).case) == expected
     windy = {name: EndFace(film=25.0) for name in ("upper_face", "lower_face")}
     sheltered, wind = (
-        tb.earthquake.bearing_weather(
-            "shen-hdr-bridge", tb.climate.Hourly([0.0, -9.0, -9.0]), **more
-        )
+        tb.bearing_weather("shen-hdr-bridge", tb.Hourly([0.0, -9.0, -9.0]), **more)
         for more in ({}, windy)
     )
     assert wind["rubber_degC"].iloc[-1] < sheltered["rubber_degC"].iloc[-1] < -1.0
@@ -187,7 +185,7 @@ def test_report_and_result_tell_the_exchange(night: str) -> None:
 
 def test_a_climate_beside_levels_counts_the_temperature_of_the_rubber() -> None:
     """Before, the air of the hour: colder at night than rubber that follows within five hours."""
-    weather = tb.climate.generate_weather("cold-town", 2, 3)
+    weather = tb.generate_weather("cold-town", 2, 3)
     case = {"analysis": {"side": {"film": "25 W/(m^2 K)"}}}
     table = {"kind": "study", "name": "s", "case": case | {"duration": "0.05 s"}}
     factors: dict[str, Any] = {"bearing": ["shen-hdr-bridge", "shen-bilinear-bridge"]}
@@ -198,7 +196,7 @@ def test_a_climate_beside_levels_counts_the_temperature_of_the_rubber() -> None:
     layered, bilinear = (
         asked._rubber(StudyResult(rows.iloc[[k]], study, {})) for k in range(len(rows))
     )
-    known = tb.earthquake.bearing_weather("shen-hdr-bridge", weather, side=Side(film=25.0))
+    known = tb.bearing_weather("shen-hdr-bridge", weather, side=Side(film=25.0))
     np.testing.assert_array_equal(layered, known["rubber_degC"])
     np.testing.assert_array_equal(bilinear, weather.temperature)
     assert np.min(layered) > np.min(weather.temperature) + 2.0

@@ -9,7 +9,7 @@ from numpy.testing import assert_array_equal
 
 import thermobearing as tb
 from tests.unit.inputs import command
-from thermobearing.climate.generator import MONTH_OF, spell_rate
+from thermobearing.climate.generator import MONTH_OF, ColdSpells, spell_rate
 from thermobearing.cyclic.reported import _exposure
 from thermobearing.earthquake.case import make_earthquake_case
 from thermobearing.earthquake.dataset import INTERRUPTED, _interrupted
@@ -18,7 +18,7 @@ from thermobearing.sequences import run as sequences
 
 
 def test_cold_spells_begin_in_their_months_only() -> None:
-    spells = tb.climate.ColdSpells(months=[1, 12], per_year=4.0, depth=6.0, length=96.0)
+    spells = ColdSpells(months=[1, 12], per_year=4.0, depth=6.0, length=96.0)
     begins = spell_rate(spells) > 0.0
     assert set(MONTH_OF[begins]) == {0, 11}  # January is month 0 of the year
     assert begins[:744].all()
@@ -28,7 +28,7 @@ def test_cold_spells_begin_in_their_months_only() -> None:
 def test_generated_weather_has_fifty_years_by_default() -> None:
     leap_days = 12
     hours = 24 * (50 * 365 + leap_days)
-    assert len(tb.climate.generate_weather("cold-town").temperature) == hours
+    assert len(tb.generate_weather("cold-town").temperature) == hours
 
 
 def test_one_exposed_bearing_of_two_is_reported() -> None:

@@ -16,7 +16,7 @@ WANTED = {"time": "s", "displacement": "mm"}
 def read(tmp_path: Path, text: str | bytes, wanted: dict[str, str] = WANTED) -> dict[str, list]:
     path = tmp_path / "table.csv"
     path.write_bytes(text if isinstance(text, bytes) else text.encode())
-    return {name: values.tolist() for name, values in tb.tables.read_columns(path, wanted).items()}
+    return {name: values.tolist() for name, values in tb.read_columns(path, wanted).items()}
 
 
 @pytest.mark.parametrize(
@@ -71,7 +71,7 @@ def test_many_rows_keep_their_bits(tmp_path: Path) -> None:
     path = tmp_path / "table.csv"
     rows = "\n".join(f"{a!r},{b!r}" for a, b in values.tolist())
     path.write_text("time_s,displacement_mm\n" + rows)
-    data = tb.tables.read_columns(path, WANTED)
+    data = tb.read_columns(path, WANTED)
     assert_array_equal(np.column_stack([data["time"], data["displacement"]]), values)
 
 
@@ -81,4 +81,4 @@ def test_faults_are_told_with_the_line_of_the_file(tmp_path: Path) -> None:
     path.write_text("laboratory\nnumber 7\ntime_s,force_kN\n[s],[kN]\n0,1\n1,lost\n2,3\n")
     layout = Layout(lines_before=2, lines_after=1)
     with pytest.raises(tb.InputError, match='line 6, force_kN: "lost" is not a number'):
-        tb.tables.read_columns(path, {"time": "s", "force": "kN"}, layout=layout)
+        tb.read_columns(path, {"time": "s", "force": "kN"}, layout=layout)

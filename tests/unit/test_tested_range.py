@@ -15,6 +15,7 @@ from tests.unit.inputs import SPECIMEN, changed_table, specimen_table, write_tom
 from thermobearing.bearing.bilinear import load_bilinear
 from thermobearing.border.errors import InputError
 from thermobearing.cyclic.output import print_result
+from thermobearing.design.case import make_design_case
 from thermobearing.design.run import run_bounds, run_factors
 from thermobearing.earthquake.dataset import reached
 from thermobearing.earthquake.output import print_study
@@ -67,9 +68,9 @@ def test_bad_ranges(table: dict[str, object], said: str, tmp_path: Path) -> None
     assert said in str(caught.value)
 
 
-def history(strain: float = 1.0, speed: float = 30.0) -> tb.cyclic.CyclicTest:
+def history(strain: float = 1.0, speed: float = 30.0) -> tb.CyclicTest:
     cycle = {"step": "cycles", "strain": strain, "speed": speed, "count": 1}
-    return tb.cyclic.CyclicTest(dt=0.02, steps=[cycle])
+    return tb.CyclicTest(dt=0.02, steps=[cycle])
 
 
 def test_rows_take_the_end_that_is_farther_out() -> None:
@@ -142,7 +143,7 @@ def test_a_small_slow_test_is_outside_too() -> None:
 
 
 def test_a_rest_asks_nothing_of_the_rubber() -> None:
-    rest = tb.cyclic.CyclicTest(dt=1.0, steps=[{"step": "rest", "duration": 100.0}])
+    rest = tb.CyclicTest(dt=1.0, steps=[{"step": "rest", "duration": 100.0}])
     assert list(tb.run(SPECIMEN, rest).tested_range["limit"]) == ["ambient"]
 
 
@@ -197,7 +198,7 @@ def test_parts_of_a_sequence_say_what_they_leave() -> None:
 
 def test_a_fit_says_what_its_tests_cover(tmp_path: Path) -> None:
     test = tb.cyclic_test(strain=[0.5, 1.5], cycles=2, rest=None, dt=0.02)
-    record = tb.identify.synthetic_record(SPECIMEN, 5.0, test)
+    record = tb.synthetic_record(SPECIMEN, 5.0, test)
     fit = tb.identify_bearing(record, SPECIMEN, free=["K_r"], starts=1)
     folder = fit.save(tmp_path / "fit", figures=False)
     again = tb.load_bearing(folder / "bearing.toml")
@@ -221,8 +222,8 @@ def test_a_fit_says_what_its_tests_cover(tmp_path: Path) -> None:
 
 def test_a_validation_says_what_a_bearing_was_not_tested_at(tmp_path: Path) -> None:
     test = history(strain=3.0, speed=90.0)
-    record = tb.identify.synthetic_record("shen-lhdr-specimen", 30.0, test)
-    found = tb.validate.validate(["shen-lhdr-specimen", "lrb-example"], record)
+    record = tb.synthetic_record("shen-lhdr-specimen", 30.0, test)
+    found = tb.validate_bearing(["shen-lhdr-specimen", "lrb-example"], record)
     assert list(found.table["beyond_tested"]) == ["strain strain_rate ambient", ""]
     said = " ".join(found.warnings)
     assert "strain 300 %, above the 250 % tested" in said
@@ -256,8 +257,8 @@ def test_factors_and_bounds_say_what_they_leave(tmp_path: Path) -> None:
 
 def test_a_design_says_what_leaves_the_curves() -> None:
     strong = {"name": "jra-ii-i-1", "factor": 2.5}
-    case = tb.design.make_design_case({"most_rounds": 1}, "x", motions=[strong])
-    design = tb.design.run_design(case)
+    case = make_design_case({"most_rounds": 1}, "x", motions=[strong])
+    design = tb.run_design(case)
     assert design.last.found / design.bearings[0].total_rubber_thickness > 2.6
     assert len(design.warnings) == 2  # the other one: too few motions for a mean
     assert "above the 250 % tested" in design.warnings[1]

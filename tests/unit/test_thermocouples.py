@@ -22,7 +22,7 @@ BEARING = "shen-hdr-specimen"
 def record() -> TestRecord:
     """A test whose thermocouple rises by a tenth less than the model, and a column not used."""
     test = tb.cyclic_test(strain=[1.5], cycles=3, rest=None)
-    made = tb.identify.synthetic_record(BEARING, 0.0, test)
+    made = tb.synthetic_record(BEARING, 0.0, test)
     placed = replace(made, places={"T3, inside": "rubber 2"}, unused=("counter",))
     model = ForwardModel(placed, tb.load_bearing(BEARING)).run_as_built()
     assert model is not None
@@ -40,7 +40,7 @@ def test_beside_the_model(
         print_identification(fit)
         listed = fit.summary()["records"][0]
     else:
-        found = tb.validate.validate(BEARING, record)
+        found = tb.validate_bearing(BEARING, record)
         found.save(tmp_path / "out")
         print_validation(found)
         listed = found.summary()["comparisons"][0]

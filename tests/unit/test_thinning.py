@@ -16,7 +16,7 @@ from thermobearing.results.metrics import find_cycles
 STEPS = 1200  # of a cycle of 4 s
 
 
-def computed(**words: object) -> tb.cyclic.Result:
+def computed(**words: object) -> tb.Result:
     test = tb.cyclic_test(
         strain=[0.5, 1.5], cycles=2, wave="sine", period=4.0, rest=60.0, dt=4.0 / STEPS
     )
@@ -24,23 +24,23 @@ def computed(**words: object) -> tb.cyclic.Result:
 
 
 @pytest.fixture(scope="module")
-def result() -> tb.cyclic.Result:
+def result() -> tb.Result:
     return computed()
 
 
 @pytest.fixture(scope="module")
-def folder(result: tb.cyclic.Result, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def folder(result: tb.Result, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return result.save(tmp_path_factory.mktemp("thinned") / "out", figures=False)
 
 
 @pytest.fixture(scope="module")
-def loaded(folder: Path) -> tb.cyclic.Result:
+def loaded(folder: Path) -> tb.Result:
     found = tb.load_result(folder)
-    assert isinstance(found, tb.cyclic.Result)
+    assert isinstance(found, tb.Result)
     return found
 
 
-def test_rows_are_few_and_hold_what_turns(result: tb.cyclic.Result) -> None:
+def test_rows_are_few_and_hold_what_turns(result: tb.Result) -> None:
     rows = rows_worth(result, 0)
     segment, cycle = (result[name].values[0] for name in ("segment", "cycle"))
     for name in ("displacement", "force"):
@@ -56,7 +56,7 @@ def test_rows_are_few_and_hold_what_turns(result: tb.cyclic.Result) -> None:
     assert rows[-1] == len(segment) - 1
 
 
-def test_what_is_kept_keeps_its_bits(result: tb.cyclic.Result, loaded: tb.cyclic.Result) -> None:
+def test_what_is_kept_keeps_its_bits(result: tb.Result, loaded: tb.Result) -> None:
     place = np.searchsorted(result.time(0), loaded.time(0))
     assert_array_equal(result.time(0)[place], loaded.time(0))
     for name, values in loaded.dataset.data_vars.items():
@@ -66,17 +66,17 @@ def test_what_is_kept_keeps_its_bits(result: tb.cyclic.Result, loaded: tb.cyclic
 
 
 def test_measures_books_and_summary_are_those_of_all_rows(
-    result: tb.cyclic.Result, loaded: tb.cyclic.Result
+    result: tb.Result, loaded: tb.Result
 ) -> None:
     assert_frame_equal(loaded.cycles, result.cycles, check_exact=True)
     assert_frame_equal(loaded.energy, result.energy, check_exact=True)
     assert loaded.summary() == result.summary()
 
 
-def test_the_table_in_the_file_is_not_measured_again(loaded: tb.cyclic.Result) -> None:
+def test_the_table_in_the_file_is_not_measured_again(loaded: tb.Result) -> None:
     """From 200 points the strength and stiffness through zero would differ: they are stored."""
     without = loaded.dataset.drop_dims("closed_cycle")
-    again = tb.cyclic.Result(without).cycles
+    again = tb.Result(without).cycles
     assert len(again) == len(loaded.cycles)
     assert not again["post_yield_stiffness_kN_mm"].equals(
         loaded.cycles["post_yield_stiffness_kN_mm"]
@@ -84,7 +84,7 @@ def test_the_table_in_the_file_is_not_measured_again(loaded: tb.cyclic.Result) -
     assert np.allclose(again["G_eq_MPa"], loaded.cycles["G_eq_MPa"], rtol=1e-12)
 
 
-def test_another_test_goes_on_from_the_same_end(result: tb.cyclic.Result, folder: Path) -> None:
+def test_another_test_goes_on_from_the_same_end(result: tb.Result, folder: Path) -> None:
     further = tb.cyclic_test(strain=[1.0], cycles=1, dt=0.02)
     one, other = (
         tb.run("shen-lhdr-specimen", further, ambient=-20.0, initial=start)
@@ -94,7 +94,7 @@ def test_another_test_goes_on_from_the_same_end(result: tb.cyclic.Result, folder
 
 
 def test_history_has_the_same_rows_and_saving_again_takes_none(
-    loaded: tb.cyclic.Result, folder: Path, tmp_path: Path
+    loaded: tb.Result, folder: Path, tmp_path: Path
 ) -> None:
     table = pd.read_csv(folder / "history.csv")
     assert len(table) == 2 * loaded.dataset.sizes["time"]
@@ -102,10 +102,10 @@ def test_history_has_the_same_rows_and_saving_again_takes_none(
     assert (again / "history.csv").read_bytes() == (folder / "history.csv").read_bytes()
 
 
-def test_complete_histories_on_request(result: tb.cyclic.Result, tmp_path: Path) -> None:
+def test_complete_histories_on_request(result: tb.Result, tmp_path: Path) -> None:
     whole = computed(histories="complete")
     saved = tb.load_result(whole.save(tmp_path / "out", figures=False))
-    assert isinstance(saved, tb.cyclic.Result)
+    assert isinstance(saved, tb.Result)
     assert saved.dataset.sizes["time"] == result.dataset.sizes["time"]
     resolved = tb.load_case(tmp_path / "out" / "case.resolved.toml")
     assert resolved.analysis.histories == "complete"
@@ -119,7 +119,7 @@ def test_runs_with_clocks_of_their_own() -> None:
         {"step": "cycles", "strain": 0.5, "period": "2 s", "count": 1},
     ]
     table = {"ambient": ["-20 degC", "23 degC"], "test": {"dt": "4 ms", "steps": steps}}
-    result = tb.cyclic.run_case(make_case(table, "test"))
+    result = tb.run_case(make_case(table, "test"))
     assert "clock" in result.dataset
     short = thinned(result)
     assert_frame_equal(short.cycles, result.cycles, check_exact=True)
@@ -137,7 +137,7 @@ def test_recorded_history_is_thinned_by_its_cycles(tmp_path: Path) -> None:
     (tmp_path / "record.csv").write_text("time_s,displacement_mm\n" + lines)
     step = {"step": "recorded", "file": str(tmp_path / "record.csv")}
     table = {"ambient": "23 degC", "test": {"dt": "4 ms", "steps": [step]}}
-    result = tb.cyclic.run_case(make_case(table, "test"))
+    result = tb.run_case(make_case(table, "test"))
     cycles = len(find_cycles(result["displacement"].values[0]))
     short = thinned(result)
     assert 1 <= cycles <= 2
@@ -145,7 +145,7 @@ def test_recorded_history_is_thinned_by_its_cycles(tmp_path: Path) -> None:
     assert_frame_equal(short.cycles, result.cycles, check_exact=True)
 
 
-def test_the_size_is_known_before(folder: Path, result: tb.cyclic.Result) -> None:
+def test_the_size_is_known_before(folder: Path, result: tb.Result) -> None:
     """An upper bound of the same order."""
     case = tb.load_case(folder / "case.resolved.toml")
     written = sum((folder / name).stat().st_size for name in ("result.nc", "history.csv"))

@@ -27,7 +27,7 @@ def record() -> TestRecord:
     stiffer = tb.load_bearing(HDR)
     hysteresis = stiffer.hysteresis.model_copy(update={"layer_stiffness": 1.2 * 30.738})
     stiffer = stiffer.model_copy(update={"hysteresis": hysteresis})
-    made = tb.identify.synthetic_record(stiffer, 0.0, TEST, noise=0.0, sampling=100.0)
+    made = tb.synthetic_record(stiffer, 0.0, TEST, noise=0.0, sampling=100.0)
     bare = replace(made, places={"T3_degC": "rubber 3"}, name="stiffer")
     found = ForwardModel(bare, stiffer, fine=True).run(stiffer)
     assert found is not None
@@ -36,7 +36,7 @@ def record() -> TestRecord:
 
 @pytest.fixture(scope="module")
 def found(record: TestRecord) -> Validation:
-    return tb.validate.validate(HDR, record, limits={"energy": 0.3, "temperature": 0.1})
+    return tb.validate_bearing(HDR, record, limits={"energy": 0.3, "temperature": 0.1})
 
 
 def test_the_bearing_stays_as_it_is(found: Validation) -> None:
@@ -75,7 +75,7 @@ def sines(sizes: tuple[float, ...]) -> TestRecord:
     size = np.array(sizes)[np.minimum(t.astype(int), len(sizes) - 1)]
     x = size * np.sin(2.0 * np.pi * t)
     force = 2.0 * size * np.sin(2.0 * np.pi * t + 0.3)
-    return tb.identify.record_from_arrays(t, x, force, 23.0)
+    return tb.record_from_arrays(t, x, force, 23.0)
 
 
 def test_measures_of_loops_whose_answer_is_known() -> None:
@@ -131,7 +131,7 @@ def test_any_history_will_do(record: TestRecord) -> None:
         record, time=record.time[half], displacement=record.displacement[half],
         force=record.force[half], temperatures={}, places={}, block=record.block[half],
     )  # fmt: skip
-    (item,) = tb.validate.validate(HDR, short).comparisons
+    (item,) = tb.validate_bearing(HDR, short).comparisons
     assert (item.loops, item.largest) == ([], None)
     assert np.isnan(item.errors["K_eq"])
     assert item.R2 > 0.5
@@ -139,7 +139,7 @@ def test_any_history_will_do(record: TestRecord) -> None:
 
 def test_bearings_and_models_side_by_side(record: TestRecord) -> None:
     models: Any = ["multi-layer", "lead-alone", "single-temperature", "bilinear"]
-    both = tb.validate.validate([HDR, LHDR], [record], models=models)
+    both = tb.validate_bearing([HDR, LHDR], [record], models=models)
     pairs = list(zip(both.table["bearing"], both.table["model"], strict=True))
     assert pairs == [
         *((HDR, model) for model in models if model != "lead-alone"),
@@ -148,7 +148,7 @@ def test_bearings_and_models_side_by_side(record: TestRecord) -> None:
     assert len(both.plot.loops().axes) == 1
     assert len(both.plot.ratios().axes) == 5
     with pytest.raises(tb.InputError, match="needs lead"):
-        tb.validate.validate(HDR, record, models="lead-alone")
+        tb.validate_bearing(HDR, record, models="lead-alone")
 
 
 @pytest.mark.parametrize(
@@ -163,10 +163,10 @@ def test_bearings_and_models_side_by_side(record: TestRecord) -> None:
 )
 def test_what_cannot_be(record: TestRecord, options: dict[str, Any], pieces: list[str]) -> None:
     with pytest.raises(tb.InputError) as told:
-        tb.validate.validate(HDR, record, **options)
+        tb.validate_bearing(HDR, record, **options)
     assert all(piece in str(told.value) for piece in pieces)
     with pytest.raises(tb.InputError, match="at least one bearing"):
-        tb.validate.validate([], record)
+        tb.validate_bearing([], record)
 
 
 def test_command(tmp_path: Path, record: TestRecord) -> None:
@@ -202,6 +202,6 @@ def test_command(tmp_path: Path, record: TestRecord) -> None:
 
 def test_a_test_that_is_none_is_refused(tmp_path: Path) -> None:
     t = np.linspace(0.0, 4.0, 400)
-    still = tb.identify.record_from_arrays(t, 0.0 * t, np.sin(t), 23.0, name="still")
+    still = tb.record_from_arrays(t, 0.0 * t, np.sin(t), 23.0, name="still")
     with pytest.raises(tb.InputError, match="displacement is constant"):
-        tb.validate.validate(HDR, still)
+        tb.validate_bearing(HDR, still)

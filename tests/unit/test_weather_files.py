@@ -49,7 +49,7 @@ def write(folder: Path, rows: list[list], name: str = "town.epw") -> Path:
 
 
 def test_year_of_an_epw_file(tmp_path: Path) -> None:
-    weather = tb.climate.read_weather(write(tmp_path, epw_lines()))
+    weather = tb.read_weather(write(tmp_path, epw_lines()))
     assert (weather.name, len(weather), weather.recurs) == ("Cold Town", 8760, True)
     assert str(weather.begins) == "1990-01-01T01"  # a line tells the end of its hour
     assert_allclose(weather.temperature, -30.0 + 0.005 * np.arange(8760), atol=tol.MEAN)
@@ -61,16 +61,16 @@ def test_months_of_several_years(tmp_path: Path) -> None:
     rows = epw_lines()
     for row in rows:
         row[0] = 1995 if row[1] == 1 else 1992
-    weather = tb.climate.read_weather(write(tmp_path, rows, "typical.csv"))
+    weather = tb.read_weather(write(tmp_path, rows, "typical.csv"))
     assert weather.recurs
     assert "several years" in weather.assumptions[0]
     assert str(weather.begins) == "2001-01-01T01"
 
 
 def test_leap_year_and_part_of_a_year(tmp_path: Path) -> None:
-    leap = tb.climate.read_weather(write(tmp_path, epw_lines("1992-01-01", 8784)))
+    leap = tb.read_weather(write(tmp_path, epw_lines("1992-01-01", 8784)))
     assert (len(leap), leap.recurs) == (8784, True)
-    part = tb.climate.read_weather(write(tmp_path, epw_lines("1992-02-20", 480)))
+    part = tb.read_weather(write(tmp_path, epw_lines("1992-02-20", 480)))
     assert (len(part), part.recurs, str(part.dates[-1])) == (480, False, "1992-03-11T00")
 
 
@@ -82,7 +82,7 @@ def test_missing_hours_lie_on_a_line(tmp_path: Path) -> None:
     rows = epw_lines(hours=48)
     for k in (5, 6, 20):
         rows[k][6] = "99.9"
-    weather = tb.climate.read_weather(write(tmp_path, rows))
+    weather = tb.read_weather(write(tmp_path, rows))
     assert_allclose(weather.temperature, -30.0 + 0.005 * np.arange(48), atol=tol.MEAN)
     assert weather.assumptions == ("3 hours without a temperature lie on straight lines",)
 
@@ -113,7 +113,7 @@ def test_bad_epw(tmp_path: Path, change: Change, told: str) -> None:
     change(rows)
     file = write(tmp_path, rows)
     with pytest.raises(tb.InputError) as caught:
-        tb.climate.read_weather(file)
+        tb.read_weather(file)
     assert told in str(caught.value)
 
 
@@ -121,9 +121,9 @@ def test_no_epw_inside(tmp_path: Path) -> None:
     file = tmp_path / "town.epw"
     file.write_text("time_s,temperature_degC\n0,1\n", encoding="utf-8")
     with pytest.raises(tb.InputError, match="is not an EPW file"):
-        tb.climate.read_weather(file)
+        tb.read_weather(file)
     with pytest.raises(tb.InputError, match="no such file"):
-        tb.climate.read_weather(tmp_path / "other.csv")
+        tb.read_weather(tmp_path / "other.csv")
 
 
 def table(folder: Path, rows: list[str], title: str = "time,temperature_degC") -> Path:
@@ -136,16 +136,14 @@ def test_table_with_stamps(tmp_path: Path) -> None:
     """Ten minutes and hours; day first, as its order tells."""
     rows = ["30.01.2024 23:00,-8", "30.01.2024 23:10,-9", "31.01.2024 00:00,-4"]
     rows += [f"31.01.2024 {hour:02d}:00,{hour - 4}" for hour in range(1, 4)]
-    weather = tb.climate.read_weather(table(tmp_path, rows))
+    weather = tb.read_weather(table(tmp_path, rows))
     assert_array_equal(weather.temperature, [-8.0, -4.0, -3.0, -2.0, -1.0])
     assert (str(weather.begins), weather.recurs) == ("2024-01-30T23", False)
     assert "straight lines" in weather.assumptions[0]
 
 
 def test_table_without_dates(tmp_path: Path) -> None:
-    weather = tb.climate.read_weather(
-        table(tmp_path, ["0,20", "1,30"], "time_hour,temperature_degF")
-    )
+    weather = tb.read_weather(table(tmp_path, ["0,20", "1,30"], "time_hour,temperature_degF"))
     assert_allclose(weather.temperature, [-20.0 / 3.0, -10.0 / 9.0], atol=tol.CONVERSION)
     assert weather.begins is None
     assert weather.assumptions == ()
@@ -163,7 +161,7 @@ def test_table_without_dates(tmp_path: Path) -> None:
 def test_bad_table(tmp_path: Path, rows: list[str], told: str) -> None:
     file = table(tmp_path, rows)
     with pytest.raises(tb.InputError) as caught:
-        tb.climate.read_weather(file)
+        tb.read_weather(file)
     assert told in str(caught.value)
     assert "town" in str(caught.value)
 
@@ -171,7 +169,7 @@ def test_bad_table(tmp_path: Path, rows: list[str], told: str) -> None:
 def test_any_analysis_reads_the_files_that_studies_read(tmp_path: Path) -> None:
     """A week of EPW before an earthquake, at a line, in a test: as the same hours in a table."""
     epw = write(tmp_path, epw_lines("1990-01-10", 168))
-    hourly = tb.climate.read_weather(epw)
+    hourly = tb.read_weather(epw)
     table = tmp_path / "town.csv"
     rows = [f"{date};{air:.4f}".replace(".", ",") for date, air in _rows(hourly)]
     table.write_text("\n".join(["time;temperature_degC", *rows]))
@@ -194,7 +192,7 @@ def test_any_analysis_reads_the_files_that_studies_read(tmp_path: Path) -> None:
     assert found[0][0][0] < -28.0  # it is as cold as the file
 
 
-def _rows(hourly: tb.climate.Hourly) -> list[tuple[str, float]]:
+def _rows(hourly: tb.Hourly) -> list[tuple[str, float]]:
     dates = [str(date).replace("T", " ") + ":00" for date in hourly.dates]
     return list(zip(dates, hourly.temperature.tolist(), strict=True))
 

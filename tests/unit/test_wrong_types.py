@@ -17,6 +17,7 @@ import thermobearing as tb
 from tests.unit.inputs import refusal
 from thermobearing.commands.common import Patient
 from thermobearing.results.directory import seal
+from thermobearing.studies.definition.case import load_study
 from thermobearing.studies.inputs.motions import read_made
 
 WRONG: dict[str, Any] = {
@@ -103,7 +104,7 @@ def test_a_list_as_a_limit_of_a_distribution(tmp_path: Path) -> None:
         'kind = "study"\nname = "s"\n[case]\ncommand = "bridge"\nbearings = ["shen-hdr-bridge"]\n'
         '[factors."bearing.hysteresis.K_r"]\ndistribution = "uniform"\nlow = [0, 1]\nhigh = 2\n'
     )
-    assert "low" in refusal(file, tb.studies.load_study)
+    assert "low" in refusal(file, load_study)
 
 
 def test_a_result_that_was_changed_and_sealed_again(tmp_path: Path) -> None:

@@ -34,9 +34,9 @@ def table() -> dict[str, np.ndarray]:
 @pytest.fixture(scope="module")
 def measured() -> list[CycleMeasures]:
     path = shared_data("bearing_tests/Test_2D_shear.csv")
-    data = tb.tables.read_columns(path, {"displacement": "mm", "force": "kN"})
+    data = tb.read_columns(path, {"displacement": "mm", "force": "kN"})
     assert len(data["force"]) == 26_372
-    return tb.results.measure_history(
+    return tb.measure_history(
         data["displacement"], data["force"], area=1.0, total_rubber_thickness=RUBBER
     )
 

@@ -151,7 +151,7 @@ def test_energy_and_ductility_beside_the_source(
 
 def first_layer(motion: Any, count: int = 2) -> np.ndarray:
     """Of the LHDR at -20 degC in real time, at 5, 10, 15, 20 s."""
-    structure = tb.structure.load_structure("hybrid-pier")
+    structure = tb.load_structure("hybrid-pier")
     line = structure.bearings[0].model_copy(
         update={"count": count, "equivalent_stiffness": 376.0 / count}
     )
@@ -253,7 +253,7 @@ def test_what_explains_the_ductility(measured: Recorder) -> None:
     nearly without the damping that the ground springs give to the first mode; with the printed
     numbers the rocking takes most of the displacement, and its 10 % most of the peaks, be it as
     Rayleigh's 6 % of the first mode or where the ground springs are."""
-    structure = tb.structure.load_structure("pier-p1")
+    structure = tb.load_structure("pier-p1")
     sideways, rocking = structure.springs
     stiff = rocking.model_copy(
         update={"rotational_stiffness": 10.0 * (rocking.rotational_stiffness or 0.0)}

@@ -15,7 +15,7 @@ PUBLISHED_TEST = tb.cyclic_test()
 
 
 @pytest.fixture(scope="module")
-def cold() -> tb.cyclic.Result:
+def cold() -> tb.Result:
     """Table 3.4 at -20 degC."""
     return tb.run("shen-hdr-specimen", PUBLISHED_TEST, ambient=-20)
 
@@ -26,12 +26,12 @@ def test_table_3_1_shape_factors() -> None:
     assert geometry.second_shape_factor == 8.0
 
 
-def test_half_stack_of_figure_4_2b_has_19_cells_over_48_mm(cold: tb.cyclic.Result) -> None:
+def test_half_stack_of_figure_4_2b_has_19_cells_over_48_mm(cold: tb.Result) -> None:
     assert cold.dataset.sizes["cell"] == 19
     assert_allclose(cold["cell_thickness"].values.sum(), 48.0, rtol=tol.ROUNDING)
 
 
-def _isothermal(name: str) -> tb.bearing.Bearing:
+def _isothermal(name: str) -> tb.Bearing:
     """The same bearing with so much heat capacity that it never warms."""
     bearing = tb.load_bearing(name)
     rubber = bearing.materials.rubber.model_copy(update={"specific_heat": 1e15})
@@ -67,7 +67,7 @@ def test_the_readme_says_how_much_stiffer_the_cold_makes_the_specimens() -> None
     assert f"{min(ratios):.1f} to {max(ratios):.1f} times in G_e at -20 degC" in readme
 
 
-def test_inner_layers_are_hotter_and_the_outer_cools_first(cold: tb.cyclic.Result) -> None:
+def test_inner_layers_are_hotter_and_the_outer_cools_first(cold: tb.Result) -> None:
     last = cold.cycles[cold.cycles["cycle"] == 5]
     outer, second, third = (last[f"rubber{j}_degC"].to_numpy() for j in (1, 2, 3))
     assert (second > outer).all()
@@ -80,7 +80,7 @@ def test_inner_layers_are_hotter_and_the_outer_cools_first(cold: tb.cyclic.Resul
     assert left[0] < left[1] < left[2]
 
 
-def test_profile_is_a_sawtooth(cold: tb.cyclic.Result) -> None:
+def test_profile_is_a_sawtooth(cold: tb.Result) -> None:
     """Steel between rubber layers is colder than both its neighbours (Fig. 4.10)."""
     end = np.flatnonzero((cold["segment"].values[0] == 12) & (cold["cycle"].values[0] == 5))[-1]
     profile = cold["temperature"].values[0, end]
@@ -99,9 +99,7 @@ def test_stiffness_and_damping_fall_with_strain_cycles_and_temperature() -> None
         assert (np.diff(levels) < 0.0).all()
 
 
-def test_published_scheme_overheats_the_inner_layer(
-    cold: tb.cyclic.Result, measured: Recorder
-) -> None:
+def test_published_scheme_overheats_the_inner_layer(cold: tb.Result, measured: Recorder) -> None:
     """P1: shims receive twice what their neighbours lose, so the inside runs too hot."""
     printed = tb.run("shen-hdr-specimen", PUBLISHED_TEST, ambient=-20, scheme="published")
     rise = [float(r.cycles["rubber3_degC"].iloc[-1]) + 20.0 for r in (cold, printed)]

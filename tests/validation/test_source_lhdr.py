@@ -16,12 +16,12 @@ BRIDGE_K_EQ = 2.5434  # Table 6.1, kN/mm
 
 
 @pytest.fixture(scope="module")
-def result() -> tb.cyclic.Result:
+def result() -> tb.Result:
     """Table 3.4 with sine waves at the three chamber temperatures."""
     return tb.run("shen-lhdr-specimen", ambient=AMBIENTS)
 
 
-def test_figure_5_2b_has_29_cells_over_83_mm_and_a_core_of_96_mm(result: tb.cyclic.Result) -> None:
+def test_figure_5_2b_has_29_cells_over_83_mm_and_a_core_of_96_mm(result: tb.Result) -> None:
     assert result.dataset.sizes["cell"] == 29
     assert_allclose(result["cell_thickness"].values.sum(), 83.0, rtol=tol.ROUNDING)
     lead = tb.load_bearing("shen-lhdr-specimen").lead
@@ -33,7 +33,7 @@ def test_figure_5_2b_has_29_cells_over_83_mm_and_a_core_of_96_mm(result: tb.cycl
 
 
 def test_lead_is_far_hotter_and_faster_than_rubber_and_inside_than_outside(
-    result: tb.cyclic.Result, measured: Recorder
+    result: tb.Result, measured: Recorder
 ) -> None:
     last = result.cycles[result.cycles["cycle"] == 5]
     assert (last["rubber3_degC"] > last["rubber1_degC"]).all()
@@ -62,14 +62,14 @@ def test_what_the_thermocouple_in_the_lead_would_tell(ambient: float, measured: 
     get?").
     """
     cycles = {"step": "cycles", "strain": 2.5, "wave": "sine", "speed": 30.0, "count": 5}
-    test = tb.cyclic.CyclicTest(steps=[cycles, {"step": "rest", "duration": 40.0}])
+    test = tb.CyclicTest(steps=[cycles, {"step": "rest", "duration": 40.0}])
     confined = tb.load_bearing("shen-lhdr-specimen")
     assert confined.lead is not None
     lead = confined.lead.model_copy(update={"confined": False})
     touching = confined.model_copy(update={"lead": lead})
     times = [10.0, 20.0, 30.0, 40.0, 50.0, 80.0]
 
-    def rise(what: str, bearing: tb.bearing.Bearing, **options: Any) -> np.ndarray:
+    def rise(what: str, bearing: tb.Bearing, **options: Any) -> np.ndarray:
         result = tb.run(bearing, test, ambient, keep=["rubber"], **options)
         lead = result["lead_temperature"].values[0] - ambient
         found = np.interp(times, result.time(0), lead)
@@ -87,9 +87,7 @@ def test_what_the_thermocouple_in_the_lead_would_tell(ambient: float, measured: 
     assert default[5] > 2.0 * other[5] > 4.0 * printed[5]
 
 
-def test_lead_warms_the_end_plate_where_it_touches(
-    result: tb.cyclic.Result, measured: Recorder
-) -> None:
+def test_lead_warms_the_end_plate_where_it_touches(result: tb.Result, measured: Recorder) -> None:
     """5.4.2.2 reports the profile's peak at 48 mm, the interface of end and sealing plate.
 
     Our one-dimensional plate spreads the heat of the cores over its whole area, so the interface
@@ -111,7 +109,7 @@ def test_lead_warms_the_end_plate_where_it_touches(
 
 
 def test_lhdr_dissipates_about_twice_the_energy_of_hdr(
-    result: tb.cyclic.Result, measured: Recorder
+    result: tb.Result, measured: Recorder
 ) -> None:
     hdr = tb.run("shen-hdr-specimen", ambient=AMBIENTS)
     ratio = (result.energy["work_in_kN_mm"] / hdr.energy["work_in_kN_mm"]).to_numpy()
@@ -142,7 +140,7 @@ def test_bridge_bearing_has_the_stiffness_of_table_6_1(measured: Recorder) -> No
     assert_allclose(stiffness, BRIDGE_K_EQ, rtol=tol.TABLE_6_1_LHDR)
 
 
-def test_colder_is_stiffer_and_the_rate_share_smaller(result: tb.cyclic.Result) -> None:
+def test_colder_is_stiffer_and_the_rate_share_smaller(result: tb.Result) -> None:
     table = result.cycles.set_index(["ambient_degC", "amplitude_strain", "cycle"])["G_eq_MPa"]
     for strain in (1.0, 1.5, 2.0):
         assert table[-20.0, strain, 2] > table[0.0, strain, 2] > table[23.0, strain, 2]

@@ -107,12 +107,12 @@ def errors(case: Case, **options: Any) -> tuple[float, float]:
     steps[-1] = {"step": "rest", "duration": 600.0}
     problem = bearing_problem(case.bearing)
     if case.film is not None:
-        face = tb.model.EndFace(film=case.film)
+        face = tb.EndFace(film=case.film)
         options |= {"upper_face": face, "lower_face": face}
         problem = replace(problem, face_film=case.film * FILM)
     result = tb.run(
         case.bearing,
-        tb.cyclic.CyclicTest(dt=0.01, steps=steps),
+        tb.CyclicTest(dt=0.01, steps=steps),
         ambient=AMBIENT,
         heat_source="work",
         keep=("rubber", "layer_displacement", "cells"),

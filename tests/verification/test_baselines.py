@@ -17,7 +17,7 @@ TEST = tb.cyclic_test(strain=[1.5], cycles=3, closing_strain=None)
 HDR, LHDR = "shen-hdr-specimen", "shen-lhdr-specimen"
 
 
-def rise(result: tb.cyclic.Result) -> np.ndarray:
+def rise(result: tb.Result) -> np.ndarray:
     return np.asarray(result["rubber_temperature"].values[0]) - result["ambient"].values[0]
 
 

@@ -8,8 +8,11 @@ from tests import tolerances as tol
 from tests.conftest import Recorder
 from thermobearing.border.library import data_path
 from thermobearing.border.toml import read_toml
-from thermobearing.climate import generate_weather
-from thermobearing.studies import Preparer, load_study, make_study, measure, plan
+from thermobearing.climate.generator import generate_weather
+from thermobearing.studies.definition.case import load_study, make_study
+from thermobearing.studies.definition.designs import plan
+from thermobearing.studies.run.demand_parameters import measure
+from thermobearing.studies.run.prepare import Preparer
 
 DEMANDS = ("pier_rotation_max_rad", "bearing_displacement_max_mm", "bearing_force_max_kN")
 

@@ -52,7 +52,7 @@ def test_factors_are_one_at_the_reference(table: pd.DataFrame) -> None:
     assert table["factor_low"].isna().all()
 
 
-@pytest.mark.parametrize("name", tb.bearing.list_bearings())
+@pytest.mark.parametrize("name", tb.list_bearings())
 def test_monotone_where_physics_says_so(name: str, measured: Recorder) -> None:
     """Colder is stiffer, stronger and takes more energy; self-heating takes the edge off."""
     bearing = tb.load_bearing(name)
@@ -80,7 +80,7 @@ def test_monotone_where_physics_says_so(name: str, measured: Recorder) -> None:
 
 def test_values_are_those_of_a_run(table: pd.DataFrame) -> None:
     step = {"step": "cycles", "strain": 1.75, "wave": "sine", "period": 2.0, "count": 3}
-    result = tb.run(HDR, tb.cyclic.CyclicTest(dt=0.01, steps=[step]), ambient=-20.0)
+    result = tb.run(HDR, tb.CyclicTest(dt=0.01, steps=[step]), ambient=-20.0)
     rows = table.query("strain == 1.75 and ambient_degC == -20 and quantity == 'energy'")
     energy = rows.set_index("basis")["value"]
     cycles = result.cycles["energy_kN_mm"].to_numpy()
@@ -148,12 +148,12 @@ def test_opensees_text_gives_the_same_loop(table: pd.DataFrame) -> None:
     ops.wipe()
 
 
-@pytest.mark.parametrize("name", tb.bearing.list_bearings())
+@pytest.mark.parametrize("name", tb.list_bearings())
 def test_scaled_bearing_is_exact_without_heat_flow(name: str) -> None:
     """Adiabatic and alike in strain and time: temperatures, strains and stresses are the same."""
     bearing = tb.load_bearing(name)
     step = {"step": "cycles", "strain": 1.0, "wave": "sine", "period": 2.0, "count": 2}
-    test = tb.cyclic.CyclicTest(dt=0.01, steps=[step])
+    test = tb.CyclicTest(dt=0.01, steps=[step])
     factor = 0.4
     full, small = (
         tb.run(item, test, ambient=-10.0, model="adiabatic")

@@ -27,7 +27,7 @@ MODELS: dict[str, dict[str, Any]] = {
 }
 
 
-def variant(name: str) -> tb.bearing.Bearing:
+def variant(name: str) -> tb.Bearing:
     """HDR specimen, LHDR specimen, and the same without confinement of its cores."""
     if name == "HDR":
         return tb.load_bearing("shen-hdr-specimen")
@@ -37,13 +37,13 @@ def variant(name: str) -> tb.bearing.Bearing:
     return bearing.model_copy(update={"lead": lead})
 
 
-def loading(bearing: tb.bearing.Bearing) -> tb.cyclic.CyclicTest:
+def loading(bearing: tb.Bearing) -> tb.CyclicTest:
     wave = "triangular" if bearing.lead is None else "sine"
     cycles = {"step": "cycles", "strain": 2.5, "wave": wave, "speed": 30.0, "count": 5}
-    return tb.cyclic.CyclicTest(dt=0.01, steps=[cycles, {"step": "rest", "duration": 120.0}])
+    return tb.CyclicTest(dt=0.01, steps=[cycles, {"step": "rest", "duration": 120.0}])
 
 
-def finite_elements(bearing: tb.bearing.Bearing, fineness: float = 1.0, dt: float = 0.1) -> Any:
+def finite_elements(bearing: tb.Bearing, fineness: float = 1.0, dt: float = 0.1) -> Any:
     """Temperatures above the ambient, from the heat of our conservative run."""
     from tests.reference.fe_heat import FiniteElements, bearing_problem, released
 
@@ -54,7 +54,7 @@ def finite_elements(bearing: tb.bearing.Bearing, fineness: float = 1.0, dt: floa
     return FiniteElements(problem).march(stages, released(bearing, result))
 
 
-def rises(result: tb.cyclic.Result, time: float) -> dict[str, float]:
+def rises(result: tb.Result, time: float) -> dict[str, float]:
     """Above the ambient, at a time [s], by the names of the finite element history."""
     row = int(np.searchsorted(result.time(0), time - 1e-6))
     layers = result["rubber_temperature"].values[0, row] - AMBIENT
@@ -64,7 +64,7 @@ def rises(result: tb.cyclic.Result, time: float) -> dict[str, float]:
     return {name: float(value) for name, value in found.items()}
 
 
-def errors(history: Any, result: tb.cyclic.Result, time: float) -> dict[str, float]:
+def errors(history: Any, result: tb.Result, time: float) -> dict[str, float]:
     row = int(np.searchsorted(history.time, time - 1e-6))
     return {name: value - history.means[name][row] for name, value in rises(result, time).items()}
 
@@ -154,7 +154,7 @@ def test_surface_ratio_is_the_closure_that_matters(measured: Recorder) -> None:
         )
 
 
-def superposed_lead(result: tb.cyclic.Result, heat: tuple[Any, Any], p: float) -> float:
+def superposed_lead(result: tb.Result, heat: tuple[Any, Any], p: float) -> float:
     """Rise of the lead after loading when the half-space answers to the flux as it varies.
 
     Duhamel's superposition of F(t+) instead of the flux over F(t+): p T_l less the plate's rise

@@ -10,9 +10,11 @@ from numpy.testing import assert_allclose
 
 import thermobearing as tb
 from tests import tolerances as tol
+from thermobearing.cyclic.case import make_case
+from thermobearing.earthquake.case import load_earthquake_case
 from thermobearing.model.handover import ENDS, LAYERS, MEMORY, PREFIX
 
-Result = tb.cyclic.Result
+Result = tb.Result
 CYCLES = {"step": "cycles", "strain": 1.5, "wave": "sine", "period": 3.0, "count": 1}
 LOADED = {"step": "ramp", "to_strain": 0.8, "speed": 40.0}
 HELD = {"step": "rest", "duration": 40.0}
@@ -24,15 +26,15 @@ BRANCHES = ("rubber_force", "lead_force", "viscous_force", "lead_temperature")
 VIRGIN = {"amplitude": 1.5, "strain": 0.3, "mullins_amplitude": 0.25}
 
 
-def bearing_of(name: str) -> tb.bearing.Bearing:
+def bearing_of(name: str) -> tb.Bearing:
     if name != "virgin":
         return tb.load_bearing(name)
     table = tb.load_bearing("shen-hdr-specimen").model_dump()
-    return tb.bearing.Bearing.model_validate(table | {"scragging": VIRGIN})
+    return tb.Bearing.model_validate(table | {"scragging": VIRGIN})
 
 
-def made(steps: list[dict[str, Any]]) -> tb.cyclic.CyclicTest:
-    return tb.cyclic.CyclicTest(dt=0.03, steps=steps)
+def made(steps: list[dict[str, Any]]) -> tb.CyclicTest:
+    return tb.CyclicTest(dt=0.03, steps=steps)
 
 
 BEARINGS = {
@@ -94,7 +96,7 @@ def test_a_directory_hands_over_the_same(tmp_path: Path) -> None:
         read = tb.run(bearing, made(SECOND), -20.0, initial=start)
         assert np.array_equal(read["force"], second["force"])
     saved = second.save(tmp_path / "second", figures=False)
-    again = tb.cyclic.run_case(tb.load_case(saved / "case.resolved.toml"))
+    again = tb.run_case(tb.load_case(saved / "case.resolved.toml"))
     assert again.dataset.drop_attrs().identical(second.dataset.drop_attrs())
 
 
@@ -153,7 +155,7 @@ def test_a_damaged_state_in_a_case_is_told(tmp_path: Path) -> None:
     ):
         broken = {k: v for k, v in (state | change).items() if v is not None}
         with pytest.raises(tb.InputError, match=piece):
-            tb.cyclic.make_case(table | {"initial_state": broken}, "case")
+            make_case(table | {"initial_state": broken}, "case")
 
 
 LHDR, HDR = "shen-lhdr-specimen", "shen-hdr-specimen"
@@ -161,7 +163,7 @@ SHORT = made([HELD, BACK, CYCLES])
 
 
 @pytest.fixture(scope="module")
-def study() -> tb.earthquake.EarthquakeResult:
+def study() -> tb.EarthquakeResult:
     """Two bearings of different stacks, at two temperatures."""
     return tb.hybrid([HDR, LHDR], ambient=[-20.0, 0.0], duration=4.0)
 
@@ -188,7 +190,7 @@ def test_a_test_goes_on_from_a_hybrid_one_as_in_a_sequence(tmp_path: Path) -> No
 
 
 def test_the_run_of_the_same_bearing_and_temperature_goes_on(
-    study: tb.earthquake.EarthquakeResult,
+    study: tb.EarthquakeResult,
 ) -> None:
     for name in (HDR, LHDR):
         for air in (-20.0, 0.0):
@@ -199,7 +201,7 @@ def test_the_run_of_the_same_bearing_and_temperature_goes_on(
             assert abs(one["force"].values[0, 0]) > 0.0
 
 
-def test_what_no_test_can_go_on_from(study: tb.earthquake.EarthquakeResult, tmp_path: Path) -> None:
+def test_what_no_test_can_go_on_from(study: tb.EarthquakeResult, tmp_path: Path) -> None:
     for call, said in (
         (
             lambda: tb.run("lrb-example", SHORT, 0.0, initial=study),
@@ -219,15 +221,13 @@ def test_what_no_test_can_go_on_from(study: tb.earthquake.EarthquakeResult, tmp_
         tb.run(HDR, SHORT, 0.0, initial=cold)
 
 
-def test_a_case_file_names_the_earlier_result(
-    study: tb.earthquake.EarthquakeResult, tmp_path: Path
-) -> None:
+def test_a_case_file_names_the_earlier_result(study: tb.EarthquakeResult, tmp_path: Path) -> None:
     study.save(tmp_path / "mine", figures=False)
     file = tmp_path / "case.toml"
     file.write_text(f'bearings = "{HDR}"\nambient = "0 degC"\ninitial_result = "mine"\n')
-    case = tb.earthquake.load_earthquake_case(file, command="hybrid")
+    case = load_earthquake_case(file, command="hybrid")
     assert case.initial_state is not None
     force = study.dataset[PREFIX + "force"].values[1]  # of HDR at 0 degC
     assert case.initial_state.force == force
     file.write_text(case.to_toml())
-    assert tb.earthquake.load_earthquake_case(file).initial_state == case.initial_state
+    assert load_earthquake_case(file).initial_state == case.initial_state

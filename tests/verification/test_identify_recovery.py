@@ -23,12 +23,12 @@ LHDR = tb.load_bearing("shen-lhdr-specimen")
 AMBIENTS = (-20.0, 0.0, 23.0)
 
 
-def true_value(bearing: tb.bearing.Bearing, key: str) -> float:
+def true_value(bearing: tb.Bearing, key: str) -> float:
     table, name = key.split(".")
     return float(getattr(getattr(bearing, table), name))
 
 
-def assert_recovered(found: Identification, truth: tb.bearing.Bearing) -> float:
+def assert_recovered(found: Identification, truth: tb.Bearing) -> float:
     """Every well determined parameter within three standard errors and 3 %; largest error."""
     assert found.outcome == "completed"
     largest = 0.0
@@ -51,7 +51,7 @@ def assert_recovered(found: Identification, truth: tb.bearing.Bearing) -> float:
     ],
 )
 def test_recovery_from_a_blind_start(
-    truth: tb.bearing.Bearing, seed: int, well: int, measured: Recorder
+    truth: tb.Bearing, seed: int, well: int, measured: Recorder
 ) -> None:
     """Table 3.4 at three temperatures with 2 % of noise, starting from nobody's values."""
     records = [synthetic_record(truth, at, seed=10 * seed + i) for i, at in enumerate(AMBIENTS)]
@@ -262,7 +262,7 @@ def test_yield_stress_of_lead_is_identified(yield_stress: float) -> None:
         pytest.param(LHDR, 3, id="LHDR", marks=pytest.mark.thorough),
     ],
 )
-def test_coverage_with_a_file_that_is_off(bearing: tb.bearing.Bearing, seeds: int) -> None:
+def test_coverage_with_a_file_that_is_off(bearing: tb.Bearing, seeds: int) -> None:
     """What is not identified is off by its stated uncertainty; more seeds in the bench."""
     inside = [
         hit for seed in range(seeds) for hit in intervals_with_a_file_that_is_off(bearing, seed)
@@ -270,7 +270,7 @@ def test_coverage_with_a_file_that_is_off(bearing: tb.bearing.Bearing, seeds: in
     assert np.mean(inside) >= tol.COVERAGE_LOW
 
 
-def intervals_with_a_file_that_is_off(bearing: tb.bearing.Bearing, seed: int) -> list[bool]:
+def intervals_with_a_file_that_is_off(bearing: tb.Bearing, seed: int) -> list[bool]:
     """Whether the intervals of a fit hold the truth, whose other numbers the fit does not know."""
     rng = np.random.default_rng(1000 + seed)
     truth = bearing

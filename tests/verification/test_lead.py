@@ -217,7 +217,7 @@ def test_first_steps_are_finite_and_heat_flows_downhill(name: str, dt: float) ->
 @pytest.mark.parametrize("scheme", ["conservative", "published"])
 def test_long_rest_is_stable(scheme: str) -> None:
     """1.25 h of growing steps bring the lead to the ambient without overshoot."""
-    test = tb.cyclic.CyclicTest(
+    test = tb.CyclicTest(
         steps=[
             {"step": "cycles", "strain": 1.0, "speed": 30.0, "count": 1},
             {"step": "rest", "duration": 4500.0},

@@ -187,15 +187,13 @@ def test_terms_are_what_separates_core_and_plate() -> None:
 def test_energy_books_close(name: str, unlike: bool, sides: bool, measured: Recorder) -> None:
     """Motion and a long rest, half and whole stack."""
     cycles = {"step": "cycles", "strain": 1.75, "wave": "sine", "speed": 100.0, "count": 3}
-    test = tb.cyclic.CyclicTest(
-        dt=0.01, steps=[cycles, {"step": "rest", "duration": 3600.0}, cycles]
-    )
+    test = tb.CyclicTest(dt=0.01, steps=[cycles, {"step": "rest", "duration": 3600.0}, cycles])
     result = tb.run(
         touching(name, sides),
         test,
         ambient=-20.0,
         lead_ends="finite-plate",
-        lower_face=tb.model.EndFace(film=20.0) if unlike else None,
+        lower_face=tb.EndFace(film=20.0) if unlike else None,
     )
     energy = result.energy
     residual = float(np.abs(energy[["mechanical_residual", "thermal_residual"]]).to_numpy().max())

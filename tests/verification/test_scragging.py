@@ -22,13 +22,11 @@ LAW = Scragging(
 HDR = tb.load_bearing("shen-hdr-specimen")
 
 
-def virgin(**changes: Any) -> tb.bearing.Bearing:
+def virgin(**changes: Any) -> tb.Bearing:
     return HDR.model_copy(update={"scragging": LAW.model_copy(update=changes)})
 
 
-def run(
-    bearing: tb.bearing.Bearing, strains: list[float], cycles: int = 3, **options: Any
-) -> tb.cyclic.Result:
+def run(bearing: tb.Bearing, strains: list[float], cycles: int = 3, **options: Any) -> tb.Result:
     test = tb.cyclic_test(strain=strains, cycles=cycles, rest=None, closing_strain=None, dt=0.01)
     return tb.run(bearing, test, options.pop("ambient", 23.0), **options)
 

@@ -10,7 +10,8 @@ from numpy.testing import assert_allclose
 from tests import tolerances as tol
 from thermobearing.earthquake.run import build_tasks, run_task
 from thermobearing.model.handover import MEMORY, PREFIX
-from thermobearing.sequences import SequenceCase, make_sequence_case, run_sequence
+from thermobearing.sequences.case import SequenceCase, make_sequence_case
+from thermobearing.sequences.run import run_sequence
 
 SINE = {"step": "cycles", "strain": 1.5, "wave": "sine", "period": "3 s", "count": 1}
 LOADED = {"step": "ramp", "to_strain": 0.8, "speed": "40 mm/s"}

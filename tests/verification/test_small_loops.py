@@ -17,6 +17,7 @@ from tests.verification.models import assembled, changed, marched, smooth_histor
 from tests.verification.softened import Trials
 from tests.verification.test_lockstep import assert_alike as lockstep_is_one_by_one
 from tests.verification.test_lockstep import variants
+from thermobearing.bearing.scaling import compound_of
 from thermobearing.core.hysteresis import NO_MOTION, advance, remember
 from thermobearing.core.march import copy_state
 from thermobearing.core.records import Floats
@@ -287,8 +288,8 @@ STEPS = [
 MORE = [{"step": "rest", "duration": 60.0}, {"step": "ramp", "to_strain": 0.9, "speed": 40.0}]
 
 
-def made(steps: list[dict[str, Any]]) -> tb.cyclic.CyclicTest:
-    return tb.cyclic.CyclicTest(dt=0.02, steps=steps)
+def made(steps: list[dict[str, Any]]) -> tb.CyclicTest:
+    return tb.CyclicTest(dt=0.02, steps=steps)
 
 
 @pytest.mark.parametrize("name", [HDR, LHDR])
@@ -300,7 +301,7 @@ def test_the_memory_is_handed_over(name: str, tmp_path: Any) -> None:
         name, made(MORE), -10.0, initial=first.save(tmp_path / "a", figures=False), **CLOSED
     )
     assert_allclose(second["force"].values[0, -1], whole["force"].values[0, -1], rtol=tol.CUT)
-    again = tb.cyclic.run_case(
+    again = tb.run_case(
         tb.load_case(second.save(tmp_path / "b", figures=False) / "case.resolved.toml")
     )
     assert np.array_equal(again["force"], second["force"])
@@ -313,7 +314,7 @@ def test_the_memory_is_handed_over(name: str, tmp_path: Any) -> None:
 def test_a_hybrid_test_hands_its_memory_over() -> None:
     first = tb.hybrid([HDR, LHDR], ambient=-20, duration=3, keep_every=1, **CLOSED)
     for number, name in enumerate((HDR, LHDR)):
-        left = tb.cyclic.end_state(first, name)
+        left = tb.end_state(first, name)
         assert left.layer_turns == first.dataset["state_layer_turns"].values[number].tolist()
         element = tb.element(name, -20, initial=left, **CLOSED)
         force = element.state.books["force"][0]
@@ -338,7 +339,7 @@ def test_the_law_of_a_bearing_goes_with_it_and_euler_is_refused(tmp_path: Any) -
     for given in ({"bearing": HDR, **CLOSED}, {"bearing": bearing}):
         with pytest.raises(tb.InputError, match="small_loops"):
             tb.run(test=test, integrator="euler", **given)
-    compound = tb.bearing.compound_of(bearing)
+    compound = compound_of(bearing)
     assert compound.rubber.small_loops == "closed"
 
 
@@ -346,7 +347,7 @@ def test_a_fit_with_closed_loops_recovers_them() -> None:
     """The record of a bearing whose small loops close, fitted by the same law and by the other."""
     bearing = changed(tb.load_bearing(HDR), hysteresis=CLOSED)
     steps = made([*STEPS, {"step": "ramp", "to_strain": -1.0, "speed": 40.0}])
-    record = tb.identify.synthetic_record(bearing, 23.0, steps)
+    record = tb.synthetic_record(bearing, 23.0, steps)
     free = ["K_r", "d_y", "s"]
     fits = [tb.identify_bearing(record, one, free=free, starts=1) for one in (bearing, HDR)]
     assert fits[0].bearing.hysteresis.small_loops == "closed"

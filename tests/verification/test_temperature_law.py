@@ -189,8 +189,7 @@ def test_a_fit_states_the_range_of_its_own_tests() -> None:
 
     test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
     records = [
-        tb.identify.synthetic_record(specimen(), ambient, test, noise=0.0)
-        for ambient in (-10.0, 15.0)
+        tb.synthetic_record(specimen(), ambient, test, noise=0.0) for ambient in (-10.0, 15.0)
     ]
     options: dict[str, Any] = {"starts": 1, "blind": False}
     free = tb.identify_bearing(records, specimen(), free=["n_T"], **options)

@@ -26,7 +26,7 @@ FILM, COVER = 12.0, 10.0  # as data/surroundings/outdoors.toml
 BEHIND = "1000 kJ/(m^2 K)"  # some half a metre of concrete
 
 
-def bearing_of(name: str) -> tb.bearing.Bearing:
+def bearing_of(name: str) -> tb.Bearing:
     """One of the library, or a round one of 900 mm without lead, 20 layers of 10 mm."""
     if name != "round 900 mm":
         return tb.load_bearing(name)
@@ -37,7 +37,7 @@ def bearing_of(name: str) -> tb.bearing.Bearing:
     return lrb.model_copy(update={"geometry": geometry, "lead": None, "kind": "HDR"})
 
 
-def in_the_weather(bearing: tb.bearing.Bearing, **analysis: Any) -> Device:
+def in_the_weather(bearing: tb.Bearing, **analysis: Any) -> Device:
     table: dict[str, Any] = {"command": "bridge", "bearings": [bearing], "analysis": analysis}
     settle_surroundings(table)
     case = make_earthquake_case(table, "test")

@@ -154,7 +154,7 @@ def save_bearing(bearing: Bearing, path: str | Path, *, overwrite: bool = False)
     Examples
     --------
     >>> from tempfile import TemporaryDirectory
-    >>> from thermobearing.bearing import load_bearing
+    >>> from thermobearing.bearing.library import load_bearing
     >>> mine = changed_bearing("shen-hdr-specimen", name="mine", cells={"rubber": 4, "shim": 2})
     >>> with TemporaryDirectory() as folder:
     ...     load_bearing(save_bearing(mine, folder + "/mine.toml")) == mine

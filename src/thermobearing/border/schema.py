@@ -65,7 +65,7 @@ class Strict(BaseModel):
         if name in type(self).model_fields:
             raise InputError(
                 f"{type(self).__name__}.{name}: records are frozen; make another (of a bearing: "
-                "tb.bearing.changed_bearing)"
+                "tb.changed_bearing)"
             )
         super().__setattr__(name, value)
 

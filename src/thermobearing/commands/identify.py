@@ -167,26 +167,24 @@ def identify(
     from thermobearing.identify.records.treatment import to_be_treated
     from thermobearing.identify.uncertainty.posterior import need_emcee
 
-    held = hold_out or []
-    records, bearing, target = _read([*tests, *held], start, check, output, overwrite)
+    records, bearing, target = _read([*tests, *(hold_out or [])], start, check, output, overwrite)
     records = to_be_treated(records, despike, detrend, ambient_uncertainty)
     if check or bearing is None or target is None:
-        return _look_over(
-            records, bearing, target, overwrite, no_figures, as_json, quiet, documents
-        )
+        how = (overwrite, no_figures, as_json, quiet, documents)
+        return _look_over(records, bearing, target, *how)
     if posterior:
         need_emcee()
     announce_compiling(quiet)
-    how: dict[str, Any] = {
+    fit: dict[str, Any] = {
         "free": [name.strip() for name in free.split(",")] if free is not None else None,
         **{"method": method, "seed": seed, "starts": starts, "evaluations": evaluations},
         **{"loss": loss, "temperatures": temperatures, "blind": not from_start, "polish": polish},
         **{"accept_poor": accept_poor, "one_temperature": one_temperature},
         "assumed": numbers_by_name(assumed or [], "--assumed", "KEY=NUMBER, such as sigma_Y=0.1"),
     }
-    if held or folds is not None or limit:
-        how |= {"hold_out": records[len(tests) :], "folds": folds, "limits": limit_numbers(limit)}
-    found = _found(records[: len(tests)], bearing, how, quiet)
+    if hold_out or folds is not None or limit:
+        fit |= {"hold_out": records[len(tests) :], "folds": folds, "limits": limit_numbers(limit)}
+    found = _found(records[: len(tests)], bearing, fit, quiet)
     drawn = _drawn(found, posterior, predict, seed, quiet) if posterior or predict else None
     found.save(target, overwrite=overwrite, figures=not no_figures, forecast=drawn)
     if not quiet:

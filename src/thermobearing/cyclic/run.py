@@ -96,7 +96,7 @@ def run(
     clock : of lead on a half-space, "lead" (Eq. 5.6 as printed) or "steel"; by default that of the
         bearing, or, if it says none, lead with the published scheme and steel otherwise.
     upper_face, lower_face : heat exchange of the end faces; eta_B = 2 by default.
-    side : heat exchange of the side, a `tb.model.Side`; by default the film of the bearing's
+    side : heat exchange of the side, a `tb.Side`; by default the film of the bearing's
         materials without cover.
     initial : temperature at the start [degC]: uniform, or one per cell (upper face first); the
         ambient temperature by default. Or an earlier result of the same bearing (of a test, or of

@@ -259,7 +259,7 @@ def draw_bounds(table: pd.DataFrame, title: str) -> Figure:
     --------
     >>> import thermobearing as tb
     >>> bearing = tb.load_bearing("shen-hdr-bridge")
-    >>> table = tb.design.bounds_study(bearing, ["jra-ii-i-1"], [23.0, -20.0])
+    >>> table = tb.bounds_study(bearing, ["jra-ii-i-1"], [23.0, -20.0])
     >>> len(draw_bounds(table, "bounds").axes)
     4
     """
@@ -364,7 +364,8 @@ def draw_scale(bearing: Bearing, results: dict[float, Result]) -> Figure:
     --------
     >>> import thermobearing as tb
     >>> bearing = tb.load_bearing("shen-hdr-bridge")
-    >>> _, results = tb.design.scale_study(bearing, [0.5])
+    >>> from thermobearing.design.factors import scale_study
+    >>> _, results = scale_study(bearing, [0.5])
     >>> len(draw_scale(bearing, results).axes)
     2
     """

@@ -191,7 +191,7 @@ def bearing_weather(
     Parameters
     ----------
     bearing : a name, a file, or a bearing; none that is bilinear, which has no heat.
-    weather : from `tb.climate.read_weather` or `tb.climate.generate_weather`.
+    weather : from `tb.read_weather` or `tb.generate_weather`.
     **options : of the model and its heat, as in `tb.bridge` with weather: films of 12 W/(m2 K) at
         faces and side and 10 mm of cover rubber by default.
 
@@ -206,7 +206,7 @@ def bearing_weather(
 
     Examples
     --------
-    >>> from thermobearing.climate import generate_weather
+    >>> from thermobearing.climate.generator import generate_weather
     >>> frame = bearing_weather("shen-lhdr-bridge", generate_weather("cold-town", 1, 4))
     >>> frame.columns[2:].tolist()
     ['ambient_degC', 'rubber_degC', 'outer_rubber_degC', 'inner_rubber_degC', 'lead_degC']

@@ -116,7 +116,7 @@ def bridge(
         bearing, or, if it says none, lead with the published scheme and steel otherwise.
     upper_face, lower_face : heat exchange of the end faces; eta_B = 2 by default, after weather a
         film of 12 W/(m2 K).
-    side : heat exchange of the side, a `tb.model.Side`; by default the film of the bearing's
+    side : heat exchange of the side, a `tb.Side`; by default the film of the bearing's
         materials, after weather 12 W/(m2 K) and 10 mm of cover rubber.
     stack : "auto" (default), "half" or "full" height.
     model : "multi-layer" (default) or an earlier model to compare with (model/earlier.py).

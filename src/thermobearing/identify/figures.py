@@ -121,7 +121,7 @@ class IdentificationFigures:
     --------
     >>> import thermobearing as tb
     >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
-    >>> record = tb.identify.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
+    >>> record = tb.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
     >>> found = tb.identify_bearing(record, "shen-hdr-specimen", free=["K_r"], starts=1)
     >>> len(IdentificationFigures(found).cycles().axes)
     4
@@ -361,7 +361,7 @@ def check_figure(report: CheckReport) -> Figure:
     --------
     >>> import thermobearing as tb
     >>> t = np.linspace(0.0, 10.0, 500)
-    >>> report = tb.identify.check_test(tb.identify.record_from_arrays(t, 0.0 * t, np.sin(t), 23.0))
+    >>> report = tb.check_test(tb.record_from_arrays(t, 0.0 * t, np.sin(t), 23.0))
     >>> len(check_figure(report).axes)
     4
     """

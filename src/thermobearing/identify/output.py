@@ -62,7 +62,7 @@ def save_checks(
     >>> import tempfile
     >>> import thermobearing as tb
     >>> t = np.linspace(0.0, 10.0, 500)
-    >>> report = tb.identify.check_test(tb.identify.record_from_arrays(t, 0.0 * t, np.sin(t), 23.0))
+    >>> report = tb.check_test(tb.record_from_arrays(t, 0.0 * t, np.sin(t), 23.0))
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     written = save_checks([report], Path(folder) / "check", figures=False)
     ...     print([path.name for path in written.iterdir()])
@@ -120,7 +120,7 @@ def save_identification(
     >>> import tempfile
     >>> import thermobearing as tb
     >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
-    >>> record = tb.identify.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
+    >>> record = tb.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
     >>> found = tb.identify_bearing(record, "shen-hdr-specimen", free=["K_r"], starts=1)
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     written = save_identification(found, Path(folder) / "fit", figures=False)
@@ -178,7 +178,7 @@ def bearing_table(found: Identification) -> dict[str, Any]:
     --------
     >>> import thermobearing as tb
     >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
-    >>> record = tb.identify.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
+    >>> record = tb.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
     >>> found = tb.identify_bearing(record, "shen-hdr-specimen", free=["K_r"], starts=1)
     >>> bearing_table(found)["hysteresis"]["layer_stiffness"]["source"].split(";")[0]
     'identified from synthetic at 23 degC'
@@ -218,7 +218,7 @@ def _compound_text(found: Identification) -> str:
     --------
     >>> import thermobearing as tb
     >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
-    >>> record = tb.identify.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
+    >>> record = tb.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
     >>> found = tb.identify_bearing(record, "shen-hdr-specimen", free=["K_r"], starts=1)
     >>> _compound_text(found).splitlines()[1]
     'name = "shen-hdr-specimen-compound"'
@@ -289,7 +289,7 @@ def _fit_text(found: Identification) -> str:
     --------
     >>> import thermobearing as tb
     >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
-    >>> record = tb.identify.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
+    >>> record = tb.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
     >>> found = tb.identify_bearing(record, "shen-hdr-specimen", free=["K_r"], starts=1)
     >>> _fit_text(found).splitlines()[0]
     'record,time_s,displacement_mm,force_kN,model_force_kN'
@@ -342,8 +342,8 @@ def print_checks(reports: list[CheckReport]) -> None:
     >>> import numpy as np
     >>> import thermobearing as tb
     >>> t = np.linspace(0.0, 10.0, 500)
-    >>> record = tb.identify.record_from_arrays(t, 0.0 * t, np.sin(t), 23.0)
-    >>> print_checks([tb.identify.check_test(record)])
+    >>> record = tb.record_from_arrays(t, 0.0 * t, np.sin(t), 23.0)
+    >>> print_checks([tb.check_test(record)])
     test: refused
       REFUSED  displacement: displacement is constant at 0 mm
     """
@@ -365,7 +365,7 @@ def print_identification(found: Identification, more: Sequence[str] = ()) -> Non
     --------
     >>> import thermobearing as tb
     >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
-    >>> record = tb.identify.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
+    >>> record = tb.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
     >>> found = tb.identify_bearing(record, "shen-hdr-specimen", free=["K_r"], starts=1)
     >>> import contextlib, io
     >>> with contextlib.redirect_stdout(io.StringIO()) as shown:

@@ -629,5 +629,5 @@ def _looked_over(saved: SavedResult) -> Pieces:
         tables={"findings": _checks_table(records)},
         figures=saved_figures(saved, {"check": "The test as it was read, and its cycles."}),
         validity_unknown="Nothing was fitted, so nothing is said of validity.",
-        identity=saved_identity(saved, "thermobearing.identify.check_test(...) in Python"),
+        identity=saved_identity(saved, "thermobearing.check_test(...) in Python"),
     )

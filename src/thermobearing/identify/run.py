@@ -158,7 +158,7 @@ def run_identify(case: IdentifyCase) -> Identification:
     >>> import thermobearing as tb
     >>> from thermobearing.identify.case import make_identify_case
     >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
-    >>> record = tb.identify.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
+    >>> record = tb.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
     >>> case = make_identify_case(record, "shen-hdr-specimen", free=["K_r"], starts=1)
     >>> run_identify(case).outcome
     'completed'

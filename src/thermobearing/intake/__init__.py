@@ -1,5 +1,5 @@
 """A laboratory's files looked at: what is in them, and the sidecar that says so."""
 
-import lazy_loader
+from thermobearing.border.deprecated import find_moved
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__ = find_moved(__name__)

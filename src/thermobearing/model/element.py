@@ -67,7 +67,7 @@ class BearingElement:
     ambient : temperature of the air [degC], in [-100, 100]: of the bearing too at the start,
         unless `initial` says otherwise, and of the air in a trial that does not say its own.
     initial : temperature at the start [degC], in [-100, 100]: uniform, or one per cell (upper
-        face first). Or where an earlier test left this bearing, from `tb.cyclic.end_state`; its
+        face first). Or where an earlier test left this bearing, from `tb.end_state`; its
         energies begin anew.
     initial_lead : lead temperature at the start [degC]; that of the cells beside it by default.
     scheme : "conservative" (default) or "published" heat scheme.
@@ -83,7 +83,7 @@ class BearingElement:
     clock : of lead on a half-space, "lead" (Eq. 5.6 as printed) or "steel"; by default that of the
         bearing, or, if it says none, lead with the published scheme and steel otherwise.
     upper_face, lower_face : heat exchange of the end faces; eta_B = 2 by default.
-    side : heat exchange of the side, a `tb.model.Side`; by default the film of the bearing's
+    side : heat exchange of the side, a `tb.Side`; by default the film of the bearing's
         materials without cover.
     stack : "auto" (default), "half" or "full" height.
     model : "multi-layer" (default) or an earlier model (model/earlier.py) but "bilinear", whose
@@ -352,7 +352,7 @@ def _of_cells(key: str, temperature: Any, cells: int) -> NDArray[np.float64]:
         given = np.asarray(temperature, dtype=np.float64)
     except (TypeError, ValueError):
         said = f"{key} = {shortened(repr(temperature))}: must be in degC, numbers"
-        raise InputError(f"{said}, or a state (tb.cyclic.end_state)") from None
+        raise InputError(f"{said}, or a state (tb.end_state)") from None
     if given.ndim and given.shape != (cells,):
         raise InputError(f"{key}: has {given.size} numbers, but the stack has {cells} cells")
     for value in (given.min(), given.max()):

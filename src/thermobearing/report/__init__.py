@@ -4,6 +4,6 @@ No physics and no analysis here. Each analysis says what its document holds in i
 `report.py`, as `Pieces`; a template puts them in order; `html` and `pdf` write the same `Document`.
 """
 
-import lazy_loader
+from thermobearing.border.deprecated import find_moved
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__ = find_moved(__name__)

@@ -1,5 +1,5 @@
 """The source again: its tables, figures and claims from our data files and code alone."""
 
-import lazy_loader
+from thermobearing.border.deprecated import find_moved
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__ = find_moved(__name__)

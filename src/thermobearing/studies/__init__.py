@@ -1,5 +1,5 @@
 """Studies of very many runs: factors, designs, an engine, a store, and what is drawn from it."""
 
-import lazy_loader
+from thermobearing.border.deprecated import find_moved
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__ = find_moved(__name__)

@@ -119,7 +119,8 @@ def study_result(directory: str | Path) -> StudyResult:
     Examples
     --------
     >>> import tempfile
-    >>> from thermobearing.studies import make_study, run_study
+    >>> from thermobearing.studies.definition.case import make_study
+    >>> from thermobearing.studies.run.engine import run_study
     >>> factors = {"bearing": "shen-bilinear-bridge", "motion": "jra-ii-i-1", "ambient": "0 degC"}
     >>> table = {"kind": "study", "name": "p1", "case": {"duration": "2 s"}, "factors": factors}
     >>> with tempfile.TemporaryDirectory() as folder:

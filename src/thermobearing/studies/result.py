@@ -295,7 +295,7 @@ class StudyResult(Shown):
         ----------
         curves : of `fragilities`, by temperature.
         temperatures : of the rubber at equally probable times, see
-            `tb.earthquake.bearing_weather` [degC].
+            `tb.bearing_weather` [degC].
 
         Raises
         ------

@@ -52,9 +52,9 @@ class CrossValidation:
     --------
     >>> import thermobearing as tb
     >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
-    >>> tests = [tb.identify.synthetic_record("shen-hdr-specimen", t, test) for t in (23, -9)]
+    >>> tests = [tb.synthetic_record("shen-hdr-specimen", t, test) for t in (23, -9)]
     >>> fit = {"free": ["K_r"], "starts": 1}
-    >>> found = tb.validate.cross_validate(tests, "shen-hdr-specimen", folds=2, **fit)
+    >>> found = tb.cross_validate(tests, "shen-hdr-specimen", folds=2, **fit)
     >>> found.table["role"].tolist()
     ['fitted', 'fitted', 'held out', 'held out']
     """
@@ -272,7 +272,7 @@ def cross_validate(
     --------
     >>> import thermobearing as tb
     >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
-    >>> warm, cold = (tb.identify.synthetic_record("shen-hdr-specimen", t, test) for t in (23, -9))
+    >>> warm, cold = (tb.synthetic_record("shen-hdr-specimen", t, test) for t in (23, -9))
     >>> found = cross_validate(warm, "shen-hdr-specimen", hold_out=cold, free=["K_r"], starts=1)
     >>> found.verdict
     'within'
@@ -377,7 +377,7 @@ def run_hold_out(case: HoldOutCase, *, progress: Progress | None = None) -> Cros
     --------
     >>> import thermobearing as tb
     >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
-    >>> tests = [tb.identify.synthetic_record("shen-hdr-specimen", t, test) for t in (23, -9)]
+    >>> tests = [tb.synthetic_record("shen-hdr-specimen", t, test) for t in (23, -9)]
     >>> case = make_hold_out_case(tests, "shen-hdr-specimen", folds=2, free=["K_r"], starts=1)
     >>> found = run_hold_out(case)
     >>> len(found.folds), found.verdict

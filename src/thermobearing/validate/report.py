@@ -81,7 +81,7 @@ def build_pieces(saved: SavedResult) -> Pieces:
             *model_assumptions({"model": models[0]}, [one["table"] for one in bearings.values()]),
         ],
         warnings=warnings,
-        identity=saved_identity(saved, "thermobearing.validate.validate(...) in Python"),
+        identity=saved_identity(saved, "thermobearing.validate_bearing(...) in Python"),
     )
 
 

@@ -102,8 +102,8 @@ class Validation(Shown):
     --------
     >>> import thermobearing as tb
     >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
-    >>> record = tb.identify.synthetic_record("shen-hdr-specimen", 23.0, test)
-    >>> found = tb.validate.validate("shen-hdr-specimen", record)
+    >>> record = tb.synthetic_record("shen-hdr-specimen", 23.0, test)
+    >>> found = tb.validate_bearing("shen-hdr-specimen", record)
     >>> found.verdict
     'within'
     """

@@ -39,7 +39,7 @@ ASSUMED = ("assumed", "rubber")  # checks whose warnings a comparison repeats
 NOT_NEEDED = ("cycles", "sampling")  # checks of a fit that any history may fail
 
 
-def validate(
+def validate_bearing(
     bearings: Sequence[Chosen] | Chosen,
     records: Sequence[Test] | Test,
     *,
@@ -68,8 +68,8 @@ def validate(
     --------
     >>> import thermobearing as tb
     >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
-    >>> record = tb.identify.synthetic_record("shen-hdr-specimen", -20.0, test)
-    >>> found = validate("shen-hdr-specimen", record, models=["multi-layer", "adiabatic"])
+    >>> record = tb.synthetic_record("shen-hdr-specimen", -20.0, test)
+    >>> found = validate_bearing("shen-hdr-specimen", record, models=["multi-layer", "adiabatic"])
     >>> [round(item.R2, 2) for item in found.comparisons][0] > 0.99
     True
     """
@@ -95,8 +95,8 @@ def run_validate(case: ValidateCase) -> Validation:
     --------
     >>> import thermobearing as tb
     >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
-    >>> record = tb.identify.synthetic_record("shen-hdr-specimen", 23.0, test)
-    >>> run_validate(tb.validate.make_validate_case("shen-hdr-specimen", record)).outcome
+    >>> record = tb.synthetic_record("shen-hdr-specimen", 23.0, test)
+    >>> run_validate(make_validate_case("shen-hdr-specimen", record)).outcome
     'completed'
     """
     assumed = refuse_unusable(case.records, case.bearings[0])

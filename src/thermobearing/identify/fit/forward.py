@@ -252,7 +252,7 @@ class ForwardModel:
     --------
     >>> import thermobearing as tb
     >>> t = np.linspace(0.0, 4.0, 401)
-    >>> record = tb.identify.record_from_arrays(t, 30.0 * np.sin(2.0 * np.pi * t), t + 1.0, 23.0)
+    >>> record = tb.record_from_arrays(t, 30.0 * np.sin(2.0 * np.pi * t), t + 1.0, 23.0)
     >>> bearing = tb.load_bearing("shen-hdr-specimen")
     >>> ForwardModel(record, bearing).run(bearing).force.shape
     (401,)

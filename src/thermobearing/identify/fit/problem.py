@@ -47,7 +47,7 @@ class Problem:
     >>> from thermobearing.identify.fit.parameters import parameter_set
     >>> bearing = tb.load_bearing("shen-hdr-specimen")
     >>> test = tb.cyclic_test(strain=[1.0], cycles=1, rest=None)
-    >>> record = tb.identify.synthetic_record(bearing, 23.0, test, noise=0.0)
+    >>> record = tb.synthetic_record(bearing, 23.0, test, noise=0.0)
     >>> pset = parameter_set(bearing, ["K_r"], [23.0])
     >>> problem = Problem([record], pset)
     >>> problem.cost(pset.start) < problem.cost(pset.start + 0.1)

@@ -212,7 +212,7 @@ def search(problem: Problem, case: IdentifyCase) -> Floats:
     >>> from thermobearing.identify.fit.parameters import parameter_set
     >>> bearing = tb.load_bearing("shen-hdr-specimen")
     >>> test = tb.cyclic_test(strain=[1.0], cycles=1, rest=None)
-    >>> record = tb.identify.synthetic_record(bearing, 23.0, test, noise=0.0)
+    >>> record = tb.synthetic_record(bearing, 23.0, test, noise=0.0)
     >>> problem = Problem([record], parameter_set(bearing, ["K_r"], [23.0]))
     >>> cube = search(problem, make_identify_case(record, bearing, starts=1))
     >>> problem.cost(polish(problem, cube)[0]) < 1e-4

@@ -136,7 +136,7 @@ def loop_start(
     >>> from thermobearing.identify.fit.parameters import parameter_set
     >>> bearing = tb.load_bearing("shen-hdr-specimen")
     >>> test = tb.cyclic_test(strain=[0.5, 1.5], cycles=1, rest=None)
-    >>> record = tb.identify.synthetic_record(bearing, 23.0, test, noise=0.0)
+    >>> record = tb.synthetic_record(bearing, 23.0, test, noise=0.0)
     >>> pset = parameter_set(bearing, ["K_r"], [23.0])
     >>> start = loop_start([record], pset, [ForwardModel(record, bearing)])
     >>> 10.0 < start[K_R] < 90.0

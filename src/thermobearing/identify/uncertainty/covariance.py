@@ -173,7 +173,7 @@ def estimate(problem: Problem, cube: Floats, groups: Sequence[Group] | None = No
     >>> from thermobearing.identify.fit.parameters import parameter_set
     >>> bearing = tb.load_bearing("shen-hdr-specimen")
     >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
-    >>> record = tb.identify.synthetic_record(bearing, 23.0, test)
+    >>> record = tb.synthetic_record(bearing, 23.0, test)
     >>> pset = parameter_set(bearing, ["K_r"], [23.0])
     >>> estimate(Problem([record], pset), pset.start).estimates[kinds.K_R].relative_error < 0.05
     True

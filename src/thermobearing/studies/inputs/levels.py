@@ -14,7 +14,9 @@ from thermobearing.bearing.model import Bearing
 from thermobearing.bearing.new import new_bearing
 from thermobearing.border.errors import InputError, is_file, nearest
 from thermobearing.border.library import is_path
-from thermobearing.climate import Hourly, generate_weather, read_weather
+from thermobearing.climate.generator import generate_weather
+from thermobearing.climate.hourly import Hourly
+from thermobearing.climate.readers import read_weather
 from thermobearing.earthquake.inputs import Motion
 from thermobearing.identify.uncertainty.samples import posterior_bearings
 from thermobearing.motions.record import GroundMotion

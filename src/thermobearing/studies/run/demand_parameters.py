@@ -125,7 +125,9 @@ def measure(run_input: "RunInput") -> dict[str, Any]:
 
     Examples
     --------
-    >>> from thermobearing.studies import Preparer, make_study, plan
+    >>> from thermobearing.studies.definition.case import make_study
+    >>> from thermobearing.studies.definition.designs import plan
+    >>> from thermobearing.studies.run.prepare import Preparer
     >>> factors = {"bearing": "shen-hdr-bridge", "motion": "jra-ii-i-1", "ambient": ["0 degC"]}
     >>> table = {"kind": "study", "name": "p1", "case": {"duration": "2 s"}, "factors": factors}
     >>> study = make_study(table, "example")

@@ -118,7 +118,7 @@ def run_study(
     Examples
     --------
     >>> import tempfile
-    >>> from thermobearing.studies import make_study
+    >>> from thermobearing.studies.definition.case import make_study
     >>> factors = {"bearing": "shen-hdr-bridge", "motion": "jra-ii-i-1", "ambient": ["0 degC"]}
     >>> table = {"kind": "study", "name": "p1", "case": {"duration": "1 s"}, "factors": factors}
     >>> directory = Path(tempfile.mkdtemp()) / "p1"

@@ -65,7 +65,8 @@ def run_shard(study: Study, plan_rows: pd.DataFrame) -> pd.DataFrame:
 
     Examples
     --------
-    >>> from thermobearing.studies import make_study, plan
+    >>> from thermobearing.studies.definition.case import make_study
+    >>> from thermobearing.studies.definition.designs import plan
     >>> factors = {"bearing": "shen-hdr-bridge", "motion": "jra-ii-i-1", "ambient": ["0 degC"]}
     >>> table = {"kind": "study", "name": "p1", "case": {"duration": "2 s"}, "factors": factors}
     >>> study = make_study(table, "example")
