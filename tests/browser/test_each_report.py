@@ -41,8 +41,7 @@ def report(
     page.goto(file.as_uri())
     for plot in page.locator(".plot").all():
         plot.scroll_into_view_if_needed()
-        lines = plot.locator(".scatterlayer path.js-line, .scatterlayer path.point")
-        lines.first.wait_for(state="attached")
+        plot.locator(".drawing .line, .drawing .points").first.wait_for(state="attached")
     yield Report(kind, page, told)
     page.close()
 

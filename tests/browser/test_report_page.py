@@ -55,7 +55,7 @@ def until(holds: Callable[[], bool]) -> None:
 def line(page: Any, figure: int, axis: str = "y", trace: int = 0) -> list[float]:
     """Numbers of a line as it is drawn."""
     page.locator(f"#plot-{figure}").scroll_into_view_if_needed()
-    page.locator(f"#plot-{figure} .main-svg").first.wait_for()
+    page.locator(f"#plot-{figure} .drawing").wait_for()
     found = page.evaluate(
         f"Array.from(document.getElementById('plot-{figure}').data[{trace}].{axis})"
     )
@@ -64,7 +64,7 @@ def line(page: Any, figure: int, axis: str = "y", trace: int = 0) -> list[float]
 
 def path(page: Any, figure: int) -> str:
     """The first line of a plot as it stands on the page."""
-    return str(page.locator(f"#plot-{figure} .scatterlayer path.js-line").first.get_attribute("d"))
+    return str(page.locator(f"#plot-{figure} .drawing .line").first.get_attribute("d"))
 
 
 def column(page: Any, place: int) -> list[str]:
@@ -97,19 +97,73 @@ def test_the_slider_moves_the_curve(opened: Any) -> None:
 
 def test_the_menu_changes_the_lines(opened: Any) -> None:
     assert max(line(opened, 1, "x")) < 1.01
-    assert opened.locator("#plot-1 .shapelayer path").count() == 0
+    assert opened.locator("#plot-1 .band").count() == 0
     opened.locator("#figure-1").get_by_label("Show").select_option("second motion")
     assert max(line(opened, 1, "x")) > 2.99
-    # What was not tested is shaded on both sides, with an edge each.
-    assert opened.locator("#plot-1 .shapelayer path").count() == 4
+    assert opened.locator("#plot-1 .band").count() == 2  # not tested, on both sides
 
 
 def test_equal_scales(opened: Any) -> None:
     line(opened, 4)
-    scale = opened.evaluate(
-        "['xaxis', 'yaxis'].map((a) => document.getElementById('plot-4')._fullLayout[a]._m)"
-    )
-    assert abs(scale[0]) == pytest.approx(abs(scale[1]), rel=tol.SCALES_ALIKE)
+    box = opened.locator("#plot-4 .drawing .line").evaluate("(line) => line.getBBox()['height']")
+    width = opened.locator("#plot-4 .drawing .line").evaluate("(line) => line.getBBox()['width']")
+    assert box == pytest.approx(width, rel=tol.SCALES_ALIKE)  # both from -1 to 1
+
+
+def test_zoom_by_buttons_a_drag_and_keys(opened: Any) -> None:
+    line(opened, 4)
+    sheet = opened.locator("#plot-4 .sheet")
+    whole = path(opened, 4)
+    opened.locator("#plot-4").get_by_label("Zoom in").click()
+    nearer = path(opened, 4)
+    opened.locator("#plot-4").get_by_label("Whole plot").click()
+    assert path(opened, 4) == whole != nearer
+    box = sheet.bounding_box()
+    opened.mouse.move(box["x"] + 200, box["y"] + 100)
+    opened.mouse.down()
+    opened.mouse.move(box["x"] + 300, box["y"] + 200)
+    assert opened.locator("#plot-4 .zoom").count() == 1
+    opened.mouse.up()
+    assert path(opened, 4) != whole
+    sheet.press("0")
+    assert path(opened, 4) == whole
+    sheet.press("Shift+ArrowRight")
+    assert path(opened, 4) != whole
+    sheet.dblclick()
+    assert path(opened, 4) == whole
+
+
+def test_values_at_the_pointer_and_by_keys(opened: Any) -> None:
+    line(opened, 4)
+    sheet = opened.locator("#plot-4 .sheet")
+    sheet.press("ArrowRight")
+    sheet.press("ArrowRight")
+    assert "x [mm]: 0.9888" in opened.locator("#told").inner_text()
+    box = sheet.bounding_box()
+    opened.mouse.move(box["x"] + 0.5 * box["width"], box["y"] + 0.45 * box["height"])
+    assert "y [mm]: 0.0" in opened.locator("#plot-4 .values").inner_text()
+    opened.mouse.move(0, 0)
+    assert opened.locator("#plot-4 .values").count() == 0
+
+
+def test_a_click_on_the_legend_hides_a_line(opened: Any) -> None:
+    line(opened, 1)
+    button = opened.locator("#plot-1 .legend button").first
+    assert opened.locator("#plot-1 .drawing .line").count() == 2
+    button.click()
+    assert opened.locator("#plot-1 .drawing .line").count() == 1
+    assert button.get_attribute("aria-pressed") == "false"
+    with opened.expect_download() as saved:
+        opened.locator("#plot-1").get_by_label("Save as SVG").click()
+    assert saved.value.suggested_filename == "plot-1.svg"
+
+
+@pytest.mark.parametrize("opened", [{"viewport": {"width": 1200, "height": 800}}], indirect=True)
+def test_no_table_hides_its_last_column(opened: Any) -> None:
+    for table in opened.locator(".scroll").all():
+        edge = table.bounding_box()
+        last = table.locator("thead th").last.bounding_box()
+        assert last["x"] + last["width"] <= edge["x"] + edge["width"] + 1.0
 
 
 def test_the_contents_list_jumps_and_follows(opened: Any) -> None:
@@ -147,11 +201,10 @@ def test_light_and_dark(opened: Any) -> None:
     button = opened.get_by_role("button", name="Dark colours")
     for dark in (system, not system, system):
         assert button.get_attribute("aria-pressed") == str(dark).lower()
-        grounds = [_ground(opened, place) for place in ("body", "#plot-1 .main-svg")]
-        assert [ground < 0.5 for ground in grounds] == [dark, dark]
-        # The black line is seen on either.
-        ink = opened.locator("#plot-1 .scatterlayer .trace").nth(1).locator("path.js-line")
-        assert abs(_brightness(ink, "stroke") - grounds[1]) > 0.4
+        assert (_ground(opened, "body") < 0.5) == dark
+        ink = opened.locator("#plot-1 .drawing .line").nth(1)  # black on white
+        stroke = ink.evaluate("(line) => getComputedStyle(line)['stroke']")
+        assert stroke.startswith("oklch(0.72 ") if dark else stroke == "rgb(26, 26, 26)"
         button.click()
 
 
@@ -216,11 +269,10 @@ def test_nothing_is_cut_at_the_side_of_paper(opened: Any) -> None:
     opened.set_viewport_size({"width": int(PRINTED), "height": 900})
     opened.emulate_media(media="print", color_scheme="dark")
     edges = opened.evaluate(
-        "[...document.querySelectorAll('main > *, main figure, main img, .main-svg, table')]"
+        "[...document.querySelectorAll('main > *, main figure, main img, .drawing, table')]"
         ".map((part) => [part.closest('.broad') !== null, part.getBoundingClientRect().right])"
     )
     assert len(edges) > 10
     for broad, right in edges:
         assert right <= (PRINTED_TURNED if broad else PRINTED) + 1.0
     assert _ground(opened, "body") > 0.9  # paper is light
-    assert _ground(opened, "#plot-1 .main-svg") > 0.9

@@ -66,5 +66,5 @@ def test_sdist_holds_what_is_needed(built: Path) -> None:
         ".npz",
         ".typed",
         ".md",
-        *("", ".css", ".html", ".js", ".typ"),  # of reports; the licence of plotly
+        *(".css", ".html", ".js", ".typ"),  # of reports
     }

@@ -12,9 +12,9 @@ import pytest
 
 from tests.unit.report_pieces import EVIL, LOGO, PIECES, line, many_columns, wide
 from thermobearing.border.errors import InputError
+from thermobearing.report.figures import missing_words, picture_size, svg_bytes
 from thermobearing.report.layout import SEAM, TURNED_WIDTH, UPRIGHT_WIDTH, fitted, laid_out
 from thermobearing.report.pdf import document_date, pdf_bytes
-from thermobearing.report.pictures import missing_words, picture_size, svg_bytes
 from thermobearing.report.pieces import Column, Pieces, ReportFigure, ReportTable
 from thermobearing.report.template import document
 

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from thermobearing.cyclic.figures import Figures, TimeAxis
 from thermobearing.cyclic.result import Result
-from thermobearing.report.html_plots import history, path, rounded
+from thermobearing.report.figures import history, path, rounded
 from thermobearing.report.pieces import Plot, ReportFigure, Trace
 from thermobearing.report.words import degrees
 from thermobearing.results import drawing

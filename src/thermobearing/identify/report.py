@@ -10,7 +10,7 @@ from thermobearing.border.toml import read_toml, split_sources
 from thermobearing.cyclic.reported import bearing_tables, bearing_words, model_assumptions
 from thermobearing.identify.uncertainty.agreement import POOR as POOR_R2
 from thermobearing.identify.uncertainty.covariance import POOR
-from thermobearing.report.html_plots import path
+from thermobearing.report.figures import path
 from thermobearing.report.inputs import key_words
 from thermobearing.report.limits import verdict_of
 from thermobearing.report.pieces import (

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from thermobearing.motions.matching import LARGEST_MISFIT
-from thermobearing.report.html_plots import history, rounded
+from thermobearing.report.figures import history, rounded
 from thermobearing.report.pieces import (
     EXCEEDED,
     PASSED,

@@ -8,6 +8,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from thermobearing.quantities.register import Quantity, is_registered, quantity
 
 if TYPE_CHECKING:
@@ -34,6 +36,9 @@ class Table:
         Below the table: what marks and symbols mean.
     failed : frozenset of int
         Rows of runs that did not complete.
+    governing : str
+        Head of the column whose largest values govern: an HTML page opens a long table with
+        their rows.
     """
 
     caption: str
@@ -43,6 +48,7 @@ class Table:
     marked: frozenset[tuple[int, int]] = frozenset()
     note: str = ""
     failed: frozenset[int] = frozenset()
+    governing: str = ""
 
     def __len__(self) -> int:
         return len(self.rows)
@@ -53,6 +59,21 @@ class Table:
             [column.text(value) for column, value in zip(self.columns, row, strict=True)]
             for row in self.rows
         ]
+
+    def numeric(self) -> set[int]:
+        """Return the columns that hold numbers for the most part: they stand at the right."""
+        found = set()
+        for place, column in enumerate(self.columns):
+            values = [row[place] for row in self.rows if column.text(row[place])]
+            if 2 * sum(map(is_number, values)) > len(values):
+                found.add(place)
+        return found
+
+
+def is_number(value: Any) -> bool:
+    """Return whether a value is a number; yes and no are none."""
+    number = isinstance(value, int | float | np.integer | np.floating)
+    return number and not isinstance(value, bool | np.bool_)
 
 
 def make_table(

@@ -7,9 +7,9 @@ from pathlib import Path
 
 from thermobearing.border.errors import OutputError, is_folder
 from thermobearing.border.text_file import write_through
+from thermobearing.report.figures import drawn
 from thermobearing.report.html import html_page
 from thermobearing.report.pdf import pdf_bytes, the_compiler
-from thermobearing.report.pictures import drawn
 from thermobearing.report.pieces import Pieces
 from thermobearing.report.template import document
 from thermobearing.report.title import TitleBlock

@@ -2,257 +2,313 @@
 
 import base64
 import hashlib
-import html
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
-from string import Template
+import re
+from collections.abc import Mapping, Sequence
+from functools import cache
+from itertools import count
+from typing import Any, NamedTuple
 from urllib.parse import quote
 
-from thermobearing.report.html_plots import plot_html, points_each
-from thermobearing.report.html_tables import (
-    anchor,
-    breakable,
-    checks_html,
-    encoded,
-    escaped,
-    heading,
-    page_file,
-    sentence,
-    table_html,
-)
-from thermobearing.report.pictures import page_picture, picture_size
+import numpy as np
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markdown_it import MarkdownIt
+from markupsafe import Markup
+
+from thermobearing.border.library import data_path
+from thermobearing.quantities.tables import Table, is_number
+from thermobearing.report.figures import page_picture, picture_size, plot_json, points_each
 from thermobearing.report.pieces import (
+    VERDICTS,
     Block,
     Bullets,
     ChecksBlock,
     Document,
     FigureBlock,
     Heading,
+    Link,
     Paragraph,
     ReportFigure,
     TableBlock,
+    checks_table,
 )
 
+# Of Markdown what a sentence needs: no HTML, and no pictures, which would come from elsewhere.
+SENTENCES = MarkdownIt("zero", {"html": False}).enable(["emphasis", "backticks", "link", "escape"])
+HEADINGS = MarkdownIt("zero", {"html": False}).enable(["emphasis", "backticks", "escape"])
+LONGEST_WORD = 24  # letters of a word that stays on a line
+MARK = "\N{DAGGER}"
+MARKED = "Marked:"  # a note that begins so says itself what the mark means
+MARK_WORDS = "beyond what was tested"
+FEWEST_TO_SORT = 3  # rows; two are seen at once
+MOST_ROWS = 40  # of a table that are open; the rest is folded
+UPRIGHT = 130  # letters in a row of a table that fit on a page; more is turned, as page.css knows
+SHORT = 12  # rows that stay on one page
+PADDING = 3  # of a column, in letters
+BRIEF, LONG = 25, 34  # letters of a cell that stays on a line, and of one that is wrapped
+BOX_NAMES = {"answer": "Answer", "warning": "\N{WARNING SIGN} Warning"}
 PIXEL = 25.4 / 96.0  # of a page [mm]
 
 
-def figure_html(figure: ReportFigure, number: int) -> str:
-    """A drawn figure with its caption.
-
-    It is an image of its own, not a part of the page: names and looks within two of them do not
-    meet, and a script in a picture from elsewhere does not run.
-
-    Parameters
-    ----------
-    figure : with `draw` or `image`.
-    number : of it in the document.
-
-    Examples
-    --------
-    >>> "data:image/svg+xml" in figure_html(ReportFigure("A line", image=b"<svg/>"), 2)
-    True
-    """
-    name = f"figure-{number}"
-    return (
-        f'<figure class="figure" id="{name}">\n{_image(figure)}'
-        f'<figcaption><span class="number">Figure {number}.</span> '
-        f"{escaped(figure.caption)}</figcaption>\n</figure>\n"
-    )
-
-
-def _image(figure: ReportFigure) -> str:
-    """The picture of a figure, as broad as it says; nothing where it has none."""
-    picture = page_picture(figure)
-    if picture is None:
-        return ""
-    alt = escaped(figure.alt or figure.caption)
-    width = round(picture_size(picture)[0] / PIXEL)
-    return f'<img class="drawn" src="{_image_address(picture)}" width="{width}" alt="{alt}">\n'
-
-
-def _image_address(image: bytes) -> str:
-    """Bytes of a PNG, JPEG or SVG as an address that holds them."""
-    if image.startswith(b"\x89PNG"):
-        return encoded(image, "image/png")
-    if image.startswith(b"\xff\xd8"):
-        return encoded(image, "image/jpeg")
-    # Of an SVG few signs want to be written otherwise: shorter than base64.
-    signs = quote(b" ".join(image.split()), safe=" ~!*'()/:;=?@$,+<>")
-    return html.escape(f"data:image/svg+xml,{signs}", quote=True)
-
-
-DEEPEST_IN_CONTENTS = 2
-# Boxes: the word above what stands in them.
-BOX_NAMES = {"answer": "Answer", "warning": "\N{WARNING SIGN} Warning"}
-TAKEN = ("content", "theme", "told")  # names of the page's own parts
-
-
-@dataclass
-class Body:
-    """What the blocks of a document became."""
-
-    html: list[str] = field(default_factory=list)
-    entries: list[tuple[int, str, str]] = field(default_factory=list)  # level, anchor, words
-
-
 def html_page(document: Document) -> str:
-    """A document as one HTML file that needs nothing else.
+    """Return a document as one HTML file that needs nothing else.
 
     The same document gives the same text.
 
     Parameters
     ----------
-    document : what is written.
+    document : Document
+        Title block, blocks in reading order, identity.
 
     Returns
     -------
-    str : the whole page.
+    str
+        The whole page.
 
     Examples
     --------
+    >>> from thermobearing.report import Document
+    >>> from thermobearing.report.pieces import Paragraph
     >>> page = html_page(Document("A test", {}, None, [Paragraph("It **held**.")], {}))
     >>> "<p>It <strong>held</strong>.</p>" in page
     True
     """
-    body = _body(document.blocks)
     plots = any(isinstance(b, FigureBlock) and b.figure.plot for b in document.blocks)
-    scripts = [page_file("page.js")]
-    if plots:
-        scripts = [page_file("plotly-basic.min.js"), *scripts, page_file("plots.js")]
-    project = document.block.get("Project", "")
-    words = {
-        "allowed": " ".join(f"'sha256-{_hash(script)}'" for script in scripts),
-        "title": escaped(f"{project}: {document.title}" if project else document.title),
-        "css": page_file("page.css"),
-        "logo": _logo(document),
-        "heading": escaped(document.title),
-        "block": _title_block(document),
-        "contents": _contents(body.entries),
-        "body": "".join(body.html),
-        "foot": _foot(document),
-        "scripts": "".join(f"<script>{script}</script>\n" for script in scripts),
-    }
-    return Template(page_file("page.html")).substitute(words)
+    scripts = [_page_file(name) for name in ("page.js", "plots.js")[: 1 + plots]]
+    return (
+        _templates()
+        .get_template("page.html")
+        .render(
+            document=document,
+            # Only these scripts run: the policy of the page holds their digests.
+            allowed=Markup(" ".join(f"'sha256-{_digest(script)}'" for script in scripts)),
+            css=Markup(_page_file("page.css")),
+            scripts=list(map(Markup, scripts)),
+            logo=_image_address(document.logo) if document.logo else "",
+            sections=_sections(document.blocks),
+            box_names=BOX_NAMES,
+            mark=MARK,
+            mark_words=MARK_WORDS,
+        )
+    )
 
 
-def _hash(script: str) -> str:
-    """What a page is allowed to run, as its own policy names it: nothing else is."""
+@cache
+def _templates() -> Environment:
+    made = Environment(
+        loader=FileSystemLoader(data_path("report-page")),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    made.filters |= {"sentence": _sentence, "breakable": _breakable}
+    return made
+
+
+def _page_file(name: str) -> str:
+    return data_path("report-page", name).read_text(encoding="utf-8")
+
+
+def _digest(script: str) -> str:
     return base64.b64encode(hashlib.sha256(script.encode()).digest()).decode("ascii")
 
 
-def _logo(document: Document) -> str:
-    if not document.logo:
-        return ""
-    return f'<img class="logo" src="{_image_address(document.logo)}" alt="Logo">\n'
+def _sentence(text: str) -> Markup:
+    """Return the Markdown of a sentence as HTML."""
+    return Markup(SENTENCES.renderInline(text))
 
 
-def _title_block(document: Document) -> str:
-    if not document.block:
-        return ""
-    rows = [
-        f"<div><dt>{escaped(name)}</dt><dd>{breakable(value)}</dd></div>\n"
-        for name, value in document.block.items()
-    ]
-    return f'<dl class="block">\n{"".join(rows)}</dl>\n'
-
-
-def _foot(document: Document) -> str:
-    if not document.identity:
-        return ""
-    told = " \N{MIDDLE DOT} ".join(
-        f"{escaped(k)}: {breakable(v)}" for k, v in document.identity.items()
-    )
-    return f'<footer class="page-foot">{told}</footer>\n'
-
-
-def _contents(entries: Sequence[tuple[int, str, str]]) -> str:
-    """The contents list, with the sections below those they belong to."""
-    if not entries:
-        return ""
-    items: list[str] = []
-    depth = 0
-    for level, name, words in entries:
-        if level > depth:
-            items.append("<ol>" * (level - depth))
-        else:
-            items.append("</li></ol>" * (depth - level) + "</li>")
-        items.append(f'<li><a href="#{name}">{words}</a>')
-        depth = level
-    items.append("</li></ol>" * depth)
-    return (
-        '<nav class="contents" aria-label="Contents"><details open><summary>Contents</summary>\n'
-        f"{''.join(items)}\n</details></nav>\n"
+def _breakable(text: str) -> Markup:
+    """Return text whose long words (a digest, a path) may go on in the next line."""
+    words = re.split(r"(\s+)", text)
+    return Markup("").join(
+        Markup("<wbr>").join(re.findall(r"\S{1,8}", word)) if len(word) > LONGEST_WORD else word
+        for word in words
     )
 
 
-def _body(blocks: Sequence[Block]) -> Body:
-    """Blocks in reading order, in sections that their first headings name."""
-    body = Body()
-    taken = set(TAKEN)
-    most = points_each(
-        [b.figure.plot for b in blocks if isinstance(b, FigureBlock) and b.figure.plot]
-    )
-    pieces = _pieces(blocks, most)
-    level, open_section = 0, False
-    for block, text in zip(blocks, pieces, strict=True):
-        if not isinstance(block, Heading):
-            body.html.append(text)
-            continue
-        level = min(block.level, level + 1)  # no level is left out on the way down
-        name = anchor(block.text, taken)
-        if level <= DEEPEST_IN_CONTENTS:
-            body.entries.append((level, name, text))
-        if level == 1:
-            body.html.append("</section>\n" if open_section else "")
-            body.html.append(f'<section aria-labelledby="{name}">\n')
-            open_section = True
-        body.html.append(f'<h{level + 1} id="{name}">{text}</h{level + 1}>\n')
-    body.html.append("</section>\n" if open_section else "")
-    return body
+def _image_address(image: bytes) -> str:
+    """Return a PNG, JPEG or SVG as an address that holds it.
+
+    An image of its own, not a part of the page: a script in a picture from elsewhere does not run.
+    """
+    for start, kind in ((b"\x89PNG", "png"), (b"\xff\xd8", "jpeg")):
+        if image.startswith(start):
+            return f"data:image/{kind};base64,{base64.b64encode(image).decode('ascii')}"
+    # Of an SVG few signs want to be written otherwise: shorter than base64.
+    signs = quote(b" ".join(image.split()), safe=" ~!*'()/:;=?@$,+<>")
+    return f"data:image/svg+xml,{signs}"
 
 
-def _pieces(blocks: Sequence[Block], most: int) -> Iterator[str]:
-    """Each block as HTML, of a heading its words; tables and figures are numbered on the way."""
-    places = _places(blocks)
-    tables = figures = 0
+class Section(NamedTuple):
+    """A chapter: its heading (None before the first), the headings in it, and its parts."""
+
+    head: dict[str, Any] | None
+    entries: list[dict[str, Any]]
+    parts: list[dict[str, Any]]
+
+
+def _sections(blocks: Sequence[Block]) -> list[Section]:
+    """Return the blocks in chapters, as the template reads them; tables and figures numbered."""
+    plots = [b.figure.plot for b in blocks if isinstance(b, FigureBlock) and b.figure.plot]
+    most = points_each(plots)
+    places, taken = _places(blocks), {"content", "theme", "told"}
+    tables, figures = count(1), count(1)
+    sections = [Section(None, [], [])]
+    level = 0
     for block in blocks:
+        part: dict[str, Any]
         match block:
             case Heading():
-                yield heading(block.text)
+                level = min(block.level, level + 1)  # no level is left out on the way down
+                name = _anchor(block.text, taken)
+                text = Markup(HEADINGS.renderInline(block.text))
+                part = {"kind": "heading", "level": level + 1, "name": name, "text": text}
+                if level == 1:
+                    sections.append(Section(part, [], []))
+                elif level == 2:
+                    sections[-1].entries.append(part)
             case Paragraph():
-                yield _boxed(f"<p>{sentence(block.text)}</p>\n", block.kind)
+                part = {"kind": "text", "lines": [block.text], "box": block.kind, "listed": False}
             case Bullets():
-                yield _boxed(_listed(block), block.kind)
+                listed = block.kind != "answer"  # the sentences of an answer follow each other
+                part = {"kind": "text", "lines": block.items, "box": block.kind, "listed": listed}
             case TableBlock():
-                tables += 1
-                yield table_html(block.table, tables, places)
+                part = _table(block.table, next(tables), places)
             case ChecksBlock():
-                tables += 1
-                yield checks_html(block.checks, tables)
+                part = _table(checks_table(block.checks), next(tables), places)
             case FigureBlock():
-                figures += 1
-                drawn = block.figure
-                yield plot_html(drawn, figures, most) if drawn.plot else figure_html(drawn, figures)
+                part = _figure(block.figure, next(figures), most)
+        sections[-1].parts.append(part)
+    return sections if sections[0].parts else sections[1:]
+
+
+def _anchor(text: str, taken: set[str]) -> str:
+    """Return an address within the page for a heading; none is given twice."""
+    words = re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-") or "section"
+    name = next(n for k in count(1) if (n := words if k == 1 else f"{words}-{k}") not in taken)
+    taken.add(name)
+    return name
 
 
 def _places(blocks: Sequence[Block]) -> dict[str, str]:
-    """Anchors of figures and tables by their names, as they are numbered."""
+    """Return the anchors of figures and tables by their names."""
     shown = [block for block in blocks if isinstance(block, TableBlock | ChecksBlock)]
     found = {b.name: f"table-{k}" for k, b in enumerate(shown, 1) if isinstance(b, TableBlock)}
     drawn = [block for block in blocks if isinstance(block, FigureBlock)]
     return found | {block.name: f"figure-{k}" for k, block in enumerate(drawn, 1)}
 
 
-def _listed(block: Bullets) -> str:
-    """A list; the sentences of an answer are paragraphs, one follows the other."""
-    if block.kind == "answer":
-        return "".join(f"<p>{sentence(item)}</p>\n" for item in block.items)
-    items = "".join(f"<li>{sentence(item)}</li>\n" for item in block.items)
-    return f"<ul>\n{items}</ul>\n"
+def _figure(figure: ReportFigure, number: int, most: int) -> dict[str, Any]:
+    part = {"kind": "figure", "number": number, "caption": figure.caption}
+    part |= {"alt": figure.alt or figure.caption, "plot": "", "image": ""}
+    if plot := figure.plot:
+        # No sign in it that could end the element.
+        data = Markup(plot_json(plot, most).replace("<", "\\u003c"))
+        title = plot.slider_title.capitalize() or "Place"
+        part |= {"plot": data, "choices": list(plot.choices), "slider": plot.slider}
+        part |= {"slider_title": title, "shaded": "; ".join(plot.shaded())}
+    elif picture := page_picture(figure):
+        width = round(picture_size(picture)[0] / PIXEL)
+        part |= {"image": _image_address(picture), "width": width}
+    return part
 
 
-def _boxed(text: str, kind: str) -> str:
-    if kind not in BOX_NAMES:
-        return text
-    name = BOX_NAMES[kind]
-    return f'<div class="box {kind}" role="note"><p class="box-name">{name}</p>\n{text}</div>\n'
+class Cell(NamedTuple):
+    """A cell: text, class, what it is sorted by, the anchor that it leads to."""
+
+    text: str
+    look: str
+    value: str | None
+    to: str
+    marked: bool
+
+
+def _table(table: Table, number: int, places: Mapping[str, str]) -> dict[str, Any]:
+    """Return a table as the template reads it: the governing rows, and the rest folded."""
+    texts = table.texts()
+    looks = _looks(table, texts)
+    letters = _letters(table, texts)
+    rows = [
+        [
+            _cell(value, text, look, places, (at, place) in table.marked)
+            for place, (value, text, look) in enumerate(zip(row, texts[at], looks, strict=True))
+        ]
+        for at, row in enumerate(table.rows)
+    ]
+    note = table.note.replace(MARKED, MARK)
+    if table.marked and MARKED not in table.note:
+        note = f"{MARK} {MARK_WORDS}. {note}".strip()
+    shown, rest, why = governing_rows(table)
+    look = ["table", *["broad"] * (letters > UPRIGHT), *["short"] * (len(rows) < SHORT)]
+    return {
+        **{"kind": "table", "name": f"table-{number}", "number": number, "key_columns": table.keys},
+        **{"caption": table.caption, "note": f"{note} {why}".strip(), "letters": letters},
+        "look": " ".join(look),
+        "sorts": len(rows) >= FEWEST_TO_SORT,
+        "columns": [
+            {"head": column.head, "unit": column.unit, "look": look}
+            for column, look in zip(table.columns, looks, strict=True)
+        ],
+        "rows": [rows[k] for k in shown],
+        "rest": [rows[k] for k in rest],
+    }
+
+
+def governing_rows(table: Table) -> tuple[list[int], list[int], str]:
+    """Return the rows of a long table to be read first, the others, and a note on it.
+
+    First come rows with marked cells, then those with the largest value in the column that the
+    table names as governing; without one the rows keep their order.
+    """
+    total = len(table.rows)
+    if total <= MOST_ROWS + SHORT:
+        return list(range(total)), [], ""
+    marked = {row for row, _ in table.marked}
+    heads = [column.head for column in table.columns]
+    place = heads.index(table.governing) if table.governing else None
+
+    def rank(row: int) -> tuple[bool, float]:
+        value = 0.0 if place is None else table.rows[row][place]
+        known = is_number(value) and np.isfinite(value)
+        return row not in marked, -abs(float(value)) if known else np.inf
+
+    order = sorted(range(total), key=rank)
+    why = f"The first {MOST_ROWS} of {total} rows are open"
+    if marked:
+        why += ", those with marked cells first"
+    if place is not None:
+        why += f", ordered by the largest {table.governing}"
+    return order[:MOST_ROWS], sorted(order[MOST_ROWS:]), f"{why}."
+
+
+def _cell(value: Any, text: str, look: str, places: Mapping[str, str], marked: bool) -> Cell:
+    number = None
+    if is_number(value):
+        look, number = "amount", f"{value:.9g}" if np.isfinite(value) else ""
+    if "verdict" in look and text in VERDICTS:
+        look, text = f"{look} {text.replace(' ', '-')}", f"{VERDICTS[text]} {text}"
+    to = places.get(value.to, "") if isinstance(value, Link) else ""
+    return Cell(text, f"marked {look}" if marked else look, number, to, marked)
+
+
+def _looks(table: Table, texts: Sequence[Sequence[str]]) -> list[str]:
+    """Return the class of each column: numbers, verdicts, words, or sentences (more room)."""
+    numbers = table.numeric()
+    looks = []
+    for place, column in enumerate(table.columns):
+        longest = max((len(row[place]) for row in texts), default=0)
+        size = " long" if longest > LONG else " brief" if longest < BRIEF else ""
+        words = "words verdict" if column.head == "Verdict" else f"words{size}"
+        looks.append("amount" if place in numbers else words)
+    return looks
+
+
+def _letters(table: Table, texts: Sequence[Sequence[str]]) -> int:
+    """Return the width of a table in letters: how large they are follows from it."""
+    wide = 0
+    for place, column in enumerate(table.columns):
+        cells = [min(len(row[place]), LONG) for row in texts]
+        words = [len(word) for word in column.title.split()]
+        wide += max([*cells, *words], default=0) + PADDING
+    return wide

@@ -9,7 +9,7 @@ from typing import Any
 
 from markdown_it import MarkdownIt
 
-from thermobearing.report.pictures import picture_size
+from thermobearing.report.figures import picture_size
 from thermobearing.report.pieces import (
     Block,
     Bullets,

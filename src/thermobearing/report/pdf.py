@@ -18,8 +18,8 @@ from unicodedata import category
 
 from thermobearing.border.errors import HIDDEN, InputError, printable
 from thermobearing.border.library import data_path
+from thermobearing.report.figures import drawn, missing_words
 from thermobearing.report.layout import SEAM, laid_out
-from thermobearing.report.pictures import drawn, missing_words
 from thermobearing.report.pieces import Document, Paragraph
 
 SOURCE = "report.typ"

@@ -2,10 +2,9 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table
@@ -13,29 +12,28 @@ from thermobearing.quantities.tables import Table
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-Floats = NDArray[np.float64]
+    from thermobearing.results.drawing import Floats
 
 # Names that analyses use until all their tables come from the register.
 Column: TypeAlias = Quantity
 ReportTable: TypeAlias = Table
 
-# Verdicts of a check; the third where there is no limit, or nothing to hold beside it.
+# Verdicts of a check, and their signs; the third where there is no limit, or no value.
 PASSED, EXCEEDED, NOT_JUDGED = "within", "exceeded", "not judged"
+VERDICTS = {
+    PASSED: "\N{CHECK MARK}",
+    EXCEEDED: "\N{MULTIPLICATION X}",
+    NOT_JUDGED: "\N{EN DASH}",
+}
 
 
 class Link(str):
-    """Words of a cell that lead to a figure or table of the same document, where a format can.
-
-    Examples
-    --------
-    >>> Link("Fig. 3.8", "fig_3_08").to
-    'fig_3_08'
-    """
+    """Words of a cell that lead to a figure or table of the same document, by its name."""
 
     to: str
 
     def __new__(cls, words: str, to: str) -> "Link":
-        """`to` is the name of the figure or table in the document."""
+        """Return the words; `to` is the name of the figure or table in the document."""
         made = super().__new__(cls, words)
         made.to = to
         return made
@@ -43,39 +41,51 @@ class Link(str):
 
 @dataclass(frozen=True)
 class Trace:
-    """A line of a plot.
+    """A line of a plot; a history may have all its points, documents thin it.
 
     Attributes
     ----------
-    name : in the legend; lines of one name are switched together.
-    x, y : equally long; NaN interrupts the line.
-    colour : such as "#0077BB".
-    look : "line", "dashed", "points" or "line with points".
-    frames : with a slider: y (and x, if `frames_x`) of each of its places, shape (places, points).
-    frames_x : as `frames`; None where x stays.
+    name : str
+        In the legend; lines of one name are switched together.
+    x, y : ndarray
+        Equally long; NaN interrupts the line.
+    colour : str
+        Such as "#0077BB".
+    look : str
+        "line", "dashed", "points" or "line with points".
+    frames : ndarray, optional
+        With a slider: y of each of its places, shape (places, points).
+    frames_x : ndarray, optional
+        With a slider: x of each of its places; None where x stays.
     """
 
     name: str
-    x: Floats
-    y: Floats
+    x: "Floats"
+    y: "Floats"
     colour: str = "#1a1a1a"
     look: str = "line"
-    frames: Floats | None = None
-    frames_x: Floats | None = None
+    frames: "Floats | None" = None
+    frames_x: "Floats | None" = None
 
 
 @dataclass(frozen=True)
 class Plot:
-    """A picture that a reader of the HTML page can zoom and ask; the PDF has the drawn figure.
+    """One description of a figure: an HTML page shows it to zoom and read, matplotlib draws it.
 
     Attributes
     ----------
-    x_title, y_title : with units.
-    choices : traces by the words of a menu (one menu entry: no menu), such as one per motion.
-    slider : words of each place of the slider, such as "12.5 s"; empty without one.
-    slider_title : what the slider moves through, such as "time".
-    equal : the same scale on both axes, as an orbit wants it.
-    bands : (lower, upper, words) on the x axis shaded as outside the tested range.
+    x_title, y_title : str
+        Titles of the axes with units.
+    choices : mapping of str to sequence of Trace
+        Traces by the words of a menu, such as one per motion (one entry: no menu).
+    slider : sequence of str
+        Words of each place of the slider, such as "12.5 s"; empty without one.
+    slider_title : str
+        What the slider moves through, such as "time".
+    equal : bool
+        The same scale on both axes, as for an orbit.
+    bands : sequence of (lower, upper, words)
+        On the x axis, shaded as outside the tested range.
     """
 
     x_title: str
@@ -86,18 +96,35 @@ class Plot:
     equal: bool = False
     bands: Sequence[tuple[float, float, str]] = ()
 
+    def shaded(self) -> list[str]:
+        """Return the words of the bands that the lines reach, each once."""
+        traces = [trace for traces in self.choices.values() for trace in traces]
+        values = [np.ravel(t.x if t.frames_x is None else t.frames_x) for t in traces]
+        reached = np.concatenate([*values, []])
+        reached = reached[np.isfinite(reached)]
+        if not reached.size:
+            return []
+        low, high = reached.min(), reached.max()
+        return list(dict.fromkeys(w for a, b, w in self.bands if a < high and b > low))
+
 
 @dataclass(frozen=True)
 class ReportFigure:
-    """A figure with its caption.
+    """A figure with its caption: drawn, a picture, or a plot that is drawn for paper too.
 
     Attributes
     ----------
-    caption : what is to be seen, in words that stand without the text.
-    draw : makes the figure; called once, when a document is written. None: only the plot.
-    image : bytes of a picture that exists (SVG or PNG), instead of `draw`.
-    alt : what somebody who does not see it must know; the caption where it is empty.
-    plot : its interactive counterpart for the HTML page; None: the drawn figure stands there too.
+    caption : str
+        What is to be seen, in words that stand without the text.
+    draw : callable, optional
+        Makes the matplotlib figure; called once, when a document is written. Without it, and
+        without `image`, the figure of paper is drawn from `plot`.
+    image : bytes, optional
+        A picture that exists (SVG or PNG), instead of `draw`.
+    alt : str
+        What somebody who does not see it must know; the caption where it is empty.
+    plot : Plot, optional
+        Interactive figure of the HTML page; without it the drawn figure stands there too.
     """
 
     caption: str
@@ -109,16 +136,22 @@ class ReportFigure:
 
 @dataclass(frozen=True)
 class Check:
-    """A number beside its limit.
+    """A number compared with its limit.
 
     Attributes
     ----------
-    what : with the run or place that decides.
-    value, limit : in `unit`; NaN limit: not judged.
-    unit : "" for pure numbers.
-    source : of the limit: a code, a table, the data file.
-    verdict : "within", "exceeded" or "not judged".
-    lower : the limit is a lower one.
+    what : str
+        With the run or place that decides.
+    value, limit : float
+        In `unit`; a NaN limit is not judged.
+    unit : str
+        "" for pure numbers.
+    source : str
+        Of the limit: a code, a table, the data file.
+    verdict : str
+        "within", "exceeded" or "not judged".
+    lower : bool
+        The limit is a lower one.
     """
 
     what: str
@@ -130,41 +163,68 @@ class Check:
     lower: bool = False
 
 
+def checks_table(checks: Sequence[Check], *, signs: bool = True) -> Table:
+    """Return checks as a table; the limits with a sign, or as plain numbers for a workbook."""
+    number = Quantity("", form=".4g")
+    rows = []
+    for check in checks:
+        limit: Any = check.limit
+        if signs:
+            sign = "\N{GREATER-THAN OR EQUAL TO}" if check.lower else "\N{LESS-THAN OR EQUAL TO}"
+            limit = f"{sign} {number.text(limit)}" if number.text(limit) else "none"
+        rows.append((check.what, check.value, limit, check.unit, check.source, check.verdict))
+    heads = ("Check", "Value", "Limit", "Unit", "Source of the limit", "Verdict")
+    exceeded = [k for k, check in enumerate(checks) if check.verdict == EXCEEDED]
+    marked = frozenset() if signs else frozenset((k, 5) for k in exceeded)
+    return Table("Values and their limits", list(map(Quantity, heads)), rows, marked=marked)
+
+
 @dataclass(frozen=True)
 class Pieces:
-    """Everything that a result has to say; which of it is shown, and where, a template says.
+    """Everything that a result has to say; a template decides what is shown, and where.
 
     Attributes
     ----------
-    command : that made the result, such as "bridge".
-    title : of the document, without the project.
-    question : what was asked: a sentence or two.
-    answer : what came out: three sentences with numbers.
-    inputs : tables of what went in, each value with unit and source.
-    tables, figures : by name; a template calls them by it, the rest comes in this order.
-    checks : numbers beside limits.
-    validity : sentences on what left the range that the parameters were identified in; empty:
-        nothing did, or `validity_unknown`.
-    validity_unknown : why there is no verdict on it; "" where there is one.
-    notes : sentences on validity that are no warnings, such as of strain rates in earthquakes.
-    books : table of the energy books; None where nothing moves.
-    assumptions : sentences.
-    warnings : sentences; those of the result.
-    identity : version, input hash, the command that makes it again, date of the run, by name.
+    command : str
+        That made the result, such as "bridge".
+    title : str
+        Of the document, without the project.
+    question : str
+        What was asked: a sentence or two.
+    answer : sequence of str
+        What came out: three sentences with numbers.
+    inputs : mapping of str to Table
+        What went in, each value with unit and source.
+    tables, figures : mapping
+        By name; a template calls them by it, the rest comes in this order.
+    checks : sequence of Check
+        Numbers compared with limits.
+    validity : sequence of str
+        Sentences on what left the range that the parameters were identified in.
+    validity_unknown : str
+        Why there is no verdict on it; "" where there is one.
+    notes : sequence of str
+        Sentences on validity that are no warnings, such as of strain rates in earthquakes.
+    books : Table, optional
+        Energy balance; None where nothing moves.
+    assumptions, warnings : sequence of str
+        Sentences.
+    identity : mapping of str to str
+        Version, input hash, the command that makes it again, date of the run, by name.
     """
 
     command: str
     title: str
     question: str
     answer: Sequence[str]
-    inputs: Mapping[str, ReportTable] = field(default_factory=dict)
-    tables: Mapping[str, ReportTable] = field(default_factory=dict)
+    inputs: Mapping[str, Table] = field(default_factory=dict)
+    tables: Mapping[str, Table] = field(default_factory=dict)
     figures: Mapping[str, ReportFigure] = field(default_factory=dict)
     checks: Sequence[Check] = ()
     validity: Sequence[str] = ()
     validity_unknown: str = ""
     notes: Sequence[str] = ()
-    books: ReportTable | None = None
+    books: Table | None = None
     assumptions: Sequence[str] = ()
     warnings: Sequence[str] = ()
     identity: Mapping[str, str] = field(default_factory=dict)
@@ -201,7 +261,7 @@ class TableBlock:
     """A table with its name in the document."""
 
     name: str
-    table: ReportTable
+    table: Table
 
 
 @dataclass(frozen=True)
@@ -228,12 +288,16 @@ class Document:
 
     Attributes
     ----------
-    title : of the document.
-    block : the title block: project, structure, client, author, number, date, revision; what is
-        not given is not there. `logo` is apart.
-    logo : bytes of a PNG or SVG; None without.
-    blocks : in reading order.
-    identity : as of `Pieces`; in the foot of every page what is short of it.
+    title : str
+        Of the document.
+    block : mapping of str to str
+        The title block: project, structure, client, author, number, date, revision, as given.
+    logo : bytes or None
+        A PNG or SVG.
+    blocks : sequence of Block
+        In reading order.
+    identity : mapping of str to str
+        As of `Pieces`; short of it stands in the foot of every page.
     """
 
     title: str

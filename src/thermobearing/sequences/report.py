@@ -18,7 +18,7 @@ from thermobearing.cyclic.reported import (
 )
 from thermobearing.cyclic.result import Result
 from thermobearing.earthquake.result import EarthquakeResult
-from thermobearing.report.html_plots import history, path
+from thermobearing.report.figures import history, path
 from thermobearing.report.limits import (
     BOOKS_CLOSE,
     MARKED,

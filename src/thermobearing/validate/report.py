@@ -13,7 +13,7 @@ from thermobearing.identify.report import (
     tests_table,
     thermocouples_table,
 )
-from thermobearing.report.html_plots import path
+from thermobearing.report.figures import path
 from thermobearing.report.limits import TESTED_RANGE, TESTS, limit_checks, verdict
 from thermobearing.report.pieces import (
     EXCEEDED,

@@ -1,0 +1,328 @@
+"""Figures of documents: pictures drawn once, and plots that a page draws and matplotlib too."""
+
+import base64
+import io
+import json
+import logging
+import re
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from functools import cache
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib import font_manager
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from thermobearing.report.pieces import (
+    Document,
+    FigureBlock,
+    Paragraph,
+    Plot,
+    ReportFigure,
+    Trace,
+)
+from thermobearing.results import drawing
+from thermobearing.results.drawing import Floats
+
+# Fonts with Japanese letters that systems have, by the names that they go by; for figures, whose
+# own font (DejaVu Sans) has Latin, Greek and Cyrillic letters.
+JAPANESE = (
+    *("Noto Sans CJK JP", "Noto Sans JP", "Source Han Sans JP", "IPAexGothic", "IPAGothic"),
+    *("Yu Gothic", "Meiryo", "MS Gothic", "Hiragino Sans", "TakaoGothic", "VL Gothic"),
+)
+MISSING = re.compile(r"Glyph (\d+) \(.*\) missing from font")
+LOOK: dict[Any, Any] = {
+    "svg.fonttype": "path",
+    "svg.hashsalt": "thermobearing",  # else names of parts differ from run to run
+    "path.simplify": True,
+    # What two neighbouring pieces of a line may be off their sum, in points at 72 an inch: a line
+    # of 20 000 samples has then hundreds of pieces, and nobody sees it at print width.
+    "path.simplify_threshold": 0.15,
+}
+LARGEST_VECTORS = 300_000  # bytes; a figure of more is written as points into a page
+POINTS_AN_INCH = 170  # of a figure of points
+OUTLINE = re.compile(rb'\bd="[^"]*"')
+TOO_FINE = re.compile(rb"(\.\d\d)\d+")  # below a hundredth of a point
+COMMENT = re.compile(rb"<!--.*?-->", re.DOTALL)
+SIDES = ("width", "height")
+UNITS = {"pt": 25.4 / 72.0, "mm": 1.0, "cm": 10.0, "in": 25.4, "px": 25.4 / 96.0}  # [mm]
+
+
+def drawn(document: Document) -> Document:
+    """Return the document with every figure as a picture; a warning where letters are missing."""
+    missing: set[str] = set()
+    blocks = [
+        replace(block, figure=_pictured(block.figure, missing))
+        if isinstance(block, FigureBlock)
+        else block
+        for block in document.blocks
+    ]
+    if missing:
+        blocks.insert(0, Paragraph(missing_words(sorted(missing), "the figures"), "warning"))
+    return replace(document, blocks=blocks)
+
+
+def page_picture(figure: ReportFigure) -> bytes | None:
+    """Return the picture of a figure for a page: points where it is of many vectors."""
+    if figure.draw is None:
+        return figure.image
+    made = _pictured(figure, set())
+    assert made.image is not None
+    assert made.draw is not None
+    if len(made.image) <= LARGEST_VECTORS:
+        return made.image
+    points = io.BytesIO()
+    drawing.save_figure(made.draw(), points, POINTS_AN_INCH)
+    return points.getvalue()
+
+
+def missing_words(letters: Sequence[str], where: str) -> str:
+    """Return what a reader must know of letters that no font has."""
+    codes = ", ".join(f"U+{ord(letter):04X}" for letter in letters[:20])
+    more = f" and {len(letters) - 20} more" if len(letters) > 20 else ""
+    return (
+        f"No font of the machine that made this document has some letters of {where} "
+        f"({codes}{more}); they are shown by their codes or as boxes. For Japanese install a "
+        'font such as "Noto Sans CJK JP", and make the document again.'
+    )
+
+
+@cache
+def _fonts() -> list[str]:
+    there = {font.name for font in font_manager.fontManager.ttflist}
+    return ["DejaVu Sans", *(name for name in JAPANESE if name in there)]
+
+
+@contextmanager
+def _in_fonts() -> Iterator[None]:
+    """Draw with letters of Japanese fonts too, where the machine has one."""
+    log = logging.getLogger("matplotlib.font_manager")
+    before = log.level
+    log.setLevel(logging.ERROR)  # that a font has no bold is of no matter to a reader
+    try:
+        with mpl.rc_context({"font.family": _fonts()}):
+            yield
+    finally:
+        log.setLevel(before)
+
+
+def _pictured(figure: ReportFigure, missing: set[str]) -> ReportFigure:
+    """Return a figure with its picture, of its own drawing or of its plot."""
+    plot = figure.plot
+    draw = figure.draw or (None if plot is None else lambda: draw_plot(plot))
+    if figure.image is not None or draw is None:
+        return figure
+    once = cache(_in_fonts()(draw))
+    return replace(figure, draw=once, image=svg_bytes(once(), missing))
+
+
+def svg_bytes(figure: Figure, missing: set[str]) -> bytes:
+    """Return a figure as SVG, its letters as outlines; letters without a font go to `missing`.
+
+    The figure keeps its layout: half of the time of a drawing goes into it.
+    """
+    written = io.BytesIO()
+    with mpl.rc_context(LOOK), warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        figure.savefig(written, format="svg", metadata={"Date": None, "Creator": None})
+    figure.set_layout_engine("none")
+    for warning in caught:
+        if found := MISSING.search(str(warning.message)):
+            missing.add(chr(int(found[1])))
+        else:
+            warnings.warn(warning.message, warning.category, stacklevel=2)
+    lean = COMMENT.sub(b"", written.getvalue())
+    return OUTLINE.sub(lambda outline: TOO_FINE.sub(rb"\1", outline[0]), lean)
+
+
+def picture_size(image: bytes) -> tuple[float, float]:
+    """Return width and height of a picture [mm]; of a PNG at its own points an inch."""
+    if image.startswith(b"\x89PNG"):
+        from PIL import Image
+
+        with Image.open(io.BytesIO(image)) as picture:
+            dots = float(picture.info.get("dpi", (150.0, 150.0))[0]) or 150.0
+            return picture.width / dots * 25.4, picture.height / dots * 25.4
+    head = image[:4096].decode(errors="replace")
+    found = [re.search(rf'\b{name}="([\d.]+)(pt|mm|cm|in|px)?"', head) for name in SIDES]
+    if not all(found):
+        return 160.0, 100.0
+    width, height = (float(m[1]) * UNITS[m[2] or "px"] for m in found if m)
+    return width, height
+
+
+# Plots.
+MOST_POINTS = 6_000  # of a line: more than a wide screen has places, with room to zoom
+FEWEST_POINTS = 400  # of a line, however many there are
+ALL_POINTS = 300_000  # of all lines of a page: 3.2 MB of it
+CLOSER = 4.0  # a loop is thinned as if it were drawn so many times larger
+MOST_PANELS, MOST_FRAMES = 6, 8  # of a plot on paper
+LOOKS: Mapping[str, dict[str, Any]] = {
+    "line": {"linestyle": "-"},
+    "dashed": {"linestyle": "--"},
+    "points": {"linestyle": "none", "marker": "o"},
+    "line with points": {"linestyle": "-", "marker": "o"},
+}
+
+
+def draw_plot(plot: Plot) -> Figure:
+    """Draw a plot for paper: a panel for each choice, the places of a slider as shades.
+
+    Of more choices than a page has room for, and of the places of a slider, some are drawn, evenly
+    chosen.
+    """
+    chosen = [list(plot.choices.items())[k] for k in _evenly(len(plot.choices), MOST_PANELS)]
+    columns = 1 if len(chosen) == 1 else 2
+    rows = -(-len(chosen) // columns)
+    size = (4.6 if plot.equal else 6.6, 4.4) if columns == 1 else (7.0, 2.7 * rows + 0.4)
+    figure, axes = drawing.panels(rows, columns, size, "")
+    handles: dict[str, Line2D] = {}
+    for ax, (words, traces) in zip(axes, chosen, strict=False):
+        for trace in traces:
+            _draw_trace(ax, plot, trace, handles)
+        low, high = ax.get_xlim()
+        for start, end, _ in plot.bands:
+            if start < high and end > low:
+                ends = max(start, low), min(end, high)
+                ax.axvspan(*ends, color=drawing.UNTESTED, zorder=0.2, linewidth=0)
+        ax.set_xlim(low, high)
+        if plot.equal:
+            ax.set_aspect("equal", adjustable="datalim")
+        title = words if len(plot.choices) > 1 else ""
+        drawing.name_axes(ax, plot.x_title, plot.y_title, title)
+    for ax in axes[len(chosen) :]:
+        ax.remove()
+    if len(handles) > 1:
+        drawing.legend_below(figure, list(handles.values()))
+    return figure
+
+
+def _evenly(count: int, most: int) -> list[int]:
+    return sorted({round(k) for k in np.linspace(0, count - 1, min(count, most))})
+
+
+def _draw_trace(ax: Axes, plot: Plot, trace: Trace, handles: dict[str, Line2D]) -> None:
+    """Draw a line, or some frames of one that a slider moves."""
+    look = {**LOOKS[trace.look], "linewidth": 1.1, "markersize": 3.0, "color": trace.colour}
+    moving = trace.frames is not None or trace.frames_x is not None
+    places = _evenly(len(plot.slider), MOST_FRAMES) if moving else [0]
+    for order, place in enumerate(places, 1):
+        x = trace.x if trace.frames_x is None else trace.frames_x[place]
+        y = trace.y if trace.frames is None else trace.frames[place]
+        if not moving:
+            x, y = thinned(x, y, MOST_POINTS)
+        (line,) = ax.plot(x, y, alpha=order / len(places), **look)
+    name = trace.name
+    if moving:
+        name = f"{name} ({plot.slider[places[0]]} to {plot.slider[places[-1]]}, later darker)"
+    if trace.name:
+        handles.setdefault(trace.name, line).set_label(name)
+
+
+def points_each(plots: Sequence[Plot]) -> int:
+    """Return the points that every line of a page may keep so that all of them have room.
+
+    Lines that are shorter leave room for the others.
+    """
+    lines = [t for plot in plots for traces in plot.choices.values() for t in traces]
+    moving = sum(t.frames.size for t in lines if t.frames is not None)
+    lengths = sorted(len(t.x) for t in lines if t.frames is None)
+    room = ALL_POINTS - moving / 2.0
+    for done, length in enumerate(lengths):
+        share = room / (len(lengths) - done)
+        if length > share:
+            return int(np.clip(share, FEWEST_POINTS, MOST_POINTS))
+        room -= length
+    return MOST_POINTS
+
+
+def plot_json(plot: Plot, most: int) -> str:
+    """Return what the script of a page draws a plot from.
+
+    `arrays` are 4-byte floats in base64; traces call them by their place, so that an axis that
+    many share is written once. A line keeps about `most` points.
+    """
+    places: dict[str, int] = {}
+
+    def place(values: Floats | None) -> int | None:
+        if values is None:
+            return None
+        numbers = np.ascontiguousarray(values, dtype="<f4").tobytes()
+        return places.setdefault(base64.b64encode(numbers).decode("ascii"), len(places))
+
+    def trace_data(trace: Trace) -> dict[str, Any]:
+        moving = trace.frames is not None or trace.frames_x is not None
+        x, y = (trace.x, trace.y) if moving else thinned(trace.x, trace.y, most)
+        data: dict[str, Any] = {"name": trace.name, "colour": trace.colour, "look": trace.look}
+        data |= {"x": place(x), "y": place(y)}
+        return data | {"frames_x": place(trace.frames_x), "frames_y": place(trace.frames)}
+
+    data = {
+        **{"x_title": plot.x_title, "y_title": plot.y_title, "equal": plot.equal},
+        **{"slider": list(plot.slider), "slider_title": plot.slider_title},
+        "bands": [[float(e) if np.isfinite(e) else None for e in b[:2]] for b in plot.bands],
+        "choices": [[trace_data(trace) for trace in traces] for traces in plot.choices.values()],
+    }
+    data["arrays"] = list(places)
+    return json.dumps(data, allow_nan=False, separators=(",", ":"))
+
+
+def thinned(x: Floats, y: Floats, most: int) -> tuple[Floats, Floats]:
+    """Return a line of at most about so many points that looks like all of them.
+
+    Of a history the lowest and highest of every piece of time stay, of a path in the plane its
+    shape and where it turns (a path that turns at every point keeps up to twice as many). NaN,
+    which interrupts a line, stays.
+    """
+    x, y = np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64)
+    if len(x) <= most:
+        return x, y
+    there = np.isfinite(x) & np.isfinite(y)
+    width, height = (max(float(np.ptp(v[there])), 1e-12) if there.any() else 1.0 for v in (x, y))
+    kept: list[Any] = [[0]]
+    edges = np.flatnonzero(np.diff(there, prepend=False, append=False))
+    for first, end in zip(edges[::2], edges[1::2], strict=True):
+        share = max(2, most * (end - first) // len(x))
+        xs, ys = x[first:end], y[first:end]
+        if (np.diff(xs) >= 0.0).all():
+            found = drawing.thin(ys, share // 2)
+        else:
+            found = drawing.thin_loops(xs, ys, width / CLOSER, height / CLOSER, share // 2)
+        kept += [first + found, [end] if end < len(x) else []]  # the gap after it
+    places = np.unique(np.concatenate(kept).astype(np.int64))
+    return x[places], y[places]
+
+
+POINTS = 600  # of a history
+DIGITS = 5  # of a number
+
+
+def rounded(values: Floats, digits: int = DIGITS) -> Floats:
+    """Return numbers with so many digits; NaN stays."""
+    values = np.asarray(values, dtype=float)
+    size = np.where(np.isfinite(values) & (values != 0.0), np.abs(values), 1.0)
+    scale = 10.0 ** (digits - 1 - np.floor(np.log10(size)))
+    return np.round(values * scale) / scale
+
+
+def history(x: Floats, y: Floats, points: int = POINTS) -> tuple[Floats, Floats]:
+    """Return a history with about so many points; the extremes of each stretch stay."""
+    kept = drawing.thin(y, max(points // 2, 1))
+    return rounded(x[kept]), rounded(y[kept])
+
+
+def path(x: Floats, y: Floats, points: int = POINTS) -> tuple[Floats, Floats]:
+    """Return a path in the plane, a loop, with about so many points; its turning points stay."""
+    there = np.isfinite(x) & np.isfinite(y)
+    x, y = x[there], y[there]
+    if len(x) < 3:
+        return rounded(x), rounded(y)
+    width, height = (max(float(np.ptp(v)), 1e-12) for v in (x, y))
+    kept = drawing.thin_loops(x, y, width, height, points // 2)
+    return rounded(x[kept]), rounded(y[kept])
