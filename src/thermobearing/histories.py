@@ -9,8 +9,11 @@ from thermobearing.cyclic.output import history_columns, written_part
 from thermobearing.cyclic.result import Result
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.loading import AnyResult
+from thermobearing.report.content import (
+    MOST_ROWS,
+    words,
+)
 from thermobearing.report.pieces import Column
-from thermobearing.report.saved import MOST_ROWS, words
 from thermobearing.report.workbook import History
 from thermobearing.results.saved import SavedResult
 from thermobearing.studies.result import StudyResult

@@ -11,9 +11,12 @@ from thermobearing.border.errors import InputError, is_file
 from thermobearing.border.schema import validated
 from thermobearing.histories import histories_by_run
 from thermobearing.loading import AnyResult, load_result
+from thermobearing.report.content import (
+    comparison_pieces,
+    pieces_of_saved,
+)
 from thermobearing.report.files import check_place, put_files, report_files, title_files
 from thermobearing.report.pieces import Pieces
-from thermobearing.report.saved import comparison_pieces, pieces_of_saved
 from thermobearing.report.title import TitleBlock, read_title
 from thermobearing.report.workbook import workbook_bytes
 from thermobearing.results.directory import COMPARISON, SUMMARY, TITLE, WORKBOOK

@@ -21,14 +21,14 @@ from thermobearing.cyclic.reported import (
 )
 from thermobearing.cyclic.result import Result, run_name
 from thermobearing.model.earlier import BLIND
-from thermobearing.report.inputs import input_table
-from thermobearing.report.limits import (
+from thermobearing.report.content import (
     BOOKS_CLOSE,
     MARKED,
     RIG,
     TESTED_RANGE,
     TESTS,
     beyond_mark,
+    input_table,
     limit_checks,
     quality_table,
     verdict,

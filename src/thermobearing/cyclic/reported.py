@@ -9,7 +9,9 @@ from thermobearing.bearing.model import Bearing, Cells
 from thermobearing.border.toml import flat, to_table
 from thermobearing.model.earlier import BLIND
 from thermobearing.model.options import ModelOptions
-from thermobearing.report.inputs import input_table
+from thermobearing.report.content import (
+    input_table,
+)
 from thermobearing.report.pieces import ReportTable
 from thermobearing.report.words import number, quantity
 

@@ -18,17 +18,19 @@ from thermobearing.design.published import FOOTNOTE
 from thermobearing.design.result import USABLE
 from thermobearing.earthquake.case import EarthquakeAnalysis
 from thermobearing.earthquake.report import given_motions_table
-from thermobearing.report.inputs import input_table
-from thermobearing.report.limits import (
+from thermobearing.report.content import (
     IN_EARTHQUAKES,
     MARKED,
     TESTED_RANGE,
     TESTS,
+    input_table,
     limit_checks,
+    saved_figures,
+    saved_identity,
+    saved_validity,
     verdict,
 )
 from thermobearing.report.pieces import EXCEEDED, PASSED, Check, Column, Pieces, ReportTable
-from thermobearing.report.saved import saved_figures, saved_identity, saved_validity
 from thermobearing.report.words import (
     counted,
     degrees,

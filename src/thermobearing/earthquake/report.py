@@ -25,12 +25,12 @@ from thermobearing.earthquake.report_results import (
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.model.earlier import BLIND
 from thermobearing.model.options import outdoors
-from thermobearing.report.inputs import input_table
-from thermobearing.report.limits import (
+from thermobearing.report.content import (
     BOOKS_CLOSE,
     IN_EARTHQUAKES,
     RIG,
     TESTED_RANGE,
+    input_table,
     limit_checks,
     quality_table,
     verdict,

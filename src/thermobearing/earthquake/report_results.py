@@ -11,8 +11,10 @@ from thermobearing.earthquake.measures import STRUCTURE
 from thermobearing.earthquake.modes import has_both, modes_table
 from thermobearing.earthquake.parts import governing_runs, has_parts, told_of_parts
 from thermobearing.earthquake.result import EarthquakeResult
+from thermobearing.report.content import (
+    MARKED,
+)
 from thermobearing.report.figures import POINTS, history, path, rounded
-from thermobearing.report.limits import MARKED
 from thermobearing.report.pieces import Column, Plot, ReportFigure, ReportTable, Trace
 from thermobearing.report.words import degrees, plain
 from thermobearing.results import drawing

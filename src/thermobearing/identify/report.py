@@ -10,9 +10,15 @@ from thermobearing.border.toml import read_toml, split_sources
 from thermobearing.cyclic.reported import bearing_tables, bearing_words, model_assumptions
 from thermobearing.identify.uncertainty.agreement import POOR as POOR_R2
 from thermobearing.identify.uncertainty.covariance import POOR
+from thermobearing.report.content import (
+    key_words,
+    saved_figures,
+    saved_identity,
+    saved_validity,
+    verdict_of,
+    with_plot,
+)
 from thermobearing.report.figures import path
-from thermobearing.report.inputs import key_words
-from thermobearing.report.limits import verdict_of
 from thermobearing.report.pieces import (
     EXCEEDED,
     NOT_JUDGED,
@@ -25,7 +31,6 @@ from thermobearing.report.pieces import (
     ReportTable,
     Trace,
 )
-from thermobearing.report.saved import saved_figures, saved_identity, saved_validity, with_plot
 from thermobearing.report.words import counted, degrees, joined, number, percent, quantity, tidy
 from thermobearing.results.directory import IDENTIFIED
 from thermobearing.results.ranges import parted

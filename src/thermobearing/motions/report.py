@@ -6,6 +6,10 @@ from typing import Any
 import numpy as np
 
 from thermobearing.motions.matching import LARGEST_MISFIT
+from thermobearing.report.content import (
+    saved_figures,
+    with_plot,
+)
 from thermobearing.report.figures import history, rounded
 from thermobearing.report.pieces import (
     EXCEEDED,
@@ -18,7 +22,6 @@ from thermobearing.report.pieces import (
     ReportTable,
     Trace,
 )
-from thermobearing.report.saved import saved_figures, with_plot
 from thermobearing.report.words import identity_rows, tidy
 from thermobearing.results.directory import MOTION
 from thermobearing.results.saved import SavedResult

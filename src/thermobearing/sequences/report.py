@@ -18,8 +18,7 @@ from thermobearing.cyclic.reported import (
 )
 from thermobearing.cyclic.result import Result
 from thermobearing.earthquake.result import EarthquakeResult
-from thermobearing.report.figures import history, path
-from thermobearing.report.limits import (
+from thermobearing.report.content import (
     BOOKS_CLOSE,
     MARKED,
     RIG,
@@ -29,6 +28,7 @@ from thermobearing.report.limits import (
     quality_table,
     verdict,
 )
+from thermobearing.report.figures import history, path
 from thermobearing.report.pieces import (
     Check,
     Column,

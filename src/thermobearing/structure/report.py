@@ -4,9 +4,14 @@ from collections.abc import Mapping
 from typing import Any
 
 from thermobearing.border.toml import read_toml, split_sources
-from thermobearing.report.inputs import COLUMNS, key_words, value_and_unit
+from thermobearing.report.content import (
+    COLUMNS,
+    key_words,
+    make_table,
+    saved_figures,
+    value_and_unit,
+)
 from thermobearing.report.pieces import Pieces, ReportTable
-from thermobearing.report.saved import make_table, saved_figures
 from thermobearing.report.words import counted, identity_rows, percent, tidy
 from thermobearing.results.directory import RESOLVED
 from thermobearing.results.saved import SavedResult

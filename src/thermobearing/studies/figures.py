@@ -12,7 +12,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from thermobearing.report.saved import words
+from thermobearing.report.content import (
+    words,
+)
 from thermobearing.results import drawing
 from thermobearing.results.profiles import COLOURS
 from thermobearing.studies.definition.columns import AMBIENT

@@ -9,8 +9,11 @@ import pandas as pd
 
 from thermobearing.border.toml import to_table
 from thermobearing.cyclic.reported import heat_flow
+from thermobearing.report.content import (
+    make_table,
+    table_column,
+)
 from thermobearing.report.pieces import Column, Pieces, ReportFigure, ReportTable
-from thermobearing.report.saved import make_table, table_column
 from thermobearing.report.words import counted, joined, number, tidy
 from thermobearing.studies.definition.columns import AMBIENT
 from thermobearing.studies.figures import StudyFigures, column_words, find_unit

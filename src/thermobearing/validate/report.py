@@ -13,8 +13,17 @@ from thermobearing.identify.report import (
     tests_table,
     thermocouples_table,
 )
+from thermobearing.report.content import (
+    TESTED_RANGE,
+    TESTS,
+    limit_checks,
+    saved_figures,
+    saved_identity,
+    saved_validity,
+    verdict,
+    with_plot,
+)
 from thermobearing.report.figures import path
-from thermobearing.report.limits import TESTED_RANGE, TESTS, limit_checks, verdict
 from thermobearing.report.pieces import (
     EXCEEDED,
     NOT_JUDGED,
@@ -26,7 +35,6 @@ from thermobearing.report.pieces import (
     ReportTable,
     Trace,
 )
-from thermobearing.report.saved import saved_figures, saved_identity, saved_validity, with_plot
 from thermobearing.report.words import counted, degrees, joined, percent, tidy
 from thermobearing.results.saved import SavedResult
 

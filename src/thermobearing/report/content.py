@@ -1,0 +1,495 @@
+"""What the documents of all analyses have in common: inputs, limits, validity, identity.
+
+`build_pieces` puts it together; the `report.py` of a room adds question, answer, tables, figures
+and assumptions.
+"""
+
+import json
+import re
+import tomllib
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from thermobearing.border.library import data_path
+from thermobearing.border.toml import flat
+from thermobearing.quantities.register import Quantity
+from thermobearing.quantities.tables import Table
+from thermobearing.report.pieces import (
+    EXCEEDED,
+    NOT_JUDGED,
+    PASSED,
+    Check,
+    Pieces,
+    Plot,
+    ReportFigure,
+)
+from thermobearing.report.words import counted, identity_rows, plain, printed_unit, tidy
+from thermobearing.results.directory import COMPARISON, FIGURES, SUMMARY
+from thermobearing.results.ranges import NOT_GIVEN, SLACK, TESTED, parted, rate_note, ring_note
+from thermobearing.results.saved import SavedResult
+
+Row = Mapping[Any, Any]
+
+
+def build_pieces(
+    command: str,
+    title: str,
+    question: str,
+    answer: Sequence[str],
+    *,
+    identity: Mapping[str, str],
+    warnings: Iterable[str] = (),
+    range_given: bool = True,
+    checks: Sequence[Check] = (),
+    judged: bool = True,
+    rate_rows: Iterable[Row] = (),
+    lead_rise: float = float("nan"),
+    residuals: Iterable[tuple[str, float, float, str]] = (),
+    tables: Mapping[str, Table] | None = None,
+    validity: Sequence[str] = (),
+    **parts: Any,
+) -> Pieces:
+    """Return everything that the document of a result says.
+
+    A room gives question, answer, tables, figures, inputs and assumptions; the rest follows from
+    the warnings, checks and residuals of the result. A room whose results are files passes
+    ``**saved_parts(saved, command)``, one whose results are datasets
+    ``**result_parts(result, case, command)``::
+
+        return build_pieces(
+            "bridge", title, question(result), answer(result),
+            checks=report_checks(result),
+            rate_rows=result.tested_range.to_dict("records"),
+            residuals=[("thermal residual", 1e-12, BOOKS_CLOSE, "energy balance")],
+            inputs=..., tables=..., figures=..., books=..., assumptions=[...],
+            **result_parts(result, attrs["case"], "bridge", range_given=True),
+        )
+
+    Parameters
+    ----------
+    command, title, question, answer : of the document; see `Pieces`.
+    identity : rows of `identity_rows`.
+    warnings : of the result; those on the range behind the parameters become its validity.
+    range_given : a bearing has a tested range; else validity is unknown.
+    checks : values and their limits; `limit_checks` makes those of rig and tested range.
+    judged : end the answer with a sentence on limits and validity.
+    rate_rows : of the tested range, in earthquakes, for a note on strain rates.
+    lead_rise : largest rise of the lead [K], for a note on the rubber beside it.
+    residuals : of the energy balance; see `quality_table`, which becomes the table "quality".
+    tables : results by name.
+    validity : further sentences on what left the range.
+    **parts : `inputs`, `figures`, `books`, `assumptions` of `Pieces`.
+    """
+    of_range, others = parted(dict.fromkeys(warnings))
+    beyond = [*(map(tidy, of_range) if range_given else ()), *validity]
+    unknown = "" if range_given else " ".join(map(tidy, of_range))
+    rate, ring = rate_note(rate_rows), ring_note(lead_rise)
+    quality, poor = quality_table(residuals)
+    said = [verdict(checks, beyond, unknown, rate)] if judged else []
+    return Pieces(
+        command=command,
+        title=title,
+        question=question,
+        answer=[*answer, *said],
+        tables={**(tables or {}), **({"quality": quality} if len(quality) else {})},
+        checks=checks,
+        validity=beyond,
+        validity_unknown=unknown,
+        notes=[tidy(f"{note[:1].upper()}{note[1:]}") for note in (rate, ring) if note],
+        warnings=[*poor, *map(tidy, others)],
+        identity=identity,
+        **parts,
+    )
+
+
+def result_parts(result: Any, case: str, command: str, *, range_given: bool) -> dict[str, Any]:
+    """Return what `build_pieces` needs of a result with a dataset, and of its resolved case."""
+    version = str(result.dataset.attrs["version"])
+    again = f"thermobearing {command} case.resolved.toml"
+    identity = identity_rows(version, case, again)
+    return {"identity": identity, "warnings": result.warnings, "range_given": range_given}
+
+
+def saved_parts(saved: SavedResult, otherwise: str) -> dict[str, Any]:
+    """Return what `build_pieces` needs of a result that is read back from its directory.
+
+    `otherwise` made it where no command was typed.
+    """
+    asked = bool(saved.summary.get("tested_range"))
+    given = asked or not any(NOT_GIVEN in text for text in saved.warnings)
+    identity = saved_identity(saved, otherwise)
+    return {"identity": identity, "warnings": saved.warnings, "range_given": given}
+
+
+def saved_identity(saved: SavedResult, otherwise: str) -> dict[str, str]:
+    """Return version, hash of what went in, and the command that was typed, or `otherwise`."""
+    summary = saved.summary
+    inputs = summary.get("inputs")
+    what = "inputs and tests in summary.json" if inputs is not None else "summary.json"
+    records = summary.get("records", summary.get("comparisons", []))
+    tests = [str((one.get("conditions") or {}).get("sha256", "")) for one in records]
+    text = json.dumps([inputs, tests] if inputs is not None else summary, sort_keys=True)
+    command = str(summary.get("command_line") or otherwise)
+    return identity_rows(str(summary.get("version", "unknown")), text, command, what)
+
+
+def saved_validity(saved: SavedResult) -> tuple[list[str], str, list[str]]:
+    """Return sentences on validity, why there are none, and the other warnings."""
+    of_range, others = parted(dict.fromkeys(saved.warnings))
+    given = saved_parts(saved, "")["range_given"]
+    validity, unknown = list(map(tidy, of_range)), " ".join(map(tidy, of_range))
+    return validity if given else [], "" if given else unknown, list(map(tidy, others))
+
+
+# Limits.
+# Largest residual of the energy balance, of the largest energy in it: rounding comes to 1e-10, what
+# is more is a fault of the computation.
+BOOKS_CLOSE = 1e-6
+MARKED = "Marked: beyond what the bearing was tested at"
+TESTED_RANGE = "tested range"  # how the source of those limits begins
+RIG = {"force": "force", "stroke": "stroke", "speed": "speed"}
+TESTS = {name: title for name, (_, title, _, _) in TESTED.items()}
+TESTS |= {"strain": "shear strain", "ambient": "ambient temperature"}
+TESTS |= {"lead_temperature": "temperature of the lead"}
+IN_EARTHQUAKES = {name: title for name, title in TESTS.items() if name != "strain_rate"}
+
+
+def limit_checks(
+    rows: Iterable[Row],
+    titles: Mapping[str, str],
+    source: str,
+    bearings: Sequence[str] = (),
+) -> list[Check]:
+    """Return a check for each end of each limit: the run that goes farthest.
+
+    Parameters
+    ----------
+    rows : of `results.ranges.compared`.
+    titles : words for a limit; others are left out.
+    source : of the limits.
+    bearings : names with which runs begin, whose limits are their own; none where there is one
+        for all runs.
+    """
+    groups: dict[tuple[str, str], list[Row]] = {}
+    for row in rows:
+        if row["limit"] in titles:
+            run = str(row["run"])
+            bearing = next((name for name in bearings if run.startswith(f"{name}, ")), "")
+            groups.setdefault((bearing, row["limit"]), []).append(row)
+    found = []
+    for (bearing, limit), mine in groups.items():
+        name = f"{bearing}: {titles[limit]}" if bearing else titles[limit]
+        above = max(mine, key=lambda row: row["asked"])
+        found.append(_check(name, above, bearing, source, lower=False))
+        below = min(mine, key=lambda row: row["asked"])
+        if below["passed"] and below["asked"] < below["lowest"]:
+            found.append(_check(name, below, bearing, source, lower=True))
+    return found
+
+
+def _check(name: str, row: Row, bearing: str, source: str, *, lower: bool) -> Check:
+    """Return the check of one end of a limit."""
+    limit, value = float(row["lowest"] if lower else row["largest"]), float(row["asked"])
+    unit, factor = ("%", 100.0) if row["limit"] == "strain" else printed_unit(str(row["unit"]))
+    outside = value < limit if lower else value > limit
+    passed = bool(row["passed"]) and outside
+    if outside and not passed:
+        source = f"{source}, and {100.0 * SLACK:.0f} % more"
+    what = f"{name} ({plain(str(row['run']).removeprefix(f'{bearing}, '))})"
+    verdict = EXCEEDED if passed else PASSED
+    return Check(what, factor * value, factor * limit, unit, source, verdict, lower)
+
+
+def quality_table(rows: Iterable[tuple[str, float, float, str]]) -> tuple[Table, list[str]]:
+    """Return the residuals of the energy balance as a table, and warnings of those too large.
+
+    They judge the computation, not the structure, and are none of the checks. A row is what it is,
+    value, limit (NaN: none), and the source of the limit.
+    """
+    cells, warnings = [], []
+    for what, value, limit, source in rows:
+        judged = value == value and limit == limit
+        verdict = (PASSED if abs(value) <= limit else EXCEEDED) if judged else NOT_JUDGED
+        cells.append([what, abs(value), limit, source, verdict])
+        if verdict == EXCEEDED:
+            warnings.append(
+                f"The {what} of the energy balance is {abs(value):.1e}, above {limit:.0e}: the "
+                "numbers are not those of the model; take a smaller dt."
+            )
+    heads = {"Energy balance": "", "Largest": ".1e", "Limit": ".0e"}
+    heads |= {"Source of the limit": "", "Verdict": ""}
+    columns = [Quantity(head, form=form) for head, form in heads.items()]
+    return Table("Numerical quality", columns, cells), warnings
+
+
+def verdict_of(checks: Sequence[Check]) -> str:
+    """Return what the checks come to: what is exceeded first, then what could not be judged."""
+    if not checks:
+        return "No limit was given."
+    told = []
+    for verdict in (EXCEEDED, NOT_JUDGED):
+        if names := [check.what for check in checks if check.verdict == verdict]:
+            more = f" and {len(names) - 3} more" if len(names) > 3 else ""
+            first = f"{', '.join(names[:3])}{more}"
+            told.append(f"{len(names)} {'is' if len(names) == 1 else 'are'} {verdict}: {first}")
+    many = counted(len(checks), "check")
+    if told:
+        return f"Of {many}, {'; '.join(told)}."
+    return f"All {many} are within their limits." if len(checks) > 1 else ONE_CHECK
+
+
+ONE_CHECK = "The check is within its limit."
+
+
+def verdict(
+    checks: Sequence[Check], validity: Sequence[str], unknown: str = "", rate: str = ""
+) -> str:
+    """Return the sentences on limits and validity, the last of an answer.
+
+    Parameters
+    ----------
+    checks : of the result.
+    validity : sentences on what left the range behind the parameters.
+    unknown : why there is no such range.
+    rate : note on strain rates beyond the tests.
+    """
+    known_range = "the range that the parameters were identified in"
+    if unknown:
+        told = f"{known_range.capitalize()} is not given, so validity is not judged."
+    elif validity:
+        shown = [text.rstrip(".").split(" (")[0].split(", outside")[0] for text in validity[:2]]
+        more = f"; and {len(validity) - 2} more" if len(validity) > 2 else ""
+        told = f"Beyond {known_range}, results are extrapolated: {'; '.join(shown)}{more}."
+    else:
+        start = "But for strain rates, nothing" if rate else "Nothing"
+        told = f"{start} left {known_range}."
+    return f"{verdict_of(checks)} {told}"
+
+
+def beyond_mark(rows: Iterable[Row], run: str, limit: str, value: float) -> bool:
+    """Return whether a value of a run lies outside the range, and the run was found to leave it."""
+    return any(
+        row["passed"]
+        and row["run"] == run
+        and row["limit"] == limit
+        and not row["lowest"] <= value <= row["largest"]
+        for row in rows
+    )
+
+
+# Inputs.
+QUANTITY = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)(?:\s+(.+))?")
+COLUMNS = (Quantity("What"), Quantity("Value", form=".6g"), Quantity("Unit"), Quantity("Source"))
+RANGES = ("tested_range.",)  # keys whose two values are ends
+
+
+@cache
+def _input_names() -> dict[str, str]:
+    return tomllib.loads(data_path("reports", "input_names.toml").read_text(encoding="utf-8"))
+
+
+def key_words(key: str) -> str:
+    """Return words for a dotted key of an input; the key in words where nothing is known."""
+    parts = key.split(".")
+    for first in range(len(parts)):
+        if known := _input_names().get(".".join(parts[first:])):
+            return known
+    words = ", ".join(part.split("[")[0].replace("_", " ") for part in parts)
+    return words[:1].upper() + words[1:]
+
+
+def input_table(
+    caption: str,
+    table: Mapping[str, Any],
+    sources: Mapping[str, str] | None = None,
+    *,
+    without: Collection[str] = (),
+    otherwise: str = "",
+    note: str = "",
+) -> Table:
+    """Return a row for each value of a table of a resolved input.
+
+    Parameters
+    ----------
+    caption : what they are.
+    table : as it is read from TOML: numbers with a unit are text.
+    sources : of values, by dotted key.
+    without : keys that are left out, with everything below them.
+    otherwise : source of the values that have none of their own.
+    note : below the table.
+    """
+    known = sources or {}
+    rows = []
+    for key, value in flat(table).items():
+        if any(key == one or key.startswith((f"{one}.", f"{one}[")) for one in without):
+            continue
+        source = known.get(key) or known.get(key.split("[")[0]) or otherwise
+        rows.append((key_words(key), *value_and_unit(value, ends=key.startswith(RANGES)), source))
+    return Table(caption, COLUMNS, rows, note=note)
+
+
+def value_and_unit(value: Any, *, ends: bool = False) -> tuple[Any, str]:
+    """Return a value of TOML, such as "0.4 kN s^2/mm", as number or text with its printed unit.
+
+    With `ends` two values are the ends of a range.
+    """
+    if isinstance(value, list | tuple):
+        return _several([value_and_unit(one) for one in value], ends)
+    found = QUANTITY.fullmatch(value.strip()) if isinstance(value, str) else None
+    if found is None or found[2] is None:
+        return value, ""
+    unit, factor = printed_unit(found[2])
+    return factor * float(found[1]), unit
+
+
+def _several(pairs: Sequence[tuple[Any, str]], ends: bool) -> tuple[Any, str]:
+    """Return the values of a list in one cell, where they have one unit."""
+    cell = COLUMNS[1]
+    units = {unit for _, unit in pairs}
+    if len(units) > 1:
+        return ", ".join(f"{cell.text(value)} {unit}".strip() for value, unit in pairs), ""
+    if ends and len(pairs) == 2:
+        if pairs[0] == pairs[1]:
+            return pairs[0]
+        return " to ".join(cell.text(value) for value, _ in pairs), "".join(units)
+    return ", ".join(cell.text(value) for value, _ in pairs), "".join(units)
+
+
+# Saved results.
+# Ends of names of columns and of keys of a summary, and the unit that they say.
+UNITS = {
+    **{unit: unit for unit in ("mm", "kN", "MPa", "s", "K", "t", "Hz", "gal", "kJ", "m", "rad")},
+    **{"degC": "°C", "kN_mm": "kN mm", "kN_per_mm": "kN/mm", "mm_s": "mm/s", "m_s2": "m/s²"},
+    **{"cm_s": "cm/s", "cm": "cm", "kN_m": "kN m", "kNmm": "kN mm", "percent": "%", "m_s": "m/s"},
+}
+MOST_ROWS = 400  # of a table in a document; longer ones stay in their files
+TOLD_APART = {"command", "warnings", "outcome", "sentence", "version", "tested_range", "rig"}
+
+
+def pieces_of_saved(saved: SavedResult) -> Pieces:
+    """Return summary, tables and pictures of a result directory of any command."""
+    summary = saved.summary
+    facts = []
+    for key, value in summary.items():
+        if isinstance(value, list) and all(isinstance(item, str | int | float) for item in value):
+            value = ", ".join(map(str, value))
+        if isinstance(value, str | int | float) and key not in TOLD_APART:
+            facts.append((words(key)[0], value, words(key)[1]))
+    inputs = {"facts": Table("Values of the summary", COLUMNS[:3], facts)} if facts else {}
+    return Pieces(
+        command=saved.command,
+        title=f"Result of {saved.command}",
+        question=f"What `thermobearing {saved.command}` was asked, and found.",
+        answer=[str(summary.get("sentence") or f"The analysis ended: {saved.outcome}.")],
+        inputs=inputs,
+        tables={name: make_table(name, table) for name, table in saved.tables.items()},
+        figures=saved_figures(saved, {}),
+        warnings=saved.warnings,
+        identity={"Program": f"thermobearing {summary.get('version', '')}".strip()},
+    )
+
+
+def saved_figures(saved: SavedResult, captions: Mapping[str, str]) -> dict[str, ReportFigure]:
+    """Return the pictures of a result directory with their captions, as SVG where there is one.
+
+    `captions` are by the beginning of the file's name (the longest that fits counts); those come
+    first, in this order.
+    """
+    names = {path.stem: path for path in saved.figures}
+    order = list(captions)
+
+    def beginning(name: str) -> str:
+        return max((start for start in captions if name.startswith(start)), key=len, default="")
+
+    def place(name: str) -> int:
+        return order.index(beginning(name)) if beginning(name) else len(order)
+
+    found = {}
+    for name in sorted(names, key=place):
+        vector = names[name].with_suffix(".svg")
+        image = (vector if vector.is_file() else names[name]).read_bytes()
+        own = name.replace("_", " ").replace("-", " ")
+        caption = captions.get(beginning(name), f"{own[:1].upper()}{own[1:]}.")
+        found[name] = ReportFigure(caption, image=image, alt=caption)
+    return found
+
+
+def with_plot(
+    found: dict[str, ReportFigure], name: str, plot: Plot, captions: Mapping[str, str]
+) -> dict[str, ReportFigure]:
+    """Return figures with a plot beside one of them; first, drawn from it, where it has none."""
+    if name in found:
+        return {**found, name: replace(found[name], plot=plot)}
+    return {name: ReportFigure(captions[name], alt=captions[name], plot=plot), **found}
+
+
+def words(name: str) -> tuple[str, str]:
+    """Return words and unit of a column such as "peak_force_kN"."""
+    ends = {"kN_mm": "kN/mm"} if name.startswith("K_") else {}  # elsewhere kN_mm is an energy
+    for end, unit in sorted((UNITS | ends).items(), key=lambda item: -len(item[0])):
+        if name.endswith(f"_{end}"):
+            return re.sub(r"[_\s]+", " ", name.removesuffix(f"_{end}")), unit
+    return re.sub(r"[_\s]+", " ", name), ""
+
+
+def make_table(name: str, table: pd.DataFrame) -> Table:
+    """Return a table of a result directory as its file has it; of a long one its first rows."""
+    shown = table.head(MOST_ROWS).dropna(axis="columns", how="all")
+    rows = [tuple(row) for row in shown.itertuples(index=False, name=None)]
+    left = len(table) - len(shown)
+    note = f"The first {MOST_ROWS} of {len(table)} rows; all are in {name}.csv." if left else ""
+    columns = [table_column(str(title), shown[title]) for title in shown.columns]
+    return Table(words(name)[0].capitalize(), columns, rows, note=note)
+
+
+def table_column(title: str, values: "pd.Series[Any]") -> Quantity:
+    """Return a column of a table of a result directory, in the unit of the file.
+
+    Numbers have four digits that count, or as many as are whole; symbols keep small letters.
+    """
+    head, unit = words(title)
+    begins = head.split(" ")[0]
+    head = f"{head[:1].upper()}{head[1:]}" if len(begins) > 1 else head
+    digits = 4
+    if pd.api.types.is_numeric_dtype(values) and not pd.api.types.is_bool_dtype(values):
+        digits = max(4, len(f"{float(values.abs().max()):.0f}"))
+    return Quantity(head, unit, f".{digits}g")
+
+
+CAPTIONS = {
+    "comparison": "Earlier models compared with the multi-layer one.",
+    "comparison_loops": "Loops of the multi-layer model and of a single temperature.",
+}
+NOTE = "Model less multi-layer model; rms: root mean square."
+ALIKE = ("motion", "mode")  # said once where all runs have the same
+
+
+def comparison_pieces(directory: Path) -> tuple[Table, dict[str, ReportFigure]]:
+    """Return table and pictures of the comparison of models in a result directory."""
+    frame = pd.read_csv(directory / COMPARISON)
+    if "outcome" in frame and (frame["outcome"] == "completed").all():
+        frame = frame.drop(columns="outcome")
+    frame = frame.dropna(axis="columns", how="all")
+    alike = {k: frame[k].iloc[0] for k in ALIKE if k in frame and frame[k].nunique() == 1}
+    frame = frame.drop(columns=list(alike))
+    columns = []
+    for name in map(str, frame.columns):
+        title, _, unit = name.rpartition(" ")  # the unit is the last word, or the end of the key
+        in_title = Quantity(f"{title[:1].upper()}{title[1:]}", unit, "+.1f")
+        columns.append(in_title if unit in ("K", "%") else table_column(name, frame[name]))
+    rows = frame.astype(object).where(frame.notna(), None).to_numpy().tolist()
+    verdict = json.loads((directory / SUMMARY).read_text(encoding="utf-8")).get("verdict")
+    note = "".join(f"{key.capitalize()}: {value}. " for key, value in alike.items()) + NOTE
+    note = f"{note} {tidy(verdict[:1].upper() + verdict[1:])}." if verdict else note
+    table = Table("Earlier models compared with the multi-layer one", columns, rows, note=note)
+    found = {
+        name: ReportFigure(caption, image=file.read_bytes(), alt=caption)
+        for name, caption in CAPTIONS.items()
+        if (file := directory / FIGURES / f"{name}.png").is_file()
+    }
+    return table, found
