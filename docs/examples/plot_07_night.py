@@ -20,7 +20,7 @@ rows = [f"{3600.0 * hour:g},{degrees:.2f}" for hour, degrees in zip(hours, air, 
 with TemporaryDirectory() as folder:
     weather = Path(folder, "night.csv")
     weather.write_text("\n".join(["time_s,temperature_degC", *rows]))
-    study = tb.bridge("lrb-example", "jra-ii-i-1", weather=weather, keep=["rubber", "cells"])
+    study = tb.bridge("lrb-example", "jra-ii-i-1", ambient=weather, keep=["rubber", "cells"])
 study.plot.profiles(times=[0.0, 10.0])
 
 # %%

@@ -13,7 +13,7 @@ import thermobearing as tb
 
 bearings = ["shen-hdr-bridge", "shen-lhdr-bridge", "lrb-example"]
 motions = ["jra-ii-i-1", "jra-ii-iii-1"]
-peaks = tb.sweep(bearings, motion=motions, ambient=[-30, -20, 0, 23], keep_every=50)
+peaks = tb.sweep(bearings, motion=motions, ambient=[-30, -20, 0, 23], keep=tb.Keep(every=50))
 ratio = peaks.bearing_force_max / peaks.bearing_force_max.sel(ambient=23)
 
 figure = Figure(figsize=(7.0, 3.2), layout="constrained")

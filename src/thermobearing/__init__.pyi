@@ -14,9 +14,10 @@ from .border.errors import OutputError as OutputError
 from .climate.generator import generate_weather as generate_weather
 from .climate.hourly import Hourly as Hourly
 from .climate.readers import read_weather as read_weather
+from .cyclic.case import InitialState as InitialState
+from .cyclic.case import Keep as Keep
 from .cyclic.case import end_state as end_state
 from .cyclic.case import load_case as load_case
-from .cyclic.equivalent import bilinear_parameters as bilinear_parameters
 from .cyclic.protocol import CyclicTest as CyclicTest
 from .cyclic.protocol import cyclic_test as cyclic_test
 from .cyclic.result import Result as Result
@@ -47,7 +48,6 @@ from .model.element import BearingElement as BearingElement
 from .model.element import element as element
 from .model.options import EndFace as EndFace
 from .model.options import ModelOptions as ModelOptions
-from .model.options import Side as Side
 from .motions.arrays import motion_from_arrays as motion_from_arrays
 from .motions.library import list_motions as list_motions
 from .motions.library import load_motion as load_motion

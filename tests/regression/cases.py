@@ -85,7 +85,7 @@ def _python_restart(target: Path) -> None:
     sine = {"step": "cycles", "strain": 2.0, "wave": "sine", "period": 2.0, "count": 2}
     test = tb.CyclicTest(dt=0.02, steps=[sine])
     first = tb.run(LHDR, test, [-20.0, 5.0, 23.0])
-    tb.run(LHDR, test, 5.0, initial=first, keep_every=1000).save(target, figures=False)
+    tb.run(LHDR, test, 5.0, initial=first, keep=tb.Keep(every=1000)).save(target, figures=False)
 
 
 def _python_full_stack(target: Path) -> None:

@@ -119,7 +119,7 @@ def test_a_history_is_run_as_its_file_is(tmp_path: Path) -> None:
     file.write_text("time_s,displacement_mm\n" + rows)
     steps = [{"step": "recorded", "file": str(file)}]
     expected = tb.run("shen-hdr-specimen", tb.CyclicTest(steps=steps), ambient=-20)
-    found = tb.run("shen-hdr-specimen", history=(time, x), ambient=-20)
+    found = tb.run("shen-hdr-specimen", test=(time, x), ambient=-20)
     assert_array_equal(found["force"], expected["force"])
     found.save(tmp_path / "out", figures=False)
     again = tb.load_case(tmp_path / "out" / "case.resolved.toml")
@@ -130,7 +130,7 @@ def test_a_history_is_run_as_its_file_is(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("history", "said"),
     [
-        ((1.0,), "give two arrays"),
+        ((1.0,), "two arrays"),
         (([0.0, 1.0], [0.0]), "2 times and 1 displacements"),
         (([0.0, 1.0, 1.0], [0.0, 1.0, 2.0]), "time does not increase from 1 to 1 s"),
         (([0.0, 1.0], [0.0, np.inf]), "not finite"),
@@ -141,9 +141,4 @@ def test_a_history_is_run_as_its_file_is(tmp_path: Path) -> None:
 )
 def test_histories_that_are_none(history: Any, said: str) -> None:
     with pytest.raises(tb.InputError, match=said):
-        tb.run("shen-hdr-specimen", history=history)
-
-
-def test_a_test_or_a_history() -> None:
-    with pytest.raises(tb.InputError, match="not both"):
-        tb.run("shen-hdr-specimen", tb.cyclic_test(), history=([0.0, 1.0], [0.0, 1.0]))
+        tb.run("shen-hdr-specimen", test=history)

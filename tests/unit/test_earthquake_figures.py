@@ -18,7 +18,9 @@ MOTIONS = ["jra-ii-i-1", "jra-ii-ii-1"]
 @pytest.fixture(scope="module")
 def study() -> tb.EarthquakeResult:
     """Long enough for the strong part of both motions, with room before and after it."""
-    return tb.bridge([LHDR, BILINEAR], MOTIONS, [23, -20], duration=20, dt=0.01, keep_every=1)
+    return tb.bridge(
+        [LHDR, BILINEAR], MOTIONS, [23, -20], duration=20, dt=0.01, keep=tb.Keep(every=1)
+    )
 
 
 def texts(ax: Axes) -> list[str]:
@@ -128,7 +130,7 @@ def test_peaks_have_a_mark_a_motion_a_mean_and_limits(study: Any) -> None:
 
 def test_speed_is_drawn_in_the_time_of_the_laboratory() -> None:
     """A pseudo-dynamic test of 4 s lasts as long as its way takes at 10 mm/s."""
-    short: Any = {"duration": 4.0, "keep_every": 1}
+    short: Any = {"duration": 4.0, "keep": tb.Keep(every=1)}
     modes = {"mode": ["rt", "pd"]}
     lab = tb.hybrid("shen-lhdr-specimen", ambient=-20, laboratory=modes, **short)
     fast, slow = lab.plot.speed().axes

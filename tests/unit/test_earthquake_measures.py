@@ -224,7 +224,7 @@ def test_printed_pseudo_dynamic_column_is_the_same_test() -> None:
 def profiles() -> Any:
     bearings = ["shen-hdr-specimen", "shen-lhdr-specimen", "shen-bilinear-bridge"]
     keep = ["rubber", "cells"]
-    return tb.hybrid(bearings, "jra-ii-ii-1", -20, duration=11, keep=keep, keep_every=10)
+    return tb.hybrid(bearings, "jra-ii-ii-1", -20, duration=11, keep=tb.Keep(keep, every=10))
 
 
 def test_cells_hold_the_layers_and_the_heat(profiles: Any) -> None:

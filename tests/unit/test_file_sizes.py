@@ -19,7 +19,9 @@ from thermobearing.results.writing import write_dataset
 @pytest.fixture(scope="module")
 def result() -> tb.Result:
     test = tb.cyclic_test(strain=[0.5, 1.0], cycles=2, dt=0.01)
-    return tb.run("shen-lhdr-specimen", test, ambient=[-20.0, 23.0], histories="complete")
+    return tb.run(
+        "shen-lhdr-specimen", test, ambient=[-20.0, 23.0], keep=tb.Keep(histories="complete")
+    )
 
 
 def test_netcdf_is_compressed_without_loss(result: tb.Result, tmp_path: Path) -> None:

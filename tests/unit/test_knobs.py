@@ -19,6 +19,7 @@ from thermobearing.bearing.model import Bearing
 from thermobearing.border.schema import validated
 from thermobearing.cyclic.case import Analysis, Case
 from thermobearing.cyclic.protocol import Cycles, Ramp, Recorded, Rest
+from thermobearing.model.options import Side
 
 STEPS = [
     {"step": "cycles", "strain": 1.5, "speed": 60.0, "count": 2, "closing_strain": 0.1},
@@ -155,7 +156,7 @@ OPTIONS: dict[str, Any] = {
     "stack": "full",
     "upper_face": tb.EndFace(eta=3.0),
     "lower_face": tb.EndFace(film=3.0),
-    "side": tb.Side(film=25.0, cover=5.0),
+    "side": Side(film=25.0, cover=5.0),
     "model": "adiabatic",
     "keep_every": 3,
     "keep": ["rubber", "hysteretic", "layer_displacement"],
@@ -198,7 +199,12 @@ def test_choices_of_lead(results: dict[str, tb.Result]) -> None:
     other = tb.run(changed, TEST, ambient=-10, upper_face=FACE, lower_face=FACE)
     assert differ(results["lead"], other)
     other = tb.run(
-        with_lead(), TEST, ambient=-10, upper_face=FACE, lower_face=FACE, initial_lead=30.0
+        with_lead(),
+        TEST,
+        ambient=-10,
+        upper_face=FACE,
+        lower_face=FACE,
+        initial=tb.InitialState(lead=30.0),
     )
     assert differ(results["lead"], other)
 
@@ -228,7 +234,7 @@ def test_lead_on_finite_plates() -> None:
 
 def test_keeping_less_changes_no_measure() -> None:
     """What is kept is a choice of output: energy and damping come from every step."""
-    whole, thin, thinnest = (run(keep_every=n).cycles for n in (1, 20, 10_000))
+    whole, thin, thinnest = (run(keep=tb.Keep(every=n)).cycles for n in (1, 20, 10_000))
     for less in (thin, thinnest):
         for name in ("G_eq_MPa", "h_eq", "energy_kN_mm", "stress_max_MPa", "rubber1_degC"):
             assert_allclose(less[name], whole[name], rtol=tol.LOOP, err_msg=name)

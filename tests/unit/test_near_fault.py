@@ -84,7 +84,7 @@ def test_noise_has_the_strength_that_the_file_says() -> None:
 def test_design_of_the_bridge_closes_on_its_stand_ins() -> None:
     """Section 6.2.2: the largest displacement differs from the design's by at most 10 %."""
     motions = [f"jra-{kind}-i-{seed}" for kind in ("i", "ii") for seed in (1, 2, 3)]
-    table = tb.bridge("shen-bilinear-bridge", motions, 23.0, keep_every=1000).table
+    table = tb.bridge("shen-bilinear-bridge", motions, 23.0, keep=tb.Keep(every=1000)).table
     closed = table["bearing_strain_max"].to_numpy(dtype=float) * 112.0 / 178.0
     assert_allclose(closed[3:], [1.062, 1.077, 0.939], atol=0.001)
     assert np.abs(closed[:3].mean() - 1.0) < 0.1  # Type I by the mean of the three waves

@@ -243,7 +243,7 @@ def test_one_cycle_has_the_labels_of_many() -> None:
 def test_cycles_of_a_history_are_numbered() -> None:
     time = np.arange(0.0, 8.0, 0.02)
     wave = 20.0 * np.sin(np.pi * time / 2.0)
-    found = tb.run("shen-hdr-specimen", history=(time, wave), ambient=[-20, 23]).to_dataset()
+    found = tb.run("shen-hdr-specimen", test=(time, wave), ambient=[-20, 23]).to_dataset()
     assert set(found.sizes) == {"ambient", "number"}
 
 

@@ -45,8 +45,8 @@ def test_masked_and_complex_numbers_are_refused(values: Any) -> None:
     """Before, hidden values and real parts were taken without a word."""
     time = [0.0, 0.5, 1.0]
     for use in (
-        lambda: tb.run("shen-hdr-specimen", history=(time, values)),
-        lambda: tb.run("shen-hdr-specimen", history=(values, time)),
+        lambda: tb.run("shen-hdr-specimen", test=(time, values)),
+        lambda: tb.run("shen-hdr-specimen", test=(values, time)),
         lambda: tb.motion_from_arrays(values, unit="m/s2", dt=0.01),
         lambda: tb.Ambient.series(time, values),
         lambda: tb.element("shen-hdr-specimen", initial=values),

@@ -55,7 +55,7 @@ def test_the_command_names_its_options(tmp_path: Path, words: tuple[str, ...], t
 def test_python_names_its_keywords(tmp_path: Path) -> None:
     said(tmp_path, "cyclic", "--dt", "-1")  # a command that ran before leaves nothing behind
     with pytest.raises(tb.InputError, match=r"analysis\.keep_every = 0"):
-        tb.run("shen-hdr-specimen", tb.cyclic_test(strain=[1.0], cycles=1), keep_every=0)
+        tb.run("shen-hdr-specimen", tb.cyclic_test(strain=[1.0], cycles=1), keep=tb.Keep(every=0))
     with pytest.raises(tb.InputError, match="say so with trust_unit"):
         read_motion(tmp_path / "strong.csv")
     with pytest.raises(tb.InputError, match=r'^free: no parameter "K_x"'):

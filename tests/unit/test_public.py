@@ -79,8 +79,9 @@ def arguments(item: Any) -> dict[str, Any]:
             continue
         found[name] = parameter.annotation
         for kind in get_args(parameter.annotation):
-            if is_typeddict(kind):
-                found |= kind.__annotations__
+            if is_typeddict(kind):  # fields of ModelOptions are described there
+                model = set(tb.ModelOptions.model_fields)
+                found |= {key: of for key, of in kind.__annotations__.items() if key not in model}
     return found
 
 

@@ -45,7 +45,7 @@ def test_study_of_hardly_any_motion(factor: float, tmp_path: Path) -> None:
     weather = tmp_path / "night.csv"
     weather.write_text("time_s,temperature_degC\n0,10\n3600,-20\n")
     motion = {"name": "jra-ii-i-1", "factor": factor}
-    study = tb.bridge(HDR, motion, weather=str(weather), duration=2)
+    study = tb.bridge(HDR, motion, ambient=str(weather), duration=2)
     names = ["structure_residual", *RESIDUALS]
     assert np.isfinite(study.energy[names]).all(axis=None)
     assert study.energy[names].abs().max(axis=None) < tol.LEAST_RESIDUAL

@@ -253,7 +253,9 @@ def test_books_of_a_partial_result_close_whatever_is_kept(
 
     monkeypatch.setattr(thermobearing.cyclic.history, "CHUNK", 47)
     monkeypatch.setattr(thermobearing.cyclic.history, "march", interrupted)
-    result = tb.run("shen-hdr-specimen", tb.cyclic_test(strain=[1.0], dt=0.01), keep_every=20)
+    result = tb.run(
+        "shen-hdr-specimen", tb.cyclic_test(strain=[1.0], dt=0.01), keep=tb.Keep(every=20)
+    )
     assert result.outcome == "interrupted"
     assert int(result["steps"][0]) == 3 * 47
     assert float(result["time"][-1]) == pytest.approx(3 * 0.47)

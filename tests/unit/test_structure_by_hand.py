@@ -113,7 +113,7 @@ def test_ground_that_starts_at_once_leaves_everything_where_it_is(tmp_path: Path
     path = motion_file(tmp_path, np.full(20, 300.0))
     for name in ("pier-p1", "hybrid-pier"):
         bearing = "shen-bilinear-bridge"
-        study = tb.bridge(bearing, path, 23.0, structure=name, keep_every=1)
+        study = tb.bridge(bearing, path, 23.0, structure=name, keep=tb.Keep(every=1))
         assert study.outcome == "completed"
         deck = study["deck_acceleration"].values[0]
         assert abs(deck[0]) < 1e-6  # m/s2, of 3
@@ -127,7 +127,7 @@ def test_actuator_is_where_it_was_told_to_be_a_delay_ago(steps: float, tmp_path:
     time = dt * np.arange(count)
     path = motion_file(tmp_path, 300.0 * np.sin(2.0 * np.pi * 1.5 * time))
     lab = {"delay": f"{1e3 * steps * dt} ms"}
-    study = tb.hybrid("shen-hdr-specimen", path, 23.0, laboratory=lab, keep_every=1)
+    study = tb.hybrid("shen-hdr-specimen", path, 23.0, laboratory=lab, keep=tb.Keep(every=1))
     assert study.outcome == "completed"
     told = (study["deck_displacement"] - study["pier_top_displacement"]).values[0] / 6.0
     late = np.interp(study["time"].values[0] - steps * dt, study["time"].values[0], told)

@@ -39,7 +39,7 @@ def test_numbers_are_those_of_an_earthquake_analysis() -> None:
     found = run_shard(study, plan(study))
     found = found[found["scale"] == 1.0].reset_index(drop=True)
     names = ["shen-lhdr-bridge", "shen-bilinear-bridge"]
-    whole = tb.bridge(names, "jra-ii-i-1", [23.0, -20.0], duration=3.0, keep_every=1)
+    whole = tb.bridge(names, "jra-ii-i-1", [23.0, -20.0], duration=3.0, keep=tb.Keep(every=1))
     assert found["bearing"].tolist() == whole.table["bearing"].tolist()
     for name in COLUMNS:
         assert_array_equal(found[name], whole.table[name], err_msg=name)

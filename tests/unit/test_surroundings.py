@@ -171,7 +171,7 @@ def test_side_is_part_of_how_a_bearing_takes_on_warmth(night: str) -> None:
 
 
 def test_report_and_result_tell_the_exchange(night: str) -> None:
-    result = tb.bridge("shen-hdr-bridge", "jra-ii-i-1", weather=night, duration=0.05)
+    result = tb.bridge("shen-hdr-bridge", "jra-ii-i-1", ambient=night, duration=0.05)
     assert "12 W/(m² K)" in result.summary()["surroundings"]
     import tomllib
 

@@ -103,7 +103,7 @@ def test_history_has_the_same_rows_and_saving_again_takes_none(
 
 
 def test_complete_histories_on_request(result: tb.Result, tmp_path: Path) -> None:
-    whole = computed(histories="complete")
+    whole = computed(keep=tb.Keep(histories="complete"))
     saved = tb.load_result(whole.save(tmp_path / "out", figures=False))
     assert isinstance(saved, tb.Result)
     assert saved.dataset.sizes["time"] == result.dataset.sizes["time"]

@@ -94,7 +94,7 @@ def test_workers_and_callbacks_are_checked_before_a_run() -> None:
         tb.sequence(rest, progress=5)
     test = tb.cyclic_test(strain=[0.5], cycles=1)
     with pytest.raises(tb.InputError, match="keep_every"):
-        tb.run("shen-hdr-specimen", test, keep_every=10**400)
+        tb.run("shen-hdr-specimen", test, keep=tb.Keep(every=10**400))
 
 
 def test_a_list_as_a_limit_of_a_distribution(tmp_path: Path) -> None:

@@ -293,7 +293,7 @@ def test_a_night_before_the_earthquake(tmp_path: Path, measured: Recorder) -> No
     path = tmp_path / "night.csv"
     path.write_text("time_s,temperature_degC\n" + "\n".join(rows) + "\n")
     for bearing in BEARINGS:
-        night = tb.bridge(bearing, "jra-ii-i-1", weather=str(path))
+        night = tb.bridge(bearing, "jra-ii-i-1", ambient=str(path))
         soaked = tb.bridge(bearing, "jra-ii-i-1", -25.0)
         layers = night["rubber_temperature"].values[0, 0]
         strain = [float(r.table["bearing_strain_max"][0]) for r in (night, soaked)]

@@ -179,10 +179,10 @@ def test_a_test_goes_on_from_a_hybrid_one_as_in_a_sequence(tmp_path: Path) -> No
     parts = [{"part": "hybrid", "duration": "4 s"}, cyclic, {"part": "hybrid", "duration": "3 s"}]
     table = {"bearing": LHDR, "ambient": "-20 degC", "parts": parts, "between": "as-left"}
     wanted = tb.sequence(table)
-    first = tb.hybrid(LHDR, ambient=-20, duration=4, keep_every=1)
+    first = tb.hybrid(LHDR, ambient=-20, duration=4, keep=tb.Keep(every=1))
     first.save(tmp_path / "first", figures=False)
     second = tb.run(LHDR, SHORT, -20.0, initial=tmp_path / "first")
-    third = tb.hybrid(LHDR, ambient=-20, duration=3, keep_every=1, initial_result=second)
+    third = tb.hybrid(LHDR, ambient=-20, duration=3, keep=tb.Keep(every=1), initial=second)
     for name in ("force", "temperature", "lead_temperature"):
         close(second[name].values, wanted[1].dataset[name].values, name)  # type: ignore[union-attr]
     for key in (*(PREFIX + key for key in MEMORY), "final_temperature", "bearing_force"):
@@ -208,10 +208,10 @@ def test_what_no_test_can_go_on_from(study: tb.EarthquakeResult, tmp_path: Path)
             'is a test of "shen-hdr-specimen"',
         ),
         (lambda: tb.run(HDR, SHORT, 5.0, initial=study), r"has 2 runs, at \[-20.   0.\] degC"),
-        (lambda: tb.hybrid([HDR, LHDR], initial_result=study), "is of one bearing"),
-        (lambda: tb.bridge("shen-bilinear-bridge", initial_result=study), "none that is bilinear"),
-        (lambda: tb.hybrid(HDR, ambient=0, initial_result=tmp_path), "initial_result: .*no result"),
-        (lambda: tb.hybrid(HDR, ambient=0, initial_result=3), "must be the path of a result"),  # type: ignore[arg-type]
+        (lambda: tb.hybrid([HDR, LHDR], initial=study), "is of one bearing"),
+        (lambda: tb.bridge("shen-bilinear-bridge", initial=study), "none that is bilinear"),
+        (lambda: tb.hybrid(HDR, ambient=0, initial=tmp_path), "initial_result: .*no result"),
+        (lambda: tb.hybrid(HDR, ambient=0, initial=3), "an earlier result"),  # type: ignore[arg-type]
     ):
         with pytest.raises(tb.InputError, match=said):
             call()

@@ -312,7 +312,7 @@ def test_the_memory_is_handed_over(name: str, tmp_path: Any) -> None:
 
 
 def test_a_hybrid_test_hands_its_memory_over() -> None:
-    first = tb.hybrid([HDR, LHDR], ambient=-20, duration=3, keep_every=1, **CLOSED)
+    first = tb.hybrid([HDR, LHDR], ambient=-20, duration=3, keep=tb.Keep(every=1), **CLOSED)
     for number, name in enumerate((HDR, LHDR)):
         left = tb.end_state(first, name)
         assert left.layer_turns == first.dataset["state_layer_turns"].values[number].tolist()

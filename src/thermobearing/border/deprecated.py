@@ -1,13 +1,16 @@
 """Names and keyword arguments of earlier versions: accepted for a while, with a warning."""
 
 import functools
+import inspect
 import re
 import sys
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from importlib import import_module
 from pathlib import Path
-from typing import Any, ParamSpec, TypeVar
+from typing import Any, ParamSpec, TypeVar, get_args
+
+from thermobearing.border.errors import InputError, nearest
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -21,8 +24,14 @@ def warn_renamed(old: str, new: str, stacklevel: int = 3) -> None:
     warnings.warn(told, DeprecationWarning, stacklevel=stacklevel)
 
 
-def renamed(**names: str) -> Callable[[Callable[P, T]], Callable[P, T]]:
+def renamed(
+    records: Mapping[str, Any] | None = None, /, **names: str
+) -> Callable[[Callable[P, T]], Callable[P, T]]:
     """Decorate a function so that it accepts keyword arguments by their earlier names.
+
+    A name such as "keep.every" is a field of a record that the present keyword takes; the class of
+    that record is in `records`, and its `of(value, **fields)` adds fields to what is given. Where
+    the other keywords are listed in a TypedDict, the nearest name is given for an unknown one.
 
     Examples
     --------
@@ -34,16 +43,39 @@ def renamed(**names: str) -> Callable[[Callable[P, T]], Callable[P, T]]:
     """
 
     def decorate(function: Callable[P, T]) -> Callable[P, T]:
+        known = _keywords(function)
+        where = f"{function.__qualname__.removesuffix('.__init__')}()"
+
         @functools.wraps(function)
         def call(*args: P.args, **keywords: P.kwargs) -> T:
             for old in names.keys() & keywords.keys():
-                warn_renamed(f"{function.__qualname__}(..., {old}=)", f"{names[old]}=")
-                keywords[names[old]] = keywords.pop(old)
+                new, _, field = names[old].partition(".")
+                made = f"{records[new].__name__}({field}=...)" if records and field else ""
+                warn_renamed(f"{where[:-1]}{old}=)", f"{new}={made}")
+                value = keywords.pop(old)
+                if records and field:
+                    value = records[new].of(keywords.get(new), **{field: value})
+                elif keywords.get(new) is not None:
+                    raise InputError(f"give {new} or {old}, not both", where)
+                keywords[new] = value
+            unknown = [name for name in keywords if known and name not in known]
+            if unknown:
+                told = [f'unknown key "{name}"{nearest(name, known)}' for name in unknown]
+                raise InputError(told, where)
             return function(*args, **keywords)
 
         return call
 
     return decorate
+
+
+def _keywords(function: Callable[..., Any]) -> list[str]:
+    """Names of all arguments, with those of a TypedDict; none where any keyword is accepted."""
+    arguments = inspect.signature(function).parameters
+    listed = [get_args(one.annotation) for one in arguments.values() if one.kind is one.VAR_KEYWORD]
+    if not all(listed):
+        return []
+    return [*arguments, *(name for kinds in listed for name in kinds[0].__annotations__)]
 
 
 def find_moved(package: str) -> Callable[[str], Any]:

@@ -6,6 +6,7 @@ case.resolved.toml beside every result; running that file again gives the same b
 
 import tomllib
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal, Protocol, runtime_checkable
 
@@ -58,6 +59,74 @@ class Earlier(Protocol):
     @property
     def dataset(self) -> xr.Dataset:
         """Histories, ends and the case."""
+
+
+@dataclass(frozen=True)
+class InitialState:
+    """Where a bearing begins: at a temperature, or where an earlier analysis left it.
+
+    Attributes
+    ----------
+    temperature : uniform, or one per cell, upper face first [degC]; the ambient temperature by
+        default.
+    lead : temperature of the lead [degC]; that of the cells beside it by default.
+    result : an earlier result of the same bearing (of `run`, `hybrid` or `bridge`), or its
+        directory: the bearing goes on where that one ended, with temperatures, forces and all
+        memory. Or its state, from `end_state`.
+    """
+
+    temperature: float | Sequence[float] | None = None
+    lead: float | None = None
+    result: "Earlier | SpecimenState | str | Path | None" = None
+
+    @classmethod
+    def of(cls, value: Any, **fields: Any) -> "InitialState":
+        """Return a record of what may stand for one: a temperature, a result, a directory."""
+        if isinstance(value, Earlier | SpecimenState | str | Path):
+            value = cls(result=value)
+        elif not isinstance(value, InitialState):
+            value = cls(temperature=value)
+        made: InitialState = replace(value, **fields)
+        return made
+
+    def table(self) -> dict[str, Any]:
+        """Return the same as keys of a case."""
+        uniform = self.temperature is None or np.ndim(self.temperature) == 0
+        state = isinstance(self.result, SpecimenState)
+        return {
+            "initial": self.temperature if uniform else None,
+            "initial_profile": None if uniform else self.temperature,
+            "initial_lead": self.lead,
+            "initial_state": self.result if state else None,
+            "initial_result": None if state else self.result,
+        }
+
+
+@dataclass(frozen=True)
+class Keep:
+    """Which histories a result holds.
+
+    Attributes
+    ----------
+    groups : of "rubber", "layer_displacement", "hysteretic" and "cells", besides displacement,
+        force and energy; of an earthquake "rubber" and, for profiles, "cells".
+    every : keep every n-th step; turning points of a test are kept besides.
+    histories : in the files of `save`: "thinned" (default), turning points and 200 points a
+        cycle, or "complete".
+    """
+
+    groups: Sequence[str] | None = None
+    every: int | None = None
+    histories: str | None = None
+
+    @classmethod
+    def of(cls, value: Any, **fields: Any) -> "Keep":
+        """Return a record of what may stand for one: a list of groups, or None."""
+        return replace(value if isinstance(value, Keep) else cls(groups=value), **fields)
+
+    def table(self) -> dict[str, Any]:
+        """Return the same as keys of a case."""
+        return {"keep": self.groups, "keep_every": self.every, "histories": self.histories}
 
 
 def settle_start(table: dict[str, Any], ways: Sequence[str]) -> tuple[list[str], xr.Dataset | None]:

@@ -8,18 +8,17 @@ two states and calls the one coupled step; it adds no physics.
 import copy
 from collections.abc import Sequence
 from dataclasses import dataclass
-from inspect import signature
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, Self, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
 
 from thermobearing.bearing.ambient import check_temperature
-from thermobearing.bearing.exposure import Exposure
 from thermobearing.bearing.library import as_bearing
-from thermobearing.bearing.model import Bearing, Clock, SmallLoops
-from thermobearing.border.errors import InputError, nearest, shortened
+from thermobearing.bearing.model import Bearing
+from thermobearing.border.deprecated import renamed
+from thermobearing.border.errors import InputError, shortened
 from thermobearing.border.schema import validated
 from thermobearing.border.units import HUGEST, is_number, refuse_hidden
 from thermobearing.core.march import copy_state
@@ -32,12 +31,10 @@ from thermobearing.core.types import (
     new_state,
     new_workspace,
 )
-from thermobearing.model.constants import Hardening, HeatSource, Integrator, LeadEnds
 from thermobearing.model.earlier import Model
 from thermobearing.model.handover import SpecimenState, begun_from
-from thermobearing.model.options import EndFace, ModelOptions, Side, Stacked, build_model
+from thermobearing.model.options import ModelKeywords, ModelOptions, build_model, model_table
 from thermobearing.model.outcomes import NAMES
-from thermobearing.model.stack import Scheme
 
 DEFAULT_AMBIENT = 23.0  # [degC]
 
@@ -70,26 +67,9 @@ class BearingElement:
         face first). Or where an earlier test left this bearing, from `tb.end_state`; its
         energies begin anew.
     initial_lead : lead temperature at the start [degC]; that of the cells beside it by default.
-    scheme : "conservative" (default) or "published" heat scheme.
-    integrator : "exact" (default) or "euler" integration of Z.
-    hardening : "printed" (default, Eq. 4.34), or "monotone": unloading that never goes up.
-    small_loops : "published" (Eq. 4.35), after which a small reversal does not come back to the
-        force where it began, or "closed": it does. By default that of the bearing, "published"
-        unless it says otherwise.
-    heat_source : "work" (Eq. 4.22) or "dissipation"; by default dissipation for natural rubber
-        (LRB), which gives its elastic work back, and work for the others.
-    lead_ends : how lead passes heat to steel: "finite-plate" (default) or "half-space"
-        (Eq. 5.4-5.5), which the published scheme and the earlier models have.
-    clock : of lead on a half-space, "lead" (Eq. 5.6 as printed) or "steel"; by default that of the
-        bearing, or, if it says none, lead with the published scheme and steel otherwise.
-    upper_face, lower_face : heat exchange of the end faces; eta_B = 2 by default.
-    side : heat exchange of the side, a `tb.Side`; by default the film of the bearing's
-        materials without cover.
-    stack : "auto" (default), "half" or "full" height.
-    model : "multi-layer" (default) or an earlier model (model/earlier.py) but "bilinear", whose
-        constants `from_constants` takes.
-    exposure : factors for long cold and age, {"stiffness": 1.3, "strength": 1.2, "source": "..."};
-        by default those of the bearing, which is none.
+    model : `ModelOptions`, or the name of an earlier model (model/earlier.py) but "bilinear",
+        whose constants `from_constants` takes; "multi-layer" by default.
+    options : fields of `ModelOptions`, such as scheme or lead_ends.
 
     Raises
     ------
@@ -104,6 +84,7 @@ class BearingElement:
     ('completed', True)
     """
 
+    @renamed()
     def __init__(
         self,
         bearing: Bearing | str | Path,
@@ -111,44 +92,17 @@ class BearingElement:
         *,
         initial: float | Sequence[float] | NDArray[np.float64] | SpecimenState | None = None,
         initial_lead: float | None = None,
-        scheme: Scheme | None = None,
-        integrator: Integrator | None = None,
-        hardening: Hardening | None = None,
-        small_loops: SmallLoops | None = None,
-        heat_source: HeatSource | None = None,
-        lead_ends: LeadEnds | None = None,
-        clock: Clock | None = None,
-        upper_face: EndFace | None = None,
-        lower_face: EndFace | None = None,
-        side: Side | None = None,
-        stack: Stacked | None = None,
-        model: Model | None = None,
-        exposure: Exposure | dict[str, Any] | None = None,
+        model: ModelOptions | Model | None = None,
+        **options: Unpack[ModelKeywords],
     ) -> None:
         bearing = as_bearing(bearing)
-        given = {
-            "scheme": scheme,
-            "integrator": integrator,
-            "hardening": hardening,
-            "small_loops": small_loops,
-            "heat_source": heat_source,
-            "lead_ends": lead_ends,
-            "clock": clock,
-            "upper_face": upper_face,
-            "lower_face": lower_face,
-            "side": side,
-            "stack": stack,
-            "model": model,
-            "exposure": exposure,
-        }
-        chosen = {key: value for key, value in given.items() if value is not None}
-        options = validated(ModelOptions, chosen, "BearingElement()")
-        problems = options.misfits(bearing)
+        chosen = validated(ModelOptions, model_table(model, options), "BearingElement()")
+        problems = chosen.misfits(bearing)
         if initial_lead is not None and bearing.lead is None:
             problems.append("initial_lead: needs a bearing with lead")
         if problems:
             raise InputError(problems, "BearingElement()")
-        constants = build_model(bearing, options).constants
+        constants = build_model(bearing, chosen).constants
         self._start_from(constants, ambient, initial, initial_lead)
 
     @classmethod
@@ -300,16 +254,23 @@ class BearingElement:
         copy_state(saved, self._trial)
 
 
+@renamed()
 def element(
-    bearing: Bearing | str | Path, ambient: float = DEFAULT_AMBIENT, **options: Any
+    bearing: Bearing | str | Path,
+    ambient: float = DEFAULT_AMBIENT,
+    *,
+    initial: float | Sequence[float] | NDArray[np.float64] | SpecimenState | None = None,
+    initial_lead: float | None = None,
+    model: ModelOptions | Model | None = None,
+    **options: Unpack[ModelKeywords],
 ) -> BearingElement:
-    """A bearing with trial, commit and revert, for an integrator or a program of your own.
+    """Return a bearing with trial, commit and revert, for an integrator or program of your own.
 
     Parameters
     ----------
     bearing : a Bearing, a library name, or a TOML file.
     ambient : temperature of the air, and of the bearing at the start [degC], in [-100, 100].
-    options : any of `BearingElement`.
+    initial, initial_lead, model, options : as of `BearingElement` [degC].
 
     Returns
     -------
@@ -327,11 +288,9 @@ def element(
     >>> force > 100.0
     True
     """
-    known = set(signature(BearingElement.__init__).parameters) - {"self"}
-    unknown = [f'unknown key "{key}"{nearest(key, known)}' for key in options.keys() - known]
-    if unknown:
-        raise InputError(unknown, "element()")
-    return BearingElement(bearing, ambient, **options)
+    return BearingElement(
+        bearing, ambient, initial=initial, initial_lead=initial_lead, model=model, **options
+    )
 
 
 def _number(key: str, unit: str, value: Any) -> float:

@@ -4,9 +4,9 @@ The cyclic test, the earthquake, identification, the equivalent bilinear model a
 for outside solvers all build their model here, so that one bearing is one model everywhere.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, Self, TypedDict
 
 from pydantic import Field, model_validator
 
@@ -107,8 +107,8 @@ class ModelOptions(Strict):
     heat_source : "work" (Eq. 4.22) or "dissipation"; None for that of the bearing, see
         `default_heat_source`.
     lead_ends : how lead passes heat to steel: "finite-plate" (default: plates of finite
-        thickness, shims as fins) or "half-space" (Eq. 5.4-5.5, with surface_ratio and clock);
-        the published scheme and the earlier models have the latter.
+        thickness, shims as fins) or "half-space" (Eq. 5.4-5.5, with surface_ratio and clock),
+        which the published scheme and the earlier models have.
     clock : of lead on a half-space: whose diffusivity makes t+ of Eq. 5.6 dimensionless, "lead" as
         printed or "steel" (Kalpakidis & Constantinou 2009); None for that of the bearing, or, if
         it says none, lead with the published scheme and steel with the conservative one.
@@ -218,6 +218,31 @@ class ModelOptions(Strict):
             "clock": clock,
         }
         return self.model_copy(update=filled)
+
+
+class ModelKeywords(TypedDict, total=False):
+    """Fields of `ModelOptions` but `model`, as keyword arguments (a test compares the two)."""
+
+    scheme: Scheme | None
+    integrator: Integrator | None
+    hardening: Hardening | None
+    small_loops: SmallLoops | None
+    heat_source: HeatSource | None
+    lead_ends: LeadEnds | None
+    clock: Clock | None
+    stack: Stacked | None
+    upper_face: EndFace | None
+    lower_face: EndFace | None
+    side: Side | None
+    exposure: Exposure | dict[str, Any] | None
+
+
+def model_table(model: ModelOptions | str | None, keywords: Mapping[str, Any]) -> dict[str, Any]:
+    """Return options by key: the fields set in `model`, or its name, with keywords over them."""
+    table: dict[str, Any] = {} if model is None else {"model": model}
+    if isinstance(model, ModelOptions):
+        table = {name: getattr(model, name) for name in model.model_fields_set}
+    return table | {name: value for name, value in keywords.items() if value is not None}
 
 
 def outdoors() -> tuple[dict[str, Any], dict[str, str]]:

@@ -7,6 +7,7 @@ motions I-I-1, I-I-2, II-I-1, II-I-2.
 import numpy as np
 
 from thermobearing.core.types import Floats
+from thermobearing.cyclic.case import Keep
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.reproduce.chapter_6 import HDR, LHDR, PIER
 from thermobearing.reproduce.printed import printed
@@ -17,12 +18,12 @@ MOTIONS = ("jra-i-i-1", "jra-i-i-2", "jra-ii-i-1", "jra-ii-i-2")
 II_I_1 = 2  # of the motions
 TYPE_I, TYPE_II = slice(0, 2), slice(2, 4)
 BILINEAR = "shen-bilinear-bridge"
-THINNED = 100  # kept steps: peaks and loops come from all of them, and many studies are kept
+THINNED = Keep(every=100)  # peaks and loops come from all steps; many analyses are kept
 
 
 def study(runs: Runs, bearing: str) -> EarthquakeResult:
     """All motions at all temperatures on one kind of bearing."""
-    return runs.bridge(bearing, MOTIONS, AMBIENT, keep_every=THINNED)
+    return runs.bridge(bearing, MOTIONS, AMBIENT, keep=THINNED)
 
 
 def by_motion(runs: Runs, bearing: str, column: str) -> Floats:
@@ -167,7 +168,7 @@ def ductility_at_level_1(runs: Runs) -> Numbers:
     """Largest in motions of type I that envelop the spectrum of Level 1, HDR and LHDR."""
     factor = printed(runs, "level_1") * runs.change.get("a_g", 1.0)
     weak = runs.beside({"a_g": factor})
-    both = [weak.bridge(name, MOTIONS[TYPE_I], AMBIENT, keep_every=THINNED) for name in (HDR, LHDR)]
+    both = [weak.bridge(name, MOTIONS[TYPE_I], AMBIENT, keep=THINNED) for name in (HDR, LHDR)]
     runs.shaken = True
     return told(np.array([study.table["pier_ductility"].max() for study in both]))
 

@@ -21,6 +21,7 @@ from thermobearing.border.library import data_path
 from thermobearing.border.schema import Strict, validated
 from thermobearing.border.toml import read_toml
 from thermobearing.core.records import Floats
+from thermobearing.cyclic.case import Keep
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.earthquake.study import bridge, hybrid
 from thermobearing.reproduce import joint_measures
@@ -222,7 +223,7 @@ class Bridges:
                 list(AMBIENT),
                 structure=pier,
                 dt=STEP,
-                keep_every=KEPT,
+                keep=Keep(every=KEPT),
                 **options,
             )
             self._kept[key] = whole(study)
@@ -259,7 +260,7 @@ class Hybrids:
                 damping=chosen["damping"],
                 laboratory={"mode": ["rt", "pd"]},
                 duration=SECONDS,
-                keep_every=KEPT,
+                keep=Keep(every=KEPT),
             )
             self._kept[key] = whole(study), outer_layer(study)
         return self._kept[key]
