@@ -48,10 +48,10 @@ from .model.element import BearingElement as BearingElement
 from .model.element import element as element
 from .model.options import EndFace as EndFace
 from .model.options import ModelOptions as ModelOptions
-from .motions.arrays import motion_from_arrays as motion_from_arrays
 from .motions.library import list_motions as list_motions
 from .motions.library import load_motion as load_motion
 from .motions.record import GroundMotion as GroundMotion
+from .motions.record import motion_from_arrays as motion_from_arrays
 from .motions.spectrum import response_spectrum as response_spectrum
 from .motions.synthesis import make_motion as make_motion
 from .motions.synthesis import match_spectrum as match_spectrum

@@ -1,28 +1,31 @@
-"""Ground motions by name or by file: those shipped with the package, and the user's own."""
+"""Ground motions by name or by file: those shipped with the package, and the user's own.
+
+`python -m thermobearing.motions.library [NAME...]` makes the stored motions again.
+"""
 
 import json
+import sys
+from collections.abc import Collection
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from thermobearing.border.errors import InputError, is_file
 from thermobearing.border.library import data_path, unknown_name
+from thermobearing.core.types import Floats
 from thermobearing.motions.readers import read_motion
 from thermobearing.motions.record import GroundMotion
 
-Floats = NDArray[np.float64]
-
 STORED_DT = 0.01  # [s]
-FILE = "jra-level-2-stand-ins.npz"
 ABOUT = "about"  # entry of the file with names and descriptions, as JSON
+SEEDS = (1, 2, 3)
 
 
 def stored_motions() -> Path:
-    """The file of the built-in motions: one array [mm/s2] for each, by name."""
-    return data_path("motions", FILE)
+    """Return the file of the built-in motions: one array [mm/s2] for each, by name."""
+    return data_path("motions", "jra-level-2-stand-ins.npz")
 
 
 @cache
@@ -38,7 +41,7 @@ def _stored(name: str) -> Floats:
 
 
 def list_motions() -> list[str]:
-    """Names of the built-in motions: `jra-<type>-<ground>-<seed>`.
+    """Return the names of the built-in motions: `jra-<type>-<ground>-<seed>`.
 
     They are synthetic stand-ins that fit the standard spectra of Level 2, not the accelerograms
     of the specifications, which are not free to ship.
@@ -52,7 +55,7 @@ def list_motions() -> list[str]:
 
 
 def load_motion(name_or_path: str | Path, **options: Any) -> GroundMotion:
-    """A built-in ground motion by name, or one of your own from a file.
+    """Return a built-in ground motion by name, or one of your own from a file.
 
     Parameters
     ----------
@@ -79,3 +82,34 @@ def load_motion(name_or_path: str | Path, **options: Any) -> GroundMotion:
     if not looks_like_a_path and not is_file(path):
         raise unknown_name("motion", text, list_motions())
     return read_motion(path, **options)
+
+
+def regenerate(names: Collection[str] = ()) -> None:
+    """Write the file of the built-in motions again: three seeds per type and ground, or some.
+
+    Kept as 32-bit numbers: what that leaves of the end velocity is a rounding. Made on another
+    machine they differ by such roundings, so that with names the others stay as they are.
+    """
+    from thermobearing.motions.synthesis import make_motion
+    from thermobearing.motions.targets import GROUNDS, KINDS
+
+    arrays: dict[str, Any] = {}
+    about: dict[str, dict[str, str]] = {}
+    if names:
+        with np.load(stored_motions()) as stored:
+            about = json.loads(str(stored[ABOUT]))
+            arrays = {name: stored[name] for name in about}
+    for kind, ground, seed in ((k, g, s) for k in KINDS for g in GROUNDS for s in SEEDS):
+        if names and f"jra-{kind}-{ground}-{seed}".lower() not in names:
+            continue
+        motion = make_motion(kind, ground, seed, STORED_DT)
+        arrays[motion.name] = motion.acceleration.astype(np.float32)
+        about[motion.name] = {"description": motion.description, "citation": motion.citation}
+        print(motion.description)
+    arrays[ABOUT] = np.array(json.dumps(about))
+    stored_motions().parent.mkdir(exist_ok=True)
+    np.savez_compressed(stored_motions(), **arrays)
+
+
+if __name__ == "__main__":
+    regenerate(sys.argv[1:])

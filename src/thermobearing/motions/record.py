@@ -1,6 +1,7 @@
-"""One horizontal ground acceleration, evenly sampled."""
+"""One horizontal ground acceleration, evenly sampled, and the checks of its step, unit and size."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -26,6 +27,16 @@ ACCELERATION_UNITS = {
     "mm/s2": 1.0,
     "mm/s/s": 1.0,
 }
+# A record is used to shake structures. In files whose unit is only a word (or an argument),
+# a largest acceleration outside 100 to 2000 gal is refused: the window spans a factor of 20, so
+# that a unit wrong by 100 or 981 never passes, nor one wrong by 9.81 if 204 to 981 gal are meant.
+# In instruments' own formats the unit belongs to the format and weak records are common.
+ASSERTED = (100.0, 2000.0)
+INSTRUMENT = (10.0, 5000.0)
+SMALLEST = 1e-9  # largest acceleration that is no motion at all, whoever trusts it [gal]
+SHORTEST = 2  # samples
+LARGEST_DT, SMALLEST_DT = 0.1, 1e-5  # plausible time steps of an accelerogram [s]
+OFF_GRID = 0.1  # of a time step: how far a printed time may be from an even grid
 
 
 @dataclass(frozen=True)
@@ -116,10 +127,8 @@ def integrate_displacement(acceleration: Floats, dt: float) -> Floats:
 
 
 def acceleration_unit(text: str) -> float:
-    """Size of a unit of acceleration [mm/s2]; InputError for an unknown one.
+    """Return the size of a unit of acceleration [mm/s2]; InputError for an unknown one.
 
-    Examples
-    --------
     >>> acceleration_unit("gal"), acceleration_unit("cm/sec^2")
     (10.0, 10.0)
     """
@@ -129,3 +138,151 @@ def acceleration_unit(text: str) -> float:
         hint = nearest(plain, ["g", "gal", "cm/s2", "m/s2", "mm/s2"])
         raise InputError(f'unknown unit of acceleration "{text}"{hint}')
     return ACCELERATION_UNITS[plain]
+
+
+def even_step(time: Floats, lines: list[int], what: str = "line") -> float:
+    """Return the time step of evenly spaced times [s]; a gap or an uneven step is an error.
+
+    `lines` numbers the times, as lines of a file or samples of an array (`what`).
+    """
+    steps = np.diff(time)
+    if (steps <= 0.0).any():
+        k = int(np.argmax(steps <= 0.0))
+        raise InputError(
+            f"{what} {lines[k + 1]}: time does not increase, from {time[k]:g} s to "
+            f"{time[k + 1]:g} s"
+        )
+    usual = float(np.median(steps))
+    gap = int(steps.argmax())
+    if steps[gap] > 1.5 * usual:
+        raise InputError(
+            f"{what} {lines[gap + 1]}: a gap of {steps[gap]:g} s, from {time[gap]:g} s to "
+            f"{time[gap + 1]:g} s; the time step is {usual:g} s elsewhere"
+        )
+    dt = float(time[-1] - time[0]) / len(steps)
+    off = np.abs(time - time[0] - dt * np.arange(len(time)))
+    if off.max() > OFF_GRID * dt:
+        k = int(np.argmax(np.abs(steps - usual) > OFF_GRID * usual))
+        raise InputError(
+            f"{what} {lines[k + 1]}: uneven time steps, {steps[k]:g} s here and {usual:g} s "
+            "elsewhere; resample the record to even steps first"
+        )
+    return round(dt, 9)
+
+
+def checked_motion(
+    values: Floats,
+    unit: str,
+    found: float | None,
+    given: float | None,
+    *,
+    trusted: bool,
+    instrument: bool = False,
+    **about: str,
+) -> GroundMotion:
+    """Return a motion whose length, time step, unit and size are plausible.
+
+    `values` are in `unit`; `found` is the time step of the file or of the times, `given` that of
+    the caller [s]; `about` holds name, description and component.
+    """
+    if not SHORTEST <= len(values) <= MOST_SAMPLES:
+        limit = f"at least {SHORTEST} are needed"
+        if len(values) > SHORTEST:
+            limit = f"at most {MOST_SAMPLES} can be used"
+        raise InputError(f"holds {len(values)} samples; {limit}")
+    if given is not None and not (np.isfinite(given) and given > 0.0):
+        raise InputError(f"dt = {given:g} s: must be > 0")
+    dt = given if found is None else found
+    if dt is None:
+        raise InputError("the time step is nowhere in the file; give dt [s]")
+    if found is not None and given is not None and abs(found / given - 1.0) > 1e-3:
+        raise InputError(f"dt = {given:g} s was given, but the file says {found:g} s")
+    if not SMALLEST_DT <= dt <= LARGEST_DT:
+        raise InputError(
+            f"a time step of {dt:g} s is outside {SMALLEST_DT:g} to {LARGEST_DT:g} s; "
+            "is it in seconds?"
+        )
+    motion = GroundMotion(dt=dt, acceleration=values * acceleration_unit(unit), **{"name": "", **about})
+    check_size(motion.pga, unit, instrument=instrument, trusted=trusted)
+    return motion
+
+
+def check_size(pga: float, unit: str, *, instrument: bool, trusted: bool) -> None:
+    """Refuse a largest acceleration [mm/s2], read in a unit, that a wrong unit explains better."""
+    gal, size = pga / MM_S2_PER_GAL, acceleration_unit(unit)
+    if gal < SMALLEST:
+        about = "zero" if gal == 0.0 else f"less than {SMALLEST:g} gal"
+        raise InputError(f"the acceleration is {about} throughout")
+    low, high = INSTRUMENT if instrument else ASSERTED
+    if trusted or low <= gal <= high:
+        return
+    number = pga / size
+    sizes = {name: ACCELERATION_UNITS[name] for name in ("g", "m/s2", "gal", "mm/s2")}
+    plain = next(name for name, other in sizes.items() if other == size)
+    plausible = [
+        f"{number * other / MM_S2_PER_GAL:.0f} gal if the numbers are in {name}"
+        for name, other in sizes.items()
+        if other != size and ASSERTED[0] <= number * other / MM_S2_PER_GAL <= ASSERTED[1]
+    ]
+    guess = f"; it would be {' or '.join(plausible)}" if plausible else ""
+    raise InputError(
+        f"largest acceleration {number:.4g} {plain} = {gal:.4g} gal is outside "
+        f"{low:g} to {high:g} gal: is the unit wrong{guess}? If the unit is right, say so with "
+        "trust_unit"
+    )
+
+
+def motion_from_arrays(
+    acceleration: Any,
+    *,
+    unit: str,
+    dt: float | None = None,
+    time: Any = None,
+    name: str = "motion",
+    component: str = "",
+    trust_unit: bool = False,
+) -> GroundMotion:
+    """Return a ground motion from arrays, checked as one from a file is.
+
+    Parameters
+    ----------
+    acceleration : [n] of the ground, evenly sampled, n >= 2.
+    unit : of the acceleration: "g", "gal", "m/s2", "cm/s2" or "mm/s2".
+    dt : time step [s], in [1e-5, 0.1]; or
+    time : [n] times of the samples [s], increasing in even steps.
+    name : of the motion, for tables and figures.
+    component : direction, such as "NS"; tells motions of one name apart.
+    trust_unit : take the motion even if its largest acceleration is outside 100 to 2000 gal.
+
+    Returns
+    -------
+    GroundMotion
+
+    Raises
+    ------
+    InputError : another shape, numbers that are not finite, times that do not increase evenly, an
+        unknown unit, an implausible size.
+
+    Examples
+    --------
+    >>> time = 0.01 * np.arange(200)
+    >>> motion_from_arrays(3.0 * np.sin(20.0 * time), unit="m/s2", time=time).dt
+    0.01
+    """
+    about = {"name": str(name), "component": component}
+    try:
+        values = number_list(acceleration, "acceleration")
+        found = None
+        if time is not None:
+            times = number_list(time, "time [s]")
+            if len(times) != len(values):
+                raise InputError(f"{len(times)} times and {len(values)} accelerations")
+            if len(times) >= SHORTEST:
+                found = even_step(times, list(range(1, len(times) + 1)), "sample")
+        if dt is not None and not is_number(dt):
+            raise InputError(f"dt = {dt!r}: must be a number of seconds")
+        if not isinstance(unit, str):
+            raise InputError(f'unit = {unit!r}: must be text, such as "gal"')
+        return checked_motion(values, unit, found, dt, trusted=trust_unit, **about)
+    except InputError as error:
+        raise InputError(error.problems, f'motion "{name}"') from None

@@ -1,24 +1,204 @@
-"""The story of a ground motion: read or made -> corrected -> measured -> beside a standard one.
+"""The steps of a ground motion: read or made -> corrected -> measured -> compared with a standard.
 
 a record, or a name ............... load_motion -> `examine_motion` -> MotionResult
 a standard spectrum and phases .... MotionCase  -> `run_motion`     -> MotionResult
 """
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
+from typing import Any, NamedTuple
 
-from thermobearing.motions.jra import kind_and_ground
+import numpy as np
+import pandas as pd
+
+import thermobearing
+from thermobearing.core.types import Floats
 from thermobearing.motions.library import load_motion
 from thermobearing.motions.matching import LARGEST_MISFIT, Progress, misfit
-from thermobearing.motions.measures import measure_motion
+from thermobearing.motions.measures import MotionMeasures, measure_motion
 from thermobearing.motions.process import baseline_corrected, resampled
-from thermobearing.motions.record import GroundMotion
-from thermobearing.motions.result import POOR_FIT, MotionResult, Reference
-from thermobearing.motions.spectrum import DAMPING, check_damping
+from thermobearing.motions.record import MM_S2_PER_GAL, GroundMotion
+from thermobearing.motions.spectrum import (
+    DAMPING,
+    ResponseSpectrum,
+    check_damping,
+    response_spectrum,
+)
 from thermobearing.motions.synthesis import make_motion, match_spectrum
+from thermobearing.motions.targets import kind_and_ground, standard_spectrum
+from thermobearing.quantities.register import Quantity, quantity
+from thermobearing.quantities.tables import Table, make_table
+from thermobearing.results.base import COMPLETED, Result
+from thermobearing.results.directory import MOTION, SPECTRUM
 
+MM_PER_CM, MM_PER_M = 10.0, 1000.0
 DEFAULT_SEED, DEFAULT_DT = 1, 0.01  # [s]
+FIRST, LAST, COUNT = 0.05, 5.0, 200  # periods of spectrum.csv [s]
+SHOWN = (0.1, 0.2, 0.3, 0.5, 0.7, 1.0, 1.5, 2.0, 2.5, 3.0)  # periods on the console [s]
+POOR_FIT = "poor_fit"
+MEASURES = (
+    *("dt_s", "samples", "duration_s", "pga_gal", "pgv_cm_s", "pgd_cm", "arias_intensity_m_s"),
+    *("significant_duration_s", "bracketed_duration_s", "cumulative_absolute_velocity_m_s"),
+    *("end_velocity_cm_s", "end_displacement_cm"),
+)
+SPECTRA = ("period_s", "acceleration_gal", "velocity_cm_s", "displacement_cm", "standard_gal")
+
+
+class Reference(NamedTuple):
+    """The standard spectrum that a motion is compared with: type, ground, c_z of the region."""
+
+    kind: str
+    ground: str
+    zone_factor: float = 1.0
+
+    def at(self, periods: Any) -> Floats:
+        """Return the acceleration at natural periods [mm/s2]."""
+        return standard_spectrum(self.kind, self.ground, periods, zone_factor=self.zone_factor)
+
+
+@dataclass(frozen=True, repr=False)
+class MotionResult(Result):
+    """What is known about one ground motion.
+
+    Attributes
+    ----------
+    command : that made it.
+    motion : the ground motion itself.
+    measures : how strong it is and how long it lasts.
+    damping : of `spectrum`, a ratio of critical damping.
+    reference : the standard spectrum to compare with; None if there is none.
+    misfit : relative: root mean square of spectrum / reference - 1 over 0.1 to 3 s, 5 % damping.
+    outcome : "completed", or "poor_fit" for a motion that was made and does not fit.
+    """
+
+    _figures = "MotionFigures"
+
+    command: str
+    motion: GroundMotion
+    measures: MotionMeasures
+    damping: float
+    reference: Reference | None
+    misfit: float | None
+    outcome: str = COMPLETED
+
+    @property
+    def headline(self) -> str:
+        """Name of the motion."""
+        return self.motion.name
+
+    @property
+    def sentence(self) -> str:
+        """What the outcome means and what to try."""
+        if self.outcome != POOR_FIT or self.misfit is None:
+            return ""
+        return (
+            f"the search ended with a misfit of {100 * self.misfit:.2g} % rms, above "
+            f"{100 * LARGEST_MISFIT:g} %; try another record or seed"
+        )
+
+    @cached_property
+    def spectrum(self) -> ResponseSpectrum:
+        """Response spectrum at 200 periods from 0.05 to 5 s."""
+        return response_spectrum(self.motion, np.geomspace(FIRST, LAST, COUNT), self.damping)
+
+    @property
+    def table(self) -> pd.DataFrame:
+        """The spectrum as in spectrum.csv."""
+        return self._spectrum_frame(self.spectrum)
+
+    def _spectrum_frame(self, found: ResponseSpectrum) -> pd.DataFrame:
+        columns = {
+            "period_s": found.periods,
+            "acceleration_gal": found.acceleration / MM_S2_PER_GAL,
+            "pseudo_acceleration_gal": found.pseudo_acceleration / MM_S2_PER_GAL,
+            "velocity_cm_s": found.velocity / MM_PER_CM,
+            "displacement_cm": found.displacement / MM_PER_CM,
+        }
+        if self.reference is not None:
+            columns["standard_gal"] = self.reference.at(found.periods) / MM_S2_PER_GAL
+        return pd.DataFrame(columns)
+
+    def tables(self) -> dict[str, Table]:
+        """The measures; of `motions spectrum` the spectrum at ten periods."""
+        if self.command != "motions spectrum":
+            return {"measures": measures_table(self.summary())}
+        frame = self._spectrum_frame(response_spectrum(self.motion, SHOWN, self.damping))
+        return {"spectrum": spectrum_table(frame, self.damping)}
+
+    def notes(self) -> list[str]:
+        """How well it fits its standard spectrum, and what it is."""
+        found = [self.motion.description] if self.motion.description else []
+        if self.reference is not None and self.misfit is not None:
+            found.append(
+                f"misfit {100 * self.misfit:.1f} % rms over 0.1 to 3 s compared with "
+                f"{standard_words(self.reference._asdict())}"
+            )
+        return found
+
+    def summary(self) -> dict[str, Any]:
+        """Content of summary.json."""
+        motion, measures, reference = self.motion, self.measures, self.reference
+        standard = None
+        if reference is not None:
+            standard = {
+                "type": reference.kind,
+                "ground": reference.ground,
+                "zone_factor": reference.zone_factor,
+                "misfit_rms": self.misfit,
+            }
+        return {
+            "command": self.command,
+            "motion": motion.name,
+            "description": motion.description,
+            "citation": motion.citation,
+            "version": thermobearing.__version__,
+            "outcome": self.outcome,
+            "dt_s": motion.dt,
+            "samples": len(motion.acceleration),
+            "duration_s": motion.duration,
+            "pga_gal": measures.pga / MM_S2_PER_GAL,
+            "pgv_cm_s": measures.pgv / MM_PER_CM,
+            "pgd_cm": measures.pgd / MM_PER_CM,
+            "end_velocity_cm_s": measures.end_velocity / MM_PER_CM,
+            "end_displacement_cm": measures.end_displacement / MM_PER_CM,
+            "arias_intensity_m_s": measures.arias_intensity / MM_PER_M,
+            "significant_duration_s": measures.significant_duration,
+            "bracketed_duration_s": measures.bracketed_duration,
+            "cumulative_absolute_velocity_m_s": measures.cumulative_absolute_velocity / MM_PER_M,
+            "damping": self.damping,
+            "standard_spectrum": standard,
+        }
+
+    def _write(self, folder: Path) -> None:
+        rows = np.column_stack([self.motion.time, self.motion.acceleration / MM_S2_PER_GAL])
+        head = "t_s,acc_gal"
+        np.savetxt(folder / MOTION, rows, fmt="%.6f", delimiter=",", header=head, comments="")
+        frame = self.table
+        head = ",".join(frame.columns)
+        np.savetxt(folder / SPECTRUM, frame, fmt="%.6g", delimiter=",", header=head, comments="")
+
+
+def standard_words(standard: Mapping[str, Any]) -> str:
+    """Return a standard spectrum in words, from a summary or the fields of a `Reference`."""
+    kind = standard.get("type", standard.get("kind"))
+    zone = float(standard["zone_factor"])
+    return f"Level 2 Type {kind}, ground {standard['ground']}, c_z = {zone:g}"
+
+
+def measures_table(summary: Mapping[str, Any]) -> Table:
+    """Return the measures of a summary, a row each."""
+    known = [quantity(name) for name in MEASURES if summary.get(name) is not None]
+    rows = [(one.head, one.text(summary[one.name]), one.unit) for one in known]
+    columns = [Quantity("Measure"), Quantity("Value"), Quantity("Unit")]
+    return Table("Measures of the motion", columns, rows)
+
+
+def spectrum_table(frame: pd.DataFrame, damping: float) -> Table:
+    """Return a response spectrum as a table."""
+    return make_table(frame, SPECTRA, f"Response spectrum, damping {100.0 * damping:g} %")
 
 
 def examine_motion(
@@ -31,7 +211,7 @@ def examine_motion(
     high_pass: float | None = None,
     command: str = "motions show",
 ) -> MotionResult:
-    """Size, duration, ends and spectrum of a ground motion, beside a standard spectrum.
+    """Return size, duration, ends and spectrum of a ground motion, with a standard spectrum.
 
     Parameters
     ----------
@@ -41,7 +221,7 @@ def examine_motion(
     damping : ratio of critical damping of the response spectrum, in [0, 1).
     baseline : correct the base line first; see `baseline_corrected`.
     high_pass : corner of the filter that goes with it [Hz], > 0; implies `baseline`.
-    command : what the summary calls it.
+    command : its name in the summary.
 
     Raises
     ------
@@ -100,7 +280,7 @@ def make_motion_case(
     component: str | None = None,
     trust_unit: bool = False,
 ) -> MotionCase:
-    """A motion to be made, checked as far as that is quick.
+    """Return a motion to be made, checked as far as that is quick.
 
     Parameters
     ----------
@@ -151,13 +331,13 @@ def run_motion(case: MotionCase, *, progress: Progress | None = None) -> MotionR
     else:
         record = case.record if case.dt is None else resampled(case.record, case.dt)
         motion = match_spectrum(record, kind, ground, zone_factor=factor, progress=progress)
-    made = _measured("motions make", motion, Reference(kind, ground, factor), DAMPING)
-    assert made.misfit is not None
-    return replace(made, outcome=POOR_FIT) if made.misfit > LARGEST_MISFIT else made
+    result = _measured("motions make", motion, Reference(kind, ground, factor), DAMPING)
+    assert result.misfit is not None
+    return replace(result, outcome=POOR_FIT) if result.misfit > LARGEST_MISFIT else result
 
 
 def _reference(motion: GroundMotion, kind: str | None, ground: str | None) -> Reference | None:
-    """What was asked to be compared with, or what a built-in motion was made for."""
+    """The spectrum to compare with: the stated one, or that which a built-in motion is made for."""
     if kind or ground:
         return Reference(*kind_and_ground(kind or "II", ground or "I"))
     named = re.fullmatch(r"jra-(i|ii)-(i|ii|iii)-\d+", motion.name)

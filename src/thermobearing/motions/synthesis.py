@@ -1,239 +1,29 @@
-"""Motions matched to a target spectrum.
+"""Motions matched to a target spectrum, from random phases or those of a record.
 
 They are stand-ins: they fit the spectrum, and are not the accelerograms of the specifications.
+Random phases are those of noise under an envelope, with a velocity pulse for Type II.
 """
 
-import re
-from dataclasses import dataclass
-from pathlib import Path
+from functools import cache
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from thermobearing.border.errors import InputError, is_file
-from thermobearing.border.library import unknown_name
+from thermobearing.border.errors import InputError
+from thermobearing.border.library import data_path
+from thermobearing.border.toml import read_toml, split_sources
+from thermobearing.border.units import parse_quantity
 from thermobearing.core.types import Floats
-from thermobearing.motions.jra import (
-    GROUNDS,
-    KINDS,
-    StandardSpectrum,
-    kind_and_ground,
-    standard_curve,
-)
-from thermobearing.motions.matching import (
-    FIRST,
-    LAST,
-    LONGEST_FIT,
-    Effort,
-    Matched,
-    Progress,
-    matched,
-)
-from thermobearing.motions.phases import motion_name, near_fault, phases
+from thermobearing.motions.matching import LONGEST_FIT, Effort, Matched, Progress, matched
 from thermobearing.motions.process import padded
 from thermobearing.motions.record import GroundMotion, acceleration_unit
-from thermobearing.tables.columns import Table, make_table
-from thermobearing.tables.text import read_sheets
-
-CITATION = (
-    "Standard spectrum: Japan Road Association, Specifications for Highway Bridges, Part V (2012)"
+from thermobearing.motions.targets import (
+    GROUNDS,
+    KINDS,
+    DesignSpectrum,
+    kind_and_ground,
+    standard_target,
 )
-STANDARD = re.compile(r"jra-(i|ii)-(i|ii|iii)")
-SECONDS = ("", "s", "sec")
-PERIOD, ACCELERATION = ("period", "t"), ("acceleration", "sa", "s")  # titles in lower case
-
-
-@dataclass(frozen=True)
-class TableSpectrum:
-    """S(T) on straight lines between points, both axes logarithmic.
-
-    Below the first period it stays as it is, above the last it falls with 1/T: motions are
-    compared from 0.1 to 3 s, and adjusted a little beyond.
-
-    Attributes
-    ----------
-    periods : increasing [s].
-    values : there [mm/s2].
-    """
-
-    periods: tuple[float, ...]
-    values: tuple[float, ...]
-
-    def at(self, periods: Floats) -> Floats:
-        """Acceleration at periods > 0 [mm/s2]."""
-        x, y = np.log(self.periods), np.log(self.values)
-        inside = np.exp(np.interp(np.log(periods), x, y))
-        return np.asarray(inside * np.minimum(1.0, self.periods[-1] / periods))
-
-
-@dataclass(frozen=True)
-class DesignSpectrum:
-    """A spectrum of 5 % damping that motions are made to fit.
-
-    Attributes
-    ----------
-    name : "jra-ii-i", or that of a file.
-    told : the same in words.
-    curve : its shape.
-    factor : what multiplies that; c_z of a standard one.
-    citation : where it comes from.
-    caveat : what a motion that fits it is not.
-    """
-
-    name: str
-    told: str
-    curve: StandardSpectrum | TableSpectrum
-    factor: float = 1.0
-    citation: str = ""
-    caveat: str = ""
-
-    def at(self, periods: Floats) -> Floats:
-        """Absolute acceleration at periods > 0 [mm/s2]."""
-        return self.factor * self.curve.at(periods)
-
-
-def _standard_target(kind: str, ground: str, zone_factor: float = 1.0) -> DesignSpectrum:
-    """A standard spectrum of Level 2 as a target.
-
-    Parameters
-    ----------
-    kind, ground : Roman numbers.
-    zone_factor : c_z.
-
-    Raises
-    ------
-    InputError : a factor out of range.
-    """
-    return DesignSpectrum(
-        name=f"jra-{kind}-{ground}".lower(),
-        told=f"the standard spectrum of Level 2 Type {kind}, ground {ground}, "
-        f"c_z = {zone_factor:g}",
-        curve=standard_curve(kind, ground, zone_factor),
-        factor=zone_factor,
-        citation=CITATION,
-        caveat="NOT an accelerogram of the specifications",
-    )
-
-
-def list_spectra() -> list[str]:
-    """Names of the standard spectra, `jra-<type>-<ground>`.
-
-    Examples
-    --------
-    >>> list_spectra()[:2]
-    ['jra-i-i', 'jra-i-ii']
-    """
-    return [f"jra-{kind}-{ground}".lower() for kind in KINDS for ground in GROUNDS]
-
-
-def find_kind(name: str) -> tuple[str, str]:
-    """Type and ground of a standard spectrum by its name.
-
-    Raises
-    ------
-    InputError : there is none of that name.
-
-    Examples
-    --------
-    >>> find_kind("jra-ii-i")
-    ('II', 'I')
-    """
-    named = STANDARD.fullmatch(name)
-    if named is None:
-        raise unknown_name("standard spectrum", name, list_spectra())
-    return named[1].upper(), named[2].upper()
-
-
-def load_spectrum(name_or_path: str | Path, factor: float = 1.0) -> DesignSpectrum:
-    r"""A spectrum that motions can be made to fit.
-
-    Parameters
-    ----------
-    name_or_path : one of `list_spectra()`, or a file with columns `period` [s] and `acceleration`
-        (with its unit: gal, g, m/s2 ...), of 5 % damping, from 0.1 s or less to 3 s or more.
-    factor : what multiplies it, c_z of a standard one, in [0.01, 2].
-
-    Raises
-    ------
-    InputError : no such spectrum, faults in the file.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> file = Path(tempfile.mkdtemp()) / "site.csv"
-    >>> _ = file.write_text("period_s,acceleration_gal\n0.1,400\n0.5,800\n4,100\n")
-    >>> load_spectrum(file).at(np.array([0.5])).round(6).tolist()
-    [8000.0]
-    """
-    text = str(name_or_path)
-    if STANDARD.fullmatch(text):
-        return _standard_target(*find_kind(text), factor)
-    path = Path(name_or_path)
-    if not (is_file(path) or isinstance(name_or_path, Path) or path.suffix or "/" in text):
-        raise unknown_name("standard spectrum", text, list_spectra())
-    curve, told = _read(path), f'the spectrum "{path.stem}"'
-    if factor != 1.0:
-        told += f" times {factor:g}"
-    return DesignSpectrum(path.stem, told, curve, factor)
-
-
-def _read(path: Path) -> TableSpectrum:
-    """The points of a file."""
-    tables = [make_table(sheet) for sheet in read_sheets(path)]
-    table = next((one for one in tables if one is not None), None)
-    if table is None:
-        raise InputError("is empty", str(path))
-    try:
-        periods = _periods(table)
-        column = _column(table, "acceleration", ACCELERATION)
-        values = table.numbers(column, acceleration_unit(_unit(table, column)))
-        _check(periods, values)
-    except InputError as error:
-        raise InputError(error.problems, str(path)) from None
-    return TableSpectrum(tuple(periods.tolist()), tuple(values.tolist()))
-
-
-def _periods(table: Table) -> Floats:
-    """The column of periods [s]."""
-    column = _column(table, "period", PERIOD)
-    said = table.unit(column)
-    if said not in SECONDS:
-        raise InputError(f'column "{table.titles[column]}": periods are in s')
-    return table.numbers(column)
-
-
-def _column(table: Table, what: str, names: tuple[str, ...]) -> int:
-    """Number of a column by its title."""
-    for number, title in enumerate(table.titles):
-        plain = re.split(r"[\s_,(\[]", title.strip().lower(), maxsplit=1)[0]
-        if plain in names:
-            return number
-    held = ", ".join(table.titles)
-    raise InputError(f'no column "{what}" with its unit; known: {held}')
-
-
-def _unit(table: Table, column: int) -> str:
-    """Unit of the acceleration, from its title or the row of units."""
-    said = table.unit(column)
-    if not said:
-        raise InputError(
-            f'column "{table.titles[column]}" has no unit; write "acceleration [gal]", or g, m/s2'
-        )
-    return said
-
-
-def _check(periods: Floats, values: Floats) -> None:
-    """InputError for points that no motion can be fitted to."""
-    if not (np.diff(periods) > 0.0).all():
-        k = int(np.argmin(np.diff(periods) > 0.0))
-        raise InputError(f"periods do not increase from {periods[k]:g} to {periods[k + 1]:g} s")
-    if not (periods[0] > 0.0 and values.min() > 0.0):
-        raise InputError("periods and accelerations must be greater than 0")
-    if periods[0] > FIRST or periods[-1] < LAST:
-        raise InputError(
-            f"reaches from {periods[0]:g} to {periods[-1]:g} s; motions are fitted from {FIRST:g} "
-            f"to {LAST:g} s"
-        )
-
 
 ROOM = 4.0  # [s] of rest before and after a record, for the ringing of changed amplitudes
 SHORTEST_RECORD = 5.0  # [s]
@@ -242,6 +32,164 @@ SMALLEST_DT, LARGEST_DT = 0.001, 0.02  # half a period of 0.1 s holds at least 2
 # again. The limit leaves room below the 3 % that are promised.
 DRAWS, ACCEPTED = 8, 0.025
 LARGEST_SEED = 2**32 - 1
+# Above this the ground shakes less and less [Hz], as in records; the periods that are fitted
+# end at 0.1 s, and white noise beyond would make large, short peaks.
+HIGHEST = 10.0
+
+
+class Shape(NamedTuple):
+    """How the strength of shaking goes in time: it rises, stays, and dies away [s]."""
+
+    length: float
+    start: float
+    strong: float
+    end: float
+    decay: float
+
+    def times(self, dt: float) -> Floats:
+        """Return the times of the samples [s]."""
+        return np.arange(round(self.length / dt) + 1, dtype=np.float64) * dt
+
+    def envelope(self, time: Floats) -> Floats:
+        """Return the strength compared with that while strong."""
+        rise = np.clip((time - self.start) / (self.strong - self.start), 0.0, 1.0) ** 2
+        return np.asarray(rise * np.exp(-np.maximum(time - self.end, 0.0) / self.decay))
+
+
+# Our choice: half a minute and more of strong shaking, as in 2003 Tokachi-oki and 2011 Tohoku;
+# some seconds, as in 1995 Kobe.
+SHAPES = {
+    "I": Shape(length=110.0, start=5.0, strong=20.0, end=50.0, decay=12.0),
+    "II": Shape(length=50.0, start=5.0, strong=9.0, end=12.0, decay=3.5),
+}
+# Type II: a velocity pulse with this period [s], longer on softer ground (1995 Kobe: JMA about
+# 0.9 s, Takatori 1.3 to 2 s), at this time [s], and its weight against the noise.
+PULSE_PERIODS = {"I": 1.0, "II": 1.4, "III": 1.8}
+PULSE_TIME, PULSE_CYCLES, PULSE_WEIGHT = 10.0, 1.0, 4.0
+
+
+class Pulse(NamedTuple):
+    """Velocity pulse of a near-fault record, after Mavroeidis and Papageorgiou (2003, Eq. 3).
+
+    v = A/2 (1 + cos(2 pi (t - t0)/(gamma T))) cos(2 pi (t - t0)/T + nu) where
+    |t - t0| <= gamma T/2, and zero elsewhere: `amplitude` A [mm/s], `period` T [s], `cycles`
+    gamma > 1, `phase` nu [rad], `time` t0 of its middle [s].
+    """
+
+    amplitude: float
+    period: float
+    cycles: float
+    phase: float
+    time: float
+
+    def velocity(self, time: Floats) -> Floats:
+        """Return the velocity at the given times [mm/s]."""
+        angle, hump = self._parts(time)
+        return np.asarray(self.amplitude * hump * np.cos(angle + self.phase))
+
+    def acceleration(self, time: Floats) -> Floats:
+        """Return the derivative of the velocity [mm/s2]."""
+        angle, hump = self._parts(time)
+        slope = np.where(hump > 0.0, -0.5 * np.sin(angle / self.cycles) / self.cycles, 0.0)
+        wave = slope * np.cos(angle + self.phase) - hump * np.sin(angle + self.phase)
+        return np.asarray(self.amplitude * 2.0 * np.pi / self.period * wave)
+
+    def _parts(self, time: Floats) -> tuple[Floats, Floats]:
+        past = time - self.time
+        angle = 2.0 * np.pi * past / self.period
+        inside = np.abs(past) <= 0.5 * self.cycles * self.period
+        return angle, np.where(inside, 0.5 * (1.0 + np.cos(angle / self.cycles)), 0.0)
+
+
+class NearFault(NamedTuple):
+    """The phases of a motion that stands for one accelerogram; see `data/phases`.
+
+    Noise of a `shape` in time, with this root mean square while strong and below `HIGHEST`
+    [mm/s2], and a pulse; `peak_time` is that of the largest acceleration of the accelerogram [s],
+    `stream` the key of the random numbers, `citation` that of the pulse.
+    """
+
+    shape: Shape
+    noise: float
+    pulse: Pulse
+    peak_time: float
+    stream: tuple[int, ...]
+    citation: str
+
+
+@cache
+def near_fault() -> dict[str, NearFault]:
+    """Return the motions that have phases of their own, by name."""
+    table = dict(_chosen())
+    citation, _ = table.pop("citation"), table.pop("first_draws")
+    return {name: _near_fault_of(row, citation) for name, row in table.items()}
+
+
+@cache
+def _chosen() -> dict[str, Any]:
+    return dict(split_sources(read_toml(data_path("phases", "near-fault.toml")))[0])
+
+
+def _near_fault_of(row: dict[str, Any], citation: str) -> NearFault:
+    def quantity(key: str, unit: str) -> float:
+        return parse_quantity(row[key], unit)
+
+    number, unit = row["noise"].split()
+    return NearFault(
+        shape=Shape(**{key: quantity(key, "s") for key in Shape._fields}),
+        noise=float(number) * acceleration_unit(unit),
+        pulse=Pulse(
+            amplitude=quantity("pulse_amplitude", "mm/s"),
+            period=quantity("pulse_period", "s"),
+            cycles=row["pulse_cycles"],
+            phase=quantity("pulse_phase", "rad"),
+            time=quantity("pulse_time", "s"),
+        ),
+        peak_time=quantity("peak_time", "s"),
+        stream=tuple(row["stream"]),
+        citation=citation,
+    )
+
+
+def phases(kind: str, ground: str, seed: int, draw: int, dt: float) -> Floats:
+    """Return a history [mm/s2] of the type's shape whose Fourier amplitudes are still to be fitted.
+
+    The motions of `data/phases` have their own; the others are Gaussian noise under an
+    envelope, with a pulse in it for Type II. Type and ground are Roman numbers; the phases of one
+    seed are drawn again under another `draw`, counted from the first one of the data file.
+    """
+    name = f"jra-{kind}-{ground}-{seed}".lower()
+    own = near_fault().get(name)
+    if own:
+        time = own.shape.times(dt)
+        stream = np.random.default_rng([*own.stream[:-1], own.stream[-1] + draw])
+        # As white noise, its spectral density does not depend on the time step.
+        size = own.noise / np.sqrt(2.0 * HIGHEST * dt)
+        values = stream.standard_normal(len(time)) * own.shape.envelope(time) * size
+        return _without_highest(values, dt) + own.pulse.acceleration(time)
+    draw += int(_chosen()["first_draws"].get(name, 0))
+    shape = SHAPES[kind]
+    time = shape.times(dt)
+    # One stream of numbers for each motion and draw.
+    key = [seed, KINDS.index(kind), GROUNDS.index(ground), draw]
+    stream = np.random.default_rng(key)
+    values = stream.standard_normal(len(time)) * shape.envelope(time)
+    values /= np.sqrt(dt)  # see above
+    if kind == "II":
+        period = PULSE_PERIODS[ground]
+        width = 0.5 * PULSE_CYCLES * period
+        past = (time - PULSE_TIME - 0.5 * stream.uniform(-1.0, 1.0)) / width
+        angle = 2.0 * np.pi * past * width / period
+        sign = 1.0 if stream.uniform() < 0.5 else -1.0
+        pulse = np.cos(angle + 0.5 * np.pi * stream.uniform()) * np.exp(-0.5 * past**2)
+        values += sign * PULSE_WEIGHT * pulse / np.sqrt(period) * np.sqrt(shape.decay)
+    return _without_highest(values, dt)
+
+
+def _without_highest(values: Floats, dt: float) -> Floats:
+    frequency = np.asarray(np.fft.rfftfreq(len(values), dt), dtype=np.float64)
+    gain = 1.0 / (1.0 + (frequency / HIGHEST) ** 4)
+    return np.asarray(np.fft.irfft(np.fft.rfft(values) * gain, len(values)))
 
 
 def make_motion(
@@ -254,7 +202,7 @@ def make_motion(
     spectrum: DesignSpectrum | None = None,
     progress: Progress | None = None,
 ) -> GroundMotion:
-    """A ground motion that fits a standard spectrum, the same for the same seed.
+    """Return a ground motion that fits a standard spectrum, the same for the same seed.
 
     Type I shakes for long; Type II is short with a velocity pulse. It is a stand-in that fits
     the spectrum, not one of the accelerograms of the specifications. Seed 1 of Type II, ground
@@ -275,7 +223,7 @@ def make_motion(
 
     Returns
     -------
-    GroundMotion : velocity and displacement end at zero; its description tells the root mean
+    GroundMotion : velocity and displacement end at zero; its description states the root mean
         square misfit of its spectrum over 0.1 to 3 s, at most 3 % unless 400 rounds were too few.
 
     Raises
@@ -292,7 +240,7 @@ def make_motion(
         raise InputError(f"seed: {seed!r} is not a whole number from 0 to {LARGEST_SEED}")
     _check_step(dt, "make_motion")
 
-    target = spectrum or _standard_target(kind, ground, zone_factor)
+    target = spectrum or standard_target(kind, ground, zone_factor)
     fit: Matched | None = None
     effort = Effort(progress=progress)
     for draw in range(DRAWS):
@@ -302,14 +250,14 @@ def make_motion(
         if fit.misfit <= ACCEPTED or effort.spent:
             break
     assert fit is not None
-    own = near_fault().get(motion_name(kind, ground, seed))
+    own = near_fault().get(f"jra-{kind}-{ground}-{seed}".lower())
     stand_in = f"Stand-in, {target.caveat}: synthetic" if target.caveat else "Synthetic"
     return GroundMotion(
         name=f"{target.name}-{seed}",
         dt=dt,
         acceleration=fit.acceleration,
         description=(
-            f"{stand_in}, fits {target.told} "
+            f"{stand_in}, fits {target.words} "
             f"(seed {seed}, misfit {100 * fit.misfit:.1f} % rms over 0.1-3 s)"
         ),
         citation="; ".join(text for text in (target.citation, own and own.citation) if text),
@@ -330,7 +278,7 @@ def match_spectrum(
     spectrum: DesignSpectrum | None = None,
     progress: Progress | None = None,
 ) -> GroundMotion:
-    """A recorded motion with its Fourier amplitudes adjusted to a standard spectrum.
+    """Return a recorded motion with its Fourier amplitudes adjusted to a standard spectrum.
 
     The phases are kept, as in the accelerograms of the specifications. Rest is added before
     and after the record, for the ringing that changed amplitudes bring.
@@ -345,7 +293,7 @@ def match_spectrum(
 
     Returns
     -------
-    GroundMotion : velocity and displacement end at zero; its description tells the misfit.
+    GroundMotion : velocity and displacement end at zero; its description states the misfit.
 
     Raises
     ------
@@ -358,7 +306,7 @@ def match_spectrum(
     >>> match_spectrum(record, "II", "II").name
     'jra-ii-i-1-as-ii-ii'
     """
-    target = spectrum or _standard_target(*kind_and_ground(kind, ground), zone_factor)
+    target = spectrum or standard_target(*kind_and_ground(kind, ground), zone_factor)
     check_record(record)
     room = padded(record, ROOM, ROOM).acceleration
     fit = matched(room, record.dt, target.at, finer=True, effort=Effort(progress=progress))
@@ -369,7 +317,7 @@ def match_spectrum(
         dt=record.dt,
         acceleration=fit.acceleration,
         description=(
-            f"{record.name} with Fourier amplitudes adjusted to {target.told}, phases kept (misfit "
+            f"{record.name} with Fourier amplitudes adjusted to {target.words}, phases kept (misfit "
             f"{100 * fit.misfit:.1f} % rms over 0.1-3 s){caveat}"
         ),
         citation="; ".join(text for text in (record.citation, target.citation) if text),
@@ -377,12 +325,7 @@ def match_spectrum(
 
 
 def check_record(record: GroundMotion) -> None:
-    """Whether a motion can be adjusted to a spectrum.
-
-    Raises
-    ------
-    InputError : it is too short, too long, too coarse or zero throughout.
-    """
+    """Raise InputError unless a motion can be adjusted to a spectrum."""
     _check_step(record.dt, record.name)
     if record.duration < SHORTEST_RECORD:
         raise InputError(

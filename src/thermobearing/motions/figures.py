@@ -1,0 +1,82 @@
+"""Figures of ground motions: histories and response spectra."""
+
+from collections.abc import Callable
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import FuncFormatter, NullFormatter
+
+from thermobearing.motions.measures import significant_interval
+from thermobearing.motions.record import MM_S2_PER_GAL
+from thermobearing.motions.run import MM_PER_CM, MotionResult, Reference
+from thermobearing.results import drawing
+
+BINS = 2000
+MOTION_COLOUR = "#0077BB"
+REFERENCE_LOOKS = (("#CC3311", "--"), ("#EE7733", "-."))
+BOTH_TYPES = (Reference("I", "I"), Reference("II", "I"))  # for a motion made for neither
+
+
+class MotionFigures(drawing.Figures):
+    """Figures of one ground motion."""
+
+    vector = True
+    _result: MotionResult
+
+    def draw_all(self) -> dict[str, Callable[[], Figure]]:
+        """Return what draws each figure, by name of its file."""
+        return {"motion": self.motion, "spectrum": self.spectrum}
+
+    def motion(self) -> Figure:
+        """Acceleration, velocity and displacement of the ground, the significant part shaded."""
+        motion = self._result.motion
+        histories = (
+            ("acceleration [gal]", "largest {:.0f} gal", motion.acceleration / MM_S2_PER_GAL),
+            ("velocity [cm/s]", "largest {:.1f} cm/s", motion.velocity / MM_PER_CM),
+            ("displacement [cm]", "largest {:.1f} cm", motion.displacement / MM_PER_CM),
+        )
+        figure, axes = drawing.panels(3, 1, (9.0, 6.2), motion.name)
+        time, strong = motion.time, significant_interval(motion)
+        for ax, (label, title, values) in zip(axes, histories, strict=True):
+            ax.axvspan(*strong, color=drawing.PALE, zorder=0, linewidth=0)
+            kept = drawing.thin(values, BINS)
+            ax.plot(time[kept], values[kept], color=MOTION_COLOUR, linewidth=0.8)
+            peak = int(np.abs(values).argmax())
+            ax.plot(time[peak], values[peak], "o", color=drawing.INK, markersize=3.5)
+            ax.set_xlim(0.0, time[-1])
+            drawing.name_axes(ax, y=label, title=title.format(abs(values[peak])))
+        drawing.name_axes(axes[-1], "time [s]")
+        label = "5 to 95 % of Arias intensity"
+        drawing.legend_below(figure, [Line2D([], [], color="#d5dae2", linewidth=7.0, label=label)])
+        return figure
+
+    def spectrum(self) -> Figure:
+        """Response spectra of acceleration and displacement, with standard ones."""
+        result, found = self._result, self._result.spectrum
+        periods = found.periods
+        figure, (left, right) = drawing.panels(1, 2, (10.0, 4.6), result.motion.name)
+        handles = [Line2D([], [], color=MOTION_COLOUR, linewidth=1.2, label="this motion")]
+        references = [result.reference] if result.reference else BOTH_TYPES
+        for reference, (colour, line) in zip(references, REFERENCE_LOOKS, strict=False):
+            look: drawing.Look = {"color": colour, "linestyle": line, "linewidth": 1.6}
+            values = reference.at(periods)
+            left.plot(periods, values / MM_S2_PER_GAL, **look)
+            right.plot(periods, values * (periods / (2.0 * np.pi)) ** 2 / MM_PER_CM, **look)
+            name = f"standard, Level 2 Type {reference.kind}, ground {reference.ground}, 5 %"
+            handles.append(Line2D([], [], label=name, **look))
+        left.plot(periods, found.acceleration / MM_S2_PER_GAL, color=MOTION_COLOUR, linewidth=1.2)
+        right.plot(periods, found.displacement / MM_PER_CM, color=MOTION_COLOUR, linewidth=1.2)
+        left.set_yscale("log")
+        plain = FuncFormatter(lambda value, _: f"{value:g}")
+        left.yaxis.set_major_formatter(plain)
+        percent = f"{100.0 * found.damping:g} % damping"
+        for ax, what, unit in ((left, "absolute acceleration", "gal"), (right, "displacement", "cm")):
+            ax.set_xscale("log")
+            ax.set_xlim(periods[0], periods[-1])
+            ax.xaxis.set_major_formatter(plain)
+            ax.xaxis.set_minor_formatter(NullFormatter())
+            label = f"{what.split()[-1]} [{unit}]"
+            drawing.name_axes(ax, "period [s]", label, f"{what}, {percent}")
+        drawing.legend_below(figure, handles)
+        return figure
