@@ -15,13 +15,13 @@ from scipy.optimize import least_squares
 
 import thermobearing as tb
 from thermobearing.core.types import Floats
-from thermobearing.motions.jra import standard_spectrum
+from thermobearing.motions.library import SEEDS
 from thermobearing.motions.matching import matched, misfit
 from thermobearing.motions.measures import measure_motion, significant_interval
-from thermobearing.motions.phases import Pulse, first_draw, motion_name, near_fault, phases
 from thermobearing.motions.process import baseline_corrected, scaled
 from thermobearing.motions.record import GroundMotion
-from thermobearing.motions.regenerate import SEEDS
+from thermobearing.motions.synthesis import Pulse, first_draw, motion_name, near_fault, phases
+from thermobearing.motions.targets import standard_spectrum
 
 NAME, NEAR = "jra-ii-ii-1", 0.1  # [s]
 CORNER = 0.1  # of the high-pass filter that records need before velocities are compared [Hz]

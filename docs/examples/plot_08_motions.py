@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import thermobearing as tb
-from thermobearing.motions.jra import standard_spectrum
+from thermobearing.motions.targets import standard_spectrum
 
 motion = tb.load_motion("jra-ii-i-1")
 figure = Figure(figsize=(7.0, 2.6), layout="constrained")

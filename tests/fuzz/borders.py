@@ -26,12 +26,12 @@ from thermobearing.identify.fit.parameters import parameter_set
 from thermobearing.identify.records.checks import check_test
 from thermobearing.identify.records.record import TestRecord, load_test, record_from_arrays
 from thermobearing.motions import process
-from thermobearing.motions.jra import standard_spectrum
 from thermobearing.motions.measures import measure_motion
 from thermobearing.motions.readers import read_motion
 from thermobearing.motions.record import GroundMotion
 from thermobearing.motions.run import make_motion_case
 from thermobearing.motions.spectrum import response_spectrum
+from thermobearing.motions.targets import standard_spectrum
 from thermobearing.results.metrics import measure_history
 from thermobearing.sequences.case import load_sequence_case
 from thermobearing.structure.model import load_structure

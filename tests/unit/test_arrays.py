@@ -10,8 +10,7 @@ from numpy.testing import assert_array_equal
 import thermobearing as tb
 from tests.unit import motion_files as files
 from thermobearing.earthquake.case import load_earthquake_case, make_earthquake_case
-from thermobearing.motions.arrays import motion_from_arrays
-from thermobearing.motions.record import GroundMotion
+from thermobearing.motions.record import GroundMotion, motion_from_arrays
 
 SHORT = files.shaking(3000.0)
 QUICK: dict[str, Any] = {"bearing": "shen-bilinear-bridge", "ambient": 23, "duration": 1.0}

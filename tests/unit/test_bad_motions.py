@@ -10,12 +10,12 @@ import tests.unit.motion_files as files
 from tests.unit.inputs import assert_told, command
 from thermobearing.border.errors import InputError
 from thermobearing.motions import process
-from thermobearing.motions.jra import standard_spectrum
 from thermobearing.motions.library import load_motion
 from thermobearing.motions.measures import significant_duration
 from thermobearing.motions.record import GroundMotion, acceleration_unit
 from thermobearing.motions.spectrum import response_spectrum
 from thermobearing.motions.synthesis import make_motion, match_spectrum
+from thermobearing.motions.targets import standard_spectrum
 
 
 def changed(text: str, line: int, new: str) -> str:
@@ -94,7 +94,7 @@ BAD: list[tuple[str, str, dict[str, Any], list[str]]] = [
     ("jma no rate", files.jma_text(rate=" RATE"), NS, ["SAMPLING RATE"]),
     ("jma no unit", files.jma_text(unit=""), NS, ["unit", "nowhere"]),
     ("jma no titles", files.jma_text(titles=" A,B,C"), NS, ['"NS,EW,UD"']),
-    ("jma gap", changed(JMA, 20, "0.1,0.2"), NS, ["line 20", "2 numbers instead of 3"]),
+    ("jma gap", changed(JMA, 20, "0.1,0.2"), NS, ["line 20", "2 columns instead of 3"]),
     ("jma NaN", changed(JMA, 20, "0.1,nan,0.1"), NS, ["line 20", "not a finite number"]),
     ("jma in g", files.jma_text(pga=0.3), NS, ["0.3 gal", "10 to 5000 gal"]),
 ]

@@ -28,9 +28,9 @@ from thermobearing.earthquake.case import load_earthquake_case, make_earthquake_
 from thermobearing.identify.case import make_identify_case
 from thermobearing.identify.fit.parameters import parameter_set
 from thermobearing.identify.records.record import load_test, record_from_arrays
-from thermobearing.motions.jra import standard_spectrum
 from thermobearing.motions.library import load_motion
 from thermobearing.motions.spectrum import response_spectrum
+from thermobearing.motions.targets import standard_spectrum
 from thermobearing.results.metrics import measure_history
 from thermobearing.structure.model import load_structure
 from thermobearing.tables import columns, text

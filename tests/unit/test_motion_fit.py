@@ -5,7 +5,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from tests import tolerances as tol
-from thermobearing.motions import phases, synthesis
+from thermobearing.motions import synthesis
 from thermobearing.motions.library import load_motion
 from thermobearing.motions.matching import FIRST, LAST, Matched, misfit
 from thermobearing.motions.record import GroundMotion
@@ -58,7 +58,7 @@ def test_best_of_the_draws_is_taken(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_every_motion_has_its_own_noise() -> None:
     draws = [
-        phases.phases(kind, ground, seed, draw, 0.01)[:5000]
+        synthesis.phases(kind, ground, seed, draw, 0.01)[:5000]
         for kind, ground, seed, draw in (
             ("I", "I", 1, 0), ("I", "II", 1, 0), ("I", "III", 1, 0), ("I", "I", 2, 0),
             ("I", "I", 1, 1),
@@ -69,7 +69,7 @@ def test_every_motion_has_its_own_noise() -> None:
 
 
 def test_envelope_rises_stays_and_dies_away() -> None:
-    shape = phases.SHAPES["II"]
+    shape = synthesis.SHAPES["II"]
     time = np.array([4.0, 5.0, 7.0, 9.0, 12.0, 15.5])
     found = shape.envelope(time)
     assert_allclose(found, [0.0, 0.0, 0.25, 1.0, 1.0, np.exp(-1.0)], rtol=tol.LOOP)

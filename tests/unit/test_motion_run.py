@@ -10,7 +10,7 @@ import thermobearing.motions.run as story
 from thermobearing.border.errors import InputError
 from thermobearing.motions.library import load_motion
 from thermobearing.motions.record import GroundMotion
-from thermobearing.motions.result import MotionResult, Reference
+from thermobearing.motions.run import MotionResult, Reference
 from thermobearing.results.writing import write_summary
 
 TILTED = GroundMotion("tilted", 0.01, np.sin(np.arange(2000) * 0.05) + 0.01)

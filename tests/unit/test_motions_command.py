@@ -13,9 +13,8 @@ import thermobearing.motions.run as story
 from tests import tolerances as tol
 from tests.conftest import COARSE
 from tests.unit.inputs import command, content, last_line, summary
-from thermobearing.motions.jra import standard_spectrum
 from thermobearing.motions.library import list_motions, load_motion
-from thermobearing.motions.output import motion_figure, spectrum_figure
+from thermobearing.motions.targets import standard_spectrum
 
 NAMES = {"motion.csv", "spectrum.csv", "summary.json"}
 FIGURES = {f"figures/{name}.{kind}" for name in ("motion", "spectrum") for kind in ("png", "svg")}
@@ -30,7 +29,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("made") / "out"
     done = command("motions", "make", "--type", "II", "--ground", "I", "--seed", 1, "-o", out)
     assert done.exit_code == 0
-    assert "rms over 0.1 to 3 s against Level 2 Type II" in " ".join(done.stdout.split())
+    assert "rms over 0.1 to 3 s compared with Level 2 Type II" in " ".join(done.stdout.split())
     return out
 
 
@@ -131,7 +130,7 @@ def test_show_prints_and_writes_only_if_asked(
     path = files.write(tmp_path / "tilted.csv", files.csv_text())
     done = command("motions", "show", path, "--json")
     assert done.exit_code == 0
-    assert "300.0 gal" in done.stdout
+    assert "Peak ground acceleration 300.0 gal" in " ".join(done.stdout.split())
     assert last_line(done)["standard_spectrum"] is None
     assert [item.name for item in tmp_path.iterdir()] == ["tilted.csv"]
     out = tmp_path / "out"
@@ -144,8 +143,8 @@ def test_show_prints_and_writes_only_if_asked(
 def test_spectrum_prints_a_table() -> None:
     done = command("motions", "spectrum", "jra-ii-i-1")
     lines = done.stdout.splitlines()
-    assert "Type II, ground I [gal]" in lines[1]
-    row = next(line.split() for line in lines if line.split()[0] == "0.5")
+    assert "compared with Level 2 Type II, ground I" in lines[-1]
+    row = next(line.split() for line in lines if line[:3] == "0.5")
     assert float(row[1]) == pytest.approx(2000.0, rel=0.1)
     assert float(row[4]) == 2000.0
     assert command("motions", "spectrum", "jra-ii-i-1", "--damping", 2).exit_code == 2
@@ -160,14 +159,14 @@ def test_json_of_spectrum_is_its_summary() -> None:
 
 def test_figures_have_units_and_a_reference() -> None:
     motion = load_motion("jra-ii-i-1")
-    parts = (motion.acceleration / 10, motion.velocity / 10, motion.displacement / 10)
-    figure = motion_figure("name", motion.time, *parts)
+    plot = story.examine_motion(motion).plot
+    figure = plot.motion()
     labels = [ax.get_ylabel() for ax in figure.axes]
     assert labels == ["acceleration [gal]", "velocity [cm/s]", "displacement [cm]"]
     assert figure.axes[2].get_xlabel() == "time [s]"
     assert f"{motion.pga / 10:.0f} gal" in figure.axes[0].get_title(loc="left")
-    periods = np.geomspace(0.1, 3.0, 20)
-    both = {"one": np.ones(20), "two": np.ones(20)}
-    figure = spectrum_figure("name", periods, np.ones(20), np.ones(20), both, 0.05)
-    assert [t.get_text() for t in figure.legends[0].get_texts()] == ["this motion", "one", "two"]
+    figure = plot.spectrum()
+    names = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert names == ["this motion", "standard, Level 2 Type II, ground I, 5 %"]
     assert all(ax.get_xlabel() == "period [s]" for ax in figure.axes)
+    assert [ax.get_ylabel() for ax in figure.axes] == ["acceleration [gal]", "displacement [cm]"]

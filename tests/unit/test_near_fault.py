@@ -8,8 +8,8 @@ import thermobearing as tb
 from tests import tolerances as tol
 from thermobearing.core.types import Floats
 from thermobearing.motions.library import list_motions, load_motion
-from thermobearing.motions.phases import Pulse, near_fault, phases
 from thermobearing.motions.record import GroundMotion, integrate_velocity
+from thermobearing.motions.synthesis import Pulse, near_fault, phases
 
 NAME = "jra-ii-ii-1"
 OWN = near_fault()[NAME]

@@ -217,7 +217,7 @@ def test_motion(tmp_path) -> None:
     arranged(pieces)
     assert f"{saved.summary['pga_gal']:.0f} gal" in pieces.answer[0]
     measures = {row[0]: row for row in pieces.tables["measures"].rows}
-    assert measures["Peak ground acceleration"][1:] == (f"{saved.summary['pga_gal']:.0f}", "gal")
+    assert measures["Peak ground acceleration"][1:] == (f"{saved.summary['pga_gal']:.1f}", "gal")
     plot = pieces.figures["motion"].plot
     assert plot is not None
     peak = np.abs(plot.choices["all"][0].y).max()

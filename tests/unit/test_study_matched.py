@@ -19,11 +19,10 @@ from tests.unit.studies import kept, small_study
 from thermobearing.border.errors import InputError, OutputError
 from thermobearing.cli import app
 from thermobearing.commands.check import check_file
-from thermobearing.motions.jra import standard_spectrum
 from thermobearing.motions.library import load_motion
 from thermobearing.motions.matching import LARGEST_MISFIT, misfit
 from thermobearing.motions.spectrum import response_spectrum
-from thermobearing.motions.synthesis import list_spectra, load_spectrum
+from thermobearing.motions.targets import list_spectra, load_spectrum, standard_spectrum
 from thermobearing.studies.definition.case import load_study
 from thermobearing.studies.definition.designs import plan
 from thermobearing.studies.definition.record import Study

@@ -7,14 +7,13 @@ from numpy.testing import assert_allclose
 from tests import tolerances as tol
 from tests.conftest import Recorder
 from tests.shared_data import shared_data
-from thermobearing.motions.jra import standard_spectrum
 from thermobearing.motions.library import load_motion
 from thermobearing.motions.matching import misfit
 from thermobearing.motions.measures import significant_interval
-from thermobearing.motions.phases import near_fault
 from thermobearing.motions.process import baseline_corrected, resampled
 from thermobearing.motions.record import GroundMotion
-from thermobearing.motions.synthesis import ROOM, match_spectrum
+from thermobearing.motions.synthesis import ROOM, match_spectrum, near_fault
+from thermobearing.motions.targets import standard_spectrum
 
 KOBE, TAKATORI = "jma_kobe_ns_ew_gal_dt0.005.txt", "TAK000.AT2"
 # file, component, time step [s], samples, largest acceleration [gal]

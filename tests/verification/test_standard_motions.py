@@ -7,13 +7,13 @@ from numpy.testing import assert_allclose
 from tests import tolerances as tol
 from tests.conftest import Recorder
 from thermobearing.core.types import Floats
-from thermobearing.motions.jra import standard_spectrum
 from thermobearing.motions.library import list_motions, load_motion, stored_motions
 from thermobearing.motions.matching import Matched, matched, misfit
 from thermobearing.motions.measures import measure_motion
 from thermobearing.motions.process import padded, resampled
 from thermobearing.motions.record import GroundMotion
 from thermobearing.motions.synthesis import ROOM, make_motion, match_spectrum
+from thermobearing.motions.targets import standard_spectrum
 
 # Type, ground: rise, first corner, plateau, second corner, fall [gal, s].
 TABLE = {

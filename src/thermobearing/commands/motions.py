@@ -23,7 +23,7 @@ from thermobearing.commands.common import (
 )
 
 if TYPE_CHECKING:
-    from thermobearing.motions.result import MotionResult
+    from thermobearing.motions.run import MotionResult
 
 HELP = "Ground motions: built in, read, made to fit a spectrum."
 app = typer.Typer(cls=Group, help=HELP, no_args_is_help=True, rich_markup_mode="markdown")
@@ -44,10 +44,12 @@ Ground = Annotated[str | None, typer.Option(help="Standard spectrum: I, II or II
 def list_(as_json: AsJson = False) -> int:
     """The built-in motions: stand-ins that fit the standard spectra of Level 2."""
     from thermobearing.motions.library import list_motions, load_motion
-    from thermobearing.motions.output import print_names
+    from thermobearing.motions.record import MM_S2_PER_GAL
 
     names = list_motions()
-    print_names([load_motion(name) for name in names])
+    for motion in map(load_motion, names):
+        size = f"{motion.pga / MM_S2_PER_GAL:5.0f} gal {motion.duration:6.1f} s"
+        typer.echo(f"{motion.name:15}{size}  {motion.description}")
     if as_json:
         echo_json({"motions": names})
     return 0
@@ -76,13 +78,12 @@ def show(
 ) -> int:
     """Size, duration and ends of a motion; with -o its histories, spectra and figures."""
     from thermobearing.motions.library import load_motion
-    from thermobearing.motions.output import print_motion
     from thermobearing.motions.run import examine_motion
 
     motion = load_motion(file, unit=unit, dt=dt, component=component, trust_unit=trust_unit)
     result = examine_motion(motion, kind, ground, baseline=baseline, high_pass=high_pass)
     if not quiet:
-        print_motion(result)
+        result.show()
     return _end(result, output, overwrite, no_figures, as_json, quiet, documents)
 
 
@@ -110,7 +111,6 @@ def spectrum(
 ) -> int:
     """Response spectrum of a motion, beside a standard one (5 % damping)."""
     from thermobearing.motions.library import load_motion
-    from thermobearing.motions.output import print_spectrum
     from thermobearing.motions.run import examine_motion
 
     motion = load_motion(file, unit=unit, dt=dt, component=component, trust_unit=trust_unit)
@@ -124,7 +124,7 @@ def spectrum(
         command="motions spectrum",
     )
     if not quiet:
-        print_spectrum(result)
+        result.show()
     return _end(result, output, overwrite, no_figures, as_json, quiet, documents)
 
 
@@ -153,7 +153,6 @@ def make(
     documents: Documents = NO_DOCUMENTS,
 ) -> int:
     """A motion that fits a standard spectrum: from a seed, or from the phases of a record."""
-    from thermobearing.motions.output import print_motion
     from thermobearing.motions.run import make_motion_case, run_motion
     from thermobearing.results.directory import check_target
 
@@ -178,7 +177,7 @@ def make(
         lambda show: run_motion(case, progress=show), "rounds of the fit, at most", quiet
     )
     if not quiet:
-        print_motion(result)
+        result.show()
     return _end(result, target, overwrite, no_figures, as_json, quiet, documents)
 
 

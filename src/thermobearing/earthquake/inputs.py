@@ -15,10 +15,8 @@ from thermobearing.border.units import with_unit
 from thermobearing.climate.readers import read_air
 from thermobearing.cyclic.case import Temperature
 from thermobearing.cyclic.protocol import LONGEST
-from thermobearing.motions.arrays import motion_from_arrays
 from thermobearing.motions.library import list_motions, load_motion
-from thermobearing.motions.readers import check_size
-from thermobearing.motions.record import MOST_SAMPLES, GroundMotion
+from thermobearing.motions.record import MOST_SAMPLES, GroundMotion, check_size, motion_from_arrays
 from thermobearing.structure.model import Stiffness, Structure
 
 Sample = Annotated[float, Field(ge=-1e12, le=1e12)]

@@ -71,7 +71,10 @@ class MotionFigures(drawing.Figures):
         plain = FuncFormatter(lambda value, _: f"{value:g}")
         left.yaxis.set_major_formatter(plain)
         percent = f"{100.0 * found.damping:g} % damping"
-        for ax, what, unit in ((left, "absolute acceleration", "gal"), (right, "displacement", "cm")):
+        for ax, what, unit in (
+            (left, "absolute acceleration", "gal"),
+            (right, "displacement", "cm"),
+        ):
             ax.set_xscale("log")
             ax.set_xlim(periods[0], periods[-1])
             ax.xaxis.set_major_formatter(plain)

@@ -90,7 +90,7 @@ def regenerate(names: Collection[str] = ()) -> None:
     Kept as 32-bit numbers: what that leaves of the end velocity is a rounding. Made on another
     machine they differ by such roundings, so that with names the others stay as they are.
     """
-    from thermobearing.motions.synthesis import make_motion
+    from thermobearing.motions.synthesis import make_motion, motion_name
     from thermobearing.motions.targets import GROUNDS, KINDS
 
     arrays: dict[str, Any] = {}
@@ -100,7 +100,7 @@ def regenerate(names: Collection[str] = ()) -> None:
             about = json.loads(str(stored[ABOUT]))
             arrays = {name: stored[name] for name in about}
     for kind, ground, seed in ((k, g, s) for k in KINDS for g in GROUNDS for s in SEEDS):
-        if names and f"jra-{kind}-{ground}-{seed}".lower() not in names:
+        if names and motion_name(kind, ground, seed) not in names:
             continue
         motion = make_motion(kind, ground, seed, STORED_DT)
         arrays[motion.name] = motion.acceleration.astype(np.float32)

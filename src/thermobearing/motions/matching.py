@@ -6,7 +6,7 @@ displacement brought to zero at the end; its spectrum is what is compared in eve
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,20 +47,12 @@ Target = Callable[[Floats], Floats]
 Progress = Callable[[int, int], None]
 
 
-@dataclass(frozen=True)
-class _Fineness:
-    """How finely amplitudes are multiplied.
+class _Fineness(NamedTuple):
+    """How finely amplitudes are multiplied."""
 
-    Attributes
-    ----------
-    bands : of frequency, each with its multiplier.
-    periods : compared in every round.
-    roughness : weight of the bending of the multipliers over the bands.
-    """
-
-    bands: int
-    periods: int
-    roughness: float
+    bands: int  # of frequency, each with its multiplier
+    periods: int  # compared in every round
+    roughness: float  # weight of the bending of the multipliers over the bands
 
 
 # Smooth multipliers ring less; finer ones can fill a hole where waves cancel, at the price of
@@ -69,50 +61,29 @@ COARSE = _Fineness(bands=100, periods=120, roughness=0.01)
 FINE = _Fineness(bands=200, periods=160, roughness=0.002)
 
 
-@dataclass(frozen=True)
-class Matched:
-    """An adjusted acceleration and how well it fits.
-
-    Attributes
-    ----------
-    acceleration : [mm/s2].
-    misfit : root mean square of spectrum / target - 1 over 0.1 to 3 s.
-    """
+class Matched(NamedTuple):
+    """An adjusted acceleration [mm/s2] and the `misfit` of its spectrum."""
 
     acceleration: Floats
     misfit: float
 
 
 def misfit(motion: GroundMotion, target: Target, count: int = 300) -> float:
-    """Root mean square of spectrum / target - 1, at periods spaced evenly in log T, 0.1 to 3 s.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> still = GroundMotion("still", 0.01, np.zeros(100))
-    >>> misfit(still, lambda periods: np.ones_like(periods))
-    1.0
-    """
+    """Return the rms of spectrum / target - 1, at periods evenly spaced in log T, 0.1 to 3 s."""
     periods = np.geomspace(FIRST, LAST, count)
     ratio = response_spectrum(motion, periods, DAMPING).acceleration / target(periods)
     return float(np.sqrt(np.mean((ratio - 1.0) ** 2)))
 
 
 class Effort:
-    """The rounds that a search may take, and the one who watches them.
-
-    Parameters
-    ----------
-    rounds : at most so many, 400 by default; what was found by then is the result.
-    progress : called after each round with (rounds done, at most).
-    """
+    """The rounds that a search may take; `progress` is called with (rounds done, at most)."""
 
     def __init__(self, rounds: int | None = None, progress: Progress | None = None) -> None:
         self.rounds = MOST_ROUNDS if rounds is None else rounds
         self.progress, self.done = progress, 0
 
     def count(self) -> None:
-        """One more round."""
+        """Count one more round."""
         self.done += 1
         if self.progress:
             self.progress(min(self.done, self.rounds), self.rounds)
@@ -159,11 +130,11 @@ class _Amplitudes:
         self.oscillators = self._oscillators()
 
     def multiplied(self) -> Complexes:
-        """The coefficients with the present multipliers."""
+        """Return the coefficients with the present multipliers."""
         return np.asarray(self.coefficients * np.exp(self.bands @ self.logarithm))
 
     def motion(self) -> GroundMotion:
-        """The history with the present multipliers and its ends in order."""
+        """Return the history with the present multipliers and its ends in order."""
         values = np.fft.irfft(self.multiplied(), self.size)[: self.length]
         return GroundMotion("matched", self.dt, with_quiet_end(values * self.taper, self.dt))
 
@@ -175,17 +146,13 @@ class _Amplitudes:
         return np.asarray(spring / (spring - w**2))
 
     def sensitivity(self, which: Ints, times: Floats) -> Floats:
-        """[response, band] acceleration at the given times by the part of each band [mm/s2].
+        """Return [response, band] acceleration at the given times by the part of each band [mm/s2].
 
         The sum over the bands is the response itself, since they add up to one. All that leads
         from the coefficients of a band to a response is linear; it is followed backwards, from
         each response to all bands at once: how much each sample adds to the response, and then
-        what each band adds to these samples.
-
-        Parameters
-        ----------
-        which : the oscillator of each response, its place in `periods`.
-        times : of the responses [s].
+        what each band adds to these samples. `which` are the places of the oscillators of the
+        responses in `periods`.
         """
         shapes, to_ends = end_shapes(self.length, self.dt)
         to_sizes = np.asarray(np.linalg.solve(to_ends @ shapes.T, to_ends), dtype=np.float64)
@@ -232,13 +199,8 @@ def matched(
     squares (smooth over frequency), with new peaks looked up in every round. The best round
     is returned; what it fits is checked on the final history.
 
-    Parameters
-    ----------
-    acceleration : the motion [mm/s2], with room at both ends for ringing.
-    dt : time step [s].
-    target : absolute acceleration spectrum [mm/s2] as a function of periods [s].
-    finer : if the misfit stays above 3 %, try finer bands, which fit better and ring longer.
-    effort : how many rounds there may be; 400 by default.
+    The motion [mm/s2] needs room at both ends for ringing. With `finer`, finer bands are tried if
+    the misfit stays above 3 %: they fit better and ring longer.
     """
     fits: list[Matched] = []
     effort = effort or Effort()
@@ -255,7 +217,6 @@ def matched(
 def _matched(
     acceleration: Floats, dt: float, target: Target, fineness: _Fineness, effort: Effort
 ) -> "_Round":
-    """The best round with bands so fine."""
     amplitudes = _Amplitudes(acceleration, dt, fineness, effort)
     wanted = target(amplitudes.periods)
     best = _compare(amplitudes, wanted)
@@ -281,8 +242,7 @@ def _matched(
     return best
 
 
-@dataclass(frozen=True)
-class _Round:
+class _Round(NamedTuple):
     """Multipliers, the history they make, and how far its spectrum is from the target."""
 
     logarithm: Floats
@@ -328,8 +288,7 @@ def _improved(amplitudes: _Amplitudes, wanted: Floats, start: _Round) -> _Round:
     return best
 
 
-@dataclass(frozen=True)
-class _Linear:
+class _Linear(NamedTuple):
     """How the peaks of a round follow the multipliers, and how far they should go."""
 
     slopes: Floats  # [peak, band] change of the logarithm of a peak by that of a multiplier

@@ -13,56 +13,32 @@ BRACKET = 50.0 * MM_S2_PER_GAL  # 50 gal, about 0.05 g [mm/s2]
 
 @dataclass(frozen=True)
 class MotionMeasures:
-    """Usual measures of a ground motion.
+    """Usual measures of a ground motion."""
 
-    Attributes
-    ----------
-    pga : largest acceleration [mm/s2].
-    pgv : largest velocity [mm/s].
-    pgd : largest displacement [mm].
-    end_velocity, end_displacement : at the last sample [mm/s], [mm].
-    arias_intensity : pi / (2 g) times the integral of the squared acceleration [mm/s].
-    significant_duration : from 5 to 95 % of the Arias intensity [s].
-    bracketed_duration : from the first to the last time that 50 gal are exceeded [s].
-    cumulative_absolute_velocity : integral of the absolute acceleration [mm/s].
-    """
-
-    pga: float
-    pgv: float
-    pgd: float
-    end_velocity: float
-    end_displacement: float
-    arias_intensity: float
-    significant_duration: float
-    bracketed_duration: float
-    cumulative_absolute_velocity: float
+    pga: float  # largest acceleration [mm/s2]
+    pgv: float  # largest velocity [mm/s]
+    pgd: float  # largest displacement [mm]
+    end_velocity: float  # at the last sample [mm/s]
+    end_displacement: float  # likewise [mm]
+    arias_intensity: float  # pi / (2 g) times the integral of the squared acceleration [mm/s]
+    significant_duration: float  # from 5 to 95 % of the Arias intensity [s]
+    bracketed_duration: float  # from the first to the last time that 50 gal are exceeded [s]
+    cumulative_absolute_velocity: float  # integral of the absolute acceleration [mm/s]
 
 
 def arias_growth(motion: GroundMotion) -> Floats:
-    """Arias intensity up to each sample [mm/s], by the trapezoidal rule (Arias, 1970)."""
+    """Return the Arias intensity up to each sample [mm/s] by the trapezoidal rule (Arias, 1970)."""
     squares = motion.acceleration**2
     steps = 0.5 * motion.dt * (squares[1:] + squares[:-1])
     return np.concatenate([[0.0], np.cumsum(steps)]) * np.pi / (2.0 * STANDARD_GRAVITY)
 
 
 def significant_duration(motion: GroundMotion, start: float = 0.05, end: float = 0.95) -> float:
-    """Time in which the Arias intensity grows from one share to another [s].
+    """Return the time in which the Arias intensity grows from one share to another [s].
 
     Trifunac and Brady, Bulletin of the Seismological Society of America 65, 1975; between
-    samples the growth is taken as linear.
+    samples the growth is taken as linear. Shares are 0 <= start < end <= 1.
 
-    Parameters
-    ----------
-    motion : the ground motion.
-    start, end : shares of the whole, 0 <= start < end <= 1.
-
-    Raises
-    ------
-    InputError : shares out of range, or a motion that is zero throughout.
-
-    Examples
-    --------
-    >>> import numpy as np
     >>> even = GroundMotion("even", 0.01, np.ones(1001))
     >>> round(significant_duration(even), 6)
     9.0
@@ -74,7 +50,7 @@ def significant_duration(motion: GroundMotion, start: float = 0.05, end: float =
 def significant_interval(
     motion: GroundMotion, start: float = 0.05, end: float = 0.95
 ) -> tuple[float, float]:
-    """Beginning and end of the significant duration [s]; see `significant_duration`."""
+    """Return beginning and end of the significant duration [s]; see `significant_duration`."""
     if not 0.0 <= start < end <= 1.0:
         raise InputError(f"shares {start:g} and {end:g}: need 0 <= start < end <= 1")
     growth = arias_growth(motion)
@@ -92,36 +68,13 @@ def significant_interval(
 
 
 def bracketed_duration(motion: GroundMotion, threshold: float = BRACKET) -> float:
-    """Time from the first to the last sample beyond a threshold [mm/s2]; 0 if there is none.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> bracketed_duration(GroundMotion("two", 1.0, np.array([0.0, 600.0, 0.0, -600.0])))
-    2.0
-    """
+    """Return the time from the first to the last sample beyond a threshold [mm/s2], or 0."""
     beyond = np.flatnonzero(np.abs(motion.acceleration) > threshold)
     return float((beyond[-1] - beyond[0]) * motion.dt) if len(beyond) else 0.0
 
 
 def measure_motion(motion: GroundMotion) -> MotionMeasures:
-    """All measures of a ground motion.
-
-    Parameters
-    ----------
-    motion : the ground motion.
-
-    Raises
-    ------
-    InputError : it is zero throughout.
-
-    Examples
-    --------
-    >>> from thermobearing.motions.library import load_motion
-    >>> measures = measure_motion(load_motion("jra-i-i-1"))
-    >>> measures.significant_duration > 30.0
-    True
-    """
+    """Return all measures of a ground motion; InputError if it is zero throughout."""
     velocity, displacement = motion.velocity, motion.displacement
     absolute = np.abs(motion.acceleration)
     return MotionMeasures(

@@ -17,7 +17,7 @@ LARGEST_RATIO = 1000  # numerator and denominator of a ratio of time steps
 
 
 def with_quiet_end(acceleration: Floats, dt: float) -> Floats:
-    """The acceleration, changed as little as can be so that the ground ends at rest where it was.
+    """Return the acceleration, changed as little as can be so that the ground ends at rest.
 
     The last axis counts the samples. A smooth hump and its moment, each zero at both ends, are
     subtracted in the sizes that make velocity and displacement zero at the last sample.
@@ -28,7 +28,7 @@ def with_quiet_end(acceleration: Floats, dt: float) -> Floats:
 
 
 def end_shapes(count: int, dt: float) -> tuple[Floats, Floats]:
-    """[2, count] what `with_quiet_end` subtracts, and `_weights_of_ends`."""
+    """Return [2, count] what `with_quiet_end` subtracts, and `_weights_of_ends`."""
     place = np.linspace(0.0, 1.0, count)
     hump = np.sin(np.pi * place) ** 2
     return np.array([hump, hump * (place - 0.5)]), _weights_of_ends(count, dt)
@@ -56,35 +56,20 @@ def _without_drift(acceleration: Floats, dt: float) -> Floats:
 
 
 def high_pass_gain(frequency: Floats, corner: float) -> Floats:
-    """Gain of a Butterworth filter run forwards and backwards, which keeps phases."""
+    """Return the gain of a Butterworth filter run forwards and backwards, which keeps phases."""
     ratio = (frequency / corner) ** (2 * BUTTERWORTH)
     return np.asarray(ratio / (1.0 + ratio))
 
 
 def baseline_corrected(motion: GroundMotion, *, high_pass: float | None = None) -> GroundMotion:
-    """A motion whose velocity and displacement end at zero and do not drift.
+    """Return a motion whose velocity and displacement end at zero and do not drift.
 
     A polynomial of degree six, fitted to the displacement, is taken out (as the PEER Ground
     Motion Database does), then what is left of velocity and displacement at the end.
 
-    Parameters
-    ----------
-    motion : the ground motion.
-    high_pass : corner of a zero-phase Butterworth filter applied first [Hz]; none by default.
-        For records whose long periods are noise: 0.05 to 0.1 Hz. Its period is at most ten times
-        the length of the motion: longer ones are no part of it.
-
-    Raises
-    ------
-    InputError : the corner is too low, or not below half the sampling rate; fewer than 16
-        samples.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> tilted = GroundMotion("tilted", 0.01, np.sin(np.arange(2000) * 0.05) + 0.01)
-    >>> bool(abs(baseline_corrected(tilted).velocity[-1]) < 1e-9)
-    True
+    `high_pass` is the corner of a zero-phase Butterworth filter applied first [Hz], none by
+    default; for records whose long periods are noise: 0.05 to 0.1 Hz. Its period is at most ten
+    times the length of the motion: longer ones are no part of it.
     """
     values = np.asarray(motion.acceleration, dtype=np.float64)
     if len(values) < 16:
@@ -113,25 +98,13 @@ def _check_samples(count: float, what: str, motion: GroundMotion) -> None:
 
 
 def resampled(motion: GroundMotion, dt: float) -> GroundMotion:
-    """The motion with another time step, without aliasing.
+    """Return the motion with another time step [s], without aliasing.
 
     A step that divides the old one draws the same straight lines between the old samples, so
     that nothing changes but the number of points. Any other step goes through a zero-phase
-    low-pass filter (polyphase FIR) that takes out what the new step cannot carry.
+    low-pass filter (polyphase FIR) that takes out what the new step cannot carry; its ratio to
+    the old one must be a fraction of whole numbers up to 1000.
 
-    Parameters
-    ----------
-    motion : the ground motion.
-    dt : new time step [s], > 0; the ratio to the old one must be a fraction of whole numbers
-        up to 1000.
-
-    Raises
-    ------
-    InputError : dt out of range, longer than the motion, or too short for two million samples.
-
-    Examples
-    --------
-    >>> import numpy as np
     >>> resampled(GroundMotion("ramp", 0.01, np.array([0.0, 10.0])), 0.005).acceleration.tolist()
     [0.0, 5.0, 10.0]
     """
@@ -166,24 +139,7 @@ def resampled(motion: GroundMotion, dt: float) -> GroundMotion:
 def scaled(
     motion: GroundMotion, factor: float | None = None, *, pga: float | None = None
 ) -> GroundMotion:
-    """The motion times a factor, or scaled to a largest acceleration.
-
-    Parameters
-    ----------
-    motion : the ground motion.
-    factor : any finite number but 0.
-    pga : largest absolute acceleration wanted [mm/s2], > 0; instead of `factor`.
-
-    Raises
-    ------
-    InputError : not exactly one of the two, or out of range.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> scaled(GroundMotion("pulse", 0.01, np.array([0.0, 2.0])), pga=3.0).acceleration.tolist()
-    [0.0, 3.0]
-    """
+    """Return the motion times a factor (finite, not 0), or scaled to a largest one [mm/s2] > 0."""
     if (factor is None) == (pga is None):
         raise InputError("scaled: give either factor or pga")
     if pga is not None:
@@ -199,24 +155,7 @@ def scaled(
 
 
 def trimmed(motion: GroundMotion, start: float = 0.0, end: float | None = None) -> GroundMotion:
-    """The samples from `start` to `end`, both kept; the first is at time zero again.
-
-    Parameters
-    ----------
-    motion : the ground motion.
-    start, end : times of the first and the last sample [s], 0 <= start < end; the end of the
-        motion by default.
-
-    Raises
-    ------
-    InputError : fewer than two samples would be left.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> trimmed(GroundMotion("ramp", 1.0, np.arange(5.0)), 1.0, 3.0).acceleration.tolist()
-    [1.0, 2.0, 3.0]
-    """
+    """Return the samples from `start` to `end` [s], both kept; the first is at time zero again."""
     end = motion.duration if end is None else end
     if not (np.isfinite(start) and np.isfinite(end) and 0.0 <= start < end):
         raise InputError(f"trimmed: from {start:g} s to {end:g} s is no part of a motion")
@@ -232,23 +171,7 @@ def trimmed(motion: GroundMotion, start: float = 0.0, end: float | None = None) 
 
 
 def padded(motion: GroundMotion, before: float = 0.0, after: float = 0.0) -> GroundMotion:
-    """The motion with the ground at rest for some time before and after it.
-
-    Parameters
-    ----------
-    motion : the ground motion.
-    before, after : times of rest [s], >= 0.
-
-    Raises
-    ------
-    InputError : a time that is negative, not finite, or makes more than two million samples.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> padded(GroundMotion("one", 1.0, np.ones(2)), 1.0, 2.0).acceleration.tolist()
-    [0.0, 1.0, 1.0, 0.0, 0.0]
-    """
+    """Return the motion with the ground at rest for some time before and after it [s]."""
     for name, value in (("before", before), ("after", after)):
         if not (np.isfinite(value) and 0.0 <= value <= 1e5):
             raise InputError(f"padded: {name} = {value:g} s is outside 0 to 100000 s")

@@ -92,30 +92,12 @@ def read_motion(
     Formats are PEER AT2 (all headers with NPTS and DT), K-NET and KiK-net ASCII, JMA CSV, and plain
     columns, also of a workbook: time and acceleration, or accelerations alone.
 
-    Parameters
-    ----------
-    path : the file.
-    unit : of the acceleration ("g", "gal", "m/s2", "cm/s2", "mm/s2"), if the file does not state
-        it.
-    dt : time step [s], if the file does not state it.
-    component : which one, by name ("NS") or by number from 1, if the file holds several.
-    name : of the motion; that of the file by default.
-    trust_unit : take the motion even if its size speaks against the unit. Without it, a
-        largest acceleration outside 100 to 2000 gal (K-NET, KiK-net and JMA, where the unit
-        belongs to the format: 10 to 5000 gal) is refused.
+    `unit` ("g", "gal", "m/s2", "cm/s2", "mm/s2") and `dt` [s] are given where the file does not
+    state them, `component` by name ("NS") or number from 1 where it holds several. A largest
+    acceleration outside 100 to 2000 gal (K-NET, KiK-net and JMA, where the unit belongs to the
+    format: 10 to 5000 gal) is refused unless `trust_unit`. Gaps, uneven steps, cells that are not
+    finite numbers and contradictions between file and arguments are errors.
 
-    Returns
-    -------
-    GroundMotion
-
-    Raises
-    ------
-    InputError : no unit or time step, gaps, uneven steps, cells that are not finite numbers, no
-        numbers, contradictions between file and arguments, an implausible size.
-
-    Examples
-    --------
-    >>> from pathlib import Path
     >>> from tempfile import TemporaryDirectory
     >>> with TemporaryDirectory() as folder:
     ...     file = Path(folder, "a.csv")
@@ -233,9 +215,7 @@ def _at2_header(lines: list[str]) -> tuple[int, int, float] | None:
     return None
 
 
-def _read_at2(
-    lines: list[str], component: str | None, place: int, points: int, dt: float
-) -> _Raw:
+def _read_at2(lines: list[str], component: str | None, place: int, points: int, dt: float) -> _Raw:
     """PEER AT2: free lines, then number of points and time step, then numbers in rows."""
     _only_component(component)
     header = " ".join(lines[:place])

@@ -178,12 +178,14 @@ def checked_motion(
     *,
     trusted: bool,
     instrument: bool = False,
-    **about: str,
+    name: str = "",
+    description: str = "",
+    component: str = "",
 ) -> GroundMotion:
     """Return a motion whose length, time step, unit and size are plausible.
 
     `values` are in `unit`; `found` is the time step of the file or of the times, `given` that of
-    the caller [s]; `about` holds name, description and component.
+    the caller [s].
     """
     if not SHORTEST <= len(values) <= MOST_SAMPLES:
         limit = f"at least {SHORTEST} are needed"
@@ -202,7 +204,8 @@ def checked_motion(
             f"a time step of {dt:g} s is outside {SMALLEST_DT:g} to {LARGEST_DT:g} s; "
             "is it in seconds?"
         )
-    motion = GroundMotion(dt=dt, acceleration=values * acceleration_unit(unit), **{"name": "", **about})
+    size = acceleration_unit(unit)
+    motion = GroundMotion(name, dt, values * size, description, component=component)
     check_size(motion.pga, unit, instrument=instrument, trusted=trusted)
     return motion
 
@@ -269,7 +272,6 @@ def motion_from_arrays(
     >>> motion_from_arrays(3.0 * np.sin(20.0 * time), unit="m/s2", time=time).dt
     0.01
     """
-    about = {"name": str(name), "component": component}
     try:
         values = number_list(acceleration, "acceleration")
         found = None
@@ -283,6 +285,8 @@ def motion_from_arrays(
             raise InputError(f"dt = {dt!r}: must be a number of seconds")
         if not isinstance(unit, str):
             raise InputError(f'unit = {unit!r}: must be text, such as "gal"')
-        return checked_motion(values, unit, found, dt, trusted=trust_unit, **about)
+        return checked_motion(
+            values, unit, found, dt, trusted=trust_unit, name=str(name), component=component
+        )
     except InputError as error:
         raise InputError(error.problems, f'motion "{name}"') from None

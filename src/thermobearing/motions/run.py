@@ -63,15 +63,9 @@ class Reference(NamedTuple):
 class MotionResult(Result):
     """What is known about one ground motion.
 
-    Attributes
-    ----------
-    command : that made it.
-    motion : the ground motion itself.
-    measures : how strong it is and how long it lasts.
-    damping : of `spectrum`, a ratio of critical damping.
-    reference : the standard spectrum to compare with; None if there is none.
-    misfit : relative: root mean square of spectrum / reference - 1 over 0.1 to 3 s, 5 % damping.
-    outcome : "completed", or "poor_fit" for a motion that was made and does not fit.
+    `damping` is that of `spectrum`, a ratio of critical damping; `misfit` the root mean square of
+    spectrum / reference - 1 over 0.1 to 3 s, 5 % damping. The outcome is "completed", or "poor_fit"
+    for a motion that was made and does not fit.
     """
 
     _figures = "MotionFigures"
@@ -189,9 +183,9 @@ def standard_words(standard: Mapping[str, Any]) -> str:
 
 
 def measures_table(summary: Mapping[str, Any]) -> Table:
-    """Return the measures of a summary, a row each."""
+    """Return the measures of a summary, a row each; rounding errors of the ends are zeros."""
     known = [quantity(name) for name in MEASURES if summary.get(name) is not None]
-    rows = [(one.head, one.text(summary[one.name]), one.unit) for one in known]
+    rows = [(one.head, one.text(round(summary[one.name], 6)), one.unit) for one in known]
     columns = [Quantity("Measure"), Quantity("Value"), Quantity("Unit")]
     return Table("Measures of the motion", columns, rows)
 
@@ -213,22 +207,10 @@ def examine_motion(
 ) -> MotionResult:
     """Return size, duration, ends and spectrum of a ground motion, with a standard spectrum.
 
-    Parameters
-    ----------
-    motion : the ground motion.
-    kind, ground : of the standard spectrum, "I" or "II" and "I", "II" or "III"; if neither is
-        given, those that a built-in motion was made for, and none for others.
-    damping : ratio of critical damping of the response spectrum, in [0, 1).
-    baseline : correct the base line first; see `baseline_corrected`.
-    high_pass : corner of the filter that goes with it [Hz], > 0; implies `baseline`.
-    command : its name in the summary.
+    If neither `kind` nor `ground` of the standard spectrum is given, they are those that a built-in
+    motion was made for; there is none for others. `baseline` or a corner `high_pass` [Hz] corrects
+    the base line first; see `baseline_corrected`.
 
-    Raises
-    ------
-    InputError : an argument out of range, or a motion that is zero throughout.
-
-    Examples
-    --------
     >>> examined = examine_motion(load_motion("jra-ii-i-1"))
     >>> examined.reference
     Reference(kind='II', ground='I', zone_factor=1.0)
@@ -242,14 +224,10 @@ def examine_motion(
 
 @dataclass(frozen=True)
 class MotionCase:
-    """A motion to be made, as data.
+    """A motion to be made, as data: the standard spectrum that it shall fit, and its phases.
 
-    Attributes
-    ----------
-    kind, ground, zone_factor : type, ground and c_z of the standard spectrum that it shall fit.
-    seed : of random phases, unless there is a record.
-    record : the motion whose phases are kept; None for random ones.
-    dt : time step [s]; None for that of the record, or 0.01 s.
+    These are random ones of a seed, unless those of a record are kept. The time step `dt` [s] is
+    that of the record, or 0.01 s, where it is None.
     """
 
     kind: str
@@ -280,25 +258,10 @@ def make_motion_case(
     component: str | None = None,
     trust_unit: bool = False,
 ) -> MotionCase:
-    """Return a motion to be made, checked as far as that is quick.
+    """Return a motion to be made, checked as far as that is quick; see `MotionCase`.
 
-    Parameters
-    ----------
-    kind, ground : "I" (plate boundary) or "II" (inland); "I" (hard), "II" or "III" (soft).
-    seed : of the random phases; 1 by default.
-    record : a motion, a name or a file whose phases are kept instead.
-    dt : time step [s]; that of the record, or 0.01 s, by default.
-    zone_factor : c_z of the region, in [0.01, 2].
-    unit, component, trust_unit : of the record, as for `load_motion`.
-
-    Raises
-    ------
-    InputError : an unknown type or ground, faults in the record.
-
-    Examples
-    --------
-    >>> make_motion_case("II", "I", record="jra-i-i-1").name
-    'jra-i-i-1-as-ii-i'
+    `record` may be a motion, a name or a file; unit, component and trust_unit are those of
+    `load_motion`.
     """
     kind, ground = kind_and_ground(kind, ground)
     if record is not None and not isinstance(record, GroundMotion):
@@ -310,19 +273,7 @@ def make_motion_case(
 def run_motion(case: MotionCase, *, progress: Progress | None = None) -> MotionResult:
     """Make the motion of a case and measure how well it fits.
 
-    Parameters
-    ----------
-    case : from `make_motion_case`.
-    progress : called after each round of the fit with (rounds done, at most).
-
-    Raises
-    ------
-    InputError : seed, time step or zone factor out of range; a record that cannot be used.
-
-    Examples
-    --------
-    >>> run_motion(make_motion_case("II", "I", seed=1, dt=0.02)).outcome
-    'completed'
+    `progress` is called after each round of the fit with (rounds done, at most).
     """
     kind, ground, factor = case.kind, case.ground, case.zone_factor
     if case.record is None:

@@ -125,6 +125,16 @@ def near_fault() -> dict[str, NearFault]:
     return {name: _near_fault_of(row, citation) for name, row in table.items()}
 
 
+def motion_name(kind: str, ground: str, seed: int) -> str:
+    """Return the name of a motion that is made from random phases, such as "jra-ii-i-1"."""
+    return f"jra-{kind}-{ground}-{seed}".lower()
+
+
+def first_draw(name: str) -> int:
+    """Return the number of the first draw of the random phases of a motion."""
+    return int(_chosen()["first_draws"].get(name, 0))
+
+
 @cache
 def _chosen() -> dict[str, Any]:
     return dict(split_sources(read_toml(data_path("phases", "near-fault.toml")))[0])
@@ -158,7 +168,7 @@ def phases(kind: str, ground: str, seed: int, draw: int, dt: float) -> Floats:
     envelope, with a pulse in it for Type II. Type and ground are Roman numbers; the phases of one
     seed are drawn again under another `draw`, counted from the first one of the data file.
     """
-    name = f"jra-{kind}-{ground}-{seed}".lower()
+    name = motion_name(kind, ground, seed)
     own = near_fault().get(name)
     if own:
         time = own.shape.times(dt)
@@ -167,7 +177,7 @@ def phases(kind: str, ground: str, seed: int, draw: int, dt: float) -> Floats:
         size = own.noise / np.sqrt(2.0 * HIGHEST * dt)
         values = stream.standard_normal(len(time)) * own.shape.envelope(time) * size
         return _without_highest(values, dt) + own.pulse.acceleration(time)
-    draw += int(_chosen()["first_draws"].get(name, 0))
+    draw += first_draw(name)
     shape = SHAPES[kind]
     time = shape.times(dt)
     # One stream of numbers for each motion and draw.
@@ -250,7 +260,7 @@ def make_motion(
         if fit.misfit <= ACCEPTED or effort.spent:
             break
     assert fit is not None
-    own = near_fault().get(f"jra-{kind}-{ground}-{seed}".lower())
+    own = near_fault().get(motion_name(kind, ground, seed))
     stand_in = f"Stand-in, {target.caveat}: synthetic" if target.caveat else "Synthetic"
     return GroundMotion(
         name=f"{target.name}-{seed}",
@@ -317,8 +327,8 @@ def match_spectrum(
         dt=record.dt,
         acceleration=fit.acceleration,
         description=(
-            f"{record.name} with Fourier amplitudes adjusted to {target.words}, phases kept (misfit "
-            f"{100 * fit.misfit:.1f} % rms over 0.1-3 s){caveat}"
+            f"{record.name} with Fourier amplitudes adjusted to {target.words}, phases kept "
+            f"(misfit {100 * fit.misfit:.1f} % rms over 0.1-3 s){caveat}"
         ),
         citation="; ".join(text for text in (record.citation, target.citation) if text),
     )

@@ -74,14 +74,8 @@ class TableSpectrum(NamedTuple):
 class DesignSpectrum:
     """A spectrum of 5 % damping that motions are made to fit.
 
-    Attributes
-    ----------
-    name : "jra-ii-i", or that of a file.
-    words : the same in words.
-    curve : its shape.
-    factor : what multiplies that; c_z of a standard one.
-    citation : where it comes from.
-    caveat : what a motion that fits it is not.
+    `name` is "jra-ii-i", or that of a file, and `words` the same in words; `factor` multiplies the
+    curve (c_z of a standard one); `caveat` states what a motion that fits it is not.
     """
 
     name: str
@@ -145,27 +139,12 @@ def kind_and_ground(kind: str | int, ground: str | int) -> tuple[str, str]:
 def standard_spectrum(
     kind: str | int, ground: str | int, periods: ArrayLike, *, zone_factor: float = 1.0
 ) -> Floats:
-    """Return the standard acceleration response spectrum of a Level 2 earthquake, 5 % damping.
+    """Return the standard acceleration spectrum of a Level 2 earthquake [mm/s2], 5 % damping.
 
-    Japan Road Association, Specifications for Highway Bridges, Part V (2012).
+    Japan Road Association, Specifications for Highway Bridges, Part V (2012), for type "I" (plate
+    boundary) or "II" (inland), ground "I" (hard), "II" or "III" (soft), natural periods > 0 [s] and
+    the factor c_z of the region in [0.01, 2].
 
-    Parameters
-    ----------
-    kind : "I" (plate boundary) or "II" (inland).
-    ground : "I" (hard), "II" or "III" (soft).
-    periods : natural periods [s], > 0.
-    zone_factor : c_z of the region, in [0.01, 2].
-
-    Returns
-    -------
-    array : acceleration [mm/s2] at each period.
-
-    Raises
-    ------
-    InputError : an unknown type or ground, a period or factor out of range.
-
-    Examples
-    --------
     >>> standard_spectrum("II", "I", [0.5]).tolist()  # 2000 gal
     [20000.0]
     """
@@ -196,13 +175,7 @@ def standard_target(kind: str, ground: str, zone_factor: float = 1.0) -> DesignS
 
 
 def list_spectra() -> list[str]:
-    """Return the names of the standard spectra, `jra-<type>-<ground>`.
-
-    Examples
-    --------
-    >>> list_spectra()[:2]
-    ['jra-i-i', 'jra-i-ii']
-    """
+    """Return the names of the standard spectra, `jra-<type>-<ground>`."""
     return [f"jra-{kind}-{ground}".lower() for kind in KINDS for ground in GROUNDS]
 
 
@@ -215,20 +188,12 @@ def find_kind(name: str) -> tuple[str, str]:
 
 
 def load_spectrum(name_or_path: str | Path, factor: float = 1.0) -> DesignSpectrum:
-    r"""Return a spectrum that motions can be made to fit.
+    r"""Return a spectrum that motions can be made to fit, times a factor (c_z of a standard one).
 
-    Parameters
-    ----------
-    name_or_path : one of `list_spectra()`, or a file with columns `period` [s] and `acceleration`
-        (with its unit: gal, g, m/s2 ...), of 5 % damping, from 0.1 s or less to 3 s or more.
-    factor : what multiplies it, c_z of a standard one, in [0.01, 2].
+    `name_or_path` is one of `list_spectra()`, or a file with columns `period` [s] and
+    `acceleration` (with its unit: gal, g, m/s2 ...), of 5 % damping, from 0.1 s or less to 3 s or
+    more.
 
-    Raises
-    ------
-    InputError : no such spectrum, faults in the file.
-
-    Examples
-    --------
     >>> import tempfile
     >>> file = Path(tempfile.mkdtemp()) / "site.csv"
     >>> _ = file.write_text("period_s,acceleration_gal\n0.1,400\n0.5,800\n4,100\n")

@@ -30,8 +30,8 @@ from thermobearing.design.run import run_design
 from thermobearing.earthquake import summary_figures as comparison
 from thermobearing.earthquake.figures import MODE_LOOKS
 from thermobearing.earthquake.result import EarthquakeResult
+from thermobearing.motions.figures import BINS, MOTION_COLOUR
 from thermobearing.motions.library import load_motion
-from thermobearing.motions.output import BINS, MOTION_COLOUR
 from thermobearing.motions.record import MM_S2_PER_GAL
 from thermobearing.reproduce.runs import AMBIENT, Runs
 from thermobearing.results import drawing

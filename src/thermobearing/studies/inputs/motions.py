@@ -16,7 +16,7 @@ import time
 import zipfile
 import zlib
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import astuple, dataclass, replace
+from dataclasses import dataclass, replace
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
@@ -29,19 +29,17 @@ from thermobearing.border.library import data_path
 from thermobearing.border.text_file import write_whole
 from thermobearing.core.compile import cache_directory
 from thermobearing.earthquake.inputs import Motion, make_table
-from thermobearing.motions import synthesis as targets
+from thermobearing.motions import targets
 from thermobearing.motions.library import load_motion
 from thermobearing.motions.matching import LARGEST_MISFIT, misfit
 from thermobearing.motions.process import resampled
 from thermobearing.motions.record import GroundMotion
-from thermobearing.motions.synthesis import (
+from thermobearing.motions.synthesis import check_record, make_motion, match_spectrum
+from thermobearing.motions.targets import (
     DesignSpectrum,
-    check_record,
     find_kind,
     list_spectra,
     load_spectrum,
-    make_motion,
-    match_spectrum,
 )
 from thermobearing.studies.definition.factors import MotionFactor
 from thermobearing.studies.definition.record import Study
@@ -75,7 +73,7 @@ class Recipe:
     @property
     def key(self) -> str:
         """Digest of all that goes into it, whatever it is called."""
-        told: list[Any] = [astuple(self.spectrum.curve), self.spectrum.factor]
+        told: list[Any] = [tuple(self.spectrum.curve), self.spectrum.factor]
         raw = b""
         if self.record is None:
             told += [self.phases, self.seed, self.dt]
@@ -372,7 +370,7 @@ def _checked(
     most = LARGEST_MISFIT if factor.tolerance is None else factor.tolerance
     poor = [
         f"factors.motion: {recipe.name} comes within {100 * one.misfit:.1f} % rms of "
-        f"{recipe.spectrum.told}, more than {100 * most:g} %; take "
+        f"{recipe.spectrum.words}, more than {100 * most:g} %; take "
         + ("another record" if recipe.record is not None else "another seed")
         + f", or allow it with tolerance = {np.ceil(100 * one.misfit) / 100:g}"
         for recipe, one in zip(wanted, found, strict=True)
