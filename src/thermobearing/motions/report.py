@@ -7,13 +7,13 @@ import numpy as np
 import pandas as pd
 
 from thermobearing.motions.matching import LARGEST_MISFIT
+from thermobearing.motions.run import SPECTRA, measures_table, spectrum_table, standard_words
+from thermobearing.quantities.register import Quantity
+from thermobearing.quantities.tables import Table
 from thermobearing.report.content import (
     saved_figures,
     with_plot,
 )
-from thermobearing.motions.run import SPECTRA, measures_table, spectrum_table, standard_words
-from thermobearing.quantities.register import Quantity
-from thermobearing.quantities.tables import Table
 from thermobearing.report.figures import history, rounded
 from thermobearing.report.pieces import (
     EXCEEDED,
