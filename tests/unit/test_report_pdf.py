@@ -13,8 +13,15 @@ import pytest
 from tests.unit.report_pieces import EVIL, LOGO, PIECES, line, many_columns, wide
 from thermobearing.border.errors import InputError
 from thermobearing.report.figures import missing_words, picture_size, svg_bytes
-from thermobearing.report.layout import SEAM, TURNED_WIDTH, UPRIGHT_WIDTH, fitted, laid_out
-from thermobearing.report.pdf import document_date, pdf_bytes
+from thermobearing.report.pdf import (
+    SEAM,
+    TURNED,
+    UPRIGHT,
+    document_date,
+    fitted,
+    laid_out,
+    pdf_bytes,
+)
 from thermobearing.report.pieces import Column, Pieces, ReportFigure, ReportTable
 from thermobearing.report.template import document
 
@@ -147,7 +154,7 @@ def test_long_words_are_broken_and_numbers_are_not() -> None:
     assert part.broken(digest, 1).replace(SEAM, "") == digest
     assert SEAM in part.broken(digest, 1)
     assert part.broken("a short one", 1) == "a short one"
-    assert sum(part.widths) <= UPRIGHT_WIDTH < TURNED_WIDTH
+    assert sum(part.widths) <= UPRIGHT[0] < TURNED[0]
 
 
 def test_wide_figures_stand_on_turned_pages_with_their_headings() -> None:

@@ -45,14 +45,9 @@ def check_place(directory: Path) -> None:
 def report_files(
     pieces: Pieces, title: TitleBlock, template: Path | None = None, *, pdf: bool = True
 ) -> dict[str, bytes | None]:
-    """report.html and report.pdf, by name.
+    """Return report.html and report.pdf, by name.
 
-    Parameters
-    ----------
-    pieces : what the result has to say.
-    title : block at the head.
-    template : of the user; None for that of the package.
-    pdf : without it, a report.pdf that is there goes, since it would tell another state.
+    Without `pdf`, a report.pdf that is there goes, since it would show another state.
 
     Raises
     ------
@@ -67,7 +62,7 @@ def report_files(
 
 
 def title_files(title: TitleBlock) -> dict[str, bytes | None]:
-    """The title block as files that a result directory keeps; none where nothing is said."""
+    """Return the title block as files of a result directory; none where nothing is given."""
     if title == TitleBlock():
         return {TITLE: None, LOGO: None}
     logo = title.logo_bytes()
@@ -102,9 +97,9 @@ def put_files(directory: Path, content: Mapping[str, bytes | None]) -> list[Path
             finally:
                 shutil.rmtree(partial, ignore_errors=True)
     except OSError as error:
-        told = error.strerror or error
         raise OutputError(
-            f"{directory}: the document cannot be written: {told}; what was there is as it was"
+            f"{directory}: the document cannot be written: {error.strerror or error}; "
+            "what was there is as it was"
         ) from None
     documents = (REPORT_HTML, REPORT_PDF, WORKBOOK)
     return [directory / name for name in documents if content.get(name) is not None]
@@ -117,18 +112,19 @@ def _exchange(partial: Path, final: Path, names: list[str]) -> None:
     for name in names:
         if (final / name).exists():
             shutil.copy2(final / name, earlier / name)
+
+    def move(source: Path, name: str) -> None:
+        if (source / name).exists():
+            os.replace(source / name, final / name)
+        else:
+            (final / name).unlink(missing_ok=True)
+
     begun = []
     try:
         for name in names:
             begun.append(name)
-            if (partial / name).exists():
-                os.replace(partial / name, final / name)
-            else:
-                (final / name).unlink(missing_ok=True)
+            move(partial, name)
     except BaseException:  # Ctrl-C too
         for name in begun:
-            if (earlier / name).exists():
-                os.replace(earlier / name, final / name)
-            else:
-                (final / name).unlink(missing_ok=True)
+            move(earlier, name)
         raise

@@ -8,19 +8,34 @@ command.
 import json
 import re
 import tempfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from datetime import UTC, date, datetime
+from functools import cache
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 from unicodedata import category
+
+from markdown_it import MarkdownIt
 
 from thermobearing.border.errors import HIDDEN, InputError, printable
 from thermobearing.border.library import data_path
-from thermobearing.report.figures import drawn, missing_words
-from thermobearing.report.layout import SEAM, laid_out
-from thermobearing.report.pieces import Document, Paragraph
+from thermobearing.quantities.tables import Table
+from thermobearing.report.figures import drawn, missing_words, picture_size
+from thermobearing.report.pieces import (
+    Block,
+    Bullets,
+    ChecksBlock,
+    Document,
+    FigureBlock,
+    Heading,
+    Paragraph,
+    ReportFigure,
+    TableBlock,
+    checks_table,
+)
+from thermobearing.report.title import logo_kind
 
 SOURCE = "report.typ"
 STANDARDS = ["a-2a", "ua-1"]  # both in one file
@@ -28,14 +43,12 @@ OLDEST = (0, 15)  # of the compiler
 NO_DATE = date(1980, 1, 1)  # of a document that nobody dated: PDF/A wants one
 DATED = re.compile(r"\d{4}-\d{2}-\d{2}")
 UNDRAWN = re.compile(r'the text `"(.+?)"` could not be displayed')
+SEAM = "\N{ZERO WIDTH SPACE}"  # where a long word may be broken
+Data = dict[str, Any]
 
 
 def pdf_bytes(document: Document) -> bytes:
-    """The document as PDF/A-2a and PDF/UA-1; the same bytes for the same document.
-
-    Parameters
-    ----------
-    document : what is written.
+    """Return the document as PDF/A-2a and PDF/UA-1; the same bytes for the same document.
 
     Raises
     ------
@@ -43,7 +56,9 @@ def pdf_bytes(document: Document) -> bytes:
     """
     the_compiler()  # before anything is drawn
     document = drawn(document)
-    missing = _letters_without_font(_letters(document))
+    letters = _letters(document)
+    foreign = _undrawn(letters, system_fonts=False)
+    missing = _undrawn(foreign, system_fonts=True) if foreign else foreign
     spoken = document
     if missing:
         told = Paragraph(missing_words(sorted(missing), "its text"), "warning")
@@ -55,29 +70,12 @@ def pdf_bytes(document: Document) -> bytes:
         text = json.dumps(_each_text(content, lambda text: _speakable(text, missing)))
         (folder / "document.json").write_text(text, encoding="utf-8")
         (folder / SOURCE).write_bytes(data_path("reports", SOURCE).read_bytes())
-        return compiled(folder / SOURCE, day, system_fonts=not _shipped_fonts_do(document))
-
-
-def compiled(source: Path, day: date, *, system_fonts: bool) -> bytes:
-    """A PDF of a typst source."""
-    typst = the_compiler()
-    when = datetime(day.year, day.month, day.day, tzinfo=UTC)
-    try:
-        done = typst.compile(
-            str(source),
-            format="pdf",
-            root=str(source.parent),
-            ignore_system_fonts=not system_fonts,
-            pdf_standards=STANDARDS,
-            timestamp=when,
-        )
-    except typst.TypstError as error:
-        raise InputError(f"the PDF cannot be made: {error.message}") from None
-    return bytes(done)
+        # Without foreign letters no other font is looked at: every machine makes the same bytes.
+        return _compiled(folder / SOURCE, day, system_fonts=bool(foreign))
 
 
 def the_compiler() -> Any:
-    """The typst compiler.
+    """Return the typst compiler.
 
     Raises
     ------
@@ -97,11 +95,27 @@ def the_compiler() -> Any:
     return typst
 
 
+def _compiled(source: Path, day: date, *, system_fonts: bool) -> bytes:
+    typst = the_compiler()
+    try:
+        pdf = typst.compile(
+            str(source),
+            format="pdf",
+            root=str(source.parent),
+            ignore_system_fonts=not system_fonts,
+            pdf_standards=STANDARDS,
+            timestamp=datetime(day.year, day.month, day.day, tzinfo=UTC),
+        )
+    except typst.TypstError as error:
+        raise InputError(f"the PDF cannot be made: {error.message}") from None
+    return bytes(pdf)
+
+
 def document_date(document: Document) -> date:
-    """The day of a document: of its title block, else of the run; never that of its making."""
-    told = [text for key, text in document.block.items() if key == "Date"]
-    told += [text for key, text in document.identity.items() if "date" in key.lower()]
-    for text in told:
+    """Return the day of the title block, else of the run; never that of the making."""
+    said = [text for key, text in document.block.items() if key == "Date"]
+    said += [text for key, text in document.identity.items() if "date" in key.lower()]
+    for text in said:
         if found := DATED.search(text):
             try:
                 return date.fromisoformat(found[0])
@@ -110,8 +124,9 @@ def document_date(document: Document) -> date:
     return NO_DATE
 
 
+# Letters.
 def _speakable(text: str, missing: set[str]) -> str:
-    """Text whose letters all have a font; codes stand for the others."""
+    """Return text whose letters all have a font; codes stand for the others."""
     text = SEAM.join(map(printable, text.split(SEAM)))
     if not missing or text.isascii():
         return text
@@ -119,60 +134,35 @@ def _speakable(text: str, missing: set[str]) -> str:
 
 
 def _letters(document: Document) -> set[str]:
-    """The letters of a document that are not plain ones."""
+    """Return the letters of a document that are not plain ones."""
     found: set[str] = set()
-
-    def note(text: str) -> str:
-        found.update(text)
-        return text
-
-    _each_text(laid_out(document, None), note)
+    _each_text(laid_out(document, None), lambda text: found.update(text) or text)  # type: ignore[func-returns-value]
     return {m for m in found if not (m.isascii() or m.isspace() or category(m) in HIDDEN)}
 
 
-def _shipped_fonts_do(document: Document) -> bool:
-    """Whether the fonts that come with the compiler have all letters of a document.
-
-    Then no other is looked at, and every machine makes the same bytes.
-    """
-    return not _undrawn(_letters(document), system_fonts=False)
-
-
-def _letters_without_font(letters: set[str]) -> set[str]:
-    """Those of some letters that neither the compiler's fonts nor the machine's have."""
-    missing = _undrawn(letters, system_fonts=False)
-    return _undrawn(missing, system_fonts=True) if missing else missing
-
-
 def _undrawn(letters: set[str], *, system_fonts: bool) -> set[str]:
-    """Letters that the compiler has no font for: it refuses to write an archive with them."""
+    """Return letters that the compiler has no font for: it refuses to archive them."""
     # Letters for private use, or of no use yet, mean nothing in an archive whatever the font.
     missing = {mark for mark in letters if category(mark) in ("Co", "Cn")}
     typst = the_compiler()
-    left = sorted(letters - missing)
-    while left:
+    while left := sorted(letters - missing):
         quoted = json.dumps(" ".join(left), ensure_ascii=False)
         source = f'#set document(title: "x")\n#text(font: "Libertinus Serif", {quoted})'
+        look = {"format": "pdf", "pdf_standards": ["ua-1"], "ignore_system_fonts": not system_fonts}
         try:
-            typst.compile(
-                source.encode(),
-                format="pdf",
-                ignore_system_fonts=not system_fonts,
-                pdf_standards=["ua-1"],
-            )
+            typst.compile(source.encode(), **look)
         except typst.TypstError as error:
             found = set("".join(UNDRAWN.findall(error.diagnostic))) & set(left)
             if not found:
-                return missing | set(left)
+                return letters
             missing |= found
-            left = sorted(set(left) - found)
         else:
             break
     return missing
 
 
 def _each_text(content: Any, change: Callable[[str], str]) -> Any:
-    """The same content with every text changed."""
+    """Return the same content with every text changed."""
     if isinstance(content, str):
         return change(content)
     if isinstance(content, Mapping):
@@ -180,3 +170,266 @@ def _each_text(content: Any, change: Callable[[str], str]) -> Any:
     if isinstance(content, list | tuple):
         return [_each_text(value, change) for value in content]
     return content
+
+
+# Blocks as data for the compiler.
+UPRIGHT, TURNED = (170.0, 222.0), (267.0, 156.0)  # room: width, height [mm], as report.typ has it
+LONG_BOX = 2500  # letters of a box that may go over two pages
+SMALL_PRINT = 0.75  # a picture that must be made smaller than this is shown on a turned page
+GAIN = 1.15  # by which it must be larger there
+UNTESTED = "beyond what the bearing was tested at"
+
+
+def laid_out(document: Document, folder: Path | None) -> Data:
+    """Return what the typst source reads; pictures are written into a folder, if there is one."""
+    blocks: list[Data] = []
+    level = 0
+    for number, block in enumerate(document.blocks):
+        if isinstance(block, Heading):  # one level below the one before at most
+            level = min(block.level, level + 1)
+            blocks.append({"kind": "heading", "level": level, "runs": split_runs(block.text)})
+        else:
+            blocks += _data(block, f"figure-{number}", folder)
+    title = document.block
+    revision = f"revision {title['Revision']}" if "Revision" in title else ""
+    return {
+        "title": document.title,
+        "block": [list(item) for item in title.items()],
+        "author": title.get("Author", ""),
+        "logo": _picture_file(document.logo, "logo", folder) if document.logo else "",
+        "head": [
+            title.get("Project", document.title),
+            ", ".join(filter(None, [title.get("Document", ""), revision])),
+        ],
+        "foot": _foot(document),
+        "contents": sum(item["kind"] == "heading" for item in blocks) > 2,
+        "blocks": _turned_together(blocks),
+    }
+
+
+def _foot(document: Document) -> str:
+    """Return program and input, short: what tells one print-out from another."""
+    identity = {key.lower(): value for key, value in document.identity.items()}
+    program = next((v for k, v in identity.items() if "version" in k or "program" in k), "")
+    program = program if program.startswith("thermobearing") else f"thermobearing {program}"
+    digest = next((v for k, v in identity.items() if "hash" in k or "sha" in k), "")
+    return program.strip() + (f" \N{MIDDLE DOT} input {digest[:12]}" if digest else "")
+
+
+def _data(block: Block, name: str, folder: Path | None) -> list[Data]:
+    """Return a block as data; a table in several parts where its columns do not fit."""
+    match block:
+        case Paragraph():
+            runs = split_runs(block.text)
+            return [{"kind": "paragraph", "box": block.kind, "runs": runs, "whole": True}]
+        case Bullets():
+            items = [split_runs(item) for item in block.items]
+            whole = sum(map(len, block.items)) < LONG_BOX
+            return [{"kind": "bullets", "box": block.kind, "items": items, "whole": whole}]
+        case TableBlock():
+            return _table(block.table)
+        case ChecksBlock():
+            return _table(checks_table(block.checks), right={1, 2})
+        case FigureBlock():
+            return _figure(block.figure, name, folder)
+    raise AssertionError(block)
+
+
+@cache
+def _parser() -> MarkdownIt:
+    return MarkdownIt("zero").enable(["emphasis", "backticks", "link", "escape"])
+
+
+def split_runs(text: str) -> list[Data]:
+    """Return the runs of a line of Markdown: letters that look alike."""
+    found: list[Data] = []
+    bold, italic, address = 0, 0, ""
+    for block in _parser().parseInline(text):
+        for token in block.children or []:
+            bold += token.nesting if token.tag == "strong" else 0
+            italic += token.nesting if token.tag == "em" else 0
+            words = " " if token.type in ("softbreak", "hardbreak") else token.content
+            if token.tag == "a":
+                address = str(token.attrs["href"]) if token.nesting > 0 else ""
+            elif words:
+                look = {"bold": bold > 0, "italic": italic > 0, "address": address}
+                found.append({"text": words, "code": token.type == "code_inline", **look})
+    return found
+
+
+def _figure(figure: ReportFigure, name: str, folder: Path | None) -> list[Data]:
+    """Return a picture, as large as it is or as fits; nothing where it is not drawn yet."""
+    if figure.image is None:
+        return []
+    width, height = picture_size(figure.image)
+    upright, across = (min(1.0, room[0] / width, room[1] / height) for room in (UPRIGHT, TURNED))
+    turned = upright < SMALL_PRINT and across > GAIN * upright
+    file = _picture_file(figure.image, name, folder)
+    size = {"width": round(width * (across if turned else upright), 2), "turned": turned}
+    words = {"caption": figure.caption, "alt": figure.alt or figure.caption}
+    return [{"kind": "figure", "file": file, **words, **size}]
+
+
+def _picture_file(image: bytes, name: str, folder: Path | None) -> str:
+    """Return the name of the file that a picture is put into."""
+    file = f"{name}.{logo_kind(image) or 'png'}"
+    if folder is not None:
+        (folder / file).write_bytes(image)
+    return file
+
+
+def _turned_together(blocks: Sequence[Data]) -> list[Data]:
+    """Return blocks with those of turned pages in groups, and the headings that belong to them."""
+    found: list[Data] = []
+    for block in blocks:
+        if not block.get("turned"):
+            found.append(block)
+            continue
+        headings: list[Data] = []
+        while found and found[-1]["kind"] == "heading":
+            headings.insert(0, found.pop())
+        if not (found and found[-1]["kind"] == "turned"):
+            found.append({"kind": "turned", "blocks": []})
+        found[-1]["blocks"] += [*headings, block]
+    return found
+
+
+# Tables: as large as fits, upright or turned, and in parts where even a turned page is too small.
+SIZES = (8.5, 8.0, 7.5, 7.0)  # of letters [pt], upright; below these a page is turned
+TURNED_SIZES = (*SIZES, 6.5, 6.0)
+SIZE_OF_PARTS = 6.5
+POINT = 25.4 / 72.0  # [mm]
+GAP = 3.2  # between columns [mm]
+# Widths of letters and words, of the size of letters; bold ones of a head are wider.
+NARROW, FIGURE, WIDE, CAPITAL, FULL, BOLD = 0.31, 0.5, 0.82, 0.68, 1.05, 1.08
+LONGEST_WORD = 12.0  # a longer one (a path, a digest) may be broken
+SHORT = 7.0  # such a text is not broken between words either
+LEAST = 1.5  # of a column
+ROUNDING = 0.01
+UNBROKEN = "\N{NO-BREAK SPACE}"
+
+
+class Part(NamedTuple):
+    """Columns of a table that stand beside each other: widths [mm], size of letters [pt]."""
+
+    places: list[int]
+    widths: list[float]
+    size: float
+    turned: bool
+
+    def broken(self, text: str, column: int) -> str:
+        """Return the text of a column with seams after signs, and in words that are too long."""
+        most = (self.widths[self.places.index(column)] - GAP) / (POINT * self.size) + ROUNDING
+        count = max(3, int(most / CAPITAL))
+
+        def seamed(found: re.Match[str]) -> str:
+            word = found[0]
+            if _width(word) <= most:
+                return word
+            parts = re.findall(r"[^/\\_.,;:=-]*[/\\_.,;:=-]?", word)
+            return SEAM.join(p[k : k + count] for p in parts for k in range(0, len(p), count))
+
+        return re.sub(r"\S+", seamed, text)
+
+
+def _table(table: Table, right: set[int] | None = None) -> list[Data]:
+    """Return a table as text, in parts that fit a page in width, each with the key columns."""
+    cells, columns = table.texts(), table.columns
+    numbers = table.numeric() | (right or set())
+    heads = [  # a unit is not broken
+        f"{c.head} [{c.unit.replace(' ', UNBROKEN)}]" if c.unit else c.head for c in columns
+    ]
+    parts = fitted(heads, cells, numbers, table.keys)
+    note = table.note or (f"Marked: {UNTESTED}." if table.marked else "")
+    found = []
+    for number, part in enumerate(parts, 1):
+        marked = [
+            [row, part.places.index(k)] for row, k in sorted(table.marked) if k in part.places
+        ]
+        rows = [
+            [r[k] if k in numbers else part.broken(r[k], k) for k in part.places] for r in cells
+        ]
+        found.append(
+            {
+                "kind": "table",
+                "caption": table.caption + f" ({number} of {len(parts)})" * (len(parts) > 1),
+                "note": note if number == len(parts) else "",
+                "heads": [[columns[k].head, columns[k].unit] for k in part.places],
+                "rows": rows,
+                "right": [k in numbers for k in part.places],
+                "marked": marked,
+                "verdicts": columns[part.places[-1]].head == "Verdict",
+                **{"widths": part.widths, "size": part.size, "turned": part.turned},
+            }
+        )
+    return found
+
+
+def fitted(
+    heads: Sequence[str], cells: Sequence[Sequence[str]], numbers: set[int], keys: int
+) -> list[Part]:
+    """Return columns in parts that fit a page, as large as can be.
+
+    Columns of `numbers` are never broken; `keys` leading columns begin each part.
+    """
+    every = list(range(len(heads)))
+    texts = [[row[k] for row in cells] for k in every]
+    least = [_least(heads[k], texts[k], k in numbers) for k in every]
+    most = [max([least[k], *map(_width, texts[k])]) for k in every]
+
+    def total(places: Sequence[int], size: float) -> float:
+        return sum(least[k] for k in places) * POINT * size + GAP * len(places)
+
+    def part(places: list[int], room: float, size: float) -> Part:
+        """Give each column what it needs, and of what is left a share of what it would like."""
+        letter, left = POINT * size, room - total(places, size)
+        wanted = sum(most[k] - least[k] for k in places) * letter
+        share = min(1.0, left / wanted) if wanted > 0.0 else 0.0
+        widths = [(least[k] + share * (most[k] - least[k])) * letter + GAP for k in places]
+        return Part(places, [round(width, 2) for width in widths], size, room == TURNED[0])
+
+    for room, sizes in ((UPRIGHT[0], SIZES), (TURNED[0], TURNED_SIZES)):
+        for size in sizes:
+            if total(every, size) <= room:
+                return [part(every, room, size)]
+    first = every[: min(keys, len(heads) - 1)]
+    groups = [[*first]]
+    for column in every[len(first) :]:
+        full = total([*groups[-1], column], SIZE_OF_PARTS) > TURNED[0]
+        if full and len(groups[-1]) > len(first):
+            groups.append([*first])
+        groups[-1].append(column)
+    return [part(places, TURNED[0], SIZE_OF_PARTS) for places in groups]
+
+
+def _least(head: str, cells: Sequence[str], number: bool) -> float:
+    """Return what a column needs: its longest word, or its longest number."""
+    return max(
+        [
+            LEAST,
+            *(BOLD * _width(word) for word in head.split(" ")),
+            *(_width(text) if number else _longest_word(text) for text in cells),
+        ]
+    )
+
+
+def _longest_word(text: str) -> float:
+    whole = _width(text)
+    if whole <= SHORT:
+        return whole
+    return max(min(_width(word), LONGEST_WORD) for word in text.split() or [""])
+
+
+def _width(text: str) -> float:
+    return sum(map(_letter, text))
+
+
+@cache
+def _letter(mark: str) -> float:
+    if mark in "ijlt.,;:'|!()[]-/ ":
+        return NARROW
+    if mark in "mwMW%@":
+        return WIDE
+    if ord(mark) > 0x2E7F:  # Chinese and Japanese
+        return FULL
+    return CAPITAL if mark.isupper() else FIGURE

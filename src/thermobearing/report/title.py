@@ -30,16 +30,7 @@ Words = Annotated[str, Field(min_length=1, max_length=300), BeforeValidator(_lin
 class TitleBlock(Strict):
     """What stands at the head of a document; the table `[report]` of a case file.
 
-    Attributes
-    ----------
-    project, structure, client, author, number, date, revision : words of a line; what is not
-        given is not shown. `number` is that of the document.
-    logo : PNG or SVG file.
-
-    Examples
-    --------
-    >>> TitleBlock(project="Bridge 12", number="B12-07").words()
-    {'Project': 'Bridge 12', 'Document': 'B12-07'}
+    Words of a line each; `number` is that of the document, `logo` a PNG or SVG file.
     """
 
     project: Words | None = None

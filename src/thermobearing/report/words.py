@@ -4,33 +4,16 @@ import hashlib
 import re
 from collections.abc import Iterable, Sequence
 
-MINUS = "\N{MINUS SIGN}"
+from thermobearing.quantities.register import FACTORS, MINUS, TYPESET
+
 SHARE = re.compile(r"(\d)%")
 NEGATIVE = re.compile(r"(?<![\w.-])-(?=\d)")
-# Of the package's units: how one prints them, and the factor to a unit that engineers quote.
-PRINTED = {
-    "1": ("", 1.0),
-    "degC": ("°C", 1.0),
-    "m/s2": ("m/s²", 1.0),
-    "mm2": ("mm²", 1.0),
-    "kg/m^3": ("kg/m³", 1.0),
-    "W/(m^2 K)": ("W/(m² K)", 1.0),
-    "kJ/(m^2 K)": ("kJ/(m² K)", 1.0),
-    "kN s^2/mm": ("t", 1e3),
-    "kN mm s^2": ("t m²", 1e-3),
-    "kN mm": ("kN m", 1e-3),
-    "kN mm/rad": ("kN m/rad", 1e-3),
-}
+# From a unit of the package to one that engineers quote; the others are only set in type.
+QUOTED = {"kN s^2/mm": "t", "kN mm s^2": "t m²", "kN mm": "kN m", "kN mm/rad": "kN m/rad"}
 
 
 def joined(items: Iterable[str], last: str = "and") -> str:
-    """Items of a list in a sentence.
-
-    Examples
-    --------
-    >>> joined(["a", "b", "c"])
-    'a, b and c'
-    """
+    """Return items as a list in a sentence: "a, b and c"."""
     found = list(items)
     if len(found) < 2:
         return "".join(found)
@@ -38,13 +21,7 @@ def joined(items: Iterable[str], last: str = "and") -> str:
 
 
 def number(value: float, form: str = ".3g") -> str:
-    """A number in a sentence, with a true minus sign and no exponent below a million.
-
-    Examples
-    --------
-    >>> number(1234.6), number(-0.0321)
-    ('1235', '−0.0321')
-    """
+    """Return a number in a sentence, with a true minus sign and no exponent below a million."""
     text = format(value, form)
     if "e" in text and 1e-4 <= abs(value) < 1e6:
         text = format(value, ".0f") if abs(value) >= 1.0 else format(value, ".6f").rstrip("0")
@@ -52,38 +29,20 @@ def number(value: float, form: str = ".3g") -> str:
 
 
 def degrees(values: Sequence[float]) -> str:
-    """Temperatures in a sentence, each once.
-
-    Examples
-    --------
-    >>> degrees([23.0, -20.0])
-    '23 and −20 °C'
-    """
+    """Return temperatures in a sentence, each once: "23 and −20 °C"."""
     told = joined(f"{value:g}" for value in dict.fromkeys(values))
     return f"{told} °C".replace("-", MINUS)
 
 
 def percent(share: float, digits: int = 0) -> str:
-    """A share as per cent.
-
-    Examples
-    --------
-    >>> percent(0.453), percent(-0.02)
-    ('45 %', '−2 %')
-    """
+    """Return a share as per cent: "45 %"."""
     text = f"{100.0 * share:.{digits}f}"
     text = text.lstrip("-") if float(text) == 0.0 else text
     return f"{text} %".replace("-", MINUS)
 
 
 def change(ratio: float, more: str = "more", less: str = "less") -> str:
-    """A ratio as a change: "45 % more".
-
-    Examples
-    --------
-    >>> change(1.45), change(0.9, "higher", "lower"), change(1.001)
-    ('45 % more', '10 % lower', 'the same within 0.5 %')
-    """
+    """Return a ratio as a change: "45 % more"."""
     if abs(ratio - 1.0) < 0.005:
         return "the same within 0.5 %"
     if ratio > 3.0:
@@ -92,76 +51,49 @@ def change(ratio: float, more: str = "more", less: str = "less") -> str:
 
 
 def counted(count: int, one: str, many: str = "") -> str:
-    """A number of things.
-
-    Examples
-    --------
-    >>> counted(1, "run"), counted(12, "run")
-    ('1 run', '12 runs')
-    """
+    """Return a number of things: "1 run", "12 runs"."""
     return f"{count} {one if count == 1 else many or one + 's'}"
 
 
 def plain(words: str) -> str:
-    """Words of a result as a document prints them: °C, and true minus signs before numbers.
-
-    Examples
-    --------
-    >>> plain("jra-i-i-1, -20 degC")
-    'jra-i-i-1, −20 °C'
-    """
+    """Return words of a result as a document prints them: °C, true minus signs, spaced %."""
     return SHARE.sub(r"\1 %", NEGATIVE.sub(MINUS, words.replace(" degC", " °C")))
 
 
 def quantity(text: str) -> str:
-    """A number with its unit, as TOML has it, in a sentence.
-
-    Examples
-    --------
-    >>> quantity("-10.0 degC"), quantity("600.0 s")
-    ('−10 °C', '600 s')
-    """
+    """Return a number with its unit, as TOML has it, in a sentence: "−10 °C"."""
     value, _, unit = str(text).partition(" ")
     return plain(f"{number(float(value), '.6g')} {printed_unit(unit)[0] or unit}".strip())
 
 
 def tidy(sentence: str) -> str:
-    """A sentence of a result as a document prints it, with its full stop."""
+    """Return a sentence of a result as a document prints it, with its full stop."""
     text = plain(sentence.strip())
     return text if text.endswith((".", "!", "?")) else f"{text}."
 
 
 def printed_unit(unit: str) -> tuple[str, float]:
-    """How one prints a unit of the package, and the factor on its numbers.
-
-    Examples
-    --------
-    >>> printed_unit("kN s^2/mm"), printed_unit("mm")
-    (('t', 1000.0), ('mm', 1.0))
-    """
-    return PRINTED.get(unit, (unit, 1.0))
+    """Return how one prints a unit of the package, and the factor on its numbers."""
+    if shown := QUOTED.get(unit):
+        return shown, FACTORS[unit, shown]
+    return TYPESET.get(unit, unit), 1.0
 
 
 def identity_rows(
-    version: str, went_in: str, again: str, what: str = "case.resolved.toml"
+    version: str, inputs: str, command: str, what: str = "case.resolved.toml"
 ) -> dict[str, str]:
-    """Rows of the last table of a document.
+    """Return the rows of the last table of a document.
 
     Parameters
     ----------
     version : of thermobearing.
-    went_in : text whose bits make the result: the resolved case.
-    again : the command.
+    inputs : text whose bits make the result: the resolved case.
+    command : that makes it again.
     what : the text is.
-
-    Examples
-    --------
-    >>> identity_rows("0.2.0", "", "thermobearing cyclic case.resolved.toml")["Version"]
-    'thermobearing 0.2.0'
     """
-    digest = hashlib.sha256(went_in.encode("utf-8", "surrogateescape")).hexdigest()
+    digest = hashlib.sha256(inputs.encode("utf-8", "surrogateescape")).hexdigest()
     return {
         "Version": f"thermobearing {version}",
         f"Input (SHA-256 of {what})": digest,
-        "Command": again,
+        "Command": command,
     }

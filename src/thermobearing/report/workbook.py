@@ -7,22 +7,23 @@ import io
 import math
 import re
 import zipfile
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from thermobearing.border.errors import InputError, printable
-from thermobearing.report.layout import split_runs
-from thermobearing.report.pieces import Check, Column, Pieces, ReportTable
+from thermobearing.quantities.register import Quantity
+from thermobearing.quantities.tables import Table, is_number
+from thermobearing.report.pdf import split_runs
+from thermobearing.report.pieces import Pieces, checks_table
 
 ROWS, COLUMNS, NAME, LETTERS = 1_048_576, 16_384, 31, 32_767  # what a sheet can hold
 MOST_HISTORY_ROWS = 20_000  # of all histories together: what opens quickly
 FORMATTED = 5_000  # rows of a sheet up to which every number has a format of its own
 STAMP = (1980, 1, 1, 0, 0, 0)  # of every part of the file: the same bytes for the same result
 MARKED, HEAD = "F6DEDE", "E8ECF1"  # fills
-CHECKED = ("Check", "Value", "Limit", "Unit", "Source of the limit", "Verdict")
 CREATED = re.compile(rb"<dcterms:(created|modified)[^>]*>[^<]*</dcterms:\1>")
 
 
@@ -38,21 +39,14 @@ class History:
     """
 
     keys: Mapping[str, Any]
-    columns: Sequence[Column]
+    columns: Sequence[Quantity]
     values: np.ndarray[Any, np.dtype[np.float64]]
 
 
 def workbook_bytes(pieces: Pieces, histories: Mapping[str, History]) -> bytes:
-    """A workbook of a result.
+    """Return an .xlsx file of a result, the same for the same result.
 
-    Parameters
-    ----------
-    pieces : of the result.
-    histories : by the name of their run; thinned evenly where they are long, which is said.
-
-    Returns
-    -------
-    bytes : of an .xlsx file, the same for the same result.
+    Histories, by the name of their run, are thinned evenly where they are long, which is said.
 
     Raises
     ------
@@ -60,24 +54,24 @@ def workbook_bytes(pieces: Pieces, histories: Mapping[str, History]) -> bytes:
     """
     book = the_writer()(write_only=True)
     names: set[str] = set()
-    _front(book, pieces, names)
-    if pieces.checks:
-        _sheet(book, "Checks", _checks(pieces.checks), names)
-    tables = {**pieces.inputs, **pieces.tables}
+    _add_sheet(book, "Answer", _front(pieces), names)
+    tables = {"Checks": checks_table(pieces.checks, signs=False)} if pieces.checks else {}
+    tables |= {**pieces.inputs, **pieces.tables}
     if pieces.books is not None:
         tables["energy books"] = pieces.books
     for name, table in tables.items():
-        for number, part in enumerate(_split_sheets(table)):
-            _sheet(book, f"{name} {number + 1}" if number else name, part, names)
+        for first in range(0, max(len(table.rows), 1), ROWS - 4):
+            part = _part(table, first) if len(table.rows) > ROWS - 4 else table
+            _add_sheet(book, f"{name} {first // (ROWS - 4) + 1}" if first else name, part, names)
     for name, table in history_tables(histories).items():
-        _sheet(book, name, table, names)
+        _add_sheet(book, name, table, names)
     written = io.BytesIO()
     book.save(written)
     return _restamped(written.getvalue())
 
 
 def the_writer() -> Any:
-    """What makes a workbook.
+    """Return what makes a workbook.
 
     Raises
     ------
@@ -90,49 +84,35 @@ def the_writer() -> Any:
     return Workbook
 
 
-def _front(book: Any, pieces: Pieces, names: set[str]) -> None:
-    """What was asked, the answer, warnings, what is where."""
-    told: list[tuple[str, Sequence[str]]] = [
-        ("Asked", [pieces.question]),
-        ("Answer", pieces.answer),
-    ]
-    told += [("Validity", [*pieces.validity, pieces.validity_unknown, *pieces.notes])]
-    told += [("Warning", pieces.warnings), ("Assumed", pieces.assumptions)]
-    rows = [(word, plain(text)) for word, texts in told for text in texts if text]
-    rows += list(pieces.identity.items())
-    _sheet(book, "Answer", ReportTable(pieces.title, [Column("What"), Column("Text")], rows), names)
+def _front(pieces: Pieces) -> Table:
+    """Return what was asked, the answer, warnings, identity."""
+    texts: dict[str, Sequence[str]] = {
+        "Question": [pieces.question],
+        "Answer": pieces.answer,
+        "Validity": [*pieces.validity, pieces.validity_unknown, *pieces.notes],
+        "Warning": pieces.warnings,
+        "Assumption": pieces.assumptions,
+    }
+    rows = [(word, plain(text)) for word, said in texts.items() for text in said if text]
+    return Table(
+        pieces.title, [Quantity("What"), Quantity("Text")], [*rows, *pieces.identity.items()]
+    )
 
 
 def plain(text: str) -> str:
-    """A sentence without the signs of its Markdown."""
-    return "".join(run.text for run in split_runs(text))
+    """Return a sentence without the signs of its Markdown."""
+    return "".join(run["text"] for run in split_runs(text))
 
 
-def _checks(checks: Sequence[Check]) -> ReportTable:
-    rows = [(c.what, c.value, c.limit, c.unit, c.source, c.verdict) for c in checks]
-    exceeded = frozenset((k, 5) for k, check in enumerate(checks) if check.verdict == "exceeded")
-    return ReportTable("Checks", [Column(head) for head in CHECKED], rows, marked=exceeded)
+def _part(table: Table, first: int) -> Table:
+    """Return the rows of a table from one on that a sheet can hold."""
+    end = first + ROWS - 4
+    marked = frozenset((r - first, c) for r, c in table.marked if first <= r < end)
+    return replace(table, rows=table.rows[first:end], marked=marked)
 
 
-def _split_sheets(table: ReportTable) -> Iterator[ReportTable]:
-    """A table in pieces that a sheet can hold."""
-    room = ROWS - 4
-    for first in range(0, max(len(table.rows), 1), room):
-        rows = table.rows[first : first + room]
-        marked = {(r - first, c) for r, c in table.marked if first <= r < first + room}
-        columns = table.columns[:COLUMNS]
-        yield ReportTable(
-            table.caption,
-            columns,
-            [row[:COLUMNS] for row in rows],
-            table.keys,
-            frozenset(marked),
-            table.note,
-        )
-
-
-def history_tables(histories: Mapping[str, History]) -> dict[str, ReportTable]:
-    """Histories of runs that have the same columns below each other, as a table each."""
+def history_tables(histories: Mapping[str, History]) -> dict[str, Table]:
+    """Return histories of runs that have the same columns below each other, as a table each."""
     total = sum(len(history.values) for history in histories.values())
     every = max(1, -(-total // MOST_HISTORY_ROWS))
     note = f"Every {every}. of the samples that the result keeps." if every > 1 else ""
@@ -141,45 +121,46 @@ def history_tables(histories: Mapping[str, History]) -> dict[str, ReportTable]:
         heads = (*history.keys, *(column.title for column in history.columns))
         groups.setdefault(heads, []).append(history)
     found = {}
-    for number, group in enumerate(groups.values()):
-        keys = [Column(head) for head in group[0].keys]
-        rows: list[Sequence[Any]] = []
-        for history in group:
-            told = tuple(history.keys.values())
-            rows += [(*told, *row) for row in history.values[::every].tolist()]
-        name = f"Histories {number + 1}" if len(groups) > 1 else "Histories"
+    for number, group in enumerate(groups.values(), 1):
+        keys = list(map(Quantity, group[0].keys))
+        rows = [(*one.keys.values(), *row) for one in group for row in one.values[::every].tolist()]
+        name = f"Histories {number}" if len(groups) > 1 else "Histories"
         columns = [*keys, *group[0].columns]
-        found[name] = ReportTable("Histories", columns, rows, len(keys) + 1, note=note)
+        found[name] = Table("Histories", columns, rows, len(keys) + 1, note=note)
     return found
 
 
-def _sheet(book: Any, name: str, table: ReportTable, names: set[str]) -> None:
-    """A sheet: caption, note, heads with units, rows; heads and key columns stay in view."""
+def _add_sheet(book: Any, name: str, table: Table, names: set[str]) -> None:
+    """Add a sheet: caption, note, heads with units, rows; heads and key columns stay in view."""
     from openpyxl.utils import get_column_letter
 
+    columns = table.columns[:COLUMNS]
     sheet = book.create_sheet(sheet_name(name, names))
-    sheet.freeze_panes = f"{get_column_letter(min(table.keys, len(table.columns)) + 1)}4"
-    for column, width in enumerate(_widths(table), 1):
-        sheet.column_dimensions[get_column_letter(column)].width = width
+    sheet.freeze_panes = f"{get_column_letter(min(table.keys, len(columns)) + 1)}4"
+    for place, column in enumerate(columns):
+        texts = [column.title, *(column.text(row[place]) for row in table.rows[:200])]
+        width = min(80.0, 2.0 + max(map(len, texts)))
+        sheet.column_dimensions[get_column_letter(place + 1)].width = width
     sheet.append([_cell(sheet, table.caption, bold=True)])
     sheet.append([_cell(sheet, table.note)] if table.note else [])
-    sheet.append([_cell(sheet, column.title, bold=True, fill=HEAD) for column in table.columns])
+    sheet.append([_cell(sheet, column.title, bold=True, fill=HEAD) for column in columns])
     if table.rows:
-        last = get_column_letter(len(table.columns))
+        last = get_column_letter(len(columns))
         sheet.auto_filter.ref = f"A3:{last}{len(table.rows) + 3}"
+    formatted = len(table.rows) <= FORMATTED
     for number, row in enumerate(table.rows):
         sheet.append(
             [
                 _cell(sheet, value, column.form, fill=MARKED if (number, k) in table.marked else "")
-                if len(table.rows) <= FORMATTED or isinstance(value, str)
+                if formatted or isinstance(value, str)
                 else _number(value)
-                for k, (value, column) in enumerate(zip(row, table.columns, strict=True))
+                for k, (value, column) in enumerate(zip(row, columns, strict=False))
             ]
         )
 
 
 def sheet_name(wanted: str, names: set[str]) -> str:
-    """A name that Excel takes and that no sheet has yet."""
+    """Return a name that Excel takes and that no sheet has yet."""
     plain = re.sub(r"[\[\]:*?/\\]+|[_\s]+", " ", printable(wanted)).strip(" '") or "Sheet"
     name, number = plain[:NAME], 1
     while name.casefold() in names or name.casefold() == "history":  # which Excel keeps to itself
@@ -190,7 +171,7 @@ def sheet_name(wanted: str, names: set[str]) -> str:
 
 
 def _cell(sheet: Any, value: Any, form: str = "", *, bold: bool = False, fill: str = "") -> Any:
-    """A cell; what is text stays text."""
+    """Return a cell; what is text stays text."""
     from openpyxl.cell import WriteOnlyCell
     from openpyxl.styles import Font, PatternFill
 
@@ -209,28 +190,21 @@ def _cell(sheet: Any, value: Any, form: str = "", *, bold: bool = False, fill: s
 
 
 def _number(value: Any) -> Any:
-    """A number as Excel knows it; nothing where there is none."""
+    """Return a number as Excel knows it; nothing where there is none."""
     if isinstance(value, bool | np.bool_):
         return "yes" if value else "no"
     if isinstance(value, np.generic):
         value = value.item()
-    if isinstance(value, float) and not np.isfinite(value):
-        return None
-    return value
+    return None if isinstance(value, float) and not np.isfinite(value) else value
 
 
 def _format(value: Any, form: str) -> str:
-    """Excel's format of a number from Python's; "" where it may choose itself."""
-    if isinstance(value, bool | np.bool_) or not isinstance(
-        value, int | float | np.integer | np.floating
-    ):
-        return ""
-    value = float(value)
+    """Return Excel's format of a number from Python's; "" where it may choose itself."""
     found = re.fullmatch(r",?\.(\d)([fg])", form)
-    if not found or not np.isfinite(value):
+    if not found or not is_number(value) or not np.isfinite(value):
         return ""
-    digits, kind = int(found[1]), found[2]
-    if kind == "g":
+    digits = int(found[1])
+    if found[2] == "g":
         size = math.floor(math.log10(abs(value))) if value else 0
         if not -4 <= size <= 9:
             return f"0.{'0' * max(digits - 1, 1)}E+00"
@@ -238,20 +212,8 @@ def _format(value: Any, form: str) -> str:
     return f"0.{'0' * digits}" if digits else "0"
 
 
-def _widths(table: ReportTable) -> list[float]:
-    """Widths of columns, in letters."""
-    shown = list(table.rows[:200])
-    return [
-        min(
-            80.0,
-            2.0 + max([len(column.title), *(len(column.text(row[k])) for row in shown)]),
-        )
-        for k, column in enumerate(table.columns)
-    ]
-
-
 def _restamped(raw: bytes) -> bytes:
-    """A workbook without the time of its making."""
+    """Return a workbook without the time of its making."""
     made = io.BytesIO()
     with (
         zipfile.ZipFile(io.BytesIO(raw)) as old,
