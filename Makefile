@@ -25,7 +25,7 @@ help:
 	@echo "make bench  speed, accuracy and memory, each beside its target"
 	@echo "make lint   ruff, mypy, import contracts"
 	@echo "make docs   regenerate every number and figure in README and docs"
-	@echo "make reproduce  the source again, with a verdict on each claim, into ./reproduction"
+	@echo "make reproduce  Shen (2023) again, with a verdict on each claim, into ./reproduced"
 	@echo "make site   the documentation site, into build/site; its examples are run"
 	@echo "make clean  forget the environment and all results"
 
@@ -91,7 +91,7 @@ docs: $(TESTS)
 	$(BIN)/python docs/generate.py
 
 reproduce: $(PROGRAM)
-	$(BIN)/thermobearing reproduce -o reproduction --overwrite
+	$(BIN)/python -m reproduction -o reproduced --overwrite
 
 # Warnings are errors; then links with their anchors, version and date on each page are looked at.
 site: $(SPHINX)
@@ -102,4 +102,4 @@ site: $(SPHINX)
 
 clean:
 	rm -rf docs/api docs/gallery
-	rm -rf $(VENV) $(LOWEST) demo reproduction build dist
+	rm -rf $(VENV) $(LOWEST) demo reproduced build dist

@@ -26,7 +26,8 @@ SECTIONS = ("one_dimension", "factors", "lead", "structures", "near_fault", "sou
 TABLES = {"lead": ("lead_rise",), "source": ("bearing_count", "source_hybrid")}
 COVERAGE = DOCS / "coverage.toml"  # every item of Shen (2023); written by hand
 NAMED = re.compile(r"\{([^}]+)\}")  # of docs/measured.json, in the words of an item
-LEDGER = DOCS.parent / "tests" / "reproduce" / "ledger.json"  # made by tests/reproduce/baseline.py
+sys.path.append(str(DOCS.parent))  # for the package `reproduction`
+LEDGER = DOCS.parent / "tests" / "reproduction" / "ledger.json"  # see its baseline.py
 MEASURED, BENCH = DOCS / "measured.json", DOCS / "bench.json"
 
 VERDICTS = {
@@ -158,7 +159,7 @@ def coverage_items() -> list[dict[str, Any]]:
 
 def coverage_verdict(kinds: set[str]) -> str:
     """Return the verdict of an item from those of its claims: the worst of them."""
-    from thermobearing.reproduce.claims import CLOSE, CONTRADICTED, NEEDS, UNDECIDED
+    from reproduction.claims import CLOSE, CONTRADICTED, NEEDS, UNDECIDED
 
     if CONTRADICTED in kinds:
         return "contradicted"
@@ -200,7 +201,7 @@ def coverage_text(items: list[dict[str, Any]]) -> str:
 
 def ledger_counts(ids: list[str]) -> dict[str, int]:
     """Of some claims of the source, how many have each verdict."""
-    from thermobearing.reproduce.claims import FAILED, VERDICTS
+    from reproduction.claims import FAILED, VERDICTS
 
     kinds = [load(LEDGER)[name]["verdict"] for name in ids]
     return {name: kinds.count(name) for name in VERDICTS if name != FAILED or FAILED in kinds}
@@ -208,10 +209,10 @@ def ledger_counts(ids: list[str]) -> dict[str, int]:
 
 def ledger_groups() -> dict[str, list[str]]:
     """Return the ids of the claims that are counted together."""
-    from thermobearing.reproduce.claims import GROUPS, mean_group
+    from reproduction.claims import GROUPS, group_by_id
 
     ledger = list(load(LEDGER))
-    return {group: [name for name in ledger if mean_group(name) == group] for group in GROUPS}
+    return {group: [name for name in ledger if group_by_id(name) == group] for group in GROUPS}
 
 
 def ledger_sentence() -> str:
@@ -221,19 +222,18 @@ def ledger_sentence() -> str:
     told = ", ".join(f"{count} {name}" for name, count in counts.items() if count)
     others = " and ".join(f"{n} {name}" for name, (n, _) in groups.items() if name != "statements")
     return (
-        f"Statements of Shen (2023), judged by `thermobearing reproduce`: {number}; {told}; "
+        f"Statements of Shen (2023), judged by `make reproduce`: {number}; {told}; "
         f"{others} are counted apart ([docs/reproduction.md](docs/reproduction.md))."
     )
 
 
 def reproduction_text() -> str:
     """docs/reproduction.md, all of it: the counts, and every claim with what flips it."""
-    from thermobearing.reproduce.claims import ECHOES, GROUPS, PARTS, load_claims, rule_words
-    from thermobearing.reproduce.report import READING
-    from thermobearing.reproduce.result import CHAPTERS
+    from reproduction.claims import CHAPTERS, ECHOES, GROUPS, load_claims, rule_words
+    from reproduction.report import READING
 
     ledger = load(LEDGER)
-    claims = {part: [c for c in load_claims(part) if c.id in ledger] for part in PARTS}
+    claims = {part: [c for c in load_claims(part) if c.id in ledger] for part in CHAPTERS}
     groups = ledger_groups()
     ids = {CHAPTERS[part]: [c.id for c in claims[part]] for part in GROUPS["statements"]}
     ids |= {f"**{name}**": found for name, found in groups.items()}
@@ -245,8 +245,8 @@ def reproduction_text() -> str:
     parts = [
         "# Reproduction",
         "Written by `make docs` from the ledger that the tests check "
-        "(`tests/reproduce/ledger.json`); do not edit. `thermobearing reproduce` (`make "
-        "reproduce`) makes the ledger, with every figure and table, from data files and code "
+        "(`tests/reproduction/ledger.json`); do not edit. `make reproduce` (`python -m "
+        "reproduction`) makes the ledger, with every figure and table, from data files and code "
         "alone. Every verdict is computed at every run from the rule in its row.",
         "\n".join(f"* {text}" for text in READING),
         table(["", *kinds], counts),

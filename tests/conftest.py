@@ -25,7 +25,7 @@ from tests.told_numbers import disagreements, told_rows
 EXPECTED = Path(__file__).with_name("expected_skips.txt")
 COARSE = 50  # points an inch
 # Files of tests that see how a figure is laid out.
-LOOKS_AT_FIGURES = re.compile("figure|file_sizes|thinning|peaks|browser/|reproduce/")
+LOOKS_AT_FIGURES = re.compile("figure|file_sizes|thinning|peaks|browser/|reproduction/")
 Value = str | float
 Recorder = Callable[[str, Value, str], None]
 KEY = "measured"  # of the properties of a test's report that hold its numbers

@@ -36,7 +36,7 @@ from thermobearing.commands.identify import identify, validate
 from thermobearing.commands.intake import intake, measure
 from thermobearing.commands.motions import app as motions
 from thermobearing.commands.new import new
-from thermobearing.commands.report import report, reproduce
+from thermobearing.commands.report import report
 from thermobearing.commands.study import app as study
 
 
@@ -175,7 +175,6 @@ _add(
 )
 _add("identify", identify, LABORATORY, "identify cold.csv warm.csv --bearing mine.toml -o fit")
 _add("validate", validate, LABORATORY, "validate mine.toml other-test.csv --limit energy=0.2")
-_add("reproduce", reproduce, FILES, "reproduce -o reproduction --report")
 _add("design", design.design, OFFICE, "design --motion jra-ii-i-1 --compound G10 -o design")
 _add("bounds", design.bounds, OFFICE, "bounds --bearing shen-hdr-bridge --ambient -20")
 _add("lambda", factors.lambda_, OFFICE, "lambda shen-hdr-bridge --strain 1.75 -o factors")

@@ -27,7 +27,7 @@ ROOMS = {
     **{"cyclic": "cyclic", "bridge": "earthquake", "hybrid": "earthquake"},
     **{"sequence": "sequences", "identify": "identify", "validate": "validate"},
     **dict.fromkeys(("design", "bounds", "lambda"), "design"),
-    **{"reproduce": "reproduce", "study": "studies", "structures show": "structure"},
+    **{"study": "studies", "structures show": "structure"},
     **dict.fromkeys(("motions show", "motions make", "motions spectrum"), "motions"),
 }
 COMPARED = {"cyclic", "bridge", "hybrid"}  # commands with --compare

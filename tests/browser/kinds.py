@@ -16,7 +16,6 @@ from thermobearing.design.run import run_bounds, run_design, run_factors
 from thermobearing.identify.output import save_checks
 from thermobearing.motions.library import load_motion
 from thermobearing.motions.run import examine_motion
-from thermobearing.reproduce.run import reproduce_source
 from thermobearing.results.drawing import save_figures
 from thermobearing.sequences.case import make_sequence_case
 from thermobearing.sequences.run import run_sequence
@@ -119,11 +118,6 @@ def structure(folder: Path) -> Path:
     return folder
 
 
-def reproduction(folder: Path) -> Path:
-    """A chapter of the source: claims alone."""
-    return reproduce_source(chapter=4, figures=False, flips=False, jobs=1).save(folder)
-
-
 KINDS: Mapping[str, Callable[[Path], Path]] = {
     "cyclic": cyclic,
     "bridge": bridge,
@@ -137,5 +131,4 @@ KINDS: Mapping[str, Callable[[Path], Path]] = {
     "bounds": bounds,
     "motions show": motion,
     "structures show": structure,
-    "reproduce": reproduction,
 }

@@ -15,7 +15,7 @@ BROAD = {"width": 1280, "height": 900}
 NARROW = {"width": 400, "height": 800}
 WITH_PLOTS = {"cyclic", "bridge", "hybrid", "sequence", "identify", "validate", "motions show"}
 WITH_SLIDER = {"cyclic", "bridge"}
-WITHOUT_FIGURES = {"identify --check", "design", "lambda", "bounds", "reproduce"}
+WITHOUT_FIGURES = {"identify --check", "design", "lambda", "bounds"}
 NUMBERS = "(plot) => plot.data.map((trace) => [...trace.x])"
 TOLERANCE = 1.0  # of a place on the page [px]
 

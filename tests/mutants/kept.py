@@ -17,7 +17,7 @@ class Mutant:
 
     Attributes
     ----------
-    file : below src/thermobearing.
+    file : below src/thermobearing, or of `reproduction/` beside it.
     means : what is wrong now, in words.
     text : the whole file with the change.
     tests : arguments of pytest.
@@ -42,9 +42,14 @@ def room_of(file: str) -> str:
     return folder if slash else "cli"
 
 
+def place(root: Path, file: str) -> Path:
+    """Return where a file of the package, or of `reproduction/`, lies in a copy of the tree."""
+    return root / (file if file.startswith("reproduction/") else PACKAGE / file)
+
+
 def original(file: str) -> str:
-    """Text of a file of the package as it is."""
-    return (ROOT / PACKAGE / file).read_text(encoding="utf-8")
+    """Text of a file as it is."""
+    return place(ROOT, file).read_text(encoding="utf-8")
 
 
 def _below_tests(names: Iterable[str]) -> list[str]:

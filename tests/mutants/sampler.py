@@ -15,7 +15,7 @@ from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
 from pathlib import Path
 
-from tests.mutants.kept import PACKAGE, ROOT, Mutant
+from tests.mutants.kept import ROOT, Mutant, place
 
 SCRATCH = ROOT / "build" / "mutants"
 COMPILED = ".numba"  # in a copy: code of the kernels
@@ -141,7 +141,7 @@ class Copy:
     def run(self, mutant: Mutant) -> Verdict:
         """The nearest tests with the mutant in place, until the first that fails."""
         begin = time.perf_counter()
-        path = self.folder / PACKAGE / mutant.file
+        path = place(self.folder, mutant.file)
         compiled = self._compiled()
         kept = self.folder.with_suffix(".original")
         shutil.copy2(path, kept)
