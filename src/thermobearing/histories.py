@@ -5,8 +5,8 @@ from typing import Any
 
 import pandas as pd
 
-from thermobearing.cyclic.output import history_columns, written_part
-from thermobearing.cyclic.result import Result
+from thermobearing.cyclic.dataset import written_part
+from thermobearing.cyclic.result import Result, history_columns
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.loading import AnyResult
 from thermobearing.report.content import (

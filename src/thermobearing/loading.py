@@ -8,8 +8,7 @@ from thermobearing.bearing.library import load_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError, is_file, is_folder
 from thermobearing.border.toml import read_toml
-from thermobearing.cyclic.output import load_cyclic
-from thermobearing.cyclic.result import Result
+from thermobearing.cyclic.result import Result, load_cyclic
 from thermobearing.earthquake.output import load_study
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.results.directory import BEARINGS, DATASET, IDENTIFIED, PARTS

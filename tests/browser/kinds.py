@@ -9,8 +9,8 @@ import thermobearing as tb
 from tests.unit.inputs import command
 from thermobearing.bearing.model import Validity
 from thermobearing.cyclic.case import make_case
-from thermobearing.cyclic.output import save_result
-from thermobearing.cyclic.run import compare_models, run_case
+from thermobearing.cyclic.comparison import compare_models
+from thermobearing.cyclic.run import run_case
 from thermobearing.design.case import make_design_case
 from thermobearing.design.run import run_bounds, run_design, run_factors
 from thermobearing.identify.output import save_checks
@@ -41,7 +41,9 @@ def cyclic(folder: Path) -> Path:
     """With the earlier models beside it."""
     test = tb.cyclic_test(strain=[0.5, 1.0], cycles=2, dt=0.02)
     case = make_case({"bearing": "shen-lhdr-specimen"}, "case", test=test, ambient=[-20.0, 23.0])
-    return save_result(run_case(case), folder, figures=False, compared=compare_models(case))
+    result = run_case(case)
+    result.compared = compare_models(case)
+    return result.save(folder, figures=False)
 
 
 def bridge(folder: Path) -> Path:

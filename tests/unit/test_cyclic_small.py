@@ -10,8 +10,8 @@ import thermobearing as tb
 from thermobearing.cyclic import dataset as label
 from thermobearing.cyclic.equivalent import solve_backbone
 from thermobearing.cyclic.history import Segment, longest_layer_increment
-from thermobearing.cyclic.output import history_blocks
 from thermobearing.cyclic.protocol import Rest, read_recording
+from thermobearing.cyclic.result import history_blocks
 
 
 def test_history_has_the_steps_of_each_temperature_and_no_more() -> None:

@@ -11,7 +11,6 @@ from PIL import Image
 
 import thermobearing as tb
 from tests import tolerances as tol
-from thermobearing.cyclic.output import save_result
 from thermobearing.results.drawing import DPI, save_figure
 from thermobearing.results.writing import write_dataset
 
@@ -32,7 +31,7 @@ def test_netcdf_is_compressed_without_loss(result: tb.Result, tmp_path: Path) ->
 
 
 def test_history_has_the_digits_that_count(result: tb.Result, tmp_path: Path) -> None:
-    save_result(result, tmp_path / "out", figures=False)
+    result.save(tmp_path / "out", figures=False)
     table = pd.read_csv(tmp_path / "out" / "history.csv")
     assert len(table) == 2 * result.dataset.sizes["time"]
     assert_allclose(table["time_s"], np.tile(result.time(0), 2), rtol=tol.NINE_DIGITS)

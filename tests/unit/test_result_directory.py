@@ -127,7 +127,7 @@ def stop_while_writing(monkeypatch: pytest.MonkeyPatch, how: BaseException) -> N
     """Raise in the middle of the writing: other files are there, netCDF is half written."""
 
     def half(_: xr.Dataset, path: Path, **__: Any) -> None:
-        assert (path.parent / "summary.json").stat().st_size > 0
+        assert (path.parent / "history.csv").stat().st_size > 0
         path.write_bytes(b"half")
         raise how
 

@@ -14,7 +14,6 @@ import thermobearing as tb
 from tests.unit.inputs import SPECIMEN, changed_table, specimen_table, write_toml
 from thermobearing.bearing.bilinear import load_bilinear
 from thermobearing.border.errors import InputError
-from thermobearing.cyclic.output import print_result
 from thermobearing.design.case import make_design_case
 from thermobearing.design.run import run_bounds, run_factors
 from thermobearing.earthquake.dataset import reached
@@ -132,8 +131,8 @@ def test_a_test_says_what_it_leaves(tmp_path: Path) -> None:
     again = tb.load_result(folder)
     assert again.tested_range.equals(result.tested_range)
     with contextlib.redirect_stdout(io.StringIO()) as screen:
-        print_result(result)
-    assert "-60 degC; not tested: strain, strain rate, ambient" in screen.getvalue()
+        result.show()
+    assert "−60!" in screen.getvalue()
 
 
 def test_a_small_slow_test_is_outside_too() -> None:

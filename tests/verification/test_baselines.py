@@ -2,19 +2,25 @@
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from numpy.testing import assert_allclose
 
 import thermobearing as tb
 from tests import tolerances as tol
 from tests.conftest import Recorder
 from thermobearing.cyclic.case import make_case
-from thermobearing.cyclic.comparison import comparison_figure, comparison_table
+from thermobearing.cyclic.comparison import compare_models, comparison_table
 from thermobearing.cyclic.equivalent import backbone, bilinear_parameters
-from thermobearing.cyclic.run import compare_models
 from thermobearing.model.earlier import models_that_fit
 
 TEST = tb.cyclic_test(strain=[1.5], cycles=3, closing_strain=None)
 HDR, LHDR = "shen-hdr-specimen", "shen-lhdr-specimen"
+
+
+def comparison_figure(results: dict[str, tb.Result]) -> Figure:
+    first = next(iter(results.values()))
+    first.compared = results
+    return first.plot.comparison()
 
 
 def rise(result: tb.Result) -> np.ndarray:
@@ -100,10 +106,10 @@ def test_comparison_has_every_model_and_temperature(name: str) -> None:
     results = compare_models(case)
     assert list(results) == models_that_fit(case.bearing)
     assert ("lead-alone" in results) == (name == LHDR)
-    table = comparison_table(results, "multi-layer")
+    table = comparison_table(results)
     assert len(table) == 2 * (len(results) - 1)
     assert np.isfinite(table.select_dtypes("number").to_numpy()).all()
-    figure = comparison_figure(results, "multi-layer")
+    figure = comparison_figure(results)
     assert len(figure.axes) == 2 * (4 if name == LHDR else 3)
     assert figure.axes[0].get_ylabel() == "error of outer layer [K]"
 
@@ -111,7 +117,7 @@ def test_comparison_has_every_model_and_temperature(name: str) -> None:
 def test_a_model_that_ended_early_is_compared_as_far_as_it_got() -> None:
     """Lead without losses melts in the last loading of Table 3.4."""
     results = compare_models(make_case({}, "test", bearing=LHDR, ambient=[23.0]))
-    table = comparison_table(results, "multi-layer").set_index("model")
+    table = comparison_table(results).set_index("model")
     assert list(table.index[table["outcome"] != "completed"]) == ["adiabatic"]
     assert np.isfinite(table.select_dtypes("number").to_numpy()).all()
     truth, other = results["multi-layer"], results["adiabatic"]
@@ -121,7 +127,7 @@ def test_a_model_that_ended_early_is_compared_as_far_as_it_got() -> None:
     assert table.loc["adiabatic", "last energy %"] == pytest.approx(
         100.0 * (energies[0] / energies[1] - 1.0)
     )
-    lines = comparison_figure(results, "multi-layer").axes[0].lines
+    lines = comparison_figure(results).axes[0].lines
     assert len(lines[0].get_xdata()) == done < len(lines[1].get_xdata())
 
 

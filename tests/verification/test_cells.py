@@ -12,7 +12,7 @@ from tests.verification.models import changed
 from thermobearing.bearing.model import Bearing, Cells
 from thermobearing.border.toml import read_toml
 from thermobearing.commands.check import cells_facts
-from thermobearing.cyclic.discretisation import CellsError, cells_error
+from thermobearing.cyclic.comparison import CellsError, cells_error
 from thermobearing.design.factors import scaled_bearing
 
 DATA = Path(tb.__file__).parent / "data" / "bearings"

@@ -14,7 +14,7 @@ from thermobearing.border.schema import Strict, validated
 from thermobearing.border.toml import read_toml, split_sources
 from thermobearing.climate.generator import Climate
 from thermobearing.cyclic.case import LIMITS, Case, load_case, load_rig
-from thermobearing.cyclic.discretisation import REFERENCE, TOLERABLE, cells_error
+from thermobearing.cyclic.comparison import REFERENCE, TOLERABLE, cells_error
 from thermobearing.cyclic.history import build_segments
 from thermobearing.design.case import DesignCase, bearing_weight, load_design_case
 from thermobearing.design.peaks import Rules
@@ -58,7 +58,6 @@ DATA: dict[str, tuple[set[str], type[Strict] | None]] = {
     "printed numbers": ({"u_B", "K_B"}, None),
     "printed tables": ({"table"}, None),
     "choices and statements": ({"choice"}, None),
-    "code of others": ({"plotly"}, None),
     "usual units": ({"factors"}, None),
     "limits of piers": ({"ductility", "drift"}, None),
     "surroundings in the weather": ({"upper_face", "lower_face"}, None),

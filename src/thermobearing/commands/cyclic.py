@@ -165,7 +165,6 @@ def _carry_out(
     documents: Documents,
 ) -> int:
     """Check the target, run, write, tell."""
-    from thermobearing.cyclic.output import print_result, save_result
     from thermobearing.cyclic.run import run_case
     from thermobearing.results.directory import check_target
 
@@ -173,11 +172,12 @@ def _carry_out(
     check_target(target, overwrite=overwrite)
     _announce_size(whole, quiet)
     result = with_progress(lambda show: run_case(whole, progress=show), "stepping", quiet)
-    others = _others(whole, result) if compare and result.outcome == "completed" else {}
-    save_result(result, target, overwrite=overwrite, figures=not no_figures, compared=others)
+    if compare and result.outcome == "completed":
+        result.compared = _others(whole, result)
+    result.save(target, overwrite=overwrite, figures=not no_figures)
     if not quiet:
         with contextlib.suppress(KeyboardInterrupt):  # the result is safe by now
-            print_result(result, others)
+            result.show()
     return written(result.outcome, result.sentence, target, documents, as_json=as_json, quiet=quiet)
 
 
@@ -204,7 +204,7 @@ def _announce_size(case: "Case", quiet: bool) -> None:
 
 def _others(case: "Case", result: "Result") -> "dict[str, Result]":
     """The result and those of the earlier models, by name; InputError without cycles."""
-    from thermobearing.cyclic.run import compare_models
+    from thermobearing.cyclic.comparison import compare_models
 
     if len(result.cycles) == 0:
         raise InputError("--compare needs a test with cycles")

@@ -87,9 +87,10 @@ def measure(
     import dataclasses
 
     from thermobearing.bearing.library import load_bearing
-    from thermobearing.cyclic.output import print_measures
+    from thermobearing.cyclic.tables import measured_table
     from thermobearing.identify.records.measured import measured_cycles
     from thermobearing.results.directory import check_target
+    from thermobearing.results.screen import show_table
 
     if output is not None:
         check_target(output, overwrite=overwrite)
@@ -98,7 +99,8 @@ def measure(
     if output is not None:
         found.save(output, overwrite=overwrite, figures=not no_figures)
     if not quiet:
-        print_measures(found.measures, found.ends, specimen.total_rubber_thickness)
+        rubber = specimen.total_rubber_thickness
+        show_table(measured_table(found.measures, found.ends, rubber))
         for note in found.notes:
             typer.echo(printable(note))
         if output is not None:

@@ -1,75 +1,80 @@
-"""Several models through the same test: how far each is from a reference, in numbers and pictures.
+"""How far simpler models, and too few heat cells, are from a reference on the same test.
 
 The simpler models may have one temperature for all layers, or none that changes; outer and inner
-layer of each are compared with those of the reference at the times of the reference.
+layer of each are compared with those of the reference at the times of the reference. The error of
+the cells of a layer is Richardson's estimate from twice as many.
 """
 
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import pandas as pd
-from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from numpy.typing import NDArray
 
+from thermobearing.bearing.model import Bearing
+from thermobearing.core.records import Floats, Ints
+from thermobearing.cyclic.case import Case
+from thermobearing.cyclic.protocol import CyclicTest
 from thermobearing.cyclic.result import Result
-from thermobearing.results import drawing
-from thermobearing.results.selection import (
-    force_differences,
-    more,
-    temperature_differences,
-)
+from thermobearing.cyclic.run import run, run_case
+from thermobearing.model.earlier import models_that_fit
+from thermobearing.results.selection import force_differences, more, temperature_differences
 
-Floats = NDArray[np.float64]
-PLACES = ("outer layer", "inner layer")
-PEAK = "peak stress"
-
-
-def _loading_rows(result: Result, run: int) -> NDArray[np.int64]:
-    """Kept steps of a run during which the bearing was being loaded (not at rest)."""
-    kinds = np.array([about["kind"] != "rest" for about in result.segments])
-    segment = result["segment"].values[run]
-    return np.flatnonzero((segment >= 0) & kinds[np.maximum(segment, 0)])
+STRAIN, PERIOD, COUNT, AMBIENT = 1.75, 4.0, 5, -20.0  # of the reference test; s, degC
+REFERENCE = f"{COUNT} sine cycles of {100 * STRAIN:g} %, {PERIOD:g} s, {AMBIENT:g} degC"
+FINER = 2  # times as many cells in layers and shims
+RICHARDSON = FINER**2 / (FINER**2 - 1)  # of the difference, for a scheme of second order
+TOLERABLE = 0.01  # of stiffness and energy: specimens of one make differ by 10 %
+MOST_CELLS = 1000  # in a layer
+LEAST_DAMPING = 1e-3  # h_eq below which there is no energy to speak of: linear rubber
 
 
-def _temperatures(result: Result, run: int, place: str) -> Floats:
-    """Of a layer, or of the lead, at all kept steps."""
-    if place == "lead":
-        return np.asarray(result["lead_temperature"].values[run])
-    values = result["rubber_temperature"].values[run]
-    half = bool(result.dataset.attrs["half_stack"])
-    inner = values.shape[1] - 1 if half else values.shape[1] // 2
-    return np.asarray(values[:, 0 if place == "outer layer" else inner])
-
-
-def _compared_places(result: Result) -> list[str]:
-    """Where temperatures are compared."""
-    return [*PLACES, *(["lead"] if result.has_lead else [])]
-
-
-def comparison_table(results: dict[str, Result], reference: str) -> pd.DataFrame:
-    """Errors of each model against the reference, one row per ambient temperature and model.
+def compare_models(case: Case) -> dict[str, Result]:
+    """Return the results of a test by model, the multi-layer one first.
 
     Parameters
     ----------
-    results : of the same test, by the name of the model.
-    reference : name of the one to compare with.
+    case : Case
+        All models run it with the conservative scheme and automatic stack.
 
     Returns
     -------
-    DataFrame : over the loadings, root mean square and largest temperature error of the outer
-        layer, the inner layer and the lead [K]; root mean square force error [% of the peak];
-        error of G_e, h_eq and energy of the last cycle and of the peak force [%]. A model whose
-        run ended early, which its outcome says, is compared as far as it got.
+    dict of Result
+
+    Examples
+    --------
+    >>> import thermobearing as tb
+    >>> test = tb.cyclic_test(strain=[1.0], cycles=1)
+    >>> results = compare_models(tb.cyclic.make_case({}, "example", test=test, ambient=[23.0]))
+    >>> list(results)[:2]
+    ['multi-layer', 'adiabatic']
     """
-    truth = results[reference]
-    rows = [
-        _errors(truth, other, name, run)
-        for run in range(truth.dataset.sizes["ambient"])
-        for name, other in results.items()
-        if name != reference
-    ]
-    return pd.DataFrame(rows)
+    results: dict[str, Result] = {}
+    for model in models_that_fit(case.bearing):
+        changes = {"model": model, "scheme": "conservative", "stack": "auto"}
+        analysis = case.analysis.model_copy(update=changes)
+        results[model] = run_case(case.model_copy(update={"analysis": analysis}))
+    return results
+
+
+def comparison_table(results: Mapping[str, Result]) -> pd.DataFrame:
+    """Return the errors of each model against the first, a row per ambient temperature and model.
+
+    Over the loadings: root mean square and largest temperature error of the outer layer, the inner
+    layer and the lead [K]; root mean square force error [% of the peak]; error of G_e, h_eq and
+    energy of the last cycle and of the peak force [%]. A model whose run ended early, which its
+    outcome says, is compared as far as it got.
+    """
+    (_, truth), *others = results.items()
+    return pd.DataFrame(
+        [
+            _errors(truth, other, name, number)
+            for number in range(truth.dataset.sizes["ambient"])
+            for name, other in others
+        ]
+    )
 
 
 def _errors(truth: Result, other: Result, name: str, run: int) -> dict[str, Any]:
@@ -83,7 +88,7 @@ def _errors(truth: Result, other: Result, name: str, run: int) -> dict[str, Any]
     loaded = _loading_rows(truth, run)
     loaded = loaded[loaded < len(kept)]
     loaded = loaded[kept[loaded]]
-    for place in _compared_places(truth):
+    for place in compared_places(truth):
         found, expected = (_temperatures(r, run, place)[loaded] for r in (other, truth))
         row |= temperature_differences(place, found, expected)
     row |= force_differences(*(r["force"].values[run, loaded] for r in (other, truth)))
@@ -93,54 +98,116 @@ def _errors(truth: Result, other: Result, name: str, run: int) -> dict[str, Any]
     return row
 
 
-def comparison_figure(results: dict[str, Result], reference: str) -> Figure:
-    """Errors of each model at the end of each cycle of the test, one line per model.
+def _loading_rows(result: Result, run: int) -> Ints:
+    """Return the kept steps of a run in which the bearing was being loaded (not at rest)."""
+    kinds = np.array([about["kind"] != "rest" for about in result.segments])
+    segment = result["segment"].values[run]
+    return np.flatnonzero((segment >= 0) & kinds[np.maximum(segment, 0)])
+
+
+def compared_places(result: Result) -> list[str]:
+    """Return where temperatures are compared."""
+    return ["outer layer", "inner layer", *(["lead"] if result.has_lead else [])]
+
+
+def _temperatures(result: Result, run: int, place: str) -> Floats:
+    """Return the temperature at one of `compared_places` at all kept steps [degC]."""
+    if place == "lead":
+        return np.asarray(result["lead_temperature"].values[run])
+    values = result["rubber_temperature"].values[run]
+    half = bool(result.dataset.attrs["half_stack"])
+    inner = values.shape[1] - 1 if half else values.shape[1] // 2
+    return np.asarray(values[:, 0 if place == "outer layer" else inner])
+
+
+@dataclass(frozen=True)
+class CellsError:
+    """What too few cells do to the last cycle of the reference test; signs as they are.
+
+    Attributes
+    ----------
+    stiffness, energy : float
+        Of G_eq and of the energy of the cycle, relative.
+    warming : float
+        Of the rise of the hottest layer [K].
+    rise : float
+        That rise, with many cells [K].
+    cells : int
+        In a rubber layer.
+    """
+
+    stiffness: float
+    energy: float
+    warming: float
+    rise: float
+    cells: int
+
+    @property
+    def worst(self) -> float:
+        """The larger of stiffness and energy, without sign."""
+        return max(abs(self.stiffness), abs(self.energy))
+
+    @property
+    def enough(self) -> bool:
+        """Whether both are tolerable."""
+        return self.worst <= TOLERABLE
+
+    @property
+    def advised(self) -> int:
+        """Cells in a rubber layer that would be enough, even."""
+        wanted = self.cells * math.sqrt(self.worst / TOLERABLE)
+        return min(MOST_CELLS, max(self.cells, 2 * math.ceil(0.5 * wanted)))
+
+
+def cells_error(bearing: Bearing) -> CellsError | None:
+    """Estimate the error of a bearing's cells in layers and shims, from twice as many.
+
+    Parameters
+    ----------
+    bearing : Bearing
+        Any layered bearing.
 
     Returns
     -------
-    Figure : a row of panels for each place (outer layer, inner layer, lead) [K] and one for the
-        peak stress of each cycle [%]; a column for each ambient temperature.
+    CellsError or None
+        None where the reference test does not run to its end.
+
+    Raises
+    ------
+    InputError
+        Twice as many cells are more than a run can have.
+
+    Examples
+    --------
+    >>> from thermobearing.bearing.library import load_bearing
+    >>> found = cells_error(load_bearing("shen-hdr-specimen"))
+    >>> found.enough, found.advised
+    (False, 4)
     """
-    truth = results[reference]
-    ambient = truth["ambient"].values
-    rows = [*_compared_places(truth), PEAK]
-    others = [name for name in results if name != reference]
-    colours = dict(zip(others, drawing.ordered_colours(len(others), "turbo"), strict=True))
-    size = (max(7.0, 1.5 + 3.4 * len(ambient)), 1.4 + 1.9 * len(rows))
-    title = f"{truth.dataset.attrs['title']}: earlier models against the {reference} one"
-    figure, axes = drawing.panels(len(rows), len(ambient), size, title)
-    for line, row in enumerate(rows):
-        shared = axes[line * len(ambient) : (line + 1) * len(ambient)]
-        for run, ax in enumerate(shared):
-            expected = _at_cycles(truth, run, row)
-            for name, colour in colours.items():
-                found = _at_cycles(results[name], run, row)
-                same = expected[: len(found)]  # those of a run that ended early
-                error = 100.0 * (found / same - 1.0) if row == PEAK else found - same
-                numbers = np.arange(1, len(error) + 1)
-                ax.plot(numbers, error, color=colour, marker=".", markersize=3.5, linewidth=0.9)
-            ax.axhline(0.0, color=drawing.INK, linewidth=0.8)
-            if line == 0:
-                drawing.name_axes(ax, title=f"ambient {drawing.degrees(float(ambient[run]))}")
-        low, high = drawing.common_limits(shared)
-        for ax in shared:
-            ax.set_ylim(low, high)
-        label = f"{row} [%]" if row == PEAK else f"error of {row} [K]"
-        drawing.name_axes(shared[0], y=label)
-    for ax in axes[-len(ambient) :]:
-        drawing.name_axes(ax, "cycle of the test")
-    handles = [Line2D([], [], color=colours[name], label=name) for name in others]
-    drawing.legend_below(figure, handles)
-    return figure
+    cells = bearing.cells
+    twice = {"rubber": FINER * cells.rubber, "shim": FINER * cells.shim}
+    finer = bearing.model_copy(update={"cells": cells.model_copy(update=twice)})
+    step = {"step": "cycles", "strain": STRAIN, "wave": "sine", "period": PERIOD, "count": COUNT}
+    test = CyclicTest(dt=0.005, steps=[step])
+    given, fine = (run(each, test, AMBIENT) for each in (bearing, finer))
+    if given.outcome != "completed" or fine.outcome != "completed":
+        return None
+    ours, better = _last_cycle(given), _last_cycle(fine)
+    rise = better[2] - AMBIENT
+    return CellsError(
+        stiffness=RICHARDSON * (ours[0] - better[0]) / better[0],
+        energy=RICHARDSON * (ours[1] - better[1]) / max(better[1], LEAST_DAMPING * better[0]),
+        warming=RICHARDSON * (ours[2] - better[2]),
+        rise=rise + (RICHARDSON - 1.0) * (better[2] - ours[2]),
+        cells=cells.rubber,
+    )
 
 
-def _at_cycles(result: Result, run: int, row: str) -> Floats:
-    """Temperature at the end, or the largest stress, of each cycle."""
-    cycles = result.cycles
-    mine = cycles[cycles["ambient_degC"] == float(result["ambient"].values[run])]
-    if row == PEAK:
-        return np.asarray(mine["stress_max_MPa"], dtype=float)
-    layers = result.dataset.sizes["layer"]
-    inner = layers if result.dataset.attrs["half_stack"] else layers // 2 + 1
-    name = {"lead": "lead_degC", "outer layer": "rubber1_degC"}.get(row, f"rubber{inner}_degC")
-    return np.asarray(mine[name], dtype=float)
+def _last_cycle(result: Result) -> tuple[float, float, float]:
+    """Return G_eq and G_eq h_eq [MPa] of the last cycle, and the hottest layer [degC].
+
+    The energy is 2 pi G_eq h_eq strain^2 a volume.
+    """
+    last = result.cycles.iloc[-1]
+    modulus, damping = float(last["G_eq_MPa"]), float(last["h_eq"])
+    return modulus, modulus * damping, float(result["rubber_temperature"].values[0, -1].max())

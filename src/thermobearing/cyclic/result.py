@@ -1,99 +1,66 @@
-"""What `run` returns: the labelled dataset, with the numbers and pictures engineers ask for."""
+"""The result of a displacement-controlled test: measures of cycles, energy balance, files."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pandas as pd
 import xarray as xr
-from numpy.typing import NDArray
 
-from thermobearing.border.deprecated import renamed
-from thermobearing.border.showing import Shown, table_html
+from thermobearing.border.errors import InputError
+from thermobearing.core.records import Floats
+from thermobearing.quantities.register import Quantity, quantity
+from thermobearing.quantities.tables import Table
+from thermobearing.results.base import DatasetResult
+from thermobearing.results.directory import COMPARISON, DATASET, HISTORY, RESOLVED
 from thermobearing.results.metrics import (
     LEAST_WARMING,
-    CycleMeasures,
     find_cycles,
     measure_cycle,
     relative_residual,
 )
-from thermobearing.results.ranges import largest_tested
+from thermobearing.results.saved import read_dataset
 from thermobearing.results.selection import chosen_runs, selected
-from thermobearing.results.writing import (
-    compared_rows,
-    exposure_summary,
-    from_attribute,
-    limits_summary,
-)
+from thermobearing.results.writing import DIGITS, from_attribute, without_formulas, write_dataset
 
-if TYPE_CHECKING:
-    from thermobearing.cyclic.figures import Figures
-
-Floats = NDArray[np.float64]
-UNITS = {"_kN_mm": "kN mm", "_kN": "kN", "_MPa": "MPa", "_degC": "degC"}
-LABELS = ("ambient", "strain", "cycle")
-
-
-def find_unit(column: str) -> str:
-    """Unit of a column of `Result.cycles`, from its name.
-
-    Examples
-    --------
-    >>> find_unit("K_eq_kN_mm"), find_unit("energy_kN_mm"), find_unit("h_eq")
-    ('kN/mm', 'kN mm', '1')
-    """
-    if column.endswith(("stiffness_kN_mm", "K_eq_kN_mm")):
-        return "kN/mm"
-    return next((unit for end, unit in UNITS.items() if column.endswith(end)), "1")
-
-
-def _measures_dataset(cycles: pd.DataFrame, *, recorded: bool) -> xr.Dataset:
-    """Columns of `Result.cycles` as variables over ambient temperature, strain and cycle.
-
-    Where a strain comes twice, and in `recorded` histories, whose cycles have each their own, the
-    dimensions are ambient temperature and `number` of the cycle in the test.
-    """
-    table = cycles.rename(columns={"ambient_degC": "ambient", "amplitude_strain": "strain"})
-    labels = list(LABELS)
-    if not len(table):
-        return xr.Dataset()
-    if recorded or table.duplicated(labels).any():
-        table["number"] = table.groupby("ambient").cumcount() + 1
-        labels = ["ambient", "number"]
-    found = table.set_index(labels).to_xarray()
-    for name in found.variables:
-        found[name].attrs["units"] = find_unit(str(name))
-    found["ambient"].attrs["units"] = "degC"
-    return found
-
-
-def _cycle_summary(row: dict[Any, Any]) -> dict[str, Any]:
-    """One cycle of summary.json from a row of `Result.cycles`."""
-    rubber = [float(value) for key, value in row.items() if str(key).startswith("rubber")]
-    plain = {
-        str(key): value
-        for key, value in row.items()
-        if key != "ambient_degC" and not str(key).startswith("rubber")
-    }
-    return {"lead_degC": None} | plain | {"rubber_degC": rubber}
-
-
-Ints = NDArray[np.int64]
 CYCLES = "closed_cycle"  # dimension of the measures in a file, and the beginning of their names
+BALANCE = ("work_in", "heat_released", "recoverable", "heat_lost_ends", "heat_lost_sides")
+CSV_BLOCK = 50_000  # rows formatted at a time
+# Heads of a history and names in its dataset; those of layers are after them.
+HEADS = {
+    **{"displacement_mm": "displacement", "force_kN": "force"},
+    **{"stress_MPa": "stress", "strain": "strain"},
+}
 
 
-class Result(Shown):
+def run_name(ambient: float) -> str:
+    """Return what a run at an ambient temperature [degC] is called in sentences."""
+    return f"the run at {ambient:g} degC"
+
+
+def column_quantity(name: str) -> Quantity:
+    """Return the quantity of a column of `Result.cycles`."""
+    if name.startswith("rubber"):
+        number = name.removeprefix("rubber").removesuffix("_degC")
+        return quantity("rubber_degC", name=name, head=f"Layer {number}")
+    return quantity(name)
+
+
+class Result(DatasetResult):
     """Outcome of an analysis at one or several ambient temperatures.
 
     Its `dataset` has named dimensions and a unit on every variable; `result["force"]` is
-    `result.dataset["force"]`.
+    `result.dataset["force"]`. It is labelled when it is first asked for, which takes as long as a
+    short run. `compared` holds the results of the same test by other models, by name, this one
+    first; it is empty unless they were run.
 
     Parameters
     ----------
-    dataset : the dataset, or what makes it when it is first asked for.
+    dataset : xarray.Dataset or callable
+        The dataset, or what makes it when it is first asked for.
 
     Examples
     --------
@@ -104,48 +71,46 @@ class Result(Shown):
     'kN'
     """
 
+    _figures = "Figures"
+    compared: Mapping[str, "Result"] = {}
+
     def __init__(self, dataset: xr.Dataset | Callable[[], xr.Dataset]) -> None:
         self._given = dataset
 
     @cached_property
     def dataset(self) -> xr.Dataset:
-        """Histories and provenance; labelled when first asked for, which takes as long as a run."""
-        made = self._given() if callable(self._given) else self._given
-        self._given = made  # what it was made of is not kept beside it
-        return made
-
-    def __getitem__(self, name: str) -> xr.DataArray:
-        return self.dataset[name]
+        """Histories and provenance."""
+        found = self._given() if callable(self._given) else self._given
+        self._given = found  # releases the runs that it was made of
+        return found
 
     @property
     def headline(self) -> str:
-        """What it is, in a line."""
+        """What it is and how it ended, in a line."""
         ambient = ", ".join(f"{t:g}" for t in self.dataset["ambient"].values)
         steps = int(self.dataset["steps"].sum())
         return (
-            f"Result of {self.bearing_name} at {ambient} degC: {steps} steps, "
+            f"Result of {self.dataset.attrs['bearing']} at {ambient} degC: {steps} steps, "
             f"{len(self.cycles)} cycles, {self.outcome}"
         )
 
-    def _repr_html_(self) -> str:
-        return table_html(self.headline, self.cycles, self.warnings)
-
-    def show(self) -> None:
-        """Print the tables that the command prints: cycles and energy books of each run."""
-        from thermobearing.cyclic.output import print_result
-
-        print_result(self)
+    @property
+    def table(self) -> pd.DataFrame:
+        """The measures of the closed cycles; see `cycles`."""
+        return self.cycles
 
     def sel(self, *, ambient: float | list[float]) -> "Result":
-        """The runs at some ambient temperatures.
+        """Return the runs at some ambient temperatures.
 
         Parameters
         ----------
-        ambient : one or several [degC].
+        ambient : float or list of float
+            One or several temperatures [degC].
 
         Raises
         ------
-        InputError : no run at such a temperature.
+        InputError
+            No run at such a temperature.
 
         Examples
         --------
@@ -158,16 +123,16 @@ class Result(Shown):
         data = self.dataset
         runs = chosen_runs({"ambient": data["ambient"].values}, {"ambient": ambient})
         chosen = selected(data, "ambient", runs, [run_name(t) for t in data["ambient"].values])
-        if CYCLES in data.dims:
+        if CYCLES in chosen.dims:
             mine = np.isin(data[f"{CYCLES}_ambient_degC"].values, chosen["ambient"].values)
             chosen = chosen.isel({CYCLES: np.flatnonzero(mine)})
         return Result(chosen)
 
     def to_dataset(self) -> xr.Dataset:
-        """The measures of `cycles` over ambient temperature, strain and cycle.
+        """Return the measures of `cycles` over ambient temperature, strain and cycle.
 
-        Where a strain comes twice, and in recorded histories, over ambient temperature and the
-        number of the cycle. The histories are in `dataset`.
+        Where a strain comes twice, and in recorded histories, the dimensions are ambient
+        temperature and number of the cycle. The histories are in `dataset`.
 
         Examples
         --------
@@ -176,13 +141,19 @@ class Result(Shown):
         >>> result.to_dataset()["h_eq"].dims
         ('ambient', 'strain', 'cycle')
         """
+        if not len(self.cycles):
+            return xr.Dataset()
+        short = {"ambient_degC": "ambient", "amplitude_strain": "strain"}
+        units = {short.get(n, n): column_quantity(n).stored for n in map(str, self.cycles)}
+        table, labels = self.cycles.rename(columns=short), ["ambient", "strain", "cycle"]
         recorded = any(segment["kind"] == "recorded" for segment in self.segments)
-        return _measures_dataset(self.cycles, recorded=recorded)
-
-    @property
-    def bearing_name(self) -> str:
-        """Name of the bearing."""
-        return str(self.dataset.attrs["bearing"])
+        if recorded or table.duplicated(labels).any():
+            table["number"] = table.groupby("ambient").cumcount() + 1
+            labels = ["ambient", "number"]
+        found = table.set_index(labels).to_xarray()
+        for name in found.variables:
+            found[name].attrs["units"] = units.get(str(name), "1")
+        return found
 
     @cached_property
     def segments(self) -> list[dict[str, Any]]:
@@ -190,44 +161,22 @@ class Result(Shown):
         return list(from_attribute(self.dataset, "segments"))
 
     @property
-    def outcome(self) -> str:
-        """Name of what ended the first run that did not complete, else completed."""
-        names = [str(name) for name in self.dataset["outcome"].values]
-        return next((name for name in names if name != "completed"), "completed")
-
-    @property
-    def sentence(self) -> str:
-        """What the outcome means and what to try."""
-        return str(from_attribute(self.dataset, "sentences").get(self.outcome, ""))
-
-    @property
-    def warnings(self) -> list[str]:
-        """Sentences about accuracy that a user should read; empty when there is nothing."""
-        return list(from_attribute(self.dataset, "warnings"))
-
-    @property
-    def rig(self) -> pd.DataFrame:
-        """What each run asks of each limit of the rig, and whether it passes it; empty without."""
-        return compared_rows(self.dataset, "rig")
-
-    @property
-    def tested_range(self) -> pd.DataFrame:
-        """What each run asks of the range that the bearing was tested in; empty if not given."""
-        return compared_rows(self.dataset, "tested_range")
+    def has_lead(self) -> bool:
+        """Whether the bearing has lead cores."""
+        return float(self.dataset.attrs["lead_capacity_kN_mm_per_K"]) > 0.0
 
     def tested_to(self, run: int, limit: str) -> float:
-        """Largest tested value of a quantity that a run goes beyond; infinite where it does not."""
-        name = run_name(float(self.dataset["ambient"].values[run]))
-        return largest_tested(self.tested_range.to_dict("records"), name, limit)
+        """Return the largest tested value of a quantity that a run exceeds; else infinity."""
+        return self.largest_tested(run_name(float(self.dataset["ambient"].values[run])), limit)
 
     def time(self, run: int) -> Floats:
-        """Times of the kept steps of a run [s]."""
+        """Return the times of the kept steps of a run [s]."""
         if "clock" in self.dataset:
             return np.asarray(self.dataset["clock"].values[run])
         return np.asarray(self.dataset["time"].values)
 
     def _cycle_rows(self, run: int) -> list[tuple[int, int, slice]]:
-        """(segment, cycle, rows with the closing point of the cycle before) of a run."""
+        """Return (segment, cycle, rows from the closing point of the cycle before) of a run."""
         segment = self.dataset["segment"].values[run]
         cycle = self.dataset["cycle"].values[run]
         x = self.dataset["displacement"].values[run]
@@ -258,63 +207,51 @@ class Result(Shown):
 
         Temperatures are those at the end of the cycle; `rubber1_degC` is the outer layer.
         """
-        if CYCLES in self.dataset.dims:  # measured before the history was thinned
-            stored = [str(name) for name in self.dataset if str(name).startswith(f"{CYCLES}_")]
-            columns = {n.removeprefix(f"{CYCLES}_"): self.dataset[n].values for n in stored}
-            return pd.DataFrame(columns)
-        attrs = self.dataset.attrs
-        x, f, work = (self.dataset[name].values for name in ("displacement", "force", "work_in"))
+        data, attrs = self.dataset, self.dataset.attrs
+        if CYCLES in data.dims:  # measured before the history was thinned
+            stored = [str(name) for name in data if str(name).startswith(f"{CYCLES}_")]
+            return pd.DataFrame({n.removeprefix(f"{CYCLES}_"): data[n].values for n in stored})
+        x, f, work = (data[name].values for name in ("displacement", "force", "work_in"))
+        area, rubber = attrs["area_mm2"], attrs["total_rubber_thickness_mm"]
+        stress = 1e3 / area
         rows: list[dict[str, Any]] = []
-        ends: list[tuple[int, int]] = []
-        for run, ambient in enumerate(self.dataset["ambient"].values):
+        for run, ambient in enumerate(data["ambient"].values):
             for number, k, where in self._cycle_rows(run):
-                ends.append((run, where.stop - 1))
-                measures = measure_cycle(
+                last = where.stop - 1
+                m = measure_cycle(
                     x[run, where],
                     f[run, where],
-                    area=attrs["area_mm2"],
-                    total_rubber_thickness=attrs["total_rubber_thickness_mm"],
-                    # from the books, which know every step and not only the kept ones
-                    work=float(work[run, where.stop - 1] - work[run, where.start]),
+                    area=area,
+                    total_rubber_thickness=rubber,
+                    # of every step, not only the kept ones
+                    work=float(work[run, last] - work[run, where.start]),
                 )
-                rows.append(self._row(float(ambient), self.segments[number], k, measures))
-        return pd.concat([pd.DataFrame(rows), pd.DataFrame(self._temperatures(ends))], axis=1)
-
-    def _row(
-        self, ambient: float, segment: dict[str, Any], cycle: int, m: CycleMeasures
-    ) -> dict[str, Any]:
-        stress = 1e3 / self.dataset.attrs["area_mm2"]
-        rubber = self.dataset.attrs["total_rubber_thickness_mm"]
-        return {
-            "ambient_degC": ambient,
-            "amplitude_strain": segment["amplitude_strain"]
-            if segment["kind"] == "cycles"
-            else m.amplitude_mm / rubber,
-            "cycle": cycle,
-            "G_eq_MPa": m.G_eq_MPa,
-            "K_eq_kN_mm": m.stiffness_kN_mm,
-            "h_eq": m.h_eq,
-            "stress_max_MPa": m.force_max_kN * stress,
-            "stress_min_MPa": m.force_min_kN * stress,
-            "energy_kN_mm": m.energy_kN_mm,
-            "characteristic_strength_kN": m.characteristic_strength_kN,
-            "post_yield_stiffness_kN_mm": m.post_yield_stiffness_kN_mm,
-        }
-
-    def _temperatures(self, ends: list[tuple[int, int]]) -> dict[str, Floats]:
-        """Of layers (if they were kept) and lead at kept steps (run, row)."""
-        if "rubber_temperature" not in self.dataset or not ends:
-            return {}
-        runs, rows = np.array(ends).T
-        values = self.dataset["rubber_temperature"].values[runs, rows]
-        found = {f"rubber{j}_degC": column for j, column in enumerate(values.T, 1)}
-        if self.has_lead:
-            found["lead_degC"] = self.dataset["lead_temperature"].values[runs, rows]
-        return found
+                about = self.segments[number]
+                imposed = about["amplitude_strain"] if about["kind"] == "cycles" else None
+                row = {
+                    "ambient_degC": float(ambient),
+                    "amplitude_strain": m.amplitude_mm / rubber if imposed is None else imposed,
+                    "cycle": k,
+                    "G_eq_MPa": m.G_eq_MPa,
+                    "K_eq_kN_mm": m.stiffness_kN_mm,
+                    "h_eq": m.h_eq,
+                    "stress_max_MPa": m.force_max_kN * stress,
+                    "stress_min_MPa": m.force_min_kN * stress,
+                    "energy_kN_mm": m.energy_kN_mm,
+                    "characteristic_strength_kN": m.characteristic_strength_kN,
+                    "post_yield_stiffness_kN_mm": m.post_yield_stiffness_kN_mm,
+                }
+                if "rubber_temperature" in data:
+                    layers = data["rubber_temperature"].values[run, last]
+                    row |= {f"rubber{j}_degC": value for j, value in enumerate(layers, 1)}
+                    if self.has_lead:
+                        row["lead_degC"] = data["lead_temperature"].values[run, last]
+                rows.append(row)
+        return pd.DataFrame(rows)
 
     @cached_property
     def energy(self) -> pd.DataFrame:
-        """Energy books at the end of each run [kN mm], one row per ambient temperature.
+        """Energy balance at the end of each run [kN mm], one row per ambient temperature.
 
         `mechanical_residual` is (work in - heat released - recoverable) and
         `thermal_residual` (heat released - stored - lost), both over the largest of work, heat
@@ -324,85 +261,86 @@ class Result(Shown):
         """
         data = self.dataset
         capacity = np.asarray(from_attribute(data, "heat_capacity_kN_mm_per_K"))
+        lead_capacity = float(data.attrs["lead_capacity_kN_mm_per_K"])
         rows = []
         for run, ambient in enumerate(data["ambient"].values):
             last = int(np.flatnonzero(data["segment"].values[run] >= 0)[-1])
-            book = {
-                name: float(data[name].values[run, last])
-                for name in (
-                    "work_in",
-                    "heat_released",
-                    "recoverable",
-                    "heat_lost_ends",
-                    "heat_lost_sides",
-                )
-            }
+            work, heat, elastic, ends, sides = (
+                float(data[name].values[run, last]) for name in BALANCE
+            )
+            elastic -= float(data["recoverable"].values[run, 0])  # of an earlier test
             warmer = data["final_temperature"].values[run] - data["initial_temperature"].values[run]
-            stored = float(capacity @ warmer) + self._heat_in_lead(run, last)
-            book["recoverable"] -= float(data["recoverable"].values[run, 0])  # of an earlier test
-            lost = book["heat_lost_ends"] + book["heat_lost_sides"]
-            energies = [book["work_in"], stored, lost]
-            unbalanced = book["work_in"] - book["heat_released"] - book["recoverable"]
-            least_heat = LEAST_WARMING * (float(capacity.sum()) + self._lead_capacity)
+            stored = float(capacity @ warmer)
+            if self.has_lead:
+                lead = data["lead_temperature"].values[run]
+                stored += lead_capacity * (float(lead[last]) - float(lead[0]))
+            energies = [work, stored, ends + sides]
+            least_heat = LEAST_WARMING * (float(capacity.sum()) + lead_capacity)
             rows.append(
                 {
                     "ambient_degC": float(ambient),
-                    "work_in_kN_mm": book["work_in"],
-                    "heat_released_kN_mm": book["heat_released"],
-                    "recoverable_kN_mm": book["recoverable"],
+                    "work_in_kN_mm": work,
+                    "heat_released_kN_mm": heat,
+                    "recoverable_kN_mm": elastic,
                     "heat_stored_kN_mm": stored,
-                    "heat_lost_ends_kN_mm": book["heat_lost_ends"],
-                    "heat_lost_sides_kN_mm": book["heat_lost_sides"],
-                    "mechanical_residual": relative_residual(unbalanced, energies),
+                    "heat_lost_ends_kN_mm": ends,
+                    "heat_lost_sides_kN_mm": sides,
+                    "mechanical_residual": relative_residual(work - heat - elastic, energies),
                     "thermal_residual": relative_residual(
-                        book["heat_released"] - stored - lost, energies, least_heat
+                        heat - stored - (ends + sides), energies, least_heat
                     ),
                 }
             )
         return pd.DataFrame(rows)
 
-    def _heat_in_lead(self, run: int, last: int) -> float:
-        """Heat stored in the lead since the start [kN mm], from its temperatures."""
-        if "lead_temperature" not in self.dataset or not self.has_lead:
-            return 0.0
-        first = float(self.dataset["lead_temperature"].values[run, 0])
-        final = float(self.dataset["lead_temperature"].values[run, last])
-        return self._lead_capacity * (final - first)
+    def tables(self) -> dict[str, Table]:
+        """Tables for readers: cycles, energy balance, and other models if they were run."""
+        found: dict[str, Table] = self._view("tables").result_tables(self)
+        return found
 
-    @property
-    def _lead_capacity(self) -> float:
-        """Heat capacity of all lead cores [kN mm/K]."""
-        return float(self.dataset.attrs["lead_capacity_kN_mm_per_K"])
-
-    @property
-    def has_lead(self) -> bool:
-        """Whether the bearing has lead cores."""
-        return self._lead_capacity > 0.0
+    def notes(self) -> list[str]:
+        """Sentences on softened layers and on other models that ended early."""
+        found = []
+        for run, ambient in enumerate(self.dataset["ambient"].values):
+            steps, softened, mismatch = (
+                self.dataset[name].values[run]
+                for name in ("steps", "softened_steps", "layer_force_mismatch_max")
+            )
+            if softened:
+                found.append(
+                    f"{ambient:g} degC: softened layers in {softened} of {steps} steps, layer law "
+                    f"at most {mismatch:.3g} kN from the force"
+                )
+        for name, other in self.compared.items():
+            outcomes = zip(other["ambient"].values, other["outcome"].values, strict=True)
+            found += [
+                f"{name} at {air:g} degC ended early: {end}; its errors are those until then"
+                for air, end in outcomes
+                if end != "completed"
+            ]
+        return found
 
     def summary(self) -> dict[str, Any]:
-        """The content of summary.json, see the interface description in docs/files.md."""
+        """Return the content of summary.json; see docs/files.md."""
         attrs = self.dataset.attrs
         return {
-            "command": attrs["command"],
-            "bearing": attrs["bearing"],
-            "scheme": attrs["scheme"],
-            "version": attrs["version"],
+            **{key: attrs[key] for key in ("command", "bearing", "scheme", "version")},
             "outcome": self.outcome,
             "warnings": self.warnings,
-            **limits_summary(self.rig, self.tested_range),
-            **exposure_summary(self.dataset),
+            **self._limits_summary(),
             "runs": [self._run_summary(run) for run in range(self.dataset.sizes["ambient"])],
         }
 
     def _run_summary(self, run: int) -> dict[str, Any]:
-        data = self.dataset
-        ambient = float(data["ambient"].values[run])
-        outcome = str(data["outcome"].values[run])
+        data, sentences = self.dataset, from_attribute(self.dataset, "sentences")
+        ambient, outcome = float(data["ambient"].values[run]), str(data["outcome"].values[run])
         softened = int(data["softened_steps"].values[run])
         sharing = "softened_layers" if softened else "equal_layer_forces"
-        sentences = from_attribute(data, "sentences")
-        cycles = self.cycles
-        mine = cycles[cycles["ambient_degC"] == ambient] if len(cycles) else cycles
+        cycles = []
+        for row in self.cycles.to_dict("records"):
+            if row.pop("ambient_degC") == ambient:
+                layers = [row.pop(name) for name in list(row) if str(name).startswith("rubber")]
+                cycles.append({"lead_degC": None} | row | {"rubber_degC": layers})
         return {
             "ambient_degC": ambient,
             "outcome": outcome,
@@ -414,34 +352,54 @@ class Result(Shown):
                 "softened_steps": softened,
                 "steps": int(data["steps"].values[run]),
             },
-            "cycles": [_cycle_summary(dict(row)) for row in mine.to_dict("records")],
+            "cycles": cycles,
             "energy": {
-                key: float(value)
-                for key, value in self.energy.iloc[run].items()
-                if key != "ambient_degC"
+                k: float(v) for k, v in self.energy.iloc[run].items() if k != "ambient_degC"
             },
         }
 
-    @cached_property
-    def plot(self) -> "Figures":
-        """Figures: `result.plot.loops()`, `.displacement()`, `.measures()`, ... ."""
-        from thermobearing.cyclic.figures import Figures
-
-        return Figures(self)
-
-    @renamed(force="overwrite")
-    def save(self, directory: str | Path, *, overwrite: bool = False, figures: bool = True) -> Path:
-        """Write the result directory (summary, netCDF, CSV, resolved case, figures).
-
-        Raises
-        ------
-        OutputError : the directory exists and `force` is False, or it cannot be written.
-        """
-        from thermobearing.cyclic.output import save_result
-
-        return save_result(self, Path(directory), overwrite=overwrite, figures=figures)
+    def _write(self, folder: Path) -> None:
+        """Write the resolved case, history.csv, result.nc, and comparison.csv with other models."""
+        (folder / RESOLVED).write_text(self.dataset.attrs["case"], encoding="utf-8")
+        written = self._view("dataset").written_part(self)
+        with (folder / HISTORY).open("w", encoding="utf-8") as file:
+            file.writelines(history_blocks(written))
+        write_dataset(written.dataset, folder / DATASET)
+        if self.compared:
+            table = self._view("comparison").comparison_table(self.compared)
+            without_formulas(table).to_csv(folder / COMPARISON, index=False)
 
 
-def run_name(ambient: float) -> str:
-    """What a run is called in sentences."""
-    return f"the run at {ambient:g} degC"
+def history_blocks(result: Result) -> Iterator[str]:
+    """Yield the text of history.csv in blocks: one row per kept step and ambient temperature."""
+    last = "" if result.has_lead else ","  # lead_degC stays empty where the bearing has no lead
+    names = [*history_columns(result, 0), *(["lead_degC"] if last else [])]
+    yield ",".join(["ambient_degC", *names]) + "\n"
+    for run, ambient in enumerate(result.dataset["ambient"].values):
+        columns = list(history_columns(result, run).values())
+        # Long after the start, steps are short: nine digits of time.
+        line = f"{ambient:.9g},%.9g," + ",".join([DIGITS] * (len(columns) - 1)) + last + "\n"
+        for first in range(0, len(columns[0]), CSV_BLOCK):
+            block = np.column_stack([column[first : first + CSV_BLOCK] for column in columns])
+            yield (line * len(block)) % tuple(block.ravel().tolist())
+
+
+def history_columns(result: Result, run: int) -> dict[str, Floats]:
+    """Return the columns of the history of one run by their heads in history.csv."""
+    data = result.dataset
+    count = int((data["segment"].values[run] >= 0).sum())
+    columns = {"time_s": result.time(run)[:count]}
+    columns |= {head: data[name].values[run, :count] for head, name in HEADS.items()}
+    if "rubber_temperature" in data:
+        layers = data["rubber_temperature"].values[run, :count].T
+        columns |= {f"rubber{j}_degC": layer for j, layer in enumerate(layers, 1)}
+    if result.has_lead:
+        columns["lead_degC"] = data["lead_temperature"].values[run, :count]
+    return columns
+
+
+def load_cyclic(path: str | Path) -> Result:
+    """Return the saved result of a cyclic test; `load_result` reads that of any analysis."""
+    if "structure" in read_dataset(path, ("case",)).attrs:
+        raise InputError("is the result of an earthquake study, not of a test", str(path))
+    return Result(read_dataset(path, ("bearing", "case", "segments")))

@@ -35,7 +35,7 @@ from thermobearing.cyclic.history import History as Recorded
 from thermobearing.cyclic.history import build_segments, run_segments
 from thermobearing.cyclic.protocol import CyclicTest, checked_history
 from thermobearing.cyclic.result import Result
-from thermobearing.model.earlier import Model, models_that_fit
+from thermobearing.model.earlier import Model
 from thermobearing.model.handover import begun_from
 from thermobearing.model.options import ModelKeywords, ModelOptions, build_model, model_table
 from thermobearing.model.outcomes import INTERRUPTED
@@ -197,36 +197,3 @@ def run_case(
         if history.outcome == INTERRUPTED:
             break
     return label(case, model, segments, climates, histories)
-
-
-def compare_models(case: Case) -> dict[str, Result]:
-    """Results of models by name, the multi-layer one first.
-
-    Parameters
-    ----------
-    case : with the conservative scheme and automatic stack, as earlier models use them.
-
-    Returns
-    -------
-    dict of Result
-
-    Raises
-    ------
-    InputError : scheme or stack are not those.
-
-    Examples
-    --------
-    >>> from thermobearing.cyclic.case import make_case
-    >>> import thermobearing as tb
-    >>> test = tb.cyclic_test(strain=[1.0], cycles=1)
-    >>> results = compare_models(make_case({}, "example", test=test, ambient=[23.0]))
-    >>> list(results)[:2]
-    ['multi-layer', 'adiabatic']
-    """
-    results: dict[str, Result] = {}
-    for model in models_that_fit(case.bearing):
-        analysis = case.analysis.model_copy(
-            update={"model": model, "scheme": "conservative", "stack": "auto"}
-        )
-        results[model] = run_case(case.model_copy(update={"analysis": analysis}))
-    return results

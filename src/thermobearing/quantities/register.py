@@ -121,7 +121,7 @@ def _register() -> Mapping[str, Quantity]:
     return found
 
 
-def quantity(name: str, **changes: Any) -> Quantity:
+def quantity(name: str, /, **changes: Any) -> Quantity:
     """Return a row of the register.
 
     Parameters

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 import thermobearing
-from thermobearing.cyclic.output import written_part
+from thermobearing.cyclic.dataset import written_part
 from thermobearing.cyclic.report import rig_table, words_of_test
 from thermobearing.cyclic.reported import (
     analysis_table,

@@ -1,0 +1,170 @@
+"""Tables of a displacement-controlled test, for the console and for reports."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from thermobearing.cyclic.comparison import comparison_table
+from thermobearing.cyclic.result import Result, column_quantity, run_name
+from thermobearing.quantities.register import Quantity, quantity
+from thermobearing.quantities.tables import Table, make_table
+from thermobearing.report.content import MARKED, beyond_mark
+from thermobearing.results.metrics import CycleMeasures
+
+MEASURES = ("G_eq_MPa", "K_eq_kN_mm", "h_eq", "energy_kN_mm")
+BACKBONE = ("characteristic_strength_kN", "post_yield_stiffness_kN_mm")
+LABELS = ("ambient_degC", "amplitude_strain", "cycle")
+LIMITED = {"ambient_degC": "ambient", "amplitude_strain": "strain"}
+LIMITED |= {"cycle": "cycles", "lead_degC": "lead_temperature"}
+MOST_ROWS = 60
+MODELS = [f"{name} largest K" for name in ("inner layer", "lead")]
+MODELS += [f"{name} %" for name in ("peak force", "last G_e", "last h_eq", "last energy")]
+MEANINGS = (
+    "G_e: equivalent shear modulus (Eq. 3.1); h_eq: equivalent damping ratio (Eq. 3.2); "
+    "Q_d, K_d: characteristic strength and post-yield stiffness of the bearing; "
+    "temperatures at the end of the cycle."
+)
+
+
+def result_tables(result: Result) -> dict[str, Table]:
+    """Return the tables that the console prints: cycles, energy balance, other models."""
+    found = {"cycles": cycles_table(result)} if len(result.cycles) else {}
+    found["energy"] = energy_table(result)
+    if result.compared:
+        errors = comparison_table(result.compared)
+        names = ["ambient_degC", "model", *MODELS]
+        caption = "Earlier models: largest temperature error, error of the peak force and of the "
+        found["models"] = make_table(errors, names, f"{caption}last cycle", keys=2)
+    return found
+
+
+def cycles_table(result: Result, *, brief: bool = False) -> Table:
+    """Return the measures of cycles; in brief the first and last cycle of each amplitude.
+
+    All cycles of a short test are listed in brief too. Of the layer temperatures, the brief table
+    holds only that of the innermost layer.
+    """
+    cycles, whole = result.cycles, "each cycle"
+    if brief and len(cycles) > MOST_ROWS // 3:
+        group = _loadings(cycles)
+        cycles = cycles[(group != group.shift()) | (group != group.shift(-1))].head(MOST_ROWS)
+        whole = "the first and the last cycle of each amplitude"
+    area = float(result.dataset.attrs["area_mm2"])
+    peak = np.maximum(cycles["stress_max_MPa"], -cycles["stress_min_MPa"]) * (area / 1e3)
+    layers = [name for name in cycles.columns if name.startswith("rubber")]
+    heat = [column_quantity(name) for name in layers]
+    if brief:
+        heat = [quantity("rubber_degC", name=inner_layer(result), head="Inner rubber")]
+    columns: list[str | Quantity] = [
+        *LABELS,
+        *MEASURES,
+        "peak_force_kN",
+        *BACKBONE,
+        *heat,
+        "lead_degC",
+    ]
+    rows = result.tested_range.to_dict("records")
+    runs = [run_name(float(air)) for air in cycles["ambient_degC"]]
+    marked = {
+        name: [
+            beyond_mark(rows, run, limit, float(v))
+            for run, v in zip(runs, cycles[name], strict=True)
+        ]
+        for name, limit in LIMITED.items()
+        if name in cycles
+    }
+    note = f"{MEANINGS} {MARKED}." if any(map(any, marked.values())) else MEANINGS
+    frame = cycles.assign(peak_force_kN=peak)
+    return make_table(frame, columns, f"Measures of {whole}", keys=3, marked=marked, note=note)
+
+
+def _loadings(cycles: pd.DataFrame) -> "pd.Series[Any]":
+    """Return a number for each loading: cycles of one run that follow each other."""
+    return ((cycles["cycle"].diff() != 1) | (cycles["ambient_degC"].diff() != 0)).cumsum()
+
+
+def inner_layer(result: Result) -> str:
+    """Return the column of `Result.cycles` of the layer farthest from the end plates."""
+    layers = int(result.dataset.sizes.get("layer", 1))
+    return f"rubber{layers if result.dataset.attrs['half_stack'] else layers // 2 + 1}_degC"
+
+
+def ratio_table(result: Result) -> Table | None:
+    """Return the last cycle of each amplitude over that at the warmest ambient temperature.
+
+    None with one temperature. Cycles that a run did not come to are left out.
+    """
+    cycles = result.cycles
+    if not len(cycles) or cycles["ambient_degC"].nunique() < 2:
+        return None
+    last = cycles[_loadings(cycles) != _loadings(cycles).shift(-1)]
+    place = last.groupby("ambient_degC").cumcount()
+    warmest = float(last["ambient_degC"].max())
+    warm = last[last["ambient_degC"] == warmest].reset_index(drop=True).reindex(place)
+    names = ["G_eq_MPa", "h_eq", "energy_kN_mm", "characteristic_strength_kN"]
+    ratios = last[list(LABELS)].assign(
+        **{n: last[n].to_numpy() / warm[n].to_numpy() for n in names}
+    )
+    same = last["cycle"].to_numpy() == warm["cycle"].to_numpy()
+    ratios = ratios[same & (last["ambient_degC"] != warmest).to_numpy()]
+    if not len(ratios):
+        return None
+    columns = [
+        quantity(name, head=f"{quantity(name).head} ratio", unit="", factor=1.0, form=".2f")
+        for name in names
+    ]
+    caption = "Last cycle of each amplitude over that at "
+    caption += f"{warmest:g} °C".replace("-", "\N{MINUS SIGN}")
+    return make_table(
+        ratios.sort_values("ambient_degC", kind="stable"), [*LABELS, *columns], caption, keys=3
+    )
+
+
+def warming(result: Result) -> pd.DataFrame:
+    """Return the highest temperature and the rise of rubber layers and lead in each run.
+
+    Of more than three layers the first and the last; empty where they were not kept.
+    """
+    from thermobearing.results.drawing import layer_names
+
+    data = result.dataset
+    if "rubber_temperature" not in data:
+        return pd.DataFrame()
+    names = layer_names(data.sizes["layer"], bool(data.attrs["half_stack"]))
+    places = [0, len(names) - 1] if len(names) > 3 else range(len(names))
+    rows = []
+    for run, ambient in enumerate(data["ambient"].values):
+        kept = data["segment"].values[run] >= 0
+        rubber = data["rubber_temperature"].values[run, kept]
+        histories = {names[place]: rubber[:, place] for place in places}
+        if result.has_lead:
+            histories["lead"] = data["lead_temperature"].values[run, kept]
+        rows += [
+            {"ambient_degC": float(ambient), "part": name, "highest_degC": float(values.max())}
+            | {"rise_K": float(values.max() - values[0])}
+            for name, values in histories.items()
+        ]
+    return pd.DataFrame(rows)
+
+
+def energy_table(result: Result) -> Table:
+    """Return the energy balance at the end of each run."""
+    note = "Work in = heat released + recoverable; heat released = stored + lost. Residuals are "
+    note += "relative to the largest of these energies."
+    return make_table(result.energy, caption="Energy balance at the end of each run", note=note)
+
+
+def measured_table(
+    cycles: Sequence[CycleMeasures], ends: Sequence[str], total_rubber_thickness: float
+) -> Table:
+    """Return the measures of the cycles of a measured history, and how each ends."""
+    frame = pd.DataFrame([vars(m) for m in cycles]).assign(
+        cycle=np.arange(1, len(cycles) + 1),
+        amplitude_strain=[m.amplitude_mm / total_rubber_thickness for m in cycles],
+        K_eq_kN_mm=[m.stiffness_kN_mm for m in cycles],
+        ends=list(ends),
+    )
+    strain: Quantity = quantity("amplitude_strain", form=".1f")
+    return make_table(frame, ["cycle", strain, *MEASURES, *BACKBONE, "ends"], "")
