@@ -23,8 +23,7 @@ from thermobearing.cyclic.history import build_segments, run_segments
 from thermobearing.cyclic.protocol import Wave, cyclic_test
 from thermobearing.earthquake.case import make_earthquake_case
 from thermobearing.earthquake.dataset import label_study
-from thermobearing.earthquake.run import build_tasks, run_task
-from thermobearing.earthquake.task import Device
+from thermobearing.earthquake.run import Device, build_tasks, run_task
 from thermobearing.model.options import BearingModel, ModelOptions, build_model
 from thermobearing.results.drawing import GREY, INK, SMALL, WIDEST, Look, name_axes, panels
 

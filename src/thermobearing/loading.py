@@ -9,8 +9,7 @@ from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError, is_file, is_folder
 from thermobearing.border.toml import read_toml
 from thermobearing.cyclic.result import Result, load_cyclic
-from thermobearing.earthquake.output import load_study
-from thermobearing.earthquake.result import EarthquakeResult
+from thermobearing.earthquake.result import EarthquakeResult, load_study
 from thermobearing.results.directory import BEARINGS, DATASET, IDENTIFIED, PARTS
 from thermobearing.results.saved import SavedResult, is_saved, read_dataset, read_saved
 from thermobearing.sequences.output import load_sequence

@@ -82,7 +82,9 @@ def test_every_block_of_a_page_runs(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "100")
-    monkeypatch.setattr("thermobearing.earthquake.output._write_histories", no_histories)
+    monkeypatch.setattr(
+        "thermobearing.earthquake.result.EarthquakeResult._write_histories", no_histories
+    )
     run(path, {"__name__": "page"})
 
 

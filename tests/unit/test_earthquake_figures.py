@@ -91,7 +91,7 @@ def test_rises_have_no_empty_panel_and_lead_its_own(study: Any) -> None:
     assert len(figure.axes) == 4  # rubber and lead of the LHDR bearing, none of the bilinear one
     rises = study.rises(0)
     rubber, lead = figure.axes[0], figure.axes[2]
-    sides = [texts(figure.axes[1])[-1], texts(figure.axes[3])[-1]]
+    sides = [texts(figure.axes[1])[0], texts(figure.axes[3])[0]]
     assert sides == [f"{LHDR}\nrubber", f"{LHDR}\nlead"]
     assert [ax.get_title() for ax in figure.axes] == [*MOTIONS, "", ""]
     tops = [

@@ -9,7 +9,6 @@ from numpy.testing import assert_allclose
 
 import thermobearing as tb
 from tests import tolerances as tol
-from thermobearing.earthquake.modes import modes_table
 from thermobearing.model.options import build_model
 from thermobearing.results.metrics import largest_loop
 from thermobearing.structure.matrices import mean_height
@@ -138,7 +137,7 @@ def test_both_modes_are_those_of_two_studies(both: Any) -> None:
 
 
 def test_real_time_over_pseudo_dynamic(both: Any, tmp_path: Path) -> None:
-    rows, table = modes_table(both), both.table
+    rows, table = both.modes_table, both.table
     assert list(rows["ambient_degC"]) == [-20.0, 0.0]
     first = rows.iloc[0]
     assert (
@@ -156,14 +155,14 @@ def test_real_time_over_pseudo_dynamic(both: Any, tmp_path: Path) -> None:
     folder = both.save(tmp_path / "both")
     assert (folder / "figures" / "modes.png").exists()
     told = tb.load_result(folder)
-    assert modes_table(told).equals(rows)
+    assert told.modes_table.equals(rows)
     lines = (folder / "history.csv").read_text().splitlines()
     assert lines[0].startswith("bearing,motion,ambient_degC,mode,time_s")
 
 
 def test_one_mode_makes_no_table_of_ratios() -> None:
     study = tb.hybrid("shen-hdr-specimen", ambient=0, duration=0.5)
-    assert modes_table(study).empty
+    assert study.modes_table.empty
 
 
 @pytest.mark.parametrize(

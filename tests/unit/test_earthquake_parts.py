@@ -32,12 +32,12 @@ def weather(folder: Path, begin: float) -> Path:
 def test_weather_may_begin_at_any_time(begin: float, tmp_path: Path) -> None:
     """What counts is how long it lasted; the earthquake comes at its end."""
     (task,) = run.build_tasks(case_of(weather=str(weather(tmp_path, begin))))
-    cells, lead = task.told.temperature, task.told.lead
+    cells, lead = task.reported.temperature, task.reported.lead
     assert task.ambient == -10.0
     assert lead is None
     # Six hours of cooling air: the faces lag behind by less than the middle does.
     assert -10.0 < cells[0] < cells[-1] < 20.0
-    other = run.build_tasks(case_of(weather=str(weather(tmp_path, 0.0))))[0].told.temperature
+    other = run.build_tasks(case_of(weather=str(weather(tmp_path, 0.0))))[0].reported.temperature
     assert_allclose(cells, other, rtol=tol.LOOP)
 
 
@@ -45,11 +45,11 @@ def test_air_without_change_leaves_the_bearing_as_it_was(tmp_path: Path) -> None
     path = tmp_path / "still.csv"
     path.write_text("time_s,temperature_degC\n0,-7\n3600,-7\n")
     (task,) = run.build_tasks(case_of(weather=str(path)))
-    assert_allclose(task.told.temperature, -7.0)
+    assert_allclose(task.reported.temperature, -7.0)
     steps = tmp_path / "steps.csv"
     steps.write_text("time_s,temperature_degC\n0,30\n1,0\n2,0\n")
     (task,) = run.build_tasks(case_of(weather=str(steps)))
-    assert task.told.temperature[-1] > 29.9  # two seconds are too short to cool the middle
+    assert task.reported.temperature[-1] > 29.9  # two seconds are too short to cool the middle
 
 
 def test_motion_is_scaled_cut_and_met_at_every_sample() -> None:

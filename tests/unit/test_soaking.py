@@ -10,7 +10,7 @@ from thermobearing.climate.hourly import HOUR
 from thermobearing.cyclic.history import build_segments, run_segments
 from thermobearing.cyclic.protocol import CyclicTest
 from thermobearing.earthquake.case import make_earthquake_case
-from thermobearing.earthquake.run import build_device, soaked
+from thermobearing.earthquake.run import Device, build_device, soaked
 from thermobearing.earthquake.soaking import (
     SPIN_UP,
     history_weights,
@@ -18,7 +18,6 @@ from thermobearing.earthquake.soaking import (
     soaked_history,
     soaked_hours,
 )
-from thermobearing.earthquake.task import Device
 
 WEATHER = tb.generate_weather("cold-town", years=1, seed=2)
 LOOKED_AT = 800

@@ -13,9 +13,8 @@ from tests import tolerances as tol
 from tests.unit.test_studies_plan import study
 from thermobearing.bearing.new import new_bearing
 from thermobearing.climate.generator import generate_weather
-from thermobearing.earthquake.run import build_device, soaked
+from thermobearing.earthquake.run import Task, build_device, soaked
 from thermobearing.earthquake.soaking import soaked_hours
-from thermobearing.earthquake.task import Task
 from thermobearing.studies.definition.case import make_study
 from thermobearing.studies.definition.designs import plan
 from thermobearing.studies.definition.distributions import Distribution

@@ -58,7 +58,7 @@ def test_what_was_foreseen_is_what_a_run_finds_alone(kind: str, town: Path) -> N
     warm = first.foreseen_temperatures(runs.iloc[2:8])
     worker.take(pickle.loads(pickle.dumps(warm)))
     for row in runs.iloc[1:8].to_dict("records"):  # the first is foreseen by nobody
-        one, other, third = (prep.run_input(row).task.told for prep in (alone, first, worker))
+        one, other, third = (prep.run_input(row).task.reported for prep in (alone, first, worker))
         assert_array_equal(one.temperature, other.temperature)
         assert_array_equal(one.temperature, third.temperature)
         assert one.lead == other.lead == third.lead

@@ -17,8 +17,7 @@ from thermobearing.border.errors import InputError
 from thermobearing.design.case import make_design_case
 from thermobearing.design.run import run_bounds, run_factors
 from thermobearing.earthquake.dataset import reached
-from thermobearing.earthquake.output import print_study
-from thermobearing.earthquake.task import Device
+from thermobearing.earthquake.run import Device
 from thermobearing.identify.uncertainty.posterior import forecast
 from thermobearing.results.ranges import REST, compared, cycles_in_a_row, largest_speed
 from thermobearing.validate.output import print_validation
@@ -182,8 +181,8 @@ def test_a_study_says_what_it_leaves(tmp_path: Path) -> None:
     folder = study.save(tmp_path / "out", figures=False)
     assert len(pd.read_csv(folder / "tested_range.csv")) == len(rows) == 14
     with contextlib.redirect_stdout(io.StringIO()) as screen:
-        print_study(study)
-    assert f"{worst:.0%}!" in screen.getvalue()
+        study.show()
+    assert f"{100.0 * worst:.0f}!" in screen.getvalue()
 
 
 def test_parts_of_a_sequence_say_what_they_leave() -> None:

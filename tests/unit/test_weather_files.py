@@ -180,7 +180,7 @@ def test_any_analysis_reads_the_files_that_studies_read(tmp_path: Path) -> None:
         for changes in ({"weather": str(file)}, {"lines": line, "ambient": ["20 degC"]}):
             case = {"bearings": ["shen-lhdr-bridge"], "motions": ["jra-ii-i-1"]} | words | changes
             (task,) = build_tasks(make_earthquake_case(case, "test"))
-            found.append((task.told.temperature, task.told.lead))
+            found.append((task.reported.temperature, task.reported.lead))
         test = tb.cyclic_test(strain=[0.2], cycles=1)
         done = make_case(
             {"ambient_series": str(file)}, "test", bearing="shen-hdr-specimen", test=test

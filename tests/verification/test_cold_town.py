@@ -35,7 +35,7 @@ def cold_town(name: str, **factors: Any) -> Any:
         given = prepared.run_input(row)
         numbers = measure(given)
         middles = np.concatenate(given.task.device.stack.middles())
-        row["rubber_degC"] = given.task.told.temperature[middles].mean()
+        row["rubber_degC"] = given.task.reported.temperature[middles].mean()
         assert numbers["outcome"] == "completed"
         for demand in DEMANDS:
             found[demand].append(numbers[demand])

@@ -143,13 +143,11 @@ def test_extrapolation_is_said() -> None:
 
 
 def test_extrapolation_is_said_of_earthquakes(capsys: pytest.CaptureFixture[str]) -> None:
-    from thermobearing.earthquake.output import print_study
-
     study = tb.bridge("shen-hdr-bridge", "jra-ii-i-1", [23.0, -30.0], duration=1.0)
     (said,) = of_the_law(study.warnings)
     assert "outside for at most 1 s (jra-ii-i-1, -30 degC)" in said
     assert study.summary()["warnings"] == study.warnings
-    print_study(study)
+    study.show()
     assert "the temperature law was identified" in capsys.readouterr().out
     blind = tb.bridge("shen-bilinear-bridge", "jra-ii-i-1", -30.0, duration=0.5)
     assert of_the_law(blind.warnings) == []

@@ -14,8 +14,7 @@ from thermobearing.bearing.ambient import Ambient
 from thermobearing.cyclic.history import build_segments, cut_rests, run_segments
 from thermobearing.cyclic.protocol import CyclicTest
 from thermobearing.earthquake.case import make_earthquake_case, settle_surroundings
-from thermobearing.earthquake.run import build_device, soaked
-from thermobearing.earthquake.task import Device
+from thermobearing.earthquake.run import Device, build_device, soaked
 from thermobearing.model.lead_ends import longest_rest_step
 from thermobearing.model.options import ModelOptions, build_model
 

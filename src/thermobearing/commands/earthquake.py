@@ -235,7 +235,6 @@ def _carry_out(
     documents: Documents,
 ) -> int:
     """Check the target, run, write, tell."""
-    from thermobearing.earthquake.output import print_study, save_earthquake
     from thermobearing.earthquake.run import run_earthquake
     from thermobearing.earthquake.study import compare_models, refuse_incomparable
     from thermobearing.results.directory import check_target
@@ -247,11 +246,12 @@ def _carry_out(
     predicted = case.analysis.method == "predictor-corrector"
     kernel = "predictor.predictor_march" if predicted else STRUCTURES
     result = with_progress(lambda show: run_earthquake(case, progress=show), "runs", quiet, kernel)
-    others = compare_models(case) if compare and result.outcome == "completed" else {}
-    save_earthquake(result, target, overwrite=overwrite, figures=not no_figures, compared=others)
+    if compare and result.outcome == "completed":
+        result.compared = compare_models(case)
+    result.save(target, overwrite=overwrite, figures=not no_figures)
     if not quiet:
         with contextlib.suppress(KeyboardInterrupt):  # the result is safe by now
-            print_study(result, others)
+            result.show()
     return written(result.outcome, result.sentence, target, documents, as_json=as_json, quiet=quiet)
 
 

@@ -12,21 +12,29 @@ from thermobearing.bearing.exposure import describe_all, exposure_attribute, exp
 from thermobearing.bearing.model import Bearing, calibration_ranges
 from thermobearing.bearing.plausible import implausible
 from thermobearing.border.toml import to_table
-from thermobearing.core.records import Floats, Rows
-from thermobearing.core.types import Books
+from thermobearing.core.records import Floats
 from thermobearing.cyclic.case import beyond, rig_demand
 from thermobearing.cyclic.dataset import depth_attributes, stack_labels
 from thermobearing.cyclic.reported import heat_flow
 from thermobearing.earthquake.case import EarthquakeCase, in_weather
 from thermobearing.earthquake.measures import (
-    LOOP_UNITS,
-    UNITS,
+    HISTORIES,
+    LINES,
+    LOOP,
+    LOOP_TIMES,
+    MM_PER_M,
+    NUMBERS,
+    PIERS,
     compute_measures,
-    describe_quantity,
+    history_traces,
+    largest,
+    line_peaks,
+    loading_speed,
     loop_measures,
+    pier_histories,
+    pier_peaks,
 )
-from thermobearing.earthquake.parts import label_parts, largest
-from thermobearing.earthquake.result import EarthquakeResult, run_name
+from thermobearing.earthquake.result import PART_HISTORIES, EarthquakeResult, run_name
 from thermobearing.model.constants import outside_law
 from thermobearing.model.earlier import BLIND
 from thermobearing.model.handover import (
@@ -42,6 +50,7 @@ from thermobearing.model.handover import (
 from thermobearing.model.options import BearingModel
 from thermobearing.model.outcomes import INTERRUPTED
 from thermobearing.model.outcomes import SENTENCES as RUN_SENTENCES
+from thermobearing.quantities.register import quantity
 from thermobearing.results.ranges import (
     Ends,
     Row,
@@ -58,11 +67,12 @@ from thermobearing.structure.matrices import (
     line_stiffness,
     mean_height,
 )
+from thermobearing.structure.model import list_piers
 from thermobearing.structure.result import implausible_structure
 from thermobearing.structure.run import SENTENCES, StructureHistory
 
 if TYPE_CHECKING:
-    from thermobearing.earthquake.task import Task
+    from thermobearing.earthquake.run import Task
 
 ENDS = {  # temperatures at the end
     "final_temperature": {"units": "degC", "long_name": "temperature of the cell at the end"},
@@ -71,16 +81,7 @@ ENDS = {  # temperatures at the end
 
 
 def end_state_at(task: "Task", history: StructureHistory) -> SpecimenState:
-    """Where the bearing of the first line is at the end of a run; not a bilinear one.
-
-    Parameters
-    ----------
-    task, history : a run, and what came of it.
-
-    Returns
-    -------
-    SpecimenState
-    """
+    """Return the state of the bearing of the first line at the end of a run; not a bilinear one."""
     end, cored = history.end(), task.device.constants.lead.cores > 0.0
     lead = end.books[0].lead_temperature if cored else float("nan")
     return specimen_state(end.temperature, lead, state_memory(end))
@@ -89,7 +90,7 @@ def end_state_at(task: "Task", history: StructureHistory) -> SpecimenState:
 def _labelled_ends(
     tasks: Sequence["Task"], histories: Sequence[StructureHistory]
 ) -> dict[str, Any]:
-    """The ends of all runs for a dataset, as in those of cyclic tests, filled up with NaN.
+    """Return the states at the end of all runs as variables, as in those of cyclic tests.
 
     Nothing where the structure has several bearing lines, which end each elsewhere.
     """
@@ -119,84 +120,8 @@ def _labelled_ends(
     return data
 
 
-MM_PER_M, KN_MM_PER_KN_M = 1e3, 1e3
-HISTORIES = (  # name, unit, long name
-    ("ground_acceleration", "m/s2", "acceleration of the ground"),
-    ("bearing_displacement", "mm", "displacement of the bearing"),
-    ("bearing_strain", "1", "shear strain of the bearing"),
-    ("bearing_force", "kN", "force of one bearing"),
-    ("rubber_force", "kN", "share of the rubber in the force of one bearing"),
-    ("lead_force", "kN", "share of the lead cores"),
-    ("viscous_force", "kN", "share of the rate-dependent branch"),
-    ("bearing_speed", "mm/s", "loading speed of the bearing, on its own clock"),
-    ("bearing_energy", "kN mm", "work done on one bearing"),
-    ("pier_displacement", "mm", "displacement of the pier top relative to its base"),
-    ("pier_top_displacement", "mm", "displacement of the pier top relative to the ground"),
-    ("deck_displacement", "mm", "displacement of the deck relative to the ground"),
-    ("deck_acceleration", "m/s2", "absolute acceleration of the deck"),
-    ("pier_top_acceleration", "m/s2", "absolute acceleration of the pier top"),
-    ("pier_rotation", "rad", "rotation of the first hinge"),
-    ("pier_moment", "kN m", "moment of the first hinge"),
-    ("lead_temperature", "degC", "temperature of the lead cores"),
-)
-CLOCK = (
-    "bearing_clock",
-    "s",
-    "time of the bearing: in a pseudo-dynamic test that of the laboratory",
-)
-
-
-def structure_traces(task: "Task", history: StructureHistory) -> dict[str, Floats]:
-    """Those of `HISTORIES` that the structure has: ground, pier, deck."""
-    where = task.prepared.reported
-    hinge = None if where.hinge is None else history.hinge(where.hinge)
-    q, a = history.rows.q, history.rows.a
-    moved = np.array([where.deck, where.top]) @ a.T / MM_PER_M  # relative to the ground
-    ground = task.shaking.ground[: len(q)] / MM_PER_M
-    missing = np.full(len(q) if hinge is None else 0, np.nan)
-    return {
-        "ground_acceleration": ground,
-        "pier_displacement": q @ (where.top - where.base),
-        "pier_top_displacement": q @ where.top,
-        "deck_displacement": q @ where.deck,
-        "deck_acceleration": moved[0] + ground,
-        "pier_top_acceleration": moved[1] + ground,
-        "pier_rotation": missing if hinge is None else hinge["rotation"],
-        "pier_moment": missing if hinge is None else hinge["moment"] / KN_MM_PER_KN_M,
-    }
-
-
-def history_traces(task: "Task", history: StructureHistory) -> dict[str, Floats]:
-    """Each of `HISTORIES` by name, and temperatures of layers and of cells that are kept."""
-    told, bearing = task.told.device, history.bearing(task.told_line)
-    heat, count = told.heats, len(history.rows.q)
-    return structure_traces(task, history) | {
-        "time": history.rows.books["clock"],
-        "bearing_displacement": bearing["displacement"],
-        "bearing_strain": bearing["displacement"] / told.bearing.total_rubber_thickness,
-        "bearing_force": bearing["force"],
-        "rubber_force": bearing["rubber_force"],
-        "lead_force": bearing["lead_force"],
-        "viscous_force": bearing["viscous_force"],
-        "bearing_speed": _loading_speed(bearing),
-        "bearing_clock": bearing["clock"],
-        "bearing_energy": bearing["work_in"],
-        "lead_temperature": bearing["lead_temperature"]
-        if told.has_lead
-        else np.full(count, np.nan),
-        "rubber_temperature": history.layers(task.told_line) if heat else np.empty((count, 0)),
-        "temperature": history.cells(task.told_line) if heat else np.empty((count, 0)),
-    }
-
-
-def _loading_speed(bearing: Rows[Books]) -> Floats:
-    """Loading speed at the end of each step, on the clock of the modelled bearing [mm/s]."""
-    steps = np.maximum(np.diff(bearing["clock"]), np.finfo(float).tiny)
-    return np.concatenate([[0.0], np.diff(bearing["displacement"]) / steps])
-
-
 def padded(parts: Sequence[Floats], shape: tuple[int, ...]) -> Any:
-    """Tables of several runs in one, of that shape each, with NaN where a table ends."""
+    """Return tables of several runs as one, of that shape each, with NaN where a table ends."""
     whole = np.empty((len(parts), *shape), dtype=np.float32)
     for run, part in enumerate(parts):
         inside = tuple(slice(0, size) for size in part.shape)
@@ -207,6 +132,7 @@ def padded(parts: Sequence[Floats], shape: tuple[int, ...]) -> Any:
 
 
 Traces = Sequence[Mapping[str, Floats]]
+CELLS = {"units": "degC", "long_name": "temperature of the cells, the first at the upper face"}
 
 
 def collect_warnings(
@@ -215,12 +141,12 @@ def collect_warnings(
     histories: Sequence[StructureHistory],
     traces: Traces,
 ) -> dict[str, Any]:
-    """Attributes of the dataset: sentences, what was asked of the rig and of the bearings."""
+    """Return warnings, and how far runs use the rig and the tested ranges, as attributes."""
     rig = _asked_of_rig(case, tasks, traces)
     found, asked = beyond(case.rig, rig), []
     if tasks:
         found += implausible_structure(case.structure, tasks[0].prepared)
-    told: list[tuple[str, str]] = []
+    causes: list[tuple[str, str]] = []
     for bearing, mine in _bearings(tasks).values():
         said = [f"{bearing.name}: {text}" for text in implausible(bearing)]
         ranges = calibration_ranges(bearing)
@@ -237,10 +163,10 @@ def collect_warnings(
                 for line in lines
             ]
             said += outside_law(bearing.name, bearing.temperature_law, runs)
-        told += [(bearing.name, text.removeprefix(f"{bearing.name}: ")) for text in said]
-    found += one_per_cause(told)
-    standing = [one.device.bearing for task in tasks for one in task.lines]
-    factors = exposures(standing, case.analysis.exposure)
+        causes += [(bearing.name, text.removeprefix(f"{bearing.name}: ")) for text in said]
+    found += one_per_cause(causes)
+    installed = [one.device.bearing for task in tasks for one in task.lines]
+    factors = exposures(installed, case.analysis.exposure)
     found = describe_all(factors) + found
     row_tables = {"rig": rig, "tested_range": asked, **exposure_attribute(factors)}
     attributes = {name: as_attribute(rows) for name, rows in row_tables.items() if rows}
@@ -250,7 +176,7 @@ def collect_warnings(
 def _bearings(
     tasks: Sequence["Task"],
 ) -> dict[str, tuple[Bearing | BilinearBearing, list[tuple[int, list[int]]]]]:
-    """Every bearing by name, and in which runs it stands on which lines."""
+    """Return every bearing by name, with its runs and the lines that it is on in them."""
     found: dict[str, tuple[Bearing | BilinearBearing, list[tuple[int, list[int]]]]] = {}
     for k, task in enumerate(tasks):
         lines: dict[str, list[int]] = {}
@@ -265,14 +191,14 @@ def _bearings(
 def reached(
     task: "Task", history: StructureHistory, lines: Sequence[int]
 ) -> dict[str, float | Ends]:
-    """What a run asks of the bearings of some lines, each by the line that goes farthest."""
+    """Return how far a run goes in the tested range, the farthest of some lines."""
     found: dict[str, float | Ends] = {}
     for line in lines:
         rows, mine = history.bearing(line), task.lines[line]
         one = reached_by(
             rows["clock"],
             rows["displacement"],
-            largest(_loading_speed(rows)),
+            largest(loading_speed(rows)),
             rubber=mine.device.bearing.total_rubber_thickness,
             ambient=(mine.ambient, mine.ambient),
             lead=rows["lead_temperature"] if mine.device.has_lead else None,
@@ -282,84 +208,79 @@ def reached(
 
 
 def _farther(one: float | Ends, other: float | Ends) -> float | Ends:
-    """What holds both."""
     if isinstance(one, tuple) and isinstance(other, tuple):
         return min(one[0], other[0]), max(one[1], other[1])
     return one if isinstance(one, tuple) or isinstance(other, tuple) else max(one, other)
 
 
 def _name(task: "Task", bearing: str = "") -> str:
-    """What a run is called, with or without a bearing."""
     return run_name(bearing, task.shaking.motion.name, task.ambient, task.mode)
 
 
 def _asked_of_rig(case: EarthquakeCase, tasks: Sequence["Task"], traces: Traces) -> list[Row]:
-    """What each run asks of the rig, the speed on the clock of the specimen."""
+    """Return how far each run uses the rig, with the speed on the clock of the specimen."""
     found = []
     names = ("bearing_force", "bearing_displacement", "bearing_speed")
     for task, trace in zip(tasks, traces, strict=True):
         peaks = [float(np.abs(trace[name]).max()) for name in names]
-        found += rig_demand(case.rig, _name(task, task.told.device.bearing.name), peaks)
+        found += rig_demand(case.rig, _name(task, task.reported.device.bearing.name), peaks)
     return found
-
-
-AIR = {"units": "degC", "long_name": "ambient temperature"}
-ACROSS = {  # histories with one number per layer, body or cell: dimension, unit, long name
-    "rubber_temperature": ("layer", "degC", "mid-thickness temperature of the rubber layers"),
-    "body_acceleration": ("body", "m/s2", "absolute acceleration of the masses of each body"),
-}
-CELLS = ("cell", "degC", "temperature of the cells, the first at the upper face")
 
 
 def label_study(
     case: EarthquakeCase, tasks: Sequence["Task"], histories: Sequence[StructureHistory]
 ) -> EarthquakeResult:
-    """The dataset of a study: peaks from every step, histories every `keep_every`-th."""
+    """Return the result of an analysis: peaks from every step, histories every `keep_every`-th."""
     tasks = tasks[: len(histories)]
-    traces = [history_traces(task, history) for task, history in zip(tasks, histories, strict=True)]
+    runs = list(zip(tasks, histories, strict=True))
+    traces = [history_traces(task, history) for task, history in runs]
     numbers = [
-        compute_measures(task, history, trace) | loop_measures(task, trace)
-        for task, history, trace in zip(tasks, histories, traces, strict=True)
+        compute_measures(task, history, trace)
+        for (task, history), trace in zip(runs, traces, strict=True)
     ]
+    loops = [loop_measures(task, trace) for task, trace in zip(tasks, traces, strict=True)]
     every = case.analysis.keep_every
     length = max((len(trace["time"][::every]) for trace in traces), default=0)
-    data: dict[str, Any] = {}
-    slow = [CLOCK] if "pd" in case.modes else []
-    for name, unit_name, long_name in (("time", "s", "time"), *HISTORIES, *slow):
-        rows = padded([trace[name][::every] for trace in traces], (length,))
-        data[name] = (("run", "step"), rows, {"units": unit_name, "long_name": long_name})
-    across = ACROSS | ({"temperature": CELLS} if "cells" in case.analysis.keep else {})
-    for name, (dimension, unit_name, long_name) in across.items():
-        parts = (
-            [_bodies(task, history) for task, history in zip(tasks, histories, strict=True)]
-            if name == "body_acceleration"
-            else [trace[name][::every] for trace in traces]
+    slow = ["bearing_clock"] if "pd" in case.modes else []
+    data: dict[str, Any] = {
+        name: (
+            ("run", "step"),
+            padded([trace[name][::every] for trace in traces], (length,)),
+            quantity(name).attributes,
         )
+        for name in ("time", *HISTORIES, *slow)
+    }
+    across = {  # histories with one number per layer, body or cell
+        "rubber_temperature": ("layer", [trace["rubber_temperature"][::every] for trace in traces]),
+        "body_acceleration": ("body", [_bodies(task, history) for task, history in runs]),
+    }
+    if "cells" in case.analysis.keep:
+        across["temperature"] = "cell", [trace["temperature"][::every] for trace in traces]
+    for name, (dimension, parts) in across.items():
         wide = padded(parts, (length, max((part.shape[1] for part in parts), default=0)))
-        about = {"units": unit_name, "long_name": long_name}
+        about = CELLS if name == "temperature" else quantity(name).attributes
         data[name] = (("run", "step", dimension), wide, about)
     if "temperature" in across:
         data |= _stacks(tasks, data["temperature"][1].shape[2])
-    parts_data, parts_coords = label_parts(tasks, histories, padded, length)
+    parts_data, parts_coords = _label_parts(tasks, histories, length)
     data |= parts_data
-    known = {name: long_name for name, _, long_name in HISTORIES}
-    units = UNITS | LOOP_UNITS
-    if case.laboratory is not None:
-        units = units | {"energy_actuator": "kN mm"}
-    for name, unit_name in units.items():
-        values = np.array([row[name] for row in numbers], dtype=None if unit_name else str)
-        data[name] = (
-            ("run",),
-            values,
-            {"units": unit_name, "long_name": describe_quantity(name, known)},
-        )
+    ended = np.array([row["outcome"] for row in numbers], dtype=str)
+    data["outcome"] = ("run",), ended, quantity("outcome").attributes | {"units": ""}
+    lab = ["actuator_kN_mm"] if case.laboratory is not None else []
+    for known in map(quantity, (*NUMBERS, *lab)):
+        values = np.array([row[known.variable] for row in numbers])
+        data[known.variable] = (("run",), values, known.attributes)
+    for known in map(quantity, (*LOOP, *LOOP_TIMES)):
+        values = np.array([row[known.name] for row in loops])
+        data[known.variable] = (("run",), values, known.attributes)
     data |= _labelled_ends(tasks, histories)
+    air = np.array([task.ambient for task in tasks])
     dataset = xr.Dataset(
         data,
         coords={
             "bearing": ("run", np.array([task.device.bearing.name for task in tasks], dtype=str)),
             "motion": ("run", np.array([task.shaking.motion.name for task in tasks], dtype=str)),
-            "ambient": ("run", np.array([task.ambient for task in tasks]), AIR),
+            "ambient": ("run", air, quantity("ambient_degC").attributes),
             "mode": ("run", np.array([task.mode for task in tasks], dtype=str)),
             "layer": np.arange(1, data["rubber_temperature"][1].shape[2] + 1),
             "body": np.array([body.name for body in case.structure.bodies], dtype=str),
@@ -369,6 +290,48 @@ def label_study(
         | collect_warnings(case, tasks, histories, traces),
     )
     return EarthquakeResult(dataset)
+
+
+def _label_parts(
+    tasks: Sequence["Task"], histories: Sequence[StructureHistory], length: int
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return variables and coordinates of lines and piers; none where there is one of each."""
+    if not tasks:
+        return {}, {}
+    case, runs = tasks[0].case, list(zip(tasks, histories, strict=True))
+    lines, piers = case.structure.bearings, list_piers(case.structure)
+    if len(lines) == 1 and len(piers) == 1:
+        return {}, {}
+    every = case.analysis.keep_every
+    data: dict[str, Any] = {}
+    for table, dimension, make in ((LINES, "line", line_peaks), (PIERS, "pier_part", pier_peaks)):
+        rows = [make(task, history) for task, history in runs]
+        for column, name in table.items():
+            values = np.array([[row[name] for row in run] for run in rows])
+            words = name == "line_bearing"
+            values = values.astype(str) if words else values
+            units = {"units": ""} if words else {}
+            data[name] = (("run", dimension), values, quantity(column).attributes | units)
+    for name, (dimension, _) in PART_HISTORIES.items():
+        count = len(lines) if dimension == "line" else len(piers)
+        parts = [_part_history(name, task, history)[::every] for task, history in runs]
+        wide = padded(parts, (length, count))
+        data[name] = (("run", "step", dimension), wide, quantity(name).attributes)
+    coords = {
+        "line": np.array([line.name for line in lines], dtype=str),
+        "pier_part": np.array([pier.name for pier in piers], dtype=str),
+    }
+    return data, coords
+
+
+def _part_history(name: str, task: "Task", history: StructureHistory) -> Floats:
+    """Return one of `PART_HISTORIES` of all lines or piers of a run, [step, part]."""
+    if name.startswith("line_"):
+        book = name.removeprefix("line_")
+        return np.column_stack([history.bearing(b)[book] for b in range(len(task.lines))])
+    place = ("pier_part_displacement", "pier_part_rotation", "pier_part_moment").index(name)
+    piers = task.prepared.piers
+    return np.column_stack([pier_histories(task, history, *pier)[place] for pier in piers])
 
 
 def _bodies(task: "Task", history: StructureHistory) -> Floats:
@@ -384,15 +347,15 @@ def _bodies(task: "Task", history: StructureHistory) -> Floats:
 
 
 def _stacks(tasks: Sequence["Task"], cells: int) -> dict[str, Any]:
-    """What the cells of each run are: thickness and depth, padded with NaN, and part."""
+    """Return thickness, depth and part of the cells of each run, padded with NaN."""
     shape = len(tasks), cells
     depth, thickness = np.full(shape, np.nan), np.full(shape, np.nan)
     part = np.full(shape, "", dtype="<U32")
     for run, task in enumerate(tasks):
-        told = task.told.device
-        if told.stack is None:
+        device = task.reported.device
+        if device.stack is None:
             continue
-        model = BearingModel(told.stack, told.constants, task.case.analysis)
+        model = BearingModel(device.stack, device.constants, task.case.analysis)
         labels_ = stack_labels(model)
         own = slice(0, len(labels_.depth))
         depth[run, own], thickness[run, own] = labels_.depth, labels_.thickness
@@ -408,7 +371,7 @@ def _stacks(tasks: Sequence["Task"], cells: int) -> dict[str, Any]:
 def _attributes(
     case: EarthquakeCase, tasks: Sequence["Task"], histories: Sequence[StructureHistory]
 ) -> dict[str, Any]:
-    """What the files need beside the numbers."""
+    """Return what the files need besides the numbers."""
     prepared = tasks[0].prepared if tasks else None
     attrs: dict[str, Any] = {
         "command": case.command,
@@ -462,6 +425,5 @@ def _initial_periods(task: "Task") -> Floats:
 
 
 def _interrupted(case: EarthquakeCase, histories: Sequence[StructureHistory]) -> bool:
-    """Whether runs are missing."""
     whole = len(case.bearings) * len(case.motions) * case.climates * len(case.modes)
     return len(histories) < whole or any(h.outcome == INTERRUPTED for h in histories)

@@ -1,152 +1,99 @@
 """Figures of histories and loops in earthquakes.
 
 Rows are bearings, columns motions, colours ambient temperatures from cold (blue) to warm (red).
-A study with many motions shows the first few; the table has them all.
+Of an analysis with many motions the first few are shown; the table has them all.
 """
 
 import copy
 from collections.abc import Callable, Sequence
-from pathlib import Path
-from typing import Any, Literal
+from functools import partial
+from typing import Literal
 
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from numpy.typing import NDArray
 
 from thermobearing.border.errors import InputError, nearest
-from thermobearing.earthquake.modes import has_both
-from thermobearing.earthquake.parts import GOVERNING, has_parts, told_of_parts
-from thermobearing.earthquake.result import EarthquakeResult
+from thermobearing.core.records import Floats
+from thermobearing.earthquake.measures import GOVERNING
 from thermobearing.earthquake.summary_figures import (
+    DISPLACEMENT,
+    FORCE,
+    MOST_COLUMNS,
+    STRAIN,
+    TIME_BINS,
+    RunPanels,
+    bearing_grid,
+    comparison_figure,
+    comparison_loops,
     draw_parts,
     draw_peaks,
     draw_profiles,
-    draw_rises,
-    draw_speed,
-    peak_place,
-    strong_part,
+    grid,
 )
 from thermobearing.results import drawing
 
-Floats = NDArray[np.float64]
-MOST_COLUMNS = 4
 MODE_LOOKS: dict[str, drawing.Look] = {
     "rt": {"color": "#CC3311"},
     "pd": {"color": "#0077BB", "linestyle": "--"},
 }
-LOOP_WIDTH, LOOP_HEIGHT = 3.0, 2.7  # of one panel [inch]
+MODE_NAMES = {"rt": "real time", "pd": "pseudo-dynamic"}
+PANEL, LOOP_PANEL, SPEED_PANEL = (2.9, 2.4), (3.0, 2.7), (4.2, 2.3)  # width, height [inch]
+KJ, MN_M = 1e-3, 1e-3
+WIDER = 0.8  # of its width: each line that lies below another
+NOTE_ROOM = 0.12  # of the height of a panel, for the values that are printed in it
+FIRST, LAST = 0.05, 0.95  # of the Arias intensity
+MARGIN = 0.2  # of the strong part, on both sides: the answer of the structure comes later
+THIN, THICK = 0.6, 1.7  # lines of the outer and of the innermost layer
+WHOLE = ("bearing_force", "whole force", "#b5b5b5")
+SHARES = (
+    ("rubber_force", "rubber", "#0072B2"),
+    ("lead_force", "lead cores", "#000000"),
+    ("viscous_force", "rate-dependent branch", "#D55E00"),
+)
+# The two terms of a bilinear model are no parts of the bearing: an HDR bearing has no lead.
+BILINEAR = (
+    ("rubber_force", "bilinear: elastic part", "#56B4E9"),
+    ("lead_force", "bilinear: yielding part", "#CC79A7"),
+)
+DASHED: drawing.Look = {
+    "color": drawing.GREY,
+    "linestyle": "--",
+    "label": "pseudo-dynamic (dashed)",
+}
+Draw = Callable[[Axes, int, str], None]
 
 
-def _draw_largest_loops(result: EarthquakeResult) -> Figure:
-    """The largest loop of every bearing: a row for each temperature, a column for each motion."""
-    loops, data = result.largest_loops, result.dataset
-    bearings = list(dict.fromkeys(loops["bearing"]))
-    ambients = sorted(set(loops["ambient_degC"]))
-    motions = list(dict.fromkeys(loops["motion"]))
-    columns = min(len(motions), MOST_COLUMNS)
-    more = f" (first {columns} of {len(motions)} motions)" if len(motions) > columns else ""
-    colours = dict(zip(bearings, drawing.ordered_colours(len(bearings), "viridis"), strict=True))
-    size = (max(LOOP_WIDTH * columns, 5.0) + 0.6, LOOP_HEIGHT * len(ambients) + 1.0)
-    title = f"{data.attrs['structure']}: largest loop of one bearing{more}"
-    figure, axes = drawing.panels(len(ambients), columns, size, title, share=True)
-    for panel, ax in enumerate(axes):
-        ambient, motion = ambients[panel // columns], motions[panel % columns]
-        mine = loops[(loops["ambient_degC"] == ambient) & (loops["motion"] == motion)]
-        for run, loop in zip(mine.index.to_numpy(), mine.to_dict("records"), strict=True):
-            time = data["time"].values[run]
-            inside = (time >= loop["start_s"]) & (time <= loop["end_s"])  # none if there is none
-            x = data["bearing_displacement"].values[run, inside]
-            y = data["bearing_force"].values[run, inside]
-            dashed = has_both(result) and loop["mode"] == "pd"
-            look: drawing.Look = {"linestyle": "--" if dashed else "-", "linewidth": 1.1}
-            ax.plot(x, y, color=colours[loop["bearing"]], **look)
-        drawing.name_axes(
-            ax,
-            "displacement [mm]" if panel // columns == len(ambients) - 1 else "",
-            "force [kN]" if panel % columns == 0 else "",
-        )
-        ax.axhline(0.0, color=drawing.GREY, linewidth=0.6, zorder=1)
-        ax.axvline(0.0, color=drawing.GREY, linewidth=0.6, zorder=1)
-    drawing.head_grid(axes, motions[:columns], [f"ambient {drawing.degrees(t)}" for t in ambients])
-    handles = [Line2D([], [], color=colours[name], label=name) for name in bearings]
-    if has_both(result):
-        look = {"color": drawing.GREY, "linestyle": "--"}
-        handles.append(Line2D([], [], label="pseudo-dynamic (dashed)", **look))
-    drawing.legend_below(figure, handles)
-    return figure
+def part_names(dataset: xr.Dataset) -> str:
+    """Return which line and pier tables and histories show; empty where there is one of each."""
+    if "line" not in dataset.coords:
+        return ""
+    names = {part: str(dataset.attrs[part]) for part in ("line", "pier")}
+    told = [n if n.lower().startswith(part) else f"{part} {n}" for part, n in names.items()]
+    return ", ".join(told)
 
 
-def _draw_modes(result: EarthquakeResult) -> Figure:
-    """Loops of the specimen in both modes: a row for each bearing, a column a temperature."""
-    table, data = result.table, result.dataset
-    bearings = list(dict.fromkeys(table["bearing"]))
-    ambients = sorted(set(table["ambient_degC"]))
-    motion = table["motion"].iloc[0]
-    size = (max(LOOP_WIDTH * len(ambients), 5.0) + 0.6, LOOP_HEIGHT * len(bearings) + 1.0)
-    title = f"{data.attrs['structure']}: real time over pseudo-dynamic, {motion}"
-    figure, axes = drawing.panels(len(bearings), len(ambients), size, title, share=True)
-    for panel, ax in enumerate(axes):
-        bearing, ambient = bearings[panel // len(ambients)], ambients[panel % len(ambients)]
-        mine = table[(table["bearing"] == bearing) & (table["ambient_degC"] == ambient)]
-        mine = mine[mine["motion"] == motion]
-        for run, mode in zip(mine.index.to_numpy(), mine["mode"], strict=True):
-            told = np.isfinite(data["time"].values[run])
-            strain = 100.0 * data["bearing_strain"].values[run, told]
-            force = data["bearing_force"].values[run, told]
-            ax.plot(strain, force, linewidth=0.9, **MODE_LOOKS[mode])
-        drawing.name_axes(
-            ax,
-            "shear strain [%]" if panel // len(ambients) == len(bearings) - 1 else "",
-            "force [kN]" if panel % len(ambients) == 0 else "",
-        )
-    drawing.head_grid(axes, [f"ambient {drawing.degrees(t)}" for t in ambients], bearings)
-    names = {"pd": "pseudo-dynamic", "rt": "real time"}
-    handles = [Line2D([], [], label=names[mode], **MODE_LOOKS[mode]) for mode in ("rt", "pd")]
-    drawing.legend_below(figure, handles)
-    return figure
-
-
-def _has_loops(result: EarthquakeResult) -> bool:
-    """Whether any run has a largest loop to be drawn."""
-    data = result.dataset
-    return "loop_start" in data and bool(np.isfinite(data["loop_start"].values).any())
-
-
-def describe_all(dataset: xr.Dataset, part: str, name: str | None) -> xr.Dataset:
+def select_part(dataset: xr.Dataset, part: str, name: str | None) -> xr.Dataset:
     """Return the dataset whose peaks, and histories where it has them, are those of one part.
 
-    Parameters
-    ----------
-    dataset : of a study.
-    part : "pier" or "line".
-    name : of the part; None for the one whose histories the dataset holds.
-
-    Returns
-    -------
-    xarray.Dataset
-
-    Raises
-    ------
-    InputError : no part has that name; the nearest is named.
+    `part` is "pier" or "line"; `name` None stands for the one whose histories the dataset holds.
+    InputError: no part has that name; the nearest is named.
     """
+    several = "line" in dataset.coords
     name = dataset.attrs.get(part) if name is None else name
-    if name is None or (name == dataset.attrs.get(part) and not has_parts(dataset)):
+    if name is None or (name == dataset.attrs.get(part) and not several):
         return dataset
     dimension = "line" if part == "line" else "pier_part"
-    names = [str(one) for one in dataset[dimension].values] if has_parts(dataset) else []
+    names = [str(one) for one in dataset[dimension].values] if several else []
     known = names or [str(dataset.attrs.get(part, ""))]
     if name not in names:
         raise InputError(f'{part} = "{name}": no {part} has that name{nearest(str(name), known)}')
     own = dataset.sel({dimension: name}, drop=True)
     if part == "pier":
-        changed = {
-            "pier_displacement": own["pier_part_displacement"],
-            "pier_rotation": own["pier_part_rotation"],
-            "pier_moment": own["pier_part_moment"],
-        }
+        histories = ("displacement", "rotation", "moment")
+        changed = {f"pier_{one}": own[f"pier_part_{one}"] for one in histories}
         changed |= {key: own[of] for key, of in GOVERNING.items() if key.startswith("pier_")}
     else:
         way = own["line_displacement_max"]
@@ -159,15 +106,42 @@ def describe_all(dataset: xr.Dataset, part: str, name: str | None) -> xr.Dataset
     return dataset.assign(kept).assign_attrs({part: name})
 
 
+def strong_part(data: xr.Dataset, runs: Sequence[int], name: str = "") -> tuple[float, float]:
+    """Return start and end [s] of what is shown of some runs of one motion.
+
+    From 5 to 95 % of the Arias intensity and a fifth more on both sides, with the largest value
+    of the history `name`; the whole time without an acceleration of the ground.
+    """
+    starts, ends, lasts = [], [], []
+    for run in runs:
+        time = data["time"].values[run].astype(float)
+        kept = np.isfinite(time)
+        time, ground = time[kept], data["ground_acceleration"].values[run][kept].astype(float)
+        if not len(time):
+            continue
+        growth = np.cumsum(ground**2)
+        first, last = time[0], time[-1]
+        if growth[-1] > 0.0:
+            first, last = time[np.searchsorted(growth, [FIRST * growth[-1], LAST * growth[-1]])]
+        room = MARGIN * (last - first)
+        peak = _peak_place(data[name].values[run][kept]) if name else None
+        at = [] if peak is None else [time[peak]]
+        starts += [place - room for place in [first, *at]]
+        ends += [place + room for place in [last, *at]]
+        lasts.append(time[-1])
+    if not lasts:
+        return 0.0, 1.0
+    return max(0.0, min(starts)), min(max(lasts), max(ends))
+
+
+def _peak_place(values: Floats) -> int | None:
+    return int(np.abs(values).argmax()) if np.isfinite(values).all() else None
+
+
 def _yield_point(data: xr.Dataset, run: int) -> tuple[float, float] | None:
-    """Rotation [rad] and moment [kN m] at which the hinge of the pier yields; None without one.
+    """Return rotation [rad] and moment [kN m] at which the hinge yields; None without one.
 
     The moment is that of the elastic branch, on which the hinge is up to its first yielding.
-
-    Parameters
-    ----------
-    data : of an earthquake study.
-    run : its number.
     """
     ductility = float(data["pier_ductility"][run])
     if not np.isfinite(ductility) or ductility <= 0.0:
@@ -183,135 +157,8 @@ def _yield_point(data: xr.Dataset, run: int) -> tuple[float, float] | None:
     return rotation, rotation * float(data["pier_moment"][run, place]) / path[place]
 
 
-WIDTH, HEIGHT = 2.9, 2.4  # of one panel [inch]
-WHOLE = ("bearing_force", "whole force", "#b5b5b5")
-SHARES = (
-    ("rubber_force", "rubber", "#0072B2"),
-    ("lead_force", "lead cores", "#000000"),
-    ("viscous_force", "rate-dependent branch", "#D55E00"),
-)
-# The two terms of a bilinear model are no parts of the bearing: an HDR bearing has no lead.
-BILINEAR = (
-    ("rubber_force", "bilinear: elastic part", "#56B4E9"),
-    ("lead_force", "bilinear: yielding part", "#CC79A7"),
-)
-
-
-def _draw_shares(result: EarthquakeResult) -> Figure:
-    """Shares against displacement in the largest loop of the first motion (Fig. 5.15).
-
-    Rows are bearings, columns ambient temperatures. Without a closed loop the whole history is
-    drawn, and the panel says so.
-    """
-    data, table = result.dataset, result.table
-    bearings = list(dict.fromkeys(table["bearing"]))
-    ambients, motion = sorted(set(table["ambient_degC"])), table["motion"].iloc[0]
-    columns = len(ambients)
-    size = (max(WIDTH * columns, 5.0) + 0.6, HEIGHT * len(bearings) + 1.0)
-    title = f"{data.attrs['structure']}: shares of the force in the largest loop, {motion}"
-    figure, axes = drawing.panels(len(bearings), columns, size, title, share=True)
-    used: dict[str, str] = {}
-    for panel, ax in enumerate(axes):
-        bearing, ambient = bearings[panel // columns], ambients[panel % columns]
-        mine = table[(table["bearing"] == bearing) & (table["ambient_degC"] == ambient)]
-        mine = mine[mine["motion"] == motion]
-        for run in mine.index:
-            used |= _draw(ax, result, int(run))
-        drawing.name_axes(
-            ax,
-            "displacement [mm]" if panel // columns == len(bearings) - 1 else "",
-            "force [kN]" if panel % columns == 0 else "",
-        )
-        ax.axhline(0.0, color=drawing.GREY, linewidth=0.6, zorder=1)
-        ax.axvline(0.0, color=drawing.GREY, linewidth=0.6, zorder=1)
-    drawing.head_grid(axes, [f"ambient {drawing.degrees(t)}" for t in ambients], bearings)
-    known = [label for _, label, _ in (WHOLE, *SHARES, *BILINEAR)]
-    told = [label for label in known if label in used]
-    handles = [Line2D([], [], color=used[label], label=label) for label in told]
-    if len(set(result.modes)) > 1:
-        look: drawing.Look = {"color": drawing.GREY, "linestyle": "--"}
-        handles.append(Line2D([], [], label="pseudo-dynamic (dashed)", **look))
-    drawing.legend_below(figure, handles)
-    return figure
-
-
-def _draw(ax: Axes, result: EarthquakeResult, run: int) -> dict[str, str]:
-    """Shares of one run; what was drawn, with its colour."""
-    data = result.dataset
-    time = data["time"].values[run]
-    inside = np.isfinite(time)
-    ends = [
-        float(data[name][run]) if name in data else np.nan for name in ("loop_start", "loop_end")
-    ]
-    if np.isfinite(ends).all():
-        inside &= (time >= ends[0]) & (time <= ends[1])
-    else:
-        look: drawing.Look = {"fontsize": drawing.SMALL - 0.5, "color": drawing.GREY, "va": "top"}
-        ax.text(0.01, 0.985, "no closed loop: all of it", transform=ax.transAxes, **look)
-    bilinear = bool(data.attrs.get(f"bilinear:{data['bearing'].values[run]}", 0))
-    dashed = len(set(result.modes)) > 1 and result.modes[run] == "pd"
-    used = {}
-    x = data["bearing_displacement"].values[run][inside].astype(float)
-    for name, label, colour in (WHOLE, *(BILINEAR if bilinear else SHARES)):
-        y = data[name].values[run][inside].astype(float)
-        if not y.any():  # the bearing has no such branch
-            continue
-        kept = drawing.thin_loops(x, y, max(np.ptp(x), 1e-12), max(np.ptp(y), 1e-12))
-        width = 2.4 if name == WHOLE[0] else 1.0
-        line: drawing.Look = {"linewidth": width, "linestyle": "--" if dashed else "-"}
-        ax.plot(x[kept], y[kept], color=colour, **line)
-        used[label] = colour
-    return used
-
-
-TIME_BINS = 900  # points of a history are thinned to two per bin
-KJ, MN_M = 1e-3, 1e-3
-WIDER = 0.8  # of its width: each line that lies below another
-NOTE_ROOM = 0.12  # of the height of a panel, for the values that are printed in it
-SIZES = "bearing_strain_max"
-LINES: dict[str, Any] = {"": "-", "rt": "-", "pd": "--"}
-MODES = {"rt": "real time", "pd": "pseudo-dynamic"}
-Draw = Callable[[Axes, int, str], None]
-
-
-class EarthquakeFigures:
-    """Figures of a study: `result.plot.loops()` and so on, each a matplotlib Figure."""
-
-    def __init__(self, result: EarthquakeResult) -> None:
-        self._result = result
-        self._data = result.dataset
-        self._table = result.table
-        self._bearings = list(dict.fromkeys(self._table["bearing"]))
-        self._motions = list(dict.fromkeys(self._table["motion"]))
-        self._ambients = sorted(set(self._table["ambient_degC"]))
-        colours = drawing.ambient_colours(np.array(self._ambients, dtype=float))
-        self._colours = dict(zip(self._ambients, colours, strict=True))
-        self._run_modes = np.array(result.modes)
-        self._modes = list(dict.fromkeys(result.modes))
-
-    def _values(self, name: str, run: int) -> Floats:
-        values = self._data[name].values[run]
-        return np.asarray(values[np.isfinite(self._data["time"].values[run])], dtype=float)
-
-    def _legend(self, figure: Figure, *, modes: bool = True) -> None:
-        handles = [
-            Line2D([], [], color=self._colours[value], label=f"ambient {drawing.degrees(value)}")
-            for value in self._ambients
-        ]
-        drawing.legend_below(figure, handles + (self._mode_handles() if modes else []))
-
-    def _mode_handles(self) -> list[Line2D]:
-        """Legend entries of the modes of a laboratory, if there are several."""
-        if len(self._modes) < 2:
-            return []
-        return [
-            Line2D([], [], color=drawing.GREY, linestyle=LINES[mode], label=MODES[mode])
-            for mode in self._modes
-        ]
-
-    def _line(self, run: int) -> Any:
-        """Style of the lines of a run: dashed for pseudo-dynamic beside real time."""
-        return LINES[self._result.modes[run]] if len(self._modes) > 1 else "-"
+class EarthquakeFigures(RunPanels):
+    """Figures of an analysis: `result.plot.loops()` and so on, each a matplotlib Figure."""
 
     def _grid(
         self,
@@ -325,79 +172,57 @@ class EarthquakeFigures:
         sizes: str = "",
         notes: bool = False,
     ) -> Figure:
-        """One panel per bearing and motion; `draw` is called for every run in it.
+        """Return one panel per bearing and motion; `draw` is called for every run in it.
 
         All runs go into `ax` where somebody gives one. `strain` is the axis that shows the strain
         [%]: beyond the tested range it is shaded. `sizes` names the variable whose largest run
-        is drawn first, below the others; `notes` leaves room for `_note`. The panels of a motion
+        is drawn first, below the others; `notes` leaves room for `note`. The panels of a motion
         have the same axes.
         """
         if ax is not None:
-            for run, ambient in zip(self._table.index, self._table["ambient_degC"], strict=True):
-                draw(ax, int(run), self._colours[ambient])
+            for run in self._table.index:
+                draw(ax, int(run), self._colour(run))
             drawing.name_axes(ax, x, y)
             return drawing.parent_figure(ax)
-        untested = []
+        about = part_names(self._data)
+        title = self._title(what, motions=True) + (f" ({about})" if about else "")
         motions = self._motions[:MOST_COLUMNS]
-        rows, columns = len(self._bearings), len(motions)
-        size = (max(WIDTH * columns, 5.0) + 0.6, HEIGHT * rows + 0.9)
-        more = len(self._motions) - columns
-        note = f" (first {columns} of {len(self._motions)} motions)" if more else ""
-        about = told_of_parts(self._data)
-        title = f"{self._data.attrs['structure']}: {what}{note}{f' ({about})' if about else ''}"
-        figure, axes = drawing.panels(rows, columns, size, title, share="col")
-        for panel, ax in enumerate(axes):
-            bearing, motion = self._bearings[panel // columns], motions[panel % columns]
-            of_motion = self._table[self._table["motion"] == motion]
-            chosen = of_motion[of_motion["bearing"] == bearing]
-            runs = self._largest_first([int(run) for run in chosen.index], sizes)
+        figure, cells = grid(
+            title, PANEL, self._bearings, motions, (x, y), heads=motions, sides=self._bearings,
+            share="col",
+        )  # fmt: skip
+        untested = []
+        for panel, bearing, motion in cells:
+            chosen = self._table[self._table["bearing"] == bearing]
+            runs = [int(run) for run in chosen.index[chosen["motion"] == motion]]
+            if sizes in self._data:  # the largest first, so that none hides a smaller one
+                size = np.nan_to_num(self._data[sizes].values)
+                runs = sorted(runs, key=lambda run: -float(size[run]))
             for run in runs:
-                draw(ax, run, self._colours[self._table["ambient_degC"][run]])
-            for place, line in enumerate(ax.get_lines()):  # equal ones remain visible
+                draw(panel, run, self._colour(run))
+            for place, line in enumerate(panel.get_lines()):  # equal ones remain visible
                 line.set_linewidth(line.get_linewidth() * (1.0 + WIDER * (len(runs) - 1 - place)))
             untested.append(100.0 * self._result.tested_to(runs, "strain"))
-            foot, side = panel // columns == rows - 1, panel % columns == 0
-            drawing.name_axes(ax, x if foot else "", y if side else "")
-            if side and self._knows_no_heat(runs):
-                drawing.say_why(ax, "bilinear: the same\nat all temperatures")
-        drawing.head_grid(axes, motions, self._bearings)
-        for ax in axes[:columns] if notes else []:
-            low, high = ax.get_ylim()
-            ax.set_ylim(low, high + NOTE_ROOM * (high - low))
+            same = bool(self._data.attrs.get(f"bilinear:{bearing}", 0)) and len(runs) > 1
+            if same and motion == motions[0]:
+                drawing.say_why(panel, "bilinear: the same\nat all temperatures")
+        axes = [panel for panel, _, _ in cells]
+        for panel in axes[: len(motions)] if notes else []:
+            low, high = panel.get_ylim()
+            panel.set_ylim(low, high + NOTE_ROOM * (high - low))
         if strain is not None:
             drawing.shade_untested(axes, [(-end, end) for end in untested], strain)
-        self._legend(figure)
+        drawing.legend_below(figure, self._handles() + self._mode_handles())
         return figure
 
-    def _knows_no_heat(self, runs: list[int]) -> bool:
-        """Whether the lines of a panel lie over each other since its bearing has no temperature."""
-        names = {str(self._data["bearing"].values[run]) for run in runs}
-        same = all(self._data.attrs.get(f"bilinear:{name}", 0) for name in names)
-        return len(runs) > 1 and same
-
-    def _largest_first(self, runs: list[int], name: str) -> list[int]:
-        """Runs of a panel in the order they are drawn, so that none hides a smaller one."""
-        if name not in self._data:
-            return runs
-        sizes = np.nan_to_num(self._data[name].values)
-        return sorted(runs, key=lambda run: -float(sizes[run]))
-
-    def _panel_runs(self, figure: Figure) -> list[tuple[Axes, list[int], str]]:
-        """Panels of a grid, the runs in each from cold to warm, and its motion."""
+    def _cells(self, figure: Figure) -> list[tuple[Axes, list[int], str]]:
+        """Return the panels of `_grid`, the runs in each from cold to warm, and its motion."""
         motions = self._motions[:MOST_COLUMNS]
-        found = []
-        for panel, ax in enumerate(figure.axes):
-            bearing, motion = self._bearings[panel // len(motions)], motions[panel % len(motions)]
-            table = self._table[self._table["bearing"] == bearing]
-            table = table[table["motion"] == motion].sort_values("ambient_degC", kind="stable")
-            runs = [int(run) for run in table.index]
-            found.append((ax, runs, motion))
-        return found
-
-    def _note(self, ax: Axes, name: str, runs: list[int], values: list[float]) -> None:
-        """Values of the runs of a panel, each in the colour of its temperature."""
-        colours = [self._colours[self._table["ambient_degC"][run]] for run in runs]
-        drawing.note_values(ax, name, [f"{value:.3g}" for value in values], colours)
+        labels = [(bearing, motion) for bearing in self._bearings for motion in motions]
+        return [
+            (ax, self._runs_of(bearing=bearing, motion=motion), motion)
+            for ax, (bearing, motion) in zip(figure.axes, labels, strict=True)
+        ]
 
     def _history(
         self,
@@ -408,28 +233,27 @@ class EarthquakeFigures:
         factor: float = 1.0,
         strain: Literal["y"] | None = None,
     ) -> Figure:
-        """A history in the strong part of each motion, with its peaks marked and printed."""
-        told = f"{what}, strong part of the motion"
+        """Return a history in the strong part of each motion, its peaks marked and printed."""
         draw, peaks = self._time(name, factor), f"{name}_max"
         if ax is not None:
             return self._grid(what, "time [s]", y, draw, ax)
-        figure = self._grid(told, "time [s]", y, draw, strain=strain, sizes=peaks, notes=True)
-        for ax, runs, motion in self._panel_runs(figure):
-            same = list(self._table.index[self._table["motion"] == motion])
-            ax.set_xlim(*strong_part(self._data, same, name))
+        title = f"{what}, strong part of the motion"
+        figure = self._grid(title, "time [s]", y, draw, strain=strain, sizes=peaks, notes=True)
+        for panel, runs, motion in self._cells(figure):
+            panel.set_xlim(*strong_part(self._data, self._runs_of(motion=motion), name))
             for run in runs:
                 values = factor * self._values(name, run)
-                place = peak_place(values)
+                place = _peak_place(values)
                 if place is None:
                     continue
-                look: drawing.Look = {"color": self._colours[self._table["ambient_degC"][run]]}
+                look: drawing.Look = {"color": self._colour(run), "markeredgecolor": "white"}
                 at = [self._values("time", run)[place]], [values[place]]
-                ax.plot(*at, "o", markersize=4.0, markeredgecolor="white", zorder=4, **look)
-            self._note(ax, "peak", runs, [factor * float(self._data[peaks][run]) for run in runs])
+                panel.plot(*at, "o", markersize=4.0, zorder=4, **look)
+            self._note(panel, "peak", runs, [factor * float(self._data[peaks][r]) for r in runs])
         return figure
 
     def _plane(self, x: str, y: str, factor: float = 1.0, other: float = 1.0) -> Draw:
-        """A path in the plane of two histories."""
+        """Return what draws a path in the plane of two histories."""
 
         def draw(ax: Axes, run: int, colour: str) -> None:
             a, b = factor * self._values(x, run), other * self._values(y, run)
@@ -440,25 +264,26 @@ class EarthquakeFigures:
         return draw
 
     def _time(self, name: str, factor: float = 1.0) -> Draw:
-        """A history."""
+        """Return what draws a history."""
 
         def draw(ax: Axes, run: int, colour: str) -> None:
             time, values = self._values("time", run), factor * self._values(name, run)
-            if not np.isfinite(values).all():
-                return
-            kept = drawing.thin(values, TIME_BINS)
-            line = self._line(run)
-            ax.plot(time[kept], values[kept], color=colour, linewidth=0.7, linestyle=line)
+            if np.isfinite(values).all():
+                kept = drawing.thin(values, TIME_BINS)
+                look: drawing.Look = {"linewidth": 0.7, "linestyle": self._line(run)}
+                ax.plot(time[kept], values[kept], color=colour, **look)
 
         return draw
 
     def loops(self, ax: Axes | None = None, *, label: str = "", color: str | None = None) -> Figure:
-        """Force of one bearing against its strain, as Fig. 6.9 and 6.12 (3.16 to 3.19).
+        """Return the force of one bearing against its strain, as Fig. 6.9 and 6.12.
 
         Parameters
         ----------
-        ax : draw all runs into this panel instead of one for each bearing and motion.
-        label, color : of what is drawn into it; the colours of the temperatures by default.
+        ax : Axes, optional
+            Draw all runs into this panel instead of one for each bearing and motion.
+        label, color : str, optional
+            Of what is drawn into it; the colours of the temperatures by default.
         """
         plain = self._plane("bearing_strain", "bearing_force", 100.0)
 
@@ -467,64 +292,90 @@ class EarthquakeFigures:
             if label and run == 0:
                 panel.get_lines()[-1].set_label(label)
 
-        what, x = "hysteresis of one bearing", "shear strain [%]"
-        return self._grid(what, x, "force [kN]", draw, ax, strain="x", sizes=SIZES)
+        what, sizes = "hysteresis of one bearing", "bearing_strain_max"
+        return self._grid(what, STRAIN, FORCE, draw, ax, strain="x", sizes=sizes)
 
     def largest_loops(self) -> Figure:
-        """The largest loop, the bearings over each other, as Fig. 4.12 and 6.6."""
-        return _draw_largest_loops(self._result)
+        """Return the largest loop, the bearings over each other, as Fig. 4.12 and 6.6."""
+        loops, motions = self._result.largest_loops, self._motions[:MOST_COLUMNS]
+        colours = drawing.ordered_colours(len(self._bearings), "viridis")
+        looks = dict(zip(self._bearings, colours, strict=True))
+        title = self._title("largest loop of one bearing", motions=True)
+        sides = [f"ambient {drawing.degrees(value)}" for value in self._ambients]
+        figure, cells = grid(
+            title, LOOP_PANEL, self._ambients, motions, (DISPLACEMENT, FORCE), heads=motions,
+            sides=sides, zero=True,
+        )  # fmt: skip
+        for ax, ambient, motion in cells:
+            for run in self._runs_of(ambient_degC=ambient, motion=motion):
+                loop, time = loops.loc[run], self._data["time"].values[run]
+                inside = (time >= loop["start_s"]) & (time <= loop["end_s"])  # none of no loop
+                x = self._data["bearing_displacement"].values[run, inside]
+                y = self._data["bearing_force"].values[run, inside]
+                look: drawing.Look = {"linestyle": self._line(run), "linewidth": 1.1}
+                ax.plot(x, y, color=looks[loop["bearing"]], **look)
+        handles = [Line2D([], [], color=colour, label=name) for name, colour in looks.items()]
+        dashed = [Line2D([], [], **DASHED)] if len(self._run_modes) > 1 else []
+        drawing.legend_below(figure, handles + dashed)
+        return figure
 
     def parts(self) -> Figure:
-        """Every bearing line and every pier beside each other, where there are several."""
-        return draw_parts(self._result)
+        """Return every bearing line and every pier side by side, where there are several."""
+        return draw_parts(self)
 
     def modes(self) -> Figure:
-        """Real time over pseudo-dynamic: loops of the specimen, as Fig. 3.16 to 3.19."""
-        return _draw_modes(self._result)
+        """Return loops of the specimen in both modes, as Fig. 3.16 to 3.19."""
+
+        def draw(ax: Axes, run: int) -> None:
+            strain = 100.0 * self._values("bearing_strain", run)
+            look = MODE_LOOKS[self._result.modes[run]]
+            ax.plot(strain, self._values("bearing_force", run), linewidth=0.9, **look)
+
+        what = "real time over pseudo-dynamic"
+        figure = bearing_grid(self, what, LOOP_PANEL, (STRAIN, FORCE), draw)
+        handles = [Line2D([], [], label=MODE_NAMES[k], **look) for k, look in MODE_LOOKS.items()]
+        drawing.legend_below(figure, handles)
+        return figure
 
     def _of(self, part: str, name: str | None) -> "EarthquakeFigures":
-        """The same figures of another line or pier."""
+        """Return the same figures of another line or pier."""
         view = copy.copy(self)
-        view._data = describe_all(self._data, part, name)
+        view._data = select_part(self._data, part, name)
         return view
 
     def strain(self, ax: Axes | None = None, *, line: str | None = None) -> Figure:
-        """Shear strain in time, as Fig. 6.10 and 6.13; of the bearings of any `line`."""
-        what, y = "shear strain of the bearings", "shear strain [%]"
-        return self._of("line", line)._history("bearing_strain", what, y, ax, 100.0, "y")
+        """Return shear strain in time, as Fig. 6.10 and 6.13; of the bearings of any `line`."""
+        what = "shear strain of the bearings"
+        return self._of("line", line)._history("bearing_strain", what, STRAIN, ax, 100.0, "y")
 
     def pier(self, ax: Axes | None = None, *, pier: str | None = None) -> Figure:
-        """Displacement of a pier's top relative to its base, as Fig. 6.17 and 6.19; of any pier."""
-        what = "pier top relative to its base"
-        return self._of("pier", pier)._history("pier_displacement", what, "displacement [mm]", ax)
+        """Return the displacement of a pier's top relative to its base, as Fig. 6.17 and 6.19."""
+        view, what = self._of("pier", pier), "pier top relative to its base"
+        return view._history("pier_displacement", what, DISPLACEMENT, ax)
 
     def pier_acceleration(self, ax: Axes | None = None) -> Figure:
-        """Absolute acceleration of the pier top, as Fig. 3.27, 3.29, 4.15, 5.18 and 5.20."""
-        what = "acceleration of the pier top"
-        view = self._of("pier", None)
+        """Return the absolute acceleration of the pier top, as Fig. 3.27, 3.29, 4.15, 5.18."""
+        view, what = self._of("pier", None), "acceleration of the pier top"
         return view._history("pier_top_acceleration", what, "acceleration [m/s2]", ax)
 
     def hinge(self, ax: Axes | None = None) -> Figure:
-        """Moment against rotation of the pier base, as Fig. 6.21 and 6.22; its yield point."""
-        return self._of("pier", None)._hinge(ax)
-
-    def _hinge(self, ax: Axes | None) -> Figure:
-        """That of the pier whose data these figures show."""
-        draw = self._plane("pier_rotation", "pier_moment", 1e3, MN_M)
+        """Return moment against rotation of the pier base, as Fig. 6.21 and 6.22."""
+        view = self._of("pier", None)
+        draw = view._plane("pier_rotation", "pier_moment", 1e3, MN_M)
         x, y = "rotation [mrad]", "moment [MN m]"
         what = "pier base (dashed: where it yields; numbers: ductility)"
         if ax is not None:
-            return self._grid(what, x, y, draw, ax)
-        figure = self._grid(what, x, y, draw, sizes="pier_rotation_max")
-        for panel, runs, _ in self._panel_runs(figure):
-            found = [_yield_point(self._data, run) for run in runs]
+            return view._grid(what, x, y, draw, ax)
+        figure = view._grid(what, x, y, draw, sizes="pier_rotation_max")
+        for panel, runs, _ in view._cells(figure):
+            found = [_yield_point(view._data, run) for run in runs]
             for point in [point for point in found if point is not None][:1]:
                 rotation, moment = 1e3 * point[0], MN_M * point[1]
                 look: drawing.Look = {"color": drawing.GREY, "linewidth": 0.8, "linestyle": "--"}
                 for sign in (-1.0, 1.0):
                     panel.axhline(sign * moment, zorder=1.2, **look)
                     panel.plot([sign * rotation], [sign * moment], "D", color=drawing.INK, ms=3.5)
-            ductility = [float(self._data["pier_ductility"][run]) for run in runs]
+            ductility = [float(view._data["pier_ductility"][run]) for run in runs]
             self._note(panel, "", runs, ductility)
             if max(ductility) < 1.0:
                 drawing.say_why(panel, "stays elastic", (0.98, 0.12))
@@ -535,47 +386,161 @@ class EarthquakeFigures:
         return figure
 
     def deck(self, ax: Axes | None = None) -> Figure:
-        """Absolute acceleration of the deck, as Fig. 6.23 and 6.25."""
-        what = "acceleration of the deck"
-        return self._history("deck_acceleration", what, "acceleration [m/s2]", ax)
+        """Return the absolute acceleration of the deck, as Fig. 6.23 and 6.25."""
+        return self._history(
+            "deck_acceleration", "acceleration of the deck", "acceleration [m/s2]", ax
+        )
 
     def energy(self, ax: Axes | None = None) -> Figure:
-        """Work done on one bearing in time, as Fig. 3.25."""
+        """Return the work done on one bearing in time, as Fig. 3.25."""
         draw = self._time("bearing_energy", KJ)
         return self._grid("energy taken by one bearing", "time [s]", "energy [kJ]", draw, ax)
 
     def temperature(self) -> Figure:
-        """Rise of the rubber layers and, below them, of the lead, as Fig. 3.20 and 5.16."""
-        return draw_rises(self._result)
+        """Return the rise of the rubber layers and, below, of the lead, as Fig. 3.20 and 5.16."""
+        rows = []  # a bearing, and its rubber or lead; without heat there is no row
+        for bearing in self._bearings:
+            mine = self._data.isel(run=self._runs_of(bearing=bearing))
+            for name in ("rubber", "lead"):
+                if np.isfinite(mine[f"{name}_temperature"].values).any():
+                    rows.append((bearing, name))
+        motions = self._motions[:MOST_COLUMNS]
+        title = self._title("rise of the temperature in one bearing", motions=True)
+        figure, cells = grid(
+            title, (2.9, 2.1), rows, motions, ("time [s]", "rise [K]"), heads=motions,
+            sides=[f"{bearing}\n{name}" for bearing, name in rows], share=False,
+        )  # fmt: skip
+        highest = {"rubber": 0.0, "lead": 0.0}
+        for ax, (bearing, name), motion in cells:
+            self._rise(ax, name, self._runs_of(bearing=bearing, motion=motion))
+            ax.set_xlim(*strong_part(self._data, self._runs_of(motion=motion)))
+            highest[name] = max(highest[name], ax.get_ylim()[1])
+        for ax, (_, name), _ in cells:  # one scale for all rubber and one for all lead
+            ax.set_ylim(-0.04 * highest[name], (1.0 + NOTE_ROOM) * highest[name])
+        half = bool(self._data.attrs.get("half_stack", 1))
+        names = ("outer layer", "innermost layer") if half else ("upper layer", "lower layer")
+        handles = self._handles() + [
+            Line2D([], [], color=drawing.GREY, linewidth=width, label=name)
+            for name, width in zip(names, (THIN, THICK), strict=True)
+        ]
+        dashed = [Line2D([], [], **DASHED)] if len(self._run_modes) > 1 else []
+        drawing.legend_below(figure, handles + dashed)
+        return figure
+
+    def _rise(self, ax: Axes, name: str, runs: list[int]) -> None:
+        """Draw layers from thin (outer) to thick (innermost), or the lead, and their maxima."""
+        hottest = []
+        for run in runs:
+            time, values = self._values("time", run), self._values(f"{name}_temperature", run)
+            values = values.reshape(len(time), -1)
+            values = values[:, np.isfinite(values).all(axis=0)]
+            rise, count = values - values[0], values.shape[1]
+            for j in range(count):
+                kept = drawing.thin(rise[:, j], TIME_BINS)
+                width = THIN + (THICK - THIN) * ((j + 1) / count if count > 1 else 0.5)
+                look: drawing.Look = {"linewidth": width, "linestyle": self._line(run)}
+                ax.plot(time[kept], rise[kept, j], color=self._colour(run), alpha=0.8, **look)
+            hottest.append(float(values.max()) if values.size else np.nan)
+            end = self._result.tested_to([run], "lead_temperature")
+            if name == "lead" and np.isfinite(end):
+                drawing.mark_tested(ax, end - float(values[0, 0]), "tested to here")
+        texts = [f"{value:.0f}" for value in hottest]
+        texts[-1] += " °C"
+        drawing.note_values(ax, "hottest", texts, [self._colour(run) for run in runs])
 
     def speed(self) -> Figure:
-        """Loading speed of the bearing on its own clock, as Fig. 3.15."""
-        return draw_speed(self._result)
+        """Return the loading speed of the bearing on its own clock, as Fig. 3.15.
+
+        Rows are bearings, columns modes: a slow test takes longer and has its own axes. The first
+        motion; the fastest run lies below, and the largest speeds are printed.
+        """
+        motion = self._motions[0]
+        labels = ("time in the laboratory [s]", "speed [mm/s]")
+        title = self._title(f"loading speed of the specimen, {motion}")
+        figure, cells = grid(
+            title, SPEED_PANEL, self._bearings, self._run_modes, labels, share="col"
+        )
+        clock = "bearing_clock" if "bearing_clock" in self._data else "time"
+        for ax, bearing, mode in cells:
+            runs = self._runs_of(bearing=bearing, motion=motion)
+            runs = [run for run in runs if self._result.modes[run] == mode]
+            largest = {run: np.abs(self._values("bearing_speed", run)).max() for run in runs}
+            for place, run in enumerate(sorted(runs, key=lambda run: -largest[run])):
+                speed = self._values("bearing_speed", run)
+                kept, width = drawing.thin(speed, TIME_BINS), 1.1 if place == 0 else 0.7
+                time = self._values(clock, run)[kept]
+                ax.plot(time, speed[kept], color=self._colour(run), linewidth=width)
+            ax.margins(y=0.14)
+            self._note(ax, "largest", runs, list(largest.values()))
+            name = ", ".join(part for part in (bearing, MODE_NAMES.get(mode, "")) if part)
+            drawing.name_axes(ax, title=name)
+            ax.title.set_fontsize(drawing.SMALL)
+        drawing.legend_below(figure, self._handles())
+        return figure
 
     def profiles(self, times: Sequence[float] | None = None) -> Figure:
-        """Temperature through the height, the bearings below each other, as Fig. 4.14 and 5.17.
+        """Return temperatures through the height, as Fig. 4.14 and 5.17.
 
         Parameters
         ----------
-        times : since the start of the motion [s], at most 8; quarters of it by default.
+        times : sequence of float, optional
+            Since the start of the motion [s], at most 8; quarters of it by default.
 
         Raises
         ------
-        InputError : the study did not keep cells, or a time is not in it.
+        InputError
+            The analysis did not keep cells, or a time is not in it.
         """
-        return draw_profiles(self._result, times)
+        return draw_profiles(self, times)
 
     def shares(self) -> Figure:
-        """Shares of the force in the largest loop of the first motion, as Fig. 5.15."""
-        return _draw_shares(self._result)
+        """Return shares of the force in the largest loop of the first motion, as Fig. 5.15.
+
+        Without a closed loop the whole history is drawn, and the panel says so.
+        """
+        used: dict[str, str] = {}
+
+        def draw(ax: Axes, run: int) -> None:
+            time = self._data["time"].values[run]
+            inside = np.isfinite(time)
+            ends = [float(self._data[name][run]) for name in ("loop_start", "loop_end")]
+            if np.isfinite(ends).all():
+                inside &= (time >= ends[0]) & (time <= ends[1])
+            else:
+                look: drawing.Look = {"fontsize": drawing.SMALL - 0.5, "color": drawing.GREY}
+                why = "no closed loop: all of it"
+                ax.text(0.01, 0.985, why, transform=ax.transAxes, va="top", **look)
+            bilinear = self._data.attrs.get(f"bilinear:{self._data['bearing'].values[run]}", 0)
+            x = self._data["bearing_displacement"].values[run][inside].astype(float)
+            for name, label, colour in (WHOLE, *(BILINEAR if bilinear else SHARES)):
+                y = self._data[name].values[run][inside].astype(float)
+                if not y.any():  # the bearing has no such branch
+                    continue
+                kept = drawing.thin_loops(x, y, max(np.ptp(x), 1e-12), max(np.ptp(y), 1e-12))
+                width = 2.4 if name == WHOLE[0] else 1.0
+                ax.plot(x[kept], y[kept], color=colour, linewidth=width, linestyle=self._line(run))
+                used[label] = colour
+
+        what, labels = "shares of the force in the largest loop", (DISPLACEMENT, FORCE)
+        figure = bearing_grid(self, what, PANEL, labels, draw, zero=True)
+        known = [label for _, label, _ in (WHOLE, *SHARES, *BILINEAR) if label in used]
+        handles = [Line2D([], [], color=used[label], label=label) for label in known]
+        dashed = [Line2D([], [], **DASHED)] if len(self._run_modes) > 1 else []
+        drawing.legend_below(figure, handles + dashed)
+        return figure
 
     def peaks(self) -> Figure:
-        """Peaks of every run, as Fig. 6.11, 6.14 to 6.16, 6.18, 6.20, 6.24 and 6.26."""
-        return draw_peaks(self._result)
+        """Return peaks of every run, as Fig. 6.11, 6.14 to 6.16, 6.18, 6.20, 6.24 and 6.26."""
+        return draw_peaks(self)
 
-    def held(self) -> dict[str, Callable[[], Figure]]:
-        """What draws each figure that the study holds data for, by name of its file."""
-        figures: dict[str, Callable[[], Figure]] = {
+    def draw_all(self) -> dict[str, Callable[[], Figure]]:
+        """Return what draws each figure that the analysis holds data for, by name of its file."""
+
+        def holds(name: str) -> bool:
+            return name in self._data and bool(np.isfinite(self._data[name].values).any())
+
+        compared = self._result.compared
+        shown = {
             "loops": self.loops,
             "strain": self.strain,
             "energy": self.energy,
@@ -583,25 +548,15 @@ class EarthquakeFigures:
             "pier_acceleration": self.pier_acceleration,
             "deck": self.deck,
             "peaks": self.peaks,
+            "parts": self.parts if self._result.has_parts else None,
+            "largest_loops": self.largest_loops if holds("loop_start") else None,
+            "modes": self.modes if {"rt", "pd"} <= set(self._run_modes) else None,
+            "hinge": self.hinge if holds("pier_rotation") else None,
+            "temperature": self.temperature if holds("rubber_temperature") else None,
+            "profiles": self.profiles if holds("depth") else None,
+            "shares": self.shares if holds("lead_temperature") else None,
+            "speed": self.speed if self._data.attrs["command"] == "hybrid" else None,
+            "comparison": partial(comparison_figure, compared) if compared else None,
+            "comparison_loops": partial(comparison_loops, compared) if compared else None,
         }
-        if has_parts(self._data):
-            figures["parts"] = self.parts
-        if _has_loops(self._result):
-            figures["largest_loops"] = self.largest_loops
-        if has_both(self._result):
-            figures["modes"] = self.modes
-        if np.isfinite(self._data["pier_rotation"].values).any():
-            figures["hinge"] = self.hinge
-        if np.isfinite(self._data["rubber_temperature"].values).any():
-            figures["temperature"] = self.temperature
-        if np.isfinite(self._data.get("depth", np.nan)).any():
-            figures["profiles"] = self.profiles
-        if np.isfinite(self._data["lead_temperature"].values).any():
-            figures["shares"] = self.shares
-        if self._data.attrs["command"] == "hybrid":
-            figures["speed"] = self.speed
-        return figures
-
-    def save_all(self, folder: Path) -> list[Path]:
-        """Every figure that the study holds, as PNG."""
-        return drawing.save_figures(self.held(), folder)
+        return {name: draw for name, draw in shown.items() if draw is not None}

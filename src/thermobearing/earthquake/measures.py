@@ -1,71 +1,44 @@
-"""Peak responses of a run: names, units, factors, meanings and values."""
+"""What is measured of a run: histories, peaks of lines and piers, energies, the largest loop.
 
-from collections.abc import Mapping
+Names, units and meanings are in the register (data/quantities/earthquake.toml).
+"""
+
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from thermobearing.bearing.bilinear import BilinearBearing
-from thermobearing.core.records import Floats, labels
+from thermobearing.core.records import Floats, Rows
 from thermobearing.core.types import Books
-from thermobearing.earthquake.parts import governing_peaks, largest, line_peaks, pier_peaks
 from thermobearing.results.metrics import LEAST_ENERGY, LEAST_HEAT, largest_loop
+from thermobearing.structure.model import Pier
 from thermobearing.structure.run import StructureHistory
-from thermobearing.structure.types import MotionBooks
 
 if TYPE_CHECKING:
-    from thermobearing.earthquake.task import Task
+    from thermobearing.earthquake.run import Task
 
-OWN: Final = {
-    "outcome": "what ended the run",
-    "energy_actuator": "work that delay and force error of the actuator take, at the end",
-    "bearing_energy_end": "work done on one bearing at the end",
-    "pier_displacement_residual": "displacement of the pier top relative to its base at the end",
-    "steps": "steps of the run",
-    "iterations": "iterations of Newton's method in the whole run",
-    "substeps": "halvings of steps in the whole run",
-    "pier_ductility": "largest rotation of the hinge over its yield rotation",
-    "layer_force_mismatch_max": "largest difference of a layer law from the force",
-    "loop_force_max": "largest force of the largest loop",
-    "loop_force_min": "smallest force of the largest loop",
-    "loop_displacement_max": "largest displacement of the largest loop",
-    "loop_displacement_min": "smallest displacement of the largest loop",
-    "loop_stiffness": "equivalent stiffness of the largest loop",
-    "loop_damping_ratio": "equivalent damping ratio of the largest loop",
-    "loop_modulus": "equivalent shear modulus of the largest loop",
-    "loop_energy": "energy of the largest loop",
-    "loop_start": "time when the largest loop begins",
-    "loop_end": "time when the largest loop ends",
-}
-PEAK: Final = "_max"  # of a history
-ENERGY, HEAT = "energy_", "heat_"  # of the structure, of one bearing
-
-
-def describe_quantity(name: str, histories: Mapping[str, str]) -> str:
-    """What a number of a run is.
-
-    Parameters
-    ----------
-    name : of its variable.
-    histories : what each history is, by name.
-
-    Examples
-    --------
-    >>> describe_quantity("bearing_force_max", {"bearing_force": "force of one bearing"})
-    'largest force of one bearing'
-    >>> describe_quantity("energy_input", {})
-    'work of the ground, on motion relative to it, at the end'
-    """
-    if name in OWN:
-        return OWN[name]
-    for prefix, books in ((ENERGY, MotionBooks), (HEAT, Books)):
-        meanings = {f"{prefix}{label.name}": label.meaning for label in labels(books)}
-        if name in meanings:
-            return f"{meanings[name].removesuffix(' now')}, at the end"
-    return f"largest {histories[name.removesuffix(PEAK)]}"
-
-
-BEARING = (
+MM_PER_M, KN_MM_PER_KN_M = 1e3, 1e3
+HISTORIES: Final = (  # in the dataset
+    "ground_acceleration",
+    "bearing_displacement",
+    "bearing_strain",
+    "bearing_force",
+    "rubber_force",
+    "lead_force",
+    "viscous_force",
+    "bearing_speed",
+    "bearing_energy",
+    "pier_displacement",
+    "pier_top_displacement",
+    "deck_displacement",
+    "deck_acceleration",
+    "pier_top_acceleration",
+    "pier_rotation",
+    "pier_moment",
+    "lead_temperature",
+)
+BEARING: Final = (  # energies of one bearing
     "work_in",
     "heat_released",
     "recoverable",
@@ -73,125 +46,255 @@ BEARING = (
     "heat_lost_ends",
     "heat_lost_sides",
 )
-# Of the actuator: in a laboratory only.
-STRUCTURE = ("input", "kinetic", "damping", "springs", "hinges", "bearings", "actuator")
-COLUMNS = {  # of the table: name in the dataset, factor
-    "bearing_strain_max": ("bearing_strain_max", 1.0),
-    "bearing_force_max_kN": ("bearing_force_max", 1.0),
-    "bearing_energy_kN_mm": ("bearing_energy_end", 1.0),
-    "pier_displacement_max_mm": ("pier_displacement_max", 1.0),
-    "pier_ductility": ("pier_ductility", 1.0),
-    "pier_moment_max_kN_m": ("pier_moment_max", 1.0),
-    "deck_displacement_max_mm": ("deck_displacement_max", 1.0),
-    "deck_acceleration_max_m_s2": ("deck_acceleration_max", 1.0),
-    "pier_top_acceleration_max_m_s2": ("pier_top_acceleration_max", 1.0),
-    "pier_top_displacement_max_mm": ("pier_top_displacement_max", 1.0),
-    "pier_displacement_residual_mm": ("pier_displacement_residual", 1.0),
-}
-PLACES = {  # columns that name the governing line or pier: dimension, peak of the parts
-    "strain_line": ("line", "line_strain_max"),
-    "force_line": ("line", "line_force_max"),
-    "displacement_pier": ("pier_part", "pier_part_displacement_max"),
-    "ductility_pier": ("pier_part", "pier_part_ductility"),
-}
-LOOP_COLUMNS = {  # of the largest loop: name in the dataset
-    "loop_F_plus_kN": "loop_force_max",
-    "loop_F_minus_kN": "loop_force_min",
-    "loop_D_plus_mm": "loop_displacement_max",
-    "loop_D_minus_mm": "loop_displacement_min",
-    "loop_K_eq_kN_mm": "loop_stiffness",
-    "loop_h_eq": "loop_damping_ratio",
-    "loop_G_e_MPa": "loop_modulus",
-    "loop_energy_kN_mm": "loop_energy",
-}
-LABELS = ("bearing", "motion", "ambient", "mode")  # of a run
-HISTORY = {  # columns of a history: name in the dataset
-    "time_s": "time",
-    "ground_m_s2": "ground_acceleration",
-    "displacement_mm": "bearing_displacement",
-    "strain": "bearing_strain",
-    "force_kN": "bearing_force",
-    "rubber_force_kN": "rubber_force",
-    "lead_force_kN": "lead_force",
-    "viscous_force_kN": "viscous_force",
-    "energy_kN_mm": "bearing_energy",
-    "pier_displacement_mm": "pier_displacement",
-    "pier_rotation_rad": "pier_rotation",
-    "pier_moment_kN_m": "pier_moment",
-    "pier_top_acceleration_m_s2": "pier_top_acceleration",
-    "deck_displacement_mm": "deck_displacement",
-    "deck_acceleration_m_s2": "deck_acceleration",
-    "lead_degC": "lead_temperature",
-}
-LOOP = {  # of the largest loop: name in CycleMeasures, unit
-    "loop_force_max": ("force_max_kN", "kN"),
-    "loop_force_min": ("force_min_kN", "kN"),
-    "loop_displacement_max": ("displacement_max_mm", "mm"),
-    "loop_displacement_min": ("displacement_min_mm", "mm"),
-    "loop_stiffness": ("stiffness_kN_mm", "kN/mm"),
-    "loop_damping_ratio": ("h_eq", "1"),
-    "loop_modulus": ("G_eq_MPa", "MPa"),
-    "loop_energy": ("energy_kN_mm", "kN mm"),
-}
-LOOP_TIMES = ("loop_start", "loop_end")  # [s]
-STRUCTURE_ENERGIES: Final = tuple(
-    label.name for label in labels(MotionBooks) if label.unit == "kN mm"
+# Energies of the structure; of the actuator in a laboratory only.
+STRUCTURE: Final = ("input", "kinetic", "damping", "springs", "hinges", "bearings", "actuator")
+STRUCTURE_ENERGIES: Final = STRUCTURE[:-1]
+COLUMNS: Final = (  # of the table of runs
+    "bearing_strain_max",
+    "bearing_force_max_kN",
+    "bearing_energy_kN_mm",
+    "pier_displacement_max_mm",
+    "pier_ductility",
+    "pier_moment_max_kN_m",
+    "deck_displacement_max_mm",
+    "deck_acceleration_max_m_s2",
+    "pier_top_acceleration_max_m_s2",
+    "pier_top_displacement_max_mm",
+    "pier_displacement_residual_mm",
 )
-UNITS: Final = {
-    "outcome": "",
-    "bearing_strain_max": "1",
-    "bearing_displacement_max": "mm",
-    "bearing_force_max": "kN",
-    "bearing_energy_end": "kN mm",
-    "pier_displacement_max": "mm",
-    "pier_top_displacement_max": "mm",
-    "pier_displacement_residual": "mm",
-    "pier_rotation_max": "rad",
-    "pier_moment_max": "kN m",
-    "deck_displacement_max": "mm",
-    "deck_acceleration_max": "m/s2",
-    "pier_top_acceleration_max": "m/s2",
-    "steps": "1",
-    "iterations": "1",
-    "substeps": "1",
-    "pier_ductility": "1",
-    **{f"energy_{name}": "kN mm" for name in STRUCTURE_ENERGIES},
-    **{f"heat_{name}": "kN mm" for name in BEARING},
-    "layer_force_mismatch_max": "kN",
-}
-PEAKS: Final = tuple(n for n in UNITS if n.endswith(PEAK) and n.startswith("deck_"))
-LOOP_UNITS: Final = {name: unit for name, (_, unit) in LOOP.items()} | dict.fromkeys(
-    LOOP_TIMES, "s"
+NUMBERS: Final = (  # of a run in the dataset
+    *COLUMNS,
+    "bearing_displacement_max_mm",
+    "pier_rotation_max_rad",
+    "steps",
+    "iterations",
+    "substeps",
+    *(f"{name}_kN_mm" for name in STRUCTURE_ENERGIES),
+    *(f"bearing_{name}_kN_mm" for name in BEARING),
+    "layer_force_mismatch_max_kN",
 )
+LOOP: Final = {  # of the largest loop: name in CycleMeasures
+    "loop_F_plus_kN": "force_max_kN",
+    "loop_F_minus_kN": "force_min_kN",
+    "loop_D_plus_mm": "displacement_max_mm",
+    "loop_D_minus_mm": "displacement_min_mm",
+    "loop_K_eq_kN_mm": "stiffness_kN_mm",
+    "loop_h_eq": "h_eq",
+    "loop_G_e_MPa": "G_eq_MPa",
+    "loop_energy_kN_mm": "energy_kN_mm",
+}
+LOOP_TIMES: Final = ("loop_start", "loop_end")  # [s]
+LINES: Final = {  # columns of the table of bearing lines: name in the dataset
+    "line_bearing": "line_bearing",
+    "count": "line_count",
+    "line_ambient_degC": "line_ambient",
+    "displacement_max_mm": "line_displacement_max",
+    "strain_max": "line_strain_max",
+    "force_max_kN": "line_force_max",
+    "total_force_max_kN": "line_total_force_max",
+    "energy_kN_mm": "line_energy_end",
+    "rubber_max_degC": "line_rubber_temperature_max",
+    "lead_max_degC": "line_lead_temperature_max",
+    "rubber_rise_K": "line_rubber_rise_max",
+    "lead_rise_K": "line_lead_rise_max",
+}
+PIERS: Final = {  # of the table of piers, likewise
+    "displacement_max_mm": "pier_part_displacement_max",
+    "displacement_residual_mm": "pier_part_displacement_residual",
+    "top_displacement_max_mm": "pier_part_top_displacement_max",
+    "top_acceleration_max_m_s2": "pier_part_top_acceleration_max",
+    "rotation_max_rad": "pier_part_rotation_max",
+    "ductility": "pier_part_ductility",
+    "moment_max_kN_m": "pier_part_moment_max",
+}
+GOVERNING: Final = {  # peaks of a run: that of the line or pier that goes farthest
+    "bearing_displacement_max": "line_displacement_max",
+    "bearing_strain_max": "line_strain_max",
+    "bearing_force_max": "line_force_max",
+    "bearing_energy_end": "line_energy_end",
+    "pier_displacement_max": "pier_part_displacement_max",
+    "pier_displacement_residual": "pier_part_displacement_residual",
+    "pier_top_displacement_max": "pier_part_top_displacement_max",
+    "pier_top_acceleration_max": "pier_part_top_acceleration_max",
+    "pier_rotation_max": "pier_part_rotation_max",
+    "pier_ductility": "pier_part_ductility",
+    "pier_moment_max": "pier_part_moment_max",
+}
+
+
+def largest(values: Floats) -> float:
+    """Return the largest magnitude in a history; NaN where it is not known."""
+    return float(np.abs(values).max())
+
+
+def farthest(values: Any) -> Any:
+    """Return the value of largest magnitude along the last axis; NaN where none is known.
+
+    Examples
+    --------
+    >>> farthest([[1.0, -3.0, np.nan], [np.nan, np.nan, np.nan]]).tolist()
+    [-3.0, nan]
+    """
+    known = np.asarray(values, dtype=float)
+    place = np.nan_to_num(np.abs(known), nan=-1.0).argmax(axis=-1)[..., None]
+    return np.take_along_axis(known, place, axis=-1)[..., 0]
+
+
+def structure_traces(task: "Task", history: StructureHistory) -> dict[str, Floats]:
+    """Return those of `HISTORIES` that the structure has: ground, pier, deck."""
+    where = task.prepared.reported
+    hinge = None if where.hinge is None else history.hinge(where.hinge)
+    q, a = history.rows.q, history.rows.a
+    moved = np.array([where.deck, where.top]) @ a.T / MM_PER_M  # relative to the ground
+    ground = task.shaking.ground[: len(q)] / MM_PER_M
+    missing = np.full(len(q) if hinge is None else 0, np.nan)
+    return {
+        "ground_acceleration": ground,
+        "pier_displacement": q @ (where.top - where.base),
+        "pier_top_displacement": q @ where.top,
+        "deck_displacement": q @ where.deck,
+        "deck_acceleration": moved[0] + ground,
+        "pier_top_acceleration": moved[1] + ground,
+        "pier_rotation": missing if hinge is None else hinge["rotation"],
+        "pier_moment": missing if hinge is None else hinge["moment"] / KN_MM_PER_KN_M,
+    }
+
+
+def history_traces(task: "Task", history: StructureHistory) -> dict[str, Floats]:
+    """Return each of `HISTORIES` by name, and temperatures of layers and of cells that are kept."""
+    device, bearing = task.reported.device, history.bearing(task.reported_line)
+    heat, count = device.heats, len(history.rows.q)
+    return structure_traces(task, history) | {
+        "time": history.rows.books["clock"],
+        "bearing_displacement": bearing["displacement"],
+        "bearing_strain": bearing["displacement"] / device.bearing.total_rubber_thickness,
+        "bearing_force": bearing["force"],
+        "rubber_force": bearing["rubber_force"],
+        "lead_force": bearing["lead_force"],
+        "viscous_force": bearing["viscous_force"],
+        "bearing_speed": loading_speed(bearing),
+        "bearing_clock": bearing["clock"],
+        "bearing_energy": bearing["work_in"],
+        "lead_temperature": bearing["lead_temperature"]
+        if device.has_lead
+        else np.full(count, np.nan),
+        "rubber_temperature": history.layers(task.reported_line) if heat else np.empty((count, 0)),
+        "temperature": history.cells(task.reported_line) if heat else np.empty((count, 0)),
+    }
+
+
+def loading_speed(bearing: Rows[Books]) -> Floats:
+    """Return the loading speed at the end of each step, on the clock of the bearing [mm/s]."""
+    steps = np.maximum(np.diff(bearing["clock"]), np.finfo(float).tiny)
+    return np.concatenate([[0.0], np.diff(bearing["displacement"]) / steps])
+
+
+def _warmest(values: Floats) -> float:
+    return float(values.max()) if values.size else np.nan
+
+
+def line_peaks(task: "Task", history: StructureHistory) -> list[dict[str, Any]]:
+    """Return the peaks of each bearing line, by name in the dataset."""
+    rows = []
+    for b, (line, one) in enumerate(zip(task.case.structure.bearings, task.lines, strict=True)):
+        books, device = history.bearing(b), one.device
+        lead = books["lead_temperature"] if device.has_lead else np.empty(0)
+        rubber = history.layers(b) if device.heats else np.empty((0, 0))
+        moved, force = largest(books["displacement"]), largest(books["force"])
+        rows.append(
+            {
+                "line_bearing": device.bearing.name,
+                "line_count": line.count,
+                "line_ambient": one.ambient,
+                "line_displacement_max": moved,
+                "line_strain_max": moved / device.bearing.total_rubber_thickness,
+                "line_force_max": force,
+                "line_total_force_max": force * line.count / line.scale**2,
+                "line_energy_end": float(books["work_in"][-1]),
+                "line_rubber_temperature_max": _warmest(rubber),
+                "line_lead_temperature_max": _warmest(lead),
+                "line_rubber_rise_max": _warmest(rubber - rubber[:1]),
+                "line_lead_rise_max": _warmest(lead - lead[:1]),
+            }
+        )
+    return rows
+
+
+def pier_histories(
+    task: "Task", history: StructureHistory, pier: Pier, top: Floats, base: Floats
+) -> tuple[Floats, Floats, Floats, Floats, Floats]:
+    """Return displacement, rotation, moment, motion and acceleration of the top of one pier."""
+    q = history.rows.q
+    rotation = moment = np.full(len(q), np.nan)
+    if pier.hinge is not None:
+        bend = history.hinge(pier.hinge)
+        rotation, moment = bend["rotation"], bend["moment"] / KN_MM_PER_KN_M
+    ground = task.shaking.ground[: len(q)]
+    acceleration = (history.rows.a @ top + ground) / MM_PER_M
+    return q @ (top - base), rotation, moment, q @ top, acceleration
+
+
+def pier_peaks(task: "Task", history: StructureHistory) -> list[dict[str, Any]]:
+    """Return the peaks of each pier, by name in the dataset."""
+    rows = []
+    structure = task.case.structure
+    for pier, *where in task.prepared.piers:
+        moved, rotation, moment, top, acceleration = pier_histories(task, history, pier, *where)
+        hinge = None if pier.hinge is None else structure.hinges[pier.hinge]
+        rows.append(
+            {
+                "pier_part_displacement_max": largest(moved),
+                "pier_part_displacement_residual": float(moved[-1]),
+                "pier_part_top_displacement_max": largest(top),
+                "pier_part_top_acceleration_max": largest(acceleration),
+                "pier_part_rotation_max": largest(rotation),
+                "pier_part_ductility": (
+                    np.nan if hinge is None else largest(rotation) / hinge.yield_rotation
+                ),
+                "pier_part_moment_max": largest(moment),
+            }
+        )
+    return rows
+
+
+def governing_peaks(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """Return those of `GOVERNING` that rows of lines or piers of one run hold."""
+    return {
+        name: float(farthest([row[of] for row in rows]))
+        for name, of in GOVERNING.items()
+        if of in rows[0]
+    }
+
+
+def drift(task: "Task", moved: Sequence[float]) -> float:
+    """Return the largest displacement of a pier top over the height of its pier; NaN without."""
+    piers = [pier for pier, _, _ in task.prepared.piers]
+    each = [m / p.height if p.height > 0.0 else np.nan for p, m in zip(piers, moved, strict=True)]
+    return float(farthest(each))
 
 
 def compute_measures(
     task: "Task", history: StructureHistory, trace: Mapping[str, Floats]
 ) -> dict[str, Any]:
-    """Return what `UNITS` names, of one run: the peaks of the line or pier that goes farthest.
+    """Return `NUMBERS` of a run by name in the dataset: of the line or pier that goes farthest.
 
-    Heat and the mismatch of layers are those of the line whose histories are kept.
-
-    Parameters
-    ----------
-    task, history : what was run, and what came out.
-    trace : its histories, from `structure_traces` or `history_traces`.
+    Heat and the mismatch of layers are those of the line whose histories are kept; `trace` is
+    from `structure_traces` or `history_traces`.
     """
-    bearing, books = history.bearing(task.told_line), history.rows.books
-    found: dict[str, Any] = {name: largest(trace[name.removesuffix(PEAK)]) for name in PEAKS}
+    bearing, books = history.bearing(task.reported_line), history.rows.books
+    found: dict[str, Any] = {
+        f"{name}_max": largest(trace[name]) for name in ("deck_displacement", "deck_acceleration")
+    }
     found |= governing_peaks(line_peaks(task, history))
     found |= governing_peaks(pier_peaks(task, history))
     found["outcome"] = history.outcome
     found["steps"] = history.steps
     found["iterations"] = history.iterations
     found["substeps"] = history.substeps
-    for name in STRUCTURE_ENERGIES:
-        found[f"energy_{name}"] = books[name][-1]
+    found |= {f"energy_{name}": books[name][-1] for name in STRUCTURE_ENERGIES}
     if task.case.laboratory is not None:
         found["energy_actuator"] = _actuator_work(task, history)
-    for name in BEARING:
-        column = bearing[name]
-        found[f"heat_{name}"] = column[-1] - column[0]
+    found |= {f"heat_{name}": bearing[name][-1] - bearing[name][0] for name in BEARING}
     found["layer_force_mismatch_max"] = bearing["layer_force_mismatch"].max()
     return found
 
@@ -217,11 +320,9 @@ def _actuator_work(task: "Task", history: StructureHistory) -> float:
 
 
 def compute_residuals(numbers: Mapping[str, Any]) -> dict[str, Any]:
-    """What is missing from the books of `compute_measures`, see `EarthquakeResult.energy`.
+    """Return the residuals of the energy balances, see `EarthquakeResult.energy`.
 
-    Parameters
-    ----------
-    numbers : energies of the structure and of one bearing at the end, of one run or as columns.
+    `numbers` are those of `compute_measures`, of one run or as columns.
     """
     given = numbers["energy_input"]
     spent = sum(numbers.get(f"energy_{name}", 0.0) for name in STRUCTURE[1:])
@@ -238,8 +339,8 @@ def compute_residuals(numbers: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def loop_measures(task: "Task", trace: Mapping[str, Floats]) -> dict[str, float]:
-    """What `LOOP_UNITS` names: the largest loop of one bearing; NaN where none is closed."""
-    bearing = task.told.device.bearing
+    """Return `LOOP` and `LOOP_TIMES` of the largest loop; NaN where none is closed."""
+    bearing = task.reported.device.bearing
     area = None if isinstance(bearing, BilinearBearing) else bearing.area
     loop = largest_loop(
         trace["bearing_displacement"],
@@ -249,10 +350,11 @@ def loop_measures(task: "Task", trace: Mapping[str, Floats]) -> dict[str, float]
         total_rubber_thickness=bearing.total_rubber_thickness,
     )
     if loop is None:
-        return dict.fromkeys(LOOP_UNITS, np.nan)
+        return dict.fromkeys((*LOOP, *LOOP_TIMES), np.nan)
     values = vars(loop.measures)
     if area is None:  # of a bilinear one
         values = values | {"G_eq_MPa": np.nan}
-    found = {name: values[key] for name, (key, _) in LOOP.items()}
     ends = trace["time"][[loop.first, loop.last]]
-    return found | dict(zip(LOOP_TIMES, ends, strict=True))
+    return {name: values[key] for name, key in LOOP.items()} | dict(
+        zip(LOOP_TIMES, ends, strict=True)
+    )

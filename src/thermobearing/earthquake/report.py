@@ -1,4 +1,4 @@
-"""Report of an analysis of earthquakes: scope, inputs, summary, checks."""
+"""Report of an analysis of earthquakes: scope, inputs, summary, checks, figures."""
 
 import tomllib
 from collections.abc import Mapping, Sequence
@@ -16,31 +16,21 @@ from thermobearing.cyclic.reported import (
     model_assumptions,
 )
 from thermobearing.earthquake.case import EarthquakeAnalysis, in_weather
-from thermobearing.earthquake.report_results import (
-    books_table,
-    cold_ratios,
-    report_figures,
-    report_tables_by_name,
-)
+from thermobearing.earthquake.figures import part_names, select_part
+from thermobearing.earthquake.plots import interactive_plots
 from thermobearing.earthquake.result import EarthquakeResult
+from thermobearing.earthquake.tables import balance_table, cold_ratios
 from thermobearing.model.earlier import BLIND
 from thermobearing.model.options import outdoors
-from thermobearing.report.content import (
-    BOOKS_CLOSE,
-    IN_EARTHQUAKES,
-    RIG,
-    TESTED_RANGE,
-    input_table,
-    limit_checks,
-    quality_table,
-    verdict,
-)
-from thermobearing.report.pieces import NOT_JUDGED, Check, Column, Pieces, ReportTable
+from thermobearing.quantities.register import Quantity
+from thermobearing.quantities.tables import Table, make_table
+from thermobearing.report import content
+from thermobearing.report.content import BOOKS_CLOSE, IN_EARTHQUAKES, RIG, TESTED_RANGE, input_table
+from thermobearing.report.pieces import NOT_JUDGED, Check, Pieces, ReportFigure
 from thermobearing.report.words import (
     change,
     counted,
     degrees,
-    identity_rows,
     joined,
     number,
     percent,
@@ -48,7 +38,6 @@ from thermobearing.report.words import (
     quantity,
     tidy,
 )
-from thermobearing.results.ranges import parted, rate_note, ring_note
 from thermobearing.structure.report import structure_table
 
 Case = Mapping[str, Any]
@@ -61,12 +50,12 @@ DAMPING = {
 }
 
 
-def input_tables(result: EarthquakeResult, case: Case) -> dict[str, ReportTable]:
-    """Tables of what went in: structure, bearings, motions, air, laboratory, model."""
+def input_tables(result: EarthquakeResult, case: Case) -> dict[str, Table]:
+    """Return the inputs as tables: structure, bearings, motions, air, laboratory, model."""
     sources = case.get("sources", {})
     found = {
         "structure": structure_table(case["structure"], sources.get(case["structure"]["name"])),
-        "motions": _motions_table(result, case),
+        "motions": given_motions_table(case["motions"], result),
     }
     for bearing in list_all_bearings(case):
         found |= bearing_tables(bearing, sources.get(str(bearing["name"])))
@@ -99,58 +88,34 @@ def list_all_bearings(case: Case) -> list[Mapping[str, Any]]:
     return list(found.values())
 
 
-def _motions_table(result: EarthquakeResult, case: Case) -> ReportTable:
-    """Motions as they were run: factor, length, peak acceleration."""
-    data = result.dataset
-    names = [str(name) for name in data["motion"].values]
-    labels = [str(one.get("label") or Path(str(one["name"])).stem) for one in case["motions"]]
-    about = dict(zip(labels, case["motions"], strict=True))
-    columns = (
-        Column("Motion"),
-        Column("Factor", "", "g"),
-        Column("Length", "s", ".1f"),
-        Column("Peak ground acceleration", "m/s²", ".2f"),
-        Column("Source"),
-    )
-    rows = []
-    for name in dict.fromkeys(names):
-        run = names.index(name)
-        one = about.get(name, {})
-        ground = data["ground_acceleration"].values[run]
-        rows.append(
-            (
-                name,
-                float(one.get("factor", 1.0)),
-                float(np.nanmax(data["time"].values[run])),
-                float(np.nanmax(np.abs(ground))),
-                _motion_source(one),
-            )
-        )
-    note = "Lengths and peaks of what was run, after factor and cut."
-    return ReportTable("Ground motions", columns, rows, note=note)
-
-
-def given_motions_table(motions: Sequence[Mapping[str, Any]]) -> ReportTable:
-    """Motions of a case, where what was run of them is not kept.
-
-    Parameters
-    ----------
-    motions : of a resolved case.
-    """
-    columns = (Column("Motion"), Column("Factor", "", "g"), Column("Source"))
-    rows = [
-        (
-            str(one.get("label") or Path(str(one["name"])).stem),
-            float(one.get("factor", 1.0)),
-            _motion_source(one),
-        )
-        for one in motions
+def given_motions_table(
+    motions: Sequence[Mapping[str, Any]], result: EarthquakeResult | None = None
+) -> Table:
+    """Return the motions of a resolved case; with a result their length and peak as run."""
+    rows: list[dict[str, Any]] = []
+    for one in motions:
+        name = str(one.get("label") or Path(str(one["name"])).stem)
+        row = {"motion": name, "factor": float(one.get("factor", 1.0))}
+        if result is not None:
+            names = [str(label) for label in result["motion"].values]
+            if name not in names:  # interrupted before it
+                continue
+            run = names.index(name)
+            row["length"] = float(np.nanmax(result["time"].values[run]))
+            row["peak"] = float(np.nanmax(np.abs(result["ground_acceleration"].values[run])))
+        rows.append(row | {"source": _motion_source(one)})
+    columns: list[str | Quantity] = [
+        "motion",
+        Quantity("Factor", "", "g", "factor"),
+        Quantity("Length", "s", ".1f", "length"),
+        Quantity("Peak ground acceleration", "m/s²", ".2f", "peak"),
+        Quantity("Source", name="source"),
     ]
-    return ReportTable("Ground motions", columns, rows)
+    note = "" if result is None else "Lengths and peaks of what was run, after factor and cut."
+    return make_table(pd.DataFrame(rows), columns, "Ground motions", note=note)
 
 
 def _motion_source(motion: Mapping[str, Any]) -> str:
-    """Where a motion is from."""
     from thermobearing.motions.library import list_motions
 
     name = str(motion.get("name", ""))
@@ -161,9 +126,8 @@ def _motion_source(motion: Mapping[str, Any]) -> str:
     return f"file {Path(name).name}" if name else ""
 
 
-def _lines_table(case: Case) -> ReportTable:
-    """Lines with a bearing or an air of their own."""
-    columns = (Column("Line"), Column("Bearing"), Column("Air"))
+def _lines_table(case: Case) -> Table:
+    """Return the lines with a bearing or an ambient temperature of their own."""
     rows = []
     for line in case["lines"]:
         bearing = line.get("bearing")
@@ -171,11 +135,12 @@ def _lines_table(case: Case) -> ReportTable:
         air = line.get("weather") or "that of the study"
         air = quantity(line["ambient"]) if "ambient" in line else Path(air).name
         rows.append((str(line["line"]), name, air))
-    return ReportTable("Bearing lines of their own", columns, rows)
+    columns = [Quantity("Line"), Quantity("Bearing"), Quantity("Ambient temperature")]
+    return Table("Bearing lines of their own", columns, rows)
 
 
 def question(result: EarthquakeResult, case: Case) -> str:
-    """What was asked: structure, bearings, motions, temperatures."""
+    """Return the scope: structure, bearings, motions, temperatures."""
     structure = case["structure"]
     about = structure.get("description") or structure["name"]
     bearings = joined((bearing_words(one) for one in case["bearings"]), "or")
@@ -185,12 +150,10 @@ def question(result: EarthquakeResult, case: Case) -> str:
         air = f"after the weather of {Path(case['weather']).name}"
     else:
         air = f"at ambient {degrees(list(dict.fromkeys(result['ambient'].values.tolist())))}"
+    which = "motions" if len(motions) > 1 else "motion"
     asked = (
         "how far are the bearings sheared, what force do they pass on, and what is left for the "
-        f"piers, in the ground motions {shown}, {air}?"
-        if len(motions) > 1
-        else "how far are the bearings sheared, what force do they pass on, and what is left for "
-        f"the piers, in the ground motion {shown}, {air}?"
+        f"piers, in the ground {which} {shown}, {air}?"
     )
     if case["command"] == "hybrid":
         modes = joined(MODES[mode] for mode in dict.fromkeys(result.modes) if mode in MODES)
@@ -202,7 +165,7 @@ def question(result: EarthquakeResult, case: Case) -> str:
 
 
 def assumptions(result: EarthquakeResult, case: Case) -> list[str]:
-    """What holds for every run, in sentences."""
+    """Return the assumptions for every run as sentences."""
     attrs, analysis = result.dataset.attrs, case["analysis"]
     kind = str(attrs["damping"])
     damping = f"Viscous damping: {kind}, {DAMPING[kind]}." if kind in DAMPING else ""
@@ -232,7 +195,6 @@ def assumptions(result: EarthquakeResult, case: Case) -> list[str]:
 
 
 def _laboratory(case: Case) -> list[str]:
-    """How the specimen is moved."""
     lab = case.get("laboratory")
     if not lab:
         return []
@@ -263,69 +225,46 @@ COMMANDS = {"bridge": "Earthquake study", "hybrid": "Hybrid test"}
 
 
 def build_pieces(result: EarthquakeResult) -> Pieces:
-    """Everything that the document of a study says.
-
-    Parameters
-    ----------
-    result : of `bridge` or `hybrid`, or loaded again: both give the same.
-
-    Examples
-    --------
-    >>> import thermobearing as tb
-    >>> pieces = build_pieces(tb.bridge("shen-hdr-bridge", "jra-ii-i-1", [23, -20], duration=2))
-    >>> pieces.command, len(pieces.tables["peaks"].rows)
-    ('bridge', 2)
-    """
+    """Return the content of the document of `bridge` or `hybrid`, live or loaded again."""
     attrs = result.dataset.attrs
     case = tomllib.loads(attrs["case"])
-    found, warnings = parted(result.warnings)
-    given = any(one.get("tested_range") is not None for one in list_all_bearings(case))
-    validity = [tidy(text) for text in found] if given else []
-    unknown = "" if given else " ".join(map(tidy, found))
-    checks = report_checks(result, case)
-    rate = rate_note(result.tested_range.to_dict("records"))
-    ring = ring_note(lead_rise(result))
-    quality, poor = quality_of(result, case)
     command = str(attrs["command"])
-    return Pieces(
-        command=command,
-        title=f"{COMMANDS[command]} of {attrs['structure']}",
-        question=question(result, case),
-        answer=answer(result, verdict(checks, validity, unknown, rate)),
+    given = any(one.get("tested_range") is not None for one in list_all_bearings(case))
+    return content.build_pieces(
+        command,
+        f"{COMMANDS[command]} of {attrs['structure']}",
+        question(result, case),
+        _answer(result),
+        judged=result.runs > 0,
         inputs=input_tables(result, case),
-        tables=report_tables_by_name(result) | {"quality": quality} if result.runs else {},
+        tables=result.tables() if result.runs else {},
         figures=report_figures(result),
-        checks=checks,
-        validity=validity,
-        notes=[tidy(f"{note[:1].upper()}{note[1:]}") for note in (rate, ring) if note],
-        validity_unknown=unknown,
-        books=books_table(result) if result.runs else None,
+        checks=report_checks(result, case),
+        rate_rows=result.tested_range.to_dict("records"),
+        lead_rise=lead_rise(result),
+        residuals=_residuals(result, case) if result.runs else (),
+        books=balance_table(result) if result.runs else None,
         assumptions=assumptions(result, case),
-        warnings=[*poor, *(tidy(text) for text in warnings)],
-        identity=identity_rows(
-            str(attrs["version"]),
-            str(attrs["case"]),
-            f"thermobearing {command} case.resolved.toml",
-        ),
+        **content.result_parts(result, str(attrs["case"]), command, range_given=given),
     )
 
 
-def answer(result: EarthquakeResult, told: str) -> list[str]:
-    """What came out: what governs, what the cold changes, whether limits were kept."""
+def _answer(result: EarthquakeResult) -> list[str]:
+    """Return what governs and the effect of the cold; an early end comes first."""
     if not result.runs:
         return [f"No run was finished ({result.outcome}): {tidy(result.sentence)}"]
-    return [*early_words(result), _governing(result), _cold(result), told]
+    return [*early_words(result), _governing(result), _cold(result)]
 
 
 def lead_rise(result: EarthquakeResult) -> float:
     """Return the largest rise of the lead in any run and line [K]; 0 without lead."""
     own = [result.rises(run)["lead"] for run in range(result.runs)]
-    rises = result.lines["lead_rise_K"].tolist() if "lead_rise_K" in result.lines else own
+    rises = result.lines["lead_rise_K"].tolist() if result.has_parts else own
     return max((float(rise) for rise in rises if rise == rise), default=0.0)
 
 
 def early_words(result: EarthquakeResult) -> list[str]:
-    """That runs ended early or are missing, and why; nothing if none did."""
+    """Return a sentence on runs that ended early or are missing; nothing if none did."""
     if result.outcome == "completed":
         return []
     outcomes = [str(name) for name in result["outcome"].values]
@@ -354,7 +293,7 @@ def _named(column: str, name: str) -> str:
 
 
 def _governing(result: EarthquakeResult) -> str:
-    """Largest strain, force, and what the pier takes, each with its run."""
+    """Return the largest strain, force and pier demand, each with its run."""
     strain, where = _largest(result, "bearing_strain_max", "strain_line")
     force, pushed = _largest(result, "bearing_force_max_kN", "force_line")
     which = "a" if len(result.piers) else "the"
@@ -378,7 +317,7 @@ def _governing(result: EarthquakeResult) -> str:
 
 
 def _cold(result: EarthquakeResult) -> str:
-    """What the coldest air changes, bearing by bearing; heating where there is no cold."""
+    """Return the effect of the coldest temperature by bearing; heating where there is no cold."""
     ratios = cold_ratios(result)
     blind = {str(n) for n in result["bearing"].values if result.dataset.attrs.get(f"bilinear:{n}")}
     if len(ratios):
@@ -390,7 +329,7 @@ def _cold(result: EarthquakeResult) -> str:
     told = [_cold_ratio(str(name), group) for name, group in cold.groupby("bearing", sort=False)]
     motions = cold["motion"].nunique()
     mean = " on average over the motions" if motions > 1 else ""
-    only = f"; {', '.join(sorted(blind))} knows no temperature" if blind else ""
+    only = f"; {', '.join(sorted(blind))} is temperature-independent" if blind else ""
     return (
         f"{degrees([coldest])} against {degrees([warmest])} changes{mean}: {'; '.join(told)}{only}."
     )
@@ -415,7 +354,7 @@ def _heating(result: EarthquakeResult) -> str:
     for run, name in enumerate(result.run_names):
         for place, rise in result.rises(run).items():
             found["lead" if place == "lead" else "rubber"].append((rise, name))
-    if "lead_rise_K" in result.lines:  # earlier results have none
+    if result.has_parts:
         names = np.repeat(result.run_names, len(result.lines) // result.runs)
         lines = [_named("line", line) for line in result.lines["line"]]
         where = [f"{run}, {line}" for run, line in zip(names, lines, strict=True)]
@@ -426,7 +365,7 @@ def _heating(result: EarthquakeResult) -> str:
             rise, where_ = max(known)
             told.append(f"the {what} by up to {rise:.1f} K ({plain(where_)})")
     if not told:
-        return "No bearing of the study knows temperature."
+        return "The bearings of the analysis are temperature-independent."
     return f"The motions warm {joined(told)}."
 
 
@@ -436,29 +375,31 @@ def report_checks(result: EarthquakeResult, case: Case) -> list[Check]:
         return []
     rig = str(case.get("rig", {}).get("name", "rig"))
     found = _ductilities(result)
-    found += limit_checks(result.rig.to_dict("records"), RIG, f"rig {rig}")
+    found += content.limit_checks(result.rig.to_dict("records"), RIG, f"rig {rig}")
     names = [str(one["name"]) for one in list_all_bearings(case)]
     rows = result.tested_range.to_dict("records")
-    return found + limit_checks(rows, IN_EARTHQUAKES, f"{TESTED_RANGE} of the bearing", names)
+    return found + content.limit_checks(
+        rows, IN_EARTHQUAKES, f"{TESTED_RANGE} of the bearing", names
+    )
 
 
-def quality_of(result: EarthquakeResult, case: Case) -> tuple[ReportTable, list[str]]:
-    """Return the largest residuals of the energy balance, and warnings of those too large."""
+def _residuals(result: EarthquakeResult, case: Case) -> list[tuple[str, float, float, str]]:
+    """Return the largest residuals of the energy balances with their limits."""
     found = []
     gaps = case["analysis"]["scheme"] == "published" or case["analysis"]["model"] in BLIND
     for name in ("structure", "mechanical", "thermal"):
         largest = float(result.energy[f"{name}_residual"].abs().max())
         limit, source = BOOKS_CLOSE, "energy balance"
         if name == "thermal" and gaps:
-            limit, source = float("nan"), "no limit: this model's books have gaps"
+            limit, source = float("nan"), "no limit: the energy balance of this model has gaps"
         elif name == "structure" and case["analysis"]["method"] != "average-acceleration":
             limit, source = INEXACT, "this time integration does not keep energy exactly"
         found.append((f"{name} residual", largest, limit, source))
-    return quality_table(found)
+    return found
 
 
 def _ductilities(result: EarthquakeResult) -> list[Check]:
-    """Of each pier; first yield is told, a limit of a code is not in the input."""
+    """Return first yield of each pier; a limit of a code is not in the input."""
     source = "first yield of the hinge; no limit of a code is given"
     piers, names = result.piers, result.run_names
     if len(piers) and piers["ductility"].notna().any():
@@ -473,3 +414,58 @@ def _ductilities(result: EarthquakeResult) -> list[Check]:
             told = f"ductility of {what} ({plain(names[place])})"
             found.append(Check(told, float(values[place]), 1.0, "", source, NOT_JUDGED))
     return found
+
+
+CAPTIONS = {  # in this order
+    "peaks": "Peaks of every run against the ambient temperature.",
+    "loops": "Force of one bearing against its shear strain. Shaded: beyond the tested strain.",
+    "strain": "Shear strain of one bearing in the strong part of each motion; dots are peaks.",
+    "pier": "Displacement of the pier top relative to its base in the strong part of each motion.",
+    "hinge": "Moment against rotation of the pier base; dashed: where it yields.",
+    "deck": "Absolute acceleration of the deck.",
+    "pier_acceleration": "Absolute acceleration of the pier top.",
+    "temperature": "Rise of the rubber layers and of the lead over the start.",
+    "energy": "Energy that one bearing takes.",
+    "parts": "Every bearing line and every pier side by side.",
+    "largest_loops": "The largest loop of each run, bearings over each other.",
+    "modes": "Real time over pseudo-dynamic: loops of the specimen.",
+    "profiles": "Temperature through the height of the bearings.",
+    "shares": "Shares of rubber, lead and rate branch in the force of the largest loop.",
+    "speed": "Loading speed of the specimen on its own clock.",
+}
+OF_ALL = ("peaks", "parts", "deck")  # figures of the whole structure
+LARGEST = {  # figure: column of the table, words for those who do not see the figure
+    "loops": ("bearing_strain_max", "largest shear strain {:.0%}"),
+    "strain": ("bearing_strain_max", "largest shear strain {:.0%}"),
+    "pier": ("pier_displacement_max_mm", "largest {:.1f} mm"),
+    "hinge": ("pier_ductility", "largest ductility {:.2f}"),
+    "deck": ("deck_acceleration_max_m_s2", "largest {:.2f} m/s²"),
+    "pier_acceleration": ("pier_top_acceleration_max_m_s2", "largest {:.2f} m/s²"),
+}
+
+
+def report_figures(result: EarthquakeResult) -> dict[str, ReportFigure]:
+    """Return every figure that the analysis holds data for, by name."""
+    held = result.plot.draw_all() if result.runs else {}
+    plots, shown = interactive_plots(result), part_names(result.dataset)
+    found = {}
+    for name in (name for name in CAPTIONS if name in held):
+        about = CAPTIONS[name] + (f" Shown: {shown}." if shown and name not in OF_ALL else "")
+        alt = about + _largest_drawn(result, name)
+        found[name] = ReportFigure(about, draw=held[name], alt=alt, plot=plots.get(name))
+    return found
+
+
+def _largest_drawn(result: EarthquakeResult, name: str) -> str:
+    """Return the largest value that a figure shows, and its run, as a sentence."""
+    if name not in LARGEST:
+        return ""
+    view, (column, words) = result.dataset, LARGEST[name]
+    for part in ("line", "pier") if result.has_parts else ():
+        view = select_part(view, part, None)
+    values = EarthquakeResult(view).table[column]
+    if not values.notna().any():
+        return ""
+    run = result.run_names[int(np.nanargmax(values.to_numpy(dtype=float)))]
+    text = words.format(values.max()).replace("%", " %")
+    return f" {text[:1].upper()}{text[1:]} ({plain(run)})."

@@ -1,41 +1,35 @@
-"""A study of a structure in earthquakes: histories, peaks, energy books, tables."""
+"""The result of an analysis of earthquakes: histories, peaks, energy balances, files."""
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 
-from thermobearing.border.deprecated import renamed
-from thermobearing.border.showing import Shown
 from thermobearing.core.records import Floats
+from thermobearing.earthquake import tables
+from thermobearing.earthquake.comparison import comparison_table, verdict
 from thermobearing.earthquake.measures import (
     BEARING,
     COLUMNS,
-    ENERGY,
-    HEAT,
-    HISTORY,
-    LABELS,
-    LOOP_COLUMNS,
-    PLACES,
+    LINES,
+    LOOP,
+    PIERS,
     STRUCTURE,
     compute_residuals,
 )
-from thermobearing.earthquake.parts import LINES, PIERS, governing_runs, parts_columns, parts_table
+from thermobearing.quantities.register import quantity
+from thermobearing.quantities.tables import Table
+from thermobearing.results import directory
+from thermobearing.results.base import DatasetResult
 from thermobearing.results.metrics import LEAST_ENERGY
-from thermobearing.results.ranges import largest_tested, limits_passed
+from thermobearing.results.ranges import largest_tested, limits_passed, rate_note
+from thermobearing.results.saved import read_dataset
+from thermobearing.results.screen import print_warnings, say, show_table
 from thermobearing.results.selection import chosen_runs, gridded, selected
-from thermobearing.results.writing import (
-    compared_rows,
-    exposure_summary,
-    from_attribute,
-    limits_summary,
-)
-
-if TYPE_CHECKING:
-    from thermobearing.earthquake.figures import EarthquakeFigures
+from thermobearing.results.writing import write_csv, write_dataset
 
 # Of the input. In the default study, bearings of runs below it move 13 to 19 % farther without
 # viscous damping, those of runs above it 12 to 200 %: there the assumed ratios count as much as
@@ -43,22 +37,61 @@ if TYPE_CHECKING:
 LARGEST_DAMPING_SHARE = 0.25
 # Of the input, either way: a delay of 5 ms comes to 3 % in the default hybrid test.
 LARGEST_ACTUATOR_SHARE = 0.05
+LABELS = ("bearing", "motion", "ambient", "mode")  # of a run
+RUN = {"bearing": "bearing", "motion": "motion", "ambient": "ambient_degC", "mode": "mode"}
+PLACES = {  # columns that name the governing line or pier: dimension, peak of the parts
+    "strain_line": ("line", "line_strain_max"),
+    "force_line": ("line", "line_force_max"),
+    "displacement_pier": ("pier_part", "pier_part_displacement_max"),
+    "ductility_pier": ("pier_part", "pier_part_ductility"),
+}
+HISTORY = {  # columns of a history: name in the dataset
+    "time_s": "time",
+    "ground_m_s2": "ground_acceleration",
+    "displacement_mm": "bearing_displacement",
+    "strain": "bearing_strain",
+    "force_kN": "bearing_force",
+    "rubber_force_kN": "rubber_force",
+    "lead_force_kN": "lead_force",
+    "viscous_force_kN": "viscous_force",
+    "energy_kN_mm": "bearing_energy",
+    "pier_displacement_mm": "pier_displacement",
+    "pier_rotation_rad": "pier_rotation",
+    "pier_moment_kN_m": "pier_moment",
+    "pier_top_acceleration_m_s2": "pier_top_acceleration",
+    "deck_displacement_mm": "deck_displacement",
+    "deck_acceleration_m_s2": "deck_acceleration",
+    "lead_degC": "lead_temperature",
+}
+PART_HISTORIES = {  # of lines and piers: dimension, column of history.csv behind the name
+    "line_displacement": ("line", "displacement_mm"),
+    "line_force": ("line", "force_kN"),
+    "pier_part_displacement": ("pier_part", "displacement_mm"),
+    "pier_part_rotation": ("pier_part", "rotation_rad"),
+    "pier_part_moment": ("pier_part", "moment_kN_m"),
+}
 
 
-class EarthquakeResult(Shown):
-    """Runs of one study.
+class EarthquakeResult(DatasetResult):
+    """Runs of one analysis: every combination of bearing, motion, ambient temperature and mode.
 
     Attributes
     ----------
-    dataset : xarray Dataset; dimension `run` with the coordinates bearing, motion and ambient,
-        `step` (padded with NaN), `layer`; every variable says its unit.
+    dataset : xarray.Dataset
+        Dimension `run` with the coordinates bearing, motion, ambient and mode, `step` (padded
+        with NaN), `layer`; every variable has its unit.
+    compared : dict of EarthquakeResult
+        Results of the same analysis by model, from `compare_models`; they add a table, two figures
+        and a verdict in summary.json to what is shown and saved.
     """
 
-    def __init__(self, dataset: xr.Dataset) -> None:
-        self.dataset = dataset
+    _figures = "EarthquakeFigures"
 
-    def __getitem__(self, name: str) -> xr.DataArray:
-        return self.dataset[name]
+    def __init__(
+        self, dataset: xr.Dataset, compared: "dict[str, EarthquakeResult] | None" = None
+    ) -> None:
+        self.dataset = dataset
+        self.compared = compared or {}
 
     @property
     def headline(self) -> str:
@@ -69,22 +102,22 @@ class EarthquakeResult(Shown):
             f"{counts[0]}, motions {counts[1]}, temperatures {counts[2]}), {self.outcome}"
         )
 
-    def show(self) -> None:
-        """Print the tables that the command prints."""
-        from thermobearing.earthquake.output import print_study
-
-        print_study(self)
-
     def sel(self, **chosen: Any) -> "EarthquakeResult":
-        """The runs with some labels.
+        """Return the runs with some labels.
 
         Parameters
         ----------
-        chosen : of bearing, motion, ambient [degC] and mode: a value, or several in a list.
+        **chosen
+            Of bearing, motion, ambient [degC] and mode: a value, or several in a list.
+
+        Returns
+        -------
+        EarthquakeResult
 
         Raises
         ------
-        InputError : no such label, or no run with it.
+        InputError
+            No such label, or no run with it.
 
         Examples
         --------
@@ -94,13 +127,17 @@ class EarthquakeResult(Shown):
         1
         """
         data = self.dataset
-        labels = {name: data[name].values for name in LABELS if name in data.coords}
+        labels = {name: data[name].values for name in LABELS}
         return EarthquakeResult(selected(data, "run", chosen_runs(labels, chosen), self.run_names))
 
     def to_dataset(self) -> xr.Dataset:
-        """The dataset with bearing, motion and ambient temperature as dimensions.
+        """Return the dataset with bearing, motion and ambient temperature as dimensions.
 
         With both modes of a laboratory also mode. A combination without a run is NaN.
+
+        Returns
+        -------
+        xarray.Dataset
 
         Examples
         --------
@@ -120,29 +157,18 @@ class EarthquakeResult(Shown):
     @property
     def modes(self) -> list[str]:
         """Mode of the laboratory of each run; empty without one."""
-        if "mode" not in self.dataset.coords:  # results of 0.1
-            return [str(self.dataset.attrs.get("mode", ""))] * self.runs
         return [str(mode) for mode in self.dataset["mode"].values]
 
     @property
-    def modes_table(self) -> pd.DataFrame:
-        """Real time over pseudo-dynamic, where both were run (earthquake/modes.py)."""
-        from thermobearing.earthquake.modes import modes_table
-
-        return modes_table(self)
+    def has_parts(self) -> bool:
+        """Whether there are several lines or piers, with rows of their own."""
+        return "line" in self.dataset.coords
 
     @property
-    def outcome(self) -> str:
-        """Completed, or what ended a run early."""
-        if self.dataset.attrs["interrupted"]:
-            return "interrupted"
-        ended = [str(v) for v in self.dataset["outcome"].values if v != "completed"]
-        return ended[0] if ended else "completed"
-
-    @property
-    def sentence(self) -> str:
-        """What the outcome means and what to try."""
-        return str(from_attribute(self.dataset, "sentences").get(self.outcome, ""))
+    def run_names(self) -> list[str]:
+        """Name of each run in sentences and tables."""
+        labels = zip(*(self.dataset[name].values for name in LABELS), strict=True)
+        return [run_name(str(b), str(m), float(air), str(mode)) for b, m, air, mode in labels]
 
     @property
     def table(self) -> pd.DataFrame:
@@ -155,24 +181,18 @@ class EarthquakeResult(Shown):
         there is no such column. `energy_of_warmest` is the bearing's energy over that at the
         warmest temperature of the same bearing, motion and mode, `damping_of_input` the
         share of the energy that viscous damping takes from the input, `beyond_rig`
-        what the run asks too much of, if a rig is named, `beyond_tested` the quantities in which
-        it leaves the tested range of its bearing.
+        the limits of the rig that the run exceeds, if a rig is named, `beyond_tested` the
+        quantities in which it leaves the calibration range of its bearing.
         """
-        frame = pd.DataFrame(
-            {
-                "bearing": self.dataset["bearing"].values,
-                "motion": self.dataset["motion"].values,
-                "ambient_degC": self.dataset["ambient"].values,
-                **({"mode": self.modes} if any(self.modes) else {}),
-                "outcome": self.dataset["outcome"].values,
-            }
-        )
-        for name, (variable, factor) in COLUMNS.items():
-            if variable in self.dataset:  # results of 0.1 have fewer
-                frame[name] = factor * self.dataset[variable].values
-        for name, (part, peak) in PLACES.items() if "line" in self.dataset.coords else ():
-            sizes = np.nan_to_num(np.abs(self.dataset[peak].values), nan=-1.0)
-            names = self.dataset[part].values[sizes.argmax(axis=1)]
+        data = self.dataset
+        keys = {RUN[name]: data[name].values for name in LABELS if name != "mode"}
+        frame = pd.DataFrame(keys | ({"mode": self.modes} if any(self.modes) else {}))
+        frame["outcome"] = data["outcome"].values
+        for name in COLUMNS:
+            frame[name] = data[quantity(name).variable].values
+        for name, (part, peak) in PLACES.items() if self.has_parts else ():
+            sizes = np.nan_to_num(np.abs(data[peak].values), nan=-1.0)
+            names = data[part].values[sizes.argmax(axis=1)]
             frame[name] = np.where(sizes.max(axis=1) < 0.0, "", names)
         same = [name for name in ("bearing", "motion", "mode") if name in frame]
         sorted_ = frame.sort_values("ambient_degC")
@@ -181,9 +201,8 @@ class EarthquakeResult(Shown):
         energy = self.energy
         given = energy["input_kN_mm"].clip(lower=LEAST_ENERGY)
         frame["damping_of_input"] = energy["damping_kN_mm"] / given
-        for name, variable in LOOP_COLUMNS.items():
-            if variable in self.dataset:
-                frame[name] = self.dataset[variable].values
+        for name in LOOP:
+            frame[name] = data[quantity(name).variable].values
         if len(self.rig):
             frame["beyond_rig"] = limits_passed(self.rig.to_dict("records"), self.run_names)
         frame["beyond_tested"] = limits_passed(self.tested_range.to_dict("records"), self.run_names)
@@ -194,40 +213,54 @@ class EarthquakeResult(Shown):
         """The largest loop of one bearing in each run; NaN where none is closed.
 
         The loop holds the largest displacement, to either side, and begins and ends at zero
-        displacement, see results/largest_loop.py: its extreme forces F+, F- and displacements D+,
-        D-, ``K_eq = (|F+| + |F-|)/(|D+| + |D-|)``, h_eq and G_e (Eq. 3.1, 3.2; a bilinear bearing
+        displacement: its extreme forces F+, F- and displacements D+, D-,
+        ``K_eq = (|F+| + |F-|)/(|D+| + |D-|)``, h_eq and G_e (Eq. 3.1, 3.2; a bilinear bearing
         has no G_e), energy, and when it begins and ends [s].
         """
         table = self.table
-        told = [name for name in ("bearing", "motion", "ambient_degC", "mode") if name in table]
-        frame = table[[*told, *LOOP_COLUMNS]].rename(
-            columns=lambda name: name.removeprefix("loop_")
-        )
+        keys = [name for name in RUN.values() if name in table]
+        frame = table[[*keys, *LOOP]].rename(columns=lambda name: name.removeprefix("loop_"))
         frame["start_s"] = self.dataset["loop_start"].values
         frame["end_s"] = self.dataset["loop_end"].values
         return frame
 
     @property
+    def modes_table(self) -> pd.DataFrame:
+        """Real-time tests compared with pseudo-dynamic ones; empty unless both were run."""
+        return tables.modes_frame(self)
+
+    @property
     def lines(self) -> pd.DataFrame:
-        """One row per run and bearing line: bearing, count, air, peaks; empty with one of all.
+        """One row per run and bearing line: bearing, count, ambient temperature, peaks.
 
         `force_max_kN` and `energy_kN_mm` are of one modelled bearing, `total_force_max_kN` of all
-        bearings of the line in the structure.
+        bearings of the line in the structure. Empty where there are one line and one pier.
         """
-        return parts_table(self.dataset, "line", LINES)
+        return self._parts("line", LINES)
 
     @property
     def piers(self) -> pd.DataFrame:
         """One row per run and pier: displacement, ductility of its own hinge, moment; likewise."""
-        return parts_table(self.dataset, "pier_part", PIERS)
+        return self._parts("pier_part", PIERS)
+
+    def _parts(self, dimension: str, columns: dict[str, str]) -> pd.DataFrame:
+        if not self.has_parts:
+            return pd.DataFrame()
+        data, several = self.dataset, any(self.modes)
+        labels = {key: name for key, name in RUN.items() if key != "mode" or several}
+        return pd.DataFrame(
+            {name: data[key].values[run] for key, name in labels.items()}
+            | {dimension.removesuffix("_part"): str(part)}
+            | {column: data[name].values[run, k] for column, name in columns.items()}
+            for run in range(self.runs)
+            for k, part in enumerate(data[dimension].values)
+        )
 
     @property
     def warnings(self) -> list[str]:
         """What a reader must know before using the numbers."""
-        told = "warnings" in self.dataset.attrs  # results of 0.1 have none
-        said = list(from_attribute(self.dataset, "warnings")) if told else []
-        if "energy_actuator" in self.dataset:
-            energy = self.energy
+        said, energy = super().warnings, self.energy
+        if "actuator_kN_mm" in energy:
             ratios = energy["actuator_kN_mm"] / energy["input_kN_mm"].clip(lower=LEAST_ENERGY)
             worst = float(ratios.iloc[ratios.abs().argmax()]) if len(ratios) else 0.0
             if abs(worst) > LARGEST_ACTUATOR_SHARE:
@@ -238,41 +271,23 @@ class EarthquakeResult(Shown):
                 )
         shares = self.table["damping_of_input"].to_numpy()
         much, kind = shares > LARGEST_DAMPING_SHARE, self.dataset.attrs["damping"]
-        if not much.any():
-            return said
-        return [
-            *said,
-            f"viscous damping ({kind}) takes more than {LARGEST_DAMPING_SHARE:.0%} of the input "
-            f"energy in {much.sum()} of {len(shares)} runs, at most {shares.max():.0%}: there the "
-            "results rest on the assumed damping ratios as much as on the bearings; compare "
-            'damping = "none"',
-        ]
-
-    @property
-    def rig(self) -> pd.DataFrame:
-        """What each run asks of each limit of the rig, and whether it passes it; empty without."""
-        return compared_rows(self.dataset, "rig")
-
-    @property
-    def tested_range(self) -> pd.DataFrame:
-        """What each run asks of the range that its bearing was tested in, where that is given."""
-        return compared_rows(self.dataset, "tested_range")
+        if much.any():
+            said.append(
+                f"viscous damping ({kind}) takes more than {LARGEST_DAMPING_SHARE:.0%} of the "
+                f"input energy in {much.sum()} of {len(shares)} runs, at most {shares.max():.0%}: "
+                "there the results rest on the assumed damping ratios as much as on the bearings; "
+                'compare damping = "none"'
+            )
+        return said
 
     def tested_to(self, runs: Sequence[int], limit: str) -> float:
-        """Largest tested value of a quantity that one of some runs goes beyond; else infinite."""
+        """Return the largest tested value of a quantity that one of some runs exceeds; or inf."""
         rows, names = self.tested_range.to_dict("records"), self.run_names
         return min((largest_tested(rows, names[run], limit) for run in runs), default=np.inf)
 
     @property
-    def run_names(self) -> list[str]:
-        """What each run is called in sentences and tables."""
-        names = ("bearing", "motion", "ambient")
-        told = zip(*(self.dataset[name].values for name in names), self.modes, strict=True)
-        return [run_name(str(b), str(m), float(air), mode) for b, m, air, mode in told]
-
-    @property
     def energy(self) -> pd.DataFrame:
-        """Energy books of the structure and of one bearing at the end of each run [kN mm].
+        """Energy balances of the structure and of one bearing at the end of each run [kN mm].
 
         `structure_residual`: (input - kinetic - damping - springs - hinges - bearings - actuator) /
         input; the actuator, whose delay and force error take work, is that of a laboratory.
@@ -281,60 +296,67 @@ class EarthquakeResult(Shown):
         the thermal one to at least 1 kN mm, see `metrics.relative_residual`.
         """
         data = self.dataset
-        known = [n for n in STRUCTURE if f"energy_{n}" in data]
-        frame = pd.DataFrame({f"{n}_kN_mm": data[f"energy_{n}"].values for n in known})
-        books = [str(name) for name in data if str(name).startswith((ENERGY, HEAT))]
-        residuals = compute_residuals({name: data[name].values for name in books})
+        known = [name for name in STRUCTURE if f"energy_{name}" in data]
+        frame = pd.DataFrame({f"{name}_kN_mm": data[f"energy_{name}"].values for name in known})
+        names = [f"energy_{name}" for name in known] + [f"heat_{name}" for name in BEARING]
+        residuals = compute_residuals({name: data[name].values for name in names})
         frame["structure_residual"] = residuals.pop("structure_residual")
         for name in BEARING:
             frame[f"bearing_{name}_kN_mm"] = data[f"heat_{name}"].values
         return frame.assign(**residuals)
 
     def history(self, run: int) -> pd.DataFrame:
-        """Main histories of one run, one row a kept step.
+        """Return the main histories of one run, one row a kept step.
 
         The displacement of the deck is relative to the ground; accelerations are absolute unless
         they are said to be relative. A body that is neither deck nor pier has its own column.
+
+        Parameters
+        ----------
+        run : int
+            Its number, from 0.
+
+        Returns
+        -------
+        pandas.DataFrame
         """
         data = self.dataset.isel(run=run)
         count = int(np.isfinite(data["time"].values).sum())
-        frame = pd.DataFrame(
-            {name: data[key].values[:count] for name, key in HISTORY.items() if key in data}
-        )
+        frame = pd.DataFrame({name: data[key].values[:count] for name, key in HISTORY.items()})
         absolute, ground = frame["deck_acceleration_m_s2"], frame["ground_m_s2"]
         place = list(frame.columns).index("deck_acceleration_m_s2")
         frame.insert(place, "deck_relative_acceleration_m_s2", absolute - ground)
-        if "body" in data.coords:
-            told = {str(data.attrs[part]) for part in ("deck", "pier")}
-            for k, body in enumerate(data["body"].values):
-                if str(body) not in told:
-                    values = data["body_acceleration"].values[:count, k]
-                    frame[f"{body}_acceleration_m_s2"] = values
-        for column, values in parts_columns(data, count).items():
-            frame[column] = values
+        for k, body in enumerate(data["body"].values):
+            if str(body) not in {str(data.attrs[part]) for part in ("deck", "pier")}:
+                frame[f"{body}_acceleration_m_s2"] = data["body_acceleration"].values[:count, k]
+        for name, (dimension, column) in PART_HISTORIES.items() if self.has_parts else ():
+            for k, part in enumerate(data[dimension].values):
+                values = data[name].values[:count, k]
+                if np.isfinite(values).any():
+                    frame[f"{part}_{column}"] = values
         for k in range(data.sizes["layer"]):
             frame[f"rubber{k + 1}_degC"] = data["rubber_temperature"].values[:count, k]
         return frame
 
     def places(self, run: int) -> dict[str, Floats]:
-        """Temperature of the outer and the innermost rubber layer and of the lead [degC].
+        """Return the temperatures of the outer and innermost rubber layer and of the lead [degC].
 
         One value a kept step; NaN where the bearing has no such thing.
         """
         data = self.dataset.isel(run=run)
-        told = np.isfinite(data["time"].values)
-        rubber = data["rubber_temperature"].values[told].astype(float)
+        kept = np.isfinite(data["time"].values)
+        rubber = data["rubber_temperature"].values[kept].astype(float)
         layers = int(np.isfinite(rubber[0]).sum())
         half = bool(self.dataset.attrs.get("half_stack", 1))
         none = np.full(len(rubber), np.nan)
         return {
             "outer layer": rubber[:, 0] if layers else none,
             "inner layer": rubber[:, layers - 1 if half else layers // 2] if layers else none,
-            "lead": data["lead_temperature"].values[told].astype(float),
+            "lead": data["lead_temperature"].values[kept].astype(float),
         }
 
     def rises(self, run: int) -> dict[str, float]:
-        """Largest rise of each of `places` over the start [K]; NaN without such a thing."""
+        """Return the largest rise of each of `places` over the start [K]; NaN without it."""
         found = {}
         for place, values in self.places(run).items():
             known = np.isfinite(values).all()
@@ -342,42 +364,83 @@ class EarthquakeResult(Shown):
         return found
 
     def hottest(self, run: int) -> dict[str, float]:
-        """Highest temperature of rubber layers and lead in any line [degC]; NaN without one."""
+        """Return the highest temperature of rubber layers and lead in any line; NaN without."""
         data = self.dataset
+        if self.has_parts:
+            peaks = {name: data[f"line_{name}_temperature_max"][run] for name in ("rubber", "lead")}
+            return {name: float(values.max()) for name, values in peaks.items()}
         found = {}
-        if "line" in data.coords:
-            return {
-                place: float(data[f"line_{place}_temperature_max"][run].max())
-                for place in ("rubber", "lead")
-            }
-        for place, name in (("rubber", "rubber_temperature"), ("lead", "lead_temperature")):
-            values = data[name].values[run]
+        for name in ("rubber", "lead"):
+            values = data[f"{name}_temperature"].values[run]
             known = np.isfinite(values)
-            found[place] = float(values[known].max()) if known.any() else np.nan
+            found[name] = float(values[known].max()) if known.any() else np.nan
         return found
 
+    def tables(self) -> dict[str, Table]:
+        """Return the tables of a report by name; the console prints some of them."""
+        return tables.make_tables(self)
+
+    def notes(self) -> list[str]:
+        """Return sentences on the energy balance and on strain rates."""
+        found = []
+        if self.runs:
+            worst = float(self.energy["structure_residual"].abs().max())
+            found.append(f"energy balance: largest residual {worst:.1e} of the input")
+        rate = rate_note(self.tested_range.to_dict("records"))
+        return [*found, rate] if rate else found
+
+    def show(self) -> None:
+        """Print periods and damping, peaks, earlier models, the energy balance and warnings."""
+        attrs = self.dataset.attrs
+        title = f"{attrs['structure']}: {attrs['title']}"
+        say(f"{title} ({attrs['mass']} mass, {attrs['method']})", "bold")
+        periods = ", ".join(
+            f"{float(value):.3f}" for value in np.atleast_1d(attrs.get("periods_s", []))
+        )
+        ratios = ", ".join(
+            f"{float(value):.1%}" for value in np.atleast_1d(attrs.get("damping_ratios", []))
+        )
+        say(f"periods {periods} s with equivalent stiffness")
+        say(f"viscous damping {attrs['damping']}: ratios of these modes {ratios}")
+        if "surroundings" in attrs:
+            say(attrs["surroundings"])
+        if self.runs:
+            for table in tables.console_tables(self):
+                show_table(table)
+        if self.compared:
+            rows = comparison_table(self.compared)
+            show_table(tables.errors_table(rows))
+            say(verdict(rows))
+            for early in rows[rows["outcome"] != "completed"].to_dict("records"):
+                where = run_name(early["bearing"], early["motion"], early["ambient_degC"], "")
+                text = f"{early['model']} ended early ({where}): {early['outcome']}"
+                say(f"{text}; its errors are those until then", "yellow")
+        for note in self.notes():
+            say(note)
+        print_warnings(self.warnings)
+
     def summary(self) -> dict[str, Any]:
-        """What summary.json says; energies of one bearing and of the whole structure."""
+        """Return the content of summary.json; energies of one bearing and of the structure."""
         attrs, table, energy = self.dataset.attrs, self.table, self.energy
         runs = []
         parts = {"lines": self.lines, "piers": self.piers}
         for run in range(self.runs):
             rubber = self.dataset["rubber_temperature"].values[run]
             layers = [float(np.nanmax(column)) for column in rubber.T if np.isfinite(column).any()]
-            row = {str(k): _plain(v) for k, v in table.iloc[run].items()}
+            row = _plain(table.iloc[run].to_dict())
             row["rubber_degC_max"] = layers
             row["lead_degC_max"] = lead if (lead := self.hottest(run)["lead"]) == lead else None
-            row["layer_force_mismatch_max_kN"] = _plain(
-                self.dataset["layer_force_mismatch_max"].values[run]
-            )
-            row["energy"] = {str(k): _plain(v) for k, v in energy.iloc[run].items()}
-            for name, table_ in parts.items():
-                if len(table_):
-                    each = len(table_) // self.runs
-                    mine = table_.iloc[run * each : (run + 1) * each].to_dict("records")
-                    row[name] = [{str(k): _plain(v) for k, v in one.items()} for one in mine]
+            mismatch = self.dataset["layer_force_mismatch_max"].values[run]
+            row["layer_force_mismatch_max_kN"] = mismatch.item()
+            row["energy"] = _plain(energy.iloc[run].to_dict())
+            for name, rows in parts.items():
+                if len(rows):
+                    each = len(rows) // self.runs
+                    mine = rows.iloc[run * each : (run + 1) * each].to_dict("records")
+                    row[name] = [_plain(one) for one in mine]
             runs.append(row)
         names = list(dict.fromkeys(str(name) for name in self.dataset["bearing"].values))
+        told = {"verdict": verdict(comparison_table(self.compared))} if self.compared else {}
         return {
             "command": attrs["command"],
             "bearing": names[0] if len(names) == 1 else names,
@@ -388,42 +451,64 @@ class EarthquakeResult(Shown):
             "version": attrs["version"],
             "outcome": self.outcome,
             "warnings": self.warnings,
-            **limits_summary(self.rig, self.tested_range),
-            **exposure_summary(self.dataset),
+            **self._limits_summary(),
             "periods_s": _numbers(attrs.get("periods_s", [])),
             "damping": attrs["damping"],
             **{key: attrs[key] for key in ("surroundings",) if key in attrs},
             "damping_ratios": _numbers(attrs.get("damping_ratios", [])),
             "initial_periods_s": {n: _numbers(attrs[f"initial_periods_s:{n}"]) for n in names},
-            "largest": governing_runs(self).to_dict("records"),
+            "largest": tables.governing_runs(self).to_dict("records"),
             "runs": runs,
+            **told,
         }
 
-    @property
-    def plot(self) -> "EarthquakeFigures":
-        """Figures of the study."""
-        from thermobearing.earthquake.figures import EarthquakeFigures
+    def _write(self, folder: Path) -> None:
+        """Write tables, histories, the dataset and the resolved case."""
+        (folder / directory.RESOLVED).write_text(self.dataset.attrs["case"], encoding="utf-8")
+        write_csv(folder / directory.TABLE, self.table)
+        others = {
+            directory.MODES: self.modes_table,
+            directory.LINES: self.lines,
+            directory.PIERS: self.piers,
+            directory.COMPARISON: comparison_table(self.compared)
+            if self.compared
+            else pd.DataFrame(),
+        }
+        for name, frame in others.items():
+            if len(frame):
+                write_csv(folder / name, frame)
+        self._write_histories(folder / directory.HISTORY)
+        write_dataset(self.dataset, folder / directory.DATASET)
 
-        return EarthquakeFigures(self)
+    def _write_histories(self, path: Path) -> None:
+        """Write the main histories of all runs below each other."""
+        keys = {RUN[name]: self.dataset[name].values for name in LABELS}
+        for run in range(self.runs):
+            frame = self.history(run)
+            for place, (name, values) in enumerate(keys.items()):
+                if name != "mode" or any(self.modes):
+                    frame.insert(place, name, values[run])
+            write_csv(path, frame, below=run > 0)
 
-    @renamed(force="overwrite")
-    def save(self, directory: str | Path, *, overwrite: bool = False, figures: bool = True) -> Path:
-        """Write a result directory; see docs/files.md."""
-        from thermobearing.earthquake.output import save_earthquake
 
-        return save_earthquake(self, Path(directory), overwrite=overwrite, figures=figures)
+def load_study(path: str | Path) -> EarthquakeResult:
+    """Return a saved result of an analysis of earthquakes; see `load_result`, which reads any.
+
+    InputError: there is no readable result of such an analysis at that path.
+    """
+    return EarthquakeResult(read_dataset(path, ("structure", "case")))
 
 
 def run_name(bearing: str, motion: str, ambient: float, mode: str) -> str:
-    """What a run is called: bearing, motion, air and mode of the laboratory, as far as they are."""
+    """Return the name of a run: bearing, motion, temperature and mode, as far as they are."""
     return ", ".join(part for part in (bearing, motion, f"{ambient:g} degC", mode) if part)
 
 
 def _numbers(attribute: Any) -> list[float]:
-    """An attribute that is a list; netCDF gives a list of one back as a number."""
+    """Return an attribute that is a list; netCDF gives a list of one back as a number."""
     return [float(value) for value in np.atleast_1d(attribute)]
 
 
-def _plain(value: Any) -> Any:
-    """A Python number or text."""
-    return value.item() if hasattr(value, "item") else value
+def _plain(row: dict[Any, Any]) -> dict[str, Any]:
+    """Return a row with Python numbers and texts."""
+    return {str(k): v.item() if hasattr(v, "item") else v for k, v in row.items()}

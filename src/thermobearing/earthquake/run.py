@@ -1,18 +1,18 @@
-"""The story of an earthquake study: structure, bearings, motions, weather -> a result.
+"""The runs of an analysis: structure, bearings, motions, weather -> a result.
 
     structure -> matrices, modes, damping;   bearing -> constants of the one coupled step
     every bearing x motion x temperature -> time integration -> histories -> one dataset
 
-Read `run_earthquake` first; `bridge` and `hybrid` (study.py) gather what the user gave into the
-case that it carries out. The integration is in structure/, the step of the bearing is
-the same as in every other analysis (core/step.py).
+Read `run_earthquake` first; `bridge` and `hybrid` (study.py) make the case that it carries out.
+The integration is in structure/, the step of the bearing is the same as in every other analysis
+(core/step.py).
 """
 
 import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
-from dataclasses import replace
-from functools import partial
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -24,23 +24,25 @@ from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
 from thermobearing.border.schema import check_workers
 from thermobearing.climate.readers import read_air
-from thermobearing.core.types import Floats
+from thermobearing.core.types import Constants, Floats
 from thermobearing.cyclic.equivalent import bilinear_parameters
 from thermobearing.cyclic.history import build_segments, run_segments
-from thermobearing.cyclic.protocol import CyclicTest
+from thermobearing.cyclic.protocol import LARGEST_STRAIN, CyclicTest
 from thermobearing.earthquake.case import EarthquakeCase
 from thermobearing.earthquake.dataset import label_study
-from thermobearing.earthquake.parts import drift, largest, pier_peaks
+from thermobearing.earthquake.measures import drift, largest, pier_peaks
 from thermobearing.earthquake.result import EarthquakeResult
-from thermobearing.earthquake.task import Device, OneLine, Shaking, Task
 from thermobearing.model.earlier import BilinearParameters, bilinear_constants
 from thermobearing.model.effort import study_too_much
 from thermobearing.model.handover import begun_from
 from thermobearing.model.options import build_model
 from thermobearing.model.outcomes import NOT_PHYSICAL, PIER_BEYOND_LIMIT
+from thermobearing.model.stack import Stack
 from thermobearing.motions.record import GroundMotion
+from thermobearing.results.base import COMPLETED
 from thermobearing.structure.run import (
     Line,
+    Prepared,
     StructureHistory,
     prepare_structure,
     run_structure,
@@ -51,8 +53,85 @@ WORKERS = 2  # at least
 BLIND = np.zeros(1)  # temperature of a bilinear bearing, which has none: no rounding there [degC]
 
 
+@dataclass(frozen=True)
+class Device:
+    """A bearing ready to be shaken; `stack` is None for a bilinear one, which has no heat."""
+
+    bearing: Bearing | BilinearBearing
+    constants: Constants
+    stack: Stack | None
+
+    @property
+    def heats(self) -> bool:
+        """Whether it has temperatures."""
+        return self.stack is not None
+
+    @property
+    def has_lead(self) -> bool:
+        """Whether it has lead cores with a temperature."""
+        return self.heats and self.constants.lead.cores > 0.0
+
+    @property
+    def tears(self) -> float:
+        """Strain beyond which nothing is left to be modelled; a design may begin far off."""
+        return LARGEST_STRAIN if self.heats else 100.0
+
+
+@dataclass(frozen=True)
+class Shaking:
+    """A ground motion at the ends of the steps: `ground` [mm/s2], `dt` [s]."""
+
+    motion: GroundMotion
+    dt: float
+    ground: Floats
+
+
+@dataclass(frozen=True)
+class OneLine:
+    """The bearings of one line in one run: what they are, how warm they are, in what air [degC]."""
+
+    device: Device
+    temperature: Floats
+    lead: float | None
+    ambient: float
+
+
+@dataclass(frozen=True)
+class Task:
+    """One run of a study; a plain record, so that any executor can carry it away.
+
+    `device` is that of the study, which lines may have another instead of.
+    """
+
+    prepared: Prepared
+    device: Device
+    shaking: Shaking
+    ambient: float
+    lines: tuple[OneLine, ...]
+    case: EarthquakeCase
+    mode: str = ""  # of the laboratory; none without one
+
+    @cached_property
+    def reported_line(self) -> int:
+        """Number of the line whose histories are kept."""
+        return self.case.told_line
+
+    @cached_property
+    def noise(self) -> Floats | None:
+        """Error of the measured force in each step [kN]; None without one."""
+        lab, steps = self.case.laboratory, len(self.shaking.ground) - 1
+        if lab is None or lab.force_noise <= 0.0:
+            return None
+        return lab.force_noise * np.random.default_rng(lab.seed).standard_normal(steps)
+
+    @property
+    def reported(self) -> OneLine:
+        """That line."""
+        return self.lines[self.reported_line]
+
+
 def build_device(case: EarthquakeCase, bearing: Bearing | BilinearBearing) -> Device:
-    """Constants of the coupled step for a bearing of the case."""
+    """Return a bearing of the case with the constants of the coupled step."""
     if isinstance(bearing, BilinearBearing):
         made = exposed_bilinear(bearing, case.analysis.exposure)
         parameters = BilinearParameters(
@@ -64,7 +143,7 @@ def build_device(case: EarthquakeCase, bearing: Bearing | BilinearBearing) -> De
 
 
 def build_shaking(case: EarthquakeCase, number: int, motion: GroundMotion) -> Shaking:
-    """A motion of the case, cut, scaled, and linear between its samples."""
+    """Return a motion of the case, cut, scaled, and linear between its samples."""
     steps, dt = case.count_steps(motion)
     times = dt * np.arange(steps + 1)
     ground = case.motions[number].factor * np.interp(times, motion.time, motion.acceleration)
@@ -72,10 +151,10 @@ def build_shaking(case: EarthquakeCase, number: int, motion: GroundMotion) -> Sh
 
 
 def soaked(device: Device, weather: Ambient) -> tuple[Floats, float | None]:
-    """Temperatures of cells and lead after a time of weather, at its end.
+    """Return the temperatures of cells and lead at the end of a weather, the bearing at rest.
 
-    The bearing is at rest, at first uniform at the first ambient temperature. The same heat
-    model as in motion, in growing steps.
+    At first it is uniform at the first ambient temperature. The heat model is that of motion, in
+    growing steps.
     """
     cells = len(device.constants.cells.capacity)
     if device.stack is None:
@@ -91,7 +170,7 @@ def soaked(device: Device, weather: Ambient) -> tuple[Floats, float | None]:
 
 
 def run_task(task: Task) -> StructureHistory:
-    """One run; never raises for a failed analysis."""
+    """Carry out one run; never raises for a failed analysis."""
     case, shaking = task.case, task.shaking
     lab, steps = case.laboratory, len(shaking.ground) - 1
     history = run_structure(
@@ -107,7 +186,7 @@ def run_task(task: Task) -> StructureHistory:
     )
     if case.initial_state is not None and case.initial_state.zero:
         history.rows.bearings["displacement"][:] -= case.initial_state.zero
-    if history.outcome != "completed":
+    if history.outcome != COMPLETED:
         return history
     moved = [largest(history.bearing(b)["displacement"]) for b in range(len(task.lines))]
     turned = [largest(history.hinge(h)["rotation"]) for h in range(len(case.structure.hinges))]
@@ -116,7 +195,7 @@ def run_task(task: Task) -> StructureHistory:
 
 
 def lines_to_shake(task: Task) -> list[Line]:
-    """The bearing lines of a run as the structure takes them."""
+    """Return the bearing lines of a run as the structure takes them."""
     case, lab = task.case, task.case.laboratory
     begun = None
     if case.initial_state is not None:
@@ -139,12 +218,9 @@ def judged(
 ) -> str:
     """Return the outcome of a run that reached its end: whether the model holds that far.
 
-    Parameters
-    ----------
-    task : the run.
-    moved : largest displacement of the modelled bearing of each line [mm].
-    turned : largest rotation of each hinge [rad].
-    tops : largest displacement of each pier top relative to its base [mm].
+    `moved` is the largest displacement of the modelled bearing of each line [mm], `turned` the
+    largest rotation of each hinge [rad], `tops` the largest displacement of each pier top relative
+    to its base [mm].
     """
     structure = task.case.structure
     lines = zip(task.lines, moved, strict=True)
@@ -156,7 +232,7 @@ def judged(
     ductile = any(far / hinge.yield_rotation > structure.limits.ductility for hinge, far in hinges)
     if ductile or drift(task, tops) > structure.limits.drift:
         return PIER_BEYOND_LIMIT
-    return "completed"
+    return COMPLETED
 
 
 def _refuse_too_much(
@@ -179,16 +255,19 @@ def _refuse_too_much(
 
 
 def build_tasks(case: EarthquakeCase) -> list[Task]:
-    """All runs of a case: bearings, then motions, then ambient temperatures, then modes."""
+    """Return all runs of a case: bearings, then motions, then temperatures, then modes."""
     prepared = prepare_structure(case.structure, case.analysis.mass, case.analysis.damping)
     devices = [build_device(case, bearing) for bearing in case.bearings]
     motions = [motion.load() for motion in case.motions]
     _refuse_too_much(case, devices, motions)
     shakings = [build_shaking(case, number, motion) for number, motion in enumerate(motions)]
-    own = [
-        None if item.bearing is None else _known_device(case, item.bearing, devices)
-        for item in case.lines
-    ]
+    same = {device.bearing.name: device for device in devices}  # so that they are of one kind
+    own: list[Device | None] = []
+    for item in case.lines:
+        known = None if item.bearing is None else same.get(item.bearing.name)
+        if item.bearing is not None and (known is None or known.bearing != item.bearing):
+            known = build_device(case, item.bearing)
+        own.append(known)
     weather = None if case.weather is None else read_air(case.weather)
     tasks = []
     for device in devices:
@@ -211,28 +290,16 @@ def build_tasks(case: EarthquakeCase) -> list[Task]:
     return tasks
 
 
-def _known_device(
-    case: EarthquakeCase, bearing: Bearing | BilinearBearing, known: Sequence[Device]
-) -> Device:
-    """The device of a bearing: a known one if it is the same, so that they are of one kind."""
-    same = [device for device in known if device.bearing == bearing]
-    return same[0] if same else build_device(case, bearing)
-
-
 def prepared_lines(
     case: EarthquakeCase,
     device: Device,
     own: Sequence[Device | None],
     start: Callable[[Device], OneLine],
 ) -> tuple[OneLine, ...]:
-    """All bearing lines of a run: those of the study's device, and those of their own kind.
+    """Return all bearing lines of a run: those of the analysis, and those of their own kind.
 
-    Parameters
-    ----------
-    case : whose lines they are.
-    device : of the study.
-    own : of each of the case's own lines; None for that of the study.
-    start : a device as it is in the air of the run.
+    `own` is the device of each of the case's own lines, None for that of the analysis; `start`
+    gives a device the temperatures of the run.
     """
     usual = start(device)
     special = {item.line: (item, mine) for item, mine in zip(case.lines, own, strict=True)}
@@ -253,7 +320,7 @@ def prepared_lines(
 
 
 def one_line(case: EarthquakeCase, device: Device, air: float, weather: Ambient | None) -> OneLine:
-    """A line where an earlier test left it, after its weather, or as warm as the air."""
+    """Return a line as an earlier test or its weather left it, or at the ambient temperature."""
     left = case.initial_state
     if left is not None:
         return OneLine(device, np.array(left.temperature), left.lead_temperature, air)
@@ -269,14 +336,21 @@ def run_earthquake(
     executor: Executor | None = None,
     progress: Progress | None = None,
 ) -> EarthquakeResult:
-    """Carry out a study; never raises for a failed analysis (see `EarthquakeResult.outcome`).
+    """Carry out an analysis; never raises for a failed run (see `EarthquakeResult.outcome`).
 
     Parameters
     ----------
-    case : from `load_earthquake_case` or `make_earthquake_case`.
-    executor : any `concurrent.futures` executor; threads by default, since the compiled
-        integration lets go of the interpreter.
-    progress : called with (runs done, all runs).
+    case : EarthquakeCase
+        From `load_earthquake_case` or `make_earthquake_case`.
+    executor : Executor, optional
+        Any `concurrent.futures` executor; threads by default, since the compiled integration
+        releases the lock of the interpreter.
+    progress : callable, optional
+        Called with (runs done, all runs).
+
+    Returns
+    -------
+    EarthquakeResult
 
     Examples
     --------

@@ -23,8 +23,7 @@ from thermobearing.core.types import Constants, Floats, Path, State, new_state, 
 from thermobearing.cyclic.history import build_segments, cut_rests, room_for
 from thermobearing.cyclic.protocol import CyclicTest
 from thermobearing.earthquake.case import make_earthquake_case, settle_surroundings
-from thermobearing.earthquake.run import build_device
-from thermobearing.earthquake.task import Device
+from thermobearing.earthquake.run import Device, build_device
 
 if TYPE_CHECKING:
     import pandas as pd

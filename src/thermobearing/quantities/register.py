@@ -52,6 +52,8 @@ class Quantity:
         What it is: the long name in datasets, and the label of an axis.
     symbol : str
         In equations, such as "K_eq".
+    variable : str
+        Name in datasets; `name` where the row does not give another one.
 
     Examples
     --------
@@ -68,6 +70,7 @@ class Quantity:
     factor: float = 1.0
     meaning: str = ""
     symbol: str = ""
+    variable: str = ""
 
     @property
     def title(self) -> str:
@@ -117,6 +120,7 @@ def _register() -> Mapping[str, Quantity]:
             factor = FACTORS.get((stored, unit), 1.0)
             if factor == 1.0 and unit != TYPESET.get(stored, stored):
                 raise ValueError(f"{file.name}: {name}: no factor from {stored} to {unit}")
+            row.setdefault("variable", name)
             found[name] = Quantity(unit=unit, name=name, stored=stored, factor=factor, **row)
     return found
 

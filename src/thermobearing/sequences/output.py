@@ -9,7 +9,7 @@ from matplotlib.lines import Line2D
 
 from thermobearing.border.errors import InputError, is_file
 from thermobearing.cyclic.result import load_cyclic
-from thermobearing.earthquake.output import load_study
+from thermobearing.earthquake.result import load_study
 from thermobearing.results.directory import FIGURES, PARTS, RESOLVED, TABLE, write_directory
 from thermobearing.results.drawing import (
     GREY,

@@ -16,8 +16,8 @@ from thermobearing.bearing.model import Bearing
 from thermobearing.climate.hourly import Hourly, Ints
 from thermobearing.core.records import Floats
 from thermobearing.earthquake.case import EarthquakeCase
+from thermobearing.earthquake.run import Device
 from thermobearing.earthquake.soaking import Soaked, history_weights, soaked_history, soaked_hours
-from thermobearing.earthquake.task import Device
 from thermobearing.studies.inputs.levels import Levels
 
 Key = tuple[Any, ...]

@@ -13,25 +13,24 @@ import numpy as np
 
 from thermobearing.border.errors import InputError
 from thermobearing.core.records import Floats
-from thermobearing.earthquake.dataset import (
-    HISTORIES,
-    KN_MM_PER_KN_M,
-    MM_PER_M,
-    history_traces,
-    structure_traces,
-)
 from thermobearing.earthquake.measures import (
     BEARING,
+    KN_MM_PER_KN_M,
+    MM_PER_M,
     STRUCTURE_ENERGIES,
-    UNITS,
     compute_measures,
     compute_residuals,
-    describe_quantity,
+    drift,
+    farthest,
+    governing_peaks,
+    history_traces,
+    line_peaks,
+    pier_peaks,
+    structure_traces,
 )
-from thermobearing.earthquake.parts import drift, farthest, governing_peaks, line_peaks, pier_peaks
-from thermobearing.earthquake.run import judged, lines_to_shake, run_task
-from thermobearing.earthquake.task import Task
+from thermobearing.earthquake.run import Task, judged, lines_to_shake, run_task
 from thermobearing.model.outcomes import SENTENCES as RUN_SENTENCES
+from thermobearing.quantities.register import quantity
 from thermobearing.structure.lanes import Run, RunPeaks, run_lanes
 from thermobearing.structure.run import SENTENCES, StructureHistory
 
@@ -87,12 +86,10 @@ class ResultColumn(NamedTuple):
 
 
 def _columns() -> tuple[ResultColumn, ...]:
-    known = {name: long_name for name, _, long_name in HISTORIES}
+    known = [quantity(name) for name in OF_RUN]
     measured = [
-        ResultColumn(
-            name, UNITS[key], describe_quantity(key, known), "count" if name in COUNTS else "number"
-        )
-        for name, key in OF_RUN.items()
+        ResultColumn(q.name, q.stored, q.meaning, "count" if q.name in COUNTS else "number")
+        for q in known
     ]
     return (
         ResultColumn("outcome", "", "what ended the run", "text"),
@@ -221,7 +218,7 @@ def named(rows: Any) -> list[dict[str, float]]:
 def _measures_of_peaks(task: Task, peaks: RunPeaks) -> dict[str, Any]:
     """What `compute_measures` says of a run with rows; its bearings begin at rest."""
     bearings, lines = named(peaks.bearings), named(peaks.lines)
-    bearing, books = bearings[task.told_line], named(peaks.books)[0]
+    bearing, books = bearings[task.reported_line], named(peaks.books)[0]
     *piers, deck = named(peaks.watches)
     of_lines = [
         {
@@ -248,7 +245,7 @@ def _measures_of_peaks(task: Task, peaks: RunPeaks) -> dict[str, Any]:
         **governing_peaks(of_piers),
         "deck_displacement_max": deck["displacement"],
         "deck_acceleration_max": deck["acceleration"] / MM_PER_M,
-        "layer_force_mismatch_max": lines[task.told_line]["mismatch"],
+        "layer_force_mismatch_max": lines[task.reported_line]["mismatch"],
         **{name: getattr(peaks, name) for name in COUNTS},
         **{f"energy_{name}": books[name] for name in STRUCTURE_ENERGIES},
         **{f"heat_{name}": bearing[name] for name in BEARING},

@@ -13,8 +13,16 @@ from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
 from thermobearing.core.records import Floats
 from thermobearing.earthquake.case import EarthquakeCase
-from thermobearing.earthquake.run import build_device, build_shaking, one_line, prepared_lines
-from thermobearing.earthquake.task import Device, OneLine, Shaking, Task
+from thermobearing.earthquake.run import (
+    Device,
+    OneLine,
+    Shaking,
+    Task,
+    build_device,
+    build_shaking,
+    one_line,
+    prepared_lines,
+)
 from thermobearing.model.constants import with_parameters
 from thermobearing.structure.run import Prepared, prepare_structure
 from thermobearing.studies.definition.columns import (

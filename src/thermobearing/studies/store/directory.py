@@ -32,7 +32,9 @@ from thermobearing.border.errors import InputError, OutputError, read_bytes, sho
 from thermobearing.border.text_file import replacing, write_whole
 from thermobearing.border.toml import flat
 from thermobearing.core.compile import kernels_digest
-from thermobearing.earthquake.dataset import HISTORIES, padded
+from thermobearing.earthquake.dataset import padded
+from thermobearing.earthquake.measures import HISTORIES
+from thermobearing.quantities.register import quantity
 from thermobearing.results.directory import write_directory
 from thermobearing.results.writing import write_dataset
 from thermobearing.studies.definition.columns import AMBIENT, HOUR, SAMPLE, THINGS, list_targets
@@ -52,20 +54,18 @@ from thermobearing.studies.store.parquet import (
     write_parquet,
 )
 
-LAYERS = ("rubber_temperature", "degC", "mid-thickness temperature of the rubber layers")
-
 
 def _histories_dataset(kept: Sequence[Kept]) -> xr.Dataset:
     """All that is kept of some runs; `run` and `id` say which, shorter ones end with NaN."""
     length = max((len(one.traces["time"]) for one in kept), default=0)
     data: dict[str, tuple[tuple[str, ...], Any, dict[str, str]]] = {}
-    for name, unit, long_name in (("time", "s", "time"), *HISTORIES):
+    for name in ("time", *HISTORIES):
         rows = padded([one.traces[name] for one in kept], (length,))
-        data[name] = (("run", "step"), rows, {"units": unit, "long_name": long_name})
-    name, unit, long_name = LAYERS
+        data[name] = (("run", "step"), rows, quantity(name).attributes)
+    name = "rubber_temperature"
     layers = max((one.traces[name].shape[1] for one in kept), default=0)
     rows = padded([one.traces[name] for one in kept], (length, layers))
-    data[name] = (("run", "step", "layer"), rows, {"units": unit, "long_name": long_name})
+    data[name] = (("run", "step", "layer"), rows, quantity(name).attributes)
     coords = {
         "run": np.array([one.run for one in kept], dtype=np.int64),
         "id": ("run", np.array([one.id for one in kept], dtype=str)),

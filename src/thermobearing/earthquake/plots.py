@@ -1,0 +1,173 @@
+"""Interactive figures in the report of an analysis of earthquakes."""
+
+from collections.abc import Callable
+from typing import Literal
+
+import numpy as np
+
+from thermobearing.core.records import Floats
+from thermobearing.earthquake.result import EarthquakeResult
+from thermobearing.report.figures import POINTS, history, path, rounded
+from thermobearing.report.pieces import Plot, Trace
+from thermobearing.report.words import degrees
+from thermobearing.results import drawing
+
+ALL_POINTS = 40_000  # of the traces of one plot together
+MOST_CHOICES = 40  # entries of a menu
+MOMENTS = 24  # places of a slider
+UNTESTED = "#aa3333"
+PLACES = (("rubber", "inner layer", "line"), ("lead", "lead", "dashed"))
+Choices = dict[str, list[Trace]]
+
+
+def interactive_plots(result: EarthquakeResult) -> dict[str, Plot]:
+    """Return plots by the name of the figure that they replace in an HTML page."""
+    if not result.runs:
+        return {}
+    panels = _Panels(result)
+    force, strain = "force of one bearing [kN]", "shear strain [%]"
+    found = {
+        "loops": panels.plane("bearing_strain", "bearing_force", 100.0, (strain, force)),
+        "strain": panels.history("bearing_strain", 100.0, strain),
+        "pier": panels.history("pier_displacement", 1.0, "pier top relative to its base [mm]"),
+        "deck": panels.history("deck_acceleration", 1.0, "acceleration of the deck [m/s²]"),
+        "hinge": panels.plane(
+            "pier_rotation", "pier_moment", 1e3, ("rotation [mrad]", "moment [kN m]")
+        ),
+        "temperature": panels.temperatures(),
+        "profiles": panels.profiles(),
+    }
+    return {name: plot for name, plot in found.items() if plot is not None}
+
+
+class _Panels:
+    """Runs of each menu entry (a bearing and a motion, at all temperatures), and their looks."""
+
+    def __init__(self, result: EarthquakeResult) -> None:
+        self.result, self.data, table = result, result.dataset, result.table
+        several = table["bearing"].nunique() > 1
+        self.groups: dict[str, list[int]] = {}
+        for run, row in enumerate(table.to_dict("records")):
+            name = f"{row['bearing']}, {row['motion']}" if several else str(row["motion"])
+            if name in self.groups or len(self.groups) < MOST_CHOICES:
+                self.groups.setdefault(name, []).append(run)
+        ambients = sorted(set(table["ambient_degC"]))
+        colours = drawing.ambient_colours(np.array(ambients, dtype=float))
+        looks = dict(zip(ambients, colours, strict=True))
+        self.colours = [looks[value] for value in table["ambient_degC"]]
+        self.both = len(set(result.modes)) > 1
+        self.points = int(np.clip(ALL_POINTS // max(result.runs, 1), 120, POINTS))
+
+    def label(self, run: int) -> str:
+        """Return the temperature of a run, and its mode where there are several."""
+        air = degrees([float(self.data["ambient"].values[run])])
+        return f"{air}, {self.result.modes[run]}" if self.both else air
+
+    def values(self, name: str, run: int) -> Floats:
+        """Return a history of a run as far as it goes."""
+        kept = np.isfinite(self.data["time"].values[run])
+        return np.asarray(self.data[name].values[run][kept], dtype=float)
+
+    def choices(self, make: Callable[[int], list[Trace]]) -> Choices:
+        """Return the traces of every run that has any, by menu entry."""
+        found = {
+            name: [trace for run in runs for trace in make(run)]
+            for name, runs in self.groups.items()
+        }
+        return {name: traces for name, traces in found.items() if traces}
+
+    def trace(self, run: int, xy: tuple[Floats, Floats]) -> Trace:
+        """Return a line of a run; that of a pseudo-dynamic test is dashed."""
+        slow = self.both and self.result.modes[run] == "pd"
+        return Trace(self.label(run), *xy, self.colours[run], "dashed" if slow else "line")
+
+    def plane(self, x: str, y: str, factor: float, titles: tuple[str, str]) -> Plot | None:
+        """Return paths in the plane of two histories."""
+
+        def make(run: int) -> list[Trace]:
+            a, b = factor * self.values(x, run), self.values(y, run)
+            known = len(a) and np.isfinite(a).all() and np.isfinite(b).all()
+            return [self.trace(run, path(a, b, self.points))] if known else []
+
+        choices = self.choices(make)
+        if x == "bearing_strain":
+            self.add_tested(choices, along="x")
+        return Plot(*titles, choices) if choices else None
+
+    def history(self, name: str, factor: float, title: str) -> Plot | None:
+        """Return a history of every run."""
+
+        def make(run: int) -> list[Trace]:
+            time, values = self.values("time", run), factor * self.values(name, run)
+            known = len(values) and np.isfinite(values).all()
+            return [self.trace(run, history(time, values, self.points))] if known else []
+
+        choices = self.choices(make)
+        if name == "bearing_strain":
+            self.add_tested(choices, along="y")
+        return Plot("time [s]", title, choices) if choices else None
+
+    def add_tested(self, choices: Choices, along: Literal["x", "y"]) -> None:
+        """Add dashed lines at the largest tested strain in the panels that go beyond it.
+
+        Bearings are tested to different strains: one band for all entries would be wrong.
+        """
+        for name, traces in choices.items():
+            end = 100.0 * self.result.tested_to(self.groups[name], "strain")
+            if not np.isfinite(end):
+                continue
+            across = [trace.y if along == "x" else trace.x for trace in traces]
+            low, high = (float(f([f(v) for v in across])) for f in (np.nanmin, np.nanmax))
+            at = np.array([end, end, np.nan, -end, -end])
+            other = np.array([low, high, np.nan, low, high])
+            points = (at, other) if along == "x" else (other, at)
+            traces.append(Trace(f"tested to {end:g} %", *points, UNTESTED, "dashed"))
+
+    def temperatures(self) -> Plot | None:
+        """Return the innermost rubber layer (full) and the lead (dashed) of every run."""
+
+        def make(run: int) -> list[Trace]:
+            places, time = self.result.places(run), self.values("time", run)
+            return [
+                Trace(
+                    f"{what}, {self.label(run)}",
+                    *history(time, places[place], self.points // 2),
+                    self.colours[run],
+                    look,
+                )
+                for what, place, look in PLACES
+                if len(places[place]) and np.isfinite(places[place]).all()
+            ]
+
+        choices = self.choices(make)
+        return Plot("time [s]", "temperature [°C]", choices) if choices else None
+
+    def profiles(self) -> Plot | None:
+        """Return temperatures through the height, moved through the motion by a slider."""
+        if "temperature" not in self.data:
+            return None
+        moments = np.linspace(0.0, float(np.nanmax(self.data["time"].values)), MOMENTS)
+
+        def make(run: int) -> list[Trace]:
+            depth = self.data["depth"].values[run]
+            own = np.isfinite(depth)
+            if not own.any():
+                return []
+            time = self.values("time", run)
+            at = np.searchsorted(time, moments).clip(0, len(time) - 1)
+            frames = rounded(self.data["temperature"].values[run][at][:, own])
+            level = -rounded(depth[own])
+            y = np.tile(level, (len(moments), 1))
+            look = (self.colours[run], "line with points")
+            return [Trace(self.label(run), frames[0], level, *look, y, frames)]
+
+        choices = self.choices(make)
+        if not choices:
+            return None
+        return Plot(
+            "temperature [°C]",
+            "level relative to the upper face [mm]",
+            choices,
+            slider=[f"{moment:.1f} s" for moment in moments],
+            slider_title="time",
+        )

@@ -1,0 +1,388 @@
+"""Tables of an analysis of earthquakes for the console and reports, and what they are made of.
+
+Heads, units and formats are in the register (data/quantities/earthquake.toml).
+"""
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+import pandas as pd
+
+from thermobearing.earthquake.measures import BEARING, LOOP, STRUCTURE, farthest
+from thermobearing.quantities.register import Quantity, quantity
+from thermobearing.quantities.tables import Table, make_table
+from thermobearing.results.ranges import TESTED
+
+if TYPE_CHECKING:
+    from thermobearing.earthquake.result import EarthquakeResult
+
+KEYS: Final = ("bearing", "motion", "ambient_degC", "mode")
+PEAKS: Final = (  # of a report
+    "bearing_strain_max",
+    "bearing_force_max_kN",
+    "bearing_energy_kN_mm",
+    "pier_displacement_max_mm",
+    "pier_ductility",
+    "pier_moment_max_kN_m",
+    "deck_acceleration_max_m_s2",
+    "rubber_max_degC",
+    "lead_max_degC",
+)
+CONSOLE: Final = (
+    *PEAKS[:3],
+    "energy_of_warmest",
+    *PEAKS[3:5],
+    "deck_displacement_max_mm",
+    "deck_acceleration_max_m_s2",
+    "damping_of_input",
+    *PEAKS[-2:],
+)
+PLACES: Final = ("strain_line", "force_line", "displacement_pier", "ductility_pier")
+COLD: Final = (  # compared with the warmest run
+    "bearing_strain_max",
+    "bearing_force_max_kN",
+    "bearing_energy_kN_mm",
+    "pier_displacement_max_mm",
+    "deck_acceleration_max_m_s2",
+)
+PARTS: Final = {
+    "line": (
+        "line_bearing",
+        "count",
+        "line_ambient_degC",
+        "strain_max",
+        "force_max_kN",
+        "total_force_max_kN",
+        "rubber_max_degC",
+        "lead_max_degC",
+    ),
+    "pier": (
+        "displacement_max_mm",
+        "displacement_residual_mm",
+        "ductility",
+        "moment_max_kN_m",
+        "top_acceleration_max_m_s2",
+    ),
+}
+MOST_ROWS: Final = 24  # of lines or piers on the console: of more, the largest of all runs
+FAST, SLOW = "rt", "pd"
+RATIOS: Final = {  # of a real-time test over the pseudo-dynamic one: column of the table of runs
+    "force": "bearing_force_max_kN",
+    "strain": "bearing_strain_max",
+    "energy": "bearing_energy_kN_mm",
+}
+RISES: Final = ("outer_layer", "inner_layer", "lead")
+ERRORS: Final = (  # columns of comparison.csv on the console
+    "inner layer largest K",
+    "lead largest K",
+    "peak force %",
+    "peak strain %",
+    "energy %",
+    "pier displacement %",
+    "loop K_eq %",
+)
+# What: table of an analysis with several lines or piers, column there, column of the table of runs.
+GOVERNED: Final = {
+    "bearing strain": ("line", "strain_max", "bearing_strain_max"),
+    "bearing displacement [mm]": ("line", "displacement_max_mm", ""),
+    "force of one bearing [kN]": ("line", "force_max_kN", "bearing_force_max_kN"),
+    "lead [degC]": ("line", "lead_max_degC", ""),
+    "pier displacement [mm]": ("pier", "displacement_max_mm", "pier_displacement_max_mm"),
+    "pier ductility": ("pier", "ductility", "pier_ductility"),
+    "deck displacement [mm]": ("", "", "deck_displacement_max_mm"),
+}
+
+
+def _keys(frame: pd.DataFrame) -> list[str]:
+    return [name for name in KEYS if name in frame]
+
+
+def reported_line(result: "EarthquakeResult") -> str:
+    """Return " of line A1", the line whose histories are kept; empty with one of all."""
+    return f" of line {result.dataset.attrs['line']}" if result.has_parts else ""
+
+
+def make_tables(result: "EarthquakeResult") -> dict[str, Table]:
+    """Return the tables of results by name; those without a row are left out."""
+    keys = _keys(result.table)
+    ratios = modes_frame(result)
+    found = {
+        "governing": _governing_table(result),
+        "peaks": peaks_table(result),
+        "cold": _cold_table(result),
+        "lines": parts_table(result, "line"),
+        "piers": parts_table(result, "pier"),
+        "modes": make_table(
+            ratios,
+            [*keys[:3], *(f"{name}_ratio" for name in RATIOS), *(f"{p}_rise_ratio" for p in RISES)],
+            "Real time over pseudo-dynamic",
+            keys=3,
+        ),
+        "loops": _loops_table(result),
+        "periods": _periods_table(result),
+        "bearing_books": balance_table(result, bearing=True),
+    }
+    return {name: table for name, table in found.items() if len(table)}
+
+
+def console_tables(result: "EarthquakeResult") -> list[Table]:
+    """Return the tables that the console prints; of many lines or piers the largest of all runs."""
+    found = make_tables(result) | {"peaks": peaks_table(result, CONSOLE)}
+    for part in PARTS:
+        if f"{part}s" in found:
+            found[f"{part}s"] = parts_table(result, part, most=MOST_ROWS)
+    return [found[n] for n in ("peaks", "modes", "lines", "piers", "governing") if n in found]
+
+
+def peaks_table(result: "EarthquakeResult", names: tuple[str, ...] = PEAKS) -> Table:
+    """Return the peaks of every run, marked where they leave the calibration range."""
+    hottest = [result.hottest(run) for run in range(result.runs)]
+    frame = result.table.assign(
+        rubber_max_degC=[one["rubber"] for one in hottest],
+        lead_max_degC=[one["lead"] for one in hottest],
+    )
+    frame["pier_displacement_max_mm"] = frame["pier_displacement_max_mm"].replace(0.0, np.nan)
+    if frame["ambient_degC"].nunique() < 2:  # each run is the warmest
+        frame = frame.drop(columns="energy_of_warmest")
+    keys, where = _keys(frame), [n for n in PLACES if n in frame and frame[n].nunique() > 1]
+    ended = ["outcome"] if (frame["outcome"] != "completed").any() else []
+    frame["outcome"] = frame["outcome"].str.replace("_", " ")
+    limits = [str(text).split() for text in frame["beyond_tested"]]
+    columns = {"ambient": "ambient_degC", "strain": "bearing_strain_max"}
+    if frame["lead_max_degC"].notna().any():
+        columns["lead_temperature"] = "lead_max_degC"
+    marked = {name: [limit in one for one in limits] for limit, name in columns.items()}
+    others = {limit for one in limits for limit in one} - {*columns, "strain_rate"}
+    marked["motion"] = [bool(others.intersection(one)) for one in limits]
+    note = "Force, energy: of one bearing. Pier top: relative to its base. Deck acceleration: "
+    note += "absolute. Rubber, lead: highest temperature."
+    if result.has_parts:
+        note += " Every peak is the largest of all lines and piers."
+    if any(any(flags) for flags in marked.values()):
+        words = ", ".join(sorted(TESTED[limit][1] for limit in others))
+        note += " Marked: beyond what the bearing was tested at"
+        note += f" (a motion: {words})." if others else "."
+    return make_table(
+        frame,
+        [*keys, *names, *where, *ended],
+        "Peaks of every run",
+        keys=len(keys),
+        heads={"outcome": "Ended"},
+        marked=marked,
+        note=note,
+    )
+
+
+def governing_runs(result: "EarthquakeResult") -> pd.DataFrame:
+    """Return the largest of every peak over all runs, lines and piers of each bearing.
+
+    Columns: bearing, what, largest, part (line or pier; empty where there is one), motion,
+    ambient_degC; a row for each bearing and peak that is known. In a laboratory both modes count.
+    """
+    rows = []
+    whole = result.table
+    parts = {"": pd.DataFrame(), "line": result.lines, "pier": result.piers}
+    for bearing in dict.fromkeys(whole["bearing"]):
+        for what, (part, own, plain) in GOVERNED.items():
+            several = len(parts[part]) > 0
+            table, column = (parts[part], own) if several else (whole, plain)
+            mine = table[table["bearing"] == bearing]
+            if column not in mine or not mine[column].notna().any():
+                continue
+            worst = mine.loc[mine[column].idxmax()]
+            rows.append(
+                {
+                    "bearing": bearing,
+                    "what": what,
+                    "largest": float(worst[column]),
+                    "part": str(worst[part]) if several else "",
+                    "motion": str(worst["motion"]),
+                    "ambient_degC": float(worst["ambient_degC"]),
+                }
+            )
+    return pd.DataFrame(rows)
+
+
+def _governing_table(result: "EarthquakeResult") -> Table:
+    """Return the largest of all runs, lines and piers; empty for one run of one line."""
+    frame = governing_runs(result)
+    caption = "The largest of all runs, lines and piers"
+    if not len(frame) or (result.runs < 2 and not result.has_parts):
+        return make_table(pd.DataFrame(), caption=caption)
+    frame.loc[frame["what"] == "bearing strain", "largest"] *= 100.0
+    words = frame["what"].replace("bearing strain", "bearing strain [%]")
+    frame["what"] = [f"{text[:1].upper()}{text[1:]}".replace("deg", "°") for text in words]
+    names = ["bearing", "what", "largest", "part", "motion", "ambient_degC"]
+    return make_table(frame, names, caption, keys=2, heads={"part": "Line or pier"})
+
+
+def cold_ratios(result: "EarthquakeResult") -> pd.DataFrame:
+    """Return peaks of each run over those at the warmest temperature of the same run otherwise."""
+    table = result.table
+    table = table[table["outcome"] == "completed"]
+    same = [name for name in ("bearing", "motion", "mode") if name in table]
+    if table["ambient_degC"].nunique() < 2:
+        return pd.DataFrame()
+    warmest = float(table["ambient_degC"].max())
+    warm = table[table["ambient_degC"] == warmest].set_index(same)
+    rows = []
+    for row in table[table["ambient_degC"] < warmest].to_dict("records"):
+        key = tuple(row[name] for name in same)
+        if key in warm.index:
+            of = warm.loc[key]
+            ratios = {name: row[name] / of[name] if of[name] else np.nan for name in COLD}
+            rows.append({name: row[name] for name in (*same, "ambient_degC")} | ratios)
+    return pd.DataFrame(rows)
+
+
+def _cold_table(result: "EarthquakeResult") -> Table:
+    """Return the effect of the cold: mean, lowest and highest over the motions."""
+    ratios = cold_ratios(result)
+    if not len(ratios):
+        return make_table(ratios)
+    same = [name for name in ("bearing", "ambient_degC", "mode") if name in ratios]
+
+    def cell(values: "pd.Series[float]") -> Any:
+        known = values.dropna()
+        if len(values) == 1 or not len(known):
+            return known.iloc[0] if len(known) else ""
+        return f"{known.mean():.2f} ({known.min():.2f}–{known.max():.2f})"
+
+    frame = pd.DataFrame(
+        dict(zip(same, key, strict=True)) | {name: cell(group[name]) for name in COLD}
+        for key, group in ratios.groupby(same, sort=False)
+    )
+    columns = [quantity(name, unit="", factor=1.0, form=".2f") for name in COLD]
+    warmest = f"{result.table['ambient_degC'].max():g}".replace("-", "\N{MINUS SIGN}")
+    motions = ratios["motion"].nunique()
+    of = f", mean over {motions} motions (lowest–highest)" if motions > 1 else ""
+    return make_table(
+        frame, [*same, *columns], f"The cold: peaks over those at {warmest} °C{of}", keys=len(same)
+    )
+
+
+def parts_table(result: "EarthquakeResult", part: str, most: int | None = None) -> Table:
+    """Return a row for each run and bearing line, or pier; lines that are equal share a row.
+
+    Of more than `most` rows, the largest of all runs. Empty with one line or pier of all.
+    """
+    frame = result.lines if part == "line" else result.piers
+    caption = "Every bearing line in each run" if part == "line" else "Every pier in each run"
+    if not len(frame) or frame[part].nunique() < 2:
+        return make_table(pd.DataFrame(), caption=caption)
+    keys, names = _keys(frame), list(PARTS[part])
+    if part == "line" and (frame["line_bearing"] == frame["bearing"]).all():
+        names.remove("line_bearing")
+    if most is not None and len(frame) > most:
+        keys = keys[:1] + (["line_bearing"] if "line_bearing" in names else [])
+        names = [name for name in names if name not in keys]
+        caption = f"{part.capitalize()}s: the largest of all runs (each run: {part}s.csv)"
+        groups = frame.groupby([part, *keys], sort=False)[names]
+        frame = groups.agg(farthest).reset_index()
+    shown = [*keys, *names]
+    equal = frame[[part, *shown]].groupby(shown, sort=False, dropna=False)
+    frame = equal[part].agg(", ".join).reset_index().sort_values(part, kind="stable")
+    if "count" in frame:
+        frame["count"] = frame["count"].astype(int)
+    return make_table(frame, [part, *shown], caption, keys=1 + len(keys))
+
+
+def modes_frame(result: "EarthquakeResult") -> pd.DataFrame:
+    """Return real-time tests over pseudo-dynamic ones: a row per bearing, motion, temperature.
+
+    Ratios of the peak force, the peak strain and the energy of the specimen; the largest rise of
+    the outer and the innermost rubber layer and of the lead in both [K], and their ratios. Empty
+    unless both modes were run.
+    """
+    table = result.table
+    rows: list[dict[str, Any]] = []
+    if not {FAST, SLOW} <= set(result.modes):
+        return pd.DataFrame(rows)
+    for key, pair in table.groupby(["bearing", "motion", "ambient_degC"], sort=False):
+        runs = dict(zip(pair["mode"].tolist(), pair.index.tolist(), strict=True))
+        if not {FAST, SLOW} <= set(runs):  # interrupted
+            continue
+        fast, slow = (table.loc[runs[mode]].to_dict() for mode in (FAST, SLOW))
+        row: dict[str, Any] = dict(zip(KEYS[:3], key, strict=True))
+        row |= {
+            f"{name}_ratio": _over(fast[column], slow[column]) for name, column in RATIOS.items()
+        }
+        rises = {mode: result.rises(run) for mode, run in runs.items()}
+        for place, rise in rises[FAST].items():
+            row[f"{place}_rise_rt_K"], row[f"{place}_rise_pd_K"] = rise, rises[SLOW][place]
+            row[f"{place}_rise_ratio"] = _over(rise, rises[SLOW][place])
+        rows.append(row)
+    return pd.DataFrame(rows)
+
+
+def _over(fast: float, slow: float) -> float:
+    return fast / slow if slow else np.nan
+
+
+def _loops_table(result: "EarthquakeResult") -> Table:
+    """Return the largest loop of one bearing in each run that has a closed one."""
+    frame = result.table
+    keys = _keys(frame)
+    note = "The loop that holds the largest displacement, from zero to zero displacement: K_eq = "
+    note += "(|F+| + |F−|)/(|D+| + |D−|), h_eq and G_e as of a test (Eq. 3.1, 3.2)."
+    caption = f"Largest loop of one bearing{reported_line(result)} in each run"
+    names = [*LOOP][4:7] + [*LOOP][2:4] + [*LOOP][:2] + [*LOOP][7:]
+    closed = frame[frame["loop_K_eq_kN_mm"].notna()]
+    return make_table(closed, [*keys, *names], caption, keys=len(keys), note=note)
+
+
+def _periods_table(result: "EarthquakeResult") -> Table:
+    """Return periods and damping ratios with equivalent stiffness; empty without a run."""
+    attrs = result.dataset.attrs
+    if "periods_s" not in attrs:
+        return make_table(pd.DataFrame())
+    columns: list[str | Quantity] = [
+        quantity("mode_number"),
+        quantity("period_s", head="Period, equivalent stiffness", form=".3f"),
+        quantity("damping_ratio", head="Viscous damping ratio"),
+    ]
+    frame = pd.DataFrame(
+        {
+            name: np.atleast_1d(attrs[key])
+            for name, key in (("period_s", "periods_s"), ("damping_ratio", "damping_ratios"))
+        }
+    )
+    frame.insert(0, "mode_number", range(1, len(frame) + 1))
+    for name in dict.fromkeys(result["bearing"].values.tolist()):
+        frame[name] = np.atleast_1d(attrs[f"initial_periods_s:{name}"])
+        columns.append(
+            replace(quantity("period_s", form=".3f"), name=name, head=f"Initial period, {name}")
+        )
+    note = "Initial periods are with the stiffness of the bearings before they yield, at the "
+    note += "temperature of the first run."
+    return make_table(frame, columns, "Natural periods and viscous damping", note=note)
+
+
+def balance_table(result: "EarthquakeResult", *, bearing: bool = False) -> Table:
+    """Return the energy balance of the structure, or of one bearing, at the end of each run."""
+    energy, keys = result.energy, _keys(result.table)
+    frame = pd.concat([result.table[keys], energy], axis=1)
+    if bearing:
+        names = [f"bearing_{name}_kN_mm" for name in BEARING]
+        names += ["mechanical_residual", "thermal_residual"]
+        caption = f"Energy balance of one bearing{reported_line(result)}"
+        note = "Work in = heat released + recoverable; heat released = stored + lost; of a "
+        note += "bilinear bearing all heat counts as stored."
+    else:
+        known = [name for name in STRUCTURE if f"{name}_kN_mm" in energy]
+        names = [*(f"{name}_kN_mm" for name in known), "structure_residual"]
+        caption = "Energy balance of the structure"
+        note = f"Input = {' + '.join(known[1:])} (all bearings); the residual is relative to the "
+        note += "input. The balance of one bearing has its own table."
+    heads = {"structure_residual": "Residual", "mechanical_residual": "Residual, mech."}
+    heads["thermal_residual"] = "Residual, therm."
+    return make_table(frame, [*keys, *names], caption, keys=len(keys), heads=heads, note=note)
+
+
+def errors_table(rows: pd.DataFrame) -> Table:
+    """Return the error of largest size of each earlier model over the runs of each bearing."""
+    shown = [name for name in ERRORS if name in rows]
+    worst = rows.groupby(["bearing", "model"], sort=False)[shown].agg(farthest).reset_index()
+    caption = "Earlier models: the error of largest size in all runs"
+    return make_table(worst, ["bearing", "model", *shown], caption, keys=2)
