@@ -17,7 +17,7 @@ from thermobearing.bearing.new import new_bearing
 from thermobearing.bearing.scaling import compound_of
 from thermobearing.core.records import Floats
 from thermobearing.cyclic.equivalent import isothermal_cycle
-from thermobearing.design.rubber import (
+from thermobearing.design.sizing import (
     DesignRubber,
     Kind,
     damping_ratio,

@@ -42,7 +42,7 @@ from thermobearing.cyclic.equivalent import DESIGN_STRAIN, isothermal_cycle, sol
 from thermobearing.cyclic.protocol import Cycles, CyclicTest, cyclic_test
 from thermobearing.cyclic.result import Result
 from thermobearing.design.factors import scaled_bearing
-from thermobearing.design.rubber import damping_ratio, load_rubber, shear_modulus
+from thermobearing.design.sizing import damping_ratio, load_rubber, shear_modulus
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.model.element import BearingElement
 from thermobearing.model.options import EndFace

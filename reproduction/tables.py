@@ -18,7 +18,7 @@ from reproduction.runs import Runs, load_data
 from thermobearing.bearing.bilinear import load_bilinear
 from thermobearing.border.schema import Strict
 from thermobearing.cyclic.case import load_rig
-from thermobearing.design.rubber import load_rubber
+from thermobearing.design.sizing import load_rubber
 
 DATA, COMPUTED = "data file", "computed"
 DIGITS = 6  # of a difference in per cent: below it is rounding

@@ -21,7 +21,7 @@ from thermobearing.border.toml import sourced_toml, to_table
 from thermobearing.cli import app
 from thermobearing.commands.check import check_file
 from thermobearing.cyclic.equivalent import isothermal_cycle
-from thermobearing.design.rubber import damping_ratio, load_rubber, shear_modulus
+from thermobearing.design.sizing import damping_ratio, load_rubber, shear_modulus
 
 NEW: dict[str, Any] = {
     "compound": "natural-rubber",

@@ -16,13 +16,15 @@ from thermobearing.design import sizing as equal
 from thermobearing.design.bounds import bound_models, bounds_table, opensees_text
 from thermobearing.design.case import make_design_case
 from thermobearing.design.result import Design
-from thermobearing.design.rubber import damping_ratio, equivalent_stiffness, load_rubber
 from thermobearing.design.sizing import (
     Check,
     Round,
     Search,
     Size,
     SizingRules,
+    damping_ratio,
+    equivalent_stiffness,
+    load_rubber,
     size_bearing,
     two_sizes,
 )
@@ -256,7 +258,16 @@ def test_row_and_loop_of_a_round() -> None:
     assert (row["K_1_kN_mm"], row["K_2_kN_mm"], row["Q_d_kN"]) == (9.5, 1.8, 125.0)
     assert (row["side_mm"], row["layers"], row["layer_thickness_mm"]) == (600.0, 8, 14.0)
     bearing: Any = SimpleNamespace(name="b")
-    design = Design(case_of(), [turn], "", "", [], [bearing], None)  # type: ignore[arg-type]
+    none: Any = None
+    design = Design(
+        case=case_of(),
+        rounds=[turn],
+        outcome="",
+        sentence="",
+        checks=[],
+        bearings=[bearing],
+        study=none,
+    )
     x, force = design.loops[""]["b (bilinear)"]
     area = abs(np.trapezoid(force, x))
     assert area == pytest.approx(4.0 * q * (u - q / (k1 - k2)), rel=tol.LOOP)

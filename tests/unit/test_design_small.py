@@ -11,8 +11,8 @@ from tests.regression.cases import INPUTS
 from tests.unit.inputs import command, summary, write_toml
 from thermobearing.design.bounds import first_motions
 from thermobearing.design.case import LineGroup, bearing_weight, make_design_case, settle_groups
-from thermobearing.design.rubber import checked_strain, load_rubber
 from thermobearing.design.run import run_design, run_factors
+from thermobearing.design.sizing import checked_strain, load_rubber
 
 
 def test_factors_are_relative_to_the_reference_of_the_rubber() -> None:

@@ -74,7 +74,7 @@ def test_factors_have_one_legend_outside() -> None:
 def test_bounds_show_every_dot_and_the_verdict() -> None:
     """No dot on the frame; bounds by the bearing they come from; unsafe ones in red."""
     report = run_bounds(["shen-hdr-bridge"], ["jra-ii-i-1"], [23.0, -20.0])
-    table = report.tables["shen-hdr-bridge"].set_index("demand")
+    table = report.studies["shen-hdr-bridge"].set_index("demand")
     for ax, demand in zip(report.plot.demands("shen-hdr-bridge").axes, table.index, strict=True):
         row = table.loc[demand]
         assert ax.get_ylim()[1] > 1.05 * max(row["coupled_max"], row["upper_bound"])

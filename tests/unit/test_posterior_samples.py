@@ -10,7 +10,7 @@ import thermobearing as tb
 from tests.unit.inputs import command, summary
 from thermobearing.border.toml import to_toml
 from thermobearing.cyclic.equivalent import backbone, bilinear_parameters, post_yield_ratio
-from thermobearing.design.published import coldest_factors, published_codes, published_tables
+from thermobearing.design.factors import coldest_factors, published_codes, published_tables
 from thermobearing.identify.uncertainty.samples import posterior_bearings
 
 NAME = "shen-hdr-specimen"

@@ -12,9 +12,8 @@ from tests.unit import motion_files as files
 from thermobearing.cyclic.equivalent import isothermal_cycle
 from thermobearing.design.case import make_design_case
 from thermobearing.design.factors import scaled_bearing
-from thermobearing.design.rubber import load_curves, load_rubber
 from thermobearing.design.run import one_turn
-from thermobearing.design.sizing import design_values
+from thermobearing.design.sizing import design_values, load_curves, load_rubber
 from thermobearing.identify.fit.problem import ROBUST_SCALE, robust_weights, sample_weights
 from thermobearing.identify.records.cycles import full_cycles
 from thermobearing.identify.records.record import TestRecord, record_from_arrays

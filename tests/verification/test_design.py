@@ -18,16 +18,19 @@ from thermobearing.bearing.bilinear import load_bilinear
 from thermobearing.cyclic.equivalent import backbone
 from thermobearing.design.bounds import DEMANDS, bounds_study, paragraph, verdict
 from thermobearing.design.case import bearing_weight, make_design_case
-from thermobearing.design.rubber import (
+from thermobearing.design.run import run_design
+from thermobearing.design.sizing import (
+    SizingRules,
     damping_ratio,
+    equal_bearing,
     equivalent_bilinear,
     equivalent_stiffness,
     load_curves,
     load_rubber,
+    report_checks,
     shear_modulus,
+    size_bearing,
 )
-from thermobearing.design.run import run_design
-from thermobearing.design.sizing import SizingRules, equal_bearing, report_checks, size_bearing
 from thermobearing.model.earlier import bilinear_constants
 from thermobearing.model.element import BearingElement
 

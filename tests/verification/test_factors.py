@@ -17,11 +17,11 @@ from tests.unit.inputs import assert_told, command
 from thermobearing.design.bounds import bound_models, bounds_table, opensees_text
 from thermobearing.design.factors import (
     chosen_cycles,
+    published_tables,
     scale_study,
     scaled_bearing,
     temperature_factors,
 )
-from thermobearing.design.published import published_tables
 from thermobearing.design.run import run_factors
 from thermobearing.model.earlier import bilinear_constants
 from thermobearing.model.element import BearingElement

@@ -17,9 +17,9 @@ from thermobearing.cyclic.case import LIMITS, Case, load_case, load_rig
 from thermobearing.cyclic.comparison import REFERENCE, TOLERABLE, cells_error
 from thermobearing.cyclic.history import build_segments
 from thermobearing.design.case import DesignCase, bearing_weight, load_design_case
+from thermobearing.design.factors import Published
 from thermobearing.design.peaks import Rules
-from thermobearing.design.published import Published
-from thermobearing.design.rubber import Curves
+from thermobearing.design.sizing import Curves
 from thermobearing.earthquake.case import EarthquakeCase, load_earthquake_case
 from thermobearing.identify.records.record import ChamberNumbers, TestRecord, load_test
 from thermobearing.identify.uncertainty.assumed import Groups

@@ -37,42 +37,12 @@ UNSAFE, WASTEFUL = 0.95, 1.3  # envelope of the bounds over the coupled model; c
 
 
 def first_motions() -> list[str]:
-    """Names of the first built-in motion of each type and ground.
-
-    Returns
-    -------
-    list of str
-
-    Examples
-    --------
-    >>> "jra-ii-i-1" in first_motions()
-    True
-    """
+    """Return names of the first built-in motion of each type and ground."""
     return [name for name in list_motions() if name.split("-")[2] == "i"]
 
 
 def bound(bearing: Bearing, name: str, temperature: float, strain: float) -> BilinearBearing:
-    """The bilinear model of a bearing soaked at a temperature, without heating.
-
-    Parameters
-    ----------
-    bearing : layered.
-    name : of the bilinear bearing.
-    temperature : [degC], in [-100, 100].
-    strain : shear strain amplitude of its third cycle, > 0.
-
-    Returns
-    -------
-    BilinearBearing
-
-    Examples
-    --------
-    >>> import thermobearing as tb
-    >>> bearing = tb.load_bearing("shen-hdr-bridge")
-    >>> cold, warm = (bound(bearing, "x", t, 1.75).strength for t in (-20.0, 23.0))
-    >>> cold > 1.2 * warm
-    True
-    """
+    """Return the bilinear model of a bearing soaked at a temperature, without heating."""
     model = bilinear_parameters(bearing, strain=strain, temperature=temperature)
     return BilinearBearing(
         name=name,
@@ -170,7 +140,7 @@ def bounds_study(
 
 
 def _inputs(case: EarthquakeCase, bearing: Bearing, strain: float) -> dict[str, Any]:
-    """What went in, for documents: tables as in a resolved case."""
+    """Return what went in, for documents: tables as in a resolved case."""
     whole = to_table(case)
     told = {name: whole[name] for name in ("structure", "motions", "ambient", "analysis")}
     told["strain"] = strain
@@ -193,22 +163,7 @@ def _demanded(study: EarthquakeResult) -> pd.DataFrame:
 
 
 def least_safe(table: pd.DataFrame) -> pd.DataFrame:
-    """Of several lines or piers the one whose envelope is lowest over the coupled model.
-
-    Parameters
-    ----------
-    table : of `bounds_study`.
-
-    Returns
-    -------
-    DataFrame : one row per motion and demand, in their order.
-
-    Examples
-    --------
-    >>> rows = [{"motion": "x", "demand": "y", "envelope_over_coupled": r} for r in (1.2, 0.8)]
-    >>> least_safe(pd.DataFrame(rows))["envelope_over_coupled"].tolist()
-    [0.8]
-    """
+    """Return of several lines or piers the one whose envelope is lowest over the coupled model."""
     order = table["envelope_over_coupled"].to_numpy().argsort(kind="stable")
     lowest = table.iloc[order].drop_duplicates(["motion", "demand"])
     kept: pd.DataFrame = lowest.sort_index()
@@ -217,49 +172,19 @@ def least_safe(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def _joined(several: pd.Series) -> str:
-    """The words of several texts, each once."""
+    """Return the words of several texts, each once."""
     return " ".join(dict.fromkeys(word for text in several for word in text.split()))
 
 
 def verdict(ratio: float) -> str:
-    """What a ratio of the envelope to the coupled model means.
-
-    Parameters
-    ----------
-    ratio : envelope of the bounds over the largest of the coupled model, > 0.
-
-    Returns
-    -------
-    str : "unsafe" below 0.95, "wasteful" above 1.3, else "good".
-
-    Examples
-    --------
-    >>> [verdict(ratio) for ratio in (0.9, 1.0, 1.4)]
-    ['unsafe', 'good', 'wasteful']
-    """
+    """Return what a ratio of the envelope to the coupled model means."""
     if ratio < UNSAFE:
         return "unsafe"
     return "wasteful" if ratio > WASTEFUL else "good"
 
 
 def paragraph(table: pd.DataFrame, name: str) -> str:
-    """The result in words.
-
-    Parameters
-    ----------
-    table : of `bounds_study`.
-    name : of the bearing.
-
-    Returns
-    -------
-    str : one paragraph.
-
-    Examples
-    --------
-    >>> row = {"motion": "x", "envelope_over_coupled": 0.9}
-    >>> paragraph(pd.DataFrame([row | {"demand": name} for name in DEMANDS]), "y")[:40]
-    'y: the envelope of the two bilinear boun'
-    """
+    """Return the result in words."""
     sentences = []
     for column, title in DEMANDS.items():
         rows = table[table["demand"] == column]
@@ -319,38 +244,10 @@ class BoundModel:
 def bound_models(
     table: pd.DataFrame, strain: float, total_rubber_thickness: float, kind: str = "LRB"
 ) -> list[BoundModel]:
-    """The softest and the stiffest cycle of a table of factors as bilinear models.
+    """Return the softest and the stiffest cycle of a table of factors as bilinear models.
 
     Softest and stiffest by K_eq over all temperatures and over first and heated cycles; peak
     force and loop area are those of that cycle.
-
-    Parameters
-    ----------
-    table : of `temperature_factors`.
-    strain : one of its strains.
-    total_rubber_thickness : of the bearing [mm], > 0.
-    kind : of the bearing, "HDR", "LHDR" or "LRB": its K_2/K_1 (data/equivalent).
-
-    Returns
-    -------
-    list of BoundModel : the lower one, the upper one.
-
-    Raises
-    ------
-    InputError : the table has no such strain.
-
-    Examples
-    --------
-    >>> rows = [("first", -20.0, 3.0, 9e4), ("first", 23.0, 2.0, 6e4)]
-    >>> table = pd.DataFrame(
-    ...     [
-    ...         {"strain": 1.0, "basis": b, "ambient_degC": t, "quantity": name, "value": value}
-    ...         for b, t, k, e in rows
-    ...         for name, value in (("K_eq", k), ("energy", e))
-    ...     ]
-    ... )
-    >>> [(model.name, model.temperature) for model in bound_models(table, 1.0, 100.0)]
-    [('lower', 23.0), ('upper', -20.0)]
     """
     rows = table[(table["strain"] == strain) & table["basis"].isin(["first", "heated"])]
     if rows.empty:
@@ -368,24 +265,7 @@ def bound_models(
 
 
 def bounds_table(models: list[BoundModel]) -> pd.DataFrame:
-    """Numbers of the bounds, one row each.
-
-    Parameters
-    ----------
-    models : from `bound_models`.
-
-    Returns
-    -------
-    DataFrame : bound, strain, basis, temperature [degC], Q_d and Q_y [kN], K_1 and K_2 [kN/mm].
-
-    Examples
-    --------
-    >>> from thermobearing.model.earlier import BilinearParameters
-    >>> bilinear = BilinearParameters(strength=100.0, initial=10.0, post_yield=2.0)
-    >>> model = BoundModel("lower", 1.75, "first", 23.0, bilinear)
-    >>> float(bounds_table([model])["Q_y_kN"].iloc[0])
-    125.0
-    """
+    """Return numbers of the bounds, one row each."""
     return pd.DataFrame(
         [
             {
@@ -404,26 +284,7 @@ def bounds_table(models: list[BoundModel]) -> pd.DataFrame:
 
 
 def opensees_text(models: list[BoundModel], name: str, language: str) -> str:
-    """Materials for a zeroLength element of OpenSees, in Tcl or Python.
-
-    Parameters
-    ----------
-    models : from `bound_models`.
-    name : of the bearing, for the comment.
-    language : "tcl" or "python".
-
-    Returns
-    -------
-    str : lines of the script.
-
-    Examples
-    --------
-    >>> from thermobearing.model.earlier import BilinearParameters
-    >>> bilinear = BilinearParameters(strength=100.0, initial=10.0, post_yield=2.0)
-    >>> model = BoundModel("lower", 1.75, "first", 23.0, bilinear)
-    >>> opensees_text([model], "example", "tcl").splitlines()[-1]
-    'uniaxialMaterial Steel01 1 125.0 10.0 0.2'
-    """
+    """Materials for a zeroLength element of OpenSees, in Tcl or Python."""
     shown = " ".join(printable(name).split("\n"))  # a second line would be carried out
     lines = [
         f"# {shown}: bilinear bounds of ONE bearing, units {UNITS}.",

@@ -11,8 +11,7 @@ from thermobearing.border.schema import OneLine, Strict, in_unit, overridden, va
 from thermobearing.border.toml import to_toml
 from thermobearing.cyclic.case import Temperature, each_once
 from thermobearing.design.peaks import PeakRule
-from thermobearing.design.rubber import Kind, load_rubber
-from thermobearing.design.sizing import SizingRules
+from thermobearing.design.sizing import Kind, SizingRules, load_rubber
 from thermobearing.earthquake.case import make_earthquake_case
 from thermobearing.earthquake.inputs import Motion
 from thermobearing.motions.record import STANDARD_GRAVITY

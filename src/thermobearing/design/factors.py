@@ -1,16 +1,21 @@
 """Temperature factors of a bearing, and the effect of its size."""
 
 from collections.abc import Sequence
+from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, Protocol
 
 import numpy as np
 import pandas as pd
+from pydantic import Field
 
 from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.bearing.scaling import resized
 from thermobearing.border.errors import InputError, nearest
+from thermobearing.border.library import data_path
+from thermobearing.border.schema import Strict, validated
+from thermobearing.border.toml import read_toml
 from thermobearing.border.units import is_number, one_or_several
 from thermobearing.cyclic.protocol import CyclicTest
 from thermobearing.cyclic.result import Result, run_name
@@ -41,25 +46,7 @@ MOST_CYCLES = 100
 
 
 def chosen_cycles(cycles: str | Sequence[int]) -> tuple[int, ...]:
-    """Numbers of the cycles of a preset or a list, from 1.
-
-    Parameters
-    ----------
-    cycles : a name of `PRESETS`, or numbers from 1 to 100.
-
-    Returns
-    -------
-    tuple of int : each once, growing.
-
-    Raises
-    ------
-    InputError : unknown preset, or numbers that are not 1 to 100.
-
-    Examples
-    --------
-    >>> chosen_cycles("1-3"), chosen_cycles([5])
-    ((1, 2, 3), (5,))
-    """
+    """Return numbers of the cycles of a preset or a list, from 1."""
     if isinstance(cycles, str):
         if cycles not in PRESETS:
             raise InputError(f'cycles = "{cycles}"{nearest(cycles, list(PRESETS))}')
@@ -154,33 +141,7 @@ def temperature_factors(
 def factors_at_speed(
     bearings: Sequence[Bearing], *, speed: float, strains: Sequence[float], **options: Any
 ) -> pd.DataFrame:
-    """As `temperature_factors`, with the period of each strain from a mean speed, 4 a/speed.
-
-    Parameters
-    ----------
-    bearings : the first gives the values and the amplitudes a, several make bands.
-    speed : mean speed of the sine [mm/s], > 0.
-    strains : shear strain amplitudes, in [0.1, 3].
-    options : others of `temperature_factors`.
-
-    Returns
-    -------
-    DataFrame : that of `temperature_factors`.
-
-    Raises
-    ------
-    InputError : anything out of range; an analysis that did not complete.
-
-    Examples
-    --------
-    >>> import thermobearing as tb
-    >>> bearing = tb.load_bearing("shen-hdr-specimen")
-    >>> table = factors_at_speed(
-    ...     [bearing], speed=60.0, strains=[1.0], reference_temperature=23.0, temperatures=[0.0]
-    ... )
-    >>> sorted(set(table["ambient_degC"]))
-    [0.0, 23.0]
-    """
+    """Return `temperature_factors` with the period 4 a/v of each strain from a speed v [mm/s]."""
     if not speed > 0.0:
         raise InputError(f"speed = {speed:g}: must be greater than 0")
     rubber = bearings[0].total_rubber_thickness
@@ -199,7 +160,7 @@ def _check(
     strains: Sequence[float],
     period: float,
 ) -> None:
-    """All faults at once."""
+    """Refuse what is out of range, all faults at once."""
     problems: list[str] = []
     if not bearings:
         problems.append("bearing: give one or more layered bearings")
@@ -235,7 +196,7 @@ def _measured(
     numbers: tuple[int, ...],
     options: dict[str, Any],
 ) -> tuple[pd.DataFrame, list[Row]]:
-    """Values at one strain: rows of basis, temperature and quantity; what the tested range says."""
+    """Return values at one strain, by basis, temperature and quantity, and its tested range."""
     step = {"step": "cycles", "strain": float(strain), "wave": "sine", "period": float(period)}
     test = CyclicTest(dt=min(0.01, period / 200.0), steps=[step | {"count": max(numbers)}])
     result = run(bearing, test, air, keep=["rubber"], **options)
@@ -282,12 +243,12 @@ def _measured(
 
 
 def _place(strain: float, temperature: float) -> str:
-    """What a run is called in sentences."""
+    """Return what a run is called in sentences."""
     return f"{strain:.0%} at {temperature:g} degC"
 
 
 def _with_tested(table: pd.DataFrame, asked: list[Row]) -> pd.DataFrame:
-    """A table with what its first bearing was not tested at; the rows of `compared` in `attrs`."""
+    """Return a table with what its first bearing was not tested at; those rows in `attrs`."""
     pairs = zip(table["strain"], table["ambient_degC"], strict=True)
     runs = [_place(float(strain), float(air)) for strain, air in pairs]
     table["beyond_tested"] = limits_passed(asked, runs)
@@ -300,30 +261,11 @@ STRAIN, COUNT, REST = 1.75, 5, 3600.0  # of the study; s
 
 
 def scaled_bearing(bearing: Bearing | str | Path, factor: float) -> Bearing:
-    """A bearing with all lengths times a factor, of the same compound.
+    """Return a bearing with all lengths times a factor, of the same compound.
 
     Under the same strain history in the same time, forces go with the factor squared and
     displacements with the factor (bearing/scaling.py); stresses, strains and coefficients stay. The
     new bearing has at least as many heat cells as a file without the table `cells`.
-
-    Parameters
-    ----------
-    bearing : a Bearing, a library name, or a TOML file.
-    factor : in [0.001, 1000]; 1/6 makes the source's specimen of its prototype.
-
-    Returns
-    -------
-    Bearing
-
-    Raises
-    ------
-    InputError : the factor is not between 0.001 and 1000.
-
-    Examples
-    --------
-    >>> small = scaled_bearing("shen-hdr-bridge", 0.5)
-    >>> small.total_rubber_thickness, small.area
-    (51.0, 57600.0)
     """
     if not is_number(factor) or not 1e-3 <= factor <= 1e3:
         raise InputError(f"factor = {factor!r}: must be a number from 0.001 to 1000")
@@ -353,27 +295,10 @@ def scale_study(
     ambient: float = -20.0,
     **options: Any,
 ) -> tuple[pd.DataFrame, dict[float, Result]]:
-    """The same strain history at several sizes: five 2 s cycles of 175 %, then an hour of rest.
+    """Run one strain history at several sizes: five 2 s cycles of 175 %, then an hour of rest.
 
-    Parameters
-    ----------
-    bearing : at full size: a Bearing, a library name, or a TOML file.
-    factors : lengths over those of the full size, each in [0.001, 1000].
-    ambient : temperature [degC], in [-100, 100].
-    options : of `run`.
-
-    Returns
-    -------
-    DataFrame : per factor: rise of outer and inner layer and of the lead at the end of loading and
-        after one and ten minutes of rest [K], stress of cycle 5 over cycle 1.
-    dict : the results by factor.
-
-    Examples
-    --------
-    >>> table, _ = scale_study("shen-hdr-bridge")
-    >>> small, full = table["inner_after_10_min_K"]
-    >>> bool(small < 0.3 * full)
-    True
+    Return a row per factor on all lengths (rises of layers and lead at the end and after one and
+    ten minutes [K], stress of cycle 5 over cycle 1), and the results by factor.
     """
     bearing = as_bearing(bearing)
     cycles = {
@@ -403,3 +328,103 @@ def scale_study(
         stress = result.cycles["stress_max_MPa"].to_numpy()
         rows[-1]["stress_cycle_5_over_1"] = float(stress[-1] / stress[0])
     return pd.DataFrame(rows), results
+
+
+# Factors of other sources.
+FOOTNOTE = "*: from memory or chosen, no source read"
+
+
+class Cited(Protocol):
+    """Anything that says whether its source was read."""
+
+    @property
+    def unverified(self) -> bool:
+        """Whether no printed source was read."""
+
+
+def marked(item: Cited) -> str:
+    """Return the mark of the footnote where no source was read, else nothing."""
+    return "*" if item.unverified else ""
+
+
+class PublishedTable(Strict):
+    """Factors from elsewhere; `unverified` ones are from memory."""
+
+    name: str
+    quantity: str
+    reference_temperature: float
+    temperatures: Annotated[list[float], Field(min_length=2)]
+    factors: Annotated[list[float], Field(min_length=2)]
+    source: str
+    unverified: bool
+
+    @property
+    def label(self) -> str:
+        """Name for a legend, with the mark of `FOOTNOTE`."""
+        return f"{self.name}{marked(self)}"
+
+
+class PublishedCode(Strict):
+    """What a code asks about temperature; `unverified`: its text was not read."""
+
+    code: str
+    says: str
+    source: str
+    unverified: bool
+
+
+class Published(Strict):
+    """What data/factors/published.toml says."""
+
+    tables: list[PublishedTable]
+    codes: list[PublishedCode]
+
+
+@cache
+def published_tables() -> list[PublishedTable]:
+    """Return factors of other sources, for comparison."""
+    return _published().tables
+
+
+@cache
+def published_codes() -> list[PublishedCode]:
+    """Return what codes ask about temperature, with the source and whether it was read."""
+    return _published().codes
+
+
+@cache
+def _published() -> Published:
+    path = data_path("factors", "published.toml")
+    return validated(Published, read_toml(path), str(path))
+
+
+def coldest_factors(table: pd.DataFrame, strain: float) -> list[str]:
+    """Return factors of the coldest temperature and the largest of all, beside published ones, in
+    words.
+    """
+    said = []
+    for quantity in ("K_eq", "Q_d", "K_d"):
+        rows = table[(table["strain"] == strain) & (table["quantity"] == quantity)]
+        if rows.empty:
+            continue
+        coldest = float(rows["ambient_degC"].min())
+        cold = rows[rows["ambient_degC"] == coldest]
+        mine = ", ".join(
+            f"{row['basis']} x {row['factor']:.2f}"
+            for row in cold.to_dict("records")
+            if row["basis"] != "mean"
+        )
+        worst = max(rows.to_dict("records"), key=lambda row: row["factor"])
+        others = [
+            f"{item.label} x {np.interp(coldest, item.temperatures, item.factors):.2f}"
+            f"{'' if coldest in item.temperatures else ' (between its values)'}"
+            for item in published_tables()
+            if item.quantity == quantity
+            and item.temperatures[0] <= coldest <= item.temperatures[-1]
+        ]
+        beside = f"; beside it {', '.join(others)}" if others else ""
+        said.append(
+            f"{quantity} on the coldest day, {coldest:g} degC: {mine}; largest of all "
+            f"x {worst['factor']:.2f} at {worst['ambient_degC']:g} degC{beside}"
+        )
+    return said

@@ -1,7 +1,7 @@
 """What a designer looks at: rounds of the loop, bounds, temperature factors, the size effect."""
 
+from collections.abc import Callable
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -9,17 +9,15 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from numpy.typing import NDArray
 
 from thermobearing.bearing.model import Bearing, calibration_ranges
 from thermobearing.border.errors import InputError
+from thermobearing.core.records import Floats
 from thermobearing.cyclic.result import Result
 from thermobearing.design.bounds import DEMANDS, least_safe
-from thermobearing.design.published import FOOTNOTE, published_tables
+from thermobearing.design.factors import FOOTNOTE, published_tables
 from thermobearing.design.result import BoundsReport, Design, FactorReport
 from thermobearing.results import drawing
-
-Floats = NDArray[np.float64]
 
 BAND = "#e1e4e8"
 BAR = 0.5  # width, of the distance between two motions
@@ -41,29 +39,15 @@ ACROSS = 3  # panels of factors beside each other
 PARTS: dict[str, Any] = {"inner layer": "-", "outer layer": "--", "lead": ":"}
 
 
-class DesignFigures:
-    """Figures of a design: `design.plot.rounds()`, `.equal()`.
+class DesignFigures(drawing.Figures):
+    """Figures of a design: `design.plot.rounds()`, `.equal()`."""
 
-    Parameters
-    ----------
-    design : from `run_design`.
-
-    Examples
-    --------
-    >>> from thermobearing.design.case import make_design_case
-    >>> from thermobearing.design.run import run_design
-    >>> case = make_design_case({"tolerance": 0.1}, "example", motions=["jra-ii-i-1"])
-    >>> design = run_design(case)
-    >>> len(DesignFigures(design).rounds().axes)
-    1
-    """
-
-    def __init__(self, design: Design) -> None:
-        self._design = design
+    vector = True
+    _result: Design
 
     def rounds(self) -> Figure:
-        """Assumed and found displacement, round by round, a panel for each group of lines."""
-        design = self._design
+        """Draw assumed and found displacement, round by round, a panel for each group of lines."""
+        design = self._result
         title = f"{design.case.structure.name}: design loop"
         count = len(design.taken)
         figure, axes = drawing.panels(1, count, (6.5 if count == 1 else 4.2 * count, 3.6), title)
@@ -85,9 +69,9 @@ class DesignFigures:
         return figure
 
     def equal(self) -> Figure:
-        """Loops of the bilinear bearing and the layered ones of its stiffness, as Fig. 6.6."""
-        title = f"{self._design.case.structure.name}: bearings of equal stiffness, 23 degC"
-        groups = self._design.loops
+        """Draw loops of the bilinear bearing and layered ones of its stiffness, as Fig. 6.6."""
+        title = f"{self._result.case.structure.name}: bearings of equal stiffness, 23 degC"
+        groups = self._result.loops
         size = (6.0 if len(groups) == 1 else 4.8 * len(groups), 4.4)
         figure, axes = drawing.panels(1, len(groups), size, title)
         for ax, (group, loops) in zip(axes, groups.items(), strict=True):
@@ -97,94 +81,41 @@ class DesignFigures:
             ax.legend(fontsize=drawing.SMALL, frameon=False)
         return figure
 
-    def save_all(self, folder: Path) -> list[Path]:
-        """Every figure, as PNG.
-
-        Parameters
-        ----------
-        folder : where to; made if it does not exist.
-
-        Returns
-        -------
-        list of the files written.
-        """
-        figures = {"rounds": self.rounds, "equal": self.equal}
-        return drawing.save_figures(figures, folder, vector=True)
+    def draw_all(self) -> dict[str, Callable[[], Figure]]:
+        """Return what draws each figure, by name of its file."""
+        return {"rounds": self.rounds, "equal": self.equal}
 
 
-class BoundsFigures:
-    """Figures of bounding analyses: `report.plot.demands(name)`.
+class BoundsFigures(drawing.Figures):
+    """Figures of bounding analyses: `report.plot.demands(name)`."""
 
-    Parameters
-    ----------
-    report : from `run_bounds`.
-
-    Examples
-    --------
-    >>> from thermobearing.design.run import run_bounds
-    >>> report = run_bounds(["shen-hdr-bridge"], ["jra-ii-i-1"], [23.0, -20.0])
-    >>> len(BoundsFigures(report).demands("shen-hdr-bridge").axes)
-    4
-    """
-
-    def __init__(self, report: BoundsReport) -> None:
-        self._report = report
+    vector = True
+    _result: BoundsReport
 
     def demands(self, name: str) -> Figure:
-        """Bars between the bounds of a bearing, dots of the coupled model.
-
-        Parameters
-        ----------
-        name : of one of the bearings.
-
-        Returns
-        -------
-        Figure
-        """
-        on = self._report.structure
+        """Draw bars between the bounds of a bearing, dots of the coupled model."""
+        on = self._result.structure
         title = f"{name} on {on}: bilinear bounds (bars) and coupled model (dots)"
-        return draw_bounds(self._report.tables[name], title)
+        return draw_bounds(self._result.studies[name], title)
 
-    def save_all(self, folder: Path) -> list[Path]:
-        """A figure for each bearing, as PNG.
-
-        Parameters
-        ----------
-        folder : where to; made if it does not exist.
-
-        Returns
-        -------
-        list of the files written.
-        """
-        figures = {f"bounds-{n}": partial(self.demands, n) for n in self._report.tables}
-        return drawing.save_figures(figures, folder, vector=True)
+    def draw_all(self) -> dict[str, Callable[[], Figure]]:
+        """Return what draws each figure, by name of its file."""
+        return {f"bounds-{n}": partial(self.demands, n) for n in self._result.studies}
 
 
-class FactorFigures:
-    """Figures of temperature factors: `report.plot.factors()`, `.sizes()`.
+class FactorFigures(drawing.Figures):
+    """Figures of temperature factors: `report.plot.factors()`, `.sizes()`."""
 
-    Parameters
-    ----------
-    report : from `run_factors`.
-
-    Examples
-    --------
-    >>> from thermobearing.design.run import run_factors
-    >>> report = run_factors(["shen-hdr-bridge"], temperatures=[-20.0], strains=[1.0])
-    >>> len(FactorFigures(report).factors().axes)  # five quantities and the legend
-    6
-    """
-
-    def __init__(self, report: FactorReport) -> None:
-        self._report = report
+    vector = True
+    _result: FactorReport
 
     def factors(self) -> Figure:
-        """One panel per quantity at the largest strain, the legend in a free one.
+        """Draw one panel per quantity at the largest strain, the legend in a free one.
 
         Bands where the table has them; published factors dotted, at their own reference
         temperature; a footnote marks those of which no source was read.
         """
-        report = self._report
+        report = self._result
         what = f"temperature factors, {report.motion}, strain {report.strain:.0%}"
         rows = report.table[report.table["strain"] == report.strain]
         quantities = list(dict.fromkeys(report.table["quantity"]))
@@ -221,48 +152,19 @@ class FactorFigures:
         return figure
 
     def sizes(self) -> Figure:
-        """Temperature rises and loops at two sizes, where the study has them."""
-        if self._report.sizes is None:
+        """Draw temperature rises and loops at two sizes, where the study has them."""
+        if self._result.sizes is None:
             raise InputError("the size effect was not studied: run it with scale = true")
-        return draw_scale(self._report.bearings[0], self._report.sizes[1])
+        return draw_scale(self._result.bearings[0], self._result.sizes[1])
 
-    def save_all(self, folder: Path) -> list[Path]:
-        """Every figure that the report holds data for, as PNG.
-
-        Parameters
-        ----------
-        folder : where to; made if it does not exist.
-
-        Returns
-        -------
-        list of the files written.
-        """
-        figures = {"factors": self.factors}
-        if self._report.sizes is not None:
-            figures["scale"] = self.sizes
-        return drawing.save_figures(figures, folder, vector=True)
+    def draw_all(self) -> dict[str, Callable[[], Figure]]:
+        """Return what draws each figure, by name of its file."""
+        scale = {"scale": self.sizes} if self._result.sizes is not None else {}
+        return {"factors": self.factors} | scale
 
 
 def draw_bounds(table: pd.DataFrame, title: str) -> Figure:
-    """Bars between the bounds, dots of the coupled model: a dot above its bar is unsafe.
-
-    Parameters
-    ----------
-    table : of `bounds_study`; of several lines or piers the least safe is drawn, with its name.
-    title : of the figure.
-
-    Returns
-    -------
-    Figure : a panel for each demand.
-
-    Examples
-    --------
-    >>> import thermobearing as tb
-    >>> bearing = tb.load_bearing("shen-hdr-bridge")
-    >>> table = tb.bounds_study(bearing, ["jra-ii-i-1"], [23.0, -20.0])
-    >>> len(draw_bounds(table, "bounds").axes)
-    4
-    """
+    """Draw bars between the bounds, dots of the coupled model: a dot above its bar is unsafe."""
     table = least_safe(table)
     names = [str(name) for name in table.columns]
     temperatures = [
@@ -300,7 +202,7 @@ def draw_bounds(table: pd.DataFrame, title: str) -> Figure:
 def _draw_demand(
     ax: Axes, rows: pd.DataFrame, temperatures: list[float], colours: list[str]
 ) -> None:
-    """One demand: a bar with its two bounds for each motion, dots beside each other on it."""
+    """Draw one demand: a bar with its two bounds for each motion, dots side by side on it."""
     at = np.arange(len(rows))
     ends = [rows[bound].to_numpy() for bound in EDGES]
     low, high = np.minimum(*ends), np.maximum(*ends)
@@ -328,7 +230,7 @@ def _draw_demand(
 
 
 def _draw_factors(ax: Axes, rows: pd.DataFrame) -> None:
-    """Factors of one quantity over temperature, a line and a band for each basis."""
+    """Draw factors of one quantity over temperature, a line and a band for each basis."""
     for basis, (colour, _) in LOOKS.items():
         one = rows[rows["basis"] == basis].sort_values("ambient_degC")
         x = one["ambient_degC"].to_numpy()
@@ -339,7 +241,7 @@ def _draw_factors(ax: Axes, rows: pd.DataFrame) -> None:
 
 
 def _published_looks(quantities: list[str]) -> dict[str, dict[str, Any]]:
-    """How the factors of each other source are drawn, by its name in the legend."""
+    """Return how the factors of each other source are drawn, by its name in the legend."""
     names = dict.fromkeys(item.label for item in published_tables() if item.quantity in quantities)
     marks = drawing.MARKERS
     return {
@@ -349,26 +251,7 @@ def _published_looks(quantities: list[str]) -> dict[str, dict[str, Any]]:
 
 
 def draw_scale(bearing: Bearing, results: dict[float, Result]) -> Figure:
-    """Temperature rises in time and loops of a bearing at some sizes.
-
-    Parameters
-    ----------
-    bearing : at full size.
-    results : of `scale_study`, by factor on all lengths.
-
-    Returns
-    -------
-    Figure
-
-    Examples
-    --------
-    >>> import thermobearing as tb
-    >>> bearing = tb.load_bearing("shen-hdr-bridge")
-    >>> from thermobearing.design.factors import scale_study
-    >>> _, results = scale_study(bearing, [0.5])
-    >>> len(draw_scale(bearing, results).axes)
-    2
-    """
+    """Draw temperature rises in time and loops of a bearing at some sizes."""
     title = f"{bearing.name}: five cycles of 175 % in 10 s, then rest, at two sizes"
     figure, (left, right) = drawing.panels(1, 2, (10.0, 4.2), title)
     colours = drawing.ordered_colours(len(results), "viridis")
@@ -395,7 +278,7 @@ def draw_scale(bearing: Bearing, results: dict[float, Result]) -> Figure:
 
 
 def _rises(result: Result) -> dict[str, Floats]:
-    """Temperatures above the ambient [K] by part of the bearing."""
+    """Return temperatures above the ambient [K] by part of the bearing."""
     ambient = float(result["ambient"].values[0])
     layers = result["rubber_temperature"].values[0] - ambient
     lead = {"lead": result["lead_temperature"].values[0] - ambient} if result.has_lead else {}

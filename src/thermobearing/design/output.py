@@ -1,177 +1,17 @@
-"""Directories and console tables of designs, bounds and factors."""
+"""What the console says of designs, bounds and factors."""
 
-from pathlib import Path, PurePath
+from pathlib import PurePath
 
 import pandas as pd
 
-from thermobearing.border.text_file import file_names
-from thermobearing.border.toml import to_toml
 from thermobearing.cyclic.equivalent import post_yield_ratio
-from thermobearing.design.bounds import BOUNDS_NOTE, bounds_table, opensees_text
+from thermobearing.design.bounds import BOUNDS_NOTE, bounds_table
 from thermobearing.design.case import DesignCase, bearing_weight, make_design_case
+from thermobearing.design.factors import FOOTNOTE, marked, published_codes
 from thermobearing.design.peaks import coldest_sentences, of_group, peak_rule
-from thermobearing.design.published import FOOTNOTE, marked, published_codes
 from thermobearing.design.result import BoundsReport, Design, FactorReport, source_design
 from thermobearing.design.sizing import Round
-from thermobearing.results.directory import (
-    BEARINGS,
-    BOUNDS,
-    BOUNDS_PYTHON,
-    BOUNDS_TCL,
-    CHECKS,
-    FACTORS,
-    FIGURES,
-    RESOLVED,
-    ROUNDS,
-    SCALE,
-    TABLE,
-    TEMPERATURES,
-    write_directory,
-)
 from thermobearing.results.screen import print_table, print_warnings, say
-from thermobearing.results.writing import write_csv, write_limits, write_summary
-
-
-def save_design(
-    design: Design, directory: Path, *, overwrite: bool = False, figures: bool = True
-) -> Path:
-    """Write rounds, checks, bearings (TOML, ready for `bridge`), summary and figures.
-
-    Parameters
-    ----------
-    design : from `run_design`.
-    directory : made if needed, with its parents.
-    overwrite : replace an earlier result directory.
-    figures : draw the figures too.
-
-    Returns
-    -------
-    Path : the directory.
-
-    Raises
-    ------
-    OutputError : see `write_directory`; nothing is left.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> from thermobearing.design.case import make_design_case
-    >>> from thermobearing.design.run import run_design
-    >>> case = make_design_case({"tolerance": 0.1}, "example", motions=["jra-ii-i-1"])
-    >>> design = run_design(case)
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     written = save_design(design, Path(folder) / "out", figures=False)
-    ...     print(*sorted(path.name for path in written.iterdir()))
-    bearings case.resolved.toml checks.csv rounds.csv summary.json tested_range.csv
-    """
-
-    def fill(folder: Path) -> None:
-        write_summary(folder, design.summary())
-        (folder / RESOLVED).write_text(design.case.to_toml(), encoding="utf-8")
-        write_csv(folder / ROUNDS, design.table)
-        write_csv(folder / CHECKS, pd.DataFrame(design.sheet))
-        write_limits(folder, pd.DataFrame(), design.tested_range)
-        if len(design.temperatures):
-            write_csv(folder / TEMPERATURES, design.temperatures)
-        (folder / BEARINGS).mkdir()
-        bearings = _bearings(design)
-        for name, text in zip(file_names(bearings), bearings.values(), strict=True):
-            (folder / BEARINGS / f"{name}.toml").write_text(text, encoding="utf-8")
-        if figures:
-            design.plot.save_all(folder / FIGURES)
-
-    return write_directory(directory, fill, overwrite=overwrite)
-
-
-def _bearings(design: Design) -> dict[str, str]:
-    """TOML of the bilinear bearings and of the layered ones, by name."""
-    layered = {item.bearing.name: to_toml(item.bearing) for item in design.equal}
-    return {bearing.name: to_toml(bearing) for bearing in design.bearings} | layered
-
-
-def save_bounds(
-    report: BoundsReport, directory: Path, *, overwrite: bool = False, figures: bool = True
-) -> Path:
-    """Write table.csv, summary.json with a paragraph for each bearing, and a figure for each.
-
-    Parameters
-    ----------
-    report : from `run_bounds`.
-    directory, force, figures : as in `save_design`.
-
-    Returns
-    -------
-    Path : the directory.
-
-    Raises
-    ------
-    OutputError : see `write_directory`; nothing is left.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> from thermobearing.design.run import run_bounds
-    >>> report = run_bounds(["shen-hdr-bridge"], ["jra-ii-i-1"], [23.0, -20.0])
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     written = save_bounds(report, Path(folder) / "out", figures=False)
-    ...     print(*sorted(path.name for path in written.iterdir()))
-    summary.json table.csv tested_range.csv
-    """
-
-    def fill(folder: Path) -> None:
-        write_csv(folder / TABLE, report.table)
-        write_limits(folder, pd.DataFrame(), report.tested_range)
-        write_summary(folder, report.summary())
-        if figures:
-            report.plot.save_all(folder / FIGURES)
-
-    return write_directory(directory, fill, overwrite=overwrite)
-
-
-def save_factors(
-    report: FactorReport, directory: Path, *, overwrite: bool = False, figures: bool = True
-) -> Path:
-    """Write factors.csv, bounds.csv, bounds.tcl, bounds.py, summary.json, figures, scale.csv.
-
-    Parameters
-    ----------
-    report : from `run_factors`.
-    directory, force, figures : as in `save_design`.
-
-    Returns
-    -------
-    Path : the directory.
-
-    Raises
-    ------
-    OutputError : see `write_directory`; nothing is left.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> from thermobearing.design.run import run_factors
-    >>> report = run_factors(["shen-hdr-bridge"], temperatures=[-20.0], strains=[1.0])
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     written = save_factors(report, Path(folder) / "out", figures=False)
-    ...     print(*sorted(path.name for path in written.iterdir()))
-    bounds.csv bounds.py bounds.tcl factors.csv summary.json tested_range.csv
-    """
-
-    def fill(folder: Path) -> None:
-        write_csv(folder / FACTORS, report.table)
-        write_limits(folder, pd.DataFrame(), report.tested_range)
-        write_csv(folder / BOUNDS, bounds_table(report.bounds))
-        for file, language in ((BOUNDS_TCL, "tcl"), (BOUNDS_PYTHON, "python")):
-            text = opensees_text(report.bounds, report.name, language)
-            (folder / file).write_text(text, encoding="utf-8")
-        write_summary(folder, report.summary())
-        if report.sizes is not None:
-            write_csv(folder / SCALE, report.sizes[0])
-        if figures:
-            report.plot.save_all(folder / FIGURES)
-
-    return write_directory(directory, fill, overwrite=overwrite)
-
 
 COLUMNS = {  # of the rounds: head, width
     "round": 5,
@@ -187,19 +27,7 @@ COLUMNS = {  # of the rounds: head, width
 
 
 def print_head(case: DesignCase) -> None:
-    """What is designed, and the heads of the rounds.
-
-    Parameters
-    ----------
-    case : from `make_design_case`.
-
-    Examples
-    --------
-    >>> from thermobearing.design.case import make_design_case
-    >>> print_head(make_design_case({}, "example", motions=["jra-ii-i-1"]))
-    pier-p1, HDR G8, 785 kN a bearing, motions jra-ii-i-1
-    round u_B mm    bearing K_B kN/mm    h_B Q_d kN found mm differ ductility
-    """
+    """Print what is designed, and the heads of the rounds."""
     names = ", ".join(PurePath(motion.name).name for motion in case.motions)
     rubber = f"{case.structure.name}, {case.compound_kind} {case.compound}, "
     loads = [f"{bearing_weight(case, group):.0f} kN a bearing" for group in case.groups]
@@ -210,18 +38,7 @@ def print_head(case: DesignCase) -> None:
 
 
 def print_round(turn: Round) -> None:
-    """One line.
-
-    Parameters
-    ----------
-    turn : a round of the loop.
-
-    Examples
-    --------
-    >>> from thermobearing.design.sizing import Size
-    >>> print_round(Round(1, 178.0, Size(600.0, 8, 14.0), 2.6, 0.15, 125.4, 1.8, 9.5, 180.0, 1.2))
-        1    178  600, 8x14     2.600  0.150  125.4      180  +1.1%      1.20
-    """
+    """Print a round in a line."""
     size = turn.size
     cells = (
         f"{turn.number}",
@@ -243,24 +60,7 @@ def _line(cells: tuple[str, ...]) -> str:
 
 
 def print_design(design: Design) -> None:
-    """Verdict, checks, the source's design, layered bearings of equal stiffness.
-
-    Parameters
-    ----------
-    design : from `run_design`.
-
-    Examples
-    --------
-    >>> import contextlib, io
-    >>> from thermobearing.design.case import make_design_case
-    >>> from thermobearing.design.run import run_design
-    >>> case = make_design_case({"tolerance": 0.1}, "example", motions=["jra-ii-i-1"])
-    >>> design = run_design(case)
-    >>> with contextlib.redirect_stdout(io.StringIO()) as shown:
-    ...     print_design(design)
-    >>> "checks" in shown.getvalue()
-    True
-    """
+    """Print verdict, checks, the published design, layered bearings of equal stiffness."""
     say(design.sentence)
     rule = peak_rule(design.case.peaks)
     say(f"Peaks are {rule.says}; {rule.source}{marked(rule)}.")
@@ -283,7 +83,7 @@ def print_design(design: Design) -> None:
 
 
 def _print_checks(design: Design) -> None:
-    """The calculation sheet."""
+    """Print the calculation sheet."""
     rows, several = [], any(check.part for check in design.checks)
     for check in design.checks:
         unit = "" if check.unit == "1" else f" {check.unit}"
@@ -299,14 +99,14 @@ def _print_checks(design: Design) -> None:
 
 
 def _is_of_the_source(case: DesignCase) -> bool:
-    """Whether it is the bridge that the source sized, not one of the user's own."""
+    """Return whether it is the bridge of Shen (2023), not one of the user's own."""
     printed = make_design_case({}, "default")
     keys = {"structure", "compound", "compound_kind", "weight"}
     return case.model_dump(include=keys) == printed.model_dump(include=keys)
 
 
 def _source() -> str:
-    """What the source came to."""
+    """Return what Shen (2023) came to."""
     bearing, more = (source_design()[name] for name in ("bearing", "more"))
     hdr, lhdr = more["equal_K_B_kN_mm"]
     return (
@@ -320,44 +120,14 @@ def _source() -> str:
 
 
 def print_bounds(report: BoundsReport) -> None:
-    """A paragraph for each bearing.
-
-    Parameters
-    ----------
-    report : from `run_bounds`.
-
-    Examples
-    --------
-    >>> import contextlib, io
-    >>> from thermobearing.design.run import run_bounds
-    >>> report = run_bounds(["shen-hdr-bridge"], ["jra-ii-i-1"], [23.0, -20.0])
-    >>> with contextlib.redirect_stdout(io.StringIO()) as shown:
-    ...     print_bounds(report)
-    >>> "least safe" in shown.getvalue()
-    True
-    """
+    """Print a paragraph for each bearing."""
     for text in report.paragraphs.values():
         say(text + "\n")
     print_warnings(report.warnings)
 
 
 def print_factors(report: FactorReport) -> None:
-    """Factors of the largest strain, and the bounds.
-
-    Parameters
-    ----------
-    report : from `run_factors`.
-
-    Examples
-    --------
-    >>> import contextlib, io
-    >>> from thermobearing.design.run import run_factors
-    >>> report = run_factors(["shen-hdr-bridge"], temperatures=[-20.0], strains=[1.0])
-    >>> with contextlib.redirect_stdout(io.StringIO()) as shown:
-    ...     print_factors(report)
-    >>> "upper bound" in shown.getvalue()
-    True
-    """
+    """Print factors of the largest strain, and the bounds."""
     others = len(report.bearings) - 1
     band = f" (values; figure and factors.csv have the band of it and {others} more)"
     say(
@@ -383,7 +153,7 @@ def print_factors(report: FactorReport) -> None:
 
 
 def _print_factors(report: FactorReport) -> None:
-    """Factors at the largest strain, their band, and what they are made of."""
+    """Print factors at the largest strain, their band, and what they are made of."""
     rows = report.table[report.table["strain"] == report.strain]
     last, mean = (rows.loc[rows["basis"] == basis, "value"] for basis in ("heated", "mean"))
     if last.tolist() == mean.tolist():  # of one cycle: the same twice
@@ -402,7 +172,7 @@ def _print_factors(report: FactorReport) -> None:
 
 
 def _print_by_temperature(rows: pd.DataFrame, head: str, shown: list[str]) -> None:
-    """One table: a row for each quantity and basis, a column for each temperature."""
+    """Print a table: a row for each quantity and basis, a column for each temperature."""
     wide = rows.assign(shown=shown).pivot_table(
         index=["quantity", "basis"], columns="ambient_degC", values="shown", aggfunc="first"
     )

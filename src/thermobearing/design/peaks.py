@@ -60,25 +60,7 @@ class Rules(Strict):
 
 @cache
 def peak_rule(name: str) -> Rule:
-    """A rule with its source.
-
-    Parameters
-    ----------
-    name : "largest" or "mean".
-
-    Returns
-    -------
-    Rule
-
-    Raises
-    ------
-    InputError : no such rule.
-
-    Examples
-    --------
-    >>> peak_rule("mean").least
-    3
-    """
+    """Return a rule with its source."""
     path = data_path("design", "peaks.toml")
     for rule in validated(Rules, read_toml(path), str(path)).rules:
         if rule.name == name:
@@ -87,45 +69,15 @@ def peak_rule(name: str) -> Rule:
 
 
 def mean_group(motion: Motion) -> str:
-    """What a mean is taken over with: its group, or the standard spectrum of a built-in motion.
-
-    Parameters
-    ----------
-    motion : of a case.
-
-    Returns
-    -------
-    str
-
-    Examples
-    --------
-    >>> mean_group(Motion(name="jra-ii-i-1")), mean_group(Motion(name="mine.csv"))
-    ('jra-ii-i', 'motions')
+    """Return what a mean is taken over with: its group, or the standard spectrum of a built-in
+    motion.
     """
     built_in = re.fullmatch(r"(jra-i{1,2}-i{1,3})-\d+", motion.name)
     return motion.group or (built_in[1] if built_in else "motions")
 
 
 def combined(values: Sequence[float], motions: Sequence[Motion], rule: PeakRule) -> float:
-    """The peak that counts.
-
-    Parameters
-    ----------
-    values : peaks, one for each motion.
-    motions : in the same order.
-    rule : "largest", or "mean" over each group (its largest where it has fewer motions than a
-        mean takes), of which the largest.
-
-    Returns
-    -------
-    float : NaN where a peak is not known.
-
-    Examples
-    --------
-    >>> motions = [Motion(name=f"jra-{kind}-i-{k}") for kind in ("i", "ii") for k in (1, 2, 3)]
-    >>> combined([1.0, 1.0, 2.0, 3.0, 5.0, 4.0], motions, "mean")
-    4.0
-    """
+    """Return the peak that counts."""
     found = np.asarray(values, dtype=float)
     if rule == "largest":
         return float(found.max())
@@ -136,22 +88,7 @@ def combined(values: Sequence[float], motions: Sequence[Motion], rule: PeakRule)
 
 
 def few_motions(motions: Sequence[Motion], rule: PeakRule) -> list[str]:
-    """Return a sentence on the groups that have fewer motions than the rule takes a mean of.
-
-    Parameters
-    ----------
-    motions : of a case.
-    rule : "largest" or "mean".
-
-    Returns
-    -------
-    list of str : one, or none.
-
-    Examples
-    --------
-    >>> few_motions([Motion(name="jra-ii-i-1")], "mean")[0][:29]
-    'peaks: of jra-ii-i (1 motion)'
-    """
+    """Return a sentence on the groups that have fewer motions than the rule takes a mean of."""
     least = peak_rule(rule).least
     groups = [mean_group(motion) for motion in motions]
     few = [
@@ -166,27 +103,7 @@ def few_motions(motions: Sequence[Motion], rule: PeakRule) -> list[str]:
 def counted(
     data: xr.Dataset, name: str, motions: Sequence[Motion], rule: PeakRule, runs: Any = slice(None)
 ) -> Floats:
-    """Return the peak that counts of each bearing line or pier.
-
-    Parameters
-    ----------
-    data : of a study.
-    name : of a peak in it, as in `JUDGED`.
-    motions : of the runs, in order.
-    rule : see `combined`.
-    runs : their numbers, one for each motion.
-
-    Returns
-    -------
-    array : one value where the structure has one line and one pier.
-
-    Examples
-    --------
-    >>> motions = [Motion(name="jra-ii-i-1"), Motion(name="jra-ii-i-2")]
-    >>> data = xr.Dataset({"line_force_max": (("run", "line"), [[1.0, 4.0], [2.0, 3.0]])})
-    >>> counted(data, "bearing_force_max", motions, "largest").tolist()
-    [2.0, 4.0]
-    """
+    """Return the peak that counts of each bearing line or pier."""
     own = PARTS.get(name, name)
     values = np.asarray(data[own if own in data else name])[runs].reshape(len(motions), -1)
     return np.array([combined(column.tolist(), motions, rule) for column in values.T])
@@ -199,29 +116,7 @@ def judged(
     limits: Sequence[Check],
     groups: Sequence["LineGroup"] = (),
 ) -> pd.DataFrame:
-    """Peaks of every bearing at every temperature, and which limits they pass.
-
-    Parameters
-    ----------
-    study : of some bearings at some temperatures under these motions.
-    motions : of the study, in order.
-    rule : for the peaks of several motions.
-    limits : checks whose limits of strain and ductility are kept.
-    groups : of lines of the study's structure that get a row each; without any, all lines together.
-
-    Returns
-    -------
-    DataFrame : bearing, ambient [degC], peaks, verdict, what fails; with groups also `group`, and
-        `pier`, which has the largest ductility. Its `attrs` hold what the runs ask of the range
-        that the bearings were tested in.
-
-    Examples
-    --------
-    >>> import thermobearing as tb
-    >>> study = tb.bridge("shen-bilinear-bridge", "jra-ii-i-1", 23, duration=2)
-    >>> judged(study, [Motion(name="jra-ii-i-1")], "largest", [])["verdict"].tolist()
-    ['OK']
-    """
+    """Return peaks of every bearing at every temperature, and which limits they pass."""
     most = {check.what: check.limit for check in limits}
     kept = {"strain": most.get("shear strain"), "ductility": most.get("pier ductility")}
     data, rows = study.dataset, []
@@ -262,22 +157,7 @@ def whose(table: pd.DataFrame) -> list[str]:
 
 
 def envelope(table: pd.DataFrame) -> pd.DataFrame:
-    """The largest of every peak over the temperatures, and where it occurs.
-
-    Parameters
-    ----------
-    table : of `judged`.
-
-    Returns
-    -------
-    DataFrame : one row for each bearing and peak.
-
-    Examples
-    --------
-    >>> rows = [{"bearing": "x", "ambient_degC": t, "strain": s} for t, s in ((23, 2.0), (-20, 1))]
-    >>> envelope(pd.DataFrame(rows))[["peak", "largest", "at_degC"]].iloc[0].tolist()
-    ['strain', np.float64(2.0), np.int64(23)]
-    """
+    """Return the largest of every peak over the temperatures, and where it occurs."""
     rows = []
     for key, mine in table.groupby(whose(table), sort=False) if len(table) else ():
         airs = mine["ambient_degC"].tolist()
@@ -291,23 +171,7 @@ def envelope(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def coldest_sentences(table: pd.DataFrame) -> list[str]:
-    """The verdict of the coldest day, and the envelope, in words.
-
-    Parameters
-    ----------
-    table : of `judged`.
-
-    Returns
-    -------
-    list of str : one for each bearing.
-
-    Examples
-    --------
-    >>> import thermobearing as tb
-    >>> study = tb.bridge("shen-bilinear-bridge", "jra-ii-i-1", -20, duration=2)
-    >>> coldest_sentences(judged(study, [Motion(name="jra-ii-i-1")], "largest", []))[0][:43]
-    'shen-bilinear-bridge: OK on the coldest day'
-    """
+    """Return the verdict of the coldest day, and the envelope, in words."""
     said = []
     for key, mine in table.groupby(whose(table), sort=False) if len(table) else ():
         rows = mine.to_dict("records")

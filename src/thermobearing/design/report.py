@@ -1,9 +1,10 @@
-"""Reports of designs, bounds and temperature factors."""
+"""Reports of designs, bounds and temperature factors, from results as they are loaded again."""
 
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from thermobearing.border.toml import read_toml, split_sources
 from thermobearing.cyclic.reported import (
@@ -13,11 +14,13 @@ from thermobearing.cyclic.reported import (
     model_assumptions,
 )
 from thermobearing.design.bounds import BOUNDS_NOTE
-from thermobearing.design.peaks import of_group
-from thermobearing.design.published import FOOTNOTE
+from thermobearing.design.factors import FOOTNOTE
+from thermobearing.design.peaks import JUDGED, of_group
 from thermobearing.design.result import USABLE
 from thermobearing.earthquake.case import EarthquakeAnalysis
 from thermobearing.earthquake.report import given_motions_table
+from thermobearing.quantities.register import Quantity, quantity
+from thermobearing.quantities.tables import Table, make_table
 from thermobearing.report.content import (
     IN_EARTHQUAKES,
     MARKED,
@@ -26,11 +29,12 @@ from thermobearing.report.content import (
     input_table,
     limit_checks,
     saved_figures,
-    saved_identity,
-    saved_validity,
-    verdict,
+    saved_parts,
 )
-from thermobearing.report.pieces import EXCEEDED, PASSED, Check, Column, Pieces, ReportTable
+from thermobearing.report.content import (
+    build_pieces as assemble_pieces,
+)
+from thermobearing.report.pieces import EXCEEDED, PASSED, Check, Pieces
 from thermobearing.report.words import (
     counted,
     degrees,
@@ -39,67 +43,66 @@ from thermobearing.report.words import (
     number,
     percent,
     printed_unit,
-    quantity,
     tidy,
 )
+from thermobearing.report.words import (
+    quantity as quantity_words,
+)
 from thermobearing.results.directory import BEARINGS, RESOLVED
-from thermobearing.results.ranges import rate_note
 from thermobearing.results.saved import SavedResult
 from thermobearing.structure.report import structure_table
 from thermobearing.tables.text import read_text
 
+Summary = Mapping[str, Any]
+LINES = Quantity("Lines", name="group")
+Names = list[str | Quantity]
+
+
+def build_pieces(saved: SavedResult) -> Pieces:
+    """Return everything that the document of a design, of factors or of bounds says."""
+    kinds = {"lambda": _factors_pieces, "bounds": _bounds_pieces}
+    return kinds.get(saved.command, _design_pieces)(saved)
+
+
 BOUNDS_CAPTIONS = {
     "bounds": "Demands of the two bounds and of the coupled model, and their envelope."
 }
-DEMANDS = {
-    "bearing_strain_max": ("shear strain", "%", 100.0, ".0f"),
-    "bearing_force_max_kN": ("force of one bearing", "kN", 1.0, ".0f"),
-    "pier_displacement_max_mm": ("pier top", "mm", 1.0, ".1f"),
-    "deck_acceleration_max_m_s2": ("deck acceleration", "m/s²", 1.0, ".2f"),
+DEMANDS = {  # words, unit, factor
+    "bearing_strain_max": ("shear strain", "%", 100.0),
+    "bearing_force_max_kN": ("force of one bearing", "kN", 1.0),
+    "pier_displacement_max_mm": ("pier top", "mm", 1.0),
+    "deck_acceleration_max_m_s2": ("deck acceleration", "m/s²", 1.0),
 }
 
 
 def _bounds_pieces(saved: SavedResult) -> Pieces:
-    """Of `bounds`.
-
-    Parameters
-    ----------
-    saved : as `load_result` gives it.
-    """
+    """Return the document of `bounds`."""
     summary = saved.summary
-    validity, unknown, warnings = saved_validity(saved)
-    told = {name: one for name, one in (summary.get("inputs") or {}).items() if one}
+    inputs = {name: one for name, one in (summary.get("inputs") or {}).items() if one}
     names, rows = list(summary["rows"]), summary.get("tested_range", [])
-    checks = limit_checks(rows, IN_EARTHQUAKES, f"{TESTED_RANGE} of the bearing", names)
-    rate = rate_note(rows)
-    words = [bearing_words(one["bearing"]) for one in told.values()] or names
+    words = [bearing_words(one["bearing"]) for one in inputs.values()] or names
     motions = dict.fromkeys(str(r["motion"]) for table in summary["rows"].values() for r in table)
-    first: Mapping[str, Any] = next(iter(told.values()), {})
+    first: Summary = next(iter(inputs.values()), {})
     airs = degrees([float(str(air).split()[0]) for air in first.get("ambient", [])])
-    return Pieces(
-        command="bounds",
-        title=f"Bounding analyses on {summary['structure']}",
-        question=(
-            f"Is it enough to run {summary['structure']} twice, with a lower and an upper bilinear "
-            f"model of {joined(words, 'or')}, instead of the coupled model at {airs}, under "
-            f"{joined(motions)}?"
-        ),
-        answer=[*_bounds_answer(summary), verdict(checks, validity, unknown, rate)],
-        inputs=_inputs(told),
-        tables={"demands": _table(summary)},
+    return assemble_pieces(
+        "bounds",
+        f"Bounding analyses on {summary['structure']}",
+        f"Is it enough to run {summary['structure']} twice, with a lower and an upper bilinear "
+        f"model of {joined(words, 'or')}, instead of the coupled model at {airs}, under "
+        f"{joined(motions)}?",
+        _bounds_answer(summary),
+        inputs=_bounds_inputs(inputs),
+        tables={"demands": _demands_table(summary)},
         figures=saved_figures(saved, BOUNDS_CAPTIONS),
-        checks=checks,
-        validity=validity,
-        notes=[tidy(f"{rate[:1].upper()}{rate[1:]}")] if rate else [],
-        validity_unknown=unknown,
-        assumptions=_assumptions(first, [one["bearing"] for one in told.values()]),
-        warnings=warnings,
-        identity=saved_identity(saved, "thermobearing.design.run_bounds(...) in Python"),
+        checks=limit_checks(rows, IN_EARTHQUAKES, f"{TESTED_RANGE} of the bearing", names),
+        rate_rows=rows,
+        assumptions=_assumptions(first, [one["bearing"] for one in inputs.values()]),
+        **saved_parts(saved, "thermobearing.design.run_bounds(...) in Python"),
     )
 
 
 def _bounds_answer(summary: Mapping[str, Any]) -> list[str]:
-    """How many demands are unsafe, and the worst of them."""
+    """Return how many demands are unsafe, and the worst of them."""
     rows = [(name, row) for name, table in summary["rows"].items() for row in table]
     early = []
     if summary["outcome"] != "completed":
@@ -121,40 +124,30 @@ def _bounds_answer(summary: Mapping[str, Any]) -> list[str]:
     return [*early, first, second]
 
 
-def _table(summary: Mapping[str, Any]) -> ReportTable:
-    """A row for each bearing, motion and demand."""
-    parts = any(row.get("part") for table in summary["rows"].values() for row in table)
-    columns = [Column("Bearing"), Column("Motion"), Column("Demand"), Column("Unit")]
-    columns += [Column("Part")] if parts else []
-    columns += [
-        Column("Lower bound", "", ".4g"),
-        Column("Upper bound", "", ".4g"),
-        Column("Coupled, largest", "", ".4g"),
-        Column("at", "°C", "g"),
-        Column("Envelope over coupled", "", ".2f"),
-        Column("Verdict"),
-    ]
-    rows: list[list[Any]] = []
-    marked = set()
-    for name, table in summary["rows"].items():
-        for row in table:
-            what, unit, factor, _ = DEMANDS.get(row["demand"], (row["demand"], "", 1.0, ""))
-            cells = [name, row["motion"], what, unit, *([row.get("part", "")] if parts else [])]
-            cells += [factor * row[n] for n in ("lower_bound", "upper_bound", "coupled_max")]
-            cells += [row["coupled_at_degC"], row["envelope_over_coupled"], row["verdict"]]
-            if str(row.get("beyond_tested") or ""):
-                marked.add((len(rows), 1))
-            rows.append(cells)
+def _demands_table(summary: Summary) -> Table:
+    """Return a row for each bearing, motion and demand."""
+    frame = pd.DataFrame(
+        [{"bearing": name} | row for name, table in summary["rows"].items() for row in table]
+    )
+    shown = [DEMANDS.get(name, (name, "", 1.0)) for name in frame["demand"]]
+    frame["demand"], frame["unit"], factors = map(list, zip(*shown, strict=True))
+    for name in ("lower_bound", "upper_bound", "coupled_max"):
+        frame[name] *= factors
+    names: Names = ["bearing", "motion", "demand", Quantity("Unit", name="unit"), "part"]
+    keys = 4 + ("part" in frame)
+    names += ["lower_bound", "upper_bound", "coupled_max", "coupled_at_degC"]
+    names += ["envelope_over_coupled", "verdict"]
+    beyond = [bool(str(text or "")) for text in frame["beyond_tested"]]
     note = "unsafe: envelope below 0.95 of the coupled model; wasteful: above 1.3."
-    note += f" {MARKED} (some run of that motion)." if marked else ""
-    caption = "Bounds beside the coupled model"
-    return ReportTable(caption, columns, rows, 4 + parts, frozenset(marked), note)
+    note += f" {MARKED} (some run of that motion)." * any(beyond)
+    caption = "Bounds compared with the coupled model"
+    return make_table(frame, names, caption, keys=keys, marked={"motion": beyond}, note=note)
 
 
-def _inputs(told: Mapping[str, Any]) -> dict[str, ReportTable]:
-    """Structure, motions, bearings, model."""
-    found: dict[str, ReportTable] = {}
-    for one in told.values():
+def _bounds_inputs(inputs: Summary) -> dict[str, Table]:
+    """Return structure, motions, bearings, model."""
+    found: dict[str, Table] = {}
+    for one in inputs.values():
         found.setdefault("structure", structure_table(one["structure"]))
         found.setdefault("motions", given_motions_table(one["motions"]))
         found |= bearing_tables(one["bearing"], one["sources"])
@@ -165,7 +158,7 @@ def _inputs(told: Mapping[str, Any]) -> dict[str, ReportTable]:
 
 
 def _assumptions(first: Mapping[str, Any], bearings: list[Mapping[str, Any]]) -> list[str]:
-    """How the bounds are made, and what holds for the coupled runs."""
+    """Return how the bounds are made, and what holds for the coupled runs."""
     if not first:
         return []
     airs = [float(str(air).split()[0]) for air in first["ambient"]]
@@ -177,7 +170,7 @@ def _assumptions(first: Mapping[str, Any], bearings: list[Mapping[str, Any]]) ->
     analysis = first["analysis"]
     how = (
         f"Time integration: {analysis['method'].replace('-', ' ')}, steps of at most "
-        f"{quantity(analysis['dt'])}; bodies are rigid and move in one direction."
+        f"{quantity_words(analysis['dt'])}; bodies are rigid and move in one direction."
     )
     return [found, how, *model_assumptions(analysis, bearings)]
 
@@ -190,49 +183,37 @@ QUANTITIES = ("K_eq", "Q_d", "K_d", "energy", "h_eq")
 
 
 def _factors_pieces(saved: SavedResult) -> Pieces:
-    """Of `lambda`.
-
-    Parameters
-    ----------
-    saved : as `load_result` gives it.
-    """
+    """Return the document of `lambda`."""
     summary = saved.summary
-    validity, unknown, warnings = saved_validity(saved)
-    told = summary.get("inputs") or {}
-    name, table = str(summary["bearing"]), told.get("bearing")
-    rows = summary.get("tested_range", [])
-    checks = limit_checks(rows, TESTS, f"{TESTED_RANGE} of {name}")
+    inputs = summary.get("inputs") or {}
+    name, table = str(summary["bearing"]), inputs.get("bearing")
     airs = sorted({float(row["ambient_degC"]) for row in summary["factors"]})
     strains = sorted({float(row["strain"]) for row in summary["factors"]})
-    words = bearing_words(table) if table else name
     reference = degrees([summary["reference_degC"]])
-    return Pieces(
-        command="lambda",
-        title=f"Temperature factors of {name}",
-        question=(
-            f"By which factors do stiffness, strength and energy of {words} change, from "
-            f"{reference} to {degrees(airs)}, at {joined(percent(s) for s in strains)} shear "
-            f"strain ({summary['motion']}, cycles {summary['cycles']})?"
-        ),
-        answer=[*_factors_answer(summary), verdict(checks, validity, unknown)],
-        inputs=bearing_tables(table, told.get("sources")) if table else {},
-        tables=_tables(summary),
+    rows = summary.get("tested_range", [])
+    return assemble_pieces(
+        "lambda",
+        f"Temperature factors of {name}",
+        f"By which factors do stiffness, strength and energy of "
+        f"{bearing_words(table) if table else name} change, from {reference} to {degrees(airs)}, "
+        f"at {joined(percent(s) for s in strains)} shear strain ({summary['motion']}, cycles "
+        f"{summary['cycles']})?",
+        _factors_answer(summary),
+        inputs=bearing_tables(table, inputs.get("sources")) if table else {},
+        tables=_factor_tables(summary),
         figures=saved_figures(saved, FACTORS_CAPTIONS),
-        checks=checks,
-        validity=validity,
-        validity_unknown=unknown,
+        checks=limit_checks(rows, TESTS, f"{TESTED_RANGE} of {name}"),
         assumptions=[
             f"Every test begins with the bearing at the temperature of the air throughout; "
             f"factors are over {reference}.",
             *model_assumptions({}, [table] if table else []),
         ],
-        warnings=warnings,
-        identity=saved_identity(saved, "thermobearing.design.run_factors(...) in Python"),
+        **saved_parts(saved, "thermobearing.design.run_factors(...) in Python"),
     )
 
 
 def _factors_answer(summary: Mapping[str, Any]) -> list[str]:
-    """The coldest day in factors, and the bounds that follow."""
+    """Return the coldest day in factors, and the bounds that follow."""
     most = max(float(row["strain"]) for row in summary["factors"])
     coldest = min(float(row["ambient_degC"]) for row in summary["factors"])
     parts = []
@@ -255,165 +236,107 @@ def _factors_answer(summary: Mapping[str, Any]) -> list[str]:
     ]
 
 
-def _tables(summary: Mapping[str, Any]) -> dict[str, ReportTable]:
-    """Factors with a column for each temperature, bounds, published factors."""
+def _factor_tables(summary: Summary) -> dict[str, Table]:
+    """Return factors with a column for each temperature, bounds, published factors."""
     rows = summary["factors"]
     airs = sorted({float(row["ambient_degC"]) for row in rows})
     bands = any(row.get("factor_low") is not None for row in rows)
-    keys: dict[tuple[Any, ...], dict[float, Any]] = {}
+    lines: dict[tuple[Any, ...], dict[float, Any]] = {}
     values: dict[tuple[Any, ...], float] = {}
     for row in rows:
         unit, factor = printed_unit(str(row["unit"]))
         key = (100.0 * row["strain"], row["basis"], row["quantity"], unit)
-        keys.setdefault(key, {})[float(row["ambient_degC"])] = row
+        lines.setdefault(key, {})[float(row["ambient_degC"])] = row
         if row["ambient_degC"] == summary["reference_degC"]:
             values[key] = factor * row["value"]
-    columns = [Column("Strain", "%", "g"), Column("Cycle"), Column("Quantity"), Column("Unit")]
     reference = degrees([summary["reference_degC"]])
-    columns.append(Column(f"Value at {reference}", "", ".4g"))
-    columns += [Column(f"Factor at {degrees([air])}", "", ".2f") for air in airs]
+    columns = [quantity("strain", form="g"), *map(Quantity, ("Cycle", "Quantity", "Unit"))]
+    columns.append(Quantity(f"Value at {reference}"))
+    columns += [Quantity(f"Factor at {degrees([air])}", form=".2f") for air in airs]
     cells: list[list[Any]] = []
     marked: set[tuple[int, int]] = set()
-    for key, found in keys.items():
-        line: list[Any] = [*key, values.get(key)]
-        for place, air in enumerate(airs):
-            row = found.get(air)
-            line.append(None if row is None else _cell(row, bands))
-            if row is not None and "ambient" in str(row.get("beyond_tested") or "").split():
-                marked.add((len(cells), 5 + place))
-        cells.append(line)
+    for at, (key, found) in enumerate(lines.items()):
+        each = [found.get(air) for air in airs]
+        cells.append([*key, values.get(key), *(one and _cell(one, bands) for one in each)])
+        marked |= {
+            (at, 5 + place)
+            for place, one in enumerate(each)
+            if one is not None and "ambient" in str(one.get("beyond_tested") or "").split()
+        }
     note = "first: the first cycle; heated: mean of the cycles with the bearing's own heat."
-    note += " In brackets: band over the samples." if bands else ""
-    note += f" {MARKED}." if marked else ""
+    note += " In brackets: band over the samples." * bands + f" {MARKED}." * bool(marked)
     caption = f"Temperature factors over {reference}"
-    tables = {"factors": ReportTable(caption, columns, cells, 4, frozenset(marked), note)}
-    tables["bounds"] = _bounds(summary)
+    ratio = summary["stiffness_ratio"]
+    bounds_note = f"K_2/K_1 = {ratio['K_2_over_K_1']:g}: {ratio['source']}. {BOUNDS_NOTE}."
+    names: Names = [Quantity("Bound", name="bound"), quantity("strain", form="g")]
+    names += [Quantity("Cycle", name="basis"), "ambient_degC"]
+    names += ["Q_d_kN", "K_1_kN_mm", "K_2_kN_mm", "Q_y_kN"]
+    bounds = pd.DataFrame(summary["bounds"])
+    tables = {
+        "factors": Table(caption, columns, cells, 4, frozenset(marked), note),
+        "bounds": make_table(bounds, names, "Lower and upper bilinear model", note=bounds_note),
+    }
     if summary.get("coldest_day"):
         words = [[tidy(text)] for text in summary["coldest_day"]]
         caption = "The coldest day, compared with published factors"
-        tables["coldest"] = ReportTable(caption, [Column("Factors")], words, note=f"{FOOTNOTE}.")
+        tables["coldest"] = Table(caption, [Quantity("Factors")], words, note=f"{FOOTNOTE}.")
     if summary.get("codes"):
-        heads = [Column("Code"), Column("Says"), Column("Source"), Column("Verified")]
-        told = [
+        heads = [Quantity(head) for head in ("Code", "Says", "Source", "Verified")]
+        said = [
             [one["code"], one["says"], one["source"], not one.get("unverified", False)]
             for one in summary["codes"]
         ]
-        tables["codes"] = ReportTable("What codes say", heads, told)
+        tables["codes"] = Table("What codes say", heads, said)
     return tables
 
 
 def _cell(row: Mapping[str, Any], bands: bool) -> Any:
-    """A factor, with its band where there is one."""
+    """Return a factor, with its band where there is one."""
     low, high = row.get("factor_low"), row.get("factor_high")
     if not bands or low is None or high is None or not np.isfinite([low, high]).all():
         return row["factor"]
     return f"{row['factor']:.2f} ({low:.2f}–{high:.2f})"
 
 
-def _bounds(summary: Mapping[str, Any]) -> ReportTable:
-    columns = (
-        Column("Bound"),
-        Column("Strain", "%", "g"),
-        Column("Cycle"),
-        Column("Ambient", "°C", "g"),
-        Column("Q_d", "kN", ".1f"),
-        Column("K_1", "kN/mm", ".2f"),
-        Column("K_2", "kN/mm", ".3f"),
-        Column("Q_y", "kN", ".1f"),
-    )
-    rows = [
-        (
-            one["bound"],
-            100.0 * one["strain"],
-            one["basis"],
-            one["ambient_degC"],
-            one["Q_d_kN"],
-            one["K_1_kN_mm"],
-            one["K_2_kN_mm"],
-            one["Q_y_kN"],
-        )
-        for one in summary["bounds"]
-    ]
-    ratio = summary["stiffness_ratio"]
-    note = f"K_2/K_1 = {ratio['K_2_over_K_1']:g}: {ratio['source']}. {BOUNDS_NOTE}."
-    return ReportTable("Lower and upper bilinear model", columns, rows, note=note)
-
-
-Summary = Mapping[str, Any]
-KINDS = {"lambda": _factors_pieces, "bounds": _bounds_pieces}
 CAPTIONS = {
     "rounds": "Assumed and found displacement of each round of the design.",
     "equal": "Loops of the bilinear bearing and of layered ones of the same stiffness.",
 }
-ROUNDS = {  # column of rounds.csv: head, factor
-    "u_B_assumed_mm": (Column("Assumed displacement", "mm", ".0f"), 1.0),
-    "side_mm": (Column("Side", "mm", "g"), 1.0),
-    "layers": (Column("Layers", form="g"), 1.0),
-    "layer_thickness_mm": (Column("of", "mm", "g"), 1.0),
-    "K_B_kN_mm": (Column("K_B", "kN/mm", ".3f"), 1.0),
-    "h_B": (Column("h_B", "", ".3f"), 1.0),
-    "Q_d_kN": (Column("Q_d", "kN", ".1f"), 1.0),
-    "K_1_kN_mm": (Column("K_1", "kN/mm", ".2f"), 1.0),
-    "K_2_kN_mm": (Column("K_2", "kN/mm", ".2f"), 1.0),
-    "u_found_mm": (Column("Found displacement", "mm", ".0f"), 1.0),
-    "difference": (Column("Difference", "%", "+.1f"), 100.0),
-    "pier_ductility": (Column("Pier ductility", "", ".2f"), 1.0),
-}
-TEMPERATURES = {
-    "displacement_mm": (Column("Displacement", "mm", ".0f"), 1.0),
-    "strain": (Column("Strain", "%", ".0f"), 100.0),
-    "force_kN": (Column("Force of one", "kN", ".0f"), 1.0),
-    "pier_displacement_mm": (Column("Pier top", "mm", ".1f"), 1.0),
-    "ductility": (Column("Ductility", "", ".2f"), 1.0),
-    "deck_acceleration_m_s2": (Column("Deck", "m/s²", ".2f"), 1.0),
-}
-
-
-def build_pieces(saved: SavedResult) -> Pieces:
-    """Everything that the document of a design, of factors or of bounds says.
-
-    Parameters
-    ----------
-    saved : of `design`, `lambda` or `bounds`, as `load_result` gives it.
-    """
-    make = KINDS.get(saved.command, _design_pieces)
-    return make(saved)
+ROUNDS = (
+    *("round", LINES, "u_B_assumed_mm", "side_mm", "layers", "layer_thickness_mm", "K_B_kN_mm"),
+    *("h_B", "Q_d_kN", "K_1_kN_mm", quantity("K_2_kN_mm", form=".2f"), "u_found_mm"),
+    *("difference", quantity("pier_ductility", head="Pier ductility")),
+)
 
 
 def _design_pieces(saved: SavedResult) -> Pieces:
-    """Of a design."""
+    """Return the document of a design."""
     summary = saved.summary
     case, text = read_toml(saved.path / RESOLVED), read_text(saved.path / RESOLVED)
-    validity, unknown, warnings = saved_validity(saved)
-    checks = report_checks(saved)
-    rate = rate_note(summary.get("tested_range", []))
+    again = "thermobearing design case.resolved.toml"
     motions = [str(one.get("label") or one["name"]) for one in case["motions"]]
-    return Pieces(
-        command="design",
-        title=f"Design of the bearings of {summary['structure']}",
-        question=(
-            f"Which bearing does {summary['structure']} need, so that the displacement that was "
-            f"assumed is the one that a dynamic analysis finds, under {joined(motions)}; and what "
-            "do layered bearings of the same stiffness do, at every temperature?"
-        ),
-        answer=answer(summary, verdict(checks, validity, unknown, rate)),
-        inputs=input_tables(saved, case),
-        tables=report_tables_by_name(saved),
+    parts = saved_parts(saved, again) | {
+        "identity": identity_rows(str(summary["version"]), text, again)
+    }
+    return assemble_pieces(
+        "design",
+        f"Design of the bearings of {summary['structure']}",
+        f"Which bearing does {summary['structure']} need, so that the displacement that was "
+        f"assumed is the one that a dynamic analysis finds, under {joined(motions)}; and what do "
+        "layered bearings of the same stiffness do, at every temperature?",
+        _design_answer(summary),
+        inputs=_design_inputs(saved, case),
+        tables=_design_tables(summary),
         figures=saved_figures(saved, CAPTIONS),
-        checks=checks,
-        validity=validity,
-        notes=[tidy(f"{rate[:1].upper()}{rate[1:]}")] if rate else [],
-        validity_unknown=unknown,
+        checks=_design_checks(summary),
+        rate_rows=summary.get("tested_range", []),
         assumptions=[
             "The rounds run with a bilinear bearing, blind to temperature and rate; layered "
             "bearings are judged after them.",
             f"Of several motions counts {summary['peaks']['says']} ({summary['peaks']['source']}).",
             f"Sources of limits, {FOOTNOTE}.",
         ],
-        warnings=warnings,
-        identity=identity_rows(
-            str(summary["version"]), text, "thermobearing design case.resolved.toml"
-        ),
+        **parts,
     )
 
 
@@ -427,8 +350,8 @@ def _chosen_rounds(summary: Summary) -> list[Summary]:
     return [turn for turn in summary["rounds"] if turn["round"] == summary["chosen_round"]]
 
 
-def answer(summary: Summary, told: str) -> list[str]:
-    """The bearing, what the cold makes of it, limits and validity."""
+def _design_answer(summary: Summary) -> list[str]:
+    """Return the bearing, what the cold makes of it, limits and validity."""
     sizes = []
     for name, turn in zip(_safe_file_names(summary), _chosen_rounds(summary), strict=True):
         size = (
@@ -444,11 +367,11 @@ def answer(summary: Summary, told: str) -> list[str]:
     first = f"The design is {found}" if usable else f"There is no design; the last round: {found}"
     cold = [tidy(text.replace("%", " %")) for text in summary.get("coldest_day", [])]
     second = " ".join(cold) or "No layered bearing was judged at other temperatures."
-    return [first, second, told]
+    return [first, second]
 
 
-def input_tables(saved: SavedResult, case: Mapping[str, Any]) -> dict[str, ReportTable]:
-    """The case: limits and loads of the design, structure, the bearings that were found."""
+def _design_inputs(saved: SavedResult, case: Summary) -> dict[str, Table]:
+    """Return the case: limits and loads of the design, structure, the bearings that were found."""
     lists = ("structure", "motions", "analysis", "lines", "templates", "bearings", "equal")
     rest = {k: v for k, v in case.items() if k not in lists and not isinstance(v, list)}
     told = [f"{one['name']} ({', '.join(one['lines'])})" for one in case.get("line_groups", [])]
@@ -466,55 +389,31 @@ def input_tables(saved: SavedResult, case: Mapping[str, Any]) -> dict[str, Repor
     return found
 
 
-def report_tables_by_name(saved: SavedResult) -> dict[str, ReportTable]:
-    """Rounds, equal bearings, every temperature."""
-    summary = saved.summary
-    names = [name for name in ROUNDS if name in summary["rounds"][0]]
-    group = ["group"] if "group" in summary["rounds"][0] else []
-    lines = [Column("Lines")] if group else []
-    rows = [
-        [
-            turn["round"],
-            *(turn[n] for n in group),
-            *(ROUNDS[n][1] * turn[n] if turn[n] is not None else None for n in names),
-        ]
-        for turn in summary["rounds"]
-    ]
-    columns = [Column("Round", form="d"), *lines, *(ROUNDS[name][0] for name in names)]
+def _design_tables(summary: Summary) -> dict[str, Table]:
+    """Return rounds, equal bearings, every temperature."""
+    rounds = pd.DataFrame(summary["rounds"])
+    several = "group" in rounds
     note = f"Round {summary['chosen_round']} was taken."
     caption = "Rounds of the design"
-    found = {"rounds": ReportTable(caption, columns, rows, 1 + len(lines), note=note)}
+    found = {"rounds": make_table(rounds, ROUNDS, caption, keys=1 + several, note=note)}
+    names: Names
     if summary["equal"]:
-        columns = [Column("Bearing"), *lines]
-        columns += [Column("K_eq", "kN/mm", ".3f"), Column("h_eq", "", ".3f")]
-        values = ["name", *group, "K_eq_kN_mm", "h_eq"]
-        rows = [[one[n] for n in values] for one in summary["equal"]]
+        names = [Quantity("Bearing", name="name"), LINES, "K_eq_kN_mm", "h_eq"]
         caption = "Layered bearings of the same stiffness, third cycle at the design displacement"
-        found["equal"] = ReportTable(caption, columns, rows)
+        found["equal"] = make_table(pd.DataFrame(summary["equal"]), names, caption)
     if summary["temperatures"]:
-        told = [name for name in TEMPERATURES if name in summary["temperatures"][0]]
-        columns = [Column("Bearing"), *lines, Column("Ambient", "°C", "g")]
-        columns += [TEMPERATURES[name][0] for name in told]
-        columns += [Column("Governing pier")] if group else []
-        columns += [Column("Verdict"), Column("Fails")]
-        before = ["bearing", *group, "ambient_degC"]
-        after = [*(["pier"] if group else []), "verdict", "fails"]
-        rows = [
-            [
-                *(row[n] for n in before),
-                *(TEMPERATURES[n][1] * row[n] if row[n] is not None else None for n in told),
-                *(row[n] for n in after),
-            ]
-            for row in summary["temperatures"]
-        ]
+        names = ["bearing", LINES, "ambient_degC", *JUDGED.values()]
+        names += [quantity("pier", head="Governing pier"), "verdict", "fails"]
+        frame = pd.DataFrame(summary["temperatures"])
         caption = "Layered bearings at every temperature"
-        found["temperatures"] = ReportTable(caption, columns, rows, len(before))
+        found["temperatures"] = make_table(
+            frame, names, caption, keys=2 + several, drop_empty=False
+        )
     return found
 
 
-def report_checks(saved: SavedResult) -> list[Check]:
-    """The calculation sheet, and the tested ranges."""
-    summary = saved.summary
+def _design_checks(summary: Summary) -> list[Check]:
+    """Return the calculation sheet, and the tested ranges."""
     found = []
     for one in summary["checks"]:
         unit, factor = printed_unit(str(one["unit"]))

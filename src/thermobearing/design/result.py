@@ -4,33 +4,35 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from functools import cache, cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any, ClassVar
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 import thermobearing
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.model import Bearing, calibration_ranges
-from thermobearing.border.deprecated import renamed
 from thermobearing.border.library import data_path
-from thermobearing.border.showing import Shown
-from thermobearing.border.toml import read_toml, to_table
+from thermobearing.border.text_file import file_names
+from thermobearing.border.toml import read_toml, to_table, to_toml
+from thermobearing.core.records import Floats
 from thermobearing.cyclic.equivalent import post_yield_ratio
-from thermobearing.cyclic.result import Result
+from thermobearing.cyclic.result import Result as CyclicResult
 from thermobearing.design.bounds import (
     BOUNDS_NOTE,
     BoundModel,
     bound_models,
     bounds_table,
+    opensees_text,
     paragraph,
 )
 from thermobearing.design.case import DesignCase
+from thermobearing.design.factors import coldest_factors, published_codes, published_tables
 from thermobearing.design.peaks import coldest_sentences, envelope, few_motions, peak_rule
-from thermobearing.design.published import coldest_factors, published_codes, published_tables
 from thermobearing.design.sizing import Check, EqualBearing, Round, third_cycle
 from thermobearing.earthquake.result import EarthquakeResult
+from thermobearing.results import directory as files
+from thermobearing.results.base import Result
 from thermobearing.results.ranges import (
     Row,
     asked_of_tests,
@@ -38,54 +40,13 @@ from thermobearing.results.ranges import (
     one_per_cause,
     outside_tests,
 )
-from thermobearing.results.writing import limits_summary
-
-if TYPE_CHECKING:
-    from thermobearing.design.figures import BoundsFigures, DesignFigures, FactorFigures
-
-Floats = NDArray[np.float64]
+from thermobearing.results.writing import limits_summary, write_csv
 
 
-def _asked_by_design(design: "Design") -> list[Row]:
-    """Rows of `compared`: the last round against its curves, equal bearings against their tests.
-
-    Those stand for the design displacement, and for every run at every temperature.
-    """
-    rows = list_rows(design.study.tested_range)
-    for item in design.equal:
-        bearing, far = item.bearing, item.displacement
-        reached = {"strain": far / bearing.total_rubber_thickness}
-        rows += asked_of_tests(
-            f"{bearing.name}, {far:.0f} mm", reached, calibration_ranges(bearing)
-        )
-    return rows + list(design.temperatures.attrs.get("tested_range", []))
-
-
-def _warnings_of_design(design: "Design") -> list[str]:
-    """Sentences: what left the curves of the compound, or the tests of equal bearings."""
-    rows = _asked_by_design(design)
+def _beyond_tests(tests: Mapping[str, tuple[list[Row], Any]]) -> list[str]:
+    """Return a warning for each cause: what left the tests, by bearing its rows and ranges."""
     said: list[tuple[str, str]] = []
-    bearings: list[Bearing | BilinearBearing] = [*design.bearings]
-    bearings += [item.bearing for item in design.equal]
-    for bearing in {one.name: one for one in bearings}.values():  # some groups share a size
-        mine = [row for row in rows if str(row["run"]).startswith(f"{bearing.name}, ")]
-        outside = outside_tests(
-            bearing.name, mine, calibration_ranges(bearing), skip=("strain_rate",)
-        )
-        said += [(bearing.name, text.removeprefix(f"{bearing.name}: ")) for text in outside]
-    return one_per_cause(said)
-
-
-def _asked_by_bounds(tables: Mapping[str, pd.DataFrame]) -> list[Row]:
-    """Rows of `compared` of the coupled model, of all bearings."""
-    return [row for table in tables.values() for row in table.attrs.get("tested_range", [])]
-
-
-def _warnings_of_bounds(tables: Mapping[str, pd.DataFrame]) -> list[str]:
-    """Sentences: what the coupled model was not tested at, and runs that ended early."""
-    said: list[tuple[str, str]] = []
-    for name, table in tables.items():
-        rows, ranges = table.attrs.get("tested_range", []), table.attrs.get("ranges")
+    for name, (rows, ranges) in tests.items():
         outside = outside_tests(name, rows, ranges, skip=("strain_rate",))
         said += [(name, text.removeprefix(f"{name}: ")) for text in outside]
     return one_per_cause(said)
@@ -97,22 +58,12 @@ ENOUGH = 0.10  # of the displacement: "no more than 10 %" (6.2.2)
 
 @cache
 def source_design() -> dict[str, Any]:
-    """The design of the source: citation, its bearing, and more about it.
-
-    Returns
-    -------
-    dict : lengths [mm], forces [kN] and stiffnesses [kN/mm], as the names say.
-
-    Examples
-    --------
-    >>> source_design()["bearing"]["u_B_mm"]
-    178.0
-    """
+    """Return the design of the source: citation, its bearing, and more about it."""
     return read_toml(data_path("design", "source.toml"))
 
 
-@dataclass(frozen=True, repr=False)
-class Design(Shown):
+@dataclass(frozen=True, repr=False, kw_only=True)
+class Design(Result):
     """What the loop came to.
 
     Attributes
@@ -128,6 +79,8 @@ class Design(Shown):
     chosen : number of the turn that was taken; the last by default.
     temperatures : what the layered bearings do at every temperature; see `judged`.
     """
+
+    _figures: ClassVar[str] = "DesignFigures"
 
     case: DesignCase
     rounds: list[Round]
@@ -169,13 +122,34 @@ class Design(Shown):
 
     @property
     def tested_range(self) -> pd.DataFrame:
-        """What the last round asks of the curves, and equal bearings of their tests."""
-        return pd.DataFrame(_asked_by_design(self))
+        """What the last round asks of the curves, and equal bearings of their tests.
+
+        Those stand for the design displacement, and for every run at every temperature.
+        """
+        rows = list_rows(self.study.tested_range)
+        for item in self.equal:
+            bearing, far = item.bearing, item.displacement
+            reached = {"strain": far / bearing.total_rubber_thickness}
+            run = f"{bearing.name}, {far:.0f} mm"
+            rows += asked_of_tests(run, reached, calibration_ranges(bearing))
+        return pd.DataFrame(rows + list(self.temperatures.attrs.get("tested_range", [])))
 
     @property
     def warnings(self) -> list[str]:
         """What a reader must know: what left the tested ranges."""
-        return [*few_motions(self.case.motions, self.case.peaks), *_warnings_of_design(self)]
+        rows = list_rows(self.tested_range)
+        every: list[Bearing | BilinearBearing] = [
+            *self.bearings,
+            *(item.bearing for item in self.equal),
+        ]
+        tests = {
+            name: (
+                [row for row in rows if str(row["run"]).startswith(f"{name}, ")],
+                calibration_ranges(bearing),
+            )
+            for name, bearing in {one.name: one for one in every}.items()  # some share a size
+        }
+        return [*few_motions(self.case.motions, self.case.peaks), *_beyond_tests(tests)]
 
     @property
     def sheet(self) -> list[dict[str, Any]]:
@@ -233,90 +207,79 @@ class Design(Shown):
             "source": {"citation": source["citation"], **source["bearing"]},
         }
 
-    @property
-    def plot(self) -> "DesignFigures":
-        """Figures: `design.plot.rounds()`, `.equal()`."""
-        from thermobearing.design.figures import DesignFigures
-
-        return DesignFigures(self)
-
-    @renamed(force="overwrite")
-    def save(self, directory: str | Path, *, overwrite: bool = False, figures: bool = True) -> Path:
-        """Write a result directory; see `save_design`.
-
-        Parameters
-        ----------
-        directory, force, figures : as in `save_design`.
-
-        Returns
-        -------
-        Path : the directory.
-
-        Raises
-        ------
-        OutputError : the directory exists and `force` is False, or it cannot be written.
-        """
-        from thermobearing.design.output import save_design
-
-        return save_design(self, Path(directory), overwrite=overwrite, figures=figures)
+    def _write(self, folder: Path) -> None:
+        (folder / files.RESOLVED).write_text(self.case.to_toml(), encoding="utf-8")
+        write_csv(folder / files.ROUNDS, self.table)
+        write_csv(folder / files.CHECKS, pd.DataFrame(self.sheet))
+        if len(self.temperatures):
+            write_csv(folder / files.TEMPERATURES, self.temperatures)
+        (folder / files.BEARINGS).mkdir()
+        bearings = {bearing.name: to_toml(bearing) for bearing in self.bearings}
+        bearings |= {item.bearing.name: to_toml(item.bearing) for item in self.equal}
+        for name, text in zip(file_names(bearings), bearings.values(), strict=True):
+            (folder / files.BEARINGS / f"{name}.toml").write_text(text, encoding="utf-8")
 
 
 @dataclass(frozen=True, repr=False)
-class BoundsReport(Shown):
+class BoundsReport(Result):
     """Bounding analyses beside the coupled model, for some bearings.
 
     Attributes
     ----------
-    tables : of `bounds_study`, by name of the bearing.
+    studies : tables of `bounds_study`, by name of the bearing.
     """
 
-    tables: dict[str, pd.DataFrame]
+    _figures: ClassVar[str] = "BoundsFigures"
+
+    studies: dict[str, pd.DataFrame]
 
     @property
     def table(self) -> pd.DataFrame:
         """All tables below each other."""
-        return pd.concat(
-            [
-                table.assign(bearing=name, structure=self.structure)
-                for name, table in self.tables.items()
-            ]
-        )
+        own = self.studies.items()
+        return pd.concat([t.assign(bearing=name, structure=self.structure) for name, t in own])
 
     @property
     def outcome(self) -> str:
         """Completed, or what ended a run early."""
-        ended = [name for t in self.tables.values() for name in t.attrs.get("ended", [])]
+        ended = [name for t in self.studies.values() for name in t.attrs.get("ended", [])]
         return ended[0] if ended else "completed"
 
     @property
     def sentence(self) -> str:
         """What the outcome means and what to try."""
-        said = [text for t in self.tables.values() for text in t.attrs.get("sentences", [])]
+        said = [text for t in self.studies.values() for text in t.attrs.get("sentences", [])]
         return said[0] if said else ""
 
     @property
     def tested_range(self) -> pd.DataFrame:
         """What the coupled model asks of the range that each bearing was tested in."""
-        return pd.DataFrame(_asked_by_bounds(self.tables))
+        found = [table.attrs.get("tested_range", []) for table in self.studies.values()]
+        return pd.DataFrame([row for rows in found for row in rows])
 
     @property
     def warnings(self) -> list[str]:
         """What a reader must know: what left the tested ranges."""
-        return _warnings_of_bounds(self.tables)
+        return _beyond_tests(
+            {
+                name: (table.attrs.get("tested_range", []), table.attrs.get("ranges"))
+                for name, table in self.studies.items()
+            }
+        )
 
     @property
     def structure(self) -> str:
         """What the bearings stand on."""
-        names = [str(table.attrs.get("structure", "")) for table in self.tables.values()]
+        names = [str(table.attrs.get("structure", "")) for table in self.studies.values()]
         return names[0] if names else ""
 
     @property
     def paragraphs(self) -> dict[str, str]:
         """The result in words, by name of the bearing."""
-        return {name: paragraph(table, name) for name, table in self.tables.items()}
+        return {name: paragraph(table, name) for name, table in self.studies.items()}
 
     def summary(self) -> dict[str, Any]:
-        """The content of summary.json."""
+        """Return the content of summary.json."""
         return {
             "command": "bounds",
             "structure": self.structure,
@@ -325,41 +288,17 @@ class BoundsReport(Shown):
             "warnings": self.warnings,
             **limits_summary(pd.DataFrame(), self.tested_range),
             "sentence": self.sentence,
-            "inputs": {name: table.attrs.get("inputs") for name, table in self.tables.items()},
+            "inputs": {name: table.attrs.get("inputs") for name, table in self.studies.items()},
             "paragraphs": self.paragraphs,
-            "rows": {name: table.to_dict("records") for name, table in self.tables.items()},
+            "rows": {name: table.to_dict("records") for name, table in self.studies.items()},
         }
 
-    @property
-    def plot(self) -> "BoundsFigures":
-        """Figures: `report.plot.demands(name)`."""
-        from thermobearing.design.figures import BoundsFigures
-
-        return BoundsFigures(self)
-
-    @renamed(force="overwrite")
-    def save(self, directory: str | Path, *, overwrite: bool = False, figures: bool = True) -> Path:
-        """Write a result directory; see `save_bounds`.
-
-        Parameters
-        ----------
-        directory, force, figures : as in `save_bounds`.
-
-        Returns
-        -------
-        Path : the directory.
-
-        Raises
-        ------
-        OutputError : the directory exists and `force` is False, or it cannot be written.
-        """
-        from thermobearing.design.output import save_bounds
-
-        return save_bounds(self, Path(directory), overwrite=overwrite, figures=figures)
+    def _write(self, folder: Path) -> None:
+        write_csv(folder / files.TABLE, self.table)
 
 
 @dataclass(frozen=True, repr=False)
-class FactorReport(Shown):
+class FactorReport(Result):
     """Temperature factors of a bearing, and what follows from them.
 
     Attributes
@@ -371,12 +310,14 @@ class FactorReport(Shown):
     sizes : table and results of `scale_study`, if it was wanted.
     """
 
+    _figures: ClassVar[str] = "FactorFigures"
+
     bearings: list[Bearing]
     table: pd.DataFrame
     reference: float
     motion: str
     cycles: str
-    sizes: tuple[pd.DataFrame, dict[float, Result]] | None = None
+    sizes: tuple[pd.DataFrame, dict[float, CyclicResult]] | None = None
 
     @property
     def name(self) -> str:
@@ -411,7 +352,7 @@ class FactorReport(Shown):
         return coldest_factors(self.table, self.strain)
 
     def summary(self) -> dict[str, Any]:
-        """The content of summary.json."""
+        """Return the content of summary.json."""
         return {
             "command": "lambda",
             "bearing": self.name,
@@ -437,29 +378,11 @@ class FactorReport(Shown):
             "published": [item.model_dump() for item in published_tables()],
         }
 
-    @property
-    def plot(self) -> "FactorFigures":
-        """Figures: `report.plot.factors()`, `.sizes()`."""
-        from thermobearing.design.figures import FactorFigures
-
-        return FactorFigures(self)
-
-    @renamed(force="overwrite")
-    def save(self, directory: str | Path, *, overwrite: bool = False, figures: bool = True) -> Path:
-        """Write a result directory; see `save_factors`.
-
-        Parameters
-        ----------
-        directory, force, figures : as in `save_factors`.
-
-        Returns
-        -------
-        Path : the directory.
-
-        Raises
-        ------
-        OutputError : the directory exists and `force` is False, or it cannot be written.
-        """
-        from thermobearing.design.output import save_factors
-
-        return save_factors(self, Path(directory), overwrite=overwrite, figures=figures)
+    def _write(self, folder: Path) -> None:
+        write_csv(folder / files.FACTORS, self.table)
+        write_csv(folder / files.BOUNDS, bounds_table(self.bounds))
+        for file, language in ((files.BOUNDS_TCL, "tcl"), (files.BOUNDS_PYTHON, "python")):
+            text = opensees_text(self.bounds, self.name, language)
+            (folder / file).write_text(text, encoding="utf-8")
+        if self.sizes is not None:
+            write_csv(folder / files.SCALE, self.sizes[0])

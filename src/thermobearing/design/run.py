@@ -32,7 +32,6 @@ from thermobearing.design.factors import (
 )
 from thermobearing.design.peaks import counted, judged
 from thermobearing.design.result import USABLE, BoundsReport, Design, FactorReport
-from thermobearing.design.rubber import equivalent_bilinear, load_curves, load_rubber
 from thermobearing.design.sizing import (
     Check,
     EqualBearing,
@@ -40,6 +39,9 @@ from thermobearing.design.sizing import (
     Search,
     design_values,
     equal_bearing,
+    equivalent_bilinear,
+    load_curves,
+    load_rubber,
     pier_checks,
     report_checks,
     size_bearing,
@@ -60,27 +62,7 @@ def _round_analysis(
     stiffnesses: Sequence[float],
     ambient: Sequence[float] = (BLIND,),
 ) -> EarthquakeCase:
-    """Return the dynamic analysis of a turn; eigenvalues and damping follow the K_B of each group.
-
-    Parameters
-    ----------
-    case : what is designed.
-    bearings : one for each group of lines.
-    stiffnesses : K_B of each group [kN/mm], > 0.
-    ambient : temperatures [degC].
-
-    Returns
-    -------
-    EarthquakeCase
-
-    Examples
-    --------
-    >>> from thermobearing.bearing.bilinear import load_bilinear
-    >>> from thermobearing.design.case import make_design_case
-    >>> bearing = load_bilinear("shen-bilinear-bridge")
-    >>> _round_analysis(make_design_case({}, "example"), [bearing], [2.6]).ambient
-    [23.0]
-    """
+    """Return the analysis of a turn; its eigenvalues and damping follow K_B of each group."""
     groups = case.groups
     place = {line: k for k, group in enumerate(groups) for line in group.lines}
     lines = [
@@ -118,19 +100,7 @@ class Turn:
 def sized(
     case: DesignCase, place: int, number: int, assumed: float
 ) -> tuple[Round, BilinearBearing]:
-    """Return the round of a group before its analysis, and its bilinear bearing.
-
-    Parameters
-    ----------
-    case : what is designed.
-    place : number of the group, from 0.
-    number : of the round.
-    assumed : displacement [mm], > 0.
-
-    Returns
-    -------
-    Round, without what is found, and the bearing.
-    """
+    """Return the round of a group before its analysis, and its bilinear bearing."""
     group, compound = case.groups[place], load_rubber(case.compound, case.compound_kind)
     size = size_bearing(assumed, bearing_weight(case, group), case.sizing)
     effective = case.effective_displacement_factor * assumed
@@ -226,7 +196,7 @@ def _ended(
 
 
 def _settled(search: Search, turn: Round, tolerance: float) -> str:
-    """How the search of a group ended."""
+    """Return how the search of a group ended."""
     if abs(turn.difference) <= tolerance or search.held is None:
         return (
             f"{_of(turn)}The displacement of {turn.found:.0f} mm is within {tolerance:.0%} of the "
@@ -242,7 +212,7 @@ def _settled(search: Search, turn: Round, tolerance: float) -> str:
 
 
 def _of(turn: Round) -> str:
-    """The group that a sentence is about, where there are several."""
+    """Return the group that a sentence is about, where there are several."""
     return f"{turn.group}: " if turn.group else ""
 
 
@@ -252,27 +222,7 @@ def at_every_air(
     equal: Sequence[Sequence[EqualBearing]],
     checks: Sequence[Check],
 ) -> pd.DataFrame:
-    """Return what the layered bearings do on the bridge at every temperature; see `judged`.
-
-    Parameters
-    ----------
-    case : what was designed.
-    rounds : of the turn that was taken, one for each group.
-    equal : layered bearings of their stiffness: of each template one for each group.
-    checks : their limits are kept.
-
-    Returns
-    -------
-    DataFrame : empty without layered bearings, or without temperatures.
-
-    Examples
-    --------
-    >>> from thermobearing.design.case import make_design_case
-    >>> from thermobearing.design.sizing import Size
-    >>> turn = Round(1, 178.0, Size(600.0, 8, 14.0), 2.6, 0.15, 125.4, 1.8, 9.5, 180.0, 1.2)
-    >>> len(at_every_air(make_design_case({}, "example"), [turn], [], []))
-    0
-    """
+    """Return what the layered bearings do on the bridge at every temperature; see `judged`."""
     if not equal or not case.ambient:
         return pd.DataFrame()
     stiffnesses = [turn.stiffness for turn in rounds]
@@ -362,30 +312,10 @@ def run_bounds(
     strain: float = DESIGN_STRAIN,
     **options: Any,
 ) -> BoundsReport:
-    """Is a bounding analysis good enough: `bounds_study` of some bearings.
+    """Compare a bounding analysis with the coupled model: `bounds_study` of some bearings.
 
-    Parameters
-    ----------
-    bearings : layered ones, library names or TOML files; the two of the bridge by default.
-    motions : names, files or tables as in an earthquake case; the first motion of each type
-        and ground by default.
-    ambient : temperatures at which the coupled model runs [degC]; at least two different ones.
-    strain : of the bilinear models, in [0.1, 3].
-    options : further keys of an earthquake case: structure, fixed_base, lines, duration, dt, ...
-
-    Returns
-    -------
-    BoundsReport
-
-    Raises
-    ------
-    InputError : anything out of range, unknown names.
-
-    Examples
-    --------
-    >>> report = run_bounds(["shen-hdr-bridge"], ["jra-ii-i-1"], [23.0, -20.0])
-    >>> report.paragraphs["shen-hdr-bridge"].split(":")[0]
-    'shen-hdr-bridge on pier-p1'
+    `ambient` [degC] has two different temperatures at least, `strain` of the bilinear models is in
+    [0.1, 3]; `options` are further keys of an earthquake case.
     """
     if len(set(ambient)) < 2:
         raise InputError("ambient: give at least two different temperatures")
@@ -412,33 +342,11 @@ def run_factors(
     cycles: str | Sequence[int] = "1-3",
     scale: bool = False,
 ) -> FactorReport:
-    """Temperature factors of a bearing, its bounds, and the size effect if wanted.
+    """Return temperature factors of a bearing, its bounds, and the size effect if wanted.
 
-    Parameters
-    ----------
-    bearings : layered ones, library names or TOML files; the first gives the values, several
-        (samples of a posterior) make bands.
-    reference : temperature [degC], in [-60, 60]; that of the first bearing's rubber by default.
-    temperatures : [degC], in [-60, 60].
-    strains : shear strain amplitudes, in [0.1, 3].
-    period : of the sine [s], in [0.2, 1000]; 2 by default.
-    speed : mean speed [mm/s] instead of the period, > 0.
-    cycles : "3", "1-3", "2-11", "all-but-first" (of five), or numbers from 1 to 100.
-    scale : study the first bearing at 1/6 of its size too.
-
-    Returns
-    -------
-    FactorReport
-
-    Raises
-    ------
-    InputError : anything out of range; an analysis that did not complete.
-
-    Examples
-    --------
-    >>> report = run_factors(["shen-hdr-bridge"], temperatures=[-20.0], strains=[1.0])
-    >>> [bound.name for bound in report.bounds]
-    ['lower', 'upper']
+    The first bearing gives the values, several (samples of a posterior) make bands. Temperatures
+    are [degC] in [-60, 60], strains in [0.1, 3]; `period` of the sine [s] or its mean `speed`
+    [mm/s]; `cycles` a name of `PRESETS` or numbers from 1 to 100.
     """
     chosen = [item if isinstance(item, Bearing) else load_bearing(item) for item in bearings]
     first = chosen[0]

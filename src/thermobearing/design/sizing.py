@@ -1,31 +1,126 @@
-"""Size a bearing round by round, and scale layered bearings to the same stiffness."""
+"""Design rubber, the size of a bearing round by round, layered bearings of the same stiffness."""
 
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
 from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.bearing.scaling import resized
-from thermobearing.border.errors import InputError
-from thermobearing.border.schema import Strict, in_unit
-from thermobearing.cyclic.equivalent import isothermal_cycle
+from thermobearing.border.errors import InputError, nearest
+from thermobearing.border.library import data_path
+from thermobearing.border.schema import Strict, in_unit, validated
+from thermobearing.border.toml import read_toml
+from thermobearing.core.records import Floats
+from thermobearing.cyclic.equivalent import isothermal_cycle, solve_backbone
 from thermobearing.cyclic.protocol import cyclic_test
 from thermobearing.cyclic.run import run
-from thermobearing.design.rubber import (
-    NEWTON_PER_KILONEWTON,
-    DesignRubber,
-    damping_ratio,
-    equivalent_stiffness,
-)
+from thermobearing.model.earlier import BilinearParameters
 
-Floats = NDArray[np.float64]
+# The rubber: JRA equivalent linearisation of high damping rubber (Eq. 6.1-6.3).
+NEWTON_PER_KILONEWTON = 1e3
+Kind = Literal["HDR", "HDR-S"]
+
+
+class DesignRubber(Strict):
+    """Coefficients of one rubber: G_e [MPa] and h_B by powers of the design shear strain."""
+
+    name: str
+    kind: Kind
+    shear_modulus: Annotated[list[float], Field(min_length=1)]
+    damping_ratio: Annotated[list[float], Field(min_length=1)]
+    note: str = ""
+
+
+class Curves(Strict):
+    """The file of design curves, with the strains it may be used for."""
+
+    citation: str
+    smallest_strain: Annotated[float, Field(ge=0)]
+    largest_strain: Annotated[float, Field(gt=0)]
+    compounds: list[DesignRubber]
+
+
+@cache
+def load_curves() -> Curves:
+    """Return the design curves shipped with the package."""
+    path = data_path("rubber", "jra-hdr.toml")
+    return validated(Curves, read_toml(path), str(path))
+
+
+def load_rubber(name: str, kind: Kind = "HDR") -> DesignRubber:
+    """Return a compound by name and kind."""
+    known = [item for item in load_curves().compounds if item.kind == kind]
+    for item in known:
+        if item.name == name:
+            return item
+    names = [item.name for item in known] or ["HDR", "HDR-S"]
+    wrong = name if known else kind
+    raise InputError(f'no {kind} rubber is called "{wrong}"{nearest(wrong, names)}')
+
+
+def checked_strain(strain: float) -> float:
+    """Return the strain, if the curves may be used for it."""
+    curves = load_curves()
+    if not curves.smallest_strain <= strain <= curves.largest_strain:
+        raise InputError(
+            f"design shear strain {strain:.3g}: the curves are for {curves.smallest_strain:g} to "
+            f"{curves.largest_strain:g}; choose a thicker or thinner bearing"
+        )
+    return strain
+
+
+def shear_modulus(compound: DesignRubber, strain: float) -> float:
+    """Return design equivalent shear modulus G_e [MPa] at a design shear strain (Eq. 6.2)."""
+    powers = np.arange(len(compound.shear_modulus))
+    return float(np.array(compound.shear_modulus) @ checked_strain(strain) ** powers)
+
+
+def damping_ratio(compound: DesignRubber, strain: float) -> float:
+    """Return design equivalent damping ratio h_B at a design shear strain (Eq. 6.3)."""
+    powers = np.arange(len(compound.damping_ratio))
+    return float(np.array(compound.damping_ratio) @ checked_strain(strain) ** powers)
+
+
+def equivalent_stiffness(
+    compound: DesignRubber, area: float, total_rubber_thickness: float, displacement: float
+) -> float:
+    """Return K_B = G_e A_e / sum t_e (Eq. 6.1) [kN/mm]."""
+    modulus = shear_modulus(compound, displacement / total_rubber_thickness)
+    return modulus * area / total_rubber_thickness / NEWTON_PER_KILONEWTON
+
+
+def equivalent_bilinear(
+    stiffness: float, damping: float, displacement: float, stiffness_ratio: float
+) -> BilinearParameters:
+    """Return bilinear model with a given equivalent stiffness and damping ratio at a displacement.
+
+    Equal peak force and loop area; the equation is at `equivalent.solve_backbone`.
+    """
+    for name, value, low, high in (
+        ("stiffness", stiffness, 0.0, np.inf),
+        ("damping", damping, 0.0, 0.6),
+        ("displacement", displacement, 0.0, np.inf),
+        ("stiffness_ratio", stiffness_ratio, 0.0, 1.0),
+    ):
+        if not low < value < high:
+            raise InputError(f"{name} = {value:g}: must be between {low:g} and {high:g}")
+    found = solve_backbone(stiffness, damping, displacement, stiffness_ratio)
+    if found is None:
+        raise InputError(
+            f"no bilinear model with K_2/K_1 = {stiffness_ratio:g} has a damping ratio of "
+            f"{damping:g}; try a smaller ratio"
+        )
+    return found
+
+
+# The size of a bearing.
 MOST_LAYERS = 60
 STRAIN_LIMIT, DUCTILITY_LIMIT = 2.5, 3.0  # Table 3.4, section 6.3.3
 
@@ -117,28 +212,7 @@ class Check:
 
 
 def size_bearing(displacement: float, weight: float, rules: SizingRules) -> Size:
-    """The smallest bearing that keeps the rules.
-
-    Parameters
-    ----------
-    displacement : design displacement u_B [mm], > 0.
-    weight : vertical load of one bearing [kN], > 0.
-    rules : of sizing.
-
-    Returns
-    -------
-    Size
-
-    Raises
-    ------
-    InputError : it would take more than 60 layers.
-
-    Examples
-    --------
-    >>> size = size_bearing(178.0, 784.8, SizingRules())
-    >>> size.side, size.layers
-    (600.0, 8)
-    """
+    """Return the smallest bearing that keeps the rules."""
     if not displacement > 0.0 or not weight > 0.0:
         raise InputError(f"displacement {displacement:g} mm and weight {weight:g} kN must be > 0")
     layers = max(1, math.ceil(displacement / (rules.design_strain * rules.layer_thickness) - 1e-9))
@@ -156,26 +230,7 @@ def size_bearing(displacement: float, weight: float, rules: SizingRules) -> Size
 def report_checks(
     size: Size, weight: float, strain: float, rules: SizingRules, part: str = ""
 ) -> list[Check]:
-    """The calculation sheet of a bearing: strain, stress, shape factors.
-
-    Parameters
-    ----------
-    size : of the bearing.
-    weight : vertical load of one bearing [kN], > 0.
-    strain : largest shear strain found.
-    rules : of sizing.
-    part : group of lines that it is about.
-
-    Returns
-    -------
-    list of Check
-
-    Examples
-    --------
-    >>> sheet = report_checks(Size(600.0, 8, 14.0), 784.5, 1.6, SizingRules())
-    >>> {check.verdict for check in sheet}
-    {'OK'}
-    """
+    """Return the calculation sheet of a bearing: strain, stress, shape factors."""
     stress = weight * NEWTON_PER_KILONEWTON / size.area
     first, second = size.first_shape_factor, size.second_shape_factor
     far = "largest strain tested, Table 3.4"
@@ -191,22 +246,7 @@ def report_checks(
 
 
 def pier_checks(ductility: Mapping[str, float], rules: SizingRules) -> list[Check]:
-    """Return the check of the ductility of every pier that has a hinge.
-
-    Parameters
-    ----------
-    ductility : by name of the pier, empty where there is one; NaN without a hinge.
-    rules : of sizing.
-
-    Returns
-    -------
-    list of Check
-
-    Examples
-    --------
-    >>> [check.verdict for check in pier_checks({"P1": 1.2, "P2": 3.5}, SizingRules())]
-    ['OK', 'NG']
-    """
+    """Return the check of the ductility of every pier that has a hinge."""
     large = "a large value for a pier in an isolated bridge, section 6.3.3"
     large = large if rules.ductility_limit == DUCTILITY_LIMIT else "sizing.ductility_limit"
     return [
@@ -217,29 +257,7 @@ def pier_checks(ductility: Mapping[str, float], rules: SizingRules) -> list[Chec
 
 
 def design_values(compound: DesignRubber, size: Size, displacement: float) -> tuple[float, float]:
-    """K_B [kN/mm] and h_B of a size at a displacement.
-
-    Parameters
-    ----------
-    compound : from `load_rubber`.
-    size : of the bearing.
-    displacement : [mm], within the strains of the curves.
-
-    Returns
-    -------
-    K_B [kN/mm] and h_B.
-
-    Raises
-    ------
-    InputError : the strain is outside the range of the curves.
-
-    Examples
-    --------
-    >>> from thermobearing.design.rubber import load_rubber
-    >>> stiffness, damping = design_values(load_rubber("G8"), Size(600.0, 8, 14.0), 178.0)
-    >>> round(stiffness, 3), round(damping, 4)
-    (2.614, 0.1513)
-    """
+    """Return K_B [kN/mm] and h_B of a size at a displacement."""
     thickness = size.total_rubber_thickness
     stiffness = equivalent_stiffness(compound, size.area, thickness, displacement)
     return stiffness, damping_ratio(compound, displacement / thickness)
@@ -271,24 +289,7 @@ class EqualBearing:
 
 
 def with_side(template: Bearing, side: float, layers: int) -> Bearing:
-    """The template with another square plan and number of layers; its compound stays.
-
-    Parameters
-    ----------
-    template : a layered bearing with a square plan.
-    side : of the plan [mm], its square larger than the lead.
-    layers : number of rubber layers, >= 1.
-
-    Returns
-    -------
-    Bearing, not checked again: quick, for a search.
-
-    Examples
-    --------
-    >>> from thermobearing.bearing.library import load_bearing
-    >>> with_side(load_bearing("shen-hdr-bridge"), 400.0, 5).name
-    'hdr-400-5x17'
-    """
+    """Return the template with another square plan and number of layers; its compound stays."""
     plan = template.geometry.plan.model_copy(update={"side": side})
     geometry = template.geometry.model_copy(update={"plan": plan, "rubber_layers": layers})
     return resized(template, geometry).model_copy(
@@ -375,25 +376,7 @@ def _stiffness(template: Bearing, side: float, layers: int, strain: float) -> fl
 
 
 def third_cycle(bearing: Bearing, displacement: float) -> tuple[Floats, Floats]:
-    """Displacement [mm] and force [kN] of a bearing's third cycle, from soaked, with heating.
-
-    Parameters
-    ----------
-    bearing : layered.
-    displacement : amplitude of the cycles [mm], > 0; the test begins at the reference
-        temperature of the rubber.
-
-    Returns
-    -------
-    displacement [mm] and force [kN] of the steps of the cycle.
-
-    Examples
-    --------
-    >>> from thermobearing.bearing.library import load_bearing
-    >>> x, force = third_cycle(load_bearing("shen-hdr-bridge"), 178.0)
-    >>> round(float(x.max())), bool(force.max() > 0.0)
-    (178, True)
-    """
+    """Displacement [mm] and force [kN] of a bearing's third cycle, from soaked, with heating."""
     strain = displacement / bearing.total_rubber_thickness
     test = cyclic_test(strain=[strain], cycles=3, closing_strain=None)
     result = run(bearing, test, bearing.hysteresis.reference_temperature)
@@ -437,7 +420,7 @@ class Round:
         return self.found / self.assumed - 1.0
 
     def row(self) -> dict[str, Any]:
-        """The round as people read it."""
+        """Return the round as people read it."""
         return {
             "round": self.number,
             **({"group": self.group} if self.group else {}),
@@ -458,43 +441,13 @@ class Round:
 
 
 def size_name(turn: Round) -> str:
-    """A size in words.
-
-    Parameters
-    ----------
-    turn : a round of the loop.
-
-    Returns
-    -------
-    str
-
-    Examples
-    --------
-    >>> size_name(Round(1, 178.0, Size(600.0, 8, 14.0), 2.6, 0.15, 125.4, 1.8, 9.5, 180.0, 1.2))
-    '600 mm with 8x14 mm'
-    """
+    """Return a size in words."""
     size = turn.size
     return f"{size.side:g} mm with {size.layers}x{size.layer_thickness:g} mm"
 
 
 def two_sizes(rounds: Sequence[Round], tolerance: float) -> tuple[Round, Round] | None:
-    """Rounds on both sides of a jump between two sizes where no design is; None if there may be.
-
-    Parameters
-    ----------
-    rounds : so far.
-    tolerance : on found over assumed displacement, > 0.
-
-    Returns
-    -------
-    The round that moves farther than it is sized for, and the one that moves less; they are sized
-    for nearly the same displacement. None while such a pair is not known.
-
-    Examples
-    --------
-    >>> two_sizes([], 0.01) is None
-    True
-    """
+    """Rounds on both sides of a jump between two sizes where no design is; None if there may be."""
     short = [turn for turn in rounds if turn.difference > tolerance]
     ample = [turn for turn in rounds if turn.difference < -tolerance]
     if not short or not ample:
