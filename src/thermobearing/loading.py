@@ -12,8 +12,7 @@ from thermobearing.cyclic.result import Result, load_cyclic
 from thermobearing.earthquake.result import EarthquakeResult, load_study
 from thermobearing.results.directory import BEARINGS, DATASET, IDENTIFIED, PARTS
 from thermobearing.results.saved import SavedResult, is_saved, read_dataset, read_saved
-from thermobearing.sequences.output import load_sequence
-from thermobearing.sequences.result import SequenceResult
+from thermobearing.sequences.result import SequenceResult, load_sequence
 from thermobearing.studies.output import is_study, study_result
 from thermobearing.studies.result import StudyResult
 

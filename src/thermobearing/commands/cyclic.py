@@ -229,7 +229,6 @@ def sequence(
     """Hybrid and cyclic tests and rests, one after the other on one specimen."""
     from thermobearing.results.directory import check_target
     from thermobearing.sequences.case import load_sequence_case
-    from thermobearing.sequences.output import print_sequence
     from thermobearing.sequences.run import run_sequence
 
     complete = load_sequence_case(case, bearing=bearing, ambient=ambient, rig=rig)
@@ -239,5 +238,5 @@ def sequence(
     result.save(target, overwrite=overwrite, figures=not no_figures)
     if not quiet:
         with contextlib.suppress(KeyboardInterrupt):  # the result is safe by now
-            print_sequence(result)
+            result.show()
     return written(result.outcome, result.sentence, target, documents, as_json=as_json, quiet=quiet)

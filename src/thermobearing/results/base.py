@@ -120,14 +120,19 @@ class Result:
         def fill(folder: Path) -> None:
             self._write(folder)
             write_limits(folder, self.rig, self.tested_range)
-            if figures and self._figures:
-                self.plot.save_all(folder / FIGURES)
+            if figures:
+                self._draw(folder)
             write_summary(folder, self.summary())
 
         return write_directory(Path(directory), fill, overwrite=overwrite)
 
     def _write(self, folder: Path) -> None:
         """Write the files of the analysis but summary.json, limits and figures."""
+
+    def _draw(self, folder: Path) -> None:
+        """Draw the figures into a result directory."""
+        if self._figures:
+            self.plot.save_all(folder / FIGURES)
 
     def report(self, directory: str | Path, **options: Any) -> list[Path]:
         """Write report.html and report.pdf; see `thermobearing.make_report`."""

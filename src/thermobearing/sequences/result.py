@@ -1,28 +1,40 @@
 """What a sequence left behind: the results of its parts, one table, one figure."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
 import thermobearing
-from thermobearing.border.deprecated import renamed
-from thermobearing.border.showing import Shown
-from thermobearing.cyclic.result import Result
-from thermobearing.earthquake.result import EarthquakeResult
+from thermobearing.border.errors import InputError, is_file
+from thermobearing.cyclic.result import Result as CyclicResult
+from thermobearing.cyclic.result import load_cyclic
+from thermobearing.earthquake.result import EarthquakeResult, load_study
 from thermobearing.model.outcomes import INTERRUPTED, SENTENCES
-from thermobearing.results.ranges import one_per_cause
-from thermobearing.results.writing import limits_summary
-from thermobearing.sequences.case import SequenceCase
+from thermobearing.quantities.register import Quantity, quantity
+from thermobearing.quantities.tables import Table, make_table
+from thermobearing.results.base import COMPLETED, Result
+from thermobearing.results.directory import FIGURES, PARTS, RESOLVED, TABLE
+from thermobearing.results.ranges import TESTED, one_per_cause
+from thermobearing.results.writing import limits_summary, write_csv
+from thermobearing.sequences.case import HybridPart, SequenceCase, load_sequence_case
 
-if TYPE_CHECKING:
-    from thermobearing.sequences.output import SequenceFigures
+PartResult = CyclicResult | EarthquakeResult
+MARKED = "Marked: beyond what the bearing was tested at"
+COLUMNS: tuple[str | Quantity, ...] = (
+    *("part", "kind", "ambient_degC"),
+    quantity("duration_s", head="Duration"),
+    "displacement_end_mm",
+    quantity("displacement_max_mm", head="Displacement"),
+    "strain_max",
+    "force_start_kN",
+    quantity("force_max_kN", head="Largest force", form=".1f"),
+    *("force_min_kN", "energy_kN_mm"),
+)
 
-PartResult = Result | EarthquakeResult
 
-
-class SequenceResult(Shown):
+class SequenceResult(Result):
     """Parts one after the other on one specimen.
 
     Attributes
@@ -32,6 +44,8 @@ class SequenceResult(Shown):
         far as they came.
     interrupted : whether somebody stopped it.
     """
+
+    _figures = "SequenceFigures"
 
     def __init__(
         self, case: SequenceCase, parts: list[PartResult], *, interrupted: bool = False
@@ -46,28 +60,23 @@ class SequenceResult(Shown):
     @property
     def headline(self) -> str:
         """What it is, in a line."""
-        name = self.case.bearing.name
-        return f"SequenceResult of {name}: {len(self.parts)} parts, {self.outcome}"
+        count = f"{len(self.parts)} parts"
+        return f"{self.case.name}: {self.case.bearing.name}, {count}, {self.outcome}"
 
-    def show(self) -> None:
-        """Print the tables that the command prints."""
-        from thermobearing.sequences.output import print_sequence
-
-        print_sequence(self)
+    @property
+    def _ended(self) -> PartResult | None:
+        return next((part for part in self.parts if part.outcome != COMPLETED), None)
 
     @property
     def outcome(self) -> str:
         """Completed, or what ended a part early."""
-        if self.interrupted:
-            return INTERRUPTED
-        ended = [part.outcome for part in self.parts if part.outcome != "completed"]
-        return ended[0] if ended else "completed"
+        ended = self._ended.outcome if self._ended else COMPLETED
+        return INTERRUPTED if self.interrupted else ended
 
     @property
     def sentence(self) -> str:
         """What the outcome means and what to try."""
-        ended = [part.sentence for part in self.parts if part.outcome != "completed"]
-        return ended[0] if ended else SENTENCES[self.outcome]
+        return self._ended.sentence if self._ended else SENTENCES[self.outcome]
 
     @property
     def warnings(self) -> list[str]:
@@ -166,21 +175,65 @@ class SequenceResult(Shown):
             ],
         }
 
-    @property
-    def plot(self) -> "SequenceFigures":
-        """Figures: `result.plot.sequence()`."""
-        from thermobearing.sequences.output import SequenceFigures
+    def tables(self) -> dict[str, Table]:
+        """Parts with what they reached, and the temperatures at their ends."""
+        return {"parts": _parts_table(self)} if self.parts else {}
 
-        return SequenceFigures(self)
+    def _write(self, folder: Path) -> None:
+        (folder / RESOLVED).write_text(self.case.to_toml(), encoding="utf-8")
+        write_csv(folder / TABLE, self.table)
+        for number, part in enumerate(self.parts):
+            part.save(folder / PARTS / self.case.label(number), figures=False)
 
-    @renamed(force="overwrite")
-    def save(self, directory: str | Path, *, overwrite: bool = False, figures: bool = True) -> Path:
-        """Write a result directory with a folder of each part; see docs/files.md."""
-        from thermobearing.sequences.output import save_sequence
-
-        return save_sequence(self, Path(directory), overwrite=overwrite, figures=figures)
+    def _draw(self, folder: Path) -> None:
+        for number, part in enumerate(self.parts):
+            part.plot.save_all(folder / PARTS / self.case.label(number) / FIGURES)
+        if self.parts:
+            super()._draw(folder)
 
 
 def _passed(table: pd.DataFrame) -> str:
-    """Names of the limits that a part passes."""
+    """Return the names of the limits that a part passes."""
     return " ".join(table["limit"][table["passed"]]) if len(table) else ""
+
+
+def _parts_table(result: SequenceResult) -> Table:
+    rubber = result.case.bearing.total_rubber_thickness
+    frame = result.table.assign(strain_max=lambda rows: rows["displacement_max_mm"] / rubber)
+    names = [n.removesuffix("_start_degC") for n in map(str, frame) if n.endswith("_start_degC")]
+    layers = [name for name in names if name.startswith("rubber")]
+    stems = {layers[-1]: "Inner rubber"} if layers else {}
+    stems |= {"lead": "Lead"} if "lead" in names else {}
+    columns = list(COLUMNS)
+    for stem, words in stems.items():
+        for end, head in (("start", f"{words}: start"), ("end", "end")):
+            columns.append(Quantity(head, "°C", ".1f", f"{stem}_{end}_degC"))
+    if (frame["outcome"] != COMPLETED).any():
+        frame["outcome"] = frame["outcome"].str.replace("_", " ")
+        columns.append(quantity("outcome", head="Ended"))
+    places = {"ambient": "ambient_degC", "strain": "strain_max"}
+    if "lead" in stems:
+        places["lead_temperature"] = "lead_end_degC"
+    limits = [str(text).split() for text in frame["beyond_tested"]]
+    marked = {name: [limit in row for row in limits] for limit, name in places.items()}
+    others = {limit for row in limits for limit in row if limit not in places}
+    marked["part"] = [bool(set(row) & others) for row in limits]
+    also = ", ".join(sorted(TESTED[limit][1] for limit in others))
+    note = f"{MARKED}{f' (a part: {also})' if also else ''}." if any(limits) else ""
+    caption = "Parts of the sequence"
+    return make_table(frame, columns, caption, marked=marked, note=note)
+
+
+def load_sequence(path: str | Path) -> SequenceResult:
+    """Return a saved sequence; InputError where there is no readable one."""
+    folder = Path(path)
+    if not is_file(folder / RESOLVED):
+        raise InputError("is no result of a sequence: no case.resolved.toml", str(folder))
+    case = load_sequence_case(folder / RESOLVED)
+    parts: list[PartResult] = []
+    for number, part in enumerate(case.parts):
+        place = folder / PARTS / case.label(number)
+        if place.is_dir():
+            parts.append(load_study(place) if isinstance(part, HybridPart) else load_cyclic(place))
+    ended = bool(parts) and parts[-1].outcome != COMPLETED
+    return SequenceResult(case, parts, interrupted=len(parts) < len(case.parts) and not ended)

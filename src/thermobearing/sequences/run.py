@@ -72,23 +72,7 @@ def sequence(
 
 
 def run_sequence(case: SequenceCase, *, progress: Progress | None = None) -> SequenceResult:
-    """Carry out a sequence; a part that ends early is the last (see `SequenceResult.outcome`).
-
-    Parameters
-    ----------
-    case : from `load_sequence_case` or `make_sequence_case`.
-    progress : called with (parts done, all parts).
-
-    Returns
-    -------
-    SequenceResult
-
-    Examples
-    --------
-    >>> rest = {"parts": [{"part": "rest", "duration": "1 h"}]}
-    >>> run_sequence(make_sequence_case(rest, "example")).outcome
-    'completed'
-    """
+    """Run a sequence; a part that ends early is the last. `progress`: called with (done, all)."""
     check_workers("run_sequence()", progress=progress)
     found: list[Result | EarthquakeResult] = []
     state: SpecimenState | None = None
@@ -154,7 +138,6 @@ def _build_element(case: SequenceCase, air: float, state: SpecimenState) -> Bear
 
 
 def _run_part(case: Case | EarthquakeCase) -> tuple[Result | EarthquakeResult, SpecimenState]:
-    """What a part leaves behind, and where the specimen is then."""
     if isinstance(case, Case):
         result = run_case(case)
         return result, final_state(result.dataset, case.ambient)
