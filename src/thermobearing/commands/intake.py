@@ -50,7 +50,6 @@ def intake(
     and left out (exit status 2). For example:
     `thermobearing intake cold.xlsx warm.csv --bearing shen-hdr-specimen -o looked`
     """
-    from thermobearing.intake.output import print_intakes
     from thermobearing.intake.run import take_in
     from thermobearing.results.directory import check_target
 
@@ -59,7 +58,7 @@ def intake(
     found = take_in(files, bearing)
     found.save(target, overwrite=overwrite, figures=not no_figures, beside=beside)
     if not quiet:
-        print_intakes(found)
+        found.show()
     told = "\n".join(found.problems)
     return written(found.outcome, told, target, as_json=as_json, quiet=quiet)
 

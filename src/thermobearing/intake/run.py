@@ -1,23 +1,251 @@
-"""The story of an intake: a file, read as every command reads it -> a test -> its sidecar.
+"""The steps of an intake: a file, read as every command reads it -> a test -> its sidecar.
 
 Nothing is fitted and nothing is removed; what was guessed stands in the sidecar, to be corrected.
 """
 
+import os
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
+import tomli_w
+
 from thermobearing.bearing.model import Bearing
-from thermobearing.border.errors import InputError
-from thermobearing.identify.records.checks import check_test
-from thermobearing.identify.records.record import build_record
-from thermobearing.intake.result import Intake, Intakes
+from thermobearing.border.deprecated import renamed
+from thermobearing.border.errors import InputError, OutputError, printable
+from thermobearing.border.text_file import file_names
+from thermobearing.core.records import Floats
+from thermobearing.identify.records.checks import CheckReport, check_test
+from thermobearing.identify.records.record import TestRecord, build_record
+from thermobearing.identify.records.treatment import Treatment
+from thermobearing.quantities.register import Quantity
+from thermobearing.quantities.tables import Table
+from thermobearing.results.base import COMPLETED, Result
+from thermobearing.results.directory import SIDECARS, check_target
+from thermobearing.results.screen import say, show_table
 from thermobearing.tables.guess import ColumnGuess
 from thermobearing.tables.laboratory import COLUMNS, Readings, read_laboratory
 from thermobearing.tables.text import SEPARATORS
 
 FEWEST = 10  # rows of numbers that make a test
 TABLES = ("columns", "units", "thermocouples")
+USED = (*COLUMNS, "strain")
+HEADS = [Quantity(head) for head in ("column", "unit", "taken as", "because of")]
+
+
+@dataclass(frozen=True)
+class Intake:
+    """What was found in one file."""
+
+    file: Path
+    sheet: str  # of a workbook, "" for text
+    separator: str
+    decimal: str
+    rows: int  # of numbers
+    blocks: int  # that the file or its clock is cut into
+    columns: list[ColumnGuess]
+    record: TestRecord  # as the sidecar reads it
+    report: CheckReport
+    sidecar: dict[str, Any]  # its keys, those of a sidecar that is there already among them
+    folder: Path  # that the files named in `sidecar` are seen from
+    kept: list[str] = field(default_factory=list)  # keys that came from the sidecar
+    ambient: Floats | None = None  # samples of the column [degC], where there is one
+
+    @property
+    def treatment(self) -> Treatment | None:
+        """Rests, spikes and drift; None where the record is no test."""
+        return self.report.treatment
+
+    @property
+    def ambient_is_assumed(self) -> bool:
+        """Whether neither a column nor a sidecar states the ambient temperature."""
+        return "ambient" in self.sidecar and "ambient" not in self.kept
+
+    def table(self) -> Table:
+        """What each column is taken for, under a line about the file."""
+        form = f'sheet "{self.sheet}"' if self.sheet else f"separated by {self.separator}"
+        comma = "decimal comma, " if self.decimal == "," else ""
+        blocks = "1 block" if self.blocks == 1 else f"{self.blocks} blocks"
+        length = float(self.record.time[-1] - self.record.time[0])
+        caption = (
+            f"{self.file.name}: {form}, {comma}{self.rows} rows in {blocks}, {length:.4g} s, "
+            f"ambient {self.record.ambient:.3g} degC"
+        )
+        rows = []
+        for column in self.columns:
+            unit = f"{column.assumed} (assumed)" if column.assumed else column.unit
+            taken, why = column.holds if column.holds in USED else "not used", column.why
+            if column.holds == "temperature":
+                taken = column.place or taken
+                why = why if column.place else "a thermocouple? say where it sits"
+            rows.append([printable(text) for text in (column.title, unit, taken, why)])
+        return Table(printable(caption), HEADS, rows, keys=len(HEADS))
+
+    def summary(self) -> dict[str, Any]:
+        """Content of summary.json about the file."""
+        return {
+            "file": str(self.file),
+            "sheet": self.sheet,
+            "separator": self.separator,
+            "decimal": self.decimal,
+            "rows": self.rows,
+            "blocks": self.blocks,
+            "ambient_degC": self.record.ambient,
+            "columns": [vars(column) for column in self.columns],
+            "unused_columns": list(self.record.unused),
+            "findings": [vars(finding) for finding in self.report.findings],
+            "treatment": self.treatment.summary() if self.treatment else None,
+            "sidecar": self.sidecar,
+        }
+
+    def sidecar_text(self, folder: Path) -> str:
+        """Return TOML that `load_test` reads, with comments on what to look at.
+
+        Files are named as seen from the folder that the sidecar will stand in.
+        """
+        keys = {key: value for key, value in self.sidecar.items() if not isinstance(value, dict)}
+        if "file" in keys:
+            keys["file"] = _seen_from(folder, self.folder / keys["file"])
+        if "blocks" in keys:
+            keys["blocks"] = [
+                block | {"file": _seen_from(folder, self.folder / block["file"])}
+                for block in keys["blocks"]
+            ]
+        lines = [f"# {self.file.name}, as thermobearing intake found it; correct it and keep it."]
+        lines += [f"# {finding.level}: {finding.sentence}" for finding in self.report.findings]
+        lines += [tomli_w.dumps(keys).strip(), *self._suggestions()]
+        assumed = [column.title for column in self.columns if column.assumed]
+        for name, table in self.sidecar.items():
+            if isinstance(table, dict):
+                lines.append("")
+                if name == "units" and assumed:
+                    lines.append(f"# assumed, the file does not say: {', '.join(assumed)}")
+                lines.append(tomli_w.dumps({name: table}).strip())
+        placeless = [c.title for c in self.columns if c.holds == "temperature" and not c.place]
+        if placeless and "thermocouples" not in self.sidecar:
+            lines += ["", "# [thermocouples]  # rubber 1 is the outer layer; or lead"]
+        lines += [f"# {tomli_w.dumps({title: 'rubber 1'}).strip()}" for title in placeless]
+        marked = [printable(line) if line.startswith("#") else line for line in lines]
+        return "\n".join(marked) + "\n"
+
+    def _suggestions(self) -> list[str]:
+        """Keys that may be wanted, as comments."""
+        treatment = self.treatment
+        spikes = treatment is not None and any(s.any() for s in treatment.spikes.values())
+        drifting = list(treatment.drifts) if treatment is not None else []
+        which = drifting[0] if len(drifting) == 1 else "both"
+        suggestions = {
+            '# bearing = "..."  # geometry and materials: a name, or a file beside this one': (
+                "bearing" not in self.sidecar
+            ),
+            "# rest_before: how long the bearing rested before each block": (
+                "blocks" in self.sidecar
+            ),
+            "# ambient: no column states it; correct it": self.ambient_is_assumed,
+            "# despike = true  # take the spikes out": spikes,
+            f'# detrend = "{which}"  # take the drift out': bool(drifting),
+        }
+        return [line for line, wanted in suggestions.items() if wanted]
+
+
+def _seen_from(folder: Path, file: Path) -> str:
+    """A file as seen from a folder; its whole path where they share none (another drive)."""
+    try:
+        return Path(os.path.relpath(file.resolve(), folder.resolve())).as_posix()
+    except ValueError:
+        return file.resolve().as_posix()
+
+
+@dataclass(frozen=True, repr=False)
+class Intakes(Result):
+    """What was found in several files; `problems` states why others could not be read."""
+
+    _figures = "IntakeFigures"
+
+    files: list[Intake]
+    problems: list[str] = field(default_factory=list)
+
+    @property
+    def outcome(self) -> str:
+        """How it ended: "completed", or "files_left_out"."""
+        return "files_left_out" if self.problems else COMPLETED
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the files of sidecars and figures."""
+        return file_names(item.file.stem for item in self.files)
+
+    @property
+    def table(self) -> pd.DataFrame:
+        """What each column of each file is taken for."""
+        rows = [
+            {"file": item.file.name, **vars(column)}
+            for item in self.files
+            for column in item.columns
+        ]
+        return pd.DataFrame(rows)
+
+    def show(self) -> None:
+        """Print columns and findings of each file."""
+        for item in self.files:
+            show_table(item.table())
+            for finding in item.report.findings:
+                level = finding.level.upper() if finding.level == "refused" else finding.level
+                say(printable(f"  {level:8} {finding.check}: {finding.sentence}"))
+
+    def summary(self) -> dict[str, Any]:
+        """Return the content of summary.json: for each file what was found in it."""
+        return {
+            "command": "intake",
+            "outcome": self.outcome,
+            "problems": list(self.problems),
+            "files": [item.summary() for item in self.files],
+        }
+
+    @renamed(force="overwrite")
+    def save(
+        self,
+        directory: str | Path,
+        *,
+        overwrite: bool = False,
+        figures: bool = True,
+        beside: bool = False,
+    ) -> Path:
+        """Write summary.json, a sidecar and a picture for each file.
+
+        With `beside`, each sidecar goes beside its file too, where `load_test` finds it; never over
+        one that is there. See `Result.save` for the other arguments.
+        """
+        check_target(Path(directory), overwrite=overwrite)
+        targets = [item.file.with_suffix(".toml") for item in self.files] if beside else []
+        there = [str(path) for path in targets if path.exists()]
+        if there or len(set(targets)) < len(targets):
+            first = there[0] if there else str(targets[0])
+            raise OutputError(f"{first}: is there already; correct it, or leave out --beside")
+        written = super().save(directory, overwrite=overwrite, figures=figures)
+        for item, path in zip(self.files, targets, strict=False):
+            _put(path, item.sidecar_text(path.parent))
+        return written
+
+    def _write(self, folder: Path) -> None:
+        (folder / SIDECARS).mkdir()
+        for item, name in zip(self.files, self.names, strict=True):
+            text = item.sidecar_text(folder / SIDECARS)
+            (folder / SIDECARS / f"{name}.toml").write_text(text, encoding="utf-8")
+
+
+def _put(path: Path, text: str) -> None:
+    """Write a new file, whole or not at all."""
+    partial_file = path.with_name(f".{path.name}.partial")
+    try:
+        partial_file.write_text(text, encoding="utf-8")
+        os.link(partial_file, path)  # unlike a replacement it never covers what is there
+    except OSError as error:
+        raise OutputError(f"{path}: cannot be written: {error.strerror or error}") from error
+    finally:
+        partial_file.unlink(missing_ok=True)
 
 
 def take_in(
@@ -32,7 +260,7 @@ def take_in(
 
     Returns
     -------
-    Intakes : of the files that could be read; `problems` says why others could not.
+    Intakes : of the files that could be read; `problems` states why others could not.
 
     Raises
     ------
@@ -60,25 +288,23 @@ def take_in(
     found, problems = [], []
     for file in some:
         try:
-            found.append(_one(Path(file), bearing))
+            found.append(_take_in_one(Path(file), bearing))
         except InputError as error:
-            problems += (
-                error.lines() if error.where else [f"{file}: {one}" for one in error.problems]
-            )
+            problems += error.located(file).lines()
     if not found:
         raise InputError(problems)
     return Intakes(found, problems)
 
 
-def _one(path: Path, bearing: Bearing | str | Path | None) -> Intake:
+def _take_in_one(path: Path, bearing: Bearing | str | Path | None) -> Intake:
     readings = read_laboratory(path)
     found, given = readings.recognised, readings.given
-    if len(readings.values["time"]) < FEWEST:
-        rows = len(readings.values["time"])
+    if len(readings.block) < FEWEST:
+        rows = len(readings.block)
         raise InputError(f"has {rows} rows of numbers; at least {FEWEST} are needed", str(path))
     parts = int(readings.block[-1]) + 1
     record = build_record(readings)
-    keys = _files(readings, parts) | _tables(found.columns)
+    keys = _file_keys(readings, parts) | _column_keys(found.columns)
     if readings.sidecar.flip_force:
         keys["flip_force"] = True
     for name in TABLES:
@@ -106,7 +332,7 @@ def _one(path: Path, bearing: Bearing | str | Path | None) -> Intake:
     )
 
 
-def _files(readings: Readings, parts: int) -> dict[str, Any]:
+def _file_keys(readings: Readings, parts: int) -> dict[str, Any]:
     """The keys of a sidecar for the file: its name, its sheet, or its blocks."""
     found, given = readings.recognised, readings.given
     if {"file", "blocks"} & given.keys():
@@ -121,7 +347,7 @@ def _files(readings: Readings, parts: int) -> dict[str, Any]:
     return {"blocks": [blocks[0], *(block | {"rest_before": "0 s"} for block in blocks[1:])]}
 
 
-def _tables(columns: list[ColumnGuess]) -> dict[str, Any]:
+def _column_keys(columns: list[ColumnGuess]) -> dict[str, Any]:
     """The keys of a sidecar for what the columns were taken for."""
     keys: dict[str, dict[str, str]] = {name: {} for name in TABLES}
     for column in columns:
