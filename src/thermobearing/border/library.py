@@ -79,12 +79,7 @@ class Sourced(Strict):
         return dict(self._sources)
 
     def with_sources(self, sources: Mapping[str, str]) -> Self:
-        """The same, remembering where its numbers come from.
-
-        Parameters
-        ----------
-        sources : by dotted key.
-        """
+        """Return the same with the sources of its numbers by dotted key."""
         copy = self.model_copy()
         copy._sources = dict(sources)
         return copy
@@ -102,12 +97,7 @@ class Library:
         return list(_names(self.folder))
 
     def path(self, name_or_path: str | Path) -> Path:
-        """The file that a name or a path stands for.
-
-        Raises
-        ------
-        InputError : nothing has that name.
-        """
+        """Return the file that a name or a path stands for."""
         text = str(name_or_path)
         names = self.names()
         if text in names:
@@ -119,13 +109,9 @@ class Library:
     def table(
         self, name_or_path: str | Path, above: tuple[Path, ...] = ()
     ) -> tuple[dict[str, Any], str]:
-        """The table of a file with its sources, and its path for messages; see `path`.
+        """Return the table of a file with its sources, and its path for messages; see `path`.
 
         A file with the key `based_on`, a name or a file beside it, has only what differs from that.
-
-        Raises
-        ------
-        InputError : nothing has that name, or a file is based on itself.
         """
         path = self.path(name_or_path)
         built_in = str(name_or_path) in self.names()
@@ -147,24 +133,13 @@ class Library:
         return split_sources(table)[0], where
 
     def load(self, model: type[S], name_or_path: str | Path) -> S:
-        """A thing by name or file, with the sources of its numbers.
-
-        Raises
-        ------
-        InputError : nothing has that name, or faults in the file.
-        """
+        """Return a thing by name or file, with the sources of its numbers."""
         table, where = self.table(name_or_path)
         values, sources = split_sources(table)
         return validated(model, values, where).with_sources(sources)
 
     def sources(self, model: type[Strict], table: Mapping[str, Any]) -> dict[str, str]:
-        """Sources of those values of a thing that are as in the built-in one of its name.
-
-        Parameters
-        ----------
-        model : of the thing.
-        table : of it, as `to_table` writes it; resolved cases hold no sources.
-        """
+        """Return the sources of those values of a table that are as in the built-in one."""
         name = str(table.get("name", ""))
         if name not in self.names():
             return {}
@@ -175,12 +150,9 @@ class Library:
 def sources_to_keep(
     things: Iterable[tuple[Library, Sourced]], told: Mapping[str, Mapping[str, str]] | None = None
 ) -> dict[str, dict[str, str]] | None:
-    """Sources of the numbers of things that their library cannot tell again; None without any.
+    """Return the sources of numbers of things that their library does not hold; None without any.
 
-    Parameters
-    ----------
-    things : bearings, structures, rigs, each with the library of its kind.
-    told : sources that a case brings along, by name of the thing; of others they are left out.
+    `told` are sources that a case brings along, by name of the thing.
     """
     found: dict[str, dict[str, str]] = {}
     for library, thing in things:

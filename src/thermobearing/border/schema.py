@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
-from typing import Annotated, Any, TypeVar, get_args
+from typing import Annotated, Any, NamedTuple, TypeVar, get_args
 from unicodedata import category
 
 from annotated_types import Ge, Gt, Le, Lt
@@ -28,15 +28,23 @@ M = TypeVar("M", bound="Strict")
 LONGEST_NAME = 200  # characters of the name of a thing
 SOURCED = {"value", "source", "note"}  # keys of an entry {value = ..., source = ...}
 UNION = ("float", "int", "str", "bool", "none", "list", "tuple", "function-", "constrained-")
-MOST_TOLD = 50  # faults of a file that a message holds
-OURS = {"unit", "conflict", "size"}  # types of the faults found here, not by pydantic
+TAGS = ("shape", "step", "kind", "part")  # keys that state which of several tables one is
+MOST_FAULTS = 50  # of a file that a message holds
+# Messages by the type of pydantic's error; "own" and "conflict" are types of errors raised here.
+MESSAGES = {
+    **dict.fromkeys(("model_type", "model_attributes_type", "dict_type"), "must be a table"),
+    **dict.fromkeys(("list_type", "tuple_type"), "must be a list"),
+    "string_too_long": "must have at most {max_length} characters",
+    "string_too_short": "must not be empty",
+    "string_type": "must be text",
+    **dict.fromkeys(("bool_type", "bool_parsing"), "must be true or false"),
+    "too_short": "must have at least {min_length} entry",
+    "too_long": "must have at most {max_length} entries",
+}
 
 
 def _one_line(text: str) -> str:
-    """The text, if it is one line that can be printed.
-
-    Names stand in the comments of generated scripts, in tables and on terminals.
-    """
+    """Check names, which stand in comments of generated scripts, in tables and on terminals."""
     if "\n" in text or printable(text) != text or {"Zl", "Zp"} & set(map(category, text)):
         raise ValueError("must be one line of printable characters")
     return text
@@ -44,6 +52,10 @@ def _one_line(text: str) -> str:
 
 OneLine = AfterValidator(_one_line)
 Name = Annotated[str, Field(min_length=1, max_length=LONGEST_NAME), OneLine]
+
+
+def _own(message: str) -> PydanticCustomError:
+    return PydanticCustomError("own", "{text}", {"text": message})
 
 
 class Strict(BaseModel):
@@ -71,30 +83,40 @@ class Strict(BaseModel):
 
     @classmethod
     def conflicts(cls, given: dict[str, Any]) -> list[str]:
-        """What is wrong with the combination of the keys that were given."""
+        """Return what is wrong with the combination of the keys that were given."""
         return []
 
     @model_validator(mode="wrap")
     @classmethod
-    def _all_at_once(cls, data: Any, handler: ModelWrapValidatorHandler[Any]) -> Any:
-        """Faults of single keys and of their combination in one error."""
+    def _check_all_at_once(cls, data: Any, handler: ModelWrapValidatorHandler[Any]) -> Any:
+        """Raise faults of single keys and of their combination in one error."""
         if not isinstance(data, dict):
             return handler(data)
         given = {name: value for name, value in data.items() if value is not None}
-        faults = [_fault("conflict", (), text, data) for text in cls.conflicts(given)]
+        faults = [_fault("conflict", text, (), data) for text in cls.conflicts(given)]
         try:
-            made = handler({name: _plain(cls, name, value) for name, value in data.items()})
+            found = handler({name: _marked(cls, name, value) for name, value in data.items()})
         except ValidationError as error:
-            found = [*_line_errors(error), *faults]
-            raise ValidationError.from_exception_data(cls.__name__, found) from None
-        faults += [
-            _fault("size", (name,), "", value)
-            for name in cls.model_fields
-            if isinstance(value := getattr(made, name), float) and _is_absurd(cls, name, value)
-        ]
+            again = [_again(item) for item in error.errors(include_url=False)]
+            raise ValidationError.from_exception_data(cls.__name__, [*again, *faults]) from None
+        for name in cls.model_fields:
+            value = getattr(found, name)
+            if isinstance(value, float) and (text := _slip(cls, name, value)):
+                faults.append(_fault("own", text, (name,), value))
         if faults:
             raise ValidationError.from_exception_data(cls.__name__, faults)
-        return made
+        return found
+
+
+def _slip(model: type[BaseModel], name: str, value: float) -> str:
+    """Why a number is so large, or so close to a zero it may not be, that it must be a slip."""
+    kind = _kind(model, name)
+    unit = f" {kind.unit}" if kind.unit else ""
+    if not kind.bounded and abs(value) > HUGEST:
+        return f"must be at most {HUGEST:g}{unit} in size; is it a slip?"
+    if kind.positive and value < 1.0 / HUGEST:
+        return f"must be at least {1.0 / HUGEST:g}{unit} in size; is it a slip?"
+    return ""
 
 
 class _Converted:
@@ -107,88 +129,89 @@ class _Converted:
         return repr(self.value)
 
 
-def _is_absurd(model: type[BaseModel], name: str, value: float) -> bool:
-    """Whether a number is so large, or so close to a zero it may not be, that it must be a slip."""
-    bounded, positive = _bound_kinds(model, name)
-    return (not bounded and abs(value) > HUGEST) or (positive and value < 1.0 / HUGEST)
-
-
-# What a field allows is asked for every number of every record that is made.
-@cache
-def _bound_kinds(model: type[BaseModel], name: str) -> tuple[bool, bool]:
-    """Whether a field has an upper limit, and whether it must be more than zero."""
-    parts = list(_parts(model.model_fields[name]))
-    bounded = any(isinstance(part, Le | Lt) for part in parts)
-    return bounded, any(isinstance(part, Gt) and part.gt == 0 for part in parts)
-
-
-@cache
-def _is_plain(model: type[BaseModel], name: str) -> tuple[bool, bool]:
-    """Whether a field is a plain number, and whether it is true or false only."""
-    types = {item for item in _parts(model.model_fields[name]) if isinstance(item, type)}
-    number = bool(types & {int, float}) and not types & {bool, str}
-    return number and find_unit(model, name) is None, types == {bool}
-
-
-def _plain(model: type[BaseModel], name: str, value: Any) -> Any:
+def _marked(model: type[BaseModel], name: str, value: Any) -> Any:
     """The value, marked where text or true stands for a plain number, or 1 for true."""
     if name not in model.model_fields or not isinstance(value, bool | str | int | float):
         return value
-    plain, truth = _is_plain(model, name)
+    plain, truth = _kind(model, name)[1:3]
     wrong = (plain and isinstance(value, bool | str)) or (truth and not isinstance(value, bool))
     return _Converted(value) if wrong else value
 
 
-def _fault(kind: str, location: tuple[int | str, ...], text: str, value: Any) -> InitErrorDetails:
+def _fault(kind: str, text: str, location: tuple[int | str, ...], value: Any) -> InitErrorDetails:
     error = PydanticCustomError(kind, "{text}", {"text": text})
     return InitErrorDetails(type=error, loc=location, input=value)
 
 
-def _line_errors(error: ValidationError) -> Iterator[InitErrorDetails]:
-    """The faults of an error, to be raised again together with others."""
-    for item in error.errors(include_url=False):
-        if item["type"] in OURS:
-            yield _fault(item["type"], item["loc"], item["msg"], item["input"])
-        else:
-            again = InitErrorDetails(type=item["type"], loc=item["loc"], input=item["input"])
-            if "ctx" in item:
-                again["ctx"] = item["ctx"]
-            yield again
+def _again(item: ErrorDetails) -> InitErrorDetails:
+    """A fault of an error, to be raised again together with others."""
+    if item["type"] in ("own", "conflict"):
+        return _fault(item["type"], item["msg"], item["loc"], item["input"])
+    again = InitErrorDetails(type=item["type"], loc=item["loc"], input=item["input"])
+    if "ctx" in item:
+        again["ctx"] = item["ctx"]
+    return again
 
 
-class InUnit:
+class _Kind(NamedTuple):
+    """What is asked for every number of every record that is made."""
+
+    unit: str | None
+    plain: bool  # a number without a unit
+    truth: bool  # true or false only
+    bounded: bool  # has an upper limit
+    positive: bool  # must be more than zero
+
+
+@cache
+def _kind(model: type[BaseModel], name: str) -> _Kind:
+    parts = list(_parts(model.model_fields[name]))
+    units = [
+        part.func.unit
+        for part in parts
+        if isinstance(part, BeforeValidator) and isinstance(part.func, _InUnit)
+    ]
+    types = {part for part in parts if isinstance(part, type)}
+    return _Kind(
+        unit=units[0] if units else None,
+        plain=bool(types & {int, float}) and not types & {bool, str} and not units,
+        truth=types == {bool},
+        bounded=any(isinstance(part, Le | Lt) for part in parts),
+        positive=any(isinstance(part, Gt) and part.gt == 0 for part in parts),
+    )
+
+
+class _InUnit:
     """Parses text with a unit into a float in `unit`.
 
     Plain numbers are taken to be in `unit` already; in a file they are refused, because a
-    file must say its units.
+    file must state its units.
     """
 
     def __init__(self, unit: str) -> None:
         self.unit = unit
 
     def __call__(self, value: Any, info: ValidationInfo) -> Any:
-        """Float from text with a unit; other numbers as they are, unless they are in a file."""
         if isinstance(value, str):
             try:
                 return parse_quantity(value, self.unit)
             except InputError as error:
-                raise PydanticCustomError("unit", "{text}", {"text": str(error)}) from None
+                raise _own(str(error)) from None
         if isinstance(value, bool) or not isinstance(value, int | float):
-            raise PydanticCustomError(
-                "unit", "expected text such as {text}", {"text": f'"1.5 {self.unit}"'}
-            )
+            raise _own(f'expected text such as "1.5 {self.unit}"')
         if info.context and info.context.get("from_file") and math.isfinite(value):
-            raise PydanticCustomError(
-                "unit",
-                "has no unit; write {text} if that is meant",
-                {"text": f'"{value} {self.unit}"'},
-            )
+            raise _own(f'has no unit; write "{value} {self.unit}" if that is meant')
         return value
 
 
 def in_unit(unit: str) -> BeforeValidator:
-    """Annotation for a float field that files give as text with a unit."""
-    return BeforeValidator(InUnit(unit))
+    """Return the annotation of a float field that files give as text with a unit."""
+    return BeforeValidator(_InUnit(unit))
+
+
+def find_unit(model: type[BaseModel], name: str) -> str | None:
+    """Return the unit of a field declared with `in_unit`, None for other fields."""
+    return _kind(model, name).unit
 
 
 def _parts(item: Any) -> Iterator[Any]:
@@ -202,22 +225,8 @@ def _parts(item: Any) -> Iterator[Any]:
         yield from _parts(part)
 
 
-@cache
-def find_unit(model: type[BaseModel], name: str) -> str | None:
-    """Unit of a field declared with `in_unit`, None for a pure number or a nested table."""
-    for item in _parts(model.model_fields[name]):
-        if isinstance(item, BeforeValidator) and isinstance(item.func, InUnit):
-            return item.func.unit
-    return None
-
-
 def validated(model: type[M], data: Any, where: str, *, from_file: bool = True) -> M:
-    """Data checked against a model, all faults told at once.
-
-    Raises
-    ------
-    InputError : unknown and missing keys, wrong units, values out of range, in one message.
-    """
+    """Return data checked against a model, all faults in one InputError."""
     if not isinstance(data, dict):
         raise InputError(f"expected a table, got {type(data).__name__}", where)
     try:
@@ -252,35 +261,38 @@ def _resolve(
 
 
 def _tags(model: type[BaseModel]) -> list[str]:
-    return [
-        str(tag)
-        for name in ("shape", "step", "kind", "part")
-        if name in model.model_fields
-        for tag in get_args(model.model_fields[name].annotation)
-    ]
+    known = [model.model_fields[name].annotation for name in TAGS if name in model.model_fields]
+    return [str(tag) for annotation in known for tag in get_args(annotation)]
 
 
 def _sentences(model: type[BaseModel], error: ValidationError) -> list[str]:
     """The faults of an error; of very many the first ones, and how many there are."""
     found = error.errors(include_url=False)
-    told = [_sentence(model, item) for item in found[:MOST_TOLD]]
-    left = len(found) - len(told)
-    return [*told, f"{left} more"] if left else told
+    shown = [_sentence(model, item) for item in found[:MOST_FAULTS]]
+    return shown + ([f"{len(found) - len(shown)} more"] if len(found) > len(shown) else [])
 
 
 def _sentence(model: type[BaseModel], item: ErrorDetails) -> str:
     """One fault: key, value, what is allowed with its unit, nearest name."""
     key, owner, name = _resolve(model, item["loc"])
-    kind, value = item["type"], item["input"]
+    kind, value, context = item["type"], item["input"], item.get("ctx", {})
     if kind == "extra_forbidden":
         return f'unknown key "{key}"{nearest(name, owner.model_fields)}'
-    if kind in ("union_tag_invalid", "union_tag_not_found"):
-        return _tag_sentence(key, item)
     if kind == "missing":
         unit = find_unit(owner, name)
         return f'missing key "{key}"' + (f' = "... {unit}"' if unit else "")
     if kind == "conflict":
         return f"{key}: {item['msg']}" if key else item["msg"]
+    if kind in ("union_tag_invalid", "union_tag_not_found"):
+        tag = context["discriminator"].strip("'")
+        given = value.get(tag) if isinstance(value, dict) else None
+        if isinstance(value, dict) and given is None:
+            return f'missing key "{key}.{tag}"'
+        if given is not None:
+            key, kind, value = f"{key}.{tag}", "literal_error", given
+            context = {"expected": f"one of {context['expected_tags']}"}
+        else:
+            kind = "dict_type"
     message = item["msg"].removeprefix("Value error, ")
     if isinstance(value, dict) and kind != "value_error" and set(value) & SOURCED:
         strange = sorted(set(value) - SOURCED)
@@ -288,51 +300,15 @@ def _sentence(model: type[BaseModel], item: ErrorDetails) -> str:
         if strange and "value" in value:
             message = f'unknown key "{strange[0]}" beside "value"{nearest(strange[0], SOURCED)}'
     elif kind == "literal_error":
-        message = f"must be {item['ctx']['expected']}"
-        message += _closest_hint(value, item["ctx"]["expected"])
-    elif kind in ("model_type", "model_attributes_type", "dict_type"):
-        message = "must be a table"
-    elif kind in ("list_type", "tuple_type"):
-        message = "must be a list"
-    elif kind == "string_too_long":
-        message = f"must have at most {item['ctx']['max_length']} characters"
-    elif kind == "too_short":
-        message = f"must have at least {item['ctx']['min_length']} entry"
-    elif kind == "too_long":
-        message = f"must have at most {item['ctx']['max_length']} entries"
-    elif kind == "string_type":
-        message = "must be text"
-    elif kind in ("bool_type", "bool_parsing"):
-        message = "must be true or false"
-    elif kind == "string_too_short":
-        message = "must not be empty"
-    elif kind == "size":
-        large = abs(value) > 1.0
-        message = (
-            f"must be {'at most' if large else 'at least'} {HUGEST if large else 1 / HUGEST:g}"
-        )
-        message += f" {find_unit(owner, name) or ''} in size; is it a slip?".replace("  ", " ")
-    elif kind not in ("unit", "value_error"):
+        known = context["expected"].split("'")[1::2]
+        message = f"must be {context['expected']}"
+        message += closest(value, known) if isinstance(value, str) else ""
+    elif kind in MESSAGES:
+        message = MESSAGES[kind].format(**context)
+    elif kind not in ("own", "value_error"):
         message = f"must be {_allowed(owner, name)}"
     shown = "" if kind == "value_error" else f" = {shortened(repr(value))}"
     return f"{key}{shown}: {message}" if key else message
-
-
-def _tag_sentence(key: str, item: ErrorDetails) -> str:
-    """A table that says by one of its keys what it is: the key is missing or unknown."""
-    tag = item["ctx"]["discriminator"].strip("'")
-    if not isinstance(item["input"], dict):
-        return f"{key} = {shortened(repr(item['input']))}: must be a table"
-    given = item["input"].get(tag)
-    if given is None:
-        return f'missing key "{key}.{tag}"'
-    expected = item["ctx"]["expected_tags"]
-    return f"{key}.{tag} = {given!r}: must be one of {expected}" + _closest_hint(given, expected)
-
-
-def _closest_hint(value: Any, quoted: str) -> str:
-    """A hint at the name nearest to the value in a text such as "'a', 'b' or 'c'"."""
-    return closest(value, quoted.split("'")[1::2]) if isinstance(value, str) else ""
 
 
 def _allowed(model: type[BaseModel], name: str) -> str:
@@ -351,7 +327,7 @@ def _allowed(model: type[BaseModel], name: str) -> str:
 
 
 def said_with_unit(value: Any, unit: str | None) -> Any:
-    """Plain numbers, alone or in a sequence, as text with their unit, as a file has them."""
+    """Return plain numbers, alone or in a sequence, as text with their unit, as a file has them."""
     if unit is None:
         return value
     if hasattr(value, "tolist"):  # numpy arrays and scalars
@@ -364,7 +340,7 @@ def said_with_unit(value: Any, unit: str | None) -> Any:
 
 
 def updated(table: Any, changes: Mapping[str, Any]) -> Any:
-    """The table with changes; what is no table stays as it is, for the checks to find."""
+    """Return the table with changes; what is no table stays as it is, for the checks to find."""
     return {**table, **changes} if isinstance(table, dict) else table
 
 
@@ -374,26 +350,11 @@ def overridden(
     model: type[Strict],
     sections: Mapping[str, type[Strict]] | None = None,
 ) -> dict[str, Any]:
-    """A table of a file with what was given instead.
+    """Return a table of a file with values that replace those of the file.
 
-    Parameters
-    ----------
-    table : as read from a file, where every number says its unit.
-    given : values by key of the model or of one of its sections; plain numbers are in the unit
-        of the key, and None leaves the value of the table. An unknown key goes into the table
-        too, for the check to find it.
-    model : what the table is to become.
-    sections : tables inside the table whose keys may be given directly, such as "analysis".
-
-    Examples
-    --------
-    >>> from thermobearing.border.schema import in_unit
-    >>> from typing import Annotated
-    >>> class Walk(Strict):
-    ...     length: Annotated[float, in_unit("mm")]
-    ...     name: str = ""
-    >>> overridden({"length": "5 m"}, {"length": 70, "name": None}, Walk)
-    {'length': '70.0 mm'}
+    `given` has values by key of the model or of one of the `sections` of the table, such as
+    "analysis"; plain numbers are in the unit of the key, and None leaves the value of the table. An
+    unknown key goes into the table too, for the check to find it.
     """
     table = dict(table)
     for key, value in given.items():
@@ -412,16 +373,7 @@ def overridden(
 
 
 def check_workers(where: str, executor: Any = None, progress: Any = None) -> None:
-    """Refuse an executor or a callback that cannot be one, before anything is computed.
-
-    Raises
-    ------
-    InputError : an executor without `submit`, or a callback that cannot be called.
-
-    Examples
-    --------
-    >>> check_workers("example", None, print)
-    """
+    """Refuse an executor or a callback that cannot be one, before anything is computed."""
     if executor is not None and not callable(getattr(executor, "submit", None)):
         raise InputError("executor: must be one of concurrent.futures, or like it", where)
     if progress is not None and not callable(progress):

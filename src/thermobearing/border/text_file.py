@@ -46,8 +46,6 @@ def write_whole(target: Path, content: bytes) -> None:
 def file_names(names: Iterable[str]) -> list[str]:
     """Return a name for each thing that any system takes for a file and no other of them has.
 
-    Examples
-    --------
     >>> file_names(["HDR 1/6", "HDR 1:6", "\u514d\u9707"])
     ['HDR-1-6', 'HDR-1-6-2', '\u514d\u9707']
     """
@@ -60,12 +58,7 @@ def file_names(names: Iterable[str]) -> list[str]:
 
 
 def write_file(target: Path, content: str | bytes, *, overwrite: bool) -> None:
-    """A whole file or none; an earlier one only with `force`.
-
-    Raises
-    ------
-    OutputError : it exists, or cannot be written.
-    """
+    """Write a whole file or none; OutputError if it exists (unless `overwrite`) or cannot be."""
     try:
         if target.is_dir():
             raise OutputError(f"{target}: is a directory; name a file (-o FILE for a command)")

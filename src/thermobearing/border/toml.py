@@ -72,7 +72,7 @@ def _check_sizes(table: dict[str, Any], where: str) -> None:
 
 
 def split_sources(table: Any, key: str = "") -> tuple[Any, dict[str, str]]:
-    """Plain values and their sources, from a table whose entries may be {value, source, note}."""
+    """Return plain values and sources of a table whose entries may be {value, source, note}."""
     if isinstance(table, list):
         pairs = [split_sources(item, f"{key}[{k}]") for k, item in enumerate(table)]
         return [value for value, _ in pairs], {k: v for _, found in pairs for k, v in found.items()}
@@ -90,10 +90,8 @@ def split_sources(table: Any, key: str = "") -> tuple[Any, dict[str, str]]:
 
 
 def flat(table: Mapping[str, Any], key: str = "") -> dict[str, Any]:
-    """Values of a table by dotted key; lists of tables are counted, other lists are values.
+    """Return values of a table by dotted key; lists of tables are counted, others are values.
 
-    Examples
-    --------
     >>> flat({"a": {"b": 1}, "c": [{"d": 2}], "e": [3, 4]})
     {'a.b': 1, 'c[0].d': 2, 'e': [3, 4]}
     """
@@ -111,15 +109,12 @@ def flat(table: Mapping[str, Any], key: str = "") -> dict[str, Any]:
 
 
 def to_table(model: Strict) -> dict[str, Any]:
-    """A model as a TOML table: units on every number, unset choices left out."""
-    table: dict[str, Any] = {}
-    for name in type(model).model_fields:
-        value = getattr(model, name)
-        unit = find_unit(type(model), name)
-        if value is None or value == "":
-            continue
-        table[name] = _entry(value, unit)
-    return table
+    """Return a model as a TOML table: units on every number, unset choices left out."""
+    return {
+        name: _entry(value, find_unit(type(model), name))
+        for name in type(model).model_fields
+        if (value := getattr(model, name)) is not None and value != ""
+    }
 
 
 def _entry(value: Any, unit: str | None) -> Any:
@@ -157,18 +152,12 @@ def _entry_below(table: Mapping[str, Any], part: str) -> Any:
 
 
 def sourced_toml(model: Strict, sources: Mapping[str, str]) -> str:
-    """A model as a library file, with the source of each number where one is known."""
+    """Return a model as a library file, with the source of each number where one is known."""
     return tomli_w.dumps(with_sources(to_table(model), sources))
 
 
 def to_toml(model: Strict, *, without: str = "") -> str:
-    """A model with every default filled in, as TOML text that reads back to the same bits.
-
-    Parameters
-    ----------
-    model : what to write.
-    without : a key to leave out.
-    """
+    """Return a model with every default as TOML text that reads back to the same bits."""
     table = to_table(model)
     table.pop(without, None)
     return tomli_w.dumps(table)

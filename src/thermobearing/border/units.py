@@ -48,7 +48,7 @@ def _registry() -> Any:
 
 @cache
 def conversion(unit: str, target: str) -> tuple[float, float]:
-    """Scale and offset from `unit` to `target`; InputError if that makes no sense."""
+    """Return scale and offset from `unit` to `target`; InputError if that makes no sense."""
     if unit == target:
         return 1.0, 0.0
     usual = _usual().get(target, {}).get(unit)
@@ -65,7 +65,7 @@ def _usual() -> dict[str, dict[str, float]]:
 
 
 def converted(unit: str, target: str) -> tuple[float, float]:
-    """Scale and offset as pint finds them."""
+    """Return scale and offset as pint finds them."""
     import pint
 
     registry = _registry()
@@ -94,19 +94,8 @@ def converted(unit: str, target: str) -> tuple[float, float]:
 
 
 def parse_quantity(text: str, unit: str) -> float:
-    """Number with unit, as text, converted to `unit`.
+    """Return the number of a text such as "5 mm" or "-20 degC", converted to `unit`.
 
-    Parameters
-    ----------
-    text : such as "5 mm", "0.31 W/(m K)", "-20 degC".
-    unit : unit of the returned number.
-
-    Raises
-    ------
-    InputError : no number, no unit, a unit of another kind, or a number that is not finite.
-
-    Examples
-    --------
     >>> parse_quantity("3.2 cm", "mm")
     32.0
     """
@@ -125,7 +114,7 @@ def parse_quantity(text: str, unit: str) -> float:
 
 
 def with_unit(value: float, unit: str) -> str:
-    """The text that `parse_quantity` reads back to the same bits."""
+    """Return the text that `parse_quantity` reads back to the same bits."""
     try:
         return f"{float(value) + 0.0!r} {unit}"  # no -0.0, which is read as 0.0
     except OverflowError:  # a whole number beyond doubles
@@ -136,50 +125,21 @@ LARGEST = int(np.finfo(np.float64).max)
 
 
 def is_number(value: Any) -> bool:
-    """Whether a value is one plain number that a double can hold; true and false are none.
-
-    Examples
-    --------
-    >>> [is_number(value) for value in (3, 2.5, True, "3", [3], 10**400)]
-    [True, True, False, False, False, False]
-    """
+    """Whether a value is one plain number that a double can hold; true and false are none."""
     if isinstance(value, bool) or not isinstance(value, int | float | np.integer | np.floating):
         return False
     return isinstance(value, float | np.floating) or abs(int(value)) <= LARGEST
 
 
 def one_or_several(given: Any) -> list[Any]:
-    """The items of a list, or the one thing that was given alone.
-
-    Examples
-    --------
-    >>> one_or_several(3), one_or_several((3, 4)), one_or_several("ab")
-    ([3], [3, 4], ['ab'])
-    """
+    """Return the items of a list, or the one thing that was given alone."""
     if isinstance(given, Iterable) and not isinstance(given, str | bytes | Mapping):
         return list(given)
     return [given]
 
 
 def refuse_hidden(values: Any, what: str) -> None:
-    """Refuse what numpy would silently take apart: masked values, and imaginary parts.
-
-    Parameters
-    ----------
-    values : array or list.
-    what : it is called, for the message.
-
-    Raises
-    ------
-    InputError : values are masked, or complex.
-
-    Examples
-    --------
-    >>> refuse_hidden(np.ma.array([1.0, 2.0]), "force")
-    >>> refuse_hidden([1.0, 2.0 + 1.0j], "force")
-    Traceback (most recent call last):
-    thermobearing.border.errors.InputError: force: the numbers are complex; give their real part...
-    """
+    """Refuse what numpy would silently take apart: masked values, and imaginary parts."""
     listed = values if isinstance(values, list | tuple) else ()
     if np.ma.is_masked(values) or any(value is np.ma.masked for value in listed):
         raise InputError(f"{what}: values are masked; fill them, or cut the record there")
@@ -188,22 +148,7 @@ def refuse_hidden(values: Any, what: str) -> None:
 
 
 def number_list(values: Any, what: str) -> Floats:
-    """A list of finite numbers as an array; one number counts as a list of one.
-
-    Parameters
-    ----------
-    values : what was given.
-    what : it is called, for the message.
-
-    Raises
-    ------
-    InputError : it is something else, empty, nested, or holds what is not finite or too large.
-
-    Examples
-    --------
-    >>> number_list([1, 2.5], "periods").tolist()
-    [1.0, 2.5]
-    """
+    """Return a list of finite numbers as an array; one number counts as a list of one."""
     refuse_hidden(values, what)
     try:
         found = np.atleast_1d(np.asarray(values, dtype=np.float64))

@@ -14,14 +14,14 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, field_validator
 
 from thermobearing.bearing.ambient import COLDEST, HOTTEST
 from thermobearing.border.errors import InputError
 from thermobearing.border.library import Library
 from thermobearing.border.schema import OneLine, Strict, in_unit, validated
-from thermobearing.climate.hourly import DAY, Floats, Hourly, Ints
+from thermobearing.climate.hourly import DAY, Dates, Hourly
+from thermobearing.core.records import Floats, Ints
 
 DAYS = np.array([31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31])
 FIRST_DAY = np.concatenate([[0], np.cumsum(DAYS)[:-1]])
@@ -40,15 +40,7 @@ Month = Annotated[int, Field(ge=1, le=12)]
 
 
 class ColdSpells(Strict):
-    """Days of cold that come on top of the usual weather.
-
-    Attributes
-    ----------
-    months : they begin in, 1 to 12.
-    per_year : mean number, in [0, 50].
-    depth : mean of the largest depression [K], in [0, 60].
-    length : mean [h], in [6, 1000].
-    """
+    """Days of cold on top of the usual weather: mean number, depth [K] and length [h]."""
 
     months: Annotated[tuple[Month, ...], Field(min_length=1, max_length=12)]
     per_year: Annotated[float, Field(ge=0, le=50)]
@@ -66,22 +58,9 @@ class ColdSpells(Strict):
 class Climate(Strict):
     """What hourly weather is made up from; lists run from January to December.
 
-    Attributes
-    ----------
-    name, description, note : what it is, and where its numbers come from.
-    monthly_mean : [degC], in [-100, 100].
-    daily_range : mean difference of the warmest and the coldest hour of a day [K], in [0, 60].
-    coldest_hour, warmest_hour : of the day [h], in [0, 24).
-    weather_deviation : standard deviation of the weather of days [K], in [0, 60].
-    weather_memory : time in which its correlation falls to 1/e [h], in [1, 10000].
-    season_deviation : of whole seasons that are mild or severe, likewise [K], in [0, 60].
-    season_memory : of seasons [h], in [1, 10000].
-    cold_spells : on top of that; none by default.
-
-    Examples
-    --------
-    >>> load_climate("cold-town").monthly_mean[0]
-    -10.0
+    `daily_range` is the mean difference of the warmest and the coldest hour of a day; the
+    deviations are standard deviations, and their memory the time in which the correlation falls to
+    1/e.
     """
 
     name: Annotated[str, Field(min_length=1, max_length=60), OneLine] = "climate"
@@ -108,38 +87,18 @@ CLIMATES = Library("climate", "climates")
 
 
 def list_climates() -> list[str]:
-    """Names of the built-in climates.
-
-    Examples
-    --------
-    >>> list_climates()
-    ['cold-town']
-    """
+    """Return the names of the built-in climates."""
     return CLIMATES.names()
 
 
 def load_climate(name_or_path: str | Path) -> Climate:
-    """A climate of the library by name, or one of your own from a TOML file.
-
-    Parameters
-    ----------
-    name_or_path : "cold-town" (an example, of no real place), or a path.
-
-    Raises
-    ------
-    InputError : no such climate, or faults in the file.
-
-    Examples
-    --------
-    >>> load_climate("cold-town").cold_spells.months
-    (12, 1, 2)
-    """
+    """Return a climate of the library by name, or one of your own from a TOML file."""
     table, where = CLIMATES.read(name_or_path)
     return validated(Climate, table, where)
 
 
 def generate_weather(climate: str | Path | Climate, years: int = 50, seed: int = 0) -> Hourly:
-    """Hourly weather of a climate; the same numbers give the same weather.
+    """Return hourly weather of a climate; the same numbers give the same weather.
 
     Parameters
     ----------
@@ -177,15 +136,14 @@ def generate_weather(climate: str | Path | Climate, years: int = 50, seed: int =
 
 
 def _hours(years: int) -> int:
-    """Hours from the beginning to the same date so many years later."""
     if isinstance(years, bool) or not isinstance(years, int) or not 1 <= years <= 1000:
         raise InputError(f"years = {years!r}: must be a whole number of 1 to 1000")
     later = BEGINS.astype("datetime64[M]") + 12 * years
     return int((later.astype("datetime64[h]") - BEGINS) // np.timedelta64(1, "h"))
 
 
-def hour_of_year(dates: NDArray[np.datetime64]) -> Ints:
-    """Place of each date in a table of a common year, 0 to 8759; 29 February is as the 28th."""
+def hour_of_year(dates: Dates) -> Ints:
+    """Return the place of each date in a common year, 0 to 8759; 29 February is as the 28th."""
     months = dates.astype("datetime64[M]")
     month = months.astype(np.int64) % 12
     into = ((dates - months.astype("datetime64[h]")) // np.timedelta64(1, "h")).astype(np.int64)
@@ -201,7 +159,7 @@ def _through_year(monthly: Any) -> Floats:
 
 
 def seasonal(climate: Climate) -> Floats:
-    """What is expected at each hour of a common year [degC]; its monthly means are as told."""
+    """Return what is expected at each hour of a common year [degC]; monthly means are exact."""
     units = np.array([_through_year(row) for row in np.eye(12)])
     means = np.array([[row[m == MONTH_OF].mean() for row in units] for m in range(12)])
     curve = np.linalg.solve(means, np.asarray(climate.monthly_mean)) @ units
@@ -211,7 +169,7 @@ def seasonal(climate: Climate) -> Floats:
 
 
 def daily_cycle(coldest: float, warmest: float) -> Floats:
-    """From -1 at the coldest hour to 1 at the warmest and back, at 24 hours; their mean is zero."""
+    """Return 24 values: -1 at the coldest hour 1 at the warmest, and a mean of zero."""
     rise = (warmest - coldest) % DAY
     since = (np.arange(DAY) - coldest) % DAY
     going = np.where(since < rise, since / rise, 1.0 + (since - rise) / (DAY - rise))
@@ -220,7 +178,7 @@ def daily_cycle(coldest: float, warmest: float) -> Floats:
 
 
 def autoregressive(count: int, memory: float, random: np.random.Generator) -> Floats:
-    """A stationary series of variance one whose correlation falls to 1/e in `memory` [h]."""
+    """Return a stationary series of variance one whose correlation falls to 1/e in `memory` [h]."""
     from scipy.signal import lfilter
 
     kept = float(np.exp(-1.0 / memory))
@@ -231,7 +189,7 @@ def autoregressive(count: int, memory: float, random: np.random.Generator) -> Fl
 
 
 def spell_rate(known: ColdSpells) -> Floats:
-    """Spells that begin in each hour of the year, on average."""
+    """Return how many spells begin in each hour of the year, on average."""
     may = np.isin(MONTH_OF + 1, known.months)
     return np.asarray(known.per_year * may / may.sum())
 
@@ -242,7 +200,7 @@ def _shape(since: Floats, length: float | Floats) -> Floats:
 
 
 def mean_of_spells(known: ColdSpells) -> Floats:
-    """What all spells take from each hour of the year on average [K]."""
+    """Return what all spells take from each hour of the year on average [K]."""
     from scipy.stats import gamma
 
     shares = (np.arange(LENGTHS) + 0.5) / LENGTHS
@@ -254,7 +212,7 @@ def mean_of_spells(known: ColdSpells) -> Floats:
 
 
 def spells(known: ColdSpells, place: Ints, random: np.random.Generator) -> Floats:
-    """What spells take from each hour of a series, whose hours have these places in the year."""
+    """Return what spells take from each hour of a series with these places in the year."""
     rate = spell_rate(known)[place]
     may = np.flatnonzero(rate > 0.0)
     taken = np.zeros(len(place))

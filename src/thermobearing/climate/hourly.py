@@ -9,12 +9,11 @@ from numpy.typing import NDArray
 from thermobearing.bearing.ambient import COLDEST, HOTTEST, Ambient
 from thermobearing.border.errors import InputError
 from thermobearing.border.units import is_number, refuse_hidden
+from thermobearing.core.records import Floats, Ints
 
 if TYPE_CHECKING:
     import pandas as pd
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 Dates = NDArray[np.datetime64]
 
 HOUR, DAY = 3600.0, 24  # [s], [h]

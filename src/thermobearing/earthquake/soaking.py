@@ -17,8 +17,9 @@ from thermobearing.bearing.ambient import Ambient
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
-from thermobearing.climate.hourly import DAY, HOUR, Hourly, Ints
+from thermobearing.climate.hourly import DAY, HOUR, Hourly
 from thermobearing.core.march import hours_at_rest, march
+from thermobearing.core.records import Ints
 from thermobearing.core.types import Constants, Floats, Path, State, new_state, new_workspace
 from thermobearing.cyclic.history import build_segments, cut_rests, room_for
 from thermobearing.cyclic.protocol import CyclicTest

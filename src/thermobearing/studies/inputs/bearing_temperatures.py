@@ -13,8 +13,8 @@ import numpy as np
 
 from thermobearing.bearing.ambient import Ambient
 from thermobearing.bearing.model import Bearing
-from thermobearing.climate.hourly import Hourly, Ints
-from thermobearing.core.records import Floats
+from thermobearing.climate.hourly import Hourly
+from thermobearing.core.records import Floats, Ints
 from thermobearing.earthquake.case import EarthquakeCase
 from thermobearing.earthquake.run import Device
 from thermobearing.earthquake.soaking import Soaked, history_weights, soaked_history, soaked_hours
