@@ -15,7 +15,6 @@ from thermobearing.border.errors import InputError
 from thermobearing.cli import app
 from thermobearing.identify.fit.forward import ForwardModel
 from thermobearing.identify.fit.synthetic import synthetic_record
-from thermobearing.identify.output import print_identification
 from thermobearing.identify.records.record import TestRecord
 from thermobearing.identify.result import Identification
 from thermobearing.identify.run import identify_bearing
@@ -174,7 +173,7 @@ def test_saved_from_python(found: Identification, tmp_path: Path) -> None:
 def test_names_are_not_markup(found: Identification, capsys: pytest.CaptureFixture[str]) -> None:
     """Brackets in the name of a test are text on the terminal."""
     records = [replace(record, name="[/x]") for record in found.records]
-    print_identification(replace(found, records=records))
+    replace(found, records=records).show()
     assert "[/x]" in capsys.readouterr().out
 
 

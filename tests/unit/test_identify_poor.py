@@ -14,9 +14,9 @@ from thermobearing.commands.common import POOR_FIT
 from thermobearing.identify.fit.parameters import M_T, parameter_set, with_values
 from thermobearing.identify.fit.synthetic import synthetic_record
 from thermobearing.identify.records.record import TestRecord
-from thermobearing.identify.report import grade
 from thermobearing.identify.result import Identification
 from thermobearing.identify.run import identify_bearing
+from thermobearing.identify.tables import grade
 
 HDR = tb.load_bearing("shen-hdr-specimen")
 SHORT = tb.cyclic_test(strain=[1.0], cycles=2, rest=None, closing_strain=None)

@@ -84,7 +84,8 @@ def test_what_tests_tell_nothing_of_is_held() -> None:
     """Strains of a twentieth do not harden rubber."""
     test = tb.cyclic_test(strain=[0.05], cycles=2, rest=None, closing_strain=None)
     found = told(HDR, records(HDR, test, (23.0,)))
-    assert found[HARDENING].dropped
+    assert found[HARDENING].usual
+    assert not found[HARDENING].free
     assert found[K_R].free
 
 

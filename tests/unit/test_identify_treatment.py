@@ -12,7 +12,7 @@ from thermobearing.identify.fit.synthetic import synthetic_record
 from thermobearing.identify.records.checks import CheckReport, check_test
 from thermobearing.identify.records.noise import estimate_noise, find_spikes
 from thermobearing.identify.records.record import TestRecord
-from thermobearing.identify.records.treatment import find_rests, thinned, to_be_treated, treat
+from thermobearing.identify.records.treatment import find_rests, thin_rests, to_be_treated, treat
 from thermobearing.identify.run import identify_bearing
 
 HDR = tb.load_bearing("shen-hdr-specimen")
@@ -98,7 +98,7 @@ def test_thermocouples_of_a_rest_are_kept(record: TestRecord) -> None:
     """Cooling is what a rest tells."""
     cooling = replace(record, temperatures={"T": 23.0 + 9.0 * np.exp(-record.time / 100.0)})
     rests = find_rests(record)
-    short, kept, resting = thinned(cooling, rests)
+    short, kept, resting = thin_rests(cooling, rests)
     assert 15 <= int(resting.sum()) <= 20
     assert np.abs(short.temperatures["T"] - cooling.temperatures["T"][kept]).max() < 0.5
 
@@ -167,7 +167,7 @@ def test_spikes_are_taken_out_only_when_told(spiky: tuple[TestRecord, list[int]]
     assert not none[np.abs(left.force) > 200.0].any()
     (told,) = to_be_treated([record], True, "")
     report = check_test(told, HDR)
-    assert "taken out" in said(report, "note", "spikes")
+    assert "removed" in said(report, "note", "spikes")
     assert report.treatment is not None
     assert report.treatment.cleaned.peak_force < 150.0
     found = identify_bearing(replace(record, despike=True), HDR, starts=1)
@@ -192,7 +192,7 @@ def test_drift_is_found_and_taken_out_when_told(record: TestRecord, name: str) -
     off = getattr(told.cleaned, name) - getattr(treat(record).cleaned, name)
     peak = float(np.abs(getattr(record, name)).max())
     assert np.abs(off).max() < 0.025 * peak
-    assert "taken out" in said(check_test(told.record, HDR), "note", "drift")
+    assert "removed" in said(check_test(told.record, HDR), "note", "drift")
 
 
 def test_detrend_takes_known_words_only(record: TestRecord) -> None:

@@ -68,7 +68,7 @@ def test_show_prints_what_the_command_prints(
     fit: Any,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    for item, words in ((result, "G_e [MPa]"), (study, "ductility"), (fit, "standard error")):
+    for item, words in ((result, "G_e [MPa]"), (study, "ductility"), (fit, "Standard error")):
         item.show()
         assert words in capsys.readouterr().out
 

@@ -201,7 +201,7 @@ def test_a_fit_says_what_its_tests_cover(tmp_path: Path) -> None:
     folder = fit.save(tmp_path / "fit", figures=False)
     again = tb.load_bearing(folder / "bearing.toml")
     assert again.tested_range is not None
-    assert fit.bearing.tested_range == fit.tested_range == again.tested_range
+    assert fit.bearing.tested_range == again.tested_range
     ranges = again.tested_range.ranges()
     assert ranges["strain"] == pytest.approx((0.5, 1.5), rel=0.01)
     assert ranges["strain_rate"] == pytest.approx((1.0, 1.0), rel=0.05)

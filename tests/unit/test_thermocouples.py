@@ -11,7 +11,6 @@ from numpy.testing import assert_allclose
 import thermobearing as tb
 from tests import tolerances as tol
 from thermobearing.identify.fit.forward import ForwardModel
-from thermobearing.identify.output import print_identification
 from thermobearing.identify.records.record import TestRecord
 from thermobearing.validate.output import print_validation
 
@@ -37,7 +36,7 @@ def test_beside_the_model(
     if command == "identify":
         fit = tb.identify_bearing(record, BEARING, free=["K_r"], starts=1)
         fit.save(tmp_path / "out")
-        print_identification(fit)
+        fit.show()
         listed = fit.summary()["records"][0]
     else:
         found = tb.validate_bearing(BEARING, record)
@@ -56,5 +55,5 @@ def test_beside_the_model(
     assert (tmp_path / "out" / "figures" / "temperatures.png").stat().st_size > 1000
     told = capsys.readouterr().out
     assert "columns not used: counter" in told
-    assert "thermocouples, model beside test" in told
+    assert "hermocouples, model compared with test" in told
     assert np.isfinite(row["rms_difference_K"])

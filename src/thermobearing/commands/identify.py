@@ -1,7 +1,7 @@
 """Calibrate bearings to tests, and validate them."""
 
 import re
-from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -188,7 +188,7 @@ def identify(
     drawn = _drawn(found, posterior, predict, seed, quiet) if posterior or predict else None
     found.save(target, overwrite=overwrite, figures=not no_figures, forecast=drawn)
     if not quiet:
-        _show(found, drawn.warnings if drawn else ())
+        _show(found, drawn)
     return written(found.outcome, found.sentence, target, documents, as_json=as_json, quiet=quiet)
 
 
@@ -236,15 +236,14 @@ def _found(
     return with_progress(lambda show: run_hold_out(case, progress=show), "fits", quiet)
 
 
-def _show(found: "Identification | CrossValidation", more: Sequence[str] = ()) -> None:
-    from thermobearing.identify.output import print_identification
+def _show(found: "Identification | CrossValidation", drawn: "Forecast | None") -> None:
     from thermobearing.identify.result import Identification
     from thermobearing.validate.output import print_cross_validation
 
     if isinstance(found, Identification):
-        print_identification(found, more)
+        replace(found, forecast=drawn).show()
     else:
-        print_cross_validation(found, more)
+        print_cross_validation(found, drawn)
 
 
 def _read(

@@ -120,30 +120,7 @@ def make_identify_case(
 
 
 def bearing_of(records: Sequence[TestRecord], start: str | None = None) -> Bearing | None:
-    """The one bearing that tests belong to.
-
-    Parameters
-    ----------
-    records : tests; their sidecars may name a bearing.
-    start : name or file of a bearing, which then counts.
-
-    Returns
-    -------
-    Bearing, or None where nothing names one.
-
-    Raises
-    ------
-    InputError : the tests name several bearings, or there is none of that name.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from thermobearing.identify.records.record import record_from_arrays
-    >>> t = np.linspace(0.0, 10.0, 200)
-    >>> record = record_from_arrays(t, np.sin(t), 2.0 * np.sin(t), 23.0)
-    >>> bearing_of([record]) is None, bearing_of([record], "shen-hdr-specimen").name
-    (True, 'shen-hdr-specimen')
-    """
+    """The one bearing that tests belong to."""
     names = {record.bearing for record in records if record.bearing}
     if start is None and len(names) > 1:
         raise InputError(f"the tests name several bearings ({', '.join(sorted(names))})")

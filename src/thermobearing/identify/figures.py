@@ -1,33 +1,29 @@
 """Figures of a calibration and of the check of its records."""
 
 import textwrap
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable
 from functools import partial
 from itertools import pairwise
-from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
-from numpy.typing import NDArray
 
 from thermobearing.bearing.model import Bearing
 from thermobearing.identify.fit.forward import TURN, Prediction, turning_points
 from thermobearing.identify.records.checks import CheckReport
 from thermobearing.identify.records.cycles import Loop, compare_loops
 from thermobearing.identify.records.record import TestRecord
-from thermobearing.identify.records.thermocouples import draw_thermocouples
 from thermobearing.identify.result import Identification
 from thermobearing.identify.uncertainty.agreement import CycleErrors, RecordFit
 from thermobearing.identify.uncertainty.posterior import Band
 from thermobearing.results import drawing
 from thermobearing.results.metrics import FEWEST_POINTS, measure_cycle
 
-Floats = NDArray[np.float64]
-TEST, MODEL = "#8a8f98", "#CC3311"
+TEST, MODEL, REST = "#8a8f98", "#CC3311", "#8a8f98"
 BINS = 3000
 LABELLED = 14  # parameters whose correlation is printed into the squares
 BAND_WIDTH = 4.0  # of a test under the thin line of the model [pt]
@@ -41,110 +37,97 @@ MEASURES = {  # of a cycle, by name of its error: name of the panel, unit
 }
 
 
-@dataclass(frozen=True)
-class Panel:
-    """One record for the figures: the test, the model's force, and full cycles of the two."""
+class Cycle(NamedTuple):
+    """A full cycle: its errors, and the measures of the model by the names of the errors."""
+
+    loop: Loop
+    errors: CycleErrors
+    model: dict[str, float]
+
+
+class Panel(NamedTuple):
+    """One record for the figures: the test, the force of the model, and full cycles of the two."""
 
     title: str
     record: TestRecord
-    model: Floats
-    loops: list[Loop]
-    test_measures: list[dict[str, float]]
-    model_measures: list[dict[str, float]]
+    prediction: Prediction
+    cycles: list[Cycle]
     errors: list[CycleErrors]
 
 
 def _panel(fit: RecordFit, prediction: Prediction, bearing: Bearing) -> Panel:
-    record = fit.record
-    found = zip(compare_loops(record, prediction.force), fit.cycles, strict=True)
-    pairs = [(loop, e) for loop, e in found if loop.last - loop.first + 1 >= FEWEST_POINTS]
-    model = [_measures(record, prediction.force, loop, bearing) for loop, _ in pairs]
-    return Panel(
-        title=f"{record.name}, {drawing.degrees(record.ambient)}, R² = {fit.R2:.4f}",
-        record=record,
-        model=prediction.force,
-        loops=[loop for loop, _ in pairs],
-        test_measures=[
-            {name: value / (1.0 + getattr(errors, name)) for name, value in cycle.items()}
-            for cycle, (_, errors) in zip(model, pairs, strict=True)
-        ],
-        model_measures=model,
-        errors=fit.cycles,
-    )
+    record, force = fit.record, prediction.force
+    size = {"area": bearing.area, "total_rubber_thickness": bearing.total_rubber_thickness}
+    cycles = []
+    for loop, errors in zip(compare_loops(record, force), fit.cycles, strict=True):
+        rows = slice(loop.first, loop.last + 1)
+        if loop.last - loop.first + 1 >= FEWEST_POINTS:
+            found = measure_cycle(record.displacement[rows], force[rows], slope=False, **size)
+            model = {
+                "G_eq_error": found.G_eq_MPa,
+                "h_eq_error": found.h_eq,
+                "energy_error": found.energy_kN_mm / 1000.0,
+                "force_max_error": max(found.force_max_kN, -found.force_min_kN),
+            }
+            cycles.append(Cycle(loop, errors, model))
+    title = f"{record.name}, {drawing.degrees(record.ambient)}, R² = {fit.R2:.4f}"
+    return Panel(title, record, prediction, cycles, fit.cycles)
 
 
 def _draw_loops(ax: Axes, panel: Panel, colour: str) -> None:
-    """A test as a broad band, and the model as a thin line in it."""
+    """Draw a test as a broad band, and the model as a thin line in it."""
     x, force = panel.record.displacement, panel.record.force
     span = float(np.ptp(x)), float(np.ptp(force))
     broad, thin = (PALE_TEST, BAND_WIDTH, 1.5), (colour, 0.8, 2.0)
-    for values, (shown, width, order) in ((force, broad), (panel.model, thin)):
+    for values, (shown, width, order) in ((force, broad), (panel.prediction.force, thin)):
         kept = drawing.thin_loops(x, values, *span)
         ax.plot(x[kept], values[kept], color=shown, linewidth=width, zorder=order)
 
 
-def _measures(record: TestRecord, force: Floats, loop: Loop, bearing: Bearing) -> dict[str, float]:
-    """Return what is shown of a cycle of the model, by name of its error, as `measure` has it."""
-    rows = slice(loop.first, loop.last + 1)
-    size = {"area": bearing.area, "total_rubber_thickness": bearing.total_rubber_thickness}
-    found = measure_cycle(record.displacement[rows], force[rows], slope=False, **size)
-    return {
-        "G_eq_error": found.G_eq_MPa,
-        "h_eq_error": found.h_eq,
-        "energy_error": found.energy_kN_mm / 1000.0,
-        "force_max_error": max(found.force_max_kN, -found.force_min_kN),
-    }
-
-
 def _draw_cycles(ax: Axes, panel: Panel, measure: str, colour: str, marker: str) -> None:
-    """One measure of the cycles of a record, each amplitude a line."""
-    loops = panel.loops
-    number = np.array([loop.cycle for loop in loops], dtype=float)
+    """Draw one measure of the cycles of a record, each amplitude a line."""
+    loops = [cycle.loop for cycle in panel.cycles]
     first = [k for k, loop in enumerate(loops) if k and loop.number <= loops[k - 1].number]
-    test, model = (
-        np.insert(np.array([found[measure] for found in side], dtype=float), first, np.nan)
-        for side in (panel.test_measures, panel.model_measures)
-    )
-    x = np.insert(number, first, np.nan)
+    model = np.array([cycle.model[measure] for cycle in panel.cycles], dtype=float)
+    off = np.array([getattr(cycle.errors, measure) for cycle in panel.cycles], dtype=float)
+    number = np.array([loop.cycle for loop in loops], dtype=float)
+    x, test, model = (np.insert(v, first, np.nan) for v in (number, model / (1.0 + off), model))
     ax.plot(x, test, "o-", color=colour, alpha=0.3, linewidth=6.0, markersize=6.0, mew=0.0)
     ax.plot(x, model, marker + "-", color=colour, markersize=3.5, linewidth=1.0)
 
 
-class IdentificationFigures:
-    """Figures of a fit: `found.plot.loops()` and so on, each a matplotlib Figure.
+class IdentificationFigures(drawing.Figures):
+    """Figures of a calibration: `found.plot.loops()` and so on, each a matplotlib Figure."""
 
-    Parameters
-    ----------
-    found : from `identify_bearing`.
-
-    Examples
-    --------
-    >>> import thermobearing as tb
-    >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
-    >>> record = tb.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
-    >>> found = tb.identify_bearing(record, "shen-hdr-specimen", free=["K_r"], starts=1)
-    >>> len(IdentificationFigures(found).cycles().axes)
-    4
-    """
+    vector = True
 
     def __init__(self, found: Identification) -> None:
+        super().__init__(found)
         self._found = found
         self._panels = [
             _panel(fit, prediction, found.bearing)
             for fit, prediction in zip(found.fits, found.predictions, strict=True)
         ]
 
+    def draw_all(self) -> dict[str, Callable[[], Figure]]:
+        """Return what draws each figure, by name of its file."""
+        figures: dict[str, Callable[[], Figure]] = {
+            "loops": self.loops,
+            "residuals": self.residuals,
+            "convergence": self.convergence,
+            "correlation": self.correlation,
+            "cycles": self.cycles,
+        }
+        if any(panel.record.temperatures for panel in self._panels):
+            figures["temperatures"] = self.temperatures
+        bands = self._found.forecast.bands if self._found.forecast else ()
+        return figures | {f"band_{band.ambient:g}": partial(self.band, band) for band in bands}
+
     def _title(self, what: str) -> str:
         return f"{self._found.bearing.name}: {what}"
 
     def loops(self, ax: Axes | None = None, *, label: str = "", color: str = MODEL) -> Figure:
-        """Loops of each test, the model's over them.
-
-        Parameters
-        ----------
-        ax : draw all tests and models into this panel instead.
-        label, color : of the model that is drawn into it.
-        """
+        """Draw the loops of each test, the model over them."""
         panels = self._panels
         if ax is not None:
             for panel in panels:
@@ -173,11 +156,12 @@ class IdentificationFigures:
         return figure
 
     def residuals(self) -> Figure:
-        """Residual force over samples, and its distribution, for each record."""
+        """Draw the residual force over samples, and its distribution, for each record."""
         size = (9.5, 0.8 + 2.3 * len(self._panels))
         figure, axes = drawing.panels(len(self._panels), 2, size, self._title("residuals"))
         for k, panel in enumerate(self._panels):
-            off = 100.0 * (panel.model - panel.record.force) / panel.record.peak_force
+            force = panel.record.force
+            off = 100.0 * (panel.prediction.force - force) / panel.record.peak_force
             left, right = axes[2 * k], axes[2 * k + 1]
             kept = drawing.thin(off, BINS)
             left.plot(kept, off[kept], color=drawing.INK, linewidth=0.5)
@@ -189,14 +173,13 @@ class IdentificationFigures:
             area = sigma * np.sqrt(2.0 * np.pi)
             normal = np.exp(-0.5 * ((grid - off.mean()) / sigma) ** 2) / area
             right.plot(grid, normal, color=MODEL, linewidth=1.2, label="normal")
-            drawing.name_axes(
-                right, "model - test [% of peak]", "density", f"standard deviation {sigma:.2g} %"
-            )
+            spread = f"standard deviation {sigma:.2g} %"
+            drawing.name_axes(right, "model - test [% of peak]", "density", spread)
             right.legend(fontsize=drawing.SMALL, frameon=False)
         return figure
 
     def convergence(self) -> Figure:
-        """Best residual so far against evaluations."""
+        """Draw the best residual so far against evaluations."""
         figure, (ax,) = drawing.panels(1, 1, (6.5, 3.8), self._title("convergence"))
         history = self._found.history
         count = np.array([item[0] for item in history], dtype=float)
@@ -211,7 +194,7 @@ class IdentificationFigures:
         return figure
 
     def correlation(self) -> Figure:
-        """Correlation matrix of the free parameters."""
+        """Draw the correlation matrix of the free parameters."""
         found = self._found.uncertainty
         names = [item.parameter.kind.symbol for item in found.estimates.values()]
         size = 1.8 + 0.55 * len(names)
@@ -257,35 +240,19 @@ class IdentificationFigures:
         return figure
 
     def temperatures(self) -> Figure:
-        """Thermocouples of the tests in time, the model at their places dashed."""
-        pairs = [
-            (panel.title, panel.record, prediction)
-            for panel, prediction in zip(self._panels, self._found.predictions, strict=True)
-            if panel.record.temperatures
-        ]
-        size = (9.0, 0.9 + 3.0 * max(len(pairs), 1))
+        """Draw the thermocouples of the tests in time, the model at their places dashed."""
+        panels = [panel for panel in self._panels if panel.record.temperatures]
+        size = (9.0, 0.9 + 3.0 * max(len(panels), 1))
         title = self._title("thermocouples (full: test, dashed: model)")
-        figure, axes = drawing.panels(max(len(pairs), 1), 1, size, title)
-        for ax, (named, record, prediction) in zip(axes, pairs, strict=False):
-            ax.legend(
-                handles=draw_thermocouples(ax, record, prediction),
-                fontsize=drawing.SMALL,
-                frameon=False,
-            )
-            drawing.name_axes(ax, title=named)
+        figure, axes = drawing.panels(max(len(panels), 1), 1, size, title)
+        for ax, panel in zip(axes, panels, strict=False):
+            lines = draw_thermocouples(ax, panel.record, panel.prediction)
+            ax.legend(handles=lines, fontsize=drawing.SMALL, frameon=False)
+            drawing.name_axes(ax, title=panel.title)
         return figure
 
     def band(self, band: Band) -> Figure:
-        """Loops at a temperature within their 95 % band, and the force at each turn.
-
-        Parameters
-        ----------
-        band : from `predictive_band`.
-
-        Returns
-        -------
-        Figure
-        """
+        """Draw the loops at a temperature within their 95 % band, and the force at each turn."""
         told = " (not tested)" if band.beyond_tested else ""
         title = self._title(f"predicted at {drawing.degrees(band.ambient)}{told}")
         figure, (loops, peaks) = drawing.panels(1, 2, (10.0, 4.4), title)
@@ -318,53 +285,22 @@ class IdentificationFigures:
         )
         return figure
 
-    def save_all(self, folder: Path, *, bands: Sequence[Band] = ()) -> list[Path]:
-        """Every figure, as PNG.
 
-        Parameters
-        ----------
-        folder : where to; made if it does not exist.
-        bands : draw these too.
-
-        Returns
-        -------
-        list of the files written.
-        """
-        figures: dict[str, Callable[[], Figure]] = {
-            "loops": self.loops,
-            "residuals": self.residuals,
-            "convergence": self.convergence,
-            "correlation": self.correlation,
-            "cycles": self.cycles,
-        }
-        if any(panel.record.temperatures for panel in self._panels):
-            figures["temperatures"] = self.temperatures
-        figures |= {f"band_{band.ambient:g}": partial(self.band, band) for band in bands}
-        return drawing.save_figures(figures, folder, vector=True)
-
-
-REST, FOUND = "#8a8f98", "#CC3311"
+def draw_thermocouples(ax: Axes, record: TestRecord, prediction: Prediction) -> list[Line2D]:
+    """Draw measured (full) and modelled (dashed) temperatures; return the lines of a legend."""
+    colours = drawing.ordered_colours(len(record.temperatures), "turbo")
+    lines = []
+    for (title, test), colour in zip(record.temperatures.items(), colours, strict=True):
+        label = f"{title} ({record.places[title]})"
+        lines += ax.plot(record.time, test, color=colour, linewidth=1.4, label=label)
+        model = prediction.temperatures[title]
+        ax.plot(record.time, model, color=colour, linewidth=1.0, linestyle="--")
+    drawing.name_axes(ax, "time [s]", "temperature [degC]")
+    return lines
 
 
 def check_figure(report: CheckReport) -> Figure:
-    """A record at a glance: histories over samples, loops, middles of the loops, findings.
-
-    Parameters
-    ----------
-    report : from `check_test`.
-
-    Returns
-    -------
-    Figure
-
-    Examples
-    --------
-    >>> import thermobearing as tb
-    >>> t = np.linspace(0.0, 10.0, 500)
-    >>> report = tb.check_test(tb.record_from_arrays(t, 0.0 * t, np.sin(t), 23.0))
-    >>> len(check_figure(report).axes)
-    4
-    """
+    """Draw a record: histories over samples, loops, middles of the loops, findings."""
     record = report.record
     title = f"{record.name}: {report.outcome}"
     figure, (top, middle, loops, centre) = drawing.panels(2, 2, (10.0, 6.8), title)
@@ -383,7 +319,7 @@ def check_figure(report: CheckReport) -> Figure:
 
 
 def _draw_histories(report: CheckReport, top: Axes, middle: Axes) -> None:
-    """Displacement and force over samples, cycles, rests, spikes, clipped samples."""
+    """Draw displacement and force over samples, cycles, rests, spikes, clipped samples."""
     record = report.record
     number = np.arange(len(record.time))
     starts = [cycle.first for cycle in report.cycles]
@@ -393,25 +329,25 @@ def _draw_histories(report: CheckReport, top: Axes, middle: Axes) -> None:
     ):
         kept = drawing.thin(values, BINS)
         ax.plot(number[kept], values[kept], color=drawing.INK, linewidth=0.7)
-        ax.plot(starts, np.zeros(len(starts)), "|", color=FOUND, markersize=7)
+        ax.plot(starts, np.zeros(len(starts)), "|", color=MODEL, markersize=7)
         drawing.name_axes(ax, "sample", name)
     told = "bars: begin of each cycle found"
     clipped = report.clipped
-    middle.plot(number[clipped], record.force[clipped], "x", color=FOUND, markersize=4)
+    middle.plot(number[clipped], record.force[clipped], "x", color=MODEL, markersize=4)
     found = report.treatment
     if found is not None:
         for ax, name in ((top, "displacement"), (middle, "force")):
             for first, last in found.rests:
                 ax.axvspan(first, last, color=REST, alpha=0.25, linewidth=0.0)
             bad = found.spikes[name]
-            ax.plot(number[bad], getattr(record, name)[bad], "o", color=FOUND, markersize=4)
+            ax.plot(number[bad], getattr(record, name)[bad], "o", color=MODEL, markersize=4)
         told += "; grey: rests" if found.rests else ""
         told += "; dots: spikes" if any(bad.any() for bad in found.spikes.values()) else ""
     top.set_title(told, fontsize=drawing.NORMAL, loc="left")
 
 
 def _draw_middles(report: CheckReport, ax: Axes) -> None:
-    """Middle of each loop, for drift and offset."""
+    """Draw the middle of each loop, for drift and offset."""
     full = [cycle for cycle in report.cycles if not cycle.closing]
     record = report.steady
     for name, colour in (("displacement", "#0077BB"), ("force", "#EE7733")):

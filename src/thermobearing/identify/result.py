@@ -1,41 +1,38 @@
-"""What a fit found: the bearing with its numbers, how well they are known, what they are worth."""
+"""The result of a calibration: the bearing with its numbers, their uncertainty, the agreement."""
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 import thermobearing
-from thermobearing.bearing.model import Bearing, Validity
+from thermobearing.bearing.model import Bearing
 from thermobearing.bearing.plausible import implausible
 from thermobearing.border.deprecated import renamed
-from thermobearing.border.showing import Shown
+from thermobearing.border.errors import printable
+from thermobearing.core.records import Floats
 from thermobearing.identify.fit.forward import Prediction
 from thermobearing.identify.fit.parameters import ParameterSet
 from thermobearing.identify.fit.problem import Problem
 from thermobearing.identify.fit.start import Sensitivity
+from thermobearing.identify.output import write_identification
 from thermobearing.identify.records.checks import CheckReport
-from thermobearing.identify.records.conditions import cycle_row, record_conditions
 from thermobearing.identify.records.cycles import compare_largest_loops, compare_loops
-from thermobearing.identify.records.record import TestRecord
-from thermobearing.identify.records.thermocouples import thermocouple_rows
+from thermobearing.identify.records.record import TestRecord, record_conditions
 from thermobearing.identify.uncertainty.agreement import (
     UNUSABLE,
     RecordFit,
     fit_of_record,
-    range_of_tests,
+    thermocouple_rows,
 )
-from thermobearing.identify.uncertainty.covariance import Estimate, Uncertainty
+from thermobearing.identify.uncertainty.covariance import Uncertainty
+from thermobearing.quantities.tables import Table
+from thermobearing.results.base import COMPLETED, Result
 
 if TYPE_CHECKING:
-    from thermobearing.identify.figures import IdentificationFigures
     from thermobearing.identify.uncertainty.posterior import Forecast
-
-Floats = NDArray[np.float64]
 
 SENTENCES = {
     "not_converged": "The search stopped before it converged. Give more --starts.",
@@ -45,22 +42,35 @@ SENTENCES = {
 
 
 @dataclass(frozen=True, repr=False)
-class Identification(Shown):
-    """What a fit found.
+class Identification(Result):
+    """The result of a calibration.
 
     Attributes
     ----------
-    bearing : the bearing with the identified numbers.
-    pset, cube : parameters, and where the optimum lies in their unit cube.
-    records, checks, predictions : tests, what was said of them, the model at their samples.
-    uncertainty : standard errors, intervals, correlation, warnings in words.
-    start : values the fit started from, each in the unit of its parameter.
-    method, evaluations, seconds : how, and what it took: runs of all records, and time [s].
-    history : evaluations, and the best mean squared relative residual so far, for a figure.
-    outcome : "completed", or why not.
-    problem : the residuals, for the posterior.
-    sensitivity : what the tests can tell, and what is therefore free; empty where that was told.
-    inputs : options of the fit, for documents.
+    bearing : Bearing
+        The bearing with the identified numbers; its tested range is what the tests cover.
+    pset, cube : ParameterSet, ndarray
+        Parameters, and the place of the optimum in their unit cube.
+    records, checks, predictions : list
+        Tests, their checks, the model at their samples.
+    uncertainty : Uncertainty
+        Standard errors, intervals, correlation, warnings.
+    start : dict
+        Starting values by dotted key, each in the unit of its parameter.
+    method, evaluations, seconds : str, int, float
+        Method of the search, runs of all records, and time [s].
+    history : list of tuple
+        Evaluations, and the best mean squared relative residual so far.
+    problem : Problem
+        The residuals, for the posterior.
+    sensitivity : list of Sensitivity
+        What the tests would determine, and what is therefore free; empty if the user chose that.
+    inputs : dict
+        Options of the fit, for reports.
+    outcome : str
+        "completed", "not_converged" or "poor_fit".
+    forecast : Forecast, optional
+        Samples of the posterior and predicted bands that are shown and saved too.
 
     Examples
     --------
@@ -74,6 +84,9 @@ class Identification(Shown):
     1
     """
 
+    _figures = "IdentificationFigures"
+    _report_of_files = True
+
     bearing: Bearing
     pset: ParameterSet
     cube: Floats
@@ -86,26 +99,21 @@ class Identification(Shown):
     evaluations: int
     seconds: float
     history: list[tuple[int, float]]
-    outcome: str
     problem: Problem
     sensitivity: list[Sensitivity] = field(default_factory=list)
     inputs: dict[str, Any] = field(default_factory=dict)
+    outcome: str = COMPLETED
+    forecast: "Forecast | None" = None
 
     @property
     def headline(self) -> str:
-        """What it is, in a line."""
+        """What it is and how it ended, in a line."""
         free = ", ".join(
             f"{item.parameter.kind.symbol} = {item.value:.4g}"
             for item in self.uncertainty.estimates.values()
         )
         fits = ", ".join(f"{fit.R2:.4f}" for fit in self.fits)
         return f"Identification of {self.bearing.name}: {free}; R2 {fits}; {self.outcome}"
-
-    def show(self) -> None:
-        """Print the tables that the command prints."""
-        from thermobearing.identify.output import print_identification
-
-        print_identification(self)
 
     @property
     def table(self) -> pd.DataFrame:
@@ -131,17 +139,11 @@ class Identification(Shown):
 
     @cached_property
     def fits(self) -> list[RecordFit]:
-        """How well each record is met."""
+        """Agreement with each record."""
         return [
             fit_of_record(record, prediction, self.bearing)
             for record, prediction in zip(self.records, self.predictions, strict=True)
         ]
-
-    @cached_property
-    def tested_range(self) -> Validity:
-        """What these tests cover; it goes into the file of the bearing."""
-        rubber = self.bearing.total_rubber_thickness
-        return range_of_tests(self.records, self.predictions, rubber)
 
     @cached_property
     def cycles(self) -> pd.DataFrame:
@@ -152,8 +154,17 @@ class Identification(Shown):
             largest = compare_largest_loops(record, prediction.force, loops)
             whose = {"test": record.name, "ambient_degC": record.ambient}
             whose |= {"bearing": self.bearing.name, "model": "identified"}
-            rows += [whose | cycle_row(loop, largest=loop is largest) for loop in loops]
+            rows += [whose | loop.row(largest=loop is largest) for loop in loops]
         return pd.DataFrame(rows)
+
+    @property
+    def thermocouples(self) -> list[dict[str, Any]]:
+        """Thermocouples of all tests and of the model, a row each."""
+        return [
+            {"test": record.name, **row}
+            for record, prediction in zip(self.records, self.predictions, strict=True)
+            for row in thermocouple_rows(record, prediction)
+        ]
 
     @property
     def poor(self) -> list[str]:
@@ -165,33 +176,13 @@ class Identification(Shown):
         ]
         for item in self.uncertainty.estimates.values():
             if item.lost:
-                kind = item.parameter.kind
-                said.append(
-                    f"{kind.symbol} = {item.value:.4g} {kind.unit}".strip() + f" {item.where}"
-                )
+                value = f"{item.parameter.kind.symbol} = {item.value:.4g}"
+                said.append(f"{value} {item.parameter.kind.unit}".strip() + f" {item.where}")
         return said
 
     def judged(self, *, accept_poor: bool = False) -> "Identification":
-        """The same with the outcome "poor_fit" where it is one, unless that is accepted.
-
-        Parameters
-        ----------
-        accept_poor : the user will use the bearing all the same.
-
-        Returns
-        -------
-        Identification
-        """
+        """Return the result with the outcome "poor_fit" if it is one, unless that is accepted."""
         return replace(self, outcome="poor_fit") if self.poor and not accept_poor else self
-
-    @property
-    def thermocouples(self) -> list[dict[str, Any]]:
-        """Thermocouples of all tests beside the model, a row each; see `thermocouple_rows`."""
-        return [
-            {"test": record.name, **row}
-            for record, prediction in zip(self.records, self.predictions, strict=True)
-            for row in thermocouple_rows(record, prediction)
-        ]
 
     @property
     def sentence(self) -> str:
@@ -201,7 +192,7 @@ class Identification(Shown):
 
     @property
     def warnings(self) -> list[str]:
-        """Everything a reader of the numbers must know."""
+        """What a reader must know before using the numbers."""
         said = [f.sentence for check in self.checks for f in check.findings if f.level != "note"]
         said = [warning for fit in self.fits for warning in fit.warnings] + said
         if not any(fit.virgin for fit in self.fits):  # which is the cause of the misfit
@@ -214,21 +205,54 @@ class Identification(Shown):
             said.append("the search stopped before it converged: give more starts")
         return said
 
-    def summary(self) -> dict[str, Any]:
-        """The content of summary.json.
+    def tables(self) -> dict[str, Table]:
+        """Tables of parameters, of the agreement with the tests, and of thermocouples."""
+        from thermobearing.identify import tables
 
-        Returns
-        -------
-        dict : parameters with their uncertainty, measures of each record, warnings.
-        """
+        summary = self.summary()
+        found = {
+            "parameters": tables.parameters_table(summary),
+            "records": tables.agreement_table(summary["records"]),
+            "thermocouples": tables.thermocouples_table(summary["thermocouples"]),
+            "posterior": tables.posterior_table(summary.get("posterior", {})),
+        }
+        return {name: table for name, table in found.items() if table.rows}
+
+    def notes(self) -> list[str]:
+        """Columns of the tests that are not used, and warnings of the forecast."""
+        unused = [
+            printable(f"{record.name}: columns not used: {', '.join(record.unused)}")
+            for record in self.records
+            if record.unused
+        ]
+        ahead = self.forecast.warnings if self.forecast else ()
+        return [*dict.fromkeys(unused), *(f"warning: {text}" for text in ahead)]
+
+    def summary(self) -> dict[str, Any]:
+        """Return the content of summary.json: parameters, measures of each record, warnings."""
         estimates = self.uncertainty.estimates
-        return {
+        rubber = self.bearing.total_rubber_thickness
+        summary = {
             "command": "identify",
             "version": thermobearing.__version__,
             "bearing": self.bearing.name,
             "inputs": self.inputs,
             "parameters": {
-                key: _estimate_summary(item, self.start.get(key)) for key, item in estimates.items()
+                key: {
+                    "symbol": item.parameter.kind.symbol,
+                    "value": item.value,
+                    "unit": item.parameter.kind.unit,
+                    "stderr": item.stderr,
+                    "stderr_of_tests": item.stderr_of_tests,
+                    "lower": item.lower,
+                    "upper": item.upper,
+                    "at_bound": item.at_bound,
+                    "determined": item.determined,
+                    "well_determined": item.well_determined,
+                    "start": self.start.get(key),
+                    "bounds": [item.parameter.lower, item.parameter.upper],
+                }
+                for key, item in estimates.items()
             },
             "fixed": {
                 p.kind.key: {"value": self.values[p.kind.key], "unit": p.kind.unit}
@@ -239,7 +263,7 @@ class Identification(Shown):
             "assumed": [told.summary() for told in self.uncertainty.assumed.told],
             "records": [
                 fit.summary()
-                | {"conditions": record_conditions(fit.record, self.bearing.total_rubber_thickness)}
+                | {"conditions": record_conditions(fit.record, rubber)}
                 | {"treatment": check.treatment.summary() if check.treatment else None}
                 for fit, check in zip(self.fits, self.checks, strict=True)
             ],
@@ -258,13 +282,7 @@ class Identification(Shown):
             "outcome": self.outcome,
             "sentence": self.sentence,
         }
-
-    @property
-    def plot(self) -> "IdentificationFigures":
-        """Figures: `found.plot.loops()`, `.residuals()`, `.cycles()`, ... ."""
-        from thermobearing.identify.figures import IdentificationFigures
-
-        return IdentificationFigures(self)
+        return summary | ({"posterior": self.forecast.summary()} if self.forecast else {})
 
     @renamed(force="overwrite")
     def save(
@@ -275,39 +293,32 @@ class Identification(Shown):
         figures: bool = True,
         forecast: "Forecast | None" = None,
     ) -> Path:
-        """Write a result directory; see `save_identification`.
+        """Write a result directory; see docs/files.md.
 
         Parameters
         ----------
-        directory, force, figures, forecast : as in `save_identification`.
+        directory : str or Path
+            Made if needed, with its parents.
+        overwrite : bool
+            Replace an earlier result directory.
+        figures : bool
+            Draw the figures too.
+        forecast : Forecast, optional
+            Samples of the posterior and bands at other temperatures.
 
         Returns
         -------
-        Path : the directory.
+        Path
+            The directory.
 
         Raises
         ------
-        OutputError : the directory exists and `force` is False, or it cannot be written.
+        OutputError
+            The directory exists and `overwrite` is False, or it cannot be written; nothing is
+            left.
         """
-        from thermobearing.identify.output import save_identification
+        found = self if forecast is None else replace(self, forecast=forecast)
+        return Result.save(found, directory, overwrite=overwrite, figures=figures)
 
-        return save_identification(
-            self, Path(directory), overwrite=overwrite, figures=figures, forecast=forecast
-        )
-
-
-def _estimate_summary(item: Estimate, start: float | None) -> dict[str, Any]:
-    return {
-        "symbol": item.parameter.kind.symbol,
-        "value": item.value,
-        "unit": item.parameter.kind.unit,
-        "stderr": item.stderr,
-        "stderr_of_tests": item.stderr_of_tests,
-        "lower": item.lower,
-        "upper": item.upper,
-        "at_bound": item.at_bound,
-        "determined": item.determined,
-        "well_determined": item.well_determined,
-        "start": start,
-        "bounds": [item.parameter.lower, item.parameter.upper],
-    }
+    def _write(self, folder: Path) -> None:
+        write_identification(self, folder)

@@ -1,10 +1,9 @@
-"""The story of a fit: tests and a bearing -> the bearing with the numbers that meet the tests.
+"""Calibrate a bearing to its tests.
 
     tests -> checks -> start from the loops -> what is free -> search -> polish -> uncertainty
 
-Read from top to bottom: `identify_bearing` gathers what the user gave into a case,
-`run_identify` carries it out. The residuals are in problem.py, the model in forward.py, the
-search in search.py.
+`identify_bearing` makes a case of its arguments, `run_identify` carries it out. The residuals are
+in problem.py, the model in forward.py, the search in search.py.
 """
 
 import time
@@ -44,14 +43,12 @@ from thermobearing.identify.fit.start import (
     sensitivities,
     without_needless,
 )
-from thermobearing.identify.records.checks import CheckReport, check_test
+from thermobearing.identify.records.checks import check_test
 from thermobearing.identify.records.record import TestRecord
 from thermobearing.identify.result import Identification
 from thermobearing.identify.uncertainty.agreement import range_of_tests
 from thermobearing.identify.uncertainty.assumed import chosen_groups
 from thermobearing.identify.uncertainty.covariance import estimate, remedy
-
-Floats = NDArray[np.float64]
 
 
 def identify_bearing(
@@ -72,30 +69,45 @@ def identify_bearing(
     accept_poor: bool = False,
     one_temperature: bool = False,
 ) -> Identification:
-    """Parameters of a bearing from its tests.
+    """Identify the parameters of a bearing from its tests.
 
     Parameters
     ----------
-    records : one or more tests (`load_test`, `record_from_arrays`, or paths).
-    bearing : geometry and materials, and the values of what is not free.
-    free : keys or symbols ("K_r"), ties as "n_T = 2.4 * m_T"; by default what these tests can
-        determine (identify/sensitivity.py).
-    bounds : other bounds than the usual, by key or symbol, in the unit of the parameter.
-    method : "least-squares" (bounded trust region from several starts), "krill-herd"
+    records : TestRecord, str, Path or a sequence of them
+        Tests of `load_test` or `record_from_arrays`, or their files.
+    bearing : Bearing, str or Path
+        Geometry and materials, and the values of what is not free.
+    free : sequence of str, optional
+        Keys or symbols ("K_r"), ties as "n_T = 2.4 * m_T"; by default what these tests can
+        determine.
+    bounds : dict, optional
+        Other bounds than the default ones, by key or symbol, in the unit of the parameter.
+    method : str
+        "least-squares" (bounded trust region from several starts), "krill-herd"
         (Gandomi & Alavi 2012) or "differential-evolution"; the last two end with least
         squares unless `polish` is False.
-    seed : of all random numbers.
-    starts : least squares from so many points, 1 to 100; the first comes from the loops.
-    loss : "linear", or a robust one of scipy: "soft_l1", "huber", "cauchy".
-    temperatures : fit the thermocouples too.
-    blind : start from the loops; False starts from the bearing's own values.
-    polish : end with least squares.
-    evaluations : budget of krill herd or differential evolution, 1 to a million.
-    assumed : relative standard uncertainty, 0 to 2, of what is not identified, by dotted key or
-        symbol: {"materials.side_film": 0.1}; 0 is known exactly. Others keep the usual ones.
-    accept_poor : let a poor fit (R2 below 0.9, a parameter near its bound) count as a fit.
-    one_temperature : free m_T and n_T, if `free` has them, though the ambient temperatures of the
-        tests differ by less than 10 K; without it they are held, with a warning.
+    seed : int
+        Seed of all random numbers.
+    starts : int
+        Number of starting points of least squares, 1 to 100; the first comes from the loops.
+    loss : str
+        "linear", or a robust one of scipy: "soft_l1", "huber", "cauchy".
+    temperatures : bool
+        Fit the thermocouples too.
+    blind : bool
+        Start from the loops; False starts from the values of the bearing.
+    polish : bool
+        End with least squares.
+    evaluations : int
+        Budget of krill herd or differential evolution, 1 to a million.
+    assumed : mapping, optional
+        Relative standard uncertainty, 0 to 2, of values that are not identified, by dotted key or
+        symbol: {"materials.side_film": 0.1}; 0 is known exactly. Others keep the default ones.
+    accept_poor : bool
+        Accept a poor fit (R2 below 0.9, a parameter near its bound) as completed.
+    one_temperature : bool
+        Free m_T and n_T, if `free` has them, though the ambient temperatures of the tests differ
+        by less than 10 K; without it they are held, with a warning.
 
     Returns
     -------
@@ -103,16 +115,17 @@ def identify_bearing(
 
     Raises
     ------
-    InputError : a test that cannot be used, with the reason; unknown names.
+    InputError
+        A test that cannot be used, with the reason; unknown names; a model that ends early in the
+        tests.
 
     Examples
     --------
     >>> import thermobearing as tb
-    >>> from thermobearing.identify.records.record import record_from_arrays
     >>> bearing = tb.load_bearing("shen-hdr-specimen")
     >>> run = tb.run(bearing, tb.cyclic_test(strain=[0.5, 1.5], cycles=2, rest=None), dt=0.02)
     >>> x, force = run["displacement"].values[0], run["force"].values[0]
-    >>> record = record_from_arrays(run.time(0), x, force, 23.0)
+    >>> record = tb.record_from_arrays(run.time(0), x, force, 23.0)
     >>> found = identify_bearing(record, bearing, free=["K_r", "d_y"], starts=1)
     >>> abs(found.values["hysteresis.layer_stiffness"] / 30.738 - 1.0) < 0.02
     True
@@ -138,38 +151,15 @@ def identify_bearing(
 
 
 def run_identify(case: IdentifyCase) -> Identification:
-    """Carry out a complete case of a fit.
-
-    Parameters
-    ----------
-    case : from `make_identify_case`.
-
-    Returns
-    -------
-    Identification
-
-    Raises
-    ------
-    InputError : a test that cannot be used, with the reason; unknown parameters; a model that
-        does not get through the tests.
-
-    Examples
-    --------
-    >>> import thermobearing as tb
-    >>> from thermobearing.identify.case import make_identify_case
-    >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
-    >>> record = tb.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
-    >>> case = make_identify_case(record, "shen-hdr-specimen", free=["K_r"], starts=1)
-    >>> run_identify(case).outcome
-    'completed'
-    """
+    """Carry out a case of `make_identify_case`."""
     begin = time.perf_counter()
     records, base = case.records, case.bearing
     checks = [check_test(record, base) for record in records]
     refused = [line for check in checks for line in check.refusals]
     if refused:
         raise InputError(refused)
-    records, left_out = _to_fit(checks)
+    treated = [check.treatment.to_fit(check.clipped) for check in checks if check.treatment]
+    records, left_out = [record for record, _ in treated], [bad for _, bad in treated]
     case, held = _without_temperature_law(case)
     problem, start, sensitivity = _problem(case, records, left_out)
     cube, converged = search(problem, case), True
@@ -204,18 +194,19 @@ def run_identify(case: IdentifyCase) -> Identification:
 
 
 def _inputs(case: IdentifyCase) -> dict[str, Any]:
-    """Options of a fit, as summary.json keeps them for documents."""
+    """Return the options of a fit for summary.json."""
     names = ("method", "seed", "starts", "loss", "temperatures", "blind", "polish", "evaluations")
-    told: dict[str, Any] = {"start": case.bearing.name}
-    told |= {name: getattr(case, name) for name in names}
-    told["free"] = None if case.free is None else list(case.free)
-    told["bounds"] = {key: list(ends) for key, ends in (case.bounds or {}).items()}
-    told["assumed"] = dict(case.assumed or {})
-    return told
+    return {
+        "start": case.bearing.name,
+        **{name: getattr(case, name) for name in names},
+        "free": None if case.free is None else list(case.free),
+        "bounds": {key: list(ends) for key, ends in (case.bounds or {}).items()},
+        "assumed": dict(case.assumed or {}),
+    }
 
 
 def _without_temperature_law(case: IdentifyCase) -> tuple[IdentifyCase, list[str]]:
-    """A case whose tests can tell what is free, and a sentence on what is therefore held."""
+    """Return a case whose tests can determine what is free, and a warning of what is held."""
     ambients = [record.ambient for record in case.records]
     if case.free is None or case.one_temperature or not at_one_temperature(ambients):
         return case, []
@@ -232,16 +223,10 @@ def _without_temperature_law(case: IdentifyCase) -> tuple[IdentifyCase, list[str
     return replace(case, free=others), [why]
 
 
-def _to_fit(checks: Sequence[CheckReport]) -> tuple[list[TestRecord], list[NDArray[np.bool_]]]:
-    """The records as a fit sees them, and their samples that count for nothing."""
-    treated = [check.treatment.to_fit(check.clipped) for check in checks if check.treatment]
-    return [record for record, _ in treated], [left_out for _, left_out in treated]
-
-
 def _problem(
     case: IdentifyCase, records: list[TestRecord], left_out: list[NDArray[np.bool_]]
 ) -> tuple[Problem, dict[str, float], list[Sensitivity]]:
-    """The residuals with what is free, the starting values, and why it is free."""
+    """Return the residuals with what is free, the starting values, and why it is free."""
     base, ambients = case.bearing, [record.ambient for record in records]
     coarse = [ForwardModel(record, base) for record in records]
 

@@ -39,6 +39,7 @@ class Result:
     """
 
     _figures: ClassVar[str] = ""
+    _report_of_files: ClassVar[bool] = False  # the report is made of the saved directory
 
     outcome: Any = COMPLETED
     sentence: Any = ""
@@ -136,9 +137,8 @@ class Result:
 
     def report(self, directory: str | Path, **options: Any) -> list[Path]:
         """Write report.html and report.pdf; see `thermobearing.make_report`."""
-        return list(
-            import_module("thermobearing.reporting").make_report(self, directory, **options)
-        )
+        make_report = import_module("thermobearing.reporting").make_report
+        return list(make_report(directory if self._report_of_files else self, directory, **options))
 
     def _view(self, name: str) -> Any:
         """Return the module of that name beside the one that defines the class."""

@@ -1,18 +1,15 @@
 """Directory and console tables of a validation."""
 
-from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from thermobearing.identify.output import (
-    fill_identification,
-    print_identification,
-    print_thermocouples,
-    print_unused,
-)
+from thermobearing.border.errors import printable
+from thermobearing.identify.output import write_identification
+from thermobearing.identify.tables import thermocouples_table
 from thermobearing.identify.uncertainty.posterior import Forecast
 from thermobearing.results.directory import (
     FIGURES,
@@ -23,7 +20,7 @@ from thermobearing.results.directory import (
     write_directory,
 )
 from thermobearing.results.directory import VALIDATED_CYCLES as CYCLES
-from thermobearing.results.screen import print_table, print_warnings, say
+from thermobearing.results.screen import print_table, print_warnings, say, show_table
 from thermobearing.results.writing import without_formulas, write_csv, write_limits, write_summary
 from thermobearing.validate.case import QUANTITIES
 from thermobearing.validate.hold_out import CrossValidation
@@ -93,7 +90,12 @@ def save_cross_validation(
     """
 
     def fill(folder: Path) -> None:
-        fill_identification(folder, found.final, found.summary(), forecast, figures=figures)
+        final = replace(found.final, forecast=forecast)
+        write_identification(final, folder)
+        drawn = {"posterior": forecast.summary()} if forecast else {}
+        write_summary(folder, found.summary() | drawn)
+        if figures:
+            final.plot.save_all(folder / FIGURES)
         write_csv(folder / TABLE, found.table)
         write_csv(folder / CYCLES, found.judged.cycles)
         if found.folds:
@@ -135,6 +137,7 @@ def samples(found: Validation) -> pd.DataFrame:
     return pd.concat(frames, ignore_index=True)
 
 
+WHOSE = ("test", "ambient_degC", "bearing", "model")  # of a row, by comparison
 HEADS = ("test", "degC", "R²", "K_eq", "h_eq", "energy", "force", "rise", "NRMSE")
 
 
@@ -163,26 +166,20 @@ def print_validation(found: Validation, which: str = "tests") -> None:
     for (bearing, model), rows in (
         shown.groupby(["bearing", "model"], sort=False) if len(shown) else ()
     ):
-        some: list[dict[Any, Any]] = (
-            rows.astype(object).where(rows.notna(), None).to_dict("records")
-        )
-        title = f"{bearing}, {model}: thermocouples, model beside test"
-        print_thermocouples(some, title)
-    print_unused([item.record for item in found.comparisons])
+        caption = f"{bearing}, {model}: thermocouples, model compared with test"
+        names = ["test", *(name for name in rows if name not in WHOSE)]
+        show_table(thermocouples_table(rows[names].to_dict("records"), caption))
+    for name, unused in dict.fromkeys((c.record.name, c.record.unused) for c in found.comparisons):
+        if unused:
+            say(printable(f"{name}: columns not used: {', '.join(unused)}"))
     limits = ", ".join(f"{name} {limit:.0%}" for name, limit in found.limits.items())
     say(f"limits: {limits}; verdict: {found.verdict} (! beyond its limit)")
     print_warnings(found.warnings)
 
 
-def print_cross_validation(found: CrossValidation, more: Sequence[str] = ()) -> None:
-    """The final fit, parameters by fold, and both kinds of tests.
-
-    Parameters
-    ----------
-    found : from `cross_validate`.
-    more : further warnings, of a prediction.
-    """
-    print_identification(found.final, more)
+def print_cross_validation(found: CrossValidation, forecast: Forecast | None = None) -> None:
+    """Print the final fit, parameters by fold, and both kinds of tests."""
+    replace(found.final, forecast=forecast).show()
     if found.folds:
         _print_folds(found)
     print_validation(found.fitted, "tests it is fitted to")

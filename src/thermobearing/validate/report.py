@@ -1,45 +1,23 @@
-"""What the document of a validation says, from a result as it is loaded again."""
+"""Report of a validation."""
 
 from collections.abc import Mapping
 from typing import Any
 
-import pandas as pd
-
 from thermobearing.cyclic.reported import bearing_tables, bearing_words, model_assumptions
-from thermobearing.identify.report import (
-    LOOP_POINTS,
+from thermobearing.identify.report import error_check, loop_trace
+from thermobearing.identify.tables import (
     cycles_table,
     errors_table,
     tests_table,
     thermocouples_table,
 )
-from thermobearing.report.content import (
-    TESTED_RANGE,
-    TESTS,
-    limit_checks,
-    saved_figures,
-    saved_identity,
-    saved_validity,
-    verdict,
-    with_plot,
-)
-from thermobearing.report.figures import path
-from thermobearing.report.pieces import (
-    EXCEEDED,
-    NOT_JUDGED,
-    PASSED,
-    Check,
-    Pieces,
-    Plot,
-    ReportFigure,
-    ReportTable,
-    Trace,
-)
+from thermobearing.quantities.tables import Table
+from thermobearing.report import content
+from thermobearing.report.pieces import Check, Pieces, Plot, ReportFigure, Trace
 from thermobearing.report.words import counted, degrees, joined, percent, tidy
 from thermobearing.results.saved import SavedResult
 
 Summary = Mapping[str, Any]
-VERDICTS = {"within": PASSED, "beyond": EXCEEDED}
 CAPTIONS = {
     "loops": "Measured loops (band) and the model (line) of every test.",
     "ratios": "Model over test of the largest loop of each test.",
@@ -50,15 +28,8 @@ CAPTIONS = {
 
 
 def build_pieces(saved: SavedResult) -> Pieces:
-    """Everything that the document of a validation says.
-
-    Parameters
-    ----------
-    saved : of `validate`, as `load_result` gives it.
-    """
+    """Return the pieces of the report of a validation."""
     summary = saved.summary
-    validity, unknown, warnings = saved_validity(saved)
-    checks = report_checks(summary)
     items = summary["comparisons"]
     bearings = (summary.get("inputs") or {}).get("bearings", {})
     words = [bearing_words(one["table"]) for one in bearings.values()]
@@ -68,33 +39,28 @@ def build_pieces(saved: SavedResult) -> Pieces:
     for one in bearings.values():
         inputs |= bearing_tables(one["table"], one["sources"])
     models = list(dict.fromkeys(str(item["model"]) for item in items))
-    return Pieces(
-        command="validate",
-        title=f"Validation of {joined(dict.fromkeys(str(item['bearing']) for item in items))}",
-        question=(
-            f"Does {joined(words, 'or')} ({joined(models)} model), as it is and without a fit, do "
-            f"what {counted(len(tests), 'test')} measured ({joined(tests)}; "
-            f"{degrees(list(tests.values()))})?"
-        ),
-        answer=answer(summary, verdict(checks, validity, unknown)),
+    return content.build_pieces(
+        "validate",
+        f"Validation of {joined(dict.fromkeys(str(item['bearing']) for item in items))}",
+        f"Does {joined(words, 'or')} ({joined(models)} model), as it is and without a fit, do "
+        f"what {counted(len(tests), 'test')} measured ({joined(tests)}; "
+        f"{degrees(list(tests.values()))})?",
+        _answer(summary),
+        checks=_report_checks(summary),
         inputs=inputs,
-        tables=report_tables_by_name(saved),
-        figures=report_figures(saved),
-        checks=checks,
-        validity=validity,
-        validity_unknown=unknown,
+        tables=_report_tables(saved),
+        figures=_report_figures(saved),
         assumptions=[
             "Nothing was fitted: the displacement of each test moves the bearing, from the "
             "temperature of the chamber on.",
             *model_assumptions({"model": models[0]}, [one["table"] for one in bearings.values()]),
         ],
-        warnings=warnings,
-        identity=saved_identity(saved, "thermobearing.validate_bearing(...) in Python"),
+        **content.saved_parts(saved, "thermobearing.validate_bearing(...) in Python"),
     )
 
 
-def answer(summary: Summary, told: str) -> list[str]:
-    """The verdict with the largest errors, how the force is met, limits and validity."""
+def _answer(summary: Summary) -> list[str]:
+    """Return sentences on the verdict, the largest errors, and the agreement of the force."""
     items = summary["comparisons"]
     early = []
     if summary["outcome"] != "completed":
@@ -123,20 +89,20 @@ def answer(summary: Summary, told: str) -> list[str]:
         first = _whose(known[0], items)
         loop = f"; its largest loop in {first}: {joined(largest)}" if largest else ""
         found.append(
-            f"The force is met with R² of {lowest['R2']:.4f} or more "
+            f"The force agrees with R² of {lowest['R2']:.4f} or more "
             f"({_whose(lowest, items)} the lowest){loop}."
         )
-    return [*found, told]
+    return found
 
 
 def _whose(item: Mapping[str, Any], items: list[Mapping[str, Any]]) -> str:
-    """A comparison in words, as far as there are several of a kind."""
+    """Return the name of a comparison: the test, and bearing and model if there are several."""
     several = [k for k in ("bearing", "model") if len({str(one[k]) for one in items}) > 1]
     return ", ".join([str(item["test"]), *(str(item[key]) for key in several)])
 
 
-def report_tables_by_name(saved: SavedResult) -> dict[str, ReportTable]:
-    """Errors of each test, its cycles, thermocouples."""
+def _report_tables(saved: SavedResult) -> dict[str, Table]:
+    """Return the errors of each test, its cycles, its thermocouples."""
     items = saved.summary["comparisons"]
     tests = [
         {
@@ -151,10 +117,11 @@ def report_tables_by_name(saved: SavedResult) -> dict[str, ReportTable]:
     rows = [{"test": _whose(item, items), **row} for item in items for row in item["thermocouples"]]
     found = {
         "errors": errors_table("Largest errors of the model in each test", tests, keys),
-        "cycles": cycles_table(saved),
-        "thermocouples": thermocouples_table(rows),
     }
-    return {name: table for name, table in found.items() if table is not None and table.rows}
+    if "cycles" in saved.tables:
+        found["cycles"] = cycles_table(saved["cycles"])
+    found["thermocouples"] = thermocouples_table(rows)
+    return {name: table for name, table in found.items() if table.rows}
 
 
 def _beyond(saved: SavedResult, count: int) -> list[str]:
@@ -164,9 +131,9 @@ def _beyond(saved: SavedResult, count: int) -> list[str]:
     return [str(value) for value in saved["table"]["beyond_tested"].fillna("")]
 
 
-def report_figures(saved: SavedResult) -> dict[str, ReportFigure]:
-    """Pictures of the directory; loops of tests and models besides as a plot."""
-    found = saved_figures(saved, CAPTIONS)
+def _report_figures(saved: SavedResult) -> dict[str, ReportFigure]:
+    """Return the pictures of the directory, and a plot of the loops."""
+    found = content.saved_figures(saved, CAPTIONS)
     if "fit" in saved.tables:
         choices: dict[str, list[Trace]] = {}
         for (test, bearing, model), rows in saved["fit"].groupby(
@@ -174,36 +141,29 @@ def report_figures(saved: SavedResult) -> dict[str, ReportFigure]:
         ):
             traces = choices.setdefault(str(test), [])
             if not traces:
-                traces.append(_loop(rows, "test", "force_kN", "#9aa4b1"))
+                traces.append(loop_trace("test", rows, "force_kN", "#9aa4b1"))
             colour = MODEL_COLOURS[(len(traces) - 1) % len(MODEL_COLOURS)]
             if rows["model_force_kN"].notna().any():
-                traces.append(_loop(rows, f"{bearing}, {model}", "model_force_kN", colour))
+                name = f"{bearing}, {model}"
+                traces.append(loop_trace(name, rows, "model_force_kN", colour))
         plot = Plot("displacement [mm]", "force [kN]", choices)
-        found = with_plot(found, "loops", plot, CAPTIONS)
+        found = content.with_plot(found, "loops", plot, CAPTIONS)
     return found
 
 
 MODEL_COLOURS = ("#CC3311", "#0077BB", "#009988", "#EE7733")
 
 
-def _loop(rows: pd.DataFrame, name: str, column: str, colour: str) -> Trace:
-    x, force = (rows[one].to_numpy(dtype=float) for one in ("displacement_mm", column))
-    return Trace(name, *path(x, force, LOOP_POINTS), colour)
-
-
-def report_checks(summary: Summary) -> list[Check]:
-    """Limits of the validation, and the tested range of each bearing."""
+def _report_checks(summary: Summary) -> list[Check]:
+    """Return the limits of the validation, and the tested range of each bearing."""
     items = summary["comparisons"]
     found = []
     for item in items:
         for name, one in item["errors"].items():
-            if one["limit"] is None:
-                continue
-            value = float("nan") if one["error"] is None else abs(100.0 * one["error"])
-            verdict_ = VERDICTS.get(str(one["verdict"]), NOT_JUDGED)
-            what = f"error of {name}, {_whose(item, items)}"
-            limit = 100.0 * one["limit"]
-            found.append(Check(what, value, limit, "%", "limit of the validation", verdict_))
+            if one["limit"] is not None:
+                whose = _whose(item, items)
+                found.append(error_check(name, whose, one["error"], one["limit"], one["verdict"]))
     names = list(dict.fromkeys(str(item["bearing"]) for item in items))
     rows = summary.get("tested_range", [])
-    return found + limit_checks(rows, TESTS, f"{TESTED_RANGE} of the bearing", names)
+    source = f"{content.TESTED_RANGE} of the bearing"
+    return found + content.limit_checks(rows, content.TESTS, source, names)

@@ -13,10 +13,9 @@ import thermobearing
 from thermobearing.border.deprecated import renamed
 from thermobearing.border.showing import Shown
 from thermobearing.identify.fit.forward import Prediction
-from thermobearing.identify.records.conditions import cycle_row, record_conditions
 from thermobearing.identify.records.cycles import Loop
-from thermobearing.identify.records.record import TestRecord
-from thermobearing.identify.records.thermocouples import thermocouple_rows
+from thermobearing.identify.records.record import TestRecord, record_conditions
+from thermobearing.identify.uncertainty.agreement import thermocouple_rows
 from thermobearing.model.outcomes import SENTENCES as OUTCOMES
 from thermobearing.results.ranges import Row
 from thermobearing.results.writing import limits_summary
@@ -176,7 +175,7 @@ class Validation(Shown):
                     "bearing": item.bearing,
                     "model": item.model,
                 }
-                rows.append(whose | cycle_row(loop, largest=loop is item.largest))
+                rows.append(whose | loop.row(largest=loop is item.largest))
         return pd.DataFrame(rows)
 
     @cached_property

@@ -1,4 +1,4 @@
-"""The model driven through a record: the same march as everywhere, with quick new numbers.
+"""The model driven through a record, with parameters that are quick to change.
 
 Stack, cells and time steps are made once per record; an evaluation changes the numbers of
 rubber, lead and rate dependence only. Steps may be coarser than the samples: fine where the
@@ -11,12 +11,12 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from thermobearing.bearing.ambient import Ambient
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
-from thermobearing.core.types import Constants, Kept
+from thermobearing.core.records import Floats, Ints
+from thermobearing.core.types import Constants
 from thermobearing.cyclic.equivalent import bilinear_parameters
 from thermobearing.cyclic.history import Segment, run_segments
 from thermobearing.identify.records.noise import estimate_noise
@@ -25,8 +25,6 @@ from thermobearing.model.constants import with_parameters
 from thermobearing.model.options import ModelOptions, build_model
 from thermobearing.model.outcomes import INTERRUPTED
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 TURN = 0.005  # of the largest displacement: a smaller wiggle is noise, not a turn
 DEAD = 10.0  # of the noise of the displacement: from five below to five above, 1 sample in 2e6
 LARGEST_DEAD = 0.02  # of the largest displacement: what is more is no noise
@@ -39,7 +37,7 @@ PAUSE_FIRST, PAUSE_GROWTH, PAUSE_STEPS = 0.05, 1.2, 40
 
 @dataclass(frozen=True)
 class Prediction:
-    """What the model says at the samples of a record."""
+    """Force and temperatures of the model at the samples of a record."""
 
     force: Floats  # [kN]
     temperatures: dict[str, Floats]  # by title of the thermocouple [degC]
@@ -59,21 +57,9 @@ class _Grid:
 
 
 def turning_points(x: Floats, threshold: float) -> Ints:
-    """First and last sample, and each between them where the motion turns by the threshold.
+    """Return the first and last sample, and those between where the motion turns.
 
-    Parameters
-    ----------
-    x : a history.
-    threshold : smaller wiggles are noise, in the unit of `x`, > 0.
-
-    Returns
-    -------
-    ndarray of int : numbers of the samples.
-
-    Examples
-    --------
-    >>> turning_points(np.array([0.0, 1.0, 2.0, 1.0, -1.0, 0.0]), 0.5).tolist()
-    [0, 2, 4, 5]
+    Wiggles smaller than `threshold`, in the unit of `x`, are noise.
     """
     turns, extreme, rising = [0], 0, 0
     values = x.tolist()
@@ -91,87 +77,31 @@ def turning_points(x: Floats, threshold: float) -> Ints:
     return np.unique([*turns, len(values) - 1]).astype(np.int64)
 
 
-def _leg_ways(longest: float, peak: float) -> Floats:
-    """Distances from a turn at which a step ends."""
-    ways = [0.0]
-    while ways[-1] < longest:
-        step = min(max(FIRST_STEP * peak, GROWTH * ways[-1]), LONGEST_STEP * peak)
-        ways.append(ways[-1] + step)
-    return np.array(ways[1:])
-
-
-def _coarse_nodes(time: Floats, x: Floats) -> Ints:
-    """Samples at which a step of the model ends: at turns, and ever sparser after them.
-
-    Parameters
-    ----------
-    time : of the samples [s], increasing.
-    x : displacement [mm].
-
-    Returns
-    -------
-    ndarray of int : numbers of the samples.
-
-    Examples
-    --------
-    >>> time = np.linspace(0.0, 2.0, 2001)
-    >>> len(_coarse_nodes(time, np.sin(2.0 * np.pi * time))) < 300
-    True
-    """
-    peak = float(np.abs(x).max())
-    turns = turning_points(x, max(TURN * peak, dead_band(x)))
-    return _along(time, x, turns, _leg_ways(2.2 * peak, peak))
-
-
 def dead_band(x: Floats) -> float:
-    """Way below which a displacement is jitter.
-
-    Parameters
-    ----------
-    x : displacement [mm].
-
-    Returns
-    -------
-    float : [mm]; 0 without noise.
-
-    Examples
-    --------
-    >>> motion = 50.0 * np.sin(np.linspace(0.0, 60.0, 4000))
-    >>> round(dead_band(motion + np.random.default_rng(0).normal(0.0, 0.02, 4000)), 1)
-    0.2
-    """
+    """Return the way below which a displacement is jitter [mm]; 0 without noise."""
     return min(DEAD * estimate_noise(x), LARGEST_DEAD * float(np.abs(x).max()))
 
 
-def _fine_nodes(time: Floats, x: Floats) -> Ints:
-    """Samples at which a step of the model ends when it takes all that are not jitter.
+def _nodes(time: Floats, x: Floats, fine: bool) -> Ints:
+    """Return the samples at which a step of the model ends.
 
-    Parameters
-    ----------
-    time : of the samples [s], increasing.
-    x : displacement [mm].
-
-    Returns
-    -------
-    ndarray of int : numbers of the samples; all of them without noise.
-
-    Examples
-    --------
-    >>> time = np.linspace(0.0, 100.0, 2001)
-    >>> still = np.random.default_rng(0).normal(0.0, 0.02, 2001)
-    >>> moving = np.where(time < 2.0, 30.0 * np.sin(np.pi * time), 0.0)
-    >>> len(_fine_nodes(time, moving)), len(_fine_nodes(time, moving + still)) < 80
-    (2001, True)
+    Fine steps end at all samples that are not jitter, coarse ones at turns, and ever sparser after
+    them.
     """
-    band = dead_band(x)
-    if band <= 0.0:
+    band, peak = dead_band(x), float(np.abs(x).max())
+    if fine and band <= 0.0:
         return np.arange(len(x))
-    turns = turning_points(x, band)
-    return _along(time, x, turns, np.arange(band, 2.2 * float(np.abs(x).max()), band))
+    if fine:
+        return _along(time, x, turning_points(x, band), np.arange(band, 2.2 * peak, band))
+    ways = [0.0]
+    while ways[-1] < 2.2 * peak:
+        step = min(max(FIRST_STEP * peak, GROWTH * ways[-1]), LONGEST_STEP * peak)
+        ways.append(ways[-1] + step)
+    return _along(time, x, turning_points(x, max(TURN * peak, band)), np.array(ways[1:]))
 
 
 def _along(time: Floats, x: Floats, turns: Ints, ways: Floats) -> Ints:
-    """Turns, the samples where a leg first passes each of the ways, and both ends of gaps."""
+    """Return turns, the samples where a leg first passes each of the ways, and ends of gaps."""
     nodes = [turns]
     for a, b in pairwise(turns.tolist()):
         way = np.maximum.accumulate(np.abs(x[a : b + 1] - x[a]))
@@ -181,7 +111,7 @@ def _along(time: Floats, x: Floats, turns: Ints, ways: Floats) -> Ints:
 
 
 def _pause(duration: float, before: float, growth: float, steps: int) -> Floats:
-    """Growing steps that fill a pause [s]; they go on from a pause `before` it."""
+    """Return growing steps that fill a pause [s], continuing those of a pause `before` it."""
     sizes, left = [], duration
     size = min(max(PAUSE_FIRST, before), duration)
     while left > 0.0:
@@ -194,9 +124,9 @@ def _pause(duration: float, before: float, growth: float, steps: int) -> Floats:
 
 
 def _grid(record: TestRecord, fine: bool) -> _Grid:
-    """Steps through a record; `fine` takes every sample that is not jitter."""
+    """Return the steps of the model through a record."""
     time, x = record.time, record.displacement
-    nodes = _fine_nodes(time, x) if fine else _coarse_nodes(time, x)
+    nodes = _nodes(time, x, fine)
     growth, steps = (1.05, 100) if fine else (PAUSE_GROWTH, PAUSE_STEPS)
     still = max(TURN * record.peak_displacement, dead_band(x))
     usual = float(np.median(np.diff(time)))
@@ -228,34 +158,11 @@ def _grid(record: TestRecord, fine: bool) -> _Grid:
     )
 
 
-def at(rows: Kept, layer: int | None) -> Floats:
-    """Temperatures of a modelled layer, or of the lead for None [degC]."""
-    return rows.books["lead_temperature"] if layer is None else rows.rubber[:, layer]
-
-
 class ForwardModel:
-    """One record, ready to be predicted for many bearings that differ in parameters only.
+    """The model of one record, for many bearings that differ in parameters only.
 
-    Parameters
-    ----------
-    record : what was done to the bearing.
-    bearing : geometry and materials.
-    fine : step at every sample; else fine at turns and coarse along legs, some five times faster.
-    ambient : another ambient temperature than the record's [degC].
-    options : how to model the bearing, an earlier model for instance; as `run` has it by default.
-
-    Raises
-    ------
-    InputError : a thermocouple in a layer that the bearing has not, or in lead without lead.
-
-    Examples
-    --------
-    >>> import thermobearing as tb
-    >>> t = np.linspace(0.0, 4.0, 401)
-    >>> record = tb.record_from_arrays(t, 30.0 * np.sin(2.0 * np.pi * t), t + 1.0, 23.0)
-    >>> bearing = tb.load_bearing("shen-hdr-specimen")
-    >>> ForwardModel(record, bearing).run(bearing).force.shape
-    (401,)
+    It steps at every sample if `fine`; else fine at turns and coarse along legs, some five times
+    faster. `ambient` replaces the record's temperature [degC], `options` the default model.
     """
 
     def __init__(
@@ -288,7 +195,7 @@ class ForwardModel:
         return len(self._grid.x)
 
     def _thermocouples(self, bearing: Bearing) -> dict[str, int | None]:
-        """Modelled layer of each thermocouple, from the outside; None in lead."""
+        """Return the modelled layer of each thermocouple, from the outside; None in lead."""
         found: dict[str, int | None] = {}
         for title, place in self.record.places.items():
             if place == "lead":
@@ -303,20 +210,11 @@ class ForwardModel:
         return found
 
     def run(self, bearing: Bearing) -> Prediction | None:
-        """Force and temperatures at the samples; None where the model does not get through.
-
-        Parameters
-        ----------
-        bearing : that of the model, or one that differs from it in parameters only.
-
-        Returns
-        -------
-        Prediction or None
-        """
+        """Run a bearing that differs from the model's in parameters only; None if it ends early."""
         return self._run(with_parameters(self._constants, bearing, self._stack))
 
     def run_as_built(self) -> Prediction | None:
-        """The same for the bearing and the options it was built with."""
+        """Run the bearing and the options that the model was built with; None if it ends early."""
         return self._run(self._constants)
 
     def _run(self, constants: Constants) -> Prediction | None:
@@ -328,13 +226,14 @@ class ForwardModel:
         self.ended = history.outcome
         if history.outcome != "completed":
             return None
-        lead = history.rows.books["lead_temperature"] if constants.lead.cores > 0.0 else None
-        return Prediction(
-            self._at_samples(history.rows.books["force"]),
-            {title: self._at_samples(at(history.rows, j)) for title, j in self._layers.items()},
-            history.outcome,
-            None if lead is None else (float(lead.min()), float(lead.max())),
-        )
+        books, rubber = history.rows.books, history.rows.rubber
+        lead = books["lead_temperature"]
+        temperatures = {
+            title: self._at_samples(lead if layer is None else rubber[:, layer])
+            for title, layer in self._layers.items()
+        }
+        ends = (float(lead.min()), float(lead.max())) if constants.lead.cores > 0.0 else None
+        return Prediction(self._at_samples(books["force"]), temperatures, history.outcome, ends)
 
     def _at_samples(self, values: Floats) -> Floats:
         grid = self._grid

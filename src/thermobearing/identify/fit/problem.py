@@ -16,42 +16,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from thermobearing.bearing.model import Bearing
+from thermobearing.core.records import Floats, Ints
 from thermobearing.identify.fit.forward import ForwardModel, Prediction, turning_points
 from thermobearing.identify.fit.parameters import ParameterSet
 from thermobearing.identify.records.cycles import full_cycles
 from thermobearing.identify.records.record import TestRecord
 
-Floats = NDArray[np.float64]
 LOST = 2.0  # residual where the model does not get through: twice the largest force
 KELVIN = 5.0  # a temperature that is off by this counts as ...
 KELVIN_AS = 0.05  # ... a force that is off by this part of the largest
 ROBUST_SCALE = 0.02  # of the largest force: beyond it a robust loss bends
 STEP = 1e-3  # of the unit cube, for finite differences: the law is not smooth below ~1e-5
+AT_BOUND = 2e-3  # of the range: nearer to a bound than this is at it
+BLOCK_TURN = 0.05  # of the largest displacement: half cycles larger than this are blocks
 
 
 class Problem:
     """Least squares between records and model over the unit cube of the free parameters.
 
-    Parameters
-    ----------
-    records : tests of one bearing.
-    pset : what is free.
-    temperatures : count thermocouples too.
-    loss : of the fit, for the weights that its outliers keep in the uncertainty.
-    clipped : by record, samples that do not count (a saturated force).
-    coarse : the model with coarse steps by record, where it was made already.
-
-    Examples
-    --------
-    >>> import thermobearing as tb
-    >>> from thermobearing.identify.fit.parameters import parameter_set
-    >>> bearing = tb.load_bearing("shen-hdr-specimen")
-    >>> test = tb.cyclic_test(strain=[1.0], cycles=1, rest=None)
-    >>> record = tb.synthetic_record(bearing, 23.0, test, noise=0.0)
-    >>> pset = parameter_set(bearing, ["K_r"], [23.0])
-    >>> problem = Problem([record], pset)
-    >>> problem.cost(pset.start) < problem.cost(pset.start + 0.1)
-    True
+    `clipped` holds for each record the samples that do not count, `coarse` the models with coarse
+    steps if they exist already. `loss` sets the weights of outliers in the uncertainty.
     """
 
     def __init__(
@@ -78,63 +62,31 @@ class Problem:
             weight[bad] = 0.0
 
     def with_parameters(self, pset: ParameterSet) -> "Problem":
-        """The same tests and models with other free parameters.
-
-        Parameters
-        ----------
-        pset : of a bearing of the same geometry and materials.
-
-        Returns
-        -------
-        Problem : which has counted the same evaluations.
-        """
+        """Return the problem of the same tests and models with other free parameters."""
         other = copy(self)
         other.pset, other._last, other.history = pset, None, list(self.history)
         return other
 
     def predict(self, cube: Floats, *, fine: bool = True) -> list[Prediction | None]:
-        """The model at the samples of all records.
-
-        Parameters
-        ----------
-        cube : a place in [0, 1] for each free parameter.
-        fine : a step of the model at every sample.
-
-        Returns
-        -------
-        list : None for a record that the model does not get through.
-        """
+        """Run the model through all records; None where it ends early."""
         bearing = self.pset.bearing(cube)
         self.evaluations += 1
         return [model.run(bearing) for model in (self.fine if fine else self.coarse)]
 
     def parts(self, cube: Floats, *, fine: bool = False) -> list[Floats]:
-        """Weighted residuals of each record, relative to its largest force.
-
-        Parameters
-        ----------
-        cube : a place in [0, 1] for each free parameter.
-        fine : a step of the model at every sample.
-
-        Returns
-        -------
-        list of ndarray
-        """
+        """Return the weighted residuals of each record, relative to its largest force."""
         key = (cube.tobytes(), fine)
         if self._last is None or self._last[0] != key:
-            self._last = (key, self._parts(cube, fine=fine))
+            found = []
+            runs = self.predict(cube, fine=fine)
+            for record, weight, run in zip(self.records, self.weights, runs, strict=True):
+                if run is None:
+                    extra = len(record.temperatures) if self.temperatures else 0
+                    found.append(np.full(len(record.time) * (1 + extra), LOST))
+                else:
+                    found.append(self._weighted(record, weight, run))
+            self._last = (key, found)
         return self._last[1]
-
-    def _parts(self, cube: Floats, *, fine: bool) -> list[Floats]:
-        found = []
-        predictions = self.predict(cube, fine=fine)
-        for record, weight, predicted in zip(self.records, self.weights, predictions, strict=True):
-            if predicted is None:
-                extra = len(record.temperatures) if self.temperatures else 0
-                found.append(np.full(len(record.time) * (1 + extra), LOST))
-            else:
-                found.append(self._weighted(record, weight, predicted))
-        return found
 
     def _weighted(self, record: TestRecord, weight: Floats, predicted: Prediction) -> Floats:
         off = (predicted.force - record.force) / record.peak_force
@@ -148,17 +100,10 @@ class Problem:
     def split_parts(
         self, bearing: Bearing, moved: Sequence[TestRecord], *, fine: bool = True
     ) -> list[Floats] | None:
-        """Return the weighted residuals of another bearing in tests that were done otherwise.
+        """Return the weighted residuals of another bearing in tests with other signals.
 
-        Parameters
-        ----------
-        bearing : of the same layers; its materials may differ too.
-        moved : the records with other forces, displacements or ambient temperatures.
-        fine : a step of the model at every sample.
-
-        Returns
-        -------
-        list of ndarray, one for each record, or None where the model fails.
+        `moved` are the records with other forces, displacements or ambient temperatures. None if
+        the model ends early.
         """
         found = []
         for other, weight in zip(moved, self.weights, strict=True):
@@ -169,17 +114,7 @@ class Problem:
         return found
 
     def residuals(self, cube: Floats, *, fine: bool = False) -> Floats:
-        """All residuals in one vector.
-
-        Parameters
-        ----------
-        cube : a place in [0, 1] for each free parameter.
-        fine : a step of the model at every sample.
-
-        Returns
-        -------
-        ndarray
-        """
+        """Return all residuals in one vector, and record progress."""
         vector = np.concatenate(self.parts(cube, fine=fine))
         cost = float(np.mean(vector**2))
         if not self.history or cost < self.history[-1][1]:
@@ -187,31 +122,11 @@ class Problem:
         return vector
 
     def cost(self, cube: Floats) -> float:
-        """Mean of the squared residuals, coarse steps.
-
-        Parameters
-        ----------
-        cube : a place in [0, 1] for each free parameter.
-
-        Returns
-        -------
-        float : >= 0
-        """
+        """Return the mean of the squared residuals, with coarse steps."""
         return float(np.mean(self.residuals(np.asarray(cube)) ** 2))
 
     def jacobian(self, cube: Floats, *, fine: bool = False, central: bool = False) -> Floats:
-        """Finite differences in the unit cube, turned inwards at its faces.
-
-        Parameters
-        ----------
-        cube : a place in [0, 1] for each free parameter.
-        fine : a step of the model at every sample.
-        central : differences to both sides where there is room.
-
-        Returns
-        -------
-        ndarray : residuals by parameters.
-        """
+        """Return finite differences [residual, parameter], one-sided at the faces of the cube."""
         cube = np.asarray(cube, dtype=float)
         here = None if central else np.concatenate(self.parts(cube, fine=fine))
         columns = []
@@ -231,22 +146,7 @@ class Problem:
 
 
 def robust_weights(residuals: Floats, loss: str) -> Floats:
-    """Weight that each residual keeps under a robust loss of scipy: d rho / d z.
-
-    Parameters
-    ----------
-    residuals : relative to the largest force.
-    loss : "linear", "soft_l1", "huber" or "cauchy".
-
-    Returns
-    -------
-    ndarray : in (0, 1].
-
-    Examples
-    --------
-    >>> robust_weights(np.array([0.0, 0.02]), "cauchy").tolist()
-    [1.0, 0.5]
-    """
+    """Return the weight that each residual keeps under a robust loss of scipy: d rho / d z."""
     z = (residuals / ROBUST_SCALE) ** 2
     if loss == "soft_l1":
         return np.asarray(1.0 / np.sqrt(1.0 + z))
@@ -256,25 +156,7 @@ def robust_weights(residuals: Floats, loss: str) -> Floats:
 
 
 def sample_weights(record: TestRecord) -> Floats:
-    """Square roots of weights of the samples of a record.
-
-    Parameters
-    ----------
-    record : with its weight, that of first cycles, and its balance of cycles.
-
-    Returns
-    -------
-    ndarray : one for each sample, >= 0.
-
-    Examples
-    --------
-    >>> from dataclasses import replace
-    >>> from thermobearing.identify.records.record import record_from_arrays
-    >>> t = np.linspace(0.0, 2.0, 201)
-    >>> record = record_from_arrays(t, np.sin(np.pi * t), np.sin(np.pi * t), 23.0)
-    >>> float(sample_weights(replace(record, weight=4.0)).max())
-    2.0
-    """
+    """Return the square roots of the weights of the samples of a record."""
     weights = np.full(len(record.time), np.sqrt(record.weight))
     if record.cycle_balance > 0.0:
         for cycle in full_cycles(record):
@@ -288,24 +170,11 @@ def sample_weights(record: TestRecord) -> Floats:
     return weights
 
 
-Ints = NDArray[np.int64]
-AT_BOUND = 2e-3  # of the range: nearer to a bound than this is at it
-BLOCK_TURN = 0.05  # of the largest displacement: half cycles larger than this are blocks
-
-
 def half_cycles(record: TestRecord) -> Ints:
-    """Number of the half cycle that each sample belongs to, cut half-way between turns.
+    """Return the number of the half cycle of each sample, cut half-way between turns.
 
     Not at the turns: there the gradients of stiffness, d_y and s change sign at once, and noise
     that is alike on both sides cancels, which sums cut there would not see.
-
-    Parameters
-    ----------
-    record : a test.
-
-    Returns
-    -------
-    ndarray of int : from 0.
     """
     turns = turning_points(record.displacement, BLOCK_TURN * record.peak_displacement)
     middles = (turns[:-1] + turns[1:]) // 2
@@ -314,31 +183,22 @@ def half_cycles(record: TestRecord) -> Ints:
 
 @dataclass(frozen=True)
 class Linear:
-    """Residuals and their derivatives at the optimum, under the weights of the loss.
+    """Residuals and their derivatives at the optimum, under the weights of the loss."""
 
-    Attributes
-    ----------
-    inside : of the free parameters, those that are not at a bound.
-    parts : weighted residuals of each record.
-    weights : square root of the weight that the loss leaves to each residual.
-    jacobian : [residual, parameter inside] by the place in the unit cube.
-    blocks : number of the block of each residual, over all records.
-    """
-
-    inside: NDArray[np.bool_]
-    parts: list[Floats]
-    weights: Floats
-    jacobian: Floats
-    blocks: Ints
+    inside: NDArray[np.bool_]  # of the free parameters, those that are not at a bound
+    parts: list[Floats]  # weighted residuals of each record
+    weights: Floats  # square root of the weight that the loss leaves to each residual
+    jacobian: Floats  # [residual, parameter inside] by the place in the unit cube
+    blocks: Ints  # number of the block of each residual, over all records
 
     @cached_property
     def residuals(self) -> Floats:
-        """Of all records."""
+        """Residuals of all records."""
         return np.concatenate(self.parts)
 
     @property
     def variance(self) -> float:
-        """Of the residuals, with the freedom of the fit taken off."""
+        """Variance of the residuals, with the degrees of freedom of the fit."""
         n, p = self.jacobian.shape
         r = self.residuals
         return float(r @ r / max(n - p, 1))
@@ -351,12 +211,12 @@ class Linear:
         return scale, J, np.linalg.pinv(J.T @ J, rcond=1e-12)
 
     def solved(self, columns: Floats) -> Floats:
-        """(J^T J)^-1 J^T times columns."""
+        """Return (J^T J)^-1 J^T times columns."""
         scale, J, bread = self._scaled
         return np.asarray((bread @ (J.T @ columns)) / scale.reshape(-1, *[1] * (columns.ndim - 1)))
 
     def meat(self, columns: Floats, residuals: Floats | None = None) -> Floats:
-        """Sum over the blocks of the outer products of their gradients; residuals of the fit."""
+        """Return the sum over the blocks of the outer products of their gradients."""
         products = columns * (self.residuals if residuals is None else residuals)[:, None]
         g = np.zeros((int(self.blocks.max()) + 1, columns.shape[1]))
         np.add.at(g, self.blocks, products)
@@ -364,7 +224,7 @@ class Linear:
         return np.asarray(g.T @ g * count / max(count - self.jacobian.shape[1], 1))
 
     def covariance(self) -> Floats:
-        """Of the parameters inside, by the tests alone, in the unit cube."""
+        """Return the covariance of the parameters inside by the tests alone, in the unit cube."""
         scale, J, bread = self._scaled
         classical = bread * self.variance
         sandwich = bread @ self.meat(J) @ bread
@@ -374,18 +234,7 @@ class Linear:
 
 
 def linearised(problem: Problem, cube: Floats, *, fine: bool = True) -> Linear:
-    """A fit near a point of the unit cube.
-
-    Parameters
-    ----------
-    problem : residuals of the tests.
-    cube : the optimum, in [0, 1] for each free parameter.
-    fine : a step of the model at every sample.
-
-    Returns
-    -------
-    Linear
-    """
+    """Linearise a fit at a point of the unit cube."""
     plain = problem.parts(cube, fine=fine)
     roots = [np.sqrt(robust_weights(part, problem.loss)) for part in plain]
     jacobian = problem.jacobian(cube, fine=fine, central=fine)

@@ -7,11 +7,11 @@ their change with the ambient temperature gives m_T and n_T (Eq. 4.34). Yield di
 and shape, which act near the turns only, are picked from a short list by running the model.
 
 The derivatives of the forces at the starting values give the information of the tests (Fisher),
-with a residual as fits of real tests leave it. What is assumed beside has the spread of its source
+with a residual as fits of real tests leave it. Assumed values have the uncertainty of their source
 as a prior. From all parameters of the bearing those are dropped, worst first, that the tests would
-know less well than their source does; each dropped one joins what is assumed. The numbers of
-Tables 4.2 and 5.2 and the yield stress of lead, which differ from bearing to bearing by more than
-the spread of one compound, are dropped only where the tests tell nothing of them.
+determine less well than their source does; each dropped one joins the assumed values. The numbers
+of Tables 4.2 and 5.2 and the yield stress of lead, which differ from bearing to bearing by more
+than the spread of one compound, are dropped only where the tests say nothing about them.
 """
 
 from collections.abc import Sequence
@@ -20,10 +20,10 @@ from itertools import pairwise, product
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.units import NEWTON_PER_KILONEWTON
+from thermobearing.core.records import Floats
 from thermobearing.identify.fit.forward import TURN, ForwardModel, turning_points
 from thermobearing.identify.fit.parameters import (
     ALPHA,
@@ -41,19 +41,13 @@ from thermobearing.identify.fit.parameters import (
     ParameterSet,
     available,
     default_free,
+    dotted_value,
     with_values,
 )
 from thermobearing.identify.fit.problem import AT_BOUND, Problem, half_cycles, linearised
 from thermobearing.identify.records.record import TestRecord
-from thermobearing.identify.uncertainty.assumed import (
-    CLEAR,
-    OF_YIELDING,
-    Group,
-    dotted_value,
-    linearise_assumed,
-)
+from thermobearing.identify.uncertainty.assumed import CLEAR, OF_YIELDING, Group, linearise_assumed
 
-Floats = NDArray[np.float64]
 SATURATED = 0.55  # part of a leg after which Z counts as saturated
 YIELD_STRAINS = (0.05, 0.1, 0.18, 0.3, 0.5, 0.8)  # d_y / t_r to try
 SHAPES = (-0.9, -0.75, -0.4, 0.3)  # s to try
@@ -62,30 +56,15 @@ RELAXATION = 0.1  # c_v / K_v to begin with [s]
 VISCOUS_SHARE = 0.3  # K_v / elastic stiffness of the bearing to begin with
 LEAD_SHARE = 0.5  # of the strength, where that of the lead is free
 SMALLEST = 1e-3  # of the force or stiffness: what must be positive stays so
+MISFIT = 0.03  # residual to come, of the peak force: fits of real tests leave 2.6 to 3.8 %
+WORTH = 4.0  # independent samples of a half cycle: residuals of a law are alike along a leg
+WIDE = 10.0  # standard uncertainties of the source: prior of a free parameter
+BETTER = 1.0  # of that of its source: what tests know better than this errs less when it is free
+NOTHING = 0.9  # of WIDE: tests that leave so much say nothing
 
 
 def backbone(record: TestRecord, rubber: float) -> tuple[float, float, float]:
-    """Strength Q [kN], hardening b and stiffness K [kN/mm] of a record's loops.
-
-    Parameters
-    ----------
-    record : a test with reversals.
-    rubber : total rubber thickness H [mm], > 0.
-
-    Returns
-    -------
-    Q [kN], b and K [kN/mm], each > 0 but b, which is in [0, 1.9].
-
-    Examples
-    --------
-    >>> from thermobearing.identify.records.record import record_from_arrays
-    >>> t = np.linspace(0.0, 4.0, 4001)
-    >>> x = 30.0 * np.sin(2.0 * np.pi * t)
-    >>> force = 2.0 * x + 10.0 * np.sign(np.cos(2.0 * np.pi * t)) * (1.0 + 0.2 * (x / 30.0) ** 2)
-    >>> q, b, k = backbone(record_from_arrays(t, x, force, 23.0), 30.0)
-    >>> round(q, 2), round(b, 2), round(k, 2)
-    (10.0, 0.19, 2.0)
-    """
+    """Return strength Q [kN], hardening b and stiffness K [kN/mm] of the loops of a record."""
     x, force = record.displacement, record.force
     turns = turning_points(x, TURN * record.peak_displacement)
     rows, values = [], []
@@ -107,7 +86,7 @@ def backbone(record: TestRecord, rubber: float) -> tuple[float, float, float]:
 def _with_temperature(
     values: list[float], ambients: Floats, reference: float, coefficient: float, free: bool
 ) -> tuple[float, float]:
-    """Value at the reference temperature and coefficient, from values at the ambients."""
+    """Return the value at the reference temperature and its coefficient."""
     warmer = (ambients - reference) / 100.0
     logs = np.log(values)
     if free and np.ptp(ambients) > 5.0:
@@ -118,29 +97,9 @@ def _with_temperature(
 def loop_start(
     records: list[TestRecord], pset: ParameterSet, models: list[ForwardModel]
 ) -> dict[str, float]:
-    """Starting values of the free parameters by dotted key; fixed ones stay as they are.
+    """Return starting values of the free parameters by dotted key.
 
-    Parameters
-    ----------
-    records : tests with reversals.
-    pset : what is free.
-    models : coarse, one for each record.
-
-    Returns
-    -------
-    dict : values by dotted key, in the units of the parameters.
-
-    Examples
-    --------
-    >>> import thermobearing as tb
-    >>> from thermobearing.identify.fit.parameters import parameter_set
-    >>> bearing = tb.load_bearing("shen-hdr-specimen")
-    >>> test = tb.cyclic_test(strain=[0.5, 1.5], cycles=1, rest=None)
-    >>> record = tb.synthetic_record(bearing, 23.0, test, noise=0.0)
-    >>> pset = parameter_set(bearing, ["K_r"], [23.0])
-    >>> start = loop_start([record], pset, [ForwardModel(record, bearing)])
-    >>> 10.0 < start[K_R] < 90.0
-    True
+    `models` are the coarse ones of the records.
     """
     base, fixed = pset.base, {p.kind.key for p in pset.parameters if not p.free}
     h, geometry = base.hysteresis, base.geometry
@@ -182,7 +141,7 @@ def loop_start(
 
 
 def _lists(base: Bearing, fixed: set[str]) -> tuple[tuple[float, ...], ...]:
-    """Yield strains, shapes and yield displacements of lead to try."""
+    """Return yield strains, shapes and yield displacements of lead to try."""
     linear = base.hysteresis.post_yield_ratio == 1.0
     strains = YIELD_STRAINS if not linear and D_Y not in fixed else (0.0,)
     shapes = SHAPES if not linear and SHAPE not in fixed else (0.0,)
@@ -191,7 +150,7 @@ def _lists(base: Bearing, fixed: set[str]) -> tuple[tuple[float, ...], ...]:
 
 
 def _lead_strength(base: Bearing, strength: float, *, free: bool) -> float:
-    """Share of the lead in a bearing's strength [kN]."""
+    """Return the share of the lead in the strength of a bearing [kN]."""
     if base.lead is None:
         return 0.0
     if not free:
@@ -212,46 +171,23 @@ def _cost(
     return total
 
 
-MISFIT = (
-    0.03  # residual to come, of the peak force: fits of the real tests at hand leave 2.6 to 3.8 %
-)
-WORTH = 4.0  # independent samples of a half cycle: residuals of a law are alike along a leg
-WIDE = 10.0  # standard uncertainties of the source: what a free parameter may be off
-BETTER = 1.0  # of that of its source: what tests know better than this errs less when it is free
-NOTHING = 0.9  # of WIDE: tests that leave so much have told nothing
-
-
 @dataclass(frozen=True)
 class Sensitivity:
-    """What tests would tell of one parameter.
-
-    Attributes
-    ----------
-    key : dotted key.
-    spread : standard uncertainty of its source, in its unit; 0 where none is stated.
-    stderr : what the tests would leave, in the unit of the parameter.
-    free : whether it is free by default.
-    usual : whether it is one of those that are free unless the tests tell nothing of them.
-    """
+    """How well tests would determine a parameter."""
 
     key: str
-    spread: float
-    stderr: float
-    free: bool
-    usual: bool
+    spread: float  # standard uncertainty of its source, in its unit; 0 if none is stated
+    stderr: float  # standard error by the tests, in its unit
+    free: bool  # by default
+    usual: bool  # free unless the tests say nothing about it
 
     @property
     def added(self) -> bool:
         """Whether it is free because of these tests."""
         return self.free and not self.usual
 
-    @property
-    def dropped(self) -> bool:
-        """Whether it would be free if these tests told anything of it."""
-        return self.usual and not self.free
-
     def summary(self) -> dict[str, Any]:
-        """What summary.json says of it."""
+        """Return what summary.json says of it."""
         known = self.spread > 0.0
         return {
             "free": self.free,
@@ -261,16 +197,9 @@ class Sensitivity:
 
 
 def candidates(problem: Problem, groups: Sequence[Group]) -> list[str]:
-    """Parameters that the default free set is chosen from.
+    """Return the dotted keys that the default free set is chosen from.
 
-    Parameters
-    ----------
-    problem : residuals of the tests.
-    groups : from `chosen_groups`.
-
-    Returns
-    -------
-    list of str : dotted keys: the usual ones, and all others whose source has an uncertainty.
+    They are the usual ones, and all others whose source has an uncertainty.
     """
     bearing = problem.pset.base
     usual = default_free(bearing, [record.ambient for record in problem.records])
@@ -285,18 +214,7 @@ def candidates(problem: Problem, groups: Sequence[Group]) -> list[str]:
 
 
 def sensitivities(problem: Problem, cube: Floats, groups: Sequence[Group]) -> list[Sensitivity]:
-    """How well tests would know each parameter, and which of them are therefore free.
-
-    Parameters
-    ----------
-    problem : residuals of the tests, with the candidates free.
-    cube : the starting values, in [0, 1] for each candidate.
-    groups : from `chosen_groups`.
-
-    Returns
-    -------
-    list of Sensitivity : one for each candidate.
-    """
+    """Return how well tests would determine each candidate, and which are therefore free."""
     free = [p.kind.key for p in problem.pset.free]
     usual = default_free(problem.pset.base, [record.ambient for record in problem.records])
     limits = np.array([NOTHING * WIDE if key in usual else BETTER for key in free])
@@ -325,7 +243,7 @@ def sensitivities(problem: Problem, cube: Floats, groups: Sequence[Group]) -> li
 
 
 def _spread(problem: Problem, key: str, groups: Sequence[Group]) -> float:
-    """Standard uncertainty of a parameter's source, in its unit; 0 where none is stated."""
+    """Return the standard uncertainty of the source of a parameter, in its unit; 0 without one."""
     for group in groups:
         if key in group.keys:
             return group.step(dotted_value(problem.pset.base, key) or 0.0)
@@ -333,7 +251,7 @@ def _spread(problem: Problem, key: str, groups: Sequence[Group]) -> float:
 
 
 def _worth(problem: Problem) -> Floats:
-    """How many independent samples each residual is."""
+    """Return the number of independent samples that each residual is worth."""
     found = []
     for record, weight in zip(problem.records, problem.weights, strict=True):
         legs = half_cycles(record)
@@ -348,19 +266,9 @@ def _worth(problem: Problem) -> Floats:
 def without_needless(
     problem: Problem, cube: Floats, added: Sequence[str]
 ) -> tuple[Problem, Floats]:
-    """A fit without those added parameters that came out as nothing, as the file has them.
+    """Return a fit without the added parameters that came out as nothing, as in the file.
 
     E2 of lead without softening is one: free it would stop at its end of 0 in half of all fits.
-
-    Parameters
-    ----------
-    problem : residuals of the tests.
-    cube : the optimum, in [0, 1] for each free parameter.
-    added : dotted keys that are free because of these tests.
-
-    Returns
-    -------
-    Problem, ndarray : the same ones where all are needed.
     """
     ends = {key: end for key, end in ENDS if key in added}
     if not ends:

@@ -1,4 +1,4 @@
-"""Tests that were never made: to see what a planned programme would identify, and to prove fits."""
+"""Synthetic tests: what a planned programme would identify, and proofs of fits."""
 
 from pathlib import Path
 
@@ -8,25 +8,15 @@ from numpy.typing import NDArray
 from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
+from thermobearing.core.records import Floats
 from thermobearing.cyclic.protocol import CyclicTest, Wave, cyclic_test
 from thermobearing.identify.fit.parameters import available, with_values
 from thermobearing.identify.records.cycles import full_cycles
 from thermobearing.identify.records.record import TestRecord, record_from_arrays
 
-Floats = NDArray[np.float64]
-# Values that are nobody's: where a fit begins that must not know the truth.
-ANYBODY = {
-    "alpha_0": 0.5,
-    "K_r": 10.0,
-    "s": 0.0,
-    "d_y": 1.0,
-    "b": 0.1,
-    "m_T": -0.5,
-    "n_T": -0.5,
-    "K_l": 10.0,
-    "K_v": 1.0,
-    "c_v": 1.0,
-}
+# Values of no bearing, for fits that must not start at the truth.
+ANYBODY = {"alpha_0": 0.5, "K_r": 10.0, "s": 0.0, "d_y": 1.0, "b": 0.1, "m_T": -0.5, "n_T": -0.5}
+ANYBODY |= {"K_l": 10.0, "K_v": 1.0, "c_v": 1.0}
 
 
 def synthetic_record(
@@ -106,16 +96,14 @@ def synthetic_record(
     for i in range(1, len(white) if memory else 0):
         white[i] = memory * white[i - 1] + np.sqrt(1.0 - memory**2) * white[i]
     noisy = force + noise * record.peak_force * white
-    moved = (
-        record.displacement + jitter * rng.normal(size=len(force))
-        if jitter
-        else record.displacement
-    )
+    moved = record.displacement
+    if jitter:
+        moved = moved + jitter * rng.normal(size=len(force))
     return record_from_arrays(record.time, moved, noisy, ambient, name=name)
 
 
 def _logged(time: Floats, x: Floats, sampling: float) -> NDArray[np.bool_]:
-    """Steps of a simulation that a logger keeps: every n-th while moving, turns, and rests."""
+    """Return the steps that a logger keeps: every n-th while moving, turns, and rests."""
     gaps = np.diff(time, prepend=time[0])
     usual = float(np.median(gaps[1:]))
     every = max(1, round(1.0 / (sampling * usual)))
@@ -129,21 +117,7 @@ def _logged(time: Floats, x: Floats, sampling: float) -> NDArray[np.bool_]:
 
 
 def forgotten(bearing: Bearing | str | Path) -> Bearing:
-    """The same geometry and materials with nobody's parameters, to start a fit blind.
-
-    Parameters
-    ----------
-    bearing : any.
-
-    Returns
-    -------
-    Bearing
-
-    Examples
-    --------
-    >>> forgotten("shen-hdr-specimen").hysteresis.layer_stiffness
-    10.0
-    """
+    """Return a bearing with the parameters of no bearing, to start a fit blind."""
     bearing = as_bearing(bearing)
     values = {k.key: ANYBODY[k.symbol] for k in available(bearing) if k.symbol in ANYBODY}
     return with_values(bearing, values)

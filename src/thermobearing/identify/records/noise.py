@@ -1,12 +1,12 @@
-"""What a logger adds to a signal: noise, measured robustly, and spikes. No filter: samples stay."""
+"""What a logger adds to a signal: noise, estimated robustly, and spikes. Nothing is filtered."""
 
 import math
 
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from thermobearing.core.records import Floats
+
 # Sixth differences take away what is smooth: of a sine of 40 samples a cycle they leave 1e-5,
 # where second differences leave 2 %, more than the noise that is sought.
 ORDER = 6
@@ -20,24 +20,9 @@ SMALL = 0.02  # of the peak: smaller ones do a fit no harm
 
 
 def estimate_noise(values: Floats) -> float:
-    """Standard deviation of the noise of a signal.
+    """Return the standard deviation of the noise of a signal; 0 without noise.
 
-    By the median absolute sixth difference, which neither the motion nor spikes move.
-
-    Parameters
-    ----------
-    values : samples at about equal steps of time, in any unit.
-
-    Returns
-    -------
-    float : in the unit of `values`; 0 for fewer than 8 samples, and without noise.
-
-    Examples
-    --------
-    >>> motion = 50.0 * np.sin(np.linspace(0.0, 60.0, 4000))
-    >>> noisy = motion + np.random.default_rng(0).normal(0.0, 0.02, 4000)
-    >>> round(estimate_noise(noisy), 3), round(estimate_noise(motion), 3)
-    (0.02, 0.0)
+    It comes from the median absolute sixth difference, which neither the motion nor spikes move.
     """
     if len(values) <= ORDER + 1:
         return 0.0
@@ -46,27 +31,11 @@ def estimate_noise(values: Floats) -> float:
 
 
 def find_spikes(values: Floats, possible: Floats | float = 0.0) -> NDArray[np.bool_]:
-    """Samples that leap out of a signal and come back.
+    """Return which samples leap out of a signal and come back.
 
-    A Hampel test that knows of loops: a sample is a spike where it lies outside all running
-    medians around it by more than eight times the noise, by more than half of what the signal
-    does there anyway, so that the tip of a loop is none, and by more than is possible.
-
-    Parameters
-    ----------
-    values : samples in the order of time, in any unit.
-    possible : what the motion may change a sample by, in the unit of `values`.
-
-    Returns
-    -------
-    ndarray of bool
-
-    Examples
-    --------
-    >>> force = 100.0 * np.sin(np.linspace(0.0, 60.0, 4000))
-    >>> force[[100, 2000]] += 300.0, -300.0
-    >>> np.flatnonzero(find_spikes(force)).tolist()
-    [100, 2000]
+    A Hampel test for loops: a sample is a spike if it lies outside all running medians around it
+    by more than eight times the noise, by more than half of what the signal does there anyway, so
+    that the tip of a loop is none, and by more than the motion makes possible.
     """
     from scipy.ndimage import maximum_filter1d, median_filter, minimum_filter1d
 
@@ -80,24 +49,7 @@ def find_spikes(values: Floats, possible: Floats | float = 0.0) -> NDArray[np.bo
 
 
 def bridged(time: Floats, values: Floats, bad: NDArray[np.bool_]) -> Floats:
-    """A signal with its bad samples on the straight line between the good ones beside them.
-
-    Parameters
-    ----------
-    time : [s], increasing.
-    values : in any unit.
-    bad : which; not all of them.
-
-    Returns
-    -------
-    ndarray
-
-    Examples
-    --------
-    >>> values, bad = np.array([1.0, 99.0, 3.0]), np.array([False, True, False])
-    >>> bridged(np.arange(3.0), values, bad).tolist()
-    [1.0, 2.0, 3.0]
-    """
+    """Return a signal with its bad samples on straight lines between their good neighbours."""
     if not bad.any():
         return values
     good = ~bad
@@ -105,20 +57,6 @@ def bridged(time: Floats, values: Floats, bad: NDArray[np.bool_]) -> Floats:
 
 
 def split_runs(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """First and last sample of each run of flags.
-
-    Parameters
-    ----------
-    flags : in the order of time.
-
-    Returns
-    -------
-    list of (first, last)
-
-    Examples
-    --------
-    >>> split_runs(np.array([True, True, False, True]))
-    [(0, 1), (3, 3)]
-    """
+    """Return the first and last sample of each run of flags."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(np.int8)))
     return [(int(a), int(b) - 1) for a, b in edges.reshape(-1, 2)]

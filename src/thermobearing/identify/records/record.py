@@ -1,16 +1,16 @@
-"""A laboratory's test as data, for a fit or a validation.
+"""The record of a laboratory's test, and the conditions that its summary reports.
 
-`TestRecord` holds all samples in one line of time; how they are read from files and sidecars is in
-tables/laboratory.py. What had to be assumed (clock, ambient temperature) is written down.
+`TestRecord` holds all samples in one line of time; tables/laboratory.py reads them from files and
+sidecars. What had to be assumed (clock, ambient temperature) is kept with it.
 """
 
+import hashlib
 from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
 from thermobearing.bearing.ambient import check_temperature
@@ -20,46 +20,31 @@ from thermobearing.border.library import data_path
 from thermobearing.border.schema import Strict, in_unit, validated
 from thermobearing.border.toml import read_toml, split_sources
 from thermobearing.border.units import number_list
+from thermobearing.core.records import Floats, Ints
+from thermobearing.results.ranges import cycles_in_a_row, largest_speed
 from thermobearing.tables.laboratory import Readings, read_laboratory
 
-Floats = NDArray[np.float64]
 PARTS = 20  # of the test, in time: noise and a door that was opened are no drift
 READ_TO = 1  # decimals of a temperature in K
+ASSUMED_AMBIENT = 23.0  # laboratory temperature of Table 3.4 [degC]
+TOGETHER = 0.05  # of the largest displacement: how far a strain may be from it
+STEADY = 3.0  # range of an ambient temperature that one number stands for [K]
 
 
 class ChamberNumbers(Strict):
-    """What data/identify/ambient.toml says [K]."""
+    """Content of data/identify/ambient.toml [K]."""
 
     ambient_drift: Annotated[float, in_unit("K"), Field(gt=0)]
 
 
 @cache
 def _chamber_numbers() -> ChamberNumbers:
-    """The numbers, read once."""
     path = data_path("identify", "ambient.toml")
     return validated(ChamberNumbers, split_sources(read_toml(path))[0], str(path))
 
 
-def _told_drift(time: Floats, ambient: Floats) -> str:
-    """A sentence where the ambient temperature drifts within a test; "" where it does not.
-
-    Parameters
-    ----------
-    time : of the samples [s].
-    ambient : the column of the file [degC].
-
-    Returns
-    -------
-    str
-
-    Examples
-    --------
-    >>> t = np.linspace(0.0, 600.0, 601)
-    >>> _told_drift(t, -20.0 + t / 1200.0)[:59]
-    'the ambient temperature rises by 0.5 K within the test, fro'
-    >>> _told_drift(t, -20.0 + t / 1500.0)
-    ''
-    """
+def _describe_drift(time: Floats, ambient: Floats) -> str:
+    """Return a sentence if the ambient temperature [degC] drifts within a test, else ""."""
     if not (np.diff(time) > 0.0).all():  # a look at the test refuses it
         return ""
     part = np.minimum((time - time[0]) / np.ptp(time) * PARTS, PARTS - 1).astype(np.int64)
@@ -75,12 +60,6 @@ def _told_drift(time: Floats, ambient: Floats) -> str:
         f"{middles[0]:.1f} to {middles[-1]:.1f} degC: its mean, {ambient.mean():.1f} degC, stands "
         "for all of it; cut the file where that is too much, or give ambient"
     )
-
-
-Ints = NDArray[np.int64]
-ASSUMED_AMBIENT = 23.0  # laboratory temperature of Table 3.4 [degC]
-TOGETHER = 0.05  # of the largest displacement: how far a strain may be from it
-STEADY = 3.0  # range of an ambient temperature that one number stands for [K]
 
 
 @dataclass(frozen=True)
@@ -132,12 +111,7 @@ class TestRecord:
     guessed_places: tuple[str, ...] = ()
 
     def of_bearing(self, bearing: Bearing) -> "TestRecord":
-        """Return the test without guessed places that a bearing does not have.
-
-        Parameters
-        ----------
-        bearing : with lead or without, of so many rubber layers.
-        """
+        """Return the test without guessed places of thermocouples that a bearing does not have."""
         layers = [f"rubber {k + 1}" for k in range(bearing.geometry.rubber_layers)]
         held = {*layers, "lead"} if bearing.lead is not None else set(layers)
         lost = {title for title in self.guessed_places if self.places.get(title) not in held}
@@ -228,20 +202,7 @@ def load_test(path: str | Path) -> TestRecord:
 
 
 def build_record(readings: Readings) -> TestRecord:
-    """A test from what was read of it.
-
-    Parameters
-    ----------
-    readings : from `read_laboratory`.
-
-    Returns
-    -------
-    TestRecord
-
-    Raises
-    ------
-    InputError : an ambient temperature that is none, or that one number cannot stand for.
-    """
+    """Return a test from the columns and settings that were read of its file."""
     sidecar, values = readings.sidecar, readings.values
     assumptions = list(readings.assumptions)
     where = Path(sidecar.bearing) if sidecar.bearing else None
@@ -276,7 +237,7 @@ def build_record(readings: Readings) -> TestRecord:
 
 
 def _rubber_thickness(values: dict[str, Floats], assumptions: list[str]) -> float | None:
-    """Displacement over shear strain where the file has both and they go together [mm]."""
+    """Return displacement over shear strain [mm] if the file has both and they are proportional."""
     strain = values.get("strain")
     if strain is None or not np.ptp(strain):
         return None
@@ -289,7 +250,7 @@ def _rubber_thickness(values: dict[str, Floats], assumptions: list[str]) -> floa
 
 
 def _ambient(readings: Readings, assumptions: list[str]) -> float:
-    """Chamber temperature: as told, or the file's own column, or assumed [degC]."""
+    """Return the chamber temperature [degC]: given, or the mean of a column, or assumed."""
     if readings.sidecar.ambient is not None:
         return readings.sidecar.ambient
     column = readings.values.get("ambient")
@@ -304,6 +265,32 @@ def _ambient(readings: Readings, assumptions: list[str]) -> float:
             "ambient temperature: cut the file in one per temperature, or give ambient",
             str(readings.file),
         )
-    drift = _told_drift(readings.values["time"], column) if "time" in readings.values else ""
+    drift = _describe_drift(readings.values["time"], column) if "time" in readings.values else ""
     assumptions += [drift] if drift else []
     return check_temperature(float(column.mean()), f"{readings.file}: ambient")
+
+
+def record_conditions(record: TestRecord, rubber: float) -> dict[str, Any]:
+    """Return what summary.json says of the conditions of a test.
+
+    `rubber` is the total thickness of the bearing's rubber [mm]. The digest is the SHA-256 of time,
+    displacement and force as they were read.
+    """
+    digest = hashlib.sha256()
+    for values in (record.time, record.displacement, record.force):
+        digest.update(values.astype("<f8").tobytes())
+    return {
+        "duration_s": float(record.time[-1] - record.time[0]),
+        "samples": len(record.time),
+        "largest_displacement_mm": record.peak_displacement,
+        "largest_strain": record.peak_displacement / rubber,
+        "largest_force_kN": record.peak_force,
+        "largest_speed_mm_s": largest_speed(record.time, record.displacement),
+        "cycles_in_a_row": cycles_in_a_row(record.time, record.displacement),
+        "thermocouples": dict(record.places),
+        "weight": record.weight,
+        "first_cycle_weight": record.first_cycle_weight,
+        "cycle_balance": record.cycle_balance,
+        "assumptions": list(record.assumptions),
+        "sha256": digest.hexdigest(),
+    }

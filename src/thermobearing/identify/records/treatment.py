@@ -1,7 +1,7 @@
-"""What is done to a record between reading it and fitting it: rests, spikes, drift of zeros.
+"""The treatment of a record between reading it and fitting it: rests, spikes, drift of zeros.
 
-Rests are always treated as rests: there is one right way. Spikes and drift are found and told;
-they are taken away only where the record says so, since a leap or a drift may be the bearing's.
+Rests are always treated as rests. Spikes and drift are found and reported; they are removed only
+if the record asks for it, since a leap or a drift may be the bearing's.
 
 A resting bearing jitters in the record and not in the rig. Taken for motion, each wiggle
 unloads the model a little, and thousands of them walk its force down; and where most samples are
@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from thermobearing.border.errors import InputError, nearest
+from thermobearing.core.records import Floats, Ints
 from thermobearing.identify.fit.forward import PAUSE, turning_points
 from thermobearing.identify.records.cycles import Cycle, full_cycles, loop_middles
 from thermobearing.identify.records.noise import (
@@ -29,35 +30,33 @@ from thermobearing.identify.records.noise import (
 )
 from thermobearing.identify.records.record import TestRecord
 
-Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+UNITS = {"displacement": "mm", "force": "kN"}
 WITHIN = 5.0  # of the noise to either side of the mean: one sample in 2e6 is beyond
 STILL = 0.002  # of the largest displacement to either side: a servo that hunts is at rest
 FEWEST = 5  # samples: a rest that the logger slept through needs no treatment
 LARGE = 0.2  # of the largest displacement: legs that tell how fast the test is
 PART = 0.25  # of the time of a leg from 10 to 90 % of its way: a sine dwells less at its turns
 KEPT = 20  # samples of a rest with thermocouples, denser in its beginning
+FAST = 3.0  # times the speed of the test: no actuator leaps so
+STEEP = 10.0  # times the stiffness of the whole test: no loop is steeper where it turns
+LONGEST = 1.0  # step of time [s] in which an actuator may move: longer ones are rests
+DRIFT = 0.03  # of the peak, over the record: heating and growing cycles move the middles by 2 %
+SURE = 4.0  # standard errors of its slope: less may be chance
+FEWEST_CYCLES = 4  # a line through fewer middles, without first cycles, says nothing
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Something noticed in a record: how grave it is, which check, a sentence with numbers."""
+
+    level: Literal["refused", "warning", "note"]
+    check: str
+    sentence: str
 
 
 def find_rests(record: TestRecord) -> list[tuple[int, int]]:
-    """Where the displacement stays within its noise for longer than a turn takes.
-
-    Parameters
-    ----------
-    record : a test.
-
-    Returns
-    -------
-    list of (first, last) : samples of each rest.
-
-    Examples
-    --------
-    >>> from thermobearing.identify.records.record import record_from_arrays
-    >>> t = np.linspace(0.0, 30.0, 3001)
-    >>> x = np.where(t < 10.0, 30.0 * np.sin(np.pi * t), 0.0)
-    >>> record = record_from_arrays(t, x, 2.0 * x, 23.0)
-    >>> [(round(float(t[a])), round(float(t[b]))) for a, b in find_rests(record)]
-    [(10, 30)]
-    """
+    """Return where the displacement stays within its noise for longer than a turn takes."""
     time, x = record.time, record.displacement
     band = 2.0 * max(WITHIN * estimate_noise(x), STILL * record.peak_displacement)
     shortest = max(PAUSE, PART * _leg_time(record))
@@ -87,7 +86,7 @@ def _leg_time(record: TestRecord) -> float:
     return float(np.median(times)) if times else 0.0
 
 
-def _reach(x: Floats, band: float) -> NDArray[np.int64]:
+def _reach(x: Floats, band: float) -> Ints:
     """The earliest sample from which the signal stays in a band until each sample."""
     first, begin = np.zeros(len(x), dtype=np.int64), 0
     highs: deque[int] = deque()
@@ -110,54 +109,19 @@ def _reach(x: Floats, band: float) -> NDArray[np.int64]:
     return first
 
 
-def held(record: TestRecord, rests: list[tuple[int, int]]) -> TestRecord:
-    """The same samples, the displacement of each rest at its mean.
-
-    Parameters
-    ----------
-    record : a test.
-    rests : from `find_rests`.
-
-    Returns
-    -------
-    TestRecord
-
-    Examples
-    --------
-    >>> from thermobearing.identify.records.record import record_from_arrays
-    >>> record = record_from_arrays(np.arange(4.0), [0.1, -0.1, 5.0, 9.0], np.arange(4.0), 23.0)
-    >>> held(record, [(0, 1)]).displacement.tolist()
-    [0.0, 0.0, 5.0, 9.0]
-    """
+def _hold_rests(record: TestRecord, rests: list[tuple[int, int]]) -> TestRecord:
+    """Return the record with the displacement of each rest at its mean."""
     x = record.displacement.copy()
     for first, last in rests:
         x[first : last + 1] = x[first : last + 1].mean()
     return replace(record, displacement=x)
 
 
-def thinned(
-    record: TestRecord, rests: list[tuple[int, int]]
-) -> tuple[TestRecord, NDArray[np.int64], NDArray[np.bool_]]:
-    """A record in which a rest is a gap: its ends, and with thermocouples some samples between.
+def thin_rests(record: TestRecord, rests: list[tuple[int, int]]) -> tuple[TestRecord, Ints, Flags]:
+    """Return a record in which a rest is a gap, the samples kept, and which of them are at rest.
 
-    Parameters
-    ----------
-    record : from `held`.
-    rests : from `find_rests`.
-
-    Returns
-    -------
-    TestRecord, the samples that it kept, and which of them are of a rest; the force and the
-    temperatures of these are means of the samples they stand for.
-
-    Examples
-    --------
-    >>> from thermobearing.identify.records.record import record_from_arrays
-    >>> t = np.arange(100.0)
-    >>> record = record_from_arrays(t, np.maximum(t - 90.0, 0.0), t, 23.0)
-    >>> short, kept, resting = thinned(record, [(0, 90)])
-    >>> kept[:3].tolist(), resting[:3].tolist(), short.force[:3].tolist()
-    ([0, 90, 91], [True, True, False], [22.0, 67.5, 91.0])
+    Of a rest its ends are kept, and with thermocouples some samples between them; their force and
+    temperatures are means of the samples that they stand for.
     """
     resting = np.zeros(len(record.time), dtype=bool)
     parts, before = [], 0
@@ -184,82 +148,43 @@ def thinned(
     return short, kept, resting[kept]
 
 
-Flags = NDArray[np.bool_]
-Words = tuple[Literal["warning", "note"], str, str]
-FAST = 3.0  # times the speed of the test: no actuator leaps so
-STEEP = 10.0  # times the stiffness of the whole test: no loop is steeper where it turns
-LONGEST = 1.0  # step of time [s] in which an actuator may move: longer ones are rests
-DRIFT = 0.03  # of the peak, over the record: heating and growing cycles move the middles by 2 %
-SURE = 4.0  # standard errors of its slope: less may be chance
-FEWEST_CYCLES = 4  # a line through fewer middles, without first cycles, says nothing
-UNITS = {"displacement": "mm", "force": "kN"}
-
-
 @dataclass(frozen=True)
 class Drift:
-    """How the zero of a signal wanders: a straight line in time through the middles of its loops.
+    """Drift of the zero of a signal: a straight line in time through the middles of its loops."""
 
-    Attributes
-    ----------
-    times, middles : time [s] and middle of each cycle that is looked at [mm or kN].
-    slope, begin : of the line, per second, and its value at the first of these times.
-    total : over the record [mm or kN].
-    """
-
-    times: Floats
-    middles: Floats
-    slope: float
-    begin: float
-    total: float
+    times: Floats  # middles of the cycles that count [s]
+    middles: Floats  # of their loops [mm or kN]
+    slope: float  # [mm/s or kN/s]
+    begin: float  # of the line at the first of these times [mm or kN]
+    total: float  # over the record [mm or kN]
 
 
 @dataclass(frozen=True)
 class Treatment:
-    """What was found in a record, and the record as it is looked at and as it is fitted.
+    """What was found in a record, and the record as it is checked and as it is fitted."""
 
-    Attributes
-    ----------
-    record : as it was read.
-    noise : standard deviation by signal [mm, kN].
-    rests : first and last sample of each.
-    spikes : by signal, which samples.
-    drifts : by signal, where there is one, to be taken away or not.
-    cycles : of `steady`.
-    steady : all samples, rests at their mean and spikes bridged, for the checks.
-    cleaned : all samples, rests at their mean, and what was told taken away.
-    """
-
-    record: TestRecord
-    noise: dict[str, float]
-    rests: list[tuple[int, int]]
-    spikes: dict[str, Flags]
-    drifts: dict[str, Drift]
-    cycles: list[Cycle]
-    steady: TestRecord
-    cleaned: TestRecord
+    record: TestRecord  # as it was read
+    noise: dict[str, float]  # standard deviation by signal [mm, kN]
+    rests: list[tuple[int, int]]  # first and last sample of each
+    spikes: dict[str, Flags]  # samples, by signal
+    drifts: dict[str, Drift]  # by signal, if it has one, removed or not
+    cycles: list[Cycle]  # of `steady`
+    steady: TestRecord  # all samples, rests at their mean and spikes bridged, for the checks
+    cleaned: TestRecord  # all samples, rests at their mean; spikes and drift removed if asked for
 
     @property
     def resting(self) -> int:
-        """Samples of rests."""
+        """Number of samples in rests."""
         return sum(last - first + 1 for first, last in self.rests)
 
     def to_fit(self, left_out: Flags) -> tuple[TestRecord, Flags]:
-        """The record that a fit sees, and which of its samples have no say in the force.
-
-        Parameters
-        ----------
-        left_out : samples of the whole record that have none besides.
-
-        Returns
-        -------
-        TestRecord, ndarray of bool
-        """
+        """Return the record that a fit sees, and which of its samples do not count in the force."""
         bad = left_out | self.spikes["force"] if self.record.despike else left_out
-        short, kept, resting = thinned(self.cleaned, self.rests)
+        short, kept, resting = thin_rests(self.cleaned, self.rests)
         return short, bad[kept] | resting
 
     def summary(self) -> dict[str, Any]:
-        """What summary.json says of it."""
+        """Return what summary.json says of the treatment."""
         return {
             "noise": {f"{name}_{UNITS[name]}": value for name, value in self.noise.items()},
             "rests": len(self.rests),
@@ -272,23 +197,7 @@ class Treatment:
 
 
 def _detrended(record: TestRecord) -> list[str]:
-    """Signals whose drift is to be taken away.
-
-    Parameters
-    ----------
-    record : with its `detrend`.
-
-    Returns
-    -------
-    list of str : "force" and "displacement", or one of them, or none.
-
-    Examples
-    --------
-    >>> from thermobearing.identify.records.record import record_from_arrays
-    >>> record = record_from_arrays(np.arange(3.0), np.arange(3.0), np.arange(3.0), 23.0)
-    >>> _detrended(replace(record, detrend="both"))
-    ['displacement', 'force']
-    """
+    """Return the signals whose drift is to be removed."""
     return [name for name in UNITS if record.detrend in (name, "both")]
 
 
@@ -297,28 +206,8 @@ def to_be_treated(
 ) -> list[TestRecord]:
     """Return the records with treatments besides those that their sidecars ask for.
 
-    Parameters
-    ----------
-    records : tests.
-    despike : take spikes out.
-    detrend : "force", "displacement", "both", or "" for what the sidecars say.
-    ambient_uncertainty : standard uncertainty of all ambient temperatures [K], 0 to 20; None for
-        what the sidecars say.
-
-    Returns
-    -------
-    list of TestRecord
-
-    Raises
-    ------
-    InputError : another word, or a number out of range.
-
-    Examples
-    --------
-    >>> from thermobearing.identify.records.record import record_from_arrays
-    >>> record = record_from_arrays(np.arange(3.0), np.arange(3.0), np.arange(3.0), 23.0)
-    >>> to_be_treated([record], True, "force")[0].despike
-    True
+    `detrend` is "force", "displacement", "both" or "", `ambient_uncertainty` a standard uncertainty
+    in K, 0 to 20.
     """
     if detrend not in ("", *UNITS, "both"):
         raise InputError(f'detrend = "{detrend}"{nearest(detrend, [*UNITS, "both"])}')
@@ -330,25 +219,9 @@ def to_be_treated(
 
 
 def treat(record: TestRecord) -> Treatment:
-    """Find rests, spikes and drift of a record, and do to it what is to be done.
+    """Find rests, spikes and drift of a record, and remove them as its settings ask.
 
-    Parameters
-    ----------
-    record : a test whose time increases and whose signals are not constant.
-
-    Returns
-    -------
-    Treatment
-
-    Examples
-    --------
-    >>> from thermobearing.identify.records.record import record_from_arrays
-    >>> t = np.linspace(0.0, 40.0, 4001)
-    >>> x = np.where(t < 10.0, 30.0 * np.sin(np.pi * t), 0.0)
-    >>> found = treat(record_from_arrays(t, x, 2.0 * x, 23.0))
-    >>> short, left_out = found.to_fit(np.zeros(len(t), dtype=bool))
-    >>> len(found.rests), len(short.time) < 1010, int(left_out.sum())
-    (1, True, 2)
+    Its time increases, and its signals are not constant.
     """
     time = record.time
     spikes = {"displacement": find_spikes(record.displacement, _possible_way(record))}
@@ -356,7 +229,7 @@ def treat(record: TestRecord) -> Treatment:
     spikes["force"] = find_spikes(record.force, _possible_force(x, record.force))
     bare = replace(record, displacement=x, force=bridged(time, record.force, spikes["force"]))
     rests = find_rests(bare)
-    steady = held(bare, rests)
+    steady = _hold_rests(bare, rests)
     cycles = full_cycles(steady)
     drifts = _drifts(steady, cycles)
     cleaned = bare if record.despike else record
@@ -364,9 +237,12 @@ def treat(record: TestRecord) -> Treatment:
         name: drifts[name].slope * (time - time[0]) for name in _detrended(record) if name in drifts
     }
     if lines:
-        bare, cleaned = _less(bare, lines), _less(cleaned, lines)
+        bare, cleaned = (
+            replace(one, **{name: getattr(one, name) - line for name, line in lines.items()})
+            for one in (bare, cleaned)
+        )
         rests = find_rests(bare)
-        steady = held(bare, rests)
+        steady = _hold_rests(bare, rests)
     return Treatment(
         record=record,
         noise={"displacement": estimate_noise(x), "force": estimate_noise(bare.force)},
@@ -375,13 +251,8 @@ def treat(record: TestRecord) -> Treatment:
         drifts=drifts,
         cycles=full_cycles(steady),
         steady=steady,
-        cleaned=held(cleaned, rests),
+        cleaned=_hold_rests(cleaned, rests),
     )
-
-
-def _less(record: TestRecord, lines: dict[str, Floats]) -> TestRecord:
-    """A record less what its zeros drift by."""
-    return replace(record, **{name: getattr(record, name) - line for name, line in lines.items()})
 
 
 def _around(steps: Floats) -> Floats:
@@ -432,67 +303,46 @@ def _drifts(record: TestRecord, cycles: list[Cycle]) -> dict[str, Drift]:
     return found
 
 
-def told(found: Treatment) -> Iterator[Words]:
-    """What there is to say of it, as level, check and sentence.
-
-    Parameters
-    ----------
-    found : from `treat`.
-
-    Yields
-    ------
-    tuple of str : "warning" where something is left in that the user may take out, else "note".
-    """
+def describe_treatment(found: Treatment) -> Iterator[Finding]:
+    """Yield what was found; a warning where something is left in that the user may remove."""
     record = found.record
     if found.rests:
         part = found.resting / len(record.time)
-        yield (
+        yield Finding(
             "note",
             "rests",
-            f"{_counted(len(found.rests), 'rest')}, {part:.0%} of the samples: a fit holds the "
+            f"{_count(len(found.rests), 'rest')}, {part:.0%} of the samples: a fit holds the "
             "displacement at its mean there, and leaves their force out",
         )
     shown = [
         f"{value:.2g} {UNITS[name]} in the {name}" for name, value in found.noise.items() if value
     ]
     if shown:
-        yield "note", "noise", f"noise (standard deviation) of {' and '.join(shown)}"
+        said = f"noise (standard deviation) of {' and '.join(shown)}"
+        yield Finding("note", "noise", said)
     for name, flags in found.spikes.items():
-        if flags.any():
-            yield _told_spikes(record, name, flags)
+        if not flags.any():
+            continue
+        values = getattr(record, name)
+        off = np.abs(values - bridged(record.time, values, flags))
+        worst = int(np.argmax(off))
+        said = (
+            f"{_count(len(split_runs(flags)), 'spike')} in the {name}, the largest "
+            f"{off[worst]:.3g} {UNITS[name]} at {record.time[worst]:.6g} s"
+        )
+        if record.despike:
+            yield Finding("note", "spikes", f"{said}: removed, as asked")
+        else:
+            ask = "despike = true in the sidecar, or --despike, takes them out"
+            yield Finding("warning", "spikes", f"{said}: left in; {ask}")
     for name, drift in found.drifts.items():
-        yield _told_drift(record, name, drift)
+        said = f"the zero of the {name} drifts by {drift.total:.3g} {UNITS[name]} over the record"
+        if name in _detrended(record):
+            yield Finding("note", "drift", f"{said}: removed as a straight line in time, as asked")
+        else:
+            ask = f'detrend = "{name}" in the sidecar, or --detrend {name}, takes a straight line'
+            yield Finding("warning", "drift", f"{said}: left in; {ask} in time out")
 
 
-def _counted(count: int, name: str) -> str:
+def _count(count: int, name: str) -> str:
     return f"{count} {name}{'' if count == 1 else 's'}"
-
-
-def _told_spikes(record: TestRecord, name: str, flags: Flags) -> Words:
-    runs, values = split_runs(flags), getattr(record, name)
-    off = np.abs(values - bridged(record.time, values, flags))
-    worst = int(np.argmax(off))
-    said = (
-        f"{_counted(len(runs), 'spike')} in the {name}, the largest "
-        f"{off[worst]:.3g} {UNITS[name]} at {record.time[worst]:.6g} s"
-    )
-    if record.despike:
-        return "note", "spikes", f"{said}: taken out, as told"
-    return (
-        "warning",
-        "spikes",
-        f"{said}: left in; despike = true in the sidecar, or --despike, takes them out",
-    )
-
-
-def _told_drift(record: TestRecord, name: str, drift: Drift) -> Words:
-    unit = UNITS[name]
-    said = f"the zero of the {name} drifts by {drift.total:.3g} {unit} over the record"
-    if name in _detrended(record):
-        return "note", "drift", f"{said}: taken out as a straight line in time, as told"
-    return (
-        "warning",
-        "drift",
-        f'{said}: left in; detrend = "{name}" in the sidecar, or --detrend {name}, takes a '
-        "straight line in time out",
-    )

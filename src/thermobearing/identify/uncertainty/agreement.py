@@ -1,28 +1,28 @@
-"""Agreement of a calibrated bearing with its tests, and its calibration range."""
+"""Agreement of the model with tests, and the range that tests cover."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from thermobearing.bearing.model import Bearing, Validity
+from thermobearing.core.records import Floats
 from thermobearing.identify.fit.forward import Prediction
 from thermobearing.identify.records.cycles import compare_loops, full_cycles
 from thermobearing.identify.records.record import TestRecord
 from thermobearing.results.ranges import Ends, cycles_in_a_row, largest_speed, reached_by
 
-Floats = NDArray[np.float64]
 POOR = 0.98  # coefficient of determination below which the fit is called poor
 UNUSABLE = 0.9  # below it a fit is no bearing: forces that are all off by 31 % have this R2
-FIRST_CYCLE = 0.04  # of the peak force: first cycles stiffer than later ones by this are told
+FIRST_CYCLE = 0.04  # of the peak force: first cycles stiffer than later ones by this are reported
 AVERAGED = (
     "the fitted values are averages of both. Set first_cycle_weight = 0 in the sidecar to fit the "
     "later cycles, or give the bearing a table scragging to fit both"
 )
 LATER = "they had no weight; the bearing is that of the later ones, and too soft in a first cycle"
-ENERGY = 0.15  # error of a cycle's energy that is told
+ENERGY = 0.15  # error of a cycle's energy that is reported
+LEAST_RISE = 0.5  # [K]: relative errors of less mean nothing
 
 
 @dataclass(frozen=True)
@@ -40,24 +40,16 @@ class CycleErrors:
 
 @dataclass(frozen=True)
 class RecordFit:
-    """How well one record is met.
-
-    Attributes
-    ----------
-    R2 : coefficient of determination of the force, Eq. 4.38.
-    NRMSE : root mean square error of the force over the largest force of the test.
-    cycles : errors of each full cycle.
-    temperature_error : relative error of the temperature rise by thermocouple, Eq. 4.39.
-    """
+    """Agreement of the model with one record."""
 
     record: TestRecord
-    R2: float
-    NRMSE: float
-    cycles: list[CycleErrors]
-    temperature_error: dict[str, float]
+    R2: float  # coefficient of determination of the force, Eq. 4.38
+    NRMSE: float  # root mean square error of the force over the largest force of the test
+    cycles: list[CycleErrors]  # of each full cycle
+    temperature_error: dict[str, float]  # of the rise by thermocouple, Eq. 4.39
 
     def summary(self) -> dict[str, Any]:
-        """What summary.json says of the record."""
+        """Return what summary.json says of the record."""
         return {
             "name": self.record.name,
             "file": self.record.file,
@@ -71,7 +63,7 @@ class RecordFit:
 
     @property
     def virgin(self) -> str:
-        """A sentence where first cycles are stronger than heating explains; "" elsewhere."""
+        """A sentence if first cycles are stronger than heating explains; else ""."""
         first = [c.force_max_error for c in self.cycles if c.number == 1]
         later = [c.force_max_error for c in self.cycles if c.number > 1]
         stiffer = float(np.mean(later)) - float(np.mean(first)) if first and later else 0.0
@@ -85,7 +77,7 @@ class RecordFit:
 
     @property
     def warnings(self) -> list[str]:
-        """What the residuals say of the law itself, in words; of virgin rubber that alone."""
+        """What the residuals say about the law itself; of virgin rubber that alone."""
         said, name = [self.virgin] if self.virgin else [], self.record.name
         if self.R2 < POOR:
             said.append(f"{name}: R2 = {self.R2:.3f} is poor for this law, NRMSE {self.NRMSE:.1%}")
@@ -96,68 +88,16 @@ class RecordFit:
 
 
 def determination(measured: Floats, model: Floats) -> float:
-    """Coefficient of determination R^2 (contribution rate), Eq. 4.38.
-
-    Parameters
-    ----------
-    measured, model : the same quantity at the same samples, in any unit; `measured` not constant.
-
-    Returns
-    -------
-    float : 1 where the model meets every sample; it may be negative.
-
-    Examples
-    --------
-    >>> determination(np.array([0.0, 1.0, 2.0]), np.array([0.0, 1.0, 2.0]))
-    1.0
-    """
+    """Return the coefficient of determination R^2 (contribution rate), Eq. 4.38."""
     left = float(np.sum((model - measured) ** 2))
     return 1.0 - left / float(np.sum((measured - measured.mean()) ** 2))
 
 
 def fit_of_record(record: TestRecord, prediction: Prediction, bearing: Bearing) -> RecordFit:
-    """Measures of one record against the model.
-
-    Parameters
-    ----------
-    record : a test.
-    prediction : the model at its samples.
-    bearing : total rubber thickness, for the strain of each cycle.
-
-    Returns
-    -------
-    RecordFit
-
-    Examples
-    --------
-    >>> from thermobearing.bearing.library import load_bearing
-    >>> from thermobearing.identify.records.record import record_from_arrays
-    >>> t = np.linspace(0.0, 4.0, 401)
-    >>> x = 30.0 * np.sin(2.0 * np.pi * t)
-    >>> record = record_from_arrays(t, x, 2.0 * x + 10.0 * np.cos(2.0 * np.pi * t), 23.0)
-    >>> stronger = Prediction(1.1 * record.force, {}, "completed")
-    >>> fit = fit_of_record(record, stronger, load_bearing("shen-hdr-specimen"))
-    >>> [round(cycle.force_max_error, 3) for cycle in fit.cycles]
-    [0.1, 0.1, 0.1, 0.1]
-    """
+    """Return the agreement of a record with the model at its samples."""
     off = prediction.force - record.force
-    rises = {}
-    for title, values in record.temperatures.items():
-        rise = float(values.max() - values[0])
-        modelled = prediction.temperatures[title]
-        if rise > 0.5:
-            rises[title] = abs(float(modelled.max() - modelled[0]) - rise) / rise
-    return RecordFit(
-        record=record,
-        R2=determination(record.force, prediction.force),
-        NRMSE=float(np.sqrt(np.mean(off**2))) / record.peak_force,
-        cycles=_cycle_errors(record, prediction.force, bearing),
-        temperature_error=rises,
-    )
-
-
-def _cycle_errors(record: TestRecord, force: Floats, bearing: Bearing) -> list[CycleErrors]:
-    return [
+    rows = thermocouple_rows(record, prediction)
+    errors = [
         CycleErrors(
             cycle=loop.cycle,
             number=loop.number,
@@ -167,25 +107,54 @@ def _cycle_errors(record: TestRecord, force: Floats, bearing: Bearing) -> list[C
             energy_error=loop.ratios["energy"] - 1.0,
             force_max_error=loop.peak_ratio - 1.0,
         )
-        for loop in compare_loops(record, force)
+        for loop in compare_loops(record, prediction.force)
     ]
+    return RecordFit(
+        record=record,
+        R2=determination(record.force, prediction.force),
+        NRMSE=float(np.sqrt(np.mean(off**2))) / record.peak_force,
+        cycles=errors,
+        temperature_error={
+            row["thermocouple"]: abs(row["rise_model_K"] - row["rise_test_K"]) / row["rise_test_K"]
+            for row in rows
+            if row["rise_error"] is not None
+        },
+    )
+
+
+def thermocouple_rows(record: TestRecord, prediction: Prediction) -> list[dict[str, Any]]:
+    """Return a row of thermocouples.csv for each thermocouple, the model compared with the test.
+
+    `rise_error` is that of the largest rise (Eq. 4.39 with its sign), None where the test rises by
+    less than half a kelvin.
+    """
+    rows = []
+    for title, test in record.temperatures.items():
+        model = prediction.temperatures[title]
+        rise, modelled = float(test.max() - test[0]), float(model.max() - model[0])
+        rows.append(
+            {
+                "thermocouple": title,
+                "place": record.places[title],
+                "start_test_degC": float(test[0]),
+                "highest_test_degC": float(test.max()),
+                "highest_model_degC": float(model.max()),
+                "rise_test_K": rise,
+                "rise_model_K": modelled,
+                "rise_error": modelled / rise - 1.0 if rise > LEAST_RISE else None,
+                "rms_difference_K": float(np.sqrt(np.mean((model - test) ** 2))),
+            }
+        )
+    return rows
 
 
 def reached_in(
     record: TestRecord, rubber: float, ambient: float, lead: tuple[float, float] | None
 ) -> dict[str, float | Ends]:
-    """What the history of a record asks of a bearing.
+    """Return what the history of a record asks of a bearing, as `reached_by` does.
 
-    Parameters
-    ----------
-    record : a test.
-    rubber : total thickness of the bearing [mm].
-    ambient : temperature of the air [degC].
-    lead : coldest and warmest temperature of the lead [degC]; None where it is not known.
-
-    Returns
-    -------
-    dict : as of `reached_by`.
+    `rubber` is the total thickness [mm], `ambient` the air [degC], `lead` the coldest and warmest
+    lead [degC].
     """
     time, x = record.time, record.displacement
     air, warm = (ambient, ambient), None if lead is None else np.array(lead)
@@ -196,27 +165,10 @@ def reached_in(
 def range_of_tests(
     records: Sequence[TestRecord], predictions: Sequence[Prediction], rubber: float
 ) -> Validity:
-    """Lowest and highest value of each quantity in some tests, as a bearing's file holds it.
+    """Return the range of each quantity in some tests, as the file of a bearing holds it.
 
-    Parameters
-    ----------
-    records : of the fit.
-    predictions : of the fitted model, for the temperature of the lead.
-    rubber : total thickness of the bearing [mm].
-
-    Returns
-    -------
-    Validity : strains of the full cycles (of the whole test without any), largest speeds, air,
-        most cycles in a row, and lead as the model has it.
-
-    Examples
-    --------
-    >>> from thermobearing.identify.records.record import record_from_arrays
-    >>> t = np.linspace(0.0, 8.0, 801)
-    >>> tests = [record_from_arrays(t, a * np.sin(np.pi * t), t + 1.0, 5.0) for a in (15.0, 60.0)]
-    >>> found = range_of_tests(tests, [], 30.0)
-    >>> [round(end, 2) for end in found.strain], found.ambient, found.cycles
-    ([0.5, 2.0], [5.0, 5.0], [0.0, 4.0])
+    Strains are those of the full cycles (of the whole test without any), over the total thickness
+    `rubber` [mm]; the temperature of the lead is the model's.
     """
     strains, speeds = [], []
     for record in records:
@@ -237,5 +189,5 @@ def range_of_tests(
 
 
 def _ends(values: Sequence[float]) -> list[float]:
-    """Lowest and highest, to the digits that a test can know."""
+    """Return the lowest and highest value, to five digits."""
     return [float(f"{end:.5g}") for end in (min(values), max(values))]

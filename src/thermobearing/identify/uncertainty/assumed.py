@@ -1,8 +1,8 @@
-"""What a fit takes from the bearing's file, and how far that may be off.
+"""Values that a fit takes from the bearing's file, and their uncertainty.
 
 Each number that is not identified has a standard uncertainty (data/identify/assumed.toml). The
-columns of derivatives that they make carry it into the identified ones (uncertainty.py), and show
-when the tests ask for another value than the file has.
+columns of derivatives by them carry it into the identified ones (covariance.py), and show when the
+tests ask for another value than the file has.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -11,7 +11,6 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from thermobearing.bearing.model import Bearing
@@ -19,13 +18,21 @@ from thermobearing.border.errors import InputError, nearest
 from thermobearing.border.library import data_path
 from thermobearing.border.schema import Strict, validated
 from thermobearing.border.toml import read_toml
+from thermobearing.core.records import Floats
 from thermobearing.identify.fit.forward import dead_band, turning_points
-from thermobearing.identify.fit.parameters import ALPHA, D_Y, HARDENING, N_T, SHAPE
+from thermobearing.identify.fit.parameters import (
+    ALPHA,
+    D_Y,
+    HARDENING,
+    N_T,
+    SHAPE,
+    dotted_value,
+    with_values,
+)
 from thermobearing.identify.fit.problem import Linear, Problem
 from thermobearing.identify.records.noise import estimate_noise
 from thermobearing.identify.records.record import TestRecord
 
-Floats = NDArray[np.float64]
 PART = 0.25  # of a standard uncertainty: the step of a derivative
 LARGEST_SPREAD = 2.0  # relative standard uncertainty
 SURE, BEYOND = 5.0, 3.0  # standard errors of the tests, of tests and source together
@@ -38,29 +45,18 @@ OF_YIELDING = {ALPHA, SHAPE, D_Y, HARDENING, N_T}  # linear rubber has none of t
 
 
 class Group(Strict):
-    """Numbers of a bearing that are off together.
+    """Numbers of a bearing with one uncertainty: they are off together."""
 
-    Attributes
-    ----------
-    name : what they are, or the symbol of a parameter.
-    keys : dotted keys of a bearing.
-    relative, absolute : standard uncertainty, one of them, >= 0; absolute in the unit of the key.
-    source, note : where the uncertainty comes from.
-    unit : of `absolute`; empty where the key says it.
-    freedom : degrees of freedom of the uncertainty, > 0 (JCGM 100:2008, G.4.2: how well it is known
-        itself); by default so many that errors count as normal.
-    cause : what else makes tests ask for another value, in words.
-    """
-
-    name: str
-    keys: list[str]
-    relative: float | None = None
-    absolute: float | None = None
+    name: str  # or the symbol of a parameter
+    keys: list[str]  # dotted keys of a bearing
+    relative: float | None = None  # standard uncertainty over the value, or
+    absolute: float | None = None  # in the unit of the key
     source: str
     note: str = ""
-    unit: str = ""
+    unit: str = ""  # of `absolute`; empty where the key says it
+    # Degrees of freedom (JCGM 100:2008, G.4.2): how well the uncertainty itself is known.
     freedom: float = Field(default=NORMAL, gt=0.0)
-    cause: str = ""
+    cause: str = ""  # what else makes tests ask for another value
 
     @model_validator(mode="after")
     def _one_uncertainty(self) -> "Group":
@@ -69,54 +65,28 @@ class Group(Strict):
         return self
 
     def step(self, value: float) -> float:
-        """Standard uncertainty of a value, in its unit."""
+        """Return the standard uncertainty of a value, in its unit."""
         return self.absolute if self.absolute is not None else (self.relative or 0.0) * abs(value)
 
 
 class Groups(Strict):
-    """What data/identify/assumed.toml says."""
+    """Content of data/identify/assumed.toml."""
 
     groups: list[Group]
 
 
 @cache
 def usual_groups() -> tuple[Group, ...]:
-    """The uncertainties that the package comes with.
-
-    Returns
-    -------
-    tuple of Group
-
-    Examples
-    --------
-    >>> [group.relative for group in usual_groups() if group.name == "sigma_Y"]
-    [0.15]
-    """
+    """Return the uncertainties that the package comes with."""
     path = data_path("identify", "assumed.toml")
     return tuple(validated(Groups, read_toml(path), str(path)).groups)
 
 
 def chosen_groups(given: Mapping[str, float] | None) -> tuple[Group, ...]:
-    """The usual uncertainties, some of them replaced.
+    """Return the default uncertainties, some of them replaced.
 
-    Parameters
-    ----------
-    given : relative standard uncertainty in [0, 2] by the name of a group or a key of one; that of
-        "ambient" in K.
-
-    Returns
-    -------
-    tuple of Group
-
-    Raises
-    ------
-    InputError : no group has that name, or a number out of range.
-
-    Examples
-    --------
-    >>> groups = chosen_groups({"materials.side_film": 0.1})
-    >>> [group.relative for group in groups if "side" in group.name]
-    [0.1]
+    `given` holds relative standard uncertainties in [0, 2] by the name of a group or a key of one;
+    that of "ambient" is in K.
     """
     groups = list(usual_groups())
     for name, value in (given or {}).items():
@@ -137,84 +107,30 @@ def chosen_groups(given: Mapping[str, float] | None) -> tuple[Group, ...]:
     return tuple(groups)
 
 
-def dotted_value(bearing: Bearing, key: str) -> float | None:
-    """A number of a bearing by its dotted key; None where the bearing has no such part."""
-    part: Any = bearing
-    for name in key.split("."):
-        part = getattr(part, name, None)
-    return None if part is None else float(part)
-
-
-def _with(part: Any, names: Sequence[str], value: float) -> Any:
-    """A copy of a model with one number changed, however deep, without checking it."""
-    first, *rest = names
-    inner = _with(getattr(part, first), rest, value) if rest else value
-    return part.model_copy(update={first: inner})
-
-
 @dataclass(frozen=True)
 class Assumed:
-    """What a fit does not identify.
+    """What a fit does not identify."""
 
-    Attributes
-    ----------
-    groups : those that the bearing has, that are not free, and that are not known exactly.
-    columns : change of the weighted residuals by one standard uncertainty of each.
-    """
-
-    groups: tuple[Group, ...]
-    columns: Floats  # [residual, group]
+    groups: tuple[Group, ...]  # of the bearing, not free and not known exactly
+    columns: Floats  # [residual, group] change by one standard uncertainty
 
 
 def shifted(bearing: Bearing, group: Group, sigmas: float) -> Bearing:
-    """A bearing whose numbers of a group are off.
-
-    Parameters
-    ----------
-    bearing : any.
-    group : of `usual_groups`; keys that the bearing has not are left out.
-    sigmas : standard uncertainties, of either sign.
-
-    Returns
-    -------
-    Bearing : unchecked.
-
-    Examples
-    --------
-    >>> from thermobearing.bearing.library import load_bearing
-    >>> (group,) = (g for g in usual_groups() if g.name == "sigma_Y")
-    >>> shifted(load_bearing("shen-lhdr-specimen"), group, -1.0).lead.yield_stress
-    10.2
-    """
-    for key in group.keys:
-        value = dotted_value(bearing, key)
-        if value is not None:
-            moved = round(value + sigmas * group.step(value), 12)
-            bearing = _with(bearing, key.split("."), moved)
-    return bearing
+    """Return a bearing whose numbers of a group are off by so many standard uncertainties."""
+    values = {key: dotted_value(bearing, key) for key in group.keys}
+    known = {key: value for key, value in values.items() if value is not None}
+    return with_values(
+        bearing, {key: round(v + sigmas * group.step(v), 12) for key, v in known.items()}
+    )
 
 
 def assumed_groups(
     bearing: Bearing, identified: Sequence[str], groups: Sequence[Group]
 ) -> list[Group]:
-    """Which of the groups a fit of a bearing assumes.
+    """Return the groups that a fit of a bearing assumes.
 
-    Parameters
-    ----------
-    bearing : any.
-    identified : dotted keys that are free or tied.
-    groups : from `chosen_groups`.
-
-    Returns
-    -------
-    list of Group : without what is identified, known exactly, zero, or of no effect.
-
-    Examples
-    --------
-    >>> from thermobearing.bearing.library import load_bearing
-    >>> found = assumed_groups(load_bearing("lrb-example"), ["lead.softening"], usual_groups())
-    >>> "E2" in [g.name for g in found], "n_T" in [g.name for g in found]
-    (False, False)
+    Those that are identified (dotted keys, free or tied), known exactly, zero or without effect are
+    left out.
     """
     linear = bearing.hysteresis.post_yield_ratio == 1.0
     found = []
@@ -231,19 +147,7 @@ def assumed_groups(
 def linearise_assumed(
     problem: Problem, cube: Floats, groups: Sequence[Group], *, fine: bool = True
 ) -> Assumed:
-    """The assumed numbers of a fit and what they do to its residuals.
-
-    Parameters
-    ----------
-    problem : residuals of the tests.
-    cube : a place in [0, 1] for each free parameter.
-    groups : from `chosen_groups`.
-    fine : a step of the model at every sample.
-
-    Returns
-    -------
-    Assumed : without those that the model does not get through with.
-    """
+    """Return the assumed numbers of a fit and the derivatives of its residuals by them."""
     identified = [p.kind.key for p in problem.pset.parameters if p.free or p.tie is not None]
     bearing = problem.pset.bearing(cube)
     here = np.concatenate(problem.parts(cube, fine=fine))
@@ -267,7 +171,7 @@ def linearise_assumed(
 def _other_tests(
     records: Sequence[TestRecord], groups: Sequence[Group]
 ) -> Iterator[tuple[Group, list[TestRecord]]]:
-    """The tests, off by one standard uncertainty of each thing measured that shifts a whole test.
+    """Yield the tests, off by one standard uncertainty of each thing that shifts a whole test.
 
     Tests at the same temperature share its error: they had one chamber and thermometer.
     """
@@ -287,7 +191,7 @@ def _other_tests(
 
 
 def _drawn_in(x: Floats, group: Group) -> Floats:
-    """A displacement whose turns are less far out by the uncertainty that its noise gives them."""
+    """Return a displacement whose turns are less far out, by the uncertainty from its noise."""
     turns, less = turning_points(x, dead_band(x))[1:-1], x.copy()
     less[turns] -= group.step(estimate_noise(x)) * np.sign(x[turns] - x[turns - 1])
     return less
@@ -295,20 +199,12 @@ def _drawn_in(x: Floats, group: Group) -> Floats:
 
 @dataclass(frozen=True)
 class Told:
-    """What the tests say of one group, the others as in the file.
-
-    Attributes
-    ----------
-    group : the numbers.
-    sigmas : how far the tests would have them from the file's values, in standard uncertainties.
-    stderr : of `sigmas`, by the tests.
-    explained : share of the squared residuals that this would take away, in [0, 1].
-    """
+    """What the tests say about one group, the others as in the file."""
 
     group: Group
-    sigmas: float
-    stderr: float
-    explained: float
+    sigmas: float  # wanted change of the file's values, in standard uncertainties
+    stderr: float  # of `sigmas`, by the tests
+    explained: float  # share of the squared residuals that this would remove, in [0, 1]
 
     @property
     def contradicted(self) -> bool:
@@ -317,7 +213,7 @@ class Told:
         return off > SURE * self.stderr and off > BEYOND * float(np.hypot(1.0, self.stderr))
 
     def summary(self) -> dict[str, Any]:
-        """What summary.json says of them."""
+        """Return what summary.json says of the group."""
         return {
             "name": self.group.name,
             "keys": self.group.keys,
@@ -333,29 +229,16 @@ class Told:
 
 @dataclass(frozen=True)
 class Carried:
-    """What the uncertainty of the assumed numbers does to the identified ones.
+    """Effect of the uncertainty of the assumed numbers on the identified ones."""
 
-    Attributes
-    ----------
-    told : what the tests say of each group.
-    shifts : [parameter inside, group] change of the optimum by one standard uncertainty.
-    spread : [group, group] mean square of how far the groups may be off, tests known.
-    """
-
-    told: tuple[Told, ...]
-    shifts: Floats
-    spread: Floats
+    told: tuple[Told, ...]  # what the tests say about each group
+    shifts: Floats  # [parameter inside, group] of the optimum by one standard uncertainty
+    spread: Floats  # [group, group] mean square of the errors of the groups, given the tests
 
     def covariance(self, factors: Floats | float = 1.0) -> Floats:
-        """Return that of the parameters inside, by the assumed numbers, in the unit cube.
+        """Return the covariance of the parameters inside by the assumed numbers, in the unit cube.
 
-        Parameters
-        ----------
-        factors : on the uncertainty of each group.
-
-        Returns
-        -------
-        ndarray : [parameter inside, parameter inside]
+        `factors` multiply the uncertainty of each group.
         """
         shifts = self.shifts * factors
         return np.asarray(shifts @ self.spread @ shifts.T)
@@ -365,24 +248,15 @@ def carried(linear: Linear, assumed: Assumed) -> Carried:
     """Carry the uncertainty of what is assumed into what is identified.
 
     The optimum moves by -(J^T J)^-1 J^T c for a column c (a "consider" analysis; Schmidt 1966).
-    How far the groups may be off is what their sources leave open after the tests have been
-    heard: with the information H of the tests and b = H times what they ask for, the posterior
-    of a normal prior has the covariance P = (1 + H)^-1 and the mean P b. The fit stays at the
-    file's values, so that it is off by both.
-
-    Parameters
-    ----------
-    linear : the fit near its optimum.
-    assumed : the groups and their columns.
-
-    Returns
-    -------
-    Carried
+    How far the groups may be off is what their sources leave open given the tests: with the
+    information H of the tests and b = H times what they ask for, the posterior of a normal prior
+    has the covariance P = (1 + H)^-1 and the mean P b. The fit stays at the file's values, so that
+    it is off by both.
     """
     columns = linear.weights[:, None] * assumed.columns
     shifts = -linear.solved(columns)
     apart = columns + linear.jacobian @ shifts  # what no change of the parameters can imitate
-    told = [_told(linear, group, apart[:, i]) for i, group in enumerate(assumed.groups)]
+    told = [_ask_tests(linear, group, apart[:, i]) for i, group in enumerate(assumed.groups)]
     inner = apart.T @ apart
     wanted = -np.linalg.pinv(inner, rcond=1e-10, hermitian=True) @ (apart.T @ linear.residuals)
     left_over = linear.residuals + apart @ wanted
@@ -396,8 +270,8 @@ def carried(linear: Linear, assumed: Assumed) -> Carried:
     return Carried(tuple(told), shifts, posterior + np.outer(mean, mean))
 
 
-def _told(linear: Linear, group: Group, column: Floats) -> Told:
-    """What the tests say of one group, from its column less what parameters can imitate."""
+def _ask_tests(linear: Linear, group: Group, column: Floats) -> Told:
+    """Return what the tests say about a group, by its column less what parameters can imitate."""
     residuals = linear.residuals
     norm = float(column @ column)
     if norm <= UNSEEN * max(linear.variance, 1e-300):

@@ -1,6 +1,6 @@
-"""How well each parameter is known: intervals, correlation, and what test would help.
+"""Standard errors, intervals and correlation of the parameters, and which test would help.
 
-What the tests leave open (linear.py) and what is assumed beside them (assumed.py) add up.
+The covariance by the tests (problem.py) and by the assumed values (assumed.py) add up.
 """
 
 from collections.abc import Sequence
@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from thermobearing.core.records import Floats
 from thermobearing.identify.fit import parameters as kinds
 from thermobearing.identify.fit.forward import turning_points
 from thermobearing.identify.fit.parameters import Parameter, at_one_temperature
@@ -23,7 +24,6 @@ from thermobearing.identify.uncertainty.assumed import (
     usual_groups,
 )
 
-Floats = NDArray[np.float64]
 WELL = 0.01  # relative standard error of a well determined parameter: three are within 3 %
 NEAR_BOUND = 0.05  # of the range of the search: nearer to a bound no parameter is determined
 POOR = 0.1  # relative standard error of a poorly determined one
@@ -44,23 +44,13 @@ SPEED_SPAN = 3.0  # ratio of speeds that fixes rate dependence
 
 @dataclass(frozen=True)
 class Estimate:
-    """One free parameter, in its unit.
-
-    Attributes
-    ----------
-    parameter : which.
-    value : at the optimum.
-    stderr : standard error, by the tests and by what is assumed beside them.
-    stderr_of_tests : by the tests alone.
-    lower, upper : 95 % interval.
-    at_bound : the value ended at a bound.
-    """
+    """A free parameter at the optimum, in its unit."""
 
     parameter: Parameter
     value: float
-    stderr: float
-    stderr_of_tests: float
-    lower: float
+    stderr: float  # by the tests and the assumed values
+    stderr_of_tests: float  # by the tests alone
+    lower: float  # of the 95 % interval
     upper: float
     at_bound: bool
 
@@ -78,7 +68,7 @@ class Estimate:
 
     @property
     def where(self) -> str:
-        """Return how near to a bound it ended, in words."""
+        """How near to a bound it ended, in words."""
         return "at its bound" if self.at_bound else f"within {NEAR_BOUND:.0%} of its bound"
 
     @property
@@ -96,51 +86,24 @@ class Estimate:
 
 @dataclass(frozen=True)
 class Uncertainty:
-    """Of all free parameters.
+    """Uncertainty of all free parameters."""
 
-    Attributes
-    ----------
-    estimates : by dotted key.
-    covariance : in the unit cube; rows and columns of parameters at bounds are zero.
-    correlation : by the tests alone.
-    assumed : what the numbers that are not identified do to those that are.
-    inside : of the free parameters, those that are not at a bound.
-    samples, effective_samples : how many, and how many independent ones they are worth.
-    rms : root mean square of the residuals, relative to the peak force.
-    warnings : in words.
-    misfit : likely causes of residuals that are no noise, in words.
-    """
-
-    estimates: dict[str, Estimate]
-    covariance: Floats
-    correlation: Floats
+    estimates: dict[str, Estimate]  # by dotted key
+    covariance: Floats  # in the unit cube; zero for parameters at bounds
+    correlation: Floats  # by the tests alone
     assumed: Carried
-    inside: NDArray[np.bool_]
+    inside: NDArray[np.bool_]  # of the free parameters, those that are not at a bound
     samples: int
-    effective_samples: float
-    rms: float
+    effective_samples: float  # independent samples that they are worth
+    rms: float  # of the residuals, relative to the peak force
     warnings: list[str] = field(default_factory=list)
-    misfit: list[str] = field(default_factory=list)
+    misfit: list[str] = field(default_factory=list)  # likely causes of residuals that are no noise
 
 
 def effective_samples(residuals: Floats) -> float:
-    """Number of independent samples that a correlated series is worth.
+    """Return the number of independent samples that a correlated series is worth.
 
-    n / (1 + 2 sum rho_k), the sum up to the first lag at which rho is not positive.
-
-    Parameters
-    ----------
-    residuals : in the order of time, in any unit.
-
-    Returns
-    -------
-    float : at most about the number of residuals.
-
-    Examples
-    --------
-    >>> white = np.random.default_rng(0).normal(size=4000)
-    >>> bool(effective_samples(white) > 2500)
-    True
+    It is n / (1 + 2 sum rho_k), the sum up to the first lag at which rho is not positive.
     """
     n = len(residuals)
     centred = residuals - residuals.mean()
@@ -155,29 +118,7 @@ def effective_samples(residuals: Floats) -> float:
 
 
 def estimate(problem: Problem, cube: Floats, groups: Sequence[Group] | None = None) -> Uncertainty:
-    """Standard errors, intervals and warnings at the optimum of a fit.
-
-    Parameters
-    ----------
-    problem : residuals of the tests.
-    cube : the optimum, in [0, 1] for each free parameter.
-    groups : what is assumed, and how far it may be off; the usual by default.
-
-    Returns
-    -------
-    Uncertainty
-
-    Examples
-    --------
-    >>> import thermobearing as tb
-    >>> from thermobearing.identify.fit.parameters import parameter_set
-    >>> bearing = tb.load_bearing("shen-hdr-specimen")
-    >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
-    >>> record = tb.synthetic_record(bearing, 23.0, test)
-    >>> pset = parameter_set(bearing, ["K_r"], [23.0])
-    >>> estimate(Problem([record], pset), pset.start).estimates[kinds.K_R].relative_error < 0.05
-    True
-    """
+    """Return standard errors, intervals and warnings at the optimum of a fit."""
     linear = linearised(problem, cube)
     assumed = carried(
         linear, linearise_assumed(problem, cube, usual_groups() if groups is None else groups)
@@ -218,7 +159,7 @@ def _correlation(covariance: Floats) -> Floats:
 
 
 def _wide(freedom: float) -> float:
-    """Standard errors in a 95 % interval, by Student's distribution."""
+    """Return half a 95 % interval over its standard error, by Student's distribution."""
     from scipy.stats import t as student
 
     return float(student.ppf(0.5 + 0.5 * LEVEL, max(freedom, 2)))
@@ -227,7 +168,7 @@ def _wide(freedom: float) -> float:
 def _estimate(
     parameter: Parameter, u: float, of_tests: float, whole: float, half: float
 ) -> Estimate:
-    """At a place in the unit cube, from the variances and half the 95 % interval there."""
+    """Return an estimate by its place in the unit cube, the variances and half interval there."""
     bound = not AT_BOUND < u < 1.0 - AT_BOUND
     slope = parameter.slope(u) if not bound else float("nan")
     return Estimate(
@@ -242,16 +183,21 @@ def _estimate(
 
 
 def remedy(keys: set[str]) -> str:
-    """Return what tests would fix parameters, given by their dotted keys."""
-    for known, words in kinds.REMEDIES:
-        if keys & known:
-            return words
-    return "other tests would be needed"
+    """Return which tests would fix parameters, given by their dotted keys."""
+    words = (words for known, words in kinds.REMEDIES if keys & known)
+    return next(words, "other tests would be needed")
 
 
 def _warnings(problem: Problem, found: Uncertainty) -> list[str]:
-    """Bounds reached, weak and entangled parameters, and tests too alike, in words."""
-    said = [*_test_warnings(problem), *_exchanged(found)]
+    """Return warnings of bounds reached, weak and entangled parameters, and tests too alike."""
+    said = _test_warnings(problem)
+    warm = [found.estimates[k] for k in (kinds.M_T, kinds.N_T) if k in found.estimates]
+    if warm and all(item.lower > ENTROPIC for item in warm):  # of no rubber
+        shown = " and ".join(f"{e.parameter.kind.symbol} = {e.value:.2f}" for e in warm)
+        said.append(
+            f"{shown} would be rubber that stiffens as it warms: are the ambient temperatures of "
+            "the tests swapped?"
+        )
     for key, item in found.estimates.items():
         symbol, unit = item.parameter.kind.symbol, item.parameter.kind.unit
         shown = f"{symbol} = {item.value:.4g} {unit}".strip()
@@ -265,30 +211,18 @@ def _warnings(problem: Problem, found: Uncertainty) -> list[str]:
     for i, j in zip(*np.triu_indices(len(keys), 1), strict=True):
         rho = float(found.correlation[i, j])
         if abs(rho) > CORRELATED:
-            a, b = (found.estimates[keys[k]].parameter.kind.symbol for k in (i, j))
-            weak = any(found.estimates[keys[k]].relative_error > WELL for k in (i, j))
-            if weak:
+            pair = [found.estimates[keys[k]] for k in (i, j)]
+            if any(item.relative_error > WELL for item in pair):
+                names = " and ".join(item.parameter.kind.symbol for item in pair)
                 said.append(
-                    f"{a} and {b} are entangled (correlation {rho:.2f}): only a combination of "
-                    f"them is known; {remedy({keys[i], keys[j]})}"
+                    f"{names} are entangled (correlation {rho:.2f}): only a combination of them "
+                    f"is known; {remedy({keys[i], keys[j]})}"
                 )
     return said
 
 
-def _exchanged(found: Uncertainty) -> list[str]:
-    """Temperature coefficients that no rubber has."""
-    warm = [found.estimates[k] for k in (kinds.M_T, kinds.N_T) if k in found.estimates]
-    if not warm or not all(item.lower > ENTROPIC for item in warm):
-        return []
-    shown = " and ".join(f"{e.parameter.kind.symbol} = {e.value:.2f}" for e in warm)
-    return [
-        f"{shown} would be rubber that stiffens as it warms: are the ambient temperatures of "
-        "the tests swapped?"
-    ]
-
-
 def _misfit(problem: Problem, found: Uncertainty) -> list[str]:
-    """What residuals that are no noise may come from: first what the tests contradict."""
+    """Return likely causes of residuals that are no noise: first what the tests contradict."""
     if found.rms <= NEGLIGIBLE:  # the model met the tests: there is no misfit to explain
         return []
     told = sorted(found.assumed.told, key=lambda item: -item.explained)
@@ -315,7 +249,7 @@ def _misfit(problem: Problem, found: Uncertainty) -> list[str]:
 
 
 def _to_free(told: Sequence[Told], found: Uncertainty) -> list[str]:
-    """Parameters that were held, and whose freedom would take much of the misfit away."""
+    """Return a hint at the parameter that was held and would remove most of the misfit."""
     held = [
         item
         for item in told
@@ -335,7 +269,7 @@ def _to_free(told: Sequence[Told], found: Uncertainty) -> list[str]:
 
 
 def _test_warnings(problem: Problem) -> list[str]:
-    """What the tests cannot tell, whatever they measured."""
+    """Return warnings of tests at too similar temperatures or speeds."""
     said = []
     free = {p.kind.key for p in problem.pset.free}
     ambients = [record.ambient for record in problem.records]
@@ -358,7 +292,7 @@ def _test_warnings(problem: Problem) -> list[str]:
 
 
 def _speeds(record: TestRecord) -> list[float]:
-    """Mean speed of each large half cycle [mm/s]."""
+    """Return the mean speed of each large half cycle [mm/s]."""
     turns = turning_points(record.displacement, BLOCK_TURN * record.peak_displacement)
     way = np.abs(np.diff(record.displacement[turns]))
     time = np.diff(record.time[turns])

@@ -2,8 +2,8 @@
 
 By default samples come from the normal distribution of the fit (Laplace). With emcee
 (Foreman-Mackey et al. 2013, the optional extra `bayes`) they come from the posterior itself,
-whose likelihood is tempered by the effective number of samples (see uncertainty.py), flat
-within the bounds on the scale of the search; what the assumed numbers leave open (assumed.py) is
+whose likelihood is tempered by the effective number of samples (see covariance.py), flat
+within the bounds on the scale of the search; the uncertainty of the assumed values (assumed.py) is
 added to its draws.
 """
 
@@ -13,16 +13,15 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from thermobearing.border.errors import InputError
+from thermobearing.core.records import Floats
 from thermobearing.identify.fit.forward import ForwardModel
 from thermobearing.identify.records.record import TestRecord
 from thermobearing.identify.result import Identification
 from thermobearing.identify.uncertainty.agreement import reached_in
 from thermobearing.results.ranges import Row, asked_of_tests, limits_passed, outside_tests
 
-Floats = NDArray[np.float64]
 WALKERS_PER = 3  # walkers for each parameter
 LOW, HIGH = 0.025, 0.975
 MOST_STEPS = 100_000  # of a walker
@@ -68,16 +67,16 @@ class Band:
 
     @property
     def name(self) -> str:
-        """What it is called in sentences."""
+        """Name of the run in sentences."""
         return f"predicted at {self.ambient:g} degC"
 
     @property
     def beyond_tested(self) -> str:
-        """The quantities in which it leaves the tests of the fit."""
+        """Quantities that are beyond the tests of the fit."""
         return limits_passed(self.asked, [self.name])[0]
 
     def summary(self) -> dict[str, Any]:
-        """What summary.json says of the band."""
+        """Return what summary.json says of the band."""
         return {
             "ambient_degC": self.ambient,
             "best_kN": self.peak,
@@ -103,7 +102,7 @@ class Forecast:
     warnings: tuple[str, ...] = ()
 
     def summary(self) -> dict[str, Any]:
-        """What summary.json says."""
+        """Return what summary.json says of the forecast."""
         return {
             "source": self.samples.source,
             "samples": len(self.samples.cube),
@@ -151,42 +150,21 @@ def forecast(
     draws = posterior_samples if posterior else laplace_samples
     samples = draws(found, seed=seed)
     at = list(ambients) or [found.records[0].ambient]
-    bands = [_asked(found, predictive_band(found, samples, one, seed=seed)) for one in at]
+    assert found.bearing.tested_range is not None  # the range of the tests
+    tested = found.bearing.tested_range.ranges()
+    bands = []
+    for one in at:
+        band = predictive_band(found, samples, one, seed=seed)
+        thickness = found.bearing.total_rubber_thickness
+        reached = reached_in(found.records[0], thickness, band.ambient, band.lead)
+        bands.append(replace(band, asked=tuple(asked_of_tests(band.name, reached, tested))))
     rows = [row for band in bands for row in band.asked]
-    said = outside_tests(found.bearing.name, rows, found.tested_range.ranges())
+    said = outside_tests(found.bearing.name, rows, tested)
     return Forecast(samples, tuple(bands), tuple(said))
 
 
-def _asked(found: Identification, band: Band) -> Band:
-    """A band with what it asks of the range of the tests."""
-    thickness = found.bearing.total_rubber_thickness
-    reached = reached_in(found.records[0], thickness, band.ambient, band.lead)
-    rows = asked_of_tests(band.name, reached, found.tested_range.ranges())
-    return replace(band, asked=tuple(rows))
-
-
 def laplace_samples(found: Identification, count: int = 200, *, seed: int = 0) -> Samples:
-    """Draws from the normal distribution of the fit, within the bounds.
-
-    Parameters
-    ----------
-    found : from `identify_bearing`.
-    count : draws, >= 1.
-    seed : of the draws, >= 0.
-
-    Returns
-    -------
-    Samples
-
-    Examples
-    --------
-    >>> import thermobearing as tb
-    >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
-    >>> record = tb.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
-    >>> found = tb.identify_bearing(record, "shen-hdr-specimen", free=["K_r"], starts=1)
-    >>> laplace_samples(found, 50).cube.shape
-    (50, 1)
-    """
+    """Draw from the normal distribution of the fit, within the bounds."""
     rng = np.random.default_rng(seed)
     values, vectors = np.linalg.eigh(found.uncertainty.covariance)
     root = vectors * np.sqrt(np.maximum(values, 0.0))
@@ -195,12 +173,7 @@ def laplace_samples(found: Identification, count: int = 200, *, seed: int = 0) -
 
 
 def need_emcee() -> None:
-    """Ask for emcee before an hour of fitting, not after.
-
-    Raises
-    ------
-    InputError : it is not installed.
-    """
+    """Refuse a posterior without emcee, before an hour of fitting."""
     try:
         import emcee  # noqa: F401
     except ImportError:
@@ -217,27 +190,9 @@ def _walkers(found: Identification) -> int:
 def posterior_effort(
     found: Identification, *, steps: int = STEPS, burn: int = BURN
 ) -> tuple[int, float]:
-    """What `posterior_samples` takes: runs of the model, and about how long.
+    """Return the most runs of a test that `posterior_samples` takes, and about how long [s].
 
-    Parameters
-    ----------
-    found : a fit.
-    steps, burn : as of `posterior_samples`.
-
-    Returns
-    -------
-    (runs, seconds) : at most so many runs of a test (draws beyond a bound need none), and their
-        time by the clock of one more run of the fit [s].
-
-    Examples
-    --------
-    >>> import thermobearing as tb
-    >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
-    >>> record = tb.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
-    >>> found = tb.identify_bearing(record, "shen-hdr-specimen", free=["K_r"], starts=1)
-    >>> runs, seconds = posterior_effort(found)
-    >>> runs, seconds > 0.0
-    (1604, True)
+    Draws beyond a bound need no run; the time is that of one more run of the fit by the clock.
     """
     rounds = _walkers(found) * (burn + steps + 1)  # and each walker's begin
     begin = time.perf_counter()
@@ -248,21 +203,9 @@ def posterior_effort(
 def posterior_samples(
     found: Identification, *, steps: int = STEPS, burn: int = BURN, seed: int = 0
 ) -> Samples:
-    """Draws from the posterior by emcee's ensemble sampler.
+    """Draw from the posterior by the ensemble sampler of emcee.
 
-    Parameters
-    ----------
-    found : a fit.
-    steps : of each walker, 1 to 100 000, after `burn` that are thrown away (0 to 100 000).
-    seed : of the walkers, >= 0.
-
-    Returns
-    -------
-    Samples
-
-    Raises
-    ------
-    InputError : emcee is not installed; steps out of range.
+    Each walker makes `steps` after `burn` steps that do not count.
     """
     if not (1 <= steps <= MOST_STEPS and 0 <= burn <= MOST_STEPS):
         raise InputError(f"steps = {steps}, burn = {burn}: must be 1 and 0 to {MOST_STEPS}")
@@ -292,7 +235,7 @@ def posterior_samples(
 
 
 def _with_assumed(found: Identification, cube: Floats, seed: int) -> Floats:
-    """Draws moved by what the numbers that are not identified leave open."""
+    """Return draws moved by the uncertainty of the assumed values."""
     assumed, inside = found.uncertainty.assumed, found.uncertainty.inside
     groups = len(assumed.spread)
     rng = np.random.default_rng(seed)
@@ -311,33 +254,9 @@ def predictive_band(
     count: int = 60,
     seed: int = 0,
 ) -> Band:
-    """Band of loops and of peak force at an ambient temperature, tested or not.
+    """Return the band of loops and of peak force at an ambient temperature [degC], -100 to 100.
 
-    Parameters
-    ----------
-    found, samples : a fit and draws of its parameters.
-    ambient : [degC], in [-100, 100].
-    record : whose displacements to repeat; the first of the fit by default.
-    count : draws to run, >= 1.
-    seed : picks the draws, >= 0.
-
-    Returns
-    -------
-    Band
-
-    Raises
-    ------
-    InputError : the temperature is out of range, or no draw gets through.
-
-    Examples
-    --------
-    >>> import thermobearing as tb
-    >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
-    >>> record = tb.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
-    >>> found = tb.identify_bearing(record, "shen-hdr-specimen", free=["K_r"], starts=1)
-    >>> band = predictive_band(found, laplace_samples(found), -20.0, count=5)
-    >>> band.peak_lower < band.peak_upper
-    True
+    It repeats the displacements of `record`, by default the first of the fit, with `count` draws.
     """
     if not -100.0 <= ambient <= 100.0:
         raise InputError(f"ambient = {ambient} degC: must be between -100 and 100 degC")

@@ -1,4 +1,4 @@
-"""Bearings drawn from the samples of a posterior, as a calibration writes them."""
+"""Bearings of the samples of a posterior that a calibration wrote."""
 
 import csv
 import io
@@ -11,7 +11,16 @@ from thermobearing.bearing.model import Bearing
 from thermobearing.bearing.scaling import compound_of, lead_cores, split_parts
 from thermobearing.border.errors import InputError, is_file, nearest
 from thermobearing.border.schema import validated
-from thermobearing.identify.fit.parameters import BY_KEY, C_V, D_Y, K_L, K_R, K_V, KINDS
+from thermobearing.identify.fit.parameters import (
+    BY_KEY,
+    C_V,
+    D_Y,
+    K_L,
+    K_R,
+    K_V,
+    KINDS,
+    dotted_value,
+)
 from thermobearing.results.directory import IDENTIFIED, SAMPLES
 from thermobearing.tables.text import read_text
 
@@ -69,19 +78,16 @@ def posterior_bearings(
     if fitted is first:
         _refuse_others(first, keys, some, where)
         return [first, *some]
-    return [
-        first,
-        *(_made_to_size(one, first, int(k)) for one, k in zip(some, chosen, strict=True)),
-    ]
+    sized = []
+    for sample, number in zip(some, chosen, strict=True):
+        parts = split_parts(compound_of(sample), first.geometry, lead_cores(first))
+        parts |= {"scragging": sample.scragging, "name": f"{first.name}, sample {number}"}
+        sized.append(first.model_copy(update=parts))
+    return [first, *sized]
 
 
 def _fitted(bearing: Bearing, beside: Path) -> Bearing:
-    """The bearing that the samples are of: that beside them where its size is another one.
-
-    Raises
-    ------
-    InputError : the other bearing is not made of the same compound.
-    """
+    """Return the bearing of the samples: that in their directory if its size is another one."""
     if not is_file(beside):
         return bearing
     try:
@@ -106,16 +112,10 @@ def _fitted(bearing: Bearing, beside: Path) -> Bearing:
 
 
 def _refuse_others(bearing: Bearing, keys: list[str], some: list[Bearing], where: str) -> None:
-    """Samples of a bearing that has another size, told by the numbers that go with the size.
-
-    Raises
-    ------
-    InputError : the bearing's own number is nowhere near those of the samples.
-    """
+    """Refuse samples of a bearing of another size, by the numbers that depend on the size."""
     for key in set(keys) & set(SIZED):
-        table, name = key.split(".")
-        values = np.array([getattr(getattr(one, table), name) for one in some])
-        own, mean = float(getattr(getattr(bearing, table), name)), float(values.mean())
+        values = np.array([dotted_value(one, key) for one in some])
+        own, mean = dotted_value(bearing, key) or 0.0, float(values.mean())
         if abs(own - mean) > max(FAR * float(values.std()), APART * abs(mean)):
             kind = BY_KEY[key]
             raise InputError(
@@ -126,15 +126,8 @@ def _refuse_others(bearing: Bearing, keys: list[str], some: list[Bearing], where
             )
 
 
-def _made_to_size(sample: Bearing, bearing: Bearing, number: int) -> Bearing:
-    """A bearing of a sample's compound at the size of another bearing."""
-    parts = split_parts(compound_of(sample), bearing.geometry, lead_cores(bearing))
-    told = {"scragging": sample.scragging, "name": f"{bearing.name}, sample {number}"}
-    return bearing.model_copy(update=parts | told)
-
-
 def _keys(head: list[str], bearing: Bearing, where: str) -> list[str]:
-    """Dotted keys of the columns."""
+    """Return the dotted keys of the columns."""
     known = {kind.symbol: kind.key for kind in KINDS}
     faults, keys = [], []
     data = bearing.model_dump()
@@ -154,7 +147,7 @@ def _keys(head: list[str], bearing: Bearing, where: str) -> list[str]:
 
 
 def _sample(bearing: Bearing, keys: list[str], cells: list[str], number: int, path: str) -> Bearing:
-    """The bearing with the numbers of one row."""
+    """Return the bearing with the numbers of one row."""
     where = f"{path}, row {number}"
     if len(cells) != len(keys):
         raise InputError(f"{len(cells)} numbers instead of {len(keys)}", where)
