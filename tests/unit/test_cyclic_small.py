@@ -10,7 +10,7 @@ import thermobearing as tb
 from thermobearing.cyclic import dataset as label
 from thermobearing.cyclic.equivalent import solve_backbone
 from thermobearing.cyclic.history import Segment, longest_layer_increment
-from thermobearing.cyclic.protocol import Rest, read_recording
+from thermobearing.cyclic.protocol import Recorded, Rest
 from thermobearing.cyclic.result import history_blocks
 
 
@@ -46,9 +46,10 @@ def test_waiting_for_a_temperature_ends_after_two_weeks() -> None:
 def test_a_recording_starts_where_the_bearing_is(first: float, tmp_path: Path) -> None:
     path = tmp_path / "recorded.csv"
     path.write_text(f"time_s,displacement_mm\n0,{first}\n1,5\n2,0\n")
+    recorded = Recorded(file=str(path))
     with pytest.raises(tb.InputError, match="put a ramp before it"):
-        read_recording(str(path), 0.0)
-    gaps, x, _ = read_recording(str(path), first)
+        recorded.points(0.0)
+    gaps, x, _ = recorded.points(first)
     assert (list(gaps), list(x)) == ([1.0, 1.0], [first, 5.0, 0.0])
 
 

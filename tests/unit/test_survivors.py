@@ -9,8 +9,9 @@ from numpy.testing import assert_array_equal
 
 import thermobearing as tb
 from tests.unit.inputs import command
+from thermobearing.border.toml import to_table
 from thermobearing.climate.generator import MONTH_OF, ColdSpells, spell_rate
-from thermobearing.cyclic.reported import _exposure
+from thermobearing.cyclic.reported import model_assumptions
 from thermobearing.earthquake.case import make_earthquake_case
 from thermobearing.earthquake.dataset import INTERRUPTED, _interrupted
 from thermobearing.results.selection import gridded
@@ -32,10 +33,12 @@ def test_generated_weather_has_fifty_years_by_default() -> None:
 
 
 def test_one_exposed_bearing_of_two_is_reported() -> None:
-    aged: dict[str, Any] = {"exposure": {"years": 20}}
-    none = _exposure({}, [{}, {}])
-    assert _exposure({}, [aged, {}]) == _exposure({}, [{}, aged]) == _exposure({}, [aged, aged])
-    assert _exposure({}, [aged, {}]) != none
+    fresh = to_table(tb.load_bearing("shen-hdr-specimen"))
+    aged = fresh | {"exposure": {"years": 20}}
+    pairs = ([aged, fresh], [fresh, aged], [aged, aged])
+    counted, *same = (model_assumptions({}, pair) for pair in pairs)
+    assert same == [counted, counted]
+    assert counted != model_assumptions({}, [fresh, fresh])
 
 
 def test_a_grid_of_two_labels_drops_other_coordinates_of_runs() -> None:

@@ -42,13 +42,7 @@ class PostYieldRatio(Strict):
 
 @cache
 def post_yield_ratio(kind: str) -> PostYieldRatio:
-    """K_2/K_1 of a kind of bearing, with its source.
-
-    Examples
-    --------
-    >>> post_yield_ratio("HDR").ratio
-    0.19
-    """
+    """Return K_2/K_1 of a kind of bearing, with its source."""
     path = data_path("equivalent", "stiffness-ratios.toml")
     return validated(PostYieldRatio, read_toml(path)[kind], f"{path}, {kind}")
 
@@ -60,17 +54,21 @@ def bilinear_parameters(
     speed: float = 30.0,
     temperature: float | None = None,
 ) -> BilinearParameters:
-    """Bilinear model with the equivalent stiffness and the loop area of a bearing.
+    """Return the bilinear model with the equivalent stiffness and the loop area of a bearing.
 
     The third cycle of a test without heating: Q_d, K_2 and K_1 in the ratio of the bearing's kind
     (data/equivalent) such that peak force and energy are those of the bearing.
 
     Parameters
     ----------
-    bearing : a Bearing, a library name, or a TOML file.
-    strain : shear strain amplitude, > 0.
-    speed : mean loading rate [mm/s]; matters with rate dependence only.
-    temperature : of the whole bearing [degC]; the reference temperature of the rubber by default.
+    bearing : Bearing, str or Path
+        A Bearing, a library name, or a TOML file.
+    strain : float
+        Shear strain amplitude, > 0.
+    speed : float
+        Mean loading rate [mm/s]; matters with rate dependence only.
+    temperature : float, optional
+        Of the whole bearing [degC]; the reference temperature of the rubber by default.
 
     Returns
     -------
@@ -94,7 +92,10 @@ def isothermal_cycle(
     speed: float = 30.0,
     temperature: float | None = None,
 ) -> CycleMeasures:
-    """Measures of the third cycle of a bearing that does not warm; arguments as above."""
+    """Return the measures of the third cycle of a bearing that does not warm.
+
+    Arguments are those of `bilinear_parameters`.
+    """
     bearing = as_bearing(bearing)
     adiabatic = EndFace(eta=1.0)
     model = build_model(bearing, ModelOptions(upper_face=adiabatic, lower_face=adiabatic))
@@ -124,7 +125,7 @@ def isothermal_cycle(
 def backbone(
     stiffness: float, energy: float, amplitude: float, kind: str = "LRB"
 ) -> BilinearParameters:
-    """Q_d, K_2, K_1 from equivalent stiffness [kN/mm], loop area [kN mm] and amplitude [mm].
+    """Return Q_d, K_2, K_1 from equivalent stiffness [kN/mm], loop area [kN mm] and amplitude [mm].
 
     K_1/K_2 is that of the kind of bearing, or as much more (in steps of a quarter) as a fat loop
     needs: with K_1 = 6.5 K_2 no bilinear loop has more than 28 % of damping.
@@ -141,7 +142,7 @@ def backbone(
 def solve_backbone(
     stiffness: float, damping: float, amplitude: float, stiffness_ratio: float
 ) -> BilinearParameters | None:
-    """Bilinear model with an equivalent stiffness and damping ratio; None if no loop is that fat.
+    """Return the bilinear model of an equivalent stiffness and damping ratio; None if too fat.
 
     With q = Q_d/(K_B u), alpha = K_2/K_1: peak force K_B u = Q_d + K_2 u, loop area
     2 pi h K_B u^2 = 4 Q_d (u - u_y), u_y = Q_d/(K_1 - K_2), so that

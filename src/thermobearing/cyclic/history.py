@@ -54,13 +54,11 @@ class Segment:
     assumed: tuple[str, ...] = ()  # what the file of a recording does not say
 
 
-def _legs(duration: float, dt: float) -> int:
-    """Number of equal steps, none longer than dt, that fill a leg."""
+def _equal_steps(duration: float, dt: float) -> int:
     return max(1, math.ceil(duration / dt - TINY))
 
 
 def _cycle_shape(wave: str, steps: int) -> Floats:
-    """One cycle 0, 1, 0, -1, 0 of unit amplitude; `steps` per quarter, peaks hit exactly."""
     rising = np.arange(1, steps + 1) / steps
     if wave == "sine":
         rising = np.sin(0.5 * np.pi * rising)
@@ -68,13 +66,14 @@ def _cycle_shape(wave: str, steps: int) -> Floats:
     return np.concatenate([rising, falling, -rising, -falling])
 
 
-def _cycles(step: Cycles, rubber: float, dt: float, label: str) -> list[Segment]:
+def _cycles(step: Cycles, rubber: float, dt: float) -> list[Segment]:
+    label = f"{step.strain:.0%}" if step.strain else f"{step.amplitude:g} mm"
     parts = [(step.size(rubber), step.count, "cycles", label)]
     if step.closing_strain is not None:
         parts.append((step.closing_strain * rubber, 1, "closing cycle", f"{label}, closing cycle"))
     segments = []
     for (size, count, kind, name), quarter in zip(parts, step.quarters(rubber), strict=True):
-        steps = max(FEWEST_STEPS, _legs(quarter, dt))
+        steps = max(FEWEST_STEPS, _equal_steps(quarter, dt))
         shape = _cycle_shape(step.wave, steps)
         turning = np.zeros(4 * steps, dtype=bool)
         turning[steps - 1 :: steps] = True
@@ -96,7 +95,7 @@ def _cycles(step: Cycles, rubber: float, dt: float, label: str) -> list[Segment]
 def _ramp(step: Ramp, rubber: float, dt: float, start: float) -> Segment:
     target = step.target(rubber)
     duration = step.seconds(abs(target - start))
-    steps = _legs(duration, dt)
+    steps = _equal_steps(duration, dt)
     x = start + (target - start) * np.arange(1, steps + 1) / steps
     x[-1] = target
     span = max(duration, TINY)
@@ -124,7 +123,6 @@ def _plain(kind: str, label: str, x: Floats, dt: Floats, settle: float = 0.0) ->
 
 
 def _recorded(step: Recorded, rubber: float, dt: float, start: float) -> Segment:
-    """A recorded history, each of its intervals cut into equal steps no longer than dt."""
     gaps, displacement, assumed = step.points(start)
     counts = np.maximum(1, np.ceil(gaps / dt - TINY).astype(np.int64))
     steps = np.repeat(gaps / counts, counts)
@@ -141,39 +139,28 @@ def _recorded(step: Recorded, rubber: float, dt: float, start: float) -> Segment
 def build_segments(
     test: CyclicTest, total_rubber_thickness: float, start: float = 0.0
 ) -> list[Segment]:
-    """Sample a test for a bearing.
-
-    Parameters
-    ----------
-    test : what to do.
-    total_rubber_thickness : what strains refer to [mm].
-    start : where the bearing is at the beginning [mm].
-
-    Raises
-    ------
-    InputError : a step that cannot follow the one before, or an unusable recording.
-    """
+    """Sample a test for a bearing of some rubber thickness [mm] that is at `start` [mm]."""
     faults, _ = survey(test, total_rubber_thickness, start)
     if faults:
         raise InputError(faults, test.name)
     segments: list[Segment] = []
     at = start
     for step in test.steps:
-        if isinstance(step, Cycles):
-            label = f"{step.strain:.0%}" if step.strain else f"{step.amplitude:g} mm"
-            segments += _cycles(step, total_rubber_thickness, test.dt, label)
-        elif isinstance(step, Ramp):
-            segments.append(_ramp(step, total_rubber_thickness, test.dt, at))
-        elif isinstance(step, Rest):
-            segments.append(_rest(step, test.dt, at))
-        else:
-            segments.append(_recorded(step, total_rubber_thickness, test.dt, at))
+        match step:
+            case Cycles():
+                segments += _cycles(step, total_rubber_thickness, test.dt)
+            case Ramp():
+                segments.append(_ramp(step, total_rubber_thickness, test.dt, at))
+            case Rest():
+                segments.append(_rest(step, test.dt, at))
+            case _:
+                segments.append(_recorded(step, total_rubber_thickness, test.dt, at))
         at = float(segments[-1].x[-1])
     return segments
 
 
 def longest_layer_increment(segments: list[Segment], layers: int, start: float = 0.0) -> float:
-    """Largest displacement of one rubber layer in a step of a test from `start` on [mm]."""
+    """Return the largest displacement of one rubber layer in a step of a test [mm]."""
     x = np.concatenate([[start], *(segment.x for segment in segments)])
     return float(np.abs(np.diff(x)).max()) / layers
 
@@ -184,7 +171,7 @@ Progress = Callable[[int], None]
 
 @dataclass
 class History:
-    """What one run left behind: kept rows and how it ended.
+    """Kept rows of one run, and how it ended.
 
     Cell temperatures are in single precision: a micro-kelvin is plenty, and the cells are most
     of a long history.
@@ -201,14 +188,9 @@ class History:
     steps: int = 0
     kept: int = 0
 
-    def cut(self) -> None:
-        """Drop the room for rows that the run did not come to."""
-        self.rows = self.rows.part(0, self.kept)
-        self.segment, self.cycle = self.segment[: self.kept], self.cycle[: self.kept]
-
 
 def room_for(constants: Constants, count: int, groups: tuple[str, ...]) -> Kept:
-    """Rows for the books and the chosen groups; those of the others have no columns."""
+    """Return rows for the books and the chosen groups; the other groups have no columns."""
     layers, cells = len(constants.multiplicity), len(constants.cells.capacity)
     wide = {name: layers if name in groups else 0 for name in Kept._fields}
     return Kept(
@@ -221,12 +203,12 @@ def room_for(constants: Constants, count: int, groups: tuple[str, ...]) -> Kept:
 
 
 def has_branches(constants: Constants) -> bool:
-    """Whether lead or a rate-dependent branch acts beside the rubber."""
+    """Return whether lead or a rate-dependent branch acts in parallel with the rubber."""
     return constants.lead.cores > 0.0 or constants.viscous.stiffness > 0.0
 
 
 def kept_steps(segment: Segment, keep_every: int) -> NDArray[np.bool_]:
-    """Which steps of a segment are kept: every n-th, and the ends of legs."""
+    """Return which steps of a segment are kept: every n-th, and the ends of legs."""
     keep = segment.turning.copy()
     keep[keep_every - 1 :: keep_every] = True
     return keep
@@ -235,19 +217,9 @@ def kept_steps(segment: Segment, keep_every: int) -> NDArray[np.bool_]:
 def cut_rests(
     constants: Constants, segment: Segment, keep: NDArray[np.bool_], start: float
 ) -> tuple[Segment, NDArray[np.bool_], NDArray[np.int64]]:
-    """Cut steps without motion into pieces that lead in touch with shims can be followed in.
+    """Cut steps without motion into pieces short enough for the heat flow out of lead.
 
-    Parameters
-    ----------
-    constants : of the bearing.
-    segment : of the test.
-    keep : which of its steps are kept.
-    start : displacement before its first step [mm].
-
-    Returns
-    -------
-    segment, keep, ends : of the pieces, and the piece that each step ends with; the same steps
-        where none is too long.
+    Returns the segment, which of its pieces are kept, and the piece that each step ends with.
     """
     longest = longest_rest_step(constants)
     still = np.diff(segment.x, prepend=start) == 0.0
@@ -273,20 +245,12 @@ def run_segments(
     groups: tuple[str, ...] = ("rubber", "cells"),
     progress: Progress | None = None,
 ) -> History:
-    """Run a test; always returns what was computed, with a typed outcome.
+    """Run a test; return what was computed in any case, with a typed outcome.
 
-    Parameters
-    ----------
-    constants : the bearing (model/constants.py).
-    segments : the test (cyclic/protocol.py).
-    ambient : temperature of the air.
-    initial : cell temperatures at the start [degC].
-    initial_lead : lead temperature at the start [degC]; the mean of the cells beside it by default.
-    begin : where the bearing is at the start (model/handover.py), `initial` its temperatures; a
-        virgin one by default.
-    keep_every : keep every n-th step; ends of legs are kept besides.
-    groups : of "rubber", "layer_displacement", "hysteretic", "cells": what to keep.
-    progress : called with the number of steps done since the last call.
+    The cells begin at `initial`, the lead at `initial_lead` [degC], by default the mean of the
+    cells next to it; `begin` is the state that another test left, by default a virgin one. Every
+    n-th step and the ends of legs are kept, of the histories in `groups`. `progress` is called
+    with the number of steps done since its last call.
     """
     # One row more per segment: a rest that settles early keeps the step at which it does.
     room = 1 + sum(int(kept_steps(part, keep_every).sum()) + 1 for part in segments)
@@ -300,7 +264,8 @@ def run_segments(
         initial=initial,
         state=new_state(constants, initial, initial_lead) if begin is None else begin,
     )
-    _keep_start(constants, run)
+    keep_row(constants, run.state, run.rows, 0)
+    run.kept = 1
     try:
         for number, segment in enumerate(segments):
             if not _run_segment(constants, run, number, segment, ambient, keep_every, progress):
@@ -308,18 +273,13 @@ def run_segments(
     except KeyboardInterrupt:
         run.outcome = INTERRUPTED
     _keep_end(constants, run)
-    run.cut()
+    run.rows = run.rows.part(0, run.kept)
+    run.segment, run.cycle = run.segment[: run.kept], run.cycle[: run.kept]
     return run
 
 
-def _keep_start(constants: Constants, run: History) -> None:
-    """First row: the bearing at the start."""
-    keep_row(constants, run.state, run.rows, 0)
-    run.kept = 1
-
-
 def _keep_end(constants: Constants, run: History) -> None:
-    """Last row: where a run that was cut off stands, so that its books and profiles agree."""
+    """Keep the last row of a run that was cut off, so that its energies and profiles agree."""
     last = run.kept - 1
     if run.rows.books[last].clock == run.state.books[0].clock:
         return
@@ -337,7 +297,7 @@ def _run_segment(
     keep_every: int,
     progress: Progress | None,
 ) -> bool:
-    """One segment in chunks; False when the run cannot go on."""
+    """Run a segment in chunks; return False when the run cannot go on."""
     work, spare = new_workspace(constants), new_state(constants, run.initial)
     keep = kept_steps(segment, keep_every)
     segment, keep, ends = cut_rests(constants, segment, keep, run.state.books[0].displacement)

@@ -1,6 +1,6 @@
 """Displacement-controlled tests as a list of typed steps: cycles, ramps, rests, recordings.
 
-Steps are data: they come from TOML or Python and go back to it (cyclic/segments.py turns them
+Steps are data: they come from TOML or Python and go back to it (cyclic/history.py turns them
 into displacements and time steps for one bearing). Amplitudes are given as shear strain of
 the total rubber thickness or in mm.
 """
@@ -10,57 +10,24 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
 from thermobearing.border.errors import InputError
 from thermobearing.border.schema import Name, Strict, in_unit, validated
 from thermobearing.border.units import number_list
+from thermobearing.core.records import Floats
 from thermobearing.model.effort import MAX_STEPS
 from thermobearing.tables.laboratory import read_laboratory
 
-Floats = NDArray[np.float64]
 START = 1e-3  # of the largest displacement (1 mm at least): how far off a recording may start
-
-
-def read_recording(path: str, start: float | None) -> tuple[Floats, Floats, list[str]]:
-    """Return the time between the points of a recording [s], its displacements [mm], assumptions.
-
-    Parameters
-    ----------
-    path : table with columns time and displacement, or its sidecar (tables/laboratory.py).
-    start : where the bearing is when the recording begins [mm]; None if that is not known.
-
-    Raises
-    ------
-    InputError : unreadable, time that does not increase, or another start.
-    """
-    readings = read_laboratory(path, optional=("force", "ambient"))
-    gaps, displacement = checked_history(
-        readings.values["time"], readings.displacement, start, path
-    )
-    return gaps, displacement, readings.assumptions
 
 
 def checked_history(
     times: Any, displacements: Any, start: float | None, where: str
 ) -> tuple[Floats, Floats]:
-    """Time between the points of a history [s], and its displacements [mm].
+    """Return the time between the points of a history [s], and its displacements [mm].
 
-    Parameters
-    ----------
-    times, displacements : equally long lists, [s] and [mm].
-    start : where the bearing is when the history begins [mm]; None if that is not known.
-    where : names the history in messages.
-
-    Raises
-    ------
-    InputError : no lists of numbers, another shape, time that does not increase, another start.
-
-    Examples
-    --------
-    >>> checked_history([0.0, 0.5], [0.0, 10.0], 0.0, "example")[0].tolist()
-    [0.5]
+    It must begin at `start` [mm], if that is known; `where` names it in messages.
     """
     try:
         time = number_list(times, "time [s]")
@@ -104,8 +71,8 @@ FEWEST_STEPS = 2  # in a quarter of a cycle: fewer make no loop
 REST_START = 0.1  # first step of a rest, at most: what a plate needs to even out [s]
 REST_STEPS = 100  # no step of a rest is longer than this part of it
 SETTLE_LIMIT = 14 * 24 * 3600.0  # "until within" gives up after two weeks [s]
-MAX_CYCLES, MAX_PARTS = 20_000, 10_000  # of one test: more is surely a slip
-LARGEST_STRAIN = 5.0  # more is surely a slip in a unit
+MAX_CYCLES, MAX_PARTS = 20_000, 10_000  # of one test: more is surely an error
+LARGEST_STRAIN = 5.0  # more is surely an error in a unit
 TINY = 1e-9
 
 
@@ -227,14 +194,16 @@ class Recorded(Strict):
 
     @property
     def name(self) -> str:
-        """Where it is from, for people."""
+        """Name of the file, or "history"."""
         return "history" if self.file is None else Path(self.file).name
 
     def points(self, start: float | None) -> tuple[Floats, Floats, list[str]]:
         """Return the time between points [s], displacements [mm] and what was assumed."""
-        if self.file is not None:
-            return read_recording(self.file, start)
-        return *checked_history(self.time_s, self.displacement_mm, start, "history"), []
+        if self.file is None:
+            return *checked_history(self.time_s, self.displacement_mm, start, "history"), []
+        readings = read_laboratory(self.file, optional=("force", "ambient"))
+        found = checked_history(readings.values["time"], readings.displacement, start, self.file)
+        return *found, readings.assumptions
 
 
 Step = Annotated[Cycles | Ramp | Rest | Recorded, Field(discriminator="step")]
@@ -264,7 +233,7 @@ class CyclicTest(Strict):
 def _step_faults(
     step: Cycles | Ramp | Rest | Recorded, dt: float, rubber: float, at: float | None
 ) -> tuple[float, float | None, list[str]]:
-    """Number of time steps, displacement at the end and faults of one step that starts at `at`."""
+    """Return number of time steps, displacement at the end and faults of one step."""
     faults, steps, end, peak, where = [], 0.0, at, 0.0, ""
     if isinstance(step, Cycles):
         steps = sum(
@@ -301,9 +270,9 @@ def _step_faults(
 def survey(
     test: CyclicTest, total_rubber_thickness: float, start: float = 0.0
 ) -> tuple[list[str], float]:
-    """What keeps a test from being done with a bearing, and how many time steps it takes.
+    """Return why a test cannot be done with a bearing, and how many time steps it takes.
 
-    The bearing is at `start` [mm] when it begins. Reads recordings; samples nothing.
+    The bearing is at `start` [mm] when it begins. Recordings are read; nothing is sampled.
     """
     faults: list[str] = []
     at: float | None = start
@@ -318,7 +287,7 @@ def survey(
     if total > MAX_STEPS:
         faults.append(
             f"dt = {test.dt:g} s makes {total:.3g} steps; at most {MAX_STEPS} can be done: "
-            "take a larger dt, or look for a slip in a speed, period or count"
+            "take a larger dt, or look for an error in a speed, period or count"
         )
     return faults, total
 
@@ -348,7 +317,7 @@ def cyclic_test(
     speed : mean loading rate [mm/s]; 30 by default.
     frequency : of the cycles [Hz], instead of the speed.
     period : of the cycles [s], instead of the speed.
-    rest : pause between amplitudes [s], 1.25 h by default (the source says 1 to 1.5 h);
+    rest : pause between amplitudes [s], 1.25 h by default (Shen (2023) gives 1 to 1.5 h);
         None for no pause.
     closing_strain : strain of the one small cycle that stops the loading smoothly after
         each amplitude (section 3.3.1; its size is not printed, 0.1 is our choice); None for

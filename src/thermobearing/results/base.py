@@ -88,6 +88,10 @@ class Result:
         """Return the content of summary.json; see docs/files.md."""
         raise NotImplementedError
 
+    def _limits_summary(self) -> dict[str, Any]:
+        """Return what summary.json holds on limits, and on the exposure of the bearings."""
+        return limits_summary(self.rig, self.tested_range)
+
     @property
     def plot(self) -> Any:
         """Figures of the result, each a matplotlib Figure."""
@@ -194,5 +198,4 @@ class DatasetResult(Result):
         return largest_tested(self.tested_range.to_dict("records"), run, limit)
 
     def _limits_summary(self) -> dict[str, Any]:
-        """Return what summary.json holds of limits and of the exposure of the bearings."""
-        return limits_summary(self.rig, self.tested_range) | exposure_summary(self.dataset)
+        return super()._limits_summary() | exposure_summary(self.dataset)

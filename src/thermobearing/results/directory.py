@@ -35,24 +35,16 @@ AT_FDCWD, RENAME_EXCHANGE = -100, 2  # of renameat2(2)
 
 
 def _marks(final: Path) -> tuple[str, str]:
-    """How the hidden siblings of a directory begin: one being written, one being replaced."""
+    """Return the prefixes of hidden siblings: of one being written, of one being replaced."""
     short = hashlib.sha256(os.fsencode(final.name)).hexdigest()[:12]  # a name may be long
     return f".thermobearing-writing-{short}-", f".thermobearing-old-{short}-"
 
 
 @contextmanager
 def locked(path: Path, *, wait: bool = True, shared: bool = False) -> Iterator[bool | None]:
-    """Keep others from the same file or directory; whether that was possible.
+    """Lock a file or directory; yield whether that was possible, None where there are no locks.
 
-    Parameters
-    ----------
-    path : that is there.
-    wait : until nobody else has it, `PATIENCE` at most.
-    shared : with others that share it too.
-
-    Returns
-    -------
-    context : of True; of False where somebody has it; of None where there are no locks.
+    `wait` for at most `PATIENCE`; a `shared` lock is held with others that share it too.
     """
     with ExitStack() as stack:
         held: bool | None = True
@@ -79,7 +71,7 @@ def _taken(handle: int, how: int) -> bool:
 
 @contextmanager
 def new_sibling(final: Path) -> Iterator[Path]:
-    """An empty hidden directory beside `final`; what killed runs left there is removed.
+    """Yield an empty hidden directory next to `final`; remove what killed runs left there.
 
     A folder that another process keeps to itself (a running study) is written into as well, so
     that no result is lost; nothing is then removed from it.
@@ -95,7 +87,7 @@ def new_sibling(final: Path) -> Iterator[Path]:
 
 
 def _clean(final: Path) -> None:
-    """Take away what killed runs left, and bring back a result that one was replacing."""
+    """Remove what killed runs left, and bring back a result that one was replacing."""
     writing, old = _marks(final)
     for path in list(final.parent.iterdir()):
         if path.name.startswith(writing):
@@ -110,13 +102,9 @@ def _clean(final: Path) -> None:
 
 
 def put_in_place(partial: Path, final: Path, check: Callable[[], None]) -> None:
-    """Make a finished directory the final one; an earlier one is then under the hidden name.
+    """Make a finished directory the final one; `check` raises if that must not be replaced.
 
-    Parameters
-    ----------
-    partial : from `new_sibling`.
-    final : there or not; the earlier one comes back whatever stops this.
-    check : raises if `final` must not be replaced.
+    The earlier one is then under the hidden name; it comes back whatever stops this.
     """
     with locked(final.parent):
         check()
@@ -137,7 +125,7 @@ def _exchange(first: Path, second: Path) -> bool:
 
 
 def _replace(partial: Path, final: Path) -> None:
-    """The same in two steps, between which `_clean` of the next run would find the earlier one."""
+    """Swap them in two steps; `_clean` of the next run finds the earlier one between these."""
     old = final.parent / f"{_marks(final)[1]}{secrets.token_hex(4)}"
     try:
         final.rename(old)
@@ -172,12 +160,7 @@ def seal(file: Path) -> None:
 
 
 def check_seal(file: Path) -> None:
-    """Refuse a file that does not end with the digest of what is before it.
-
-    Raises
-    ------
-    InputError : it has no seal, or is not as it was when it was sealed.
-    """
+    """Refuse a file that does not end with the digest of what precedes it."""
     try:
         size = file.stat().st_size - len(MARK) - DIGEST
         with file.open("rb") as stream:
@@ -226,13 +209,7 @@ RESULT_NAMES |= {REPORT_HTML, REPORT_PDF, WORKBOOK, TITLE, LOGO}
 
 
 def check_target(directory: Path, *, overwrite: bool) -> None:
-    """Refuse a target that a run may not write to, before anything is computed.
-
-    Raises
-    ------
-    OutputError : it exists and `force` is False, it is not a result directory or holds
-        anything else, or it cannot be made.
-    """
+    """Refuse a target that a run may not write to, before anything is computed."""
     choose = "choose another directory"
     try:
         final = directory.resolve()
@@ -263,13 +240,10 @@ def check_target(directory: Path, *, overwrite: bool) -> None:
 def write_directory(
     directory: Path, fill: Callable[[Path], None], *, overwrite: bool = False
 ) -> Path:
-    """Let `fill` write its files into a new directory, and put it in place when it is complete.
+    """Let `fill` write into a new directory, and put it in place when it is complete.
 
-    Raises
-    ------
-    OutputError : see `check_target`, which is asked again when the files are complete, since
-        another run may have written there meanwhile; or the disk is full or not writable.
-        Nothing is left.
+    The target is checked again when the files are complete, since another run may have written
+    there meanwhile. If the disk is full or not writable, nothing is left.
     """
     check_target(directory, overwrite=overwrite)
     final = directory.resolve()
@@ -294,7 +268,7 @@ def write_directory(
 
 
 def _remove_empty(directories: list[Path]) -> None:
-    """Take away the parents that were made for nothing, innermost first."""
+    """Remove the parents that were made for nothing, innermost first."""
     for path in directories:
         try:
             path.rmdir()

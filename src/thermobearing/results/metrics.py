@@ -65,32 +65,19 @@ class CycleMeasures:
 
 
 def loop_energy(displacement: Floats, force: Floats) -> float:
-    """Work done over a path, trapezoidal [kN mm]."""
+    """Return the work done over a path, by the trapezoidal rule [kN mm]."""
     return float(np.trapezoid(force, displacement))
 
 
 def relative_residual(
     missing: float, energies: Sequence[float], least: float = LEAST_ENERGY
 ) -> float:
-    """What is missing from energy books, relative to the largest energy in them.
-
-    Parameters
-    ----------
-    missing : of the balance [kN mm].
-    energies : that the books are about [kN mm].
-    least : the smallest energy that counts [kN mm], so that a history in which next to nothing
-        happens is not judged by its rounding.
-
-    Examples
-    --------
-    >>> relative_residual(1e-9, [-1e3, 10.0]), relative_residual(1e-300, [1e-300]) < 1e-290
-    (1e-12, True)
-    """
+    """Return what is missing from an energy balance, relative to its largest energy [kN mm]."""
     return missing / max(least, *(abs(energy) for energy in energies))
 
 
 def _force_at_zero(displacement: Floats, force: Floats, upward: bool) -> float:
-    """Force where the displacement last crosses zero in one direction; NaN if it never does."""
+    """Return the force at the last zero of the displacement in one direction; NaN without."""
     # The cycle is closed: its second point follows its last, which may miss zero by a rounding.
     displacement = np.append(displacement, displacement[1])
     force = np.append(force, force[1])
@@ -125,27 +112,11 @@ def measure_cycle(
     work: float | None = None,
     slope: bool = True,
 ) -> CycleMeasures:
-    """Measures of one closed cycle.
+    """Return the measures of one closed cycle, whose first point is repeated at the end.
 
-    Parameters
-    ----------
-    displacement, force : histories of one cycle, first point repeated at the end [mm, kN].
-    area : gross plan area [mm2].
-    total_rubber_thickness : [mm].
-    work : energy of the cycle, where it is known better than from the points given [kN mm].
-    slope : fit the post-yield stiffness, which takes most of the time; else it is NaN.
-
-    Raises
-    ------
-    InputError : fewer than 8 points (5 if the work is given), or no displacement.
-
-    Examples
-    --------
-    >>> angle = np.linspace(0.0, 2.0 * np.pi, 401)
-    >>> d, f = 10.0 * np.sin(angle), 5.0 * np.sin(angle) + 2.0 * np.cos(angle)
-    >>> loop = measure_cycle(d, f, area=1e4, total_rubber_thickness=20.0)
-    >>> round(loop.energy_kN_mm, 1), round(loop.characteristic_strength_kN, 3)
-    (62.8, 2.0)
+    The histories are in mm and kN, the gross plan area in mm2, the rubber thickness in mm. `work`
+    is the energy of the cycle where it is known better than from the points [kN mm]. Without
+    `slope` the post-yield stiffness, which takes most of the time, is NaN.
     """
     d, f = _histories(displacement, force)
     if not area > 0.0 or not total_rubber_thickness > 0.0:
@@ -196,25 +167,12 @@ class FoundCycle:
 def found_cycles(
     displacement: Floats, *, smallest: float = 0.02, rests: Sequence[tuple[int, int]] = ()
 ) -> list[FoundCycle]:
-    """The cycles of a displacement history, those that end in a rest or not at all told apart.
+    """Return the cycles of a displacement history [mm], and how each of them ends.
 
     A cycle runs from one upward crossing of zero to the next and must swing to both sides by
     more than `smallest` times the largest displacement, so that noise makes no cycles. It begins
     where the motion last leaves zero and ends where it first comes back: what happens at zero in
     between (a rest, in which the force relaxes) belongs to no cycle.
-
-    Parameters
-    ----------
-    displacement : history [mm].
-    smallest : threshold relative to the largest displacement, in (0, 1).
-    rests : first and last point of each, where they are known.
-
-    Examples
-    --------
-    >>> wave = np.sin(np.linspace(0.0, 2.0 * np.pi, 101))
-    >>> history = np.concatenate([wave, wave, np.zeros(50), wave, wave[:80]])
-    >>> [(cycle.first, cycle.ends) for cycle in found_cycles(history, rests=[(201, 252)])]
-    [(0, 'closed'), (101, 'rest'), (252, 'closed'), (353, 'incomplete')]
     """
     d = np.asarray(displacement, float)
     limit = smallest * float(np.abs(d).max()) if len(d) else 0.0
@@ -281,17 +239,7 @@ def _crossing(
 
 
 def find_cycles(displacement: Floats, *, smallest: float = 0.02) -> list[tuple[int, int]]:
-    """First and last point of each full cycle of a displacement history; see `found_cycles`.
-
-    Parameters
-    ----------
-    displacement : history [mm].
-    smallest : threshold relative to the largest displacement, in (0, 1).
-
-    Returns
-    -------
-    list of (first, last) point numbers; `last` is the first point at or past the crossing.
-    """
+    """Return the first and the last point of each full cycle of a history; see `found_cycles`."""
     cycles = found_cycles(displacement, smallest=smallest)
     return [(cycle.first, cycle.last) for cycle in cycles if cycle.ends != "incomplete"]
 
@@ -304,7 +252,7 @@ def measure_history(
     total_rubber_thickness: float,
     rests: Sequence[tuple[int, int]] = (),
 ) -> list[CycleMeasures]:
-    """Measures of every full cycle found in a history, simulated or from a laboratory.
+    """Return the measures of every full cycle of a history, simulated or from a laboratory.
 
     Parameters
     ----------
@@ -339,7 +287,7 @@ def measure_history(
 
 
 def _histories(displacement: Floats, force: Floats) -> tuple[Floats, Floats]:
-    """Both as arrays; InputError unless they are equally long lists of finite numbers."""
+    """Return both as arrays; refuse all but equally long lists of finite numbers."""
     try:
         d, f = np.asarray(displacement, float), np.asarray(force, float)
     except (TypeError, ValueError, OverflowError):
@@ -383,7 +331,7 @@ NOISE = 0.02  # of the largest displacement: excursions within it are none
 
 @dataclass(frozen=True)
 class LargestLoop:
-    """Points `first` to `last` of the history, just outside the loop, and its measures."""
+    """The largest loop: points `first` to `last`, just outside of it, and its measures."""
 
     first: int
     last: int
@@ -391,22 +339,10 @@ class LargestLoop:
 
 
 def find_largest_loop(displacement: Floats, alike: float = 0.0) -> tuple[int, int] | None:
-    """First and last point of the largest loop; None if no loop holds the largest displacement.
+    """Return the points just outside the largest loop; None if the largest displacement is in none.
 
-    Parameters
-    ----------
-    displacement : history [mm].
-    alike : part of the largest displacement by which measured excursions differ although they are
-        meant to be one: the first of them counts. 0 where none is measured.
-
-    Returns
-    -------
-    Last point before or at the zero where the loop begins, first point at or past its end.
-
-    Examples
-    --------
-    >>> find_largest_loop(np.array([0.0, 1.0, 0.0, -3.0, -1.0, 2.0, 0.0, -1.0, 0.0]))
-    (2, 6)
+    Measured excursions that are meant to be equal differ by `alike`, a part of the largest
+    displacement; the first of them counts. 0 where none is measured.
     """
     d = np.asarray(displacement, float)
     if not len(d) or not d.any():
@@ -465,22 +401,9 @@ def largest_loop(
     area: float,
     total_rubber_thickness: float,
 ) -> LargestLoop | None:
-    """Measures of the largest loop, cut at its zeros; None if there is none.
+    """Return the measures of the largest loop, cut at its zeros; None if there is none.
 
-    Parameters
-    ----------
-    displacement, force : histories [mm, kN].
-    work : done since the start [kN mm], where it is known better than from the points.
-    area : gross plan area [mm2].
-    total_rubber_thickness : [mm].
-
-    Examples
-    --------
-    >>> angle = np.linspace(0.0, 6.0 * np.pi, 1201)
-    >>> d = np.exp(-angle / 20.0) * 10.0 * np.sin(angle)
-    >>> loop = largest_loop(d, 2.0 * d, area=1e4, total_rubber_thickness=20.0)
-    >>> loop.first, loop.last, round(loop.measures.stiffness_kN_mm, 9)
-    (0, 400, 2.0)
+    Histories in mm and kN; `work` since the start where it is known [kN mm].
     """
     found = find_largest_loop(displacement)
     if found is None or found[1] - found[0] + 1 < FEWEST_POINTS:

@@ -1,7 +1,6 @@
-"""What runs asked of what was meant for them: rows, and sentences where a range was left.
+"""Runs compared with the limits of a rig, or with the tests behind a bearing's parameters.
 
-A range is that of a rig, or that of the tests behind a bearing's parameters. No physics here:
-names, units and numbers come in, and every analysis says the same of them.
+Names, units and numbers come in; rows of a table and sentences for all analyses come out.
 """
 
 import re
@@ -9,12 +8,12 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+
+from thermobearing.results.metrics import Floats
 
 if TYPE_CHECKING:
     import pandas as pd
 
-Floats = NDArray[np.float64]
 Ends = tuple[float, float]
 Row = dict[str, Any]
 
@@ -43,25 +42,11 @@ def compared(
     *,
     slack: float = 0.0,
 ) -> list[Row]:
-    """One row for each limit that a run asks something of.
+    """Compare a run with limits: one row for each limit whose quantity it has.
 
-    Parameters
-    ----------
-    run : what the run is called.
-    asked : value of each quantity, or its lowest and highest; NaN is none.
-    limits : lowest and largest value that is meant, by quantity.
-    units : of the quantities.
-    slack : part of a range (its width or upper end) that nobody calls outside.
-
-    Returns
-    -------
-    list of dict : run, limit, unit, asked (the end that is farther out), lowest, largest, passed.
-
-    Examples
-    --------
-    >>> row, = compared("x", {"force": 445.0}, {"force": (0.0, 400.0)}, {"force": "kN"})
-    >>> row["asked"], row["passed"]
-    (445.0, True)
+    `asked` has the value of each quantity, or its lowest and highest (NaN: none), `limits` the
+    lowest and largest value that is allowed. Beyond `slack`, a part of the range (of its width or
+    upper end), the limit is passed; the row has the end that is farther out.
     """
     rows = []
     for name, (low, high) in limits.items():
@@ -93,26 +78,10 @@ def reached_by(
     ambient: Ends,
     lead: Floats | None = None,
 ) -> dict[str, float | Ends]:
-    """What a history asks of a bearing, in the quantities of a tested range.
+    """Return the quantities of a tested range that a history reaches.
 
-    Parameters
-    ----------
-    time, displacement : [s], [mm].
-    speed : its largest [mm/s].
-    rubber : total thickness [mm].
-    ambient : coldest and warmest air [degC].
-    lead : temperatures of the lead [degC]; None without lead.
-
-    Returns
-    -------
-    dict
-
-    Examples
-    --------
-    >>> t = np.linspace(0.0, 10.0, 1001)
-    >>> found = reached_by(t, 75.0 * np.sin(np.pi * t), 236.0, rubber=30.0, ambient=(23.0, 23.0))
-    >>> found["strain"], round(found["strain_rate"], 2), found["cycles"]
-    (2.5, 7.87, 5.0)
+    Of times [s], displacements [mm], the largest speed [mm/s], the total rubber thickness [mm],
+    the coldest and warmest ambient temperature and the temperatures of the lead [degC].
     """
     found: dict[str, float | Ends] = {"ambient": ambient}
     if speed > 0.0:  # else it rests, and nothing is asked of the rubber
@@ -125,19 +94,9 @@ def reached_by(
 
 
 def cycles_in_a_row(time: Floats, displacement: Floats) -> float:
-    """Most cycles without a rest: half the extremes, to either side in turn, of half the largest.
+    """Return the most cycles without a rest: half the number of alternating extremes.
 
-    Small cycles between them, and the noise of a measurement, do not count.
-
-    Parameters
-    ----------
-    time, displacement : [s], [mm].
-
-    Examples
-    --------
-    >>> t = np.linspace(0.0, 2.5, 251)
-    >>> cycles_in_a_row(t, np.sin(2.0 * np.pi * t))
-    2.5
+    Extremes below half the largest one, such as noise of a measurement, do not count.
     """
     large = np.flatnonzero(np.abs(displacement) > 0.5 * np.abs(displacement).max())
     if not len(large):
@@ -150,14 +109,7 @@ def cycles_in_a_row(time: Floats, displacement: Floats) -> float:
 
 
 def largest_speed(time: Floats, displacement: Floats) -> float:
-    """Of a measured history [mm/s]: over a tenth of half a cycle, so that noise counts little.
-
-    Examples
-    --------
-    >>> t = np.linspace(0.0, 2.0, 2001)
-    >>> bool(abs(largest_speed(t, np.sin(2.0 * np.pi * t)) / 2.0 / np.pi - 1.0) < 0.01)
-    True
-    """
+    """Return that of a measured history [mm/s], over a tenth of half a cycle to reduce noise."""
     large = np.flatnonzero(np.abs(displacement) > 0.5 * np.abs(displacement).max())
     if len(time) < 2 or not len(large):
         return 0.0
@@ -169,14 +121,14 @@ def largest_speed(time: Floats, displacement: Floats) -> float:
 
 
 def list_rows(table: "pd.DataFrame") -> list[Row]:
-    """Rows of `compared` again, from a table of them."""
+    """Return the rows of `compared` from a table of them."""
     return [{str(key): value for key, value in row.items()} for row in table.to_dict("records")]
 
 
 def asked_of_tests(
     run: str, reached: Mapping[str, float | Ends], ranges: Mapping[str, Ends] | None
 ) -> list[Row]:
-    """Rows of `compared` for the tested range of a bearing; none where it is not given."""
+    """Return the rows of `compared` for the tested range of a bearing; none without a range."""
     units = {name: unit for name, (unit, _, _, _) in TESTED.items()}
     return compared(run, reached, ranges or {}, units, slack=SLACK)
 
@@ -189,21 +141,9 @@ def outside_tests(
     given: bool = True,
     skip: Collection[str] = (),
 ) -> list[str]:
-    """Sentences: each quantity of a bearing's tests that runs left, and how far.
+    """Return a sentence for each quantity in which runs leave the tests of a bearing.
 
-    Parameters
-    ----------
-    name : of the bearing.
-    rows : of `asked_of_tests`, of all its runs.
-    ranges : that the bearing was tested in; None where its file has none.
-    given : say once that there is none.
-    skip : quantities to leave out.
-
-    Examples
-    --------
-    >>> ranges = {"strain": (0.5, 2.5)}
-    >>> outside_tests("mine", asked_of_tests("kobe", {"strain": 3.52}, ranges), ranges)
-    ['mine: strain 352 %, above the 250 % tested (kobe)']
+    Without `ranges` one sentence says so, if `given`; quantities in `skip` are left out.
     """
     if ranges is None:
         said = f"{name}: {NOT_GIVEN} (tested_range in its file), so nothing is said of it"
@@ -235,12 +175,6 @@ def rate_note(rows: Iterable[Mapping[Any, Any]]) -> str:
     """Return in a sentence how far strain rates exceed those of the tests; empty if none does.
 
     Most earthquakes exceed them, so that this is a note on validity and no warning.
-
-    Examples
-    --------
-    >>> row, = asked_of_tests("mine, kobe", {"strain_rate": 5.41}, {"strain_rate": (0.0, 1.0)})
-    >>> rate_note([row])  # doctest: +ELLIPSIS
-    'strain rates reach 5.41/s, 5.41 times the 1/s tested (mine, kobe); most ...'
     """
     rates = [row for row in rows if row["limit"] == "strain_rate"]
     out = [row for row in rates if row["passed"] and row["asked"] > row["largest"]]
@@ -256,17 +190,7 @@ def rate_note(rows: Iterable[Mapping[Any, Any]]) -> str:
 
 
 def ring_note(rise: float) -> str:
-    """Return a sentence on the rubber beside a warm lead core; empty where it stays cool.
-
-    Parameters
-    ----------
-    rise : largest rise of the lead over the start [K]; NaN without lead.
-
-    Examples
-    --------
-    >>> ring_note(12.0), ring_note(float("nan"))
-    ('', '')
-    """
+    """Return a sentence on the rubber beside a warm lead core; empty where it stays cool."""
     if not rise > WARM_LEAD:
         return ""
     return (
@@ -277,17 +201,7 @@ def ring_note(rise: float) -> str:
 
 
 def one_per_cause(told: Iterable[tuple[str, str]]) -> list[str]:
-    """Return one warning for each cause, whichever bearings or parts it concerns.
-
-    Parameters
-    ----------
-    told : whom a warning concerns, and its words; those up to the first number are its cause.
-
-    Examples
-    --------
-    >>> one_per_cause([("a", "strain 3 %, too far"), ("b", "lead 9 degC"), ("c", "strain 4 %")])
-    ['a: strain 3 %, too far; c: strain 4 %', 'b: lead 9 degC']
-    """
+    """Return one warning for each cause, whichever bearings or parts it concerns."""
     found: dict[str, list[str]] = {}
     for who, words in told:
         found.setdefault(re.split(r"-?\d", words, maxsplit=1)[0], []).append(f"{who}: {words}")
@@ -295,32 +209,20 @@ def one_per_cause(told: Iterable[tuple[str, str]]) -> list[str]:
 
 
 def parted(warnings: Iterable[str]) -> tuple[list[str], list[str]]:
-    """Warnings on the range behind a bearing's parameters, and the others.
-
-    Examples
-    --------
-    >>> parted(["mine: strain 352 %, above the 250 % tested (kobe)", "a coarse step"])
-    (['mine: strain 352 %, above the 250 % tested (kobe)'], ['a coarse step'])
-    """
+    """Return the warnings on the range behind a bearing's parameters, and the others."""
     told = list(warnings)
     of_range = [text for text in told if any(words in text for words in OF_VALIDITY)]
     return of_range, [text for text in told if text not in of_range]
 
 
-def titles_passed(rows: Iterable[Mapping[Any, Any]], run: str) -> str:
-    """The quantities that a run leaves the tests in, for people: "strain, lead"."""
-    names = limits_passed(rows, [run])[0].split()
-    return ", ".join(TESTED[name][1] for name in names)
-
-
 def largest_tested(rows: Iterable[Mapping[Any, Any]], run: str, limit: str) -> float:
-    """Largest value of a quantity in the tests, where a run goes beyond it; else infinite."""
+    """Return the largest tested value of a quantity that a run exceeds; else infinity."""
     mine = [row for row in rows if row["run"] == run and row["limit"] == limit]
     return min((float(r["largest"]) for r in mine if r["asked"] > r["largest"]), default=np.inf)
 
 
 def limits_passed(rows: Iterable[Mapping[Any, Any]], runs: Sequence[str]) -> list[str]:
-    """Names of the limits that each run passes, for a column of a table."""
+    """Return the names of the limits that each run passes, for a column of a table."""
     found: dict[str, list[str]] = {run: [] for run in runs}
     for row in rows:
         if row["passed"] and row["run"] in found:

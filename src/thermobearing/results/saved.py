@@ -19,7 +19,7 @@ NEEDED = {"command", "outcome"}  # keys of every summary.json
 
 @dataclass(frozen=True)
 class SavedResult:
-    """What `identify`, `validate`, `design`, `lambda`, `bounds` or `motions` left in a directory.
+    """A result directory of `identify`, `validate`, `design`, `lambda`, `bounds` or `motions`.
 
     Attributes
     ----------
@@ -68,21 +68,12 @@ class SavedResult:
 
 
 def is_saved(path: str | Path) -> bool:
-    """Whether there is a result directory with a summary at a path."""
+    """Return whether there is a result directory with a summary at a path."""
     return is_file(Path(path) / SUMMARY)
 
 
 def read_saved(path: str | Path) -> SavedResult:
-    """Summary and tables of a result directory.
-
-    Parameters
-    ----------
-    path : the directory.
-
-    Raises
-    ------
-    InputError : there is no readable result at that path.
-    """
+    """Return the summary and the tables of a result directory."""
     folder = Path(path)
     where = shortened(str(folder), LONGEST_NAME)
     try:
@@ -101,16 +92,9 @@ def read_saved(path: str | Path) -> SavedResult:
 
 
 def read_dataset(path: str | Path, attributes: Iterable[str]) -> xr.Dataset:
-    """The dataset of a result directory, or of the result.nc in it.
+    """Return the dataset of a result directory, or of the result.nc in it.
 
-    Parameters
-    ----------
-    path : of either.
-    attributes : what the dataset must have among its attributes.
-
-    Raises
-    ------
-    InputError : there is no readable result of that kind at that path, or it is damaged.
+    Refuse a damaged file, and one without some of the `attributes`.
     """
     path = Path(path)
     file = next((item for item in (path / DATASET, path) if is_file(item)), None)

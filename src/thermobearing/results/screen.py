@@ -1,4 +1,4 @@
-"""What the terminal views of all rooms share: sentences, lists of facts, tables that cut nothing.
+"""Sentences, lists of facts and tables on the console.
 
 A table that is too wide for the terminal goes on below, its first columns repeated. What does not
 go to a terminal has no width (unless COLUMNS says one), no colours and no frames.
@@ -17,34 +17,13 @@ Row = Sequence[str]
 
 
 def say(text: str, style: str = "") -> None:
-    """A paragraph: wrapped between words on a terminal, one line elsewhere.
-
-    Parameters
-    ----------
-    text : as it is; nothing in it is markup.
-    style : of rich, such as "bold"; only a terminal shows it.
-
-    Examples
-    --------
-    >>> say("lead [degC]", "bold")
-    lead [degC]
-    """
+    """Print a paragraph, without markup: wrapped on a terminal, one line elsewhere."""
     console = Console(highlight=False)
     console.print(Text(text, style=style), soft_wrap=not console.is_terminal)
 
 
 def print_warnings(warnings: Iterable[str]) -> None:
-    """A paragraph for each warning.
-
-    Parameters
-    ----------
-    warnings : sentences.
-
-    Examples
-    --------
-    >>> print_warnings(["the lead melts"])
-    warning: the lead melts
-    """
+    """Print a paragraph for each warning."""
     for warning in warnings:
         say(f"warning: {warning}", "yellow")
 
@@ -52,22 +31,9 @@ def print_warnings(warnings: Iterable[str]) -> None:
 def print_table(
     heads: Row, rows: Sequence[Row], *, title: str = "", keys: int = 1, styles: Row = ()
 ) -> None:
-    """A table with every number whole, in blocks below each other where the terminal is narrow.
+    """Print a table that cuts no number, in blocks where the terminal is narrow.
 
-    Parameters
-    ----------
-    heads : of the columns.
-    rows : texts, as many as there are heads.
-    title : above the table.
-    keys : columns that say what a row is: to the left, and in every block.
-    styles : of rich, one for each row.
-
-    Examples
-    --------
-    >>> print_table(("test", "kN"), [("a", "1.25"), ("long", "100.00")])
-    test      kN
-    a       1.25
-    long  100.00
+    The first columns, the `keys`, say what a row is, and are repeated in every block.
     """
     if title:
         say(f"\n{title}")
@@ -81,21 +47,7 @@ def print_table(
 
 
 def show_table(table: Table, names: Iterable[str] | None = None) -> None:
-    """Print a table: its caption, heads with units, a mark beyond the tested range, its note.
-
-    Parameters
-    ----------
-    table : from `quantities.tables.make_table`.
-    names : columns to print, by name; the keys come first in any case. All by default.
-
-    Examples
-    --------
-    >>> import pandas as pd
-    >>> from thermobearing.quantities.tables import make_table
-    >>> show_table(make_table(pd.DataFrame({"motion": ["a"], "bearing_strain_max": [2.5]})))
-    Motion  Strain [%]
-    a              250
-    """
+    """Print a table (its keys and `names` only) with caption, note and marks."""
     cells = table.texts()
     for row, column in table.marked:
         cells[row][column] += "!"
@@ -117,7 +69,7 @@ def show_table(table: Table, names: Iterable[str] | None = None) -> None:
 
 
 def _screen_width() -> int | None:
-    """Columns of the terminal; None where there is none and COLUMNS does not say."""
+    """Return the width of the terminal; None where there is none and COLUMNS does not say."""
     console = Console()
     if console.is_terminal:
         return console.width
@@ -126,18 +78,7 @@ def _screen_width() -> int | None:
 
 
 def laid_out(heads: Row, rows: Sequence[Row], keys: int, width: int | None) -> list[list[str]]:
-    """Lines of each block of a table, heads first; a block holds one column besides at least.
-
-    Parameters
-    ----------
-    heads, rows, keys : as of `print_table`.
-    width : most letters of a line; None: as many as it takes.
-
-    Examples
-    --------
-    >>> laid_out(("a", "b", "c"), [("x", "10", "200")], 1, 7)
-    [['a   b', 'x  10'], ['a    c', 'x  200']]
-    """
+    """Return the lines of each block of a table, no longer than `width` if possible."""
     columns = [[heads[k], *(row[k] for row in rows)] for k in range(len(heads))]
     wide = [max(map(len, column)) for column in columns]
     blocks: list[list[int]] = [[]]
@@ -159,7 +100,7 @@ def laid_out(heads: Row, rows: Sequence[Row], keys: int, width: int | None) -> l
 
 
 def print_facts(title: str, facts: dict[str, str]) -> None:
-    """A titled list of names and values, each of one or more lines."""
+    """Print a titled list of names and values, each of one or more lines."""
     say(title, "bold")
     width = max(len(name) for name in facts)
     for name, value in facts.items():

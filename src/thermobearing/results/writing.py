@@ -1,4 +1,4 @@
-"""How every analysis writes: JSON without NaN, CSV with seven digits, attributes of datasets."""
+"""Files of results: JSON without NaN, CSV with seven digits, netCDF with JSON attributes."""
 
 import errno
 import json
@@ -32,7 +32,7 @@ NETCDF_EXTRA = 500_000  # attributes, names and tables of the netCDF file beside
 
 
 def without_nan(value: Any) -> Any:
-    """JSON has no NaN: a number that does not exist becomes null."""
+    """Return a value in which NaN, which JSON has not, is None."""
     if isinstance(value, dict):
         return {key: without_nan(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
@@ -43,19 +43,19 @@ def without_nan(value: Any) -> Any:
 
 
 def json_line(value: Any) -> str:
-    """A value as one line of JSON, for a machine that reads the last line of a command."""
+    """Return a value as one line of JSON, for programs that read the last line of a command."""
     return json.dumps(without_nan(value), allow_nan=False)
 
 
 def command_line() -> str | None:
-    """The command that was typed, where the command line runs; None in somebody's own program."""
+    """Return the command that was typed; None in a program of the user."""
     if Path(sys.argv[0]).stem != "thermobearing":
         return None
     return shlex.join(["thermobearing", *sys.argv[1:]])
 
 
 def write_summary(folder: Path, content: dict[str, Any]) -> None:
-    """Write summary.json into a folder; of what is not to be repeated by a case, the command."""
+    """Write summary.json into a folder; with the command line where no case is written."""
     if content.get("command") in WITHOUT_CASE and (typed := command_line()):
         content = content | {"command_line": typed}
     text = json.dumps(without_nan(content), indent=2, allow_nan=False, ensure_ascii=False)
@@ -64,15 +64,15 @@ def write_summary(folder: Path, content: dict[str, Any]) -> None:
 
 
 def limits_summary(rig: "pd.DataFrame", tested: "pd.DataFrame") -> dict[str, Any]:
-    """What summary.json says of the limits of a rig and of the range of the bearing's tests."""
+    """Return what summary.json holds on the limits of a rig and on the tested range."""
     tables = {"rig": rig, "tested_range": tested}
     return {name: table.to_dict("records") for name, table in tables.items() if len(table)}
 
 
 def exposure_summary(dataset: "xr.Dataset") -> dict[str, Any]:
-    """What summary.json says of the exposure factors; nothing where all are 1."""
-    told = "exposure" in dataset.attrs
-    return {"exposure": from_attribute(dataset, "exposure")} if told else {}
+    """Return what summary.json holds on exposure factors; nothing where all are 1."""
+    name = "exposure"
+    return {name: from_attribute(dataset, name)} if name in dataset.attrs else {}
 
 
 def write_limits(folder: Path, rig: "pd.DataFrame", tested: "pd.DataFrame") -> None:
@@ -83,11 +83,10 @@ def write_limits(folder: Path, rig: "pd.DataFrame", tested: "pd.DataFrame") -> N
 
 
 def compared_rows(dataset: "xr.Dataset", name: str) -> "pd.DataFrame":
-    """Rows of `results.ranges.compared` that an analysis left in its dataset; empty without."""
+    """Return the rows of `results.ranges.compared` in a dataset as a table."""
     import pandas as pd
 
-    told = name in dataset.attrs  # results of 0.1 have none
-    return pd.DataFrame(from_attribute(dataset, name) if told else [])
+    return pd.DataFrame(from_attribute(dataset, name) if name in dataset.attrs else [])
 
 
 def write_csv(path: Path, table: "pd.DataFrame", *, below: bool = False) -> None:
@@ -105,7 +104,7 @@ def write_csv(path: Path, table: "pd.DataFrame", *, below: bool = False) -> None
 
 
 def without_formulas(table: "pd.DataFrame") -> "pd.DataFrame":
-    """A table in whose CSV file no text is a formula for a spreadsheet.
+    """Return a table in whose CSV file no text is a formula for a spreadsheet.
 
     Names come from files of others; `=HYPERLINK(...)` would be carried out. Such text gets an
     apostrophe in front; numbers with a sign and a unit ("-20 degC") stay as they are.
@@ -126,17 +125,17 @@ def _no_formula(value: Any) -> Any:
 
 
 def as_attribute(value: Any) -> str | int | float:
-    """What an attribute of a dataset can hold: text and numbers as they are, the rest as JSON."""
+    """Return an attribute of a dataset: text and numbers as they are, the rest as JSON."""
     return value if isinstance(value, str | int | float) else json.dumps(value)
 
 
 def from_attribute(dataset: "xr.Dataset", name: str) -> Any:
-    """What `as_attribute` put into an attribute as JSON: a list or a dictionary."""
+    """Return what `as_attribute` stored as JSON: a list or a dictionary."""
     return json.loads(dataset.attrs[name])
 
 
 def write_dataset(dataset: "xr.Dataset", path: Path) -> None:
-    """Write netCDF, numbers compressed without loss.
+    """Write netCDF, with numbers compressed without loss.
 
     Attributes whose names hold the name of a thing, which netCDF may not take ("HDR 1/6"), are
     written as one; `read_dataset` takes them apart.
