@@ -75,7 +75,7 @@ def test_study_shows_rubber_and_lead_in_a_pipe(tmp_path: Path) -> None:
     words = ["--bearing", "shen-lhdr-bridge", "--motion", "jra-ii-i-1", "--duration", "2"]
     done = command("bridge", *words, "--no-figures", "-o", tmp_path / "out")
     assert not FRAMES.search(done.stdout)
-    for head in ("strain", "ductility", "viscous", "rubber degC", "lead degC"):
+    for head in ("Strain [%]", "Ductility", "Viscous", "Rubber [°C]", "Lead [°C]"):
         assert head in done.stdout
 
 
@@ -101,4 +101,4 @@ def test_of_warm_needs_a_warmer_run(tmp_path: Path, ambients: tuple[int, ...], s
     words = ["--bearing", "shen-hdr-bridge", "--motion", "jra-ii-i-1", "--duration", "0.5"]
     words += [word for at in ambients for word in ("--ambient", str(at))]
     done = command("bridge", *words, "--no-figures", "-o", tmp_path / "out")
-    assert ("of warm" in done.stdout) is shown
+    assert ("Of warmest" in done.stdout) is shown

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from thermobearing.bearing.ambient import Ambient
 from thermobearing.border.errors import InputError
 from thermobearing.core.march import keep_row, march
-from thermobearing.core.records import unset
+from thermobearing.core.records import Floats, unset
 from thermobearing.core.types import (
     COMPLETED,
     SOFTENED,
@@ -29,7 +29,6 @@ from thermobearing.cyclic.protocol import (
     TINY,
     Cycles,
     CyclicTest,
-    Floats,
     Ramp,
     Recorded,
     Rest,
