@@ -88,7 +88,7 @@ lint: $(TOOLS)
 	$(BIN)/lint-imports
 
 docs: $(TESTS)
-	$(BIN)/python docs/generate.py
+	$(BIN)/python -m docs.generate
 
 reproduce: $(PROGRAM)
 	$(BIN)/python -m reproduction -o reproduced --overwrite

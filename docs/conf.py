@@ -34,7 +34,7 @@ default_role = "literal"  # one backtick in a docstring
 templates_path = ["_templates"]
 
 # Markdown: the pages are read on their own too, so links are those between files.
-myst_enable_extensions = ["colon_fence"]
+myst_enable_extensions = ["colon_fence", "dollarmath"]
 myst_fence_as_directive = ["math"]
 myst_heading_anchors = 4
 

@@ -12,7 +12,7 @@ from pathlib import Path
 from PIL import Image
 
 DOCS = Path(__file__).parent
-SHEET, PAGE = DOCS / "figures" / "contact", DOCS / "contact-sheet.md"
+SHEET, PAGE = DOCS / "figures" / "contact", DOCS / "appendix" / "contact-sheet.md"
 ACROSS = 2  # pictures in a row of the page
 WIDE, COLOURS = 560, 32  # of a picture [pixel]; of its palette
 COMMANDS = (
@@ -57,7 +57,7 @@ def section(name: str, words: str, figures: list[Path]) -> list[str]:
     """A part of the page: the command and its pictures, some in a row."""
     lines = [f"## `thermobearing {name} {words}".rstrip() + "`", ""]
     lines += ["| | |", "|---|---|"]
-    cells = [f"`{f.stem}` ![{f.stem}](figures/contact/{name}-{f.stem}.png)" for f in figures]
+    cells = [f"`{f.stem}` ![{f.stem}](../figures/contact/{name}-{f.stem}.png)" for f in figures]
     cells += [""] * (-len(cells) % ACROSS)
     rows = [cells[k : k + ACROSS] for k in range(0, len(cells), ACROSS)]
     return [*lines, *(f"| {' | '.join(row)} |" for row in rows), ""]
@@ -68,7 +68,7 @@ def main() -> None:
     SHEET.mkdir(parents=True, exist_ok=True)
     for old in SHEET.glob("*.png"):
         old.unlink()
-    page = ["# Every figure", "", "What each command draws, made by `python docs/contact.py`.", ""]
+    page = ["---\norphan: true\n---\n\n# Every figure", "", "What each command draws, made by `python docs/contact.py`.", ""]
     with tempfile.TemporaryDirectory() as made:
         for name, words in COMMANDS:
             figures = run(name, words, Path(made))

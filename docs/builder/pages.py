@@ -16,7 +16,7 @@ from docs.builder.chromium import MISSING, browser, grave_faults, is_there, told
 PAGES = (
     "index.html",
     "guide/tutorial.html",
-    "guide/my_bridge.html",
+    "guide/bridge.html",
     "gallery/index.html",
     "gallery/plot_01_loops.html",
     "api/thermobearing.html",

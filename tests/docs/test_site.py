@@ -3,8 +3,6 @@
 import ast
 import contextlib
 import io
-import re
-import shlex
 import sys
 from pathlib import Path
 from types import SimpleNamespace
@@ -14,66 +12,22 @@ import pytest
 from matplotlib.figure import Figure
 
 import thermobearing as tb
-from docs.builder import api, docstrings, figures, links
+from docs.builder import api, docstrings, figures, links, outputs
 from tests.opensees import needs_opensees
 from tests.unit.inputs import command
 
 DOCS = Path(__file__).parents[2] / "docs"
 GUIDE = [DOCS / "index.md", *sorted((DOCS / "guide").glob("[!i]*.md"))]
 EXAMPLES = sorted((DOCS / "examples").glob("plot_*.py"))
-BLOCK = re.compile(r"```(?P<language>[\w{}]+)\n(?P<text>.*?)```", re.DOTALL)
-FILE = re.compile(r"# (\S+\.(?:toml|csv))\n")  # the first line of a block that is a file
-SCREEN = 64  # lines of a page: what a screen shows
-WITHOUT_FIGURES = {"study", "new", "check", "list", "measure", "--version"}
+SCREENS = 140  # lines of a how-to
 PAGES = [
     pytest.param(path, id=path.stem, marks=needs_opensees if path.stem == "opensees" else ())
     for path in GUIDE
 ]
 
 
-def blocks(path: Path) -> list[re.Match[str]]:
-    return list(BLOCK.finditer(path.read_text(encoding="utf-8")))
-
-
 def no_histories(*_: Any) -> None:
     """In place of the samples of studies, half the time of their commands; tested elsewhere."""
-
-
-def told(block: str) -> str:
-    """What the commands of a block print; figures, which take longest, are tested elsewhere."""
-    printed = ""
-    for line in block.replace("\\\n", " ").splitlines():
-        if not line.startswith("thermobearing "):
-            assert line.startswith("pip "), line
-            continue
-        words = shlex.split(line, comments=True)[1:]
-        draws = "-o" in words and words[0] not in WITHOUT_FIGURES
-        result = command(*words, *(["--no-figures"] if draws else []))
-        assert result.exit_code == 0, f"{line}: {result.stderr}"
-        printed += result.stdout
-    return printed
-
-
-def run(path: Path, names: dict[str, Any]) -> None:
-    """One block after the other, as a reader would; text below a block is what that printed."""
-    printed = ""
-    for block in blocks(path):
-        text, language = block["text"], block["language"]
-        file = FILE.match(text)
-        if file:
-            Path(file[1]).write_text(text, encoding="utf-8")
-        elif language.startswith("{"):
-            continue  # a directive of the site
-        elif language == "bash":
-            printed = told(text)
-        elif language == "python":
-            with contextlib.redirect_stdout(io.StringIO()) as caught:
-                exec(compile(text, path.name, "exec"), names)
-            printed = caught.getvalue()
-        else:
-            assert language == "text", f"{path.name}: a block of {language} that is no file"
-            missing = [row for row in text.splitlines() if row not in printed.splitlines()]
-            assert not missing, f"{path.name} shows what is not printed: {missing}"
 
 
 @pytest.mark.parametrize("path", PAGES)
@@ -85,13 +39,16 @@ def test_every_block_of_a_page_runs(
     monkeypatch.setattr(
         "thermobearing.earthquake.result.EarthquakeResult._write_histories", no_histories
     )
-    run(path, {"__name__": "page"})
+    for block, printed in outputs.run(path, {"__name__": "page"}, command):
+        lines = [line.rstrip() for line in printed.splitlines()]
+        missing = [row for row in block["text"].splitlines() if row not in lines]
+        assert not missing, f"{path.name} shows what is not printed: {missing}"
 
 
-def test_a_how_to_fits_on_a_screen() -> None:
+def test_a_how_to_is_short() -> None:
     lines = {path.stem: path.read_text(encoding="utf-8").count("\n") for path in GUIDE}
     del lines["index"], lines["tutorial"]
-    assert max(lines.values()) <= SCREEN, lines
+    assert max(lines.values()) <= SCREENS, lines
 
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
@@ -182,6 +139,6 @@ def test_words_of_a_docstring_move_below_the_name() -> None:
 def test_numbered_formulas_are_single_lines() -> None:
     """MathJax refuses a number in the environment that Sphinx makes of several lines."""
     for path in sorted(DOCS.glob("*.md")):
-        for block in blocks(path):
+        for block in outputs.blocks(path):
             if block["language"] == "math" and "\\tag" in block["text"]:
                 assert "\\\\" not in block["text"], f"{path.name}: {block['text']}"

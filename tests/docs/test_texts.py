@@ -24,10 +24,12 @@ from thermobearing.studies.store.directory import Store
 
 LIBRARY = Path(str(resources.files("thermobearing") / "data"))
 ROOT = Path(__file__).parents[2]
-TEXTS = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
+DOCS = ROOT / "docs"
+FILES = sorted((DOCS / "files").glob("*.md"))
+TEXTS = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted(DOCS.glob("*.md")), *FILES]
 GUIDE = sorted((ROOT / "docs" / "guide").glob("*.md"))  # its blocks run in test_site.py
 README = (ROOT / "README.md").read_text()
-TWO_SCREENS = 110  # lines
+TWO_SCREENS = 100  # lines
 
 
 def blocks(text: str, language: str) -> list[str]:
@@ -45,7 +47,7 @@ def test_readme_examples_run_and_the_first_is_short(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     examples = blocks(README, "python")
-    assert len([line for line in examples[0].splitlines() if line.strip()]) == 6
+    assert len([line for line in examples[0].splitlines() if line.strip()]) <= 6
     monkeypatch.chdir(tmp_path)
     names: dict[str, object] = {}
     for example in examples:
@@ -147,7 +149,8 @@ def test_case_in_the_docs_is_valid(tmp_path: Path) -> None:
     from thermobearing.commands.check import check_file
 
     found = {}
-    for case in blocks((ROOT / "docs" / "files.md").read_text(), "toml"):
+    cases = [case for path in FILES for case in blocks(path.read_text(encoding="utf-8"), "toml")]
+    for case in cases:
         path = tmp_path / "case.toml"
         path.write_text(case)
         (tmp_path / "mine.toml").write_text(
@@ -172,15 +175,9 @@ def test_library_files_are_described(tmp_path: Path) -> None:
             assert check_file(path).kind == kind, path
 
 
-def test_numbers_are_the_generated_ones() -> None:
-    measured, bench = generate.load(generate.MEASURED), generate.load(generate.BENCH)
-    assert generate.readme_text(README, measured, bench) == README
-    page = (ROOT / "docs" / "verification.md").read_text()
-    assert generate.verification_text(measured, bench) == page
-    claims = (ROOT / "docs" / "reproduction.md").read_text(encoding="utf-8")
-    assert generate.reproduction_text() == claims
-    architecture = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
-    assert generate.architecture_text(architecture) == architecture
+def test_texts_are_the_generated_ones() -> None:
+    for path, text in generate.generated_texts().items():
+        assert path.read_text(encoding="utf-8") == text, f"{path.name}: make docs"
 
 
 def test_every_measured_number_has_its_test() -> None:
@@ -231,7 +228,7 @@ def test_lines_that_read_a_study_do(tmp_path: Path) -> None:
     study = small_study(**{"bearing.K_r": factor})
     study = study.model_copy(update={"design": study.design.model_copy(update={"samples": 1})})
     run_study(study, tmp_path / "DIR", jobs=1, size=3)
-    text = (ROOT / "docs" / "files.md").read_text()
+    text = (DOCS / "files" / "study.md").read_text(encoding="utf-8")
     found = {}
     for line in text.splitlines():
         name = line.split(".")[0]
