@@ -68,7 +68,8 @@ def main() -> None:
     SHEET.mkdir(parents=True, exist_ok=True)
     for old in SHEET.glob("*.png"):
         old.unlink()
-    page = ["---\norphan: true\n---\n\n# Every figure", "", "What each command draws, made by `python docs/contact.py`.", ""]
+    page = ["---\norphan: true\n---", "", "# Every figure", ""]
+    page += ["What each command draws, made by `python docs/contact.py`.", ""]
     with tempfile.TemporaryDirectory() as made:
         for name, words in COMMANDS:
             figures = run(name, words, Path(made))

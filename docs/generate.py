@@ -403,7 +403,8 @@ def draw_cold(path: Path) -> None:
     ambient = [23, -20]
     result = tb.bridge("shen-lhdr-bridge", "jra-ii-i-1", ambient=ambient)
     colours = drawing.ambient_colours(np.array(ambient, dtype=float))
-    figure, (loops, moments) = drawing.panels(1, 2, (8.4, 3.4), "The same bridge in the same earthquake")
+    title = "The same bridge in the same earthquake"
+    figure, (loops, moments) = drawing.panels(1, 2, (8.4, 3.4), title)
     for run, colour in enumerate(colours):
         history = result.history(run)
         look = {"color": colour, "linewidth": 1.0, "label": f"{ambient[run]} °C"}
