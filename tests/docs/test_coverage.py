@@ -78,6 +78,9 @@ def attribute(owner: Any, name: str) -> Any:
     """Of a module, or of what a class makes: a method, or the class of a property or field."""
     if inspect.isclass(owner) and name in getattr(owner, "model_fields", {}):
         return owner.model_fields[name].annotation
+    if name == "plot" and getattr(owner, "_figures", ""):
+        room = owner.__module__.rpartition(".")[0]
+        return getattr(importlib.import_module(f"{room}.figures"), owner._figures)
     found = getattr(owner, name)
     if isinstance(found, cached_property):
         return returned(found.func)
