@@ -15,29 +15,20 @@ import typer
 
 import thermobearing
 from thermobearing.border.threads import one_blas_thread
-from thermobearing.commands import cyclic, design, earthquake
-from thermobearing.commands import cyclic as sequence
-from thermobearing.commands import design as factors
+from thermobearing.commands import cyclic, design, earthquake, identify, intake, motions, study
 from thermobearing.commands.common import (
     ANALYSES,
     BAD_INPUT,
     FILES,
     LABORATORY,
     OFFICE,
-    AsJson,
-    Command,
     Group,
     echo_json,
     patient_streams,
-    reported,
 )
-from thermobearing.commands.earthquake import app as structures
-from thermobearing.commands.identify import identify, validate
-from thermobearing.commands.intake import intake, measure
-from thermobearing.commands.motions import app as motions
 from thermobearing.commands.new import new
+from thermobearing.commands.options import AsJson, add, command
 from thermobearing.commands.report import report
-from thermobearing.commands.study import app as study
 
 
 class _Commands(Group):
@@ -81,14 +72,9 @@ def _common(
     """Rubber isolation bearings in the cold."""
 
 
-def _example(*words: str) -> str:
-    """The end of a command's help; one paragraph each."""
-    return "\n\n".join(f"Example: thermobearing {line}" for line in words)
-
-
-@app.command("list", cls=Command, rich_help_panel=FILES, epilog=_example("list"))
-@reported
-def list_(as_json: AsJson = False) -> int:
+@add(app, "list", "list", panel=FILES)
+@command()
+def list_(as_json: AsJson) -> int:
     """What is built in."""
     from thermobearing.bearing.bilinear import list_bilinear, load_bilinear
     from thermobearing.bearing.compound import list_compounds, load_compound
@@ -127,11 +113,11 @@ def list_(as_json: AsJson = False) -> int:
     return 0
 
 
-@app.command(cls=Command, rich_help_panel=FILES, epilog=_example("check bearing.toml"))
-@reported
+@add(app, "check", "check bearing.toml", panel=FILES)
+@command()
 def check(
     file: Annotated[Path, typer.Argument(help="A bearing, a compound, a case, or any other TOML.")],
-    as_json: AsJson = False,
+    as_json: AsJson,
 ) -> int:
     """Validate a file without running it, and say what was understood.
 
@@ -150,38 +136,45 @@ def check(
     return 0
 
 
-def _add(name: str, command: Any, panel: str, *examples: str) -> None:
-    app.command(name, cls=Command, rich_help_panel=panel, epilog=_example(*examples))(command)
-
-
-_add(
-    "cyclic",
-    cyclic.cyclic,
-    ANALYSES,
-    "cyclic --bearing shen-lhdr-specimen --ambient -20 --ambient 23 -o my-run",
-    "cyclic --strain 1.75 --wave sine --frequency 0.5 --cycles 11",
-)
-_add("bridge", earthquake.bridge, ANALYSES, "bridge --motion jra-ii-i-1 --ambient -20 -o pier")
-_add("hybrid", earthquake.hybrid, ANALYSES, "hybrid --mode rt --mode pd --ambient -20 -o hybrid")
-_add("sequence", sequence.sequence, ANALYSES, "sequence case.toml -o sequence")
-_add("measure", measure, LABORATORY, "measure test.csv --bearing shen-hdr-specimen")
-_add("intake", intake, LABORATORY, "intake cold.xlsx warm.csv --bearing mine.toml -o looked")
-_add(
-    "new",
-    new,
-    FILES,
-    "new pier-3 --compound natural-rubber --plan 1000x1000mm --layers 20x8mm --shim 3mm "
-    "--lead 180mm",
-)
-_add("identify", identify, LABORATORY, "identify cold.csv warm.csv --bearing mine.toml -o fit")
-_add("validate", validate, LABORATORY, "validate mine.toml other-test.csv --limit energy=0.2")
-_add("design", design.design, OFFICE, "design --motion jra-ii-i-1 --compound G10 -o design")
-_add("bounds", design.bounds, OFFICE, "bounds --bearing shen-hdr-bridge --ambient -20")
-_add("lambda", factors.lambda_, OFFICE, "lambda shen-hdr-bridge --strain 1.75 -o factors")
-_add("report", report, FILES, "report pier --title number=B12-7 --title revision=B")
-app.add_typer(study, name="study", rich_help_panel=ANALYSES)
-app.add_typer(motions, name="motions", rich_help_panel=FILES)
-app.add_typer(structures, name="structures", rich_help_panel=FILES)
+EXAMPLES = """
+cyclic --bearing shen-lhdr-specimen --ambient -20 --ambient 23 -o my-run
+cyclic --strain 1.75 --wave sine --frequency 0.5 --cycles 11
+bridge --motion jra-ii-i-1 --ambient -20 -o pier
+hybrid --mode rt --mode pd --ambient -20 -o hybrid
+sequence case.toml -o sequence
+measure test.csv --bearing shen-hdr-specimen
+intake cold.xlsx warm.csv --bearing mine.toml -o looked
+new pier-3 --compound natural-rubber --plan 1000x1000mm --layers 20x8mm --shim 3mm --lead 180mm
+identify cold.csv warm.csv --bearing mine.toml -o fit
+validate mine.toml other-test.csv --limit energy=0.2
+design --motion jra-ii-i-1 --compound G10 -o design
+bounds --bearing shen-hdr-bridge --ambient -20
+lambda shen-hdr-bridge --strain 1.75 -o factors
+report pier --title number=B12-7 --title revision=B
+"""
+COMMANDS = {
+    ANALYSES: {
+        "cyclic": cyclic.cyclic,
+        "bridge": earthquake.bridge,
+        "hybrid": earthquake.hybrid,
+        "sequence": cyclic.sequence,
+    },
+    LABORATORY: {
+        "measure": intake.measure,
+        "intake": intake.intake,
+        "identify": identify.identify,
+        "validate": identify.validate,
+    },
+    OFFICE: {"design": design.design, "bounds": design.bounds, "lambda": design.lambda_},
+    FILES: {"new": new, "report": report},
+}
+for panel, functions in COMMANDS.items():
+    for name, function in functions.items():
+        examples = [line for line in EXAMPLES.splitlines() if line.split(" ")[0] == name]
+        add(app, name, *examples, panel=panel)(function)
+app.add_typer(study.app, name="study", rich_help_panel=ANALYSES)
+app.add_typer(motions.app, name="motions", rich_help_panel=FILES)
+app.add_typer(earthquake.app, name="structures", rich_help_panel=FILES)
 
 
 def main() -> None:

@@ -22,7 +22,7 @@ def commands(group: Any, *words: str) -> Iterator[tuple[tuple[str, ...], Any]]:
         if hasattr(item, "commands"):
             yield from commands(item, *words, name)
         else:
-            yield (*words, name), item
+            yield (*words, name), item.whole
 
 
 COMMANDS = dict(commands(typer.main.get_command(app)))

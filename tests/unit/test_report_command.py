@@ -17,7 +17,6 @@ import thermobearing.report.files as files
 from tests.unit.inputs import command, content, cyclic, last_line, quick_case, told
 from tests.unit.report_pieces import EVIL, LOGO, PIECES, saved_directory
 from tests.unit.test_killed_and_together import killed
-from thermobearing.commands.common import DOCUMENTS
 from thermobearing.report.title import TitleBlock, read_title, title_given
 from thermobearing.results.directory import RESULT_NAMES, check_target
 from thermobearing.results.saved import SavedResult
@@ -225,7 +224,6 @@ def test_every_analysing_command_has_the_options() -> None:
         if options <= {name for p in item.params for name in p.opts}
     }
     assert found >= WITH_OPTIONS
-    assert DOCUMENTS not in {p.name for item in COMMANDS.values() for p in item.params}
 
 
 @pytest.fixture(scope="module")

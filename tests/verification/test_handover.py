@@ -125,7 +125,7 @@ def test_every_variable_of_the_group_has_unit_and_meaning() -> None:
 REFUSED = {
     "another bearing": ({"bearing": "shen-lhdr-specimen"}, "not of this"),
     "another stack": ({"stack": "full"}, "temperatures, but the model has 37 cells"),
-    "two starts": ({"initial_lead": 3.0}, "needs a bearing with lead"),
+    "two starts": ({"initial": tb.InitialState(lead=3.0)}, "needs a bearing with lead"),
 }
 
 

@@ -3,8 +3,8 @@
 On a terminal typer draws panels with rich. Elsewhere the same panels are plain sections.
 """
 
+import contextlib
 import functools
-import inspect
 import io
 import os
 import re
@@ -14,7 +14,7 @@ from collections.abc import Callable, Sequence
 from contextvars import ContextVar
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, TextIO, TypeVar
+from typing import TYPE_CHECKING, Any, TextIO, TypeVar
 
 import typer
 import typer.core
@@ -98,6 +98,9 @@ def _as_options(text: str) -> str:
 
 T = TypeVar("T")
 BAD_INPUT, ENDED_EARLY, POOR_FIT, INTERRUPTED = 2, 3, 4, 130
+COMPILING = "compiling: once after installing, for ten seconds to a minute"
+STEPPING = "march.march"  # the kernel that every analysis but those of structures begins with
+STRUCTURES = "newmark.newmark_march"
 # Panels of --help: of the list of commands, and of the options of one.
 ANALYSES, LABORATORY, OFFICE, FILES = (
     "Tests and earthquakes",
@@ -107,96 +110,6 @@ ANALYSES, LABORATORY, OFFICE, FILES = (
 )
 INPUT, TEST, MODEL, SEARCH, RESULT = ("What", "Test", "Model", "Search", "Result")
 REPORT = "Report"
-Output = Annotated[
-    Path | None,
-    typer.Option("-o", "--output", help="Result directory.", rich_help_panel=RESULT),
-]
-Overwrite = Annotated[
-    bool,
-    typer.Option(
-        "--overwrite", help="Replace an earlier result directory.", rich_help_panel=RESULT
-    ),
-]
-NoFigures = Annotated[
-    bool, typer.Option("--no-figures", help="Draw no figures.", rich_help_panel=RESULT)
-]
-AsJson = Annotated[
-    bool, typer.Option("--json", help="Last line of output is JSON.", rich_help_panel=RESULT)
-]
-Quiet = Annotated[
-    bool,
-    typer.Option("-q", "--quiet", help="No progress bar, no tables.", rich_help_panel=RESULT),
-]
-Exposed = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--exposure",
-        help="Factor for long cold and age: stiffness=1.3, strength=1.2 and source=WORDS, each an "
-        "option of its own.",
-        metavar="KEY=VALUE",
-        rich_help_panel=MODEL,
-    ),
-]
-RigName = Annotated[
-    str | None,
-    typer.Option(
-        "--rig",
-        help="Rig that is to do it: name or file.",
-        metavar="NAME/FILE",
-        rich_help_panel=INPUT,
-    ),
-]
-FixedBase = Annotated[
-    bool, typer.Option("--fixed-base", help="Leave out the springs of the foundation.")
-]
-SmallLoops = Annotated[
-    str | None,
-    typer.Option(
-        "--small-loops",
-        help="Of the rubber: published (open) or closed; by default as the bearing says.",
-        rich_help_panel=MODEL,
-    ),
-]
-EarlierModel = Annotated[
-    str | None,
-    typer.Option("--model", help="An earlier model, see docs/theory.md.", rich_help_panel=MODEL),
-]
-Compare = Annotated[
-    bool, typer.Option("--compare", help="Earlier models beside it.", rich_help_panel=MODEL)
-]
-Limit = Annotated[
-    list[str] | None,
-    typer.Option(
-        help="Largest relative error of K_eq, h_eq (0.15 each), energy, force, temperature or "
-        "NRMSE, of tests that are not fitted; may be repeated.",
-        metavar="QUANTITY=NUMBER",
-    ),
-]
-Title = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--title",
-        help="Of the report: project, structure, client, author, number, date, revision or logo "
-        "(a file); may be repeated.",
-        metavar="KEY=VALUE",
-        rich_help_panel=REPORT,
-    ),
-]
-Template = Annotated[
-    Path | None,
-    typer.Option(
-        "--template",
-        help="Markdown that orders the report.",
-        metavar="FILE",
-        rich_help_panel=REPORT,
-    ),
-]
-Workbook = Annotated[
-    bool, typer.Option("--xlsx", help="Write report.xlsx.", rich_help_panel=REPORT)
-]
-WithReport = Annotated[
-    bool, typer.Option("--report", help="Write report.html and .pdf.", rich_help_panel=REPORT)
-]
 
 
 @dataclass(frozen=True)
@@ -257,28 +170,6 @@ class Documents:
 
 
 NO_DOCUMENTS = Documents()
-DOCUMENTS = "documents"  # argument of a command that offers the options of `Documents`
-_OPTIONS = {"report": WithReport, "workbook": Workbook, "title": Title, "template": Template}
-
-
-def _with_options(command: Callable[..., int], wrapper: Callable[..., None]) -> None:
-    """In the words of a command, the argument `documents` becomes its four options."""
-    whole = inspect.signature(command)
-    found = [item for item in whole.parameters.values() if item.name != DOCUMENTS]
-    for name, kind in _OPTIONS.items():
-        option = inspect.Parameter(name, inspect.Parameter.POSITIONAL_OR_KEYWORD, annotation=kind)
-        found.append(option.replace(default=False if kind in (WithReport, Workbook) else None))
-    told = {parameter.name: parameter.annotation for parameter in found}
-    wrapper.__annotations__ = told | {"return": None}
-    wrapper.__signature__ = whole.replace(parameters=found)  # type: ignore[attr-defined]
-
-
-def _documents(words: dict[str, Any]) -> Documents:
-    """What the four options ask for, taken out of the words of a command."""
-    given = {name: words.pop(name, None) for name in _OPTIONS}
-    made = Documents(**{k: v for k, v in given.items() if v}, case=words.get("case"))
-    made.check()
-    return made
 
 
 def _fail(message: str, status: int, outcome: str, as_json: bool) -> typer.Exit:
@@ -297,18 +188,12 @@ def echo_json(last: dict[str, Any]) -> None:
 
 
 def reported(command: Callable[..., int]) -> Callable[..., None]:
-    """Turn what a command raises or returns into one message and an exit status.
-
-    A command with the argument `documents` has the options of `Documents`.
-    """
-    offers = DOCUMENTS in inspect.signature(command).parameters
+    """Turn what a command raises or returns into one message and an exit status."""
 
     @functools.wraps(command)
     def wrapper(*args: Any, **kwargs: Any) -> None:
         as_json = bool(kwargs.get("as_json"))
         try:
-            if offers:
-                kwargs[DOCUMENTS] = _documents(kwargs)
             status = command(*args, **kwargs)
         except InputError as error:
             raise _fail(_as_options(str(error)), BAD_INPUT, "bad_input", as_json) from None
@@ -323,39 +208,104 @@ def reported(command: Callable[..., int]) -> Callable[..., None]:
         if status:
             raise typer.Exit(status)
 
-    if offers:
-        _with_options(command, wrapper)
     return wrapper
 
 
-def written(
-    outcome: str,
-    sentence: str,
-    target: Path,
-    documents: Documents = NO_DOCUMENTS,
-    *,
-    as_json: bool,
-    quiet: bool,
-) -> int:
-    """Write what is asked for, say where all is and how it ended; the exit status."""
-    made = documents.write(target)
-    statuses = {"completed": 0, "poor_fit": POOR_FIT, "interrupted": INTERRUPTED}
-    statuses["files_left_out"] = BAD_INPUT
-    status = statuses.get(outcome, ENDED_EARLY)
-    if status:
-        typer.echo(f"thermobearing: {outcome}: {sentence}", err=True)
-    if not quiet:
-        size = sum(p.stat().st_size for p in target.rglob("*") if p.is_file())
-        names = ", ".join(file.name for file in made)
-        typer.echo(
-            f"written: {printable(str(target))} ({megabytes(size)})"
-            + (f"; {names}" if names else "")
-        )
-    if as_json:
-        files = sorted(str(p.relative_to(target)) for p in target.rglob("*") if p.is_file())
-        last = {"outcome": outcome, "exit_status": status, "output": str(target), "files": files}
-        echo_json(last)
-    return status
+@dataclass(frozen=True)
+class Printed:
+    """Where the result of a command goes, and what is printed: five options of every command."""
+
+    output: Path | None = None
+    overwrite: bool = False
+    no_figures: bool = False
+    as_json: bool = False
+    quiet: bool = False
+    documents: Documents = NO_DOCUMENTS
+
+    def target(self, usual: str = "") -> Path:
+        """Return the result directory, which is free to be written.
+
+        Raises
+        ------
+        OutputError : there is something else.
+        """
+        from thermobearing.results.directory import check_target
+
+        target = self.output or Path(re.sub(r"[^\w.+-]+", "-", usual))
+        check_target(target, overwrite=self.overwrite)
+        return target
+
+    def check(self) -> None:
+        """Refuse an output directory that is given and cannot be written, and a report without."""
+        if self.output is not None:
+            self.target()
+        elif self.documents.report or self.documents.workbook:
+            raise InputError("a report goes into a result directory: give -o")
+
+    def progress(
+        self,
+        call: Callable[[Callable[[int, int], None] | None], T],
+        what: str,
+        kernel: str = STEPPING,
+    ) -> T:
+        """Return what `call` returns; see `with_progress`."""
+        return with_progress(call, what, self.quiet, kernel)
+
+    def save(
+        self, result: Any, target: Path, show: Callable[[], Any] | None = None, **options: Any
+    ) -> int:
+        """Save a result, print it, write its documents; the exit status."""
+        result.save(target, overwrite=self.overwrite, figures=not self.no_figures, **options)
+        return self.written(result.outcome, result.sentence, target, show or result.show)
+
+    def written(
+        self,
+        outcome: str,
+        sentence: str,
+        target: Path,
+        show: Callable[[], Any] | None = None,
+    ) -> int:
+        """Print a result that is saved, write its documents, say where; the exit status."""
+        if not self.quiet and show is not None:
+            with contextlib.suppress(KeyboardInterrupt):  # the result is safe by now
+                show()
+        made = self.documents.write(target)
+        status = STATUSES.get(outcome, ENDED_EARLY)
+        if status:
+            typer.echo(f"thermobearing: {outcome}: {sentence}", err=True)
+        files = [file for file in target.rglob("*") if file.is_file()]
+        if not self.quiet:
+            size = megabytes(sum(file.stat().st_size for file in files))
+            names = "; " + ", ".join(file.name for file in made) if made else ""
+            typer.echo(f"written: {printable(str(target))} ({size}){names}")
+        if self.as_json:
+            last = {"outcome": outcome, "exit_status": status, "output": str(target)}
+            echo_json(last | {"files": sorted(str(file.relative_to(target)) for file in files)})
+        return status
+
+    def save_if_asked(self, result: Any, show: Callable[[], Any] | None = None) -> int:
+        """Print a result, and save it where an output directory is given; the exit status."""
+        if not self.quiet:
+            (show or result.show)()
+        if self.output is not None:
+            result.save(self.output, overwrite=self.overwrite, figures=not self.no_figures)
+            outcome = getattr(result, "outcome", "completed")  # a structure has none
+            return self.written(outcome, getattr(result, "sentence", ""), self.output)
+        if self.as_json:
+            echo_json({"exit_status": 0, **result.summary()})
+        return 0
+
+
+class Ending(Printed):
+    """The same of a command that writes a report too, with four more options."""
+
+
+STATUSES = {
+    "completed": 0,
+    "poor_fit": POOR_FIT,
+    "interrupted": INTERRUPTED,
+    "files_left_out": BAD_INPUT,
+}
 
 
 def megabytes(size: float) -> str:
@@ -395,11 +345,6 @@ def exposure_given(words: Sequence[str] | None) -> dict[str, Any] | None:
 def limit_numbers(given: Sequence[str] | None) -> dict[str, float]:
     """Those of `Limit`."""
     return numbers_by_name(given or [], "--limit", "QUANTITY=NUMBER, such as K_eq=0.1")
-
-
-COMPILING = "compiling: once after installing, for ten seconds to a minute"
-STEPPING = "march.march"  # the kernel that every analysis but those of structures begins with
-STRUCTURES = "newmark.newmark_march"
 
 
 def announce_compiling(quiet: bool, kernel: str = STEPPING) -> None:

@@ -7,229 +7,131 @@ from typing import Annotated, Any
 import typer
 
 from thermobearing.border.errors import InputError
-from thermobearing.commands.common import (
-    NO_DOCUMENTS,
-    STRUCTURES,
-    AsJson,
-    Documents,
-    FixedBase,
-    NoFigures,
-    Output,
-    Overwrite,
-    Quiet,
-    announce_compiling,
-    reported,
-    written,
-)
+from thermobearing.commands.common import STRUCTURES, Ending, announce_compiling
+from thermobearing.commands.earthquake import FIXED_BASE
+from thermobearing.commands.options import command, fields, option
 
-Structure_ = Annotated[
-    str | None, typer.Option("--structure", help="Name or TOML file.", metavar="NAME/FILE")
-]
-Motions = Annotated[
-    list[str] | None,
-    typer.Option("--motion", help="Name or file; may be repeated.", metavar="NAME/FILE"),
-]
-JudgedAt = Annotated[
-    list[float] | None,
-    typer.Option(help="Layered ones judged at [degC]."),
-]
-Peaks = Annotated[
-    str | None, typer.Option(help="Of several motions: mean (of three or more), or largest.")
-]
-Groups = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--group",
-        help="Bearing lines of one size, with commas; may be repeated.",
-        metavar="LINE,LINE",
+
+@command(
+    fields("earthquake.case:EarthquakeCase", "structure motions", motions="--motion"),
+    fields(
+        "design.case:DesignCase",
+        "start compound compound_kind weight ambient peaks tolerance",
+        compound="|G8, G10 or G12; G8 by default.",
+        compound_kind="--compound-kind --kind|HDR or HDR-S; HDR by default.",
     ),
-]
-
-
-@reported
+)
 def design(
     case: Annotated[
         Path | None, typer.Argument(help="Case file; without one, the bridge of section 6.2.")
-    ] = None,
-    start: Annotated[float | None, typer.Option(help="First displacement u_B [mm].")] = None,
-    compound: Annotated[str | None, typer.Option(help="G8, G10 or G12.")] = None,
-    kind: Annotated[
-        str | None, typer.Option("--compound-kind", "--kind", help="HDR or HDR-S.")
-    ] = None,
-    motion: Motions = None,
-    weight: Annotated[float | None, typer.Option(help="Load of one bearing [kN].")] = None,
-    structure: Structure_ = None,
-    group: Groups = None,
-    ambient: JudgedAt = None,
-    peaks: Peaks = None,
-    tolerance: Annotated[
-        float | None, typer.Option(help="Of found over assumed displacement, up to 0.1.")
-    ] = None,
-    output: Output = None,
-    overwrite: Overwrite = False,
-    no_figures: NoFigures = False,
-    as_json: AsJson = False,
-    quiet: Quiet = False,
-    documents: Documents = NO_DOCUMENTS,
+    ],
+    given: dict[str, Any],
+    group: Annotated[
+        list[str] | None,
+        option(
+            "--group",
+            help="Bearing lines of one size, with commas; may be repeated.",
+            metavar="LINE,LINE",
+        ),
+    ],
+    end: Ending,
 ) -> int:
     """Size isolation bearings: assume a displacement, size, analyse, compare, repeat."""
     from thermobearing.bearing.library import load_bearing
     from thermobearing.design.case import load_design_case, make_design_case
     from thermobearing.design.output import print_design, print_head, print_round
     from thermobearing.design.run import run_design
-    from thermobearing.results.directory import check_target
 
     groups = [{"lines": [name.strip() for name in text.split(",")]} for text in group or []]
-    overrides: dict[str, Any] = {
-        "line_groups": groups or None,
-        "start": start,
-        "compound": compound,
-        "compound_kind": kind,
-        "motions": motion or None,
-        "weight": weight,
-        "structure": structure,
-        "ambient": ambient or None,
-        "peaks": peaks,
-        "tolerance": tolerance,
-    }
+    given["line_groups"] = groups or None
     if case is None:
-        complete = make_design_case({}, "command line", **overrides)
+        complete = make_design_case({}, "command line", **given)
     else:
-        complete = load_design_case(case, **overrides)
+        complete = load_design_case(case, **given)
     templates = [load_bearing(name) for name in complete.equal]
-    target = output or Path("design")
-    check_target(target, overwrite=overwrite)
-    announce_compiling(quiet, STRUCTURES)
-    if not quiet:
+    target = end.target("design")
+    announce_compiling(end.quiet, STRUCTURES)
+    if not end.quiet:
         print_head(complete)
-    found = run_design(complete, None if quiet else print_round, templates=templates)
-    found.save(target, overwrite=overwrite, figures=not no_figures)
-    if not quiet:
-        print_design(found)
+    found = run_design(complete, None if end.quiet else print_round, templates=templates)
+    found.save(target, overwrite=end.overwrite, figures=not end.no_figures)
     outcome = "completed" if found.usable else found.outcome
-    return written(outcome, found.sentence, target, documents, as_json=as_json, quiet=quiet)
+    return end.written(outcome, found.sentence, target, lambda: print_design(found))
 
 
-@reported
-def bounds(
-    bearing: Annotated[
-        list[str] | None,
-        typer.Option("--bearing", help="Layered; may be repeated.", metavar="NAME/FILE"),
-    ] = None,
-    motion: Motions = None,
-    ambient: Annotated[
-        list[float] | None,
-        typer.Option("--ambient", help="Temperatures of the coupled model [degC]."),
-    ] = None,
-    structure: Structure_ = None,
-    fixed_base: FixedBase = False,
-    strain: Annotated[float, typer.Option(help="Of the bilinear models.")] = 1.75,
-    output: Output = None,
-    overwrite: Overwrite = False,
-    no_figures: NoFigures = False,
-    as_json: AsJson = False,
-    quiet: Quiet = False,
-    documents: Documents = NO_DOCUMENTS,
-) -> int:
+@command(
+    fields(
+        "earthquake.case:EarthquakeCase",
+        "bearings motions structure",
+        bearings="--bearing",
+        motions="--motion",
+    ),
+    fields(
+        "design.bounds:bounds_study",
+        "ambient strain",
+        ambient="|Temperatures of the coupled model [degC]; may be repeated.",
+        strain="|Shear strain of the bilinear models; 1.75 by default.",
+    ),
+)
+def bounds(given: dict[str, Any], fixed_base: FIXED_BASE, end: Ending) -> int:
     """Is a bounding analysis good enough? Two bilinear bounds against the coupled model."""
-    from thermobearing.design.bounds import AIR, BEARINGS
+    from thermobearing.design.bounds import BEARINGS
     from thermobearing.design.output import print_bounds
     from thermobearing.design.run import run_bounds
-    from thermobearing.results.directory import check_target
 
-    target = output or Path("bounds")
-    check_target(target, overwrite=overwrite)
-    announce_compiling(quiet, STRUCTURES)
-    on = {"structure": structure, "fixed_base": fixed_base or None}
-    report = run_bounds(bearing or BEARINGS, motion, ambient or AIR, strain=strain, **on)
-    report.save(target, overwrite=overwrite, figures=not no_figures)
-    if not quiet:
-        print_bounds(report)
-    return written(report.outcome, report.sentence, target, documents, as_json=as_json, quiet=quiet)
+    target = end.target("bounds")
+    announce_compiling(end.quiet, STRUCTURES)
+    bearings, motions = given.pop("bearings", BEARINGS), given.pop("motions", None)
+    report = run_bounds(bearings, motions, fixed_base=fixed_base or None, **given)
+    return end.save(report, target, lambda: print_bounds(report))
 
 
-Reference = Annotated[
-    float | None,
-    typer.Option(
-        "--reference-temperature",
-        "--reference",
-        help="Reference [degC]; that of the bearing's rubber by default.",
-    ),
-]
-Temperatures = Annotated[
-    list[float] | None,
-    typer.Option(help="Ambient [degC]; may be repeated; -40 to 40 in steps of 10."),
-]
-Posterior = Annotated[
-    Path | None,
-    typer.Option(help="posterior.csv of identify: a band of its samples.", metavar="FILE"),
-]
-Speed = Annotated[float | None, typer.Option(help="Mean speed [mm/s] instead of the period.")]
-
-
-@reported
+@command(
+    fields(
+        "design.run:run_factors",
+        "reference temperatures strains period speed",
+        temperatures="--temperature|Ambient [degC], in [-60, 60], -40 to 40 in steps of 10 by "
+        "default; may be repeated.",
+        strains="--strain|Shear strain, in [0.1, 3], 1 and 1.75 by default; may be repeated.",
+        reference="--reference-temperature --reference|Reference temperature [degC]; that of the "
+        "bearing's rubber by default.",
+        period="|Of the sine [s], in [0.2, 1000]; 2 by default.",
+        speed="|Mean speed [mm/s] instead of the period.",
+    )
+)
 def lambda_(
     bearing: Annotated[
         list[str],
         typer.Argument(help="Name or TOML file; several (a posterior) make bands."),
     ],
-    reference: Reference = None,
-    temperature: Temperatures = None,
-    strain: Annotated[
-        list[float] | None, typer.Option(help="May be repeated; 1 and 1.75 by default.")
-    ] = None,
-    period: Annotated[float | None, typer.Option(help="Of the sine [s]; 2 by default.")] = None,
-    speed: Speed = None,
-    cycles: Annotated[str, typer.Option(help="3, 1-3, 2-11, all-but-first, or as 2,3,4.")] = "1-3",
-    posterior: Posterior = None,
-    samples: Annotated[int, typer.Option(help="Of the posterior, evenly through it.")] = 20,
-    scale: Annotated[bool, typer.Option("--scale", help="Add sizes 1/6 and 1.")] = False,
-    output: Output = None,
-    overwrite: Overwrite = False,
-    no_figures: NoFigures = False,
-    as_json: AsJson = False,
-    quiet: Quiet = False,
-    documents: Documents = NO_DOCUMENTS,
+    given: dict[str, Any],
+    posterior: Annotated[
+        Path | None,
+        option(help="posterior.csv of identify: a band of its samples.", metavar="FILE"),
+    ],
+    scale: Annotated[bool, option("--scale", help="Add sizes 1/6 and 1.")],
+    end: Ending,
+    cycles: Annotated[str, option(help="3, 1-3, 2-11, all-but-first, or as 2,3,4.")] = "1-3",
+    samples: Annotated[int, option(help="Of the posterior, evenly through it.")] = 20,
 ) -> int:
     """Temperature factors from the coupled model: K_eq, Q_d, K_d, h_eq, energy; and bounds."""
     from thermobearing.bearing.library import load_bearing
-    from thermobearing.design.factors import STRAINS, TEMPERATURES
+    from thermobearing.design.factors import PRESETS
     from thermobearing.design.output import print_factors
     from thermobearing.design.run import run_factors
     from thermobearing.identify.uncertainty.samples import posterior_bearings
-    from thermobearing.results.directory import check_target
 
-    if period is not None and speed is not None:
+    if "period" in given and "speed" in given:
         raise InputError("give --period or --speed, not both")
     bearings = [load_bearing(name) for name in bearing]
     if posterior is not None:
         if len(bearings) > 1:
             raise InputError("--posterior goes with one bearing, the fitted one")
         bearings = posterior_bearings(bearings[0], posterior, samples)
-    target = output or Path(f"lambda-{bearings[0].name}")
-    check_target(target, overwrite=overwrite)
-    announce_compiling(quiet)
-    report = run_factors(
-        bearings,
-        reference=reference,
-        temperatures=temperature or TEMPERATURES,
-        strains=strain or STRAINS,
-        period=period,
-        speed=speed,
-        cycles=_cycles(cycles),
-        scale=scale,
-    )
-    report.save(target, overwrite=overwrite, figures=not no_figures)
-    if not quiet:
-        print_factors(report)
-    return written("completed", "", target, documents, as_json=as_json, quiet=quiet)
-
-
-def _cycles(text: str) -> str | list[int]:
-    """A preset, or numbers between commas."""
-    from thermobearing.design.factors import PRESETS
-
-    parts = [part.strip() for part in text.split(",")]
-    if text in PRESETS or not all(re.fullmatch("[0-9]{1,9}", part) for part in parts):
-        return text
-    return [int(part) for part in text.split(",")]
+    target = end.target(f"lambda-{bearings[0].name}")
+    announce_compiling(end.quiet)
+    numbers = [part.strip() for part in cycles.split(",")]
+    listed = cycles not in PRESETS and all(re.fullmatch("[0-9]{1,9}", part) for part in numbers)
+    which = [int(part) for part in numbers] if listed else cycles
+    report = run_factors(bearings, cycles=which, scale=scale, **given)
+    return end.save(report, target, lambda: print_factors(report))

@@ -2,12 +2,13 @@
 
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from thermobearing.border.errors import printable
-from thermobearing.commands.common import AsJson, echo_json, reported
+from thermobearing.commands.common import echo_json
+from thermobearing.commands.options import AsJson, Overwrite, command, fields, option
 
 if TYPE_CHECKING:
     from thermobearing.bearing.model import Bearing
@@ -17,59 +18,22 @@ WORD = re.compile(r"[a-z]+")
 MEASURED = re.compile(r"(?<!not )\bmeasured\b")
 
 
-Compound = Annotated[
-    str,
-    typer.Option(
-        help='One of "thermobearing list", or the TOML file of a compound or a bearing.',
-        metavar="NAME/FILE",
-    ),
-]
-Layers = Annotated[
-    str, typer.Option(help="Number and thickness of the rubber layers, such as 20x8mm.")
-]
-Shim = Annotated[str, typer.Option(help="Thickness of a steel plate between, such as 3mm.")]
-Plan = Annotated[
-    str | None, typer.Option(help="Length in the direction of motion, and width: 1000x1000mm.")
-]
-Diameter = Annotated[
-    str | None, typer.Option(help="Of a round bearing, such as 700mm, instead of --plan.")
-]
-EndPlate = Annotated[
-    str | None, typer.Option(help="Thickness of an end plate; 30 mm are assumed without it.")
-]
-Sealing = Annotated[str, typer.Option(help="Thickness of a plate inside each end plate.")]
-Lead = Annotated[
-    str | None, typer.Option(help="Diameter of a lead core, such as 180mm; none without it.")
-]
-Confined = Annotated[
-    bool, typer.Option("--confined", help="Cores in springs: heat goes to the ends only.")
-]
-Spreading = Annotated[
-    float, typer.Option(help="Of heat into the end plates of confined cores, 0.001 to 1.")
-]
-File = Annotated[
-    Path | None, typer.Option("-o", "--output", help="File to write; NAME.toml by default.")
-]
-
-
-@reported
+@command(
+    fields(
+        "bearing.new:new_bearing",
+        "compound layers shim plan diameter end_plate sealing_plate lead cores confined "
+        "end_spreading",
+    )
+)
 def new(
     name: Annotated[str, typer.Argument(help="Of the new bearing; its file is NAME.toml.")],
-    compound: Compound,
-    layers: Layers,
-    shim: Shim,
-    plan: Plan = None,
-    diameter: Diameter = None,
-    end_plate: EndPlate = None,
-    sealing_plate: Sealing = "0 mm",
-    lead: Lead = None,
-    cores: Annotated[int, typer.Option(help="Number of lead cores.")] = 1,
-    confined: Confined = False,
-    end_spreading: Spreading = 1.0,
-    output: File = None,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the file.")] = False,
-    as_json: AsJson = False,
-    quiet: Annotated[bool, typer.Option("-q", "--quiet", help="Print nothing.")] = False,
+    given: dict[str, Any],
+    output: Annotated[
+        Path | None, option("-o", "--output", help="File to write; NAME.toml by default.")
+    ],
+    overwrite: Overwrite,
+    as_json: AsJson,
+    quiet: Annotated[bool, option("-q", "--quiet", help="Print nothing.")],
 ) -> int:
     """Make a bearing from a compound and its sizes, and write it as a TOML file."""
     from thermobearing.bearing.library import save_bearing
@@ -78,25 +42,12 @@ def new(
     from thermobearing.commands.check import bearing_facts
     from thermobearing.results.screen import print_facts, print_warnings
 
-    made = new_bearing(
-        name,
-        compound,
-        plan=plan,
-        diameter=diameter,
-        layers=layers,
-        shim=shim,
-        end_plate=end_plate,
-        sealing_plate=sealing_plate,
-        lead=lead,
-        cores=cores,
-        confined=confined,
-        end_spreading=end_spreading,
-    )
+    made = new_bearing(name, **given)
     target = output or Path(f"{name}.toml")
     save_bearing(made, target, overwrite=overwrite)
     if not quiet:
         facts = bearing_facts(made)
-        if end_plate is None:
+        if "end_plate" not in given:
             facts["end plates"] += ", assumed: give --end-plate"
         facts |= _told(not_measured(made))
         print_facts(f"{target}: a new bearing", facts)

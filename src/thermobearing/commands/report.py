@@ -6,30 +6,27 @@ from typing import Annotated
 import typer
 
 from thermobearing.border.errors import printable
-from thermobearing.commands.common import (
-    REPORT,
+from thermobearing.commands.common import REPORT, echo_json, megabytes
+from thermobearing.commands.options import (
     AsJson,
     Quiet,
     Template,
     Title,
     Workbook,
-    echo_json,
-    megabytes,
-    reported,
+    command,
+    option,
 )
 
 
-@reported
+@command()
 def report(
     directory: Annotated[Path, typer.Argument(help="Result directory of any command.")],
-    title: Title = None,
-    template: Template = None,
-    no_pdf: Annotated[
-        bool, typer.Option("--no-pdf", help="The HTML page alone.", rich_help_panel=REPORT)
-    ] = False,
-    xlsx: Workbook = False,
-    as_json: AsJson = False,
-    quiet: Quiet = False,
+    title: Title,
+    template: Template,
+    no_pdf: Annotated[bool, option("--no-pdf", help="The HTML page alone.", panel=REPORT)],
+    xlsx: Workbook,
+    as_json: AsJson,
+    quiet: Quiet,
 ) -> int:
     """Write report.html and report.pdf of a result into its directory; nothing is run again."""
     from thermobearing.report.title import title_given

@@ -11,65 +11,159 @@ from thermobearing.commands.common import (
     ENDED_EARLY,
     INTERRUPTED,
     STRUCTURES,
-    AsJson,
-    Command,
     Group,
-    NoFigures,
-    Output,
-    Overwrite,
-    Quiet,
+    Printed,
     announce_compiling,
     echo_json,
     megabytes,
-    reported,
     with_progress,
-    written,
+)
+from thermobearing.commands.options import (
+    AsJson,
+    Overwrite,
+    Quiet,
+    add,
+    command,
+    fields,
+    option,
 )
 
 if TYPE_CHECKING:
     from thermobearing.studies.run.dry_run import Forecast
     from thermobearing.studies.run.status import Status
 
-Directory = Annotated[Path, typer.Argument(help="Directory of the study.", metavar="DIR")]
-Demand = Annotated[
-    str | None,
-    typer.Option(help="Column of the table of runs; ductility of the pier by default."),
-]
+DIRECTORY = Annotated[Path, typer.Argument(help="Directory of the study.", metavar="DIR")]
+HELP = "Parameter studies: `study STUDY.toml -o DIR` runs or resumes one."
+RUN = "run"
+WHERE, HOW = "Study", "How"
 
 
-@reported
-def figures(
-    directory: Directory,
-    demand: Demand = None,
-    capacity: Annotated[
-        float | None,
-        typer.Option(help="Of the demand, in the unit of its column; fragility needs it."),
-    ] = None,
-    hazard: Annotated[
-        str | None, typer.Option(help="Hazard curve of the site: a file.", metavar="FILE")
-    ] = None,
-    weather: Annotated[
-        str | None,
-        typer.Option(help="Of the site by the hour: file or climate.", metavar="FILE/NAME"),
-    ] = None,
-    method: Annotated[str | None, typer.Option(help="Of fragility: stripes, ida or cloud.")] = None,
-    failed: Annotated[
-        str | None, typer.Option(help="Failed runs: left-out (the default) or collapse.")
-    ] = None,
-    as_json: AsJson = False,
-    quiet: Quiet = False,
+class _Study(Group):
+    """The commands of a study; a file in place of one of them is run."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """`study p1.toml -o p1` is `study run p1.toml -o p1`."""
+        asks = {"-h", "--help"} & set(args[:1])
+        if args and not asks and args[0] not in self.commands:
+            args = [RUN, *args]
+        return super().parse_args(ctx, args)
+
+
+app = typer.Typer(cls=_Study, help=HELP, no_args_is_help=True, rich_markup_mode="markdown")
+
+
+@add(app, RUN, "study run p1.toml -o p1 --jobs 8", "study run p1.toml --dry-run")
+@command(
+    fields(
+        "studies.run.engine:run_study",
+        "jobs executor address shard",
+        HOW,
+        jobs="|Processes; one a core by default.",
+        executor="|process (default) or dask.",
+        address="|Of Dask's scheduler, tcp://HOST:8786.",
+        shard="|Every n-th part from the i-th, i/n, for batch systems.",
+    )
+)
+def run(
+    study: Annotated[Path, typer.Argument(help="Study file.", metavar="STUDY.toml")],
+    output: Annotated[
+        Path | None,
+        option(
+            "-o",
+            "--output",
+            help="Directory, new or where this study was begun.",
+            panel=WHERE,
+        ),
+    ],
+    dry_run: Annotated[
+        bool,
+        option(
+            "--dry-run",
+            help="Number of runs, time and size that are expected; nothing is written.",
+            panel=WHERE,
+        ),
+    ],
+    given: dict[str, Any],
+    as_json: AsJson,
+    quiet: Quiet,
 ) -> int:
+    """Run or resume a study."""
+    from thermobearing.studies.definition.case import load_study
+    from thermobearing.studies.inputs.motions import is_matched
+    from thermobearing.studies.run.engine import check_start, run_study
+
+    made = load_study(study)
+    jobs = given.get("jobs")
+    if dry_run:
+        return _told(made, jobs, as_json, quiet)
+    target = output or Path(f"study-{made.name}")
+    if is_matched(made):
+        check_start(target, **given)
+        made = _with_motions(made, target, jobs, quiet)
+    status = with_progress(
+        lambda show: run_study(made, target, progress=show, **given), "runs", quiet, STRUCTURES
+    )
+    return _ended(status, as_json, quiet, part="shard" in given)
+
+
+@add(app, "status", "study status p1")
+@command()
+def status_(directory: DIRECTORY, as_json: AsJson) -> int:
+    """How far it is, and why runs failed; looks only, whoever is writing there."""
+    from thermobearing.studies.output import print_status
+    from thermobearing.studies.run.status import study_status
+
+    found = study_status(directory)
+    print_status(found)
+    if as_json:
+        echo_json({"exit_status": 0, "output": str(directory), **found.summary()})
+    return 0
+
+
+@add(app, "table", "study table p1 -o p1.csv")
+@command()
+def table(
+    directory: DIRECTORY,
+    output: Annotated[
+        Path | None,
+        option("-o", "--output", help="File, .csv or .xlsx; DIR.csv by default.", metavar="FILE"),
+    ],
+    overwrite: Overwrite,
+    as_json: AsJson,
+) -> int:
+    """All runs that are done as one file, a row each."""
+    from thermobearing.studies.store.directory import Store
+    from thermobearing.studies.store.parquet import write_table
+
+    found = Store(directory).table()
+    file = output or Path(f"{directory}.csv")
+    write_table(found, file, overwrite=overwrite)
+    typer.echo(f"written: {printable(str(file))} ({len(found)} runs)")
+    if as_json:
+        echo_json({"exit_status": 0, "output": str(file), "runs": len(found)})
+    return 0
+
+
+@add(app, "figures", "study figures p1 --hazard site.csv --capacity 4")
+@command(
+    fields(
+        "studies.options:Asked",
+        "demand capacity hazard weather method failed",
+        capacity="|Of the demand, in the unit of its column; fragility needs it.",
+        hazard="|Hazard curve of the site: a file.",
+        weather="|Of the site by the hour: file or climate.",
+    )
+)
+def figures(directory: DIRECTORY, given: dict[str, Any], as_json: AsJson, quiet: Quiet) -> int:
     """Draw demand, IDA curves, fragility, annual rates and shares of variance into DIR/figures.
 
-    What was asked is kept in DIR/question.toml; `thermobearing report DIR` asks the same.
+    The settings are kept in DIR/question.toml; `thermobearing report DIR` uses the same.
     """
     from thermobearing.results.directory import FIGURES
     from thermobearing.studies.options import asked_over, keep_asked, kept_asked
     from thermobearing.studies.output import print_answers, study_result
 
-    options = {"demand": demand, "capacity": capacity, "hazard": hazard, "weather": weather}
-    options |= {"method": method, "failed": failed}
-    asked = asked_over(kept_asked(directory), options)
+    asked = asked_over(kept_asked(directory), given)
     result = study_result(directory)
     question = asked.question()
     files = result.plot.save_all(directory / FIGURES, question)
@@ -83,136 +177,38 @@ def figures(
     return 0
 
 
-@reported
+@add(app, "worst", "study worst p1")
+@command(fields("studies.options:Asked", "demand"))
 def worst(
-    directory: Directory,
-    count: Annotated[int, typer.Option(help="How many.", min=1)] = 10,
-    demand: Demand = None,
-    as_json: AsJson = False,
+    directory: DIRECTORY,
+    given: dict[str, Any],
+    as_json: AsJson,
+    count: Annotated[int, option(help="How many.", min=1)] = 10,
 ) -> int:
-    """The worst runs, and one of each way to fail, with the command that repeats each in full."""
+    """List the worst runs and one example of each failure mode, with the command to repeat each."""
     from thermobearing.studies.output import print_worst, study_result
 
-    table = study_result(directory).worst(count, demand)
+    table = study_result(directory).worst(count, given.get("demand"))
     print_worst(table)
     if as_json:
         echo_json({"exit_status": 0, "runs": table.to_dict("records")})
     return 0
 
 
-@reported
+@add(app, "repeat", "study repeat p1 12 -o p1-run-12")
+@command()
 def repeat(
-    directory: Directory,
+    directory: DIRECTORY,
     run: Annotated[int, typer.Argument(help="Number of the run.", metavar="RUN", min=0)],
-    output: Output = None,
-    overwrite: Overwrite = False,
-    no_figures: NoFigures = False,
-    as_json: AsJson = False,
-    quiet: Quiet = False,
+    end: Printed,
 ) -> int:
     """Carry out one run of a study again with everything kept, as `bridge` does."""
-    from thermobearing.results.directory import check_target
     from thermobearing.studies.definition.case import load_study
     from thermobearing.studies.run.worst import repeat_run
     from thermobearing.studies.store.directory import STUDY
 
-    if output is not None:
-        check_target(output, overwrite=overwrite)
-    result = repeat_run(load_study(directory / STUDY), run)
-    if not quiet:
-        result.show()
-    if output is None:
-        if as_json:
-            echo_json({"exit_status": 0, **result.summary()})
-        return 0
-    result.save(output, overwrite=overwrite, figures=not no_figures)
-    return written(result.outcome, result.sentence, output, as_json=as_json, quiet=quiet)
-
-
-HELP = "Studies of very many runs: `study STUDY.toml -o DIR` carries one out, or what is missing."
-RUN = "run"
-WHERE, HOW = "Study", "How"
-
-
-class _Study(Group):
-    """The words of a study; a file instead of one of them is carried out."""
-
-    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """`study p1.toml -o p1` is `study run p1.toml -o p1`."""
-        asks = {"-h", "--help"} & set(args[:1])
-        if args and not asks and args[0] not in self.commands:
-            args = [RUN, *args]
-        return super().parse_args(ctx, args)
-
-
-app = typer.Typer(cls=_Study, help=HELP, no_args_is_help=True, rich_markup_mode="markdown")
-
-
-@app.command(
-    RUN,
-    cls=Command,
-    epilog="Example: thermobearing study run p1.toml -o p1 --jobs 8\n\n"
-    "Example: thermobearing study run p1.toml --dry-run",
-)
-@reported
-def run(
-    study: Annotated[Path, typer.Argument(help="Study file.", metavar="STUDY.toml")],
-    output: Annotated[
-        Path | None,
-        typer.Option(
-            "-o",
-            "--output",
-            help="Directory, new or where this study was begun.",
-            rich_help_panel=WHERE,
-        ),
-    ] = None,
-    dry_run: Annotated[
-        bool,
-        typer.Option(
-            "--dry-run",
-            help="Number of runs, time and size that are expected; nothing is written.",
-            rich_help_panel=WHERE,
-        ),
-    ] = False,
-    jobs: Annotated[
-        int | None, typer.Option(help="Processes; one a core by default.", rich_help_panel=HOW)
-    ] = None,
-    executor: Annotated[
-        str, typer.Option(help="process or dask.", rich_help_panel=HOW)
-    ] = "process",
-    address: Annotated[
-        str | None,
-        typer.Option(help="Of Dask's scheduler, tcp://HOST:8786.", rich_help_panel=HOW),
-    ] = None,
-    shard: Annotated[
-        str | None,
-        typer.Option(
-            help="Every n-th part from the i-th, for batch systems.",
-            metavar="i/n",
-            rich_help_panel=HOW,
-        ),
-    ] = None,
-    as_json: AsJson = False,
-    quiet: Quiet = False,
-) -> int:
-    """Carry out a study, or what is missing of it."""
-    from thermobearing.studies.definition.case import load_study
-
-    made = load_study(study)
-    if dry_run:
-        return _told(made, jobs, as_json, quiet)
-    from thermobearing.studies.inputs.motions import is_matched
-    from thermobearing.studies.run.engine import check_start, run_study
-
-    target = output or Path(f"study-{made.name}")
-    words: dict[str, Any] = {"executor": executor, "jobs": jobs, "address": address, "shard": shard}
-    if is_matched(made):
-        check_start(target, **words)
-        made = _with_motions(made, target, jobs, quiet)
-    status = with_progress(
-        lambda show: run_study(made, target, progress=show, **words), "runs", quiet, STRUCTURES
-    )
-    return _ended(status, as_json, quiet, part=shard is not None)
+    end.check()
+    return end.save_if_asked(repeat_run(load_study(directory / STUDY), run))
 
 
 def _with_motions(study: Any, target: Path, jobs: int | None, quiet: bool) -> Any:
@@ -286,51 +282,3 @@ def _ended(status: "Status", as_json: bool, quiet: bool, *, part: bool) -> int:
     if as_json:
         echo_json({"exit_status": code, "output": str(status.directory), **status.summary()})
     return code
-
-
-@app.command("status", cls=Command, epilog="Example: thermobearing study status p1")
-@reported
-def status_(directory: Directory, as_json: AsJson = False) -> int:
-    """How far it is, and why runs failed; looks only, whoever is writing there."""
-    from thermobearing.studies.output import print_status
-    from thermobearing.studies.run.status import study_status
-
-    found = study_status(directory)
-    print_status(found)
-    if as_json:
-        echo_json({"exit_status": 0, "output": str(directory), **found.summary()})
-    return 0
-
-
-@app.command(cls=Command, epilog="Example: thermobearing study table p1 -o p1.csv")
-@reported
-def table(
-    directory: Directory,
-    output: Annotated[
-        Path | None,
-        typer.Option(
-            "-o", "--output", help="File, .csv or .xlsx; DIR.csv by default.", metavar="FILE"
-        ),
-    ] = None,
-    overwrite: Overwrite = False,
-    as_json: AsJson = False,
-) -> int:
-    """All runs that are done as one file, a row each."""
-    from thermobearing.studies.store.directory import Store
-    from thermobearing.studies.store.parquet import write_table
-
-    found = Store(directory).table()
-    file = output or Path(f"{directory}.csv")
-    write_table(found, file, overwrite=overwrite)
-    typer.echo(f"written: {printable(str(file))} ({len(found)} runs)")
-    if as_json:
-        echo_json({"exit_status": 0, "output": str(file), "runs": len(found)})
-    return 0
-
-
-app.command(
-    cls=Command,
-    epilog="Example: thermobearing study figures p1 --hazard site.csv --capacity 4",
-)(figures)
-app.command(cls=Command, epilog="Example: thermobearing study worst p1")(worst)
-app.command(cls=Command, epilog="Example: thermobearing study repeat p1 12 -o p1-run-12")(repeat)

@@ -382,7 +382,14 @@ DEFAULT_AMBIENT = (-20.0, 0.0, 23.0)  # the three chamber temperatures of Table 
 
 
 class Analysis(ModelOptions):
-    """How to compute, and what to keep."""
+    """How to compute, and what to keep.
+
+    Attributes
+    ----------
+    keep_every : keep every n-th step; turning points are kept besides.
+    keep : histories besides displacement, force and energy.
+    histories : in files: "thinned", turning points and 200 points a cycle, or "complete".
+    """
 
     keep_every: Annotated[int, Field(ge=1, le=1_000_000_000)] = 1
     keep: tuple[Group, ...] = ("rubber", "cells")
@@ -404,15 +411,15 @@ class Case(Strict):
 
     Attributes
     ----------
-    bearing : what is tested.
+    bearing : what is tested: a library name, a TOML file, or a table.
     test : what is done to it.
-    ambient : temperatures of the air [degC], in [-100, 100]; each is a run of its own.
+    ambient : ambient temperatures [degC], in [-100, 100]; each is a run of its own.
     ambient_series : CSV file with time and temperature of the air, instead of `ambient`.
     initial : uniform temperature at the start [degC]; the ambient temperature by default.
     initial_lead : of the lead at the start [degC]; the mean of the cells beside it by default.
     initial_profile : temperature of each cell at the start, upper face first [degC].
     initial_state : where an earlier test left the bearing; `initial_result` of a file becomes it.
-    rig : limits of the rig that is to do it; a run that passes one says so.
+    rig : limits of a test rig, its name or file; a warning says which a run exceeds.
     analysis : how to compute, and what to keep.
     sources : of the numbers of bearing and rig, by name and dotted key, where their own files have
         some; for documents only.

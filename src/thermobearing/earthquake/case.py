@@ -76,10 +76,14 @@ ONE_OR_SEVERAL = BeforeValidator(lambda mode: (mode,) if isinstance(mode, str) e
 class Laboratory(Strict):
     """A specimen in the loop.
 
-    `mode` "rt" runs in real time; in "pd" the actuator moves at `speed`, and the specimen lives
-    on that slower clock; with both, every combination makes two runs. `delay` of the actuator and
-    `force_noise` (standard deviation of the measured force of the specimen, with `seed`) are
-    what a laboratory rehearses.
+    Attributes
+    ----------
+    mode : "rt" runs in real time; in "pd" the actuator moves at `speed`, and the specimen lives on
+        that slower clock; with both, every combination makes two runs.
+    speed : of the actuator in "pd" [mm/s], in [1e-3, 1e4].
+    delay : of the actuator [s], in [0, 1].
+    force_noise : standard deviation of the measured force [kN], in [0, 1e5].
+    seed : of the noise.
     """
 
     mode: Annotated[tuple[Mode, ...], ONE_OR_SEVERAL, Field(min_length=1)] = ("rt",)
@@ -102,7 +106,16 @@ class Laboratory(Strict):
 
 
 class Stepping(Strict):
-    """How the structure is led through time; `damping` as the structure says, unless given."""
+    """How the structure is integrated in time.
+
+    Attributes
+    ----------
+    dt : largest time step [s], in [1e-6, 0.1].
+    method : "average-acceleration", "linear-acceleration" or "predictor-corrector"; of a hybrid
+        test by default the last.
+    mass : "consistent" or "published".
+    damping : "modal", "rayleigh", "element", "none" or "source"; by default that of the structure.
+    """
 
     dt: Annotated[float, in_unit("s"), Field(ge=1e-6, le=0.1)] = 0.005
     method: Method = "average-acceleration"
@@ -111,9 +124,12 @@ class Stepping(Strict):
 
 
 class EarthquakeAnalysis(ModelOptions, Stepping):
-    """How to compute, and what to keep. Options of lead pass by a bearing that has none.
+    """How to compute, and what to keep; options of lead do not concern a bearing without lead.
 
-    `keep` may name "cells": temperatures through the height, besides those of the layers.
+    Attributes
+    ----------
+    keep_every : keep every n-th step of the histories.
+    keep : temperatures: "rubber", and "cells" for those through the height.
     """
 
     keep_every: Annotated[int, Field(ge=1)] = 2
@@ -133,11 +149,11 @@ class EarthquakeCase(Strict):
     Attributes
     ----------
     command : "bridge", or "hybrid" with a specimen in the loop.
-    structure : what stands on the bearings.
-    bearings, motions : one or more each; a motion says its file, and its size if that is changed.
+    structure : what stands on the bearings: name, TOML file, or table.
+    bearings, motions : one or more each: name, file, or table.
     ambient : temperatures of the air and of the bearings at the start [degC], in [-100, 100].
     weather : file with time and temperature, a table or EPW, that ends when the earthquake begins,
-        instead of `ambient`. Faces and sides of the bearings then have the defaults of `outdoors`.
+        instead of `ambient`. Faces and sides of the bearings then have other defaults.
     duration : motions are cut to this [s], in [0.001, 1e6]; None for their whole length.
     analysis : how to compute, and what to keep.
     laboratory : of a specimen in the loop.
@@ -147,7 +163,7 @@ class EarthquakeCase(Strict):
     sources : of the numbers of bearings, structure and rig, by name and dotted key, where their
         own files have some;
         for documents only.
-    rig : limits of the rig that moves the specimen; a run that passes one says so.
+    rig : limits of the test rig, its name or file; a warning says which a run exceeds.
     """
 
     command: Command

@@ -96,22 +96,22 @@ class ModelOptions(Strict):
 
     Attributes
     ----------
-    model : "multi-layer" (default), or an earlier model to compare with (model/earlier.py).
+    model : "multi-layer" (default), or an earlier model to compare with.
     scheme : "conservative" (default) or "published" heat scheme.
     integrator : "exact" (default) or "euler" integration of Z.
     hardening : "printed" (default, Eq. 4.34), or "monotone": the same where d and Z have one sign,
-        the whole loading branch, and unloading that never goes up (core/hardening.py).
+        the whole loading branch, and unloading that never goes up.
     small_loops : "published" (Eq. 4.35), after which a small reversal does not come back to the
-        force where it began, or "closed": it does (core/hysteresis.py). None for that of the
-        bearing, which is the published law unless it says otherwise.
-    heat_source : "work" (Eq. 4.22) or "dissipation"; None for that of the bearing, see
-        `default_heat_source`.
+        force where it began, or "closed": it does; by default that of the bearing, "published"
+        unless its file has another.
+    heat_source : "work" (Eq. 4.22) or "dissipation"; by default dissipation for natural rubber
+        (LRB), which gives its elastic work back, and work for the others.
     lead_ends : how lead passes heat to steel: "finite-plate" (default: plates of finite
         thickness, shims as fins) or "half-space" (Eq. 5.4-5.5, with surface_ratio and clock),
         which the published scheme and the earlier models have.
     clock : of lead on a half-space: whose diffusivity makes t+ of Eq. 5.6 dimensionless, "lead" as
-        printed or "steel" (Kalpakidis & Constantinou 2009); None for that of the bearing, or, if
-        it says none, lead with the published scheme and steel with the conservative one.
+        printed or "steel" (Kalpakidis & Constantinou 2009); by default that of the bearing, or, if
+        it has none, lead with the published scheme and steel with the conservative one.
     stack : "auto" (default) models the upper half when both faces are alike, else the whole
         height; "half" or "full".
     upper_face, lower_face : heat exchange of the end faces; eta_B = 2 by default.
