@@ -43,7 +43,8 @@ FEWEST_TO_SORT = 3  # rows; two are seen at once
 MOST_ROWS = 40  # of a table that are open; the rest is folded
 UPRIGHT = 130  # letters in a row of a table that fit on a page; more is turned, as page.css knows
 SHORT = 12  # rows that stay on one page
-PADDING = 3  # of a column, in letters
+PADDING, ARROW = 3, 1  # of a column, and of a head that sorts, in letters
+UNWRAPPED = ("amount", "words brief", "words verdict")  # classes of columns
 BRIEF, LONG = 25, 34  # letters of a cell that stays on a line, and of one that is wrapped
 BOX_NAMES = {"answer": "Answer", "warning": "\N{WARNING SIGN} Warning"}
 PIXEL = 25.4 / 96.0  # of a page [mm]
@@ -228,7 +229,7 @@ def _table(table: Table, number: int, places: Mapping[str, str]) -> dict[str, An
     """Return a table as the template reads it: the governing rows, and the rest folded."""
     texts = table.texts()
     looks = _looks(table, texts)
-    letters = _letters(table, texts)
+    letters, least = _letters(table, texts, looks)
     rows = [
         [
             _cell(value, text, look, places, (at, place) in table.marked)
@@ -243,7 +244,12 @@ def _table(table: Table, number: int, places: Mapping[str, str]) -> dict[str, An
     look = ["table", *["broad"] * (letters > UPRIGHT), *["short"] * (len(rows) < SHORT)]
     return {
         **{"kind": "table", "name": f"table-{number}", "number": number, "key_columns": table.keys},
-        **{"caption": table.caption, "note": f"{note} {why}".strip(), "letters": letters},
+        **{
+            "caption": table.caption,
+            "note": f"{note} {why}".strip(),
+            "letters": letters,
+            "least": least,
+        },
         "look": " ".join(look),
         "sorts": len(rows) >= FEWEST_TO_SORT,
         "columns": [
@@ -304,11 +310,16 @@ def _looks(table: Table, texts: Sequence[Sequence[str]]) -> list[str]:
     return looks
 
 
-def _letters(table: Table, texts: Sequence[Sequence[str]]) -> int:
-    """Return the width of a table in letters: how large they are follows from it."""
-    wide = 0
+def _letters(table: Table, texts: Sequence[Sequence[str]], looks: Sequence[str]) -> tuple[int, int]:
+    """Return the width of a table in letters, as it is and wrapped as far as its words allow.
+
+    How large its letters are on paper and on a screen follows from it.
+    """
+    wide = least = 0
     for place, column in enumerate(table.columns):
-        cells = [min(len(row[place]), LONG) for row in texts]
-        words = [len(word) for word in column.title.split()]
-        wide += max([*cells, *words], default=0) + PADDING
-    return wide
+        cells = [row[place] for row in texts]
+        head = [len(word) + ARROW for word in column.title.split()]
+        words = cells if looks[place] in UNWRAPPED else [w for c in cells for w in c.split()]
+        wide += max([min(len(cell), LONG) for cell in cells] + head, default=0) + PADDING
+        least += max([min(len(word), LONGEST_WORD) for word in words] + head, default=0) + PADDING
+    return wide, least

@@ -30,7 +30,7 @@
   };
   // About so many round values in a range, and their words.
   const ticks = ([low, high], most) => {
-    const raw = (high - low) / Math.max(most, 2);
+    const raw = (high - low) / Math.max(most, 3);
     const power = 10 ** Math.floor(Math.log10(raw));
     const step = power * [1, 2, 5, 10].find((factor) => factor * power >= 0.999 * raw);
     const digits = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
