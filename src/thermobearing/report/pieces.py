@@ -45,18 +45,12 @@ class Trace:
 
     Attributes
     ----------
-    name : str
-        In the legend; lines of one name are switched together.
-    x, y : ndarray
-        Equally long; NaN interrupts the line.
-    colour : str
-        Such as "#0077BB".
-    look : str
-        "line", "dashed", "points" or "line with points".
-    frames : ndarray, optional
-        With a slider: y of each of its places, shape (places, points).
-    frames_x : ndarray, optional
-        With a slider: x of each of its places; None where x stays.
+    name : in the legend; lines of one name are switched together.
+    x, y : equally long; NaN interrupts the line.
+    colour : such as "#0077BB".
+    look : "line", "dashed", "points" or "line with points".
+    frames : with a slider: y of each of its places, shape (places, points).
+    frames_x : with a slider: x of each of its places; None where x stays.
     """
 
     name: str
@@ -74,18 +68,12 @@ class Plot:
 
     Attributes
     ----------
-    x_title, y_title : str
-        Titles of the axes with units.
-    choices : mapping of str to sequence of Trace
-        Traces by the words of a menu, such as one per motion (one entry: no menu).
-    slider : sequence of str
-        Words of each place of the slider, such as "12.5 s"; empty without one.
-    slider_title : str
-        What the slider moves through, such as "time".
-    equal : bool
-        The same scale on both axes, as for an orbit.
-    bands : sequence of (lower, upper, words)
-        On the x axis, shaded as outside the tested range.
+    x_title, y_title : titles of the axes with units.
+    choices : traces by the words of a menu, such as one per motion (one entry: no menu).
+    slider : words of each place of the slider, such as "12.5 s"; empty without one.
+    slider_title : what the slider moves through, such as "time".
+    equal : the same scale on both axes, as for an orbit.
+    bands : on the x axis, shaded as outside the tested range.
     """
 
     x_title: str
@@ -114,17 +102,12 @@ class ReportFigure:
 
     Attributes
     ----------
-    caption : str
-        What is to be seen, in words that stand without the text.
-    draw : callable, optional
-        Makes the matplotlib figure; called once, when a document is written. Without it, and
+    caption : what is to be seen, in words that stand without the text.
+    draw : makes the matplotlib figure; called once, when a document is written. Without it, and
         without `image`, the figure of paper is drawn from `plot`.
-    image : bytes, optional
-        A picture that exists (SVG or PNG), instead of `draw`.
-    alt : str
-        What somebody who does not see it must know; the caption where it is empty.
-    plot : Plot, optional
-        Interactive figure of the HTML page; without it the drawn figure stands there too.
+    image : a picture that exists (SVG or PNG), instead of `draw`.
+    alt : what somebody who does not see it must know; the caption where it is empty.
+    plot : interactive figure of the HTML page; without it the drawn figure stands there too.
     """
 
     caption: str
@@ -140,18 +123,12 @@ class Check:
 
     Attributes
     ----------
-    what : str
-        With the run or place that decides.
-    value, limit : float
-        In `unit`; a NaN limit is not judged.
-    unit : str
-        "" for pure numbers.
-    source : str
-        Of the limit: a code, a table, the data file.
-    verdict : str
-        "within", "exceeded" or "not judged".
-    lower : bool
-        The limit is a lower one.
+    what : with the run or place that decides.
+    value, limit : In `unit`; a NaN limit is not judged.
+    unit : "" for pure numbers.
+    source : of the limit: a code, a table, the data file.
+    verdict : "within", "exceeded" or "not judged".
+    lower : the limit is a lower one.
     """
 
     what: str
@@ -185,32 +162,19 @@ class Pieces:
 
     Attributes
     ----------
-    command : str
-        That made the result, such as "bridge".
-    title : str
-        Of the document, without the project.
-    question : str
-        What was asked: a sentence or two.
-    answer : sequence of str
-        What came out: three sentences with numbers.
-    inputs : mapping of str to Table
-        What went in, each value with unit and source.
-    tables, figures : mapping
-        By name; a template calls them by it, the rest comes in this order.
-    checks : sequence of Check
-        Numbers compared with limits.
-    validity : sequence of str
-        Sentences on what left the range that the parameters were identified in.
-    validity_unknown : str
-        Why there is no verdict on it; "" where there is one.
-    notes : sequence of str
-        Sentences on validity that are no warnings, such as of strain rates in earthquakes.
-    books : Table, optional
-        Energy balance; None where nothing moves.
-    assumptions, warnings : sequence of str
-        Sentences.
-    identity : mapping of str to str
-        Version, input hash, the command that makes it again, date of the run, by name.
+    command : that made the result, such as "bridge".
+    title : of the document, without the project.
+    question : what was asked: a sentence or two.
+    answer : what came out: three sentences with numbers.
+    inputs : what went in, each value with unit and source.
+    tables, figures : by name; a template calls them by it, the rest comes in this order.
+    checks : numbers compared with limits.
+    validity : sentences on what left the range that the parameters were identified in.
+    validity_unknown : why there is no verdict on it; "" where there is one.
+    notes : sentences on validity that are no warnings, such as of strain rates in earthquakes.
+    books : energy balance; None where nothing moves.
+    assumptions, warnings : sentences.
+    identity : version, input hash, the command that makes it again, date of the run, by name.
     """
 
     command: str
@@ -288,16 +252,11 @@ class Document:
 
     Attributes
     ----------
-    title : str
-        Of the document.
-    block : mapping of str to str
-        The title block: project, structure, client, author, number, date, revision, as given.
-    logo : bytes or None
-        A PNG or SVG.
-    blocks : sequence of Block
-        In reading order.
-    identity : mapping of str to str
-        As of `Pieces`; short of it stands in the foot of every page.
+    title : of the document.
+    block : the title block: project, structure, client, author, number, date, revision, as given.
+    logo : a PNG or SVG.
+    blocks : In reading order.
+    identity : as of `Pieces`; short of it stands in the foot of every page.
     """
 
     title: str

@@ -34,15 +34,7 @@ LOOK = {"svg.fonttype": "path", "svg.hashsalt": "thermobearing"}
 
 
 def _vector_bytes(figure: Figure) -> bytes:
-    """A figure as SVG; the same bytes for the same figure.
-
-    Examples
-    --------
-    >>> figure = Figure()
-    >>> _ = figure.subplots().plot([0.0, 1.0])
-    >>> _vector_bytes(figure) == _vector_bytes(figure)
-    True
-    """
+    """Return a figure as SVG; the same bytes for the same figure."""
     for ax in figure.axes:
         for line in ax.get_lines():
             if np.size(line.get_xdata()) > MOST_POINTS:
@@ -113,19 +105,19 @@ class Picture(Figure):
 
 
 def parent_figure(ax: Axes) -> Figure:
-    """The whole figure that a panel belongs to."""
+    """Return the whole figure that a panel belongs to."""
     figure = ax.get_figure(root=True)
     assert isinstance(figure, Figure)
     return figure
 
 
 def degrees(value: float) -> str:
-    """A temperature for a title, with a true minus sign."""
+    """Return a temperature for a title, with a true minus sign."""
     return f"{round(value, 2):g} °C".replace("-", "\N{MINUS SIGN}")
 
 
 def residual(value: float) -> str:
-    """A residual for a title: rounding as a power of ten, a real one in per cent."""
+    """Return a residual for a title: rounding as a power of ten, a real one in per cent."""
     text = f"{value:.1e}" if abs(value) < 1e-3 else f"{100.0 * value:.2g} %"
     return text.replace("-", "\N{MINUS SIGN}")
 
@@ -153,7 +145,7 @@ def panels(
     share: bool | Literal["row", "col"] = False,
     widths: list[float] | None = None,
 ) -> tuple[Figure, list[Axes]]:
-    """A figure of so many inches with its panels row by row, styled but empty.
+    """Return a figure of so many inches with its panels row by row, styled but empty.
 
     One that is wider than a page becomes as wide as a page: figures are looked at in print, and
     their letters are to have one size there.
@@ -215,14 +207,7 @@ def name_axes(ax: Axes, x: str = "", y: str = "", title: str = "", pad: float = 
 
 
 def head_grid(axes: list[Axes], heads: list[str], sides: list[str]) -> None:
-    """Names of the columns above a grid of panels, those of its rows at its right edge, once each.
-
-    Parameters
-    ----------
-    axes : row by row.
-    heads : of the columns.
-    sides : of the rows; a single empty one where they need no name.
-    """
+    """Write names of columns above a grid of panels, and of rows at its right edge, once each."""
     for k, head in enumerate(heads):
         axes[k].set_title(head, fontsize=SMALL, fontweight="bold", color=INK)
     for k, side in enumerate(sides):
@@ -233,7 +218,7 @@ def head_grid(axes: list[Axes], heads: list[str], sides: list[str]) -> None:
 
 
 def say_why(ax: Axes, why: str, at: tuple[float, float] = (0.02, 0.02)) -> None:
-    """A word in a panel on why there is less to be seen than in the others."""
+    """Write a word in a panel on why there is less to be seen than in the others."""
     look: Look = {"fontsize": SMALL - 0.5, "color": GREY, "va": "bottom", "zorder": 5}
     look["ha"] = "left" if at[0] < 0.5 else "right"
     look["bbox"] = {"facecolor": "white", "alpha": 0.7, "pad": 0.5, "linewidth": 0}
@@ -243,13 +228,9 @@ def say_why(ax: Axes, why: str, at: tuple[float, float] = (0.02, 0.02)) -> None:
 def save_figures(
     figures: Mapping[str, Callable[[], Figure]], folder: Path, *, vector: bool = False
 ) -> list[Path]:
-    """Draw and write figures as PNG; gives the files.
+    """Draw and write figures as PNG by the name of each file, and return the files.
 
-    Parameters
-    ----------
-    figures : what draws each of them, by name of its file without `.png`.
-    folder : where to; made if it does not exist.
-    vector : as SVG too, for documents of results that are read back as tables and pictures.
+    With `vector` as SVG too, for documents of results that are read back as tables and pictures.
     """
     folder.mkdir(parents=True, exist_ok=True)
     written = []
@@ -355,7 +336,7 @@ def ambient_handle() -> Line2D:
 
 
 def legend_below(figure: Figure, handles: list[Line2D]) -> None:
-    """One legend for all panels, in as few rows as the width of the figure allows."""
+    """Draw one legend for all panels, in as few rows as the width of the figure allows."""
     room = figure.get_figwidth() * 72.0 / SMALL
     wide = sum(LETTER * len(str(handle.get_label())) + HANDLE for handle in handles)
     rows = math.ceil(wide / room)
@@ -376,14 +357,7 @@ def common_limits(axes: list[Axes]) -> tuple[float, float]:
 def shade_untested(
     axes: list[Axes], tested: list[tuple[float, float]], along: Literal["x", "y"] = "x"
 ) -> None:
-    """Shade what lies beyond the tested range where a panel shows it.
-
-    Parameters
-    ----------
-    axes : drawn panels.
-    tested : lowest and highest value of each, in the unit of its axis; infinite without an end.
-    along : the axis they are values of.
-    """
+    """Shade what lies beyond the tested range where a panel shows it."""
     for ax, (least, most) in zip(axes, tested, strict=False):
         if not np.isfinite([least, most]).any():
             continue
@@ -401,7 +375,7 @@ def shade_untested(
 
 
 def note_values(ax: Axes, name: str, values: list[str], colours: list[str]) -> None:
-    """A name, if any, and values at the upper right of a panel, each value in its own colour."""
+    """Write a name and values at the upper right of a panel, each value in its own colour."""
     look: Look = {"fontsize": SMALL - 0.5, "va": "top", "ha": "right", "zorder": 5}
     anchor: Any = ax.transAxes
     at, gap = (1.0, 1.0), (-3.0, -3.0)
@@ -422,7 +396,7 @@ def note_values(ax: Axes, name: str, values: list[str], colours: list[str]) -> N
 
 
 def mark_tested(ax: Axes, largest: float, name: str) -> None:
-    """A line at the largest tested value of what the vertical axis shows, if it is finite."""
+    """Draw a line at the largest tested value of what the vertical axis shows, if finite."""
     if np.isfinite(largest):
         ax.axhline(largest, **LIMIT)
         look: Look = {"fontsize": SMALL - 0.5, "color": LIMIT["color"]}

@@ -9,12 +9,11 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from numpy.typing import NDArray
 
 from thermobearing.border.errors import InputError
 from thermobearing.results import drawing
+from thermobearing.results.drawing import Floats
 
-Floats = NDArray[np.float64]
 MOST_PROFILES = 8
 CORE = (0, (4, 1.5))  # dashes of a lead core
 THIN = 0.02  # of the height: a part too thin for its name
@@ -125,7 +124,7 @@ def _same_kelvin(axes: list[Axes], panels: list[ProfilePanel]) -> None:
 
 
 def _draw_core(ax: Axes, stack: xr.Dataset, temperature: float, colour: str) -> None:
-    """The core as a line over its height, between the end plates."""
+    """Draw the core as a line over its height, between the end plates."""
     bottom = np.cumsum(stack["cell_thickness"].values)
     inside = np.flatnonzero(~np.isin(stack["part"].values, ("end_plate", "mass")))
     top = bottom[inside[0] - 1] if inside[0] else 0.0

@@ -11,11 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
-from numpy.typing import NDArray
 
-from thermobearing.results.drawing import GREY, PALE, SMALL, Look
-
-Floats = NDArray[np.float64]
+from thermobearing.results.drawing import GREY, PALE, SMALL, Floats, Look
 
 RESTS_SHARE = 0.55  # of the loading time: room that all shortened rests have together
 REST_SHARE = 0.13  # ... and that one of them has at most
@@ -38,7 +35,7 @@ TO_SCALE = math.inf
 
 
 def duration(seconds: float) -> str:
-    """A duration in the unit one would say it in."""
+    """Return a duration [s] in the unit one would say it in."""
     for size, unit, most in ((1.0, "s", 120.0), (60.0, "min", 3600.0), (3600.0, "h", 360e3)):
         if seconds < most:
             return f"{seconds / size:.3g} {unit}"
@@ -80,7 +77,7 @@ class Stretch:
         return self.left + self.bend * np.log1p(elapsed / self.bend)
 
     def label(self) -> str:
-        """How long the rest was; from the shortest to the longest if the runs differ."""
+        """Return how long the rest was; from the shortest to the longest if the runs differ."""
         low, high = duration(self.shortest), duration(self.longest)
         if low == high:
             return f"{high} rest"
@@ -113,7 +110,7 @@ class DrawnAxis:
         return [s for s in self.stretches if s.shortened]
 
     def _arranged(self, found: list[Stretch]) -> list[Stretch]:
-        """The stretches side by side, rests that are too long for their room shortened."""
+        """Return the stretches side by side, rests that are too long for their room shortened."""
         moving = sum(s.longest for s in found if not s.rest)
         room = moving * min(REST_SHARE, RESTS_SHARE / max(sum(s.rest for s in found), 1))
         room *= CUT_SHARE if self.cut else 1.0
@@ -190,7 +187,7 @@ class DrawnAxis:
         return f"{text}, rests cut out" if self.cut else f"{text}; rests (shaded) shortened"
 
     def shade_rests(self, ax: Axes, *, labels: bool) -> None:
-        """A shaded band over each shortened rest, and above it how long it was."""
+        """Draw a shaded band over each shortened rest, and above it how long it was."""
         for s in self.shortened:
             ax.axvspan(s.left, s.right, color=PALE, zorder=0)
             room = s.width / (LETTER * self.end)
@@ -199,7 +196,7 @@ class DrawnAxis:
                 write_above(ax, s.middle, fitting[0], GREY, "normal")
 
     def cut_out_rests(self, ax: Axes) -> None:
-        """A gap in the panel and its frame for each long rest, with strokes at its ends."""
+        """Draw a gap in the panel and its frame for each long rest, with strokes at its ends."""
         place = ax.get_xaxis_transform()
         for s in self.shortened:
             ax.fill_between([s.left, s.right], -0.01, 1.01, transform=place, **GAP)
@@ -209,7 +206,7 @@ class DrawnAxis:
 
 
 def write_above(ax: Axes, x: float, text: str, colour: str, weight: str) -> None:
-    """A label above a panel, at x of its axis."""
+    """Write a label above a panel, at x of its axis."""
     place = ax.get_xaxis_transform()
     look: Look = {"fontsize": SMALL, "fontweight": weight, "color": colour}
     ax.text(x, 1.02, text, ha="center", va="bottom", transform=place, **look)
