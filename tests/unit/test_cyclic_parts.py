@@ -16,7 +16,7 @@ from thermobearing.cyclic.case import final_state, initial_temperatures, make_ca
 from thermobearing.cyclic.comparison import _temperatures
 from thermobearing.cyclic.dataset import collect_warnings
 from thermobearing.cyclic.equivalent import bilinear_parameters, isothermal_cycle
-from thermobearing.cyclic.history import Segment, build_segments, kept_steps, run_segments
+from thermobearing.cyclic.history import Segment, _kept_steps, build_segments, run_segments
 from thermobearing.model.options import build_model
 
 HDR = tb.load_bearing("shen-hdr-specimen")
@@ -94,10 +94,10 @@ def test_starts_by_hand() -> None:
 
 def test_every_nth_step_and_the_ends_of_legs_are_kept() -> None:
     segment = moved([0.0] * 10)
-    assert np.flatnonzero(kept_steps(segment, 3)).tolist() == [2, 5, 8]
+    assert np.flatnonzero(_kept_steps(segment, 3)).tolist() == [2, 5, 8]
     segment.turning[3] = True
-    assert np.flatnonzero(kept_steps(segment, 4)).tolist() == [3, 7]
-    assert kept_steps(segment, 1).all()
+    assert np.flatnonzero(_kept_steps(segment, 4)).tolist() == [3, 7]
+    assert _kept_steps(segment, 1).all()
 
 
 def test_mismatch_is_the_largest_and_softened_steps_add_up(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -11,7 +11,7 @@ from thermobearing.cyclic import dataset as label
 from thermobearing.cyclic.equivalent import solve_backbone
 from thermobearing.cyclic.history import Segment, longest_layer_increment
 from thermobearing.cyclic.protocol import Recorded, Rest
-from thermobearing.cyclic.result import history_blocks
+from thermobearing.cyclic.result import _history_blocks
 
 
 def test_history_has_the_steps_of_each_temperature_and_no_more() -> None:
@@ -24,7 +24,7 @@ def test_history_has_the_steps_of_each_temperature_and_no_more() -> None:
     result = tb.run("shen-hdr-specimen", test, [-20.0, 40.0])
     kept = (result["segment"].values >= 0).sum(axis=1)
     assert kept[0] != kept[1]
-    rows = "".join(history_blocks(result)).splitlines()[1:]
+    rows = "".join(_history_blocks(result)).splitlines()[1:]
     assert [sum(row.startswith(f"{t:g},") for row in rows) for t in (-20.0, 40.0)] == list(kept)
     assert not any("nan" in row for row in rows)
 

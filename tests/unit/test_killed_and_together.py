@@ -21,7 +21,7 @@ pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork, as 
 MOMENTS = 50  # at least
 TraceFunction = Callable[[FrameType, str, Any], Any]
 NO_FILES = ("os.kill", "os.putenv", "os.unsetenv")
-NEW_SIBLING, PUT_IN_PLACE = directory.new_sibling, directory.put_in_place
+NEW_SIBLING, PUT_IN_PLACE = directory.new_sibling, directory._put_in_place
 EARLIER, LATER = 23.0, 5.0  # ambient temperatures that tell two results apart
 
 
@@ -71,7 +71,7 @@ def killed(action: Callable[[], object], moment: int) -> bool:
 
         # Lines are looked at inside of these two alone: a trace of the whole run takes as long
         # as the run.
-        directory.new_sibling, directory.put_in_place = sibling, put
+        directory.new_sibling, directory._put_in_place = sibling, put
         sys.addaudithook(hook)
         try:
             action()

@@ -10,7 +10,7 @@ from pandas.testing import assert_frame_equal
 
 import thermobearing as tb
 from thermobearing.cyclic.case import make_case
-from thermobearing.cyclic.dataset import POINTS, expected_size, rows_worth, thinned
+from thermobearing.cyclic.dataset import POINTS, _rows_worth, expected_size, thinned
 from thermobearing.results.metrics import find_cycles
 
 STEPS = 1200  # of a cycle of 4 s
@@ -41,7 +41,7 @@ def loaded(folder: Path) -> tb.Result:
 
 
 def test_rows_are_few_and_hold_what_turns(result: tb.Result) -> None:
-    rows = rows_worth(result, 0)
+    rows = _rows_worth(result, 0)
     segment, cycle = (result[name].values[0] for name in ("segment", "cycle"))
     for name in ("displacement", "force"):
         values = result[name].values[0]
@@ -125,7 +125,7 @@ def test_runs_with_clocks_of_their_own() -> None:
     assert_frame_equal(short.cycles, result.cycles, check_exact=True)
     assert_frame_equal(short.energy, result.energy, check_exact=True)
     for run in range(2):
-        rows = rows_worth(result, run)
+        rows = _rows_worth(result, run)
         assert_array_equal(short.time(run)[: len(rows)], result.time(run)[rows])
         assert (short["segment"].values[run, len(rows) :] == -1).all()
 

@@ -305,7 +305,7 @@ def thinned(result: Result) -> Result:
     data = result.dataset
     if data.attrs.get(ROWS) == THINNED:
         return result
-    rows = [rows_worth(result, run) for run in range(data.sizes["ambient"])]
+    rows = [_rows_worth(result, run) for run in range(data.sizes["ambient"])]
     if "clock" not in data:  # one clock for all
         data = data.isel(time=np.unique(np.concatenate(rows)))
     else:
@@ -334,7 +334,7 @@ def thinned(result: Result) -> Result:
     return Result(data.assign(measures).assign_attrs({ROWS: THINNED}))
 
 
-def rows_worth(result: Result, run: int) -> Ints:
+def _rows_worth(result: Result, run: int) -> Ints:
     """Return the rows of a run to write: of each cycle its ends, its extremes, 200 between."""
     data = result.dataset
     x, force = data["displacement"].values[run], data["force"].values[run]

@@ -206,7 +206,7 @@ def has_branches(constants: Constants) -> bool:
     return constants.lead.cores > 0.0 or constants.viscous.stiffness > 0.0
 
 
-def kept_steps(segment: Segment, keep_every: int) -> NDArray[np.bool_]:
+def _kept_steps(segment: Segment, keep_every: int) -> NDArray[np.bool_]:
     """Return which steps of a segment are kept: every n-th, and the ends of legs."""
     keep = segment.turning.copy()
     keep[keep_every - 1 :: keep_every] = True
@@ -252,7 +252,7 @@ def run_segments(
     with the number of steps done since its last call.
     """
     # One row more per segment: a rest that settles early keeps the step at which it does.
-    room = 1 + sum(int(kept_steps(part, keep_every).sum()) + 1 for part in segments)
+    room = 1 + sum(int(_kept_steps(part, keep_every).sum()) + 1 for part in segments)
     initial = np.array(initial, dtype=np.float64)
     if len(initial) != len(constants.cells.capacity):  # compiled code would write past the end
         raise ValueError(f"{len(initial)} temperatures for {len(constants.cells.capacity)} cells")
@@ -298,7 +298,7 @@ def _run_segment(
 ) -> bool:
     """Run a segment in chunks; return False when the run cannot go on."""
     work, spare = new_workspace(constants), new_state(constants, run.initial)
-    keep = kept_steps(segment, keep_every)
+    keep = _kept_steps(segment, keep_every)
     segment, keep, ends = cut_rests(constants, segment, keep, run.state.books[0].displacement)
     for first in range(0, len(segment.x), CHUNK):
         part = slice(first, first + CHUNK)

@@ -10,7 +10,6 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from thermobearing.border.errors import InputError
 from thermobearing.core.records import Floats
 from thermobearing.quantities.register import Quantity, quantity
 from thermobearing.quantities.tables import Table
@@ -363,14 +362,14 @@ class Result(DatasetResult):
         (folder / RESOLVED).write_text(self.dataset.attrs["case"], encoding="utf-8")
         written = self._view("dataset").written_part(self)
         with (folder / HISTORY).open("w", encoding="utf-8") as file:
-            file.writelines(history_blocks(written))
+            file.writelines(_history_blocks(written))
         write_dataset(written.dataset, folder / DATASET)
         if self.compared:
             table = self._view("comparison").comparison_table(self.compared)
             without_formulas(table).to_csv(folder / COMPARISON, index=False)
 
 
-def history_blocks(result: Result) -> Iterator[str]:
+def _history_blocks(result: Result) -> Iterator[str]:
     """Yield the text of history.csv in blocks: one row per kept step and ambient temperature."""
     last = "" if result.has_lead else ","  # lead_degC stays empty where the bearing has no lead
     names = [*history_columns(result, 0), *(["lead_degC"] if last else [])]
@@ -400,6 +399,4 @@ def history_columns(result: Result, run: int) -> dict[str, Floats]:
 
 def load_cyclic(path: str | Path) -> Result:
     """Return the saved result of a cyclic test; `load_result` reads that of any analysis."""
-    if "structure" in read_dataset(path, ("case",)).attrs:
-        raise InputError("is the result of an earthquake study, not of a test", str(path))
     return Result(read_dataset(path, ("bearing", "case", "segments")))

@@ -19,8 +19,6 @@ from thermobearing.results.directory import FIGURES, write_directory
 from thermobearing.results.ranges import largest_tested
 from thermobearing.results.screen import print_warnings, say, show_table
 from thermobearing.results.writing import (
-    compared_rows,
-    exposure_summary,
     from_attribute,
     limits_summary,
     write_limits,
@@ -186,16 +184,23 @@ class DatasetResult(Result):
     @property
     def rig(self) -> pd.DataFrame:
         """How far each run uses each limit of the rig; empty without a rig."""
-        return compared_rows(self.dataset, "rig")
+        return self._rows("rig")
 
     @property
     def tested_range(self) -> pd.DataFrame:
         """How far each run goes in the range that its bearing was tested in; empty if unknown."""
-        return compared_rows(self.dataset, "tested_range")
+        return self._rows("tested_range")
 
     def largest_tested(self, run: str, limit: str) -> float:
         """Return the largest tested value of a quantity that a run exceeds; else infinity."""
         return largest_tested(self.tested_range.to_dict("records"), run, limit)
 
     def _limits_summary(self) -> dict[str, Any]:
-        return super()._limits_summary() | exposure_summary(self.dataset)
+        name = "exposure"
+        found = {name: from_attribute(self.dataset, name)} if name in self.dataset.attrs else {}
+        return super()._limits_summary() | found
+
+    def _rows(self, name: str) -> pd.DataFrame:
+        """Return rows of `results.ranges.compared` that the analysis left in an attribute."""
+        rows = from_attribute(self.dataset, name) if name in self.dataset.attrs else []
+        return pd.DataFrame(rows)

@@ -101,7 +101,7 @@ def _clean(final: Path) -> None:
                 path.rename(final)
 
 
-def put_in_place(partial: Path, final: Path, check: Callable[[], None]) -> None:
+def _put_in_place(partial: Path, final: Path, check: Callable[[], None]) -> None:
     """Make a finished directory the final one; `check` raises if that must not be replaced.
 
     The earlier one is then under the hidden name; it comes back whatever stops this.
@@ -255,7 +255,7 @@ def write_directory(
                 fill(partial)
                 if (partial / DATASET).exists():
                     seal(partial / DATASET)
-                put_in_place(partial, final, lambda: check_target(directory, overwrite=overwrite))
+                _put_in_place(partial, final, lambda: check_target(directory, overwrite=overwrite))
             finally:  # half written, or the result that was replaced
                 shutil.rmtree(partial, ignore_errors=True)
     except (OSError, RuntimeError) as error:  # netCDF tells a failing disk as either

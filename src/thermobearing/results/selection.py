@@ -81,14 +81,14 @@ def force_differences(found: Floats, expected: Floats) -> dict[str, float]:
     """Return the root mean square error of a force and that of its peak, of the peak [%]."""
     peak = float(np.abs(expected).max())
     rms = float(np.sqrt(np.mean((found - expected) ** 2)))
-    return {"force rms %": per_cent(rms, peak), "peak force %": more(np.abs(found).max(), peak)}
+    return {"force rms %": _percent(rms, peak), "peak force %": more(np.abs(found).max(), peak)}
 
 
-def per_cent(part: float, whole: float) -> float:
+def _percent(part: float, whole: float) -> float:
     """Return a part of a whole [%]; NaN if the whole is zero."""
     return 100.0 * part / whole if whole else float("nan")
 
 
 def more(found: float, expected: float) -> float:
     """Return how much a number is larger than expected [%]; NaN if that is zero."""
-    return per_cent(float(found) - float(expected), float(expected))
+    return _percent(float(found) - float(expected), float(expected))

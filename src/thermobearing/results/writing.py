@@ -69,24 +69,11 @@ def limits_summary(rig: "pd.DataFrame", tested: "pd.DataFrame") -> dict[str, Any
     return {name: table.to_dict("records") for name, table in tables.items() if len(table)}
 
 
-def exposure_summary(dataset: "xr.Dataset") -> dict[str, Any]:
-    """Return what summary.json holds on exposure factors; nothing where all are 1."""
-    name = "exposure"
-    return {name: from_attribute(dataset, name)} if name in dataset.attrs else {}
-
-
 def write_limits(folder: Path, rig: "pd.DataFrame", tested: "pd.DataFrame") -> None:
     """Write rig.csv and tested_range.csv, where there is something to write."""
     for name, table in ((RIG, rig), (TESTED_RANGE, tested)):
         if len(table):
             write_csv(folder / name, table)
-
-
-def compared_rows(dataset: "xr.Dataset", name: str) -> "pd.DataFrame":
-    """Return the rows of `results.ranges.compared` in a dataset as a table."""
-    import pandas as pd
-
-    return pd.DataFrame(from_attribute(dataset, name) if name in dataset.attrs else [])
 
 
 def write_csv(path: Path, table: "pd.DataFrame", *, below: bool = False) -> None:
