@@ -1,4 +1,4 @@
-"""What can go wrong, said so that a user can mend it."""
+"""Errors whose messages name the fault and what would be right."""
 
 import difflib
 from collections.abc import Iterable
@@ -18,7 +18,7 @@ class ThermobearingError(Exception):
 class InputError(ThermobearingError, ValueError):
     """Something the user gave cannot be used; the message names what, where and what is allowed.
 
-    `problems` holds one sentence per fault, so that all faults of a file are told at once.
+    `problems` holds one sentence per fault, so that all faults of a file are reported at once.
     """
 
     def __init__(self, problems: str | Iterable[str], where: str = "") -> None:

@@ -51,7 +51,7 @@ def _shipped(path: Path) -> dict[str, Any]:
 
 
 @cache
-def _told(library: "Library", name: str, model: type[Strict]) -> dict[str, tuple[Any, str]]:
+def _known(library: "Library", name: str, model: type[Strict]) -> dict[str, tuple[Any, str]]:
     """Values and sources of a built-in file by key, as a checked thing of it writes them."""
     values, sources = split_sources(library.table(name)[0])
     built_in = flat(to_table(validated(model, values, name)))
@@ -87,7 +87,7 @@ class Sourced(Strict):
 
 @dataclass(frozen=True)
 class Library:
-    """The built-in things of one kind, a TOML file each, and the user's own files beside them."""
+    """The built-in things of one kind, a TOML file each, and the user's own files."""
 
     what: str  # what one of them is called in messages
     folder: str  # below the package's data
@@ -120,8 +120,8 @@ class Library:
         if base is None:
             return table, str(path)
         if not isinstance(base, str) or not base or "name" not in table:
-            said = "must be a name or a file, in a table with a name of its own"
-            raise InputError(f"based_on = {base!r}: {said}", str(path))
+            rule = "must be a name or a file, in a table with a name of its own"
+            raise InputError(f"based_on = {base!r}: {rule}", str(path))
         if len(above) >= DEEPEST:
             raise InputError(f"based_on = {base!r}: the files are based on each other", str(path))
         below = base if base in self.names() else path.parent / base
@@ -143,26 +143,26 @@ class Library:
         name = str(table.get("name", ""))
         if name not in self.names():
             return {}
-        told, given = _told(self, name, model), flat(table)
-        return {key: source for key, (value, source) in told.items() if given.get(key) == value}
+        known, given = _known(self, name, model), flat(table)
+        return {key: source for key, (value, source) in known.items() if given.get(key) == value}
 
 
 def sources_to_keep(
-    things: Iterable[tuple[Library, Sourced]], told: Mapping[str, Mapping[str, str]] | None = None
+    things: Iterable[tuple[Library, Sourced]], given: Mapping[str, Mapping[str, str]] | None = None
 ) -> dict[str, dict[str, str]] | None:
     """Return the sources of numbers of things that their library does not hold; None without any.
 
-    `told` are sources that a case brings along, by name of the thing.
+    `given` are sources that a case brings along, by name of the thing.
     """
     found: dict[str, dict[str, str]] = {}
     for library, thing in things:
-        if not (thing.sources or told):
+        if not (thing.sources or given):
             continue
         table = to_table(thing)
         name = str(table["name"])
         known = library.sources(type(thing), table)
         own = {key: text for key, text in thing.sources.items() if known.get(key) != text}
-        kept = own or dict((told or {}).get(name, {}))
+        kept = own or dict((given or {}).get(name, {}))
         if kept:
             found[name] = found.get(name, {}) | kept
     return found or None

@@ -154,7 +154,7 @@ def _again(item: ErrorDetails) -> InitErrorDetails:
 
 
 class _Kind(NamedTuple):
-    """What is asked for every number of every record that is made."""
+    """What is looked up for every number of every record."""
 
     unit: str | None
     plain: bool  # a number without a unit

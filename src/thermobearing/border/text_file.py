@@ -22,7 +22,7 @@ def write_through(file: Path, raw: bytes) -> None:
 
 @contextmanager
 def replacing(target: Path) -> Iterator[Path]:
-    """A file beside another, which takes its place at the end, whatever was there before.
+    """Yield a hidden file next to another, whose place it takes at the end, there or not.
 
     A killed program may leave it there; its name begins with a point.
     """
@@ -69,5 +69,5 @@ def write_file(target: Path, content: str | bytes, *, overwrite: bool) -> None:
             )
         write_whole(target, content.encode("utf-8") if isinstance(content, str) else content)
     except (OSError, ValueError) as error:  # no such directory, a null byte in the name
-        told = getattr(error, "strerror", None) or error
-        raise OutputError(f"{target}: cannot be written: {told}") from None
+        reason = getattr(error, "strerror", None) or error
+        raise OutputError(f"{target}: cannot be written: {reason}") from None

@@ -1,4 +1,4 @@
-"""TOML files: read with clear faults, entries with sources told apart, models written back."""
+"""TOML files: read with clear faults, entries with their sources, models written back."""
 
 import re
 import tomllib

@@ -28,7 +28,7 @@ _NUMBER_AND_UNIT = re.compile(
 _UNIT = re.compile(r"^(?:[^\W\d]|[°℃%²³⁻¹·*/() ]|\^?-?\d(?!\s*(?:\d|\^|\*\*)))+$")
 _POWER = re.compile(r"(?<=[A-Za-z])(?=[234](?!\d))")  # m2 means m^2
 LONGEST = 200  # characters of a number with its unit
-# Where nothing else is said: a size beyond this is a slip in a unit or an exponent, and so is a
+# Without other limits: a size beyond this is a slip in a unit or an exponent, and so is a
 # number that must be positive and is less than its inverse.
 HUGEST = 1e12
 CUBIC_MM_PER_CUBIC_M = 1e9

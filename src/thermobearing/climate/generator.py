@@ -7,7 +7,7 @@ between the coldest and the warmest hour of the day; w and w_s are autoregressiv
 (an hour of white noise keeps exp(-1 h/memory)), of variance one: the weather of days, and whether a
 season is a mild one. Spells come as a Poisson process in their months; each deepens and fades as
 sin^2 over its length; depth and length have gamma distributions. What all spells take from the
-mean on average is given back, so that the monthly means stay as told.
+mean on average is given back, so that the monthly means stay as given.
 """
 
 from pathlib import Path

@@ -27,10 +27,10 @@ class Hourly:
     Attributes
     ----------
     temperature : at hour 0, 1, 2, ... [degC], in [-100, 100]; linear between the hours.
-    begins : date of hour 0, where the file tells dates.
+    begins : date of hour 0, where the file has dates.
     recurs : a typical year: before its first hour was its last.
     name : what it is called in messages and figures.
-    assumptions : what its file did not say.
+    assumptions : what its file did not state.
 
     Raises
     ------
@@ -60,8 +60,8 @@ class Hourly:
         good = (values >= COLDEST) & (values <= HOTTEST)  # what is not finite is neither
         if not good.all():
             k = int(np.argmin(good))
-            told = f"hour {k}: {values[k]:g} degC is outside {COLDEST:g} to {HOTTEST:g} degC"
-            raise InputError(told, self.name)
+            limits = f"{COLDEST:g} to {HOTTEST:g} degC"
+            raise InputError(f"hour {k}: {values[k]:g} degC is outside {limits}", self.name)
         values.flags.writeable = False
         object.__setattr__(self, "temperature", values)
         if self.begins is not None:
@@ -82,7 +82,7 @@ class Hourly:
 
         Raises
         ------
-        InputError : its file tells no dates.
+        InputError : its file has no dates.
         """
         if self.begins is None:
             raise InputError("has no dates; write time as 2024-01-31 22:00", self.name)

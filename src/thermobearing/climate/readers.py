@@ -22,7 +22,7 @@ FIRST = "LOCATION,"  # of an EPW file
 DRY_BULB, MINUTE = 6, 4  # columns, from 0
 MISSING = 99.9  # [degC] or more
 LONGEST_GAP = 6  # hours that a straight line may stand for
-COMMON_YEAR, LEAP_YEAR = 2001, 2004  # of dates whose years say nothing
+COMMON_YEAR, LEAP_YEAR = 2001, 2004  # of dates without meaningful years
 
 
 def read_weather(path: str | Path) -> Hourly:
@@ -75,8 +75,8 @@ def read_weather(path: str | Path) -> Hourly:
     hours = np.arange(np.floor((time[-1] - time[0]) / HOUR + 1e-6) + 1.0)
     air = np.interp(time[0] + HOUR * hours, time, values)
     even = len(hours) == len(time) and bool(np.allclose(gaps, HOUR, rtol=1e-6))
-    said = () if even else ("readings lie on straight lines between full hours from the first",)
-    return Hourly(air, found.begins, False, path.stem, said)
+    notes = () if even else ("readings lie on straight lines between full hours from the first",)
+    return Hourly(air, found.begins, False, path.stem, notes)
 
 
 def read_air(path: str | Path) -> Ambient:
@@ -115,7 +115,7 @@ def _read_epw(path: Path) -> Hourly:
         lines = [line for line in read if line is not None]
         if len(lines) < 2:
             raise InputError(f"has {len(lines)} hours; at least 2 are needed")
-        dates, said = _dates(lines)
+        dates, notes = _dates(lines)
         values, filled = _filled_gaps(np.array([line.dry_bulb for line in lines]), lines[0].number)
     except InputError as error:
         raise error.located(path) from None
@@ -123,7 +123,7 @@ def _read_epw(path: Path) -> Hourly:
     year = begins.astype("datetime64[Y]")
     later = (year + 1).astype("datetime64[h]") + (begins - year.astype("datetime64[h]"))
     whole = dates[-1] + np.timedelta64(1, "h") == later
-    return Hourly(values, begins, bool(whole), place or path.stem, (*said, *filled))
+    return Hourly(values, begins, bool(whole), place or path.stem, (*notes, *filled))
 
 
 def _line(number: int, row: str) -> _Line | None:
@@ -153,8 +153,8 @@ def _dates(lines: list[_Line]) -> tuple[Dates, list[str]]:
         dates = np.array([_date(line, year) for line, year in zip(lines, years, strict=True)])
         follows = np.diff(dates) == hour
         if follows.all():
-            said = "its months are of several years; dates are those of a typical year"
-            return dates, [] if years is stated else [said]
+            note = "its months are of several years; dates are those of a typical year"
+            return dates, [] if years is stated else [note]
     k = int(np.argmin(follows))
     one, two = lines[k], lines[k + 1]
     raise InputError(

@@ -19,6 +19,7 @@ from typing import Any, TypeVar, cast
 
 import numba
 from numba.core import caching as _caching
+from platformdirs import user_cache_path
 
 caching: Any = _caching  # numba has no types here
 
@@ -79,12 +80,11 @@ def _base() -> Path | None:
     given = os.environ.get("NUMBA_CACHE_DIR")
     if given:
         return Path(given)
-    cache = os.environ.get("XDG_CACHE_HOME")
     try:
-        home = Path(cache) if cache else Path.home() / ".cache"
+        found = user_cache_path("thermobearing", appauthor=False)
     except RuntimeError:
         return None
-    return home / "thermobearing" if home.is_absolute() else None
+    return found if found.is_absolute() else None
 
 
 def _has_room(folder: Path) -> bool:

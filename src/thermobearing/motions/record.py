@@ -49,7 +49,7 @@ class GroundMotion:
     dt : time between samples [s], > 0; the first sample is at time zero.
     acceleration : [n] ground acceleration [mm/s2]; 10 mm/s2 = 1 gal.
     description, citation : what it is and where it comes from.
-    component : direction, such as "NS", if that is known; tells motions of one name apart.
+    component : direction, such as "NS", if that is known; distinguishes motions of one name.
 
     Raises
     ------
@@ -198,7 +198,7 @@ def checked_motion(
     if dt is None:
         raise InputError("the time step is nowhere in the file; give dt [s]")
     if found is not None and given is not None and abs(found / given - 1.0) > 1e-3:
-        raise InputError(f"dt = {given:g} s was given, but the file says {found:g} s")
+        raise InputError(f"dt = {given:g} s was given, but the file has {found:g} s")
     if not SMALLEST_DT <= dt <= LARGEST_DT:
         raise InputError(
             f"a time step of {dt:g} s is outside {SMALLEST_DT:g} to {LARGEST_DT:g} s; "
@@ -254,7 +254,7 @@ def motion_from_arrays(
     dt : time step [s], in [1e-5, 0.1]; or
     time : [n] times of the samples [s], increasing in even steps.
     name : of the motion, for tables and figures.
-    component : direction, such as "NS"; tells motions of one name apart.
+    component : direction, such as "NS"; distinguishes motions of one name.
     trust_unit : take the motion even if its largest acceleration is outside 100 to 2000 gal.
 
     Returns

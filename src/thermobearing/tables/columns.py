@@ -220,7 +220,7 @@ def _bare_units(row: list[str]) -> list[str] | None:
 def make_table(sheet: Sheet, layout: Layout | None = None) -> Table | None:
     """Return the table in a sheet: titles, units, rows; None where there is nothing.
 
-    Raises InputError for fewer lines than the layout says.
+    Raises InputError for fewer lines than the layout states.
     """
     layout = layout or Layout()
     rows = sheet.rows
@@ -540,7 +540,7 @@ def _parsed(cells: list[str], day_first: bool) -> tuple[Floats, np.datetime64] |
     import pandas as pd
 
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # pandas says how it guessed, which is judged here
+        warnings.simplefilter("ignore")  # of pandas about its guess, which is judged here
         for form in ("ISO8601", None, "mixed"):
             try:
                 when = pd.to_datetime(pd.Series(cells), format=form, dayfirst=day_first)

@@ -357,7 +357,7 @@ class _Reader:
             data["time"] = self._clock(data.get("displacement", data.get("force", np.zeros(0))))
         elif found.stamped:
             data["time"] = self._spread(data["time"])
-        # Parts begin where the file says so, and where its clock goes back to its start.
+        # Parts begin where the file has a break, and where its clock goes back to its start.
         time, starts = data["time"], set(found.parts)
         begin = float(time[0])
         for k in (np.flatnonzero(np.diff(time) < 0.0) + 1).tolist():

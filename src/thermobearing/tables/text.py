@@ -295,7 +295,7 @@ def _workbook(raw: bytes, form: Form) -> list[Sheet]:
 
 
 def _sheet(sheet: Any) -> Sheet:
-    sheet.reset_dimensions()  # what a file says of its own size may be wrong, and is then believed
+    sheet.reset_dimensions()  # the size that a file states may be wrong
     rows: list[Row] = []
     held, named = 0, f'sheet "{sheet.title}" has more than'
     for number, values in enumerate(sheet.iter_rows(values_only=True), 1):
