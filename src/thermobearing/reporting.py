@@ -5,7 +5,7 @@ from dataclasses import replace
 from datetime import UTC, datetime
 from importlib import import_module
 from pathlib import Path
-from typing import Any, NamedTuple, cast
+from typing import NamedTuple, cast
 
 from thermobearing.border.errors import InputError, is_file
 from thermobearing.border.schema import validated
@@ -99,10 +99,11 @@ def make_documents(
     title: TitleBlock | None = None,
     template: Path | None = None,
 ) -> list[Path]:
-    """As `make_report`; the workbook may be asked for alone."""
+    """Write the documents of some kinds, as `make_report` does; the workbook may be alone."""
     place = _report_place(result, directory)
     check_place(place)
-    block = (title or TitleBlock()).over(_kept_title(place))
+    kept = place / TITLE
+    block = (title or TitleBlock()).over(read_title(kept if is_file(kept) else None))
     loaded = load_result(result) if isinstance(result, str | Path) else result
     pieces = build_pieces(loaded, place)
     content = title_files(block)
@@ -114,7 +115,7 @@ def make_documents(
 
 
 def _report_place(result: AnyResult | str | Path, directory: str | Path | None) -> Path:
-    """The directory that documents go into."""
+    """Return the directory that documents go into."""
     if directory is not None:
         return Path(directory)
     if isinstance(result, SavedResult):
@@ -125,65 +126,34 @@ def _report_place(result: AnyResult | str | Path, directory: str | Path | None) 
     return path.parent if is_file(path) else path  # result.nc of a directory stands for it
 
 
-def _kept_title(directory: Path) -> TitleBlock:
-    """The title block that a result directory keeps."""
-    file = directory / TITLE
-    return read_title(file if is_file(file) else None)
-
-
 def build_pieces(result: AnyResult, directory: Path) -> Pieces:
-    """What a result has to say, in the words of its analysis.
+    """Return what a result has to say, in the words of its analysis.
 
-    Parameters
-    ----------
-    result : as loaded.
-    directory : of its files.
-
-    Raises
-    ------
-    InputError : its files do not fit together.
+    With the earlier models that `--compare` left beside it, and the day that it was written.
     """
     try:
-        command = str(_summary(result)["command"])
+        summary = result.summary if isinstance(result, SavedResult) else result.summary()
+        command = str(summary["command"])
         if command in ROOMS:
             room = import_module(f"thermobearing.{ROOMS[command]}.report")
             pieces = cast(Pieces, room.build_pieces(result))
         else:
             pieces = pieces_of_saved(cast(SavedResult, result))
-        if command in COMPARED:
-            pieces = _with_comparison(pieces, directory)
+        if command in COMPARED and is_file(directory / COMPARISON):
+            table, figures = comparison_pieces(directory)
+            tables = {**pieces.tables, "comparison": table}
+            pieces = replace(pieces, tables=tables, figures={**pieces.figures, **figures})
     except InputError:
         raise
     except UNFIT as error:
-        told = f"{type(error).__name__}: {error}"
         raise InputError(
             "its files do not fit together: they were changed, or are of another version "
-            f"({told}); run its case again",
+            f"({type(error).__name__}: {error}); run its case again",
             str(directory),
         ) from None
-    return replace(pieces, identity={**pieces.identity, **_written_on(directory)})
-
-
-def _with_comparison(pieces: Pieces, directory: Path) -> Pieces:
-    """With the earlier models that `--compare` left beside the result."""
-    if not is_file(directory / COMPARISON):
-        return pieces
-    table, figures = comparison_pieces(directory)
-    return replace(
-        pieces,
-        tables={**pieces.tables, "comparison": table},
-        figures={**pieces.figures, **figures},
-    )
-
-
-def _summary(result: AnyResult) -> dict[str, Any]:
-    return result.summary if isinstance(result, SavedResult) else result.summary()
-
-
-def _written_on(directory: Path) -> dict[str, str]:
-    """The day that the result was written, by the file that every result has."""
     file = directory / SUMMARY
     if not is_file(file):
-        return {}
+        return pieces
     day = datetime.fromtimestamp(file.stat().st_mtime, UTC).date()
-    return {"Date of the result's files": day.isoformat()}
+    written = {"Date of the result's files": day.isoformat()}
+    return replace(pieces, identity={**pieces.identity, **written})

@@ -80,7 +80,7 @@ def build_pieces(
     judged : end the answer with a sentence on limits and validity.
     rate_rows : of the tested range, in earthquakes, for a note on strain rates.
     lead_rise : largest rise of the lead [K], for a note on the rubber beside it.
-    residuals : of the energy balance; see `quality_table`, which becomes the table "quality".
+    residuals : of the energy balance; see `_quality_table`, which becomes the table "quality".
     tables : results by name.
     validity : further sentences on what left the range.
     **parts : `inputs`, `figures`, `books`, `assumptions` of `Pieces`.
@@ -89,8 +89,8 @@ def build_pieces(
     beyond = [*(map(tidy, of_range) if range_given else ()), *validity]
     unknown = "" if range_given else " ".join(map(tidy, of_range))
     rate, ring = rate_note(rate_rows), ring_note(lead_rise)
-    quality, poor = quality_table(residuals)
-    said = [verdict(checks, beyond, unknown, rate)] if judged else []
+    quality, poor = _quality_table(residuals)
+    said = [_verdict(checks, beyond, unknown, rate)] if judged else []
     return Pieces(
         command=command,
         title=title,
@@ -138,14 +138,6 @@ def saved_identity(saved: SavedResult, otherwise: str) -> dict[str, str]:
     return identity_rows(str(summary.get("version", "unknown")), text, command, what)
 
 
-def saved_validity(saved: SavedResult) -> tuple[list[str], str, list[str]]:
-    """Return sentences on validity, why there are none, and the other warnings."""
-    of_range, others = parted(dict.fromkeys(saved.warnings))
-    given = saved_parts(saved, "")["range_given"]
-    validity, unknown = list(map(tidy, of_range)), " ".join(map(tidy, of_range))
-    return validity if given else [], "" if given else unknown, list(map(tidy, others))
-
-
 # Limits.
 # Largest residual of the energy balance, of the largest energy in it: rounding comes to 1e-10, what
 # is more is a fault of the computation.
@@ -167,13 +159,8 @@ def limit_checks(
 ) -> list[Check]:
     """Return a check for each end of each limit: the run that goes farthest.
 
-    Parameters
-    ----------
-    rows : of `results.ranges.compared`.
-    titles : words for a limit; others are left out.
-    source : of the limits.
-    bearings : names with which runs begin, whose limits are their own; none where there is one
-        for all runs.
+    `rows` are those of `results.ranges.compared`, `titles` the words of the limits that are taken,
+    `bearings` names with which runs begin, whose limits are their own (none: one for all runs).
     """
     groups: dict[tuple[str, str], list[Row]] = {}
     for row in rows:
@@ -205,7 +192,7 @@ def _check(name: str, row: Row, bearing: str, source: str, *, lower: bool) -> Ch
     return Check(what, factor * value, factor * limit, unit, source, verdict, lower)
 
 
-def quality_table(rows: Iterable[tuple[str, float, float, str]]) -> tuple[Table, list[str]]:
+def _quality_table(rows: Iterable[tuple[str, float, float, str]]) -> tuple[Table, list[str]]:
     """Return the residuals of the energy balance as a table, and warnings of those too large.
 
     They judge the computation, not the structure, and are none of the checks. A row is what it is,
@@ -246,18 +233,10 @@ def verdict_of(checks: Sequence[Check]) -> str:
 ONE_CHECK = "The check is within its limit."
 
 
-def verdict(
+def _verdict(
     checks: Sequence[Check], validity: Sequence[str], unknown: str = "", rate: str = ""
 ) -> str:
-    """Return the sentences on limits and validity, the last of an answer.
-
-    Parameters
-    ----------
-    checks : of the result.
-    validity : sentences on what left the range behind the parameters.
-    unknown : why there is no such range.
-    rate : note on strain rates beyond the tests.
-    """
+    """Return the sentences on limits and validity, the last of an answer."""
     known_range = "the range that the parameters were identified in"
     if unknown:
         told = f"{known_range.capitalize()} is not given, so validity is not judged."
@@ -312,17 +291,7 @@ def input_table(
     otherwise: str = "",
     note: str = "",
 ) -> Table:
-    """Return a row for each value of a table of a resolved input.
-
-    Parameters
-    ----------
-    caption : what they are.
-    table : as it is read from TOML: numbers with a unit are text.
-    sources : of values, by dotted key.
-    without : keys that are left out, with everything below them.
-    otherwise : source of the values that have none of their own.
-    note : below the table.
-    """
+    """Return a row for each value of a table of a resolved input."""
     known = sources or {}
     rows = []
     for key, value in flat(table).items():

@@ -26,12 +26,7 @@ WRITTEN = (REPORT_HTML, REPORT_PDF, WORKBOOK, TITLE, LOGO)
 
 
 def check_place(directory: Path) -> None:
-    """Refuse a directory that no document can be written into, before one is made.
-
-    Raises
-    ------
-    OutputError : it is none, not writable, or a folder has the name of a document.
-    """
+    """Refuse a directory that no document can be written into, before one is made."""
     if not is_folder(directory):
         raise OutputError(f"{directory}: is no directory")
     for folder in (directory.resolve(), directory.resolve().parent):
@@ -48,10 +43,6 @@ def report_files(
     """Return report.html and report.pdf, by name.
 
     Without `pdf`, a report.pdf that is there goes, since it would show another state.
-
-    Raises
-    ------
-    InputError : the template does not fit, or the logo cannot be read.
     """
     made = document(pieces, title.words(), title.logo_bytes(), template)
     if not pdf:
@@ -81,10 +72,6 @@ def put_files(directory: Path, content: Mapping[str, bytes | None]) -> list[Path
 
     They are written beside the directory first: a process that is killed leaves nothing in it
     that is no result, and the next one takes away what it left beside.
-
-    Raises
-    ------
-    OutputError : the disk is full or not writable.
     """
     final = directory.resolve()
     try:

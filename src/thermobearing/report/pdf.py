@@ -48,12 +48,7 @@ Data = dict[str, Any]
 
 
 def pdf_bytes(document: Document) -> bytes:
-    """Return the document as PDF/A-2a and PDF/UA-1; the same bytes for the same document.
-
-    Raises
-    ------
-    InputError : typst is not installed, or a picture or logo cannot be read.
-    """
+    """Return the document as PDF/A-2a and PDF/UA-1; the same bytes for the same document."""
     the_compiler()  # before anything is drawn
     document = drawn(document)
     letters = _letters(document)
@@ -75,12 +70,7 @@ def pdf_bytes(document: Document) -> bytes:
 
 
 def the_compiler() -> Any:
-    """Return the typst compiler.
-
-    Raises
-    ------
-    InputError : it is not installed, or too old for both standards in one file.
-    """
+    """Return the typst compiler."""
     try:
         import typst
 

@@ -43,17 +43,12 @@ class TitleBlock(Strict):
     logo: Words | None = None
 
     def words(self) -> dict[str, str]:
-        """What is given, by the word that stands before it."""
+        """Return what is given, by the word that stands before it."""
         given = self.model_dump(exclude_none=True, exclude={"logo"})
         return {LABELS.get(key, key.capitalize()): value for key, value in given.items()}
 
     def logo_bytes(self) -> bytes | None:
-        """The picture.
-
-        Raises
-        ------
-        InputError : there is none at that path, or it is neither PNG nor SVG.
-        """
+        """Return the picture."""
         if self.logo is None:
             return None
         raw = read_bytes(Path(self.logo), LARGEST_LOGO)
@@ -62,11 +57,11 @@ class TitleBlock(Strict):
         return raw
 
     def over(self, below: "TitleBlock") -> "TitleBlock":
-        """Of two title blocks: what the first says, else what the other one does."""
+        """Return of two title blocks: what the first says, else what the other one does."""
         return below.model_copy(update=self.model_dump(exclude_none=True))
 
     def to_toml(self) -> str:
-        """As a file that `read_title` reads."""
+        """Return as a file that `read_title` reads."""
         return tomli_w.dumps({KEY: self.model_dump(exclude_none=True)})
 
 
@@ -74,7 +69,7 @@ LABELS = {"number": "Document"}  # of the title block, where the key is not the 
 
 
 def logo_kind(raw: bytes) -> str:
-    """What a picture is: "png", "svg", or "" where it is neither.
+    """Return what a picture is: "png", "svg", or "" where it is neither.
 
     An SVG that declares entities is none: they can grow without end.
     """
@@ -84,12 +79,7 @@ def logo_kind(raw: bytes) -> str:
 
 
 def title_given(words: Sequence[str]) -> TitleBlock:
-    """The title block of words such as "project=Bridge 12".
-
-    Raises
-    ------
-    InputError : a word without "=", an unknown key, or one given twice.
-    """
+    """Return the title block of words such as "project=Bridge 12"."""
     table: dict[str, Any] = {}
     for word in words:
         key, equals, value = word.partition("=")
@@ -105,12 +95,7 @@ def title_given(words: Sequence[str]) -> TitleBlock:
 
 
 def case_table(path: Path) -> dict[str, Any]:
-    """The table of a case file without its title block, which no run knows of.
-
-    Raises
-    ------
-    InputError : the file cannot be read, or its title block is wrong.
-    """
+    """Return the table of a case file without its title block, which no run knows of."""
     table, _ = split_sources(read_toml(path))
     if KEY in table:
         _title_in(table, path)
@@ -119,12 +104,7 @@ def case_table(path: Path) -> dict[str, Any]:
 
 
 def read_title(path: Path | None) -> TitleBlock:
-    """The title block of a case file, or of report.toml; an empty one without.
-
-    Raises
-    ------
-    InputError : the file cannot be read, or its title block is wrong.
-    """
+    """Return the title block of a case file, or of report.toml; an empty one without."""
     if path is None:
         return TitleBlock()
     table, _ = split_sources(read_toml(path))
@@ -132,7 +112,7 @@ def read_title(path: Path | None) -> TitleBlock:
 
 
 def _title_in(table: dict[str, Any], path: Path) -> TitleBlock:
-    """The title block of a file; its logo is beside the file."""
+    """Return the title block of a file; its logo is beside the file."""
     try:
         title = validated(TitleBlock, table[KEY], "")
     except InputError as error:

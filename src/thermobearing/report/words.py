@@ -82,15 +82,7 @@ def printed_unit(unit: str) -> tuple[str, float]:
 def identity_rows(
     version: str, inputs: str, command: str, what: str = "case.resolved.toml"
 ) -> dict[str, str]:
-    """Return the rows of the last table of a document.
-
-    Parameters
-    ----------
-    version : of thermobearing.
-    inputs : text whose bits make the result: the resolved case.
-    command : that makes it again.
-    what : the text is.
-    """
+    """Return the rows of the last table of a document."""
     digest = hashlib.sha256(inputs.encode("utf-8", "surrogateescape")).hexdigest()
     return {
         "Version": f"thermobearing {version}",

@@ -47,10 +47,6 @@ def workbook_bytes(pieces: Pieces, histories: Mapping[str, History]) -> bytes:
     """Return an .xlsx file of a result, the same for the same result.
 
     Histories, by the name of their run, are thinned evenly where they are long, which is said.
-
-    Raises
-    ------
-    InputError : openpyxl is not installed.
     """
     book = the_writer()(write_only=True)
     names: set[str] = set()
@@ -71,12 +67,7 @@ def workbook_bytes(pieces: Pieces, histories: Mapping[str, History]) -> bytes:
 
 
 def the_writer() -> Any:
-    """Return what makes a workbook.
-
-    Raises
-    ------
-    InputError : openpyxl is not installed.
-    """
+    """Return what makes a workbook."""
     try:
         from openpyxl import Workbook
     except ImportError:
