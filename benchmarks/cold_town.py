@@ -20,11 +20,17 @@ from thermobearing.results import drawing
 from thermobearing.studies.definition.case import load_study
 from thermobearing.studies.run.demand_parameters import COMPLETED
 from thermobearing.studies.run.engine import run_study
-from thermobearing.studies.statistics.failed_runs import OUTCOME, counted
+from thermobearing.studies.statistics.demand import OUTCOME, counted
 from thermobearing.studies.statistics.fragility import Fragility, fragility_curves
-from thermobearing.studies.statistics.hazard import Hazard, Rate, annual_rate, ratio
-from thermobearing.studies.statistics.mixture import ClimateFragility, shares_of_time
-from thermobearing.studies.store.directory import Store
+from thermobearing.studies.statistics.hazard import (
+    ClimateFragility,
+    Hazard,
+    Rate,
+    annual_rate,
+    ratio,
+    shares_of_time,
+)
+from thermobearing.studies.store import Store
 
 STUDIES = {"hours": "cold-town", "levels": "cold-town-levels"}
 INTENSITY, WARM, COLD = "Sa_m_s2", 23.0, -20.0

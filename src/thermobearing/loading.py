@@ -13,8 +13,7 @@ from thermobearing.earthquake.result import EarthquakeResult, load_study
 from thermobearing.results.directory import BEARINGS, DATASET, IDENTIFIED, PARTS
 from thermobearing.results.saved import SavedResult, is_saved, read_dataset, read_saved
 from thermobearing.sequences.result import SequenceResult, load_sequence
-from thermobearing.studies.output import is_study, study_result
-from thermobearing.studies.result import StudyResult
+from thermobearing.studies.result import StudyResult, is_study, study_result
 
 POOR_FIT = "poor_fit"
 WITH_DATASET = {"cyclic", "bridge", "hybrid", "sequence"}  # commands

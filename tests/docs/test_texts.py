@@ -20,7 +20,7 @@ from tests.told_numbers import disagreements
 from tests.unit.inputs import command
 from tests.unit.studies import small_study
 from thermobearing.studies.run.engine import run_study
-from thermobearing.studies.store.directory import Store
+from thermobearing.studies.store import Store
 
 LIBRARY = Path(str(resources.files("thermobearing") / "data"))
 ROOT = Path(__file__).parents[2]

@@ -31,7 +31,7 @@ from thermobearing.structure.model import (
 from thermobearing.structure.result import implausible_structure
 from thermobearing.studies.definition.designs import plan
 from thermobearing.studies.run.shard import run_shard
-from thermobearing.studies.statistics.failed_runs import counted
+from thermobearing.studies.statistics.demand import counted
 
 MOTION: dict[str, Any] = {"motion": "jra-ii-i-1", "duration": 6.0}
 

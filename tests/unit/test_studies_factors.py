@@ -16,10 +16,10 @@ from thermobearing.climate.generator import generate_weather
 from thermobearing.earthquake.run import Task, build_device, soaked
 from thermobearing.earthquake.soaking import soaked_hours
 from thermobearing.studies.definition.case import make_study
+from thermobearing.studies.definition.columns import number_paths, value_at, with_numbers
 from thermobearing.studies.definition.designs import plan
 from thermobearing.studies.definition.distributions import Distribution
 from thermobearing.studies.definition.record import Study
-from thermobearing.studies.definition.targets import number_paths, value_at, with_numbers
 from thermobearing.studies.run.prepare import Preparer
 
 LHDR, HDR, BILINEAR = "shen-lhdr-bridge", "shen-hdr-bridge", "shen-bilinear-bridge"
@@ -31,7 +31,7 @@ def tasks(made: Study) -> tuple[pd.DataFrame, list[Task]]:
     """The plan of a study, and what each run is made of."""
     runs, preparer = plan(made), Preparer(made)
     preparer.foresee(runs)
-    return runs, [preparer.run_input(row).task for row in runs.to_dict("records")]
+    return runs, [preparer.make_task(row) for row in runs.to_dict("records")]
 
 
 def alike(first: Any, second: Any) -> bool:

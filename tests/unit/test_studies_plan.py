@@ -15,8 +15,7 @@ from thermobearing.earthquake.case import make_earthquake_case
 from thermobearing.earthquake.run import build_tasks, run_task
 from thermobearing.studies.definition.case import make_study
 from thermobearing.studies.definition.designs import MANY, in_lockstep, plan
-from thermobearing.studies.definition.factors import ScaleFactor, intensity
-from thermobearing.studies.definition.record import Keep, Study
+from thermobearing.studies.definition.record import Keep, ScaleFactor, Study, intensity
 from thermobearing.studies.run.prepare import Preparer
 
 BEARINGS = ["shen-hdr-bridge", "shen-bilinear-bridge"]
@@ -56,7 +55,7 @@ def test_a_run_of_a_study_is_that_of_bridge() -> None:
     )
     preparer = Preparer(made)
     for row, task in zip(plan(made).to_dict("records"), build_tasks(case), strict=True):
-        mine, theirs = run_task(preparer.run_input(row).task), run_task(task)
+        mine, theirs = run_task(preparer.make_task(row)), run_task(task)
         np.testing.assert_array_equal(mine.rows.q, theirs.rows.q)
 
 
@@ -178,9 +177,9 @@ def test_a_motion_is_brought_to_an_intensity() -> None:
     for row in runs.to_dict("records"):
         pga = tb.load_motion(row["motion"]).pga
         assert row["scale"] * pga == pytest.approx(1000.0 * row["PGA_m_s2"])
-    task = Preparer(study(scale=[1.5])).run_input(plan(study(scale=[1.5])).to_dict("records")[0])
-    plain = Preparer(study()).run_input(plan(study()).to_dict("records")[0])
-    np.testing.assert_array_equal(task.task.shaking.ground, 1.5 * plain.task.shaking.ground)
+    task = Preparer(study(scale=[1.5])).make_task(plan(study(scale=[1.5])).to_dict("records")[0])
+    plain = Preparer(study()).make_task(plan(study()).to_dict("records")[0])
+    np.testing.assert_array_equal(task.shaking.ground, 1.5 * plain.shaking.ground)
 
 
 def test_too_many_runs_are_refused() -> None:

@@ -19,7 +19,7 @@ from thermobearing.border.errors import InputError, OutputError
 from thermobearing.studies.run.engine import run_study
 from thermobearing.studies.run.processes import HERE
 from thermobearing.studies.run.status import study_status
-from thermobearing.studies.store.directory import Store
+from thermobearing.studies.store import Store
 
 needs_fork = pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork, as POSIX has it")
 PATIENCE = 120  # for what must come, however slow the machine [s]
@@ -188,7 +188,7 @@ def test_processes_that_always_die_are_told(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # What a process does first breaks there, and the process with it.
-    monkeypatch.setattr("thermobearing.studies.run.executors._begin", divmod)
+    monkeypatch.setattr("thermobearing.studies.run.processes._begin", divmod)
     with pytest.raises(OutputError, match="died 3 times in a row"):
         run_study(small_study(), tmp_path / "out", jobs=2, size=1)
     assert study_status(tmp_path / "out").done == 0
@@ -213,7 +213,8 @@ def test_processes_end_with_the_one_that_made_them(tmp_path: Path, whole: dict[s
     (tmp_path / "program.py").write_text(dedent(program))
     here = Path(__file__).parents[2]
     command = [sys.executable, str(tmp_path / "program.py")]
-    environment = os.environ | {"PYTHONPATH": str(here)}
+    paths = [str(here), *filter(None, [os.environ.get("PYTHONPATH")])]
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(paths)}
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment) as running:
         assert running.stdout
         workers = [int(word) for word in running.stdout.readline().split()]
@@ -246,7 +247,7 @@ def test_a_process_of_a_study_reads_only_what_it_runs_with() -> None:
 
 
 def test_nobody_answers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("thermobearing.studies.run.executors.SCHEDULER_PATIENCE", 0.2)
+    monkeypatch.setattr("thermobearing.studies.run.shard.SCHEDULER_PATIENCE", 0.2)
     for address in ("tcp://127.0.0.1:9", "nonsense://x"):
         with pytest.raises(InputError, match=f'address "{address}": no Dask scheduler answers'):
             run_study(small_study(), tmp_path / "out", executor="dask", address=address)

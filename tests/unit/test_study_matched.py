@@ -12,7 +12,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from typer.testing import CliRunner
 
-import thermobearing.studies.inputs.motions as made
+import thermobearing.studies.definition.motions as made
 import thermobearing.studies.run.engine as engine
 from tests import tolerances as tol
 from tests.unit.studies import kept, small_study
@@ -25,8 +25,7 @@ from thermobearing.motions.spectrum import response_spectrum
 from thermobearing.motions.targets import list_spectra, load_spectrum, standard_spectrum
 from thermobearing.studies.definition.case import load_study
 from thermobearing.studies.definition.designs import plan
-from thermobearing.studies.definition.record import Study
-from thermobearing.studies.inputs.motions import (
+from thermobearing.studies.definition.motions import (
     MADE,
     Recipe,
     factor_motions,
@@ -34,13 +33,12 @@ from thermobearing.studies.inputs.motions import (
     recipes,
     with_matched,
 )
-from thermobearing.studies.run.dry_run import forecast
-from thermobearing.studies.run.engine import run_study
+from thermobearing.studies.definition.record import Study
+from thermobearing.studies.run.engine import repeat_run, run_study
 from thermobearing.studies.run.prepare import Preparer
 from thermobearing.studies.run.shard import packed
-from thermobearing.studies.run.status import study_status
-from thermobearing.studies.run.worst import repeat_run
-from thermobearing.studies.store.directory import Store
+from thermobearing.studies.run.status import forecast, study_status
+from thermobearing.studies.store import Store
 
 # Coarse steps, and motions that are near the spectrum already: a fit takes a third of a second.
 FITS = {"matched": "jra-ii-ii", "levels": ["jra-ii-ii-1", "jra-ii-ii-2"], "dt": "0.02 s"}
@@ -150,7 +148,7 @@ def test_made_once_and_kept_in_the_directory(
     study = load_study(out / "study.toml")
     rows = plan(study).to_dict("records")
     assert [row["id"] for row in rows] == Store(out).table()["id"].tolist()
-    (motion,) = Preparer(study).run_input(rows[3]).task.case.motions
+    (motion,) = Preparer(study).make_task(rows[3]).case.motions
     assert motion.load().name == NAMES[1]
     stored = read_made(out / MADE)[recipes(_factor(FITS))[1].key].motion
     assert_array_equal(motion.acceleration, stored.acceleration)

@@ -8,8 +8,8 @@ from thermobearing.border.errors import InputError
 from thermobearing.earthquake.run import run_task
 from thermobearing.studies.definition.case import make_study
 from thermobearing.studies.definition.designs import plan
+from thermobearing.studies.run.engine import repeat_run
 from thermobearing.studies.run.prepare import Preparer
-from thermobearing.studies.run.worst import repeat_run
 
 TABLE = {
     "kind": "study",
@@ -27,7 +27,7 @@ TABLE = {
 def test_a_run_again_has_the_same_bits_and_is_what_bridge_does() -> None:
     study = make_study(TABLE, "test")
     row = plan(study).to_dict("records")[3]
-    history = run_task(Preparer(study).run_input(row).task)
+    history = run_task(Preparer(study).make_task(row))
     again = repeat_run(study, 3)
     moved = again.dataset["bearing_displacement"].values[0]
     assert np.array_equal(moved, history.bearing(0)["displacement"][::2].astype(moved.dtype))

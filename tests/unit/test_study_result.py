@@ -13,10 +13,9 @@ from thermobearing.border.errors import InputError
 from thermobearing.studies.definition.case import make_study
 from thermobearing.studies.definition.designs import plan
 from thermobearing.studies.options import Question
-from thermobearing.studies.report import input_tables, report_tables_by_name
+from thermobearing.studies.report import input_tables, result_tables
 from thermobearing.studies.result import StudyResult
-from thermobearing.studies.run.worst import worst_runs
-from thermobearing.studies.statistics.demand import in_classes
+from thermobearing.studies.statistics.demand import in_classes, worst_runs
 from thermobearing.studies.statistics.hazard import Hazard
 
 MOTIONS = [f"jra-ii-{ground}-{number}" for ground in ("i", "ii") for number in (1, 2, 3)]
@@ -208,7 +207,7 @@ def test_draws_of_each_run_have_fragility_and_rates_and_no_ida(method: Any) -> N
     result = drawn(paired=False)
     asked = Question(capacity=1.0, method=method, hazard=HAZARD)
     assert list(result.plot.draw_all(asked)) == ["demand", "variance", "fragility", "rates"]
-    assert {"fragility", "rates"} <= set(report_tables_by_name(result, asked))
+    assert {"fragility", "rates"} <= set(result_tables(result, asked))
     assert any("paired = true" in text for text in result.warnings)
     with pytest.raises(InputError, match="paired = true"):
         Question(capacity=1.0, method="ida").chosen_curves(result)
@@ -243,7 +242,7 @@ def test_indices_over_a_climate_name_the_temperature() -> None:
 
 def test_tables_say_their_units() -> None:
     asked = Question(capacity=1.0, hazard=HAZARD)
-    tables = report_tables_by_name(made_up().parts()["shen-hdr-bridge"], asked)
+    tables = result_tables(made_up().parts()["shen-hdr-bridge"], asked)
     heads = {name: [column.title for column in table.columns] for name, table in tables.items()}
     assert {"Median PGA [m/s²]", "Median PGA low [m/s²]"} <= set(heads["fragility"])
     assert {"Rate [1/year]", "Rate high [1/year]", "Return period [year]"} <= set(heads["rates"])
@@ -251,7 +250,7 @@ def test_tables_say_their_units() -> None:
     assert len(said) == len(set(said))
     strain = made_up().table.assign(bearing_displacement_max_mm=made_up().table["pier_ductility"])
     result = StudyResult(strain, made_up().study, {})
-    demand = report_tables_by_name(result, Question("bearing_displacement_max_mm"))["demand"]
+    demand = result_tables(result, Question("bearing_displacement_max_mm"))["demand"]
     assert "Mean [mm]" in [column.title for column in demand.columns]
 
 
@@ -261,7 +260,8 @@ def _is_text(artist: Any) -> bool:
 
 def test_all_figures_into_a_folder(tmp_path: Path) -> None:
     part = made_up().select(bearing="shen-hdr-bridge", ambient_degC=[-20.0, 23.0])
-    files = part.plot.save_all(tmp_path / "figures", Question(capacity=1.0))
+    part.asked = Question(capacity=1.0)
+    files = part.plot.save_all(tmp_path / "figures")
     assert [file.name for file in files] == [
         "demand.png",
         "variance.png",

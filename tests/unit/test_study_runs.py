@@ -13,21 +13,28 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import thermobearing as tb
 import thermobearing.studies.run.demand_parameters as peaks
-import thermobearing.studies.store.directory as stores
+import thermobearing.studies.store as stores
 from tests import tolerances as tol
 from tests.unit.studies import kept, small_study
 from thermobearing.border.errors import InputError, OutputError
 from thermobearing.core.lanes.memory import WIDTH
 from thermobearing.earthquake.measures import COLUMNS
 from thermobearing.studies.definition.designs import plan
-from thermobearing.studies.run.demand_parameters import RESULT_COLUMNS
+from thermobearing.studies.run.demand_parameters import COUNTS, RESULT_COLUMNS, TEXTS
 from thermobearing.studies.run.engine import only_writer, run_study
 from thermobearing.studies.run.prepare import Preparer
 from thermobearing.studies.run.shard import run_shard
-from thermobearing.studies.run.status import count_failures, study_status
-from thermobearing.studies.run.worst import worst_runs
-from thermobearing.studies.store.directory import FEWEST, MOST, Pace, Store, duration, shard_size
-from thermobearing.studies.store.parquet import About, about_columns, read_notes, write_parquet
+from thermobearing.studies.run.status import Pace, count_failures, say_duration, study_status
+from thermobearing.studies.statistics.demand import worst_runs
+from thermobearing.studies.store import (
+    FEWEST,
+    MOST,
+    Store,
+    parquet_bytes,
+    read_labels,
+    read_notes,
+    shard_size,
+)
 
 ROUNDING = {"structure_residual", "mechanical_residual", "thermal_residual"}
 PIER_HEIGHT = 10e3  # of pier P1 above its footing [mm]
@@ -59,13 +66,12 @@ def test_every_column_says_what_it_is(tmp_path: Path) -> None:
     study = small_study(**{"bearing.K_r": {"distribution": "uniform", "low": 0.9, "high": 1.1}})
     study = study.model_copy(update={"design": study.design.model_copy(update={"samples": 1})})
     run_study(study, tmp_path / "out", jobs=1)
-    told = about_columns(tmp_path / "out" / "shards" / "00000.parquet")
-    for name, about in told.items():
-        assert about.meaning, name
-    assert told["bearing_force_max_kN"] == About("kN", "largest force of one bearing")
-    assert told["bearing.K_r"] == About("1", "what multiplies bearing.K_r")
-    assert told["ambient_degC"].unit == "degC"
-    assert [name for name in told][-len(RESULT_COLUMNS) :] == [c.name for c in RESULT_COLUMNS]
+    told = read_labels(tmp_path / "out" / "shards" / "00000.parquet")
+    assert all(meaning for _, meaning in told.values())
+    assert told["bearing_force_max_kN"] == ("kN", "largest force of one bearing")
+    assert told["bearing.K_r"] == ("1", "factor of bearing.K_r")
+    assert told["ambient_degC"][0] == "degC"
+    assert tuple(told)[-len(RESULT_COLUMNS) :] == RESULT_COLUMNS
 
 
 def test_a_second_start_does_what_is_missing_and_nothing_else(
@@ -165,7 +171,7 @@ def test_failed_runs_are_told_with_their_reason(
 ) -> None:
     """One that tears its bearing, one that cannot be prepared, one that breaks this program."""
     study = small_study({"duration": "8 s"}, bearing=["shen-hdr-bridge"], scale=[1.0, 50.0])
-    prepared, run = Preparer.run_input, peaks.run_task
+    prepared, run = Preparer.make_task, peaks.run_task
 
     def prepare(self: Preparer, row: Any) -> Any:
         if row["run"] == 1:
@@ -177,7 +183,7 @@ def test_failed_runs_are_told_with_their_reason(
             raise ZeroDivisionError("float division")
         return run(task)
 
-    monkeypatch.setattr(Preparer, "run_input", prepare)
+    monkeypatch.setattr(Preparer, "make_task", prepare)
     monkeypatch.setattr(peaks, "run_task", broken)
     done = run_study(study, tmp_path / "out", jobs=1)
     assert (done.outcome, done.done, done.failed) == ("some_failed", 4, 3)
@@ -298,7 +304,7 @@ def test_a_part_that_cannot_be_marked_as_taken_is_told(tmp_path: Path) -> None:
         ({"jobs": 0}, r"jobs: 0 is not in \[1, 1024\]"),
         ({"size": 0}, "size: 0 runs are no shard"),
         ({"address": "tcp://x:1"}, 'only of executor "dask"'),
-        ({"executor": "dask"}, 'say where its scheduler is, as address "tcp://host:8786"'),
+        ({"executor": "dask"}, 'give its scheduler, as address "tcp://host:8786"'),
         ({"shard": "3"}, 'shard "3": give i/n'),
         ({"shard": "4/3"}, r'shard "4/3": parts of 3 have the numbers 1 to 3'),
     ],
@@ -318,7 +324,8 @@ def test_without_pyarrow_one_sentence(tmp_path: Path, monkeypatch: pytest.Monkey
 def test_equal_tables_make_equal_files(tmp_path: Path) -> None:
     table = pd.DataFrame({"x": [1.0, np.nan], "n": [1, 2], "name": pd.Categorical(["a", "b"])})
     for name in ("one", "two"):
-        write_parquet(tmp_path / name, table, {"x": About("mm", "way")}, {"k": 1})
+        content = parquet_bytes(table, {"x": ("mm", "way")}, {"k": 1})
+        (tmp_path / name).write_bytes(content)
     assert (tmp_path / "one").read_bytes() == (tmp_path / "two").read_bytes()
     assert read_notes(tmp_path / "one") == ({"k": 1}, 2)
     assert read_notes(tmp_path / "none") is None
@@ -328,12 +335,12 @@ def test_equal_tables_make_equal_files(tmp_path: Path) -> None:
 
 def test_pace_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     now = [100.0]
-    monkeypatch.setattr("thermobearing.studies.store.directory.time.monotonic", lambda: now[0])
+    monkeypatch.setattr("thermobearing.studies.run.status.time.monotonic", lambda: now[0])
     pace = Pace(20, 100)
-    assert pace.told() == "20 of 100 runs"
+    assert str(pace) == "20 of 100 runs"
     pace.done, now[0] = 60, 110.0
-    assert pace.told() == "60 of 100 runs, 4 a second, 10 s left"
-    assert [duration(s) for s in (59.4, 61, 3660)] == ["59 s", "1 min 1 s", "1 h 1 min"]
+    assert str(pace) == "60 of 100 runs, 4 a second, 10 s left"
+    assert [say_duration(s) for s in (59.4, 61, 3660)] == ["59 s", "1 min 1 s", "1 h 1 min"]
 
 
 def test_sizes_of_shards() -> None:
@@ -359,18 +366,18 @@ def test_runs_in_lockstep_are_those_of_runs_alone_and_nobody_elses() -> None:
     rows = plan(study)
     together, one_by_one = run_shard(study, rows), run_shard(alone, rows)
     for column in RESULT_COLUMNS:
-        if column.name in ROUNDING:
-            off = together[column.name] - one_by_one[column.name]
-            assert (off.abs() < tol.STRUCTURE_BOOKS).all(), column.name
-        elif column.name == "layer_force_mismatch_max_kN":
+        if column in ROUNDING:
+            off = together[column] - one_by_one[column]
+            assert (off.abs() < tol.STRUCTURE_BOOKS).all(), column
+        elif column == "layer_force_mismatch_max_kN":
             force = one_by_one["bearing_force_max_kN"]
-            off = together[column.name] - one_by_one[column.name]
+            off = together[column] - one_by_one[column]
             assert (off.abs() <= tol.LANE_PEAK * force).all()
-        elif column.kind == "number":
-            given = one_by_one[column.name]
-            assert_allclose(together[column.name], given, rtol=tol.LANE_PEAK, err_msg=column.name)
+        elif column not in (*TEXTS, *COUNTS):
+            given = one_by_one[column]
+            assert_allclose(together[column], given, rtol=tol.LANE_PEAK, err_msg=column)
         else:
-            assert_array_equal(together[column.name], one_by_one[column.name])
+            assert_array_equal(together[column], one_by_one[column])
     backwards = run_shard(study, rows.iloc[[3, 1]])
     for name in together:
         assert_array_equal(backwards[name], together[name].iloc[[3, 1]], err_msg=name)

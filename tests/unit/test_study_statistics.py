@@ -9,13 +9,16 @@ from numpy.testing import assert_allclose
 
 from thermobearing.border.errors import InputError
 from thermobearing.studies.statistics.bootstrap import Draw, percentiles
-from thermobearing.studies.statistics.demand import demand_against, median_places
-from thermobearing.studies.statistics.failed_runs import counted
-from thermobearing.studies.statistics.fragility import fragility_curve, fragility_curves
-from thermobearing.studies.statistics.hazard import Hazard, annual_rate, load_hazard
-from thermobearing.studies.statistics.ida import ida_curves
+from thermobearing.studies.statistics.demand import counted, demand_against, median_places
+from thermobearing.studies.statistics.fragility import fragility_curve, fragility_curves, ida_curves
+from thermobearing.studies.statistics.hazard import (
+    ClimateFragility,
+    Hazard,
+    annual_rate,
+    load_hazard,
+    shares_of_time,
+)
 from thermobearing.studies.statistics.likelihood import MOST_STRIPES, classes, cloud, fit_curves
-from thermobearing.studies.statistics.mixture import ClimateFragility, shares_of_time
 from thermobearing.studies.statistics.variance import sobol_table, variance_shares
 
 HAZARD = Hazard(np.array([0.1, 1.0, 10.0]), np.array([1.0, 1e-2, 1e-4]))

@@ -7,8 +7,8 @@ from typing import Any
 import pytest
 from numpy.testing import assert_array_equal
 
-import thermobearing.studies.inputs.bearing_temperatures as warmth
-import thermobearing.studies.inputs.levels as levels
+import thermobearing.studies.definition.levels as levels
+import thermobearing.studies.run.prepare as warmth
 from tests.unit.studies import kept
 from thermobearing.climate.generator import generate_weather
 from thermobearing.studies.definition.case import load_study, make_study
@@ -17,7 +17,7 @@ from thermobearing.studies.definition.record import Study
 from thermobearing.studies.run.engine import run_study
 from thermobearing.studies.run.prepare import Preparer
 from thermobearing.studies.run.shard import packed
-from thermobearing.studies.store.directory import Store
+from thermobearing.studies.store import Store
 
 BEARINGS = ["shen-hdr-bridge", "shen-lhdr-bridge", "shen-bilinear-bridge"]
 TENTH = {"distribution": "uniform", "low": 0.9, "high": 1.1}
@@ -58,7 +58,7 @@ def test_what_was_foreseen_is_what_a_run_finds_alone(kind: str, town: Path) -> N
     warm = first.foreseen_temperatures(runs.iloc[2:8])
     worker.take(pickle.loads(pickle.dumps(warm)))
     for row in runs.iloc[1:8].to_dict("records"):  # the first is foreseen by nobody
-        one, other, third = (prep.run_input(row).task.reported for prep in (alone, first, worker))
+        one, other, third = (prep.make_task(row).reported for prep in (alone, first, worker))
         assert_array_equal(one.temperature, other.temperature)
         assert_array_equal(one.temperature, third.temperature)
         assert one.lead == other.lead == third.lead
@@ -135,9 +135,9 @@ def test_lines_with_a_bearing_of_their_own_are_foreseen(
     runs = plan(study)
     alone, first = Preparer(study), Preparer(study)
     first.foresee(runs)
-    expected = [alone.run_input(row).task.lines for row in runs.to_dict("records")]
+    expected = [alone.make_task(row).lines for row in runs.to_dict("records")]
     monkeypatch.setattr(warmth, "soaked_hours", divmod)  # nothing is left to be found
     for row, lines in zip(runs.to_dict("records"), expected, strict=True):
-        for one, other in zip(first.run_input(row).task.lines, lines, strict=True):
+        for one, other in zip(first.make_task(row).lines, lines, strict=True):
             assert_array_equal(one.temperature, other.temperature)
             assert one.lead == other.lead

@@ -15,11 +15,10 @@ from thermobearing.earthquake.run import build_device
 from thermobearing.model.options import EndFace, ModelOptions, Side, build_model, outdoors
 from thermobearing.model.stack import film_at_face, through_side
 from thermobearing.studies.definition.case import make_study
-from thermobearing.studies.definition.columns import list_targets
-from thermobearing.studies.definition.targets import moves_warmth
-from thermobearing.studies.inputs.bearing_temperatures import thermal_key
+from thermobearing.studies.definition.columns import list_targets, moves_warmth
 from thermobearing.studies.options import Question
 from thermobearing.studies.result import StudyResult
+from thermobearing.studies.run.prepare import thermal_key
 
 FILM = EndFace(film=12.0)
 OPEN = (FILM, FILM, Side(film=12.0, cover=10.0))

@@ -18,7 +18,7 @@ from tests.unit.inputs import refusal
 from thermobearing.commands.common import Patient
 from thermobearing.results.directory import seal
 from thermobearing.studies.definition.case import load_study
-from thermobearing.studies.inputs.motions import read_made
+from thermobearing.studies.definition.motions import read_made
 
 WRONG: dict[str, Any] = {
     "text": "x",

@@ -32,10 +32,10 @@ def cold_town(name: str, **factors: Any) -> Any:
     rows = runs.to_dict("records")
     found = {demand: [] for demand in DEMANDS}
     for row in rows:
-        given = prepared.run_input(row)
+        given = prepared.make_task(row)
         numbers = measure(given)
-        middles = np.concatenate(given.task.device.stack.middles())
-        row["rubber_degC"] = given.task.reported.temperature[middles].mean()
+        middles = np.concatenate(given.device.stack.middles())
+        row["rubber_degC"] = given.reported.temperature[middles].mean()
         assert numbers["outcome"] == "completed"
         for demand in DEMANDS:
             found[demand].append(numbers[demand])

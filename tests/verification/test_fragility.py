@@ -7,10 +7,15 @@ from scipy.optimize import minimize
 from scipy.stats import binom, chi2, linregress, norm
 
 from tests import tolerances
+from tests.verification.test_hazard import closed_form
 from thermobearing.studies.statistics.fragility import Method, fragility_curve, fragility_curves
-from thermobearing.studies.statistics.hazard import Hazard, annual_rate, closed_form, ratio
+from thermobearing.studies.statistics.hazard import (
+    ClimateFragility,
+    Hazard,
+    annual_rate,
+    ratio,
+)
 from thermobearing.studies.statistics.likelihood import fit_curves
-from thermobearing.studies.statistics.mixture import ClimateFragility
 
 MEDIAN, DISPERSION = 1.0, 0.4
 LEVELS = np.array([0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0])

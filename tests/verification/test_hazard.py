@@ -7,9 +7,20 @@ from scipy.stats import norm
 
 from tests import tolerances
 from thermobearing.studies.statistics.fragility import Fragility
-from thermobearing.studies.statistics.hazard import Hazard, Rate, annual_rate, closed_form, ratio
+from thermobearing.studies.statistics.hazard import (
+    ClimateFragility,
+    Hazard,
+    Rate,
+    annual_rate,
+    ratio,
+    shares_of_time,
+)
 from thermobearing.studies.statistics.likelihood import Curves, Estimate
-from thermobearing.studies.statistics.mixture import ClimateFragility, shares_of_time
+
+
+def closed_form(median: float, dispersion: float, factor: float, exponent: float) -> float:
+    """Cornell's rate for a lognormal fragility and a hazard of factor * im ** -exponent."""
+    return float(factor * median**-exponent * np.exp(0.5 * (exponent * dispersion) ** 2))
 
 
 def lognormal(median: float, dispersion: float, others: int = 1) -> Fragility:

@@ -33,9 +33,8 @@ from thermobearing.structure.run import prepare_structure
 from thermobearing.studies.definition.case import load_study
 from thermobearing.studies.definition.columns import list_columns
 from thermobearing.studies.definition.designs import plan
-from thermobearing.studies.definition.factors import Posterior
-from thermobearing.studies.definition.record import Study
-from thermobearing.studies.inputs.motions import with_stand_ins
+from thermobearing.studies.definition.motions import with_stand_ins
+from thermobearing.studies.definition.record import Posterior, Study
 from thermobearing.tables.laboratory import Sidecar
 
 # Kind: keys that tell it, and the record that it is; None where it is read key by key.

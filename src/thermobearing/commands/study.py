@@ -29,8 +29,7 @@ from thermobearing.commands.options import (
 )
 
 if TYPE_CHECKING:
-    from thermobearing.studies.run.dry_run import Forecast
-    from thermobearing.studies.run.status import Status
+    from thermobearing.studies.run.status import Forecast, Status
 
 DIRECTORY = Annotated[Path, typer.Argument(help="Directory of the study.", metavar="DIR")]
 HELP = "Parameter studies: `study STUDY.toml -o DIR` runs or resumes one."
@@ -89,7 +88,7 @@ def run(
 ) -> int:
     """Run or resume a study."""
     from thermobearing.studies.definition.case import load_study
-    from thermobearing.studies.inputs.motions import is_matched
+    from thermobearing.studies.definition.motions import is_matched
     from thermobearing.studies.run.engine import check_start, run_study
 
     made = load_study(study)
@@ -110,11 +109,10 @@ def run(
 @command()
 def status_(directory: DIRECTORY, as_json: AsJson) -> int:
     """How far it is, and why runs failed; looks only, whoever is writing there."""
-    from thermobearing.studies.output import print_status
     from thermobearing.studies.run.status import study_status
 
     found = study_status(directory)
-    print_status(found)
+    found.show()
     if as_json:
         echo_json({"exit_status": 0, "output": str(directory), **found.summary()})
     return 0
@@ -132,8 +130,7 @@ def table(
     as_json: AsJson,
 ) -> int:
     """All runs that are done as one file, a row each."""
-    from thermobearing.studies.store.directory import Store
-    from thermobearing.studies.store.parquet import write_table
+    from thermobearing.studies.store import Store, write_table
 
     found = Store(directory).table()
     file = output or Path(f"{directory}.csv")
@@ -161,15 +158,14 @@ def figures(directory: DIRECTORY, given: dict[str, Any], as_json: AsJson, quiet:
     """
     from thermobearing.results.directory import FIGURES
     from thermobearing.studies.options import asked_over, keep_asked, kept_asked
-    from thermobearing.studies.output import print_answers, study_result
+    from thermobearing.studies.result import study_result
 
     asked = asked_over(kept_asked(directory), given)
-    result = study_result(directory)
-    question = asked.question()
-    files = result.plot.save_all(directory / FIGURES, question)
+    result = study_result(directory, asked.question())
+    files = result.plot.save_all(directory / FIGURES)
     keep_asked(directory, asked)
     if not quiet:
-        print_answers(result, question)
+        result.show()
         for file in files:
             typer.echo(f"written: {printable(str(file))}")
     if as_json:
@@ -186,10 +182,15 @@ def worst(
     count: Annotated[int, option(help="How many.", min=1)] = 10,
 ) -> int:
     """List the worst runs and one example of each failure mode, with the command to repeat each."""
-    from thermobearing.studies.output import print_worst, study_result
+    from thermobearing.results.screen import say, show_table
+    from thermobearing.studies.report import worst_table
+    from thermobearing.studies.result import study_result
 
-    table = study_result(directory).worst(count, given.get("demand"))
-    print_worst(table)
+    result = study_result(directory)
+    table = result.worst(count, given.get("demand"))
+    show_table(worst_table(result, table.drop(columns="command")))
+    for line in table["command"]:
+        say(line)
     if as_json:
         echo_json({"exit_status": 0, "runs": table.to_dict("records")})
     return 0
@@ -204,8 +205,8 @@ def repeat(
 ) -> int:
     """Carry out one run of a study again with everything kept, as `bridge` does."""
     from thermobearing.studies.definition.case import load_study
-    from thermobearing.studies.run.worst import repeat_run
-    from thermobearing.studies.store.directory import STUDY
+    from thermobearing.studies.run.engine import repeat_run
+    from thermobearing.studies.store import STUDY
 
     end.check()
     return end.save_if_asked(repeat_run(load_study(directory / STUDY), run))
@@ -214,7 +215,7 @@ def repeat(
 def _with_motions(study: Any, target: Path, jobs: int | None, quiet: bool) -> Any:
     """A study whose motions are made; says first that this takes its time."""
     from thermobearing.report.words import counted
-    from thermobearing.studies.inputs.motions import missing_motions, with_matched
+    from thermobearing.studies.definition.motions import missing_motions, with_matched
 
     missing = len(missing_motions(study, target))
     if missing and not quiet:
@@ -230,20 +231,18 @@ def _with_motions(study: Any, target: Path, jobs: int | None, quiet: bool) -> An
 def _told(study: Any, jobs: int | None, as_json: bool, quiet: bool) -> int:
     """What a study will cost."""
     from thermobearing.results.screen import print_facts
-    from thermobearing.studies.run.dry_run import forecast
-    from thermobearing.studies.store.directory import duration
+    from thermobearing.studies.run.status import forecast, say_duration
 
     announce_compiling(quiet, STRUCTURES)
     found: Forecast = forecast(study, jobs)
     if not quiet:
-        size = found.table_bytes + found.history_bytes
-        told = f"{size / 1e3:.0f} kB" if size < 1e6 else megabytes(size)
+        told = f"{found.size / 1e3:.0f} kB" if found.size < 1e6 else megabytes(found.size)
         failed = f", {found.failed} of which failed" if found.failed else ""
         facts = {
             "runs": str(found.runs),
             "one run": f"{1e3 * found.seconds:.3g} ms, of {found.tried} that were tried{failed}",
-            "motions": f"{found.motions} to be made first, {duration(found.motion_seconds)} each",
-            "all": f"{duration(max(found.whole_seconds, 1.0))} with --jobs {found.jobs}",
+            "motions": f"{found.motions} to be made first, {say_duration(found.motion_seconds)} each",
+            "all": f"{say_duration(max(found.whole_seconds, 1.0))} with --jobs {found.jobs}",
             "size": f"at most {told}",
         }
         if not found.motions:
@@ -260,7 +259,7 @@ def _told(study: Any, jobs: int | None, as_json: bool, quiet: bool) -> int:
                 "seconds_a_motion": found.motion_seconds,
                 "jobs": found.jobs,
                 "seconds": found.whole_seconds,
-                "bytes": found.table_bytes + found.history_bytes,
+                "bytes": found.size,
             }
         )
     return 0
@@ -268,7 +267,6 @@ def _told(study: Any, jobs: int | None, as_json: bool, quiet: bool) -> int:
 
 def _ended(status: "Status", as_json: bool, quiet: bool, *, part: bool) -> int:
     """Say how far a study is and why runs failed; the exit status."""
-    from thermobearing.studies.output import print_status
 
     codes = {"interrupted": INTERRUPTED, "some_failed": ENDED_EARLY}
     code = codes.get(status.outcome, 0)
@@ -276,7 +274,7 @@ def _ended(status: "Status", as_json: bool, quiet: bool, *, part: bool) -> int:
         code = ENDED_EARLY
     with contextlib.suppress(KeyboardInterrupt):  # all is safe by now
         if not quiet:
-            print_status(status, part=part)
+            status.show(part=part)
         elif code:
             typer.echo(f"thermobearing: {status.sentence}", err=True)
     if as_json:

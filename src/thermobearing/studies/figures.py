@@ -3,7 +3,6 @@
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,24 +19,15 @@ from thermobearing.results.profiles import COLOURS
 from thermobearing.studies.definition.columns import AMBIENT
 from thermobearing.studies.options import Question
 from thermobearing.studies.result import StudyResult
-from thermobearing.studies.statistics.demand import equal_classes
-from thermobearing.studies.statistics.failed_runs import counted, describe_all
-from thermobearing.studies.statistics.fragility import Fragility
-from thermobearing.studies.statistics.hazard import Hazard, Rate
-from thermobearing.studies.statistics.ida import FRACTILES, Ida
-from thermobearing.studies.statistics.mixture import ClimateFragility
+from thermobearing.studies.statistics.demand import counted, describe_all, equal_classes
+from thermobearing.studies.statistics.fragility import FRACTILES, Fragility, Ida
+from thermobearing.studies.statistics.hazard import ClimateFragility, Hazard, Rate
 
 NAMES = {"ambient_degC": "ambient temperature", "hour": "hour of the weather"}
 
 
 def column_words(column: str) -> str:
-    """A column without its unit, as words.
-
-    Examples
-    --------
-    >>> column_words("pier_displacement_max_mm"), column_words("PGA_m_s2")
-    ('largest pier displacement', 'PGA')
-    """
+    """Return a column without its unit, as words: "largest pier displacement"."""
     if ", " in column:  # several that are drawn together
         return ", ".join(map(column_words, column.split(", ")))
     if "." in column:
@@ -47,24 +37,12 @@ def column_words(column: str) -> str:
 
 
 def find_unit(column: str) -> str:
-    """The unit in the name of a column; "" without one.
-
-    Examples
-    --------
-    >>> find_unit("PGV_m_s"), find_unit("pier_rotation_max_rad"), find_unit("scale")
-    ('m/s', 'rad', '')
-    """
+    """Return the unit in the name of a column, such as "m/s"; "" without one."""
     return "" if "." in column else words(column)[1]
 
 
-def _column_title(column: str) -> str:
-    """Words with the unit in brackets.
-
-    Examples
-    --------
-    >>> _column_title("ambient_degC")
-    'ambient temperature [°C]'
-    """
+def _title(column: str) -> str:
+    """Return words with the unit in brackets, for an axis."""
     unit = find_unit(column)
     return f"{column_words(column)} [{unit}]" if unit else column_words(column)
 
@@ -77,15 +55,7 @@ COLOUR = "#0077BB"
 def _draw_demand(
     found: pd.DataFrame, demand: str, across: str, by: Sequence[str], note: str, capacity: float
 ) -> Figure:
-    """A panel for each combination of `by`.
-
-    Parameters
-    ----------
-    found : of `demand_against`.
-    demand, across, by : as given to it.
-    note : what became of runs that failed.
-    capacity : of the demand, drawn as a line; NaN for none.
-    """
+    """Draw a panel for each combination of `by`, from `demand_against`; NaN is no capacity."""
     groups = found.groupby(list(by), sort=False, observed=True) if by else [((), found)]
     cells = [(label, rows) for label, rows in groups]
     columns = min(len(cells), MOST_COLUMNS)
@@ -99,9 +69,7 @@ def _draw_demand(
         _draw(ax, rows, across, capacity)
         last = place + columns >= len(cells)
         first = place % columns == 0
-        drawing.name_axes(
-            ax, _column_title(across) if last else "", _column_title(demand) if first else ""
-        )
+        drawing.name_axes(ax, _title(across) if last else "", _title(demand) if first else "")
         ax.set_title(
             ", ".join(map(str, label)), fontsize=drawing.SMALL, fontweight="bold", color=drawing.INK
         )
@@ -114,7 +82,7 @@ def _draw_demand(
 
 
 def _draw(ax: Axes, rows: pd.DataFrame, across: str, capacity: float) -> None:
-    """Bands between fractiles, the median with its own band, the mean."""
+    """Draw bands between fractiles, the median with its band, the mean."""
     x = rows[across].to_numpy(dtype=float)
     values = {
         name: rows[name].to_numpy(dtype=float)
@@ -137,7 +105,6 @@ def _draw(ax: Axes, rows: pd.DataFrame, across: str, capacity: float) -> None:
 
 
 def _handles(capacity: float) -> list[Line2D]:
-    """Legend entries."""
     look: drawing.Look = {"color": COLOUR}
     found = [
         Line2D([], [], marker="o", markersize=3, linewidth=1.4, label="median, 95 % band", **look),
@@ -156,7 +123,7 @@ MOST_MARKS, MARKS = 40, 15  # of intensities; more are drawn in classes
 
 
 def _level_colours(names: list[Any]) -> list[str]:
-    """From cold to warm where all names are numbers; else told apart."""
+    """Return colours from cold to warm where all names are numbers; else distinct ones."""
     if names and all(isinstance(name, int | float | np.number) for name in names):
         return drawing.ambient_colours(np.array(names, dtype=float))
     return [COLOURS[k % len(COLOURS)] for k in range(len(names))]
@@ -165,14 +132,7 @@ def _level_colours(names: list[Any]) -> list[str]:
 def draw_fragility(
     curves: Mapping[Any, Fragility], climate: ClimateFragility | None = None, title: str = ""
 ) -> Figure:
-    """Probability of going beyond the capacity against intensity.
-
-    Parameters
-    ----------
-    curves : by temperature, or by name.
-    climate : of the whole, drawn in black.
-    title : above; by default the demand and its capacity.
-    """
+    """Draw the probability of exceedance against intensity; that over the climate in black."""
     some = next(iter(curves.values()))
     unit = find_unit(some.demand)
     capacity = f"{some.capacity:g} {unit}".strip()
@@ -182,13 +142,13 @@ def draw_fragility(
     im = np.linspace(0.0, FRAGILITY_ROOM * float(at.max()), POINTS + 1)[1:]
     handles = []
     for (name, curve), colour in zip(curves.items(), _level_colours(list(curves)), strict=True):
-        told = drawing.degrees(name) if isinstance(name, int | float) else str(name)
+        label = drawing.degrees(name) if isinstance(name, int | float) else str(name)
         if curve.estimate.known:
             _curve(ax, curve, im, colour, len(curves) < 3)
         else:
-            told += " (no curve)"
+            label += " (no curve)"
         _marks(ax, curve, colour, len(curves))
-        handles.append(Line2D([], [], color=colour, linewidth=1.4, label=told))
+        handles.append(Line2D([], [], color=colour, linewidth=1.4, label=label))
     if climate is not None:
         _curve(ax, climate, im, drawing.INK, True)
         handles.append(Line2D([], [], color=drawing.INK, linewidth=1.8, label=climate.name))
@@ -196,7 +156,7 @@ def draw_fragility(
     handles.append(Line2D([], [], markersize=3.5, label="share of runs", **marks))
     ax.set_xlim(0.0, float(im[-1]))
     ax.set_ylim(-0.02, 1.02)
-    drawing.name_axes(ax, _column_title(some.intensity), "probability of going beyond")
+    drawing.name_axes(ax, _title(some.intensity), "probability of exceedance")
     left_out = sum(curve.left_out for curve in curves.values())
     collapsed = sum(curve.collapsed for curve in curves.values())
     runs = sum(curve.runs for curve in curves.values()) + left_out
@@ -211,7 +171,7 @@ def draw_fragility(
 def _curve(
     ax: Axes, curve: Fragility | ClimateFragility, im: Any, colour: str, filled: bool
 ) -> None:
-    """A curve with its band: an area, or the ends of it where many would lie on each other."""
+    """Draw a curve with its band: an area, or its ends where many would overlap."""
     low, high = curve.band_at(im)
     if filled:
         ax.fill_between(im, low, high, color=colour, alpha=0.13, linewidth=0)
@@ -222,7 +182,7 @@ def _curve(
 
 
 def _marks(ax: Axes, curve: Fragility, colour: str, count: int) -> None:
-    """Share of runs beyond at each intensity, or in each of some classes of them."""
+    """Draw the share of runs beyond at each intensity, or in each of some classes of them."""
     counts = curve.counts
     if len(counts) > MOST_MARKS:
         sums = counts.groupby(equal_classes(counts[curve.intensity].to_numpy(), MARKS))
@@ -239,13 +199,7 @@ MOST_CURVES = 400  # drawn; more are every so many of them
 
 
 def _draw_ida(ida: Ida, capacity: float) -> Figure:
-    """Intensity against demand, as such curves are drawn; a cross where one collapses.
-
-    Parameters
-    ----------
-    ida : curves.
-    capacity : of the demand, drawn as a line; NaN for none.
-    """
+    """Draw intensity against demand; a cross where a curve collapses, NaN is no capacity."""
     title = f"incremental dynamic analysis, {column_words(ida.demand)}: {ida.sentence}"
     figure, (ax,) = drawing.panels(1, 1, (5.2, 4.2), title)
     every = -(-len(ida.curves) // MOST_CURVES)
@@ -265,13 +219,13 @@ def _draw_ida(ida: Ida, capacity: float) -> Figure:
     right = min(widest, max(4.0 * capacity, 1e-300)) if np.isfinite(capacity) else widest
     ax.set_xlim(0.0, 1.03 * right)
     ax.set_ylim(0.0, 1.03 * highest)
-    drawing.name_axes(ax, _column_title(ida.demand), _column_title(ida.intensity))
+    drawing.name_axes(ax, _title(ida.demand), _title(ida.intensity))
     drawing.legend_below(figure, _ida_handles(ida, capacity))
     return figure
 
 
 def _fractiles(ax: Axes, ida: Ida) -> None:
-    """Lines of the fractiles as far as most curves go, so that they do not jump with those left."""
+    """Draw lines of the fractiles as far as all curves go, so that they do not jump."""
     table = ida.fractiles()
     table = table[table["curves"] == len(ida.curves)]
     for share, line in LOOKS.items():
@@ -282,7 +236,6 @@ def _fractiles(ax: Axes, ida: Ida) -> None:
 
 
 def _ida_handles(ida: Ida, capacity: float) -> list[Line2D]:
-    """Legend entries."""
     count = f"{len(ida.curves)} curves"
     found = [Line2D([], [], color=drawing.GREY, linewidth=0.6, label=count)]
     for share, line in LOOKS.items():
@@ -303,32 +256,23 @@ DECADES = 6  # of rates that are shown below the largest
 def draw_rates(
     hazard: Hazard, rates: Mapping[Any, Rate], title: str, unit: str = "", note: str = ""
 ) -> Figure:
-    """The hazard curve beside the rate of each temperature or climate.
-
-    Parameters
-    ----------
-    hazard : of the site.
-    rates : by temperature or name.
-    title : above.
-    unit : of the intensity.
-    note : what became of runs that failed.
-    """
+    """Draw the hazard curve, and the annual rate of each temperature or climate."""
     figure, (left, right) = drawing.panels(1, 2, (7.1, 3.2), title)
     left.loglog(hazard.intensity, hazard.rate, color=drawing.INK, linewidth=1.4, marker="o", ms=3)
     measure = hazard.measure or "intensity"
     drawing.name_axes(left, f"{measure} [{unit}]" if unit else measure, "exceeded [1/year]")
     left.set_title("hazard of the site", fontsize=drawing.NORMAL, loc="left")
     _bars(right, rates)
-    right.set_title("capacity passed", fontsize=drawing.NORMAL, loc="left")
+    right.set_title("capacity exceeded", fontsize=drawing.NORMAL, loc="left")
     notes = dict.fromkeys([note, *(text for rate in rates.values() for text in rate.notes)])
-    told = "\n".join(textwrap.fill(text, WRAPPED) for text in notes if text)
-    figure.supxlabel(told, x=0.02, ha="left", fontsize=drawing.SMALL, color=drawing.GREY)
+    below = "\n".join(textwrap.fill(text, WRAPPED) for text in notes if text)
+    figure.supxlabel(below, x=0.02, ha="left", fontsize=drawing.SMALL, color=drawing.GREY)
     left.tick_params(which="both", labelsize=drawing.SMALL)
     return figure
 
 
 def _bars(ax: Axes, rates: Mapping[Any, Rate]) -> None:
-    """Points with bands; names across."""
+    """Draw points with bands; names across."""
     names = list(rates)
     numbers = [name for name in names if isinstance(name, int | float)]
     warm = dict(zip(numbers, _level_colours(numbers), strict=True)) if len(numbers) > 1 else {}
@@ -337,9 +281,9 @@ def _bars(ax: Axes, rates: Mapping[Any, Rate]) -> None:
     for place, name in enumerate(names):
         rate, colour = rates[name], warm.get(name, drawing.INK)
         if not rate.rate > 0.0:
-            told = "no run beyond,\nupper bound" if rate.rate == 0.0 else "no curve"
+            why = "no run beyond,\nupper bound" if rate.rate == 0.0 else "no curve"
             look: drawing.Look = {"ha": "center", "va": "bottom", "color": drawing.GREY}
-            ax.text(place, 0.02, told, transform=ax.get_xaxis_transform(), fontsize=6.5, **look)
+            ax.text(place, 0.02, why, transform=ax.get_xaxis_transform(), fontsize=6.5, **look)
             if rate.high > 0.0:  # an upper bound
                 ax.plot(place, rate.high, "v", color=colour, markersize=5, markerfacecolor="none")
             continue
@@ -352,7 +296,7 @@ def _bars(ax: Axes, rates: Mapping[Any, Rate]) -> None:
     turn: drawing.Look = {"rotation": 30, "ha": "right"} if len(names) > 4 else {}
     ax.set_xticks(range(len(names)), ticks, **turn)
     ax.grid(False, axis="x")
-    drawing.name_axes(ax, "", "passed [1/year]")
+    drawing.name_axes(ax, "", "exceeded [1/year]")
 
 
 KINDS = {
@@ -363,19 +307,13 @@ KINDS = {
 
 
 def _draw_variance(found: pd.DataFrame, demand: str) -> Figure:
-    """Bars with bands, the largest factor above.
-
-    Parameters
-    ----------
-    found : of `sobol_table` or `variance_shares`.
-    demand : whose variance it is.
-    """
+    """Draw bars with bands, the largest factor above."""
     kinds = [kind for kind in KINDS if kind in found]
     by = "total" if "total" in found else "share"
     rest = found["factor"] == "together and the rest"
     rows = pd.concat([found[rest], found[~rest].sort_values(by)])
     size = (5.6, 1.2 + 0.42 * len(rows))
-    title = f"what the variance of {column_words(demand)} comes from"
+    title = f"shares of the variance of {column_words(demand)}"
     figure, (ax,) = drawing.panels(1, 1, size, title)
     places = np.arange(len(rows), dtype=float)
     height = 0.7 / len(kinds)
@@ -400,62 +338,58 @@ def _draw_variance(found: pd.DataFrame, demand: str) -> Figure:
     return figure
 
 
-class StudyFigures:
-    """Figures of a study; those of a single bearing of `result.select(bearing=...)`."""
+class StudyFigures(drawing.Figures):
+    """Figures of a study; those of a single bearing of `result.select(bearing=...)`.
 
-    def __init__(self, result: StudyResult) -> None:
-        self._result = result
+    Each takes a `Question` (demand, capacity, hazard), that of the result by default.
+    """
+
+    _result: StudyResult
 
     def demand(self, asked: Question | None = None, across: str = AMBIENT) -> Figure:
-        """Fractiles of a demand along the temperature; a panel a bearing."""
+        """Draw fractiles of a demand along the temperature; a panel a bearing."""
         result, asked = self._result, asked or self._result.asked
         demand = asked.chosen_demand(result)
         found = result.demand(demand, across, failed=asked.failed)
         note = counted(result.table, demand, asked.failed).sentence
-        limit = asked.capacity or np.nan
-        return _draw_demand(found, demand, across, result.things, note, limit)
+        return _draw_demand(found, demand, across, result.things, note, asked.capacity or np.nan)
 
     def ida(self, asked: Question | None = None) -> Figure:
-        """Curves of single motions scaled up, with their fractiles."""
+        """Draw curves of single motions scaled up, with their fractiles."""
         result, asked = self._result, asked or self._result.asked
         found = result.ida(asked.chosen_demand(result), failed=asked.failed)
         return _draw_ida(found, asked.capacity or np.nan)
 
     def fragility(self, asked: Question | None = None) -> Figure:
-        """Fragility curves of each temperature, and over the climate."""
+        """Draw fragility curves of each temperature, and over the climate."""
         asked = asked or self._result.asked
         curves, climate = asked.chosen_curves(self._result)
         return draw_fragility(curves, climate, self._title("fragility", asked))
 
     def rates(self, asked: Question | None = None) -> Figure:
-        """Hazard curve and annual rates."""
+        """Draw hazard curve and annual rates."""
         result, asked = self._result, asked or self._result.asked
         _, rates = asked.chosen_rates(result)
-        assert asked.hazard is not None  # else the line above has said so
+        assert asked.hazard is not None  # else the line above has raised
         title = self._title("annual rate", asked)
         note = counted(result.table, asked.chosen_demand(result), asked.failed).sentence
         return draw_rates(asked.hazard, rates, title, find_unit(result.intensity), note)
 
     def variance(self, asked: Question | None = None) -> Figure:
-        """Share of each factor in the variance of a demand."""
+        """Draw the share of each factor in the variance of a demand."""
         demand = (asked or self._result.asked).chosen_demand(self._result)
         return _draw_variance(self._result.variance(demand), demand)
 
     def _title(self, what: str, asked: Question) -> str:
-        """What is shown, of which demand, of which bearing."""
-        result = self._result
-        demand = asked.chosen_demand(result)
-        limit = f"{asked.chosen_capacity(result):g} {find_unit(demand)}".strip()
-        names = result.table["bearing"].unique()
+        """Return what is drawn, of which demand, of which bearing."""
+        demand = asked.chosen_demand(self._result)
+        limit = f"{asked.chosen_capacity(self._result):g} {find_unit(demand)}".strip()
+        names = self._result.table["bearing"].unique()
         of = f", {names[0]}" if len(names) == 1 else ""
         return f"{what}, {column_words(demand)} beyond {limit}{of}"
 
-    def draw_all(self, asked: Question | None = None) -> Mapping[str, Callable[[], Figure]]:
-        """What draws each figure that this study has, by name of its file.
-
-        Parameters
-        ----------
-        asked : demand, capacity, hazard.
+    def draw_all(self, asked: Question | None = None) -> dict[str, Callable[[], Figure]]:
+        """Return what draws each figure that this study has, by name of its file.
 
         Raises
         ------
@@ -480,13 +414,3 @@ class StudyFigures:
             if asked.hazard is not None:
                 found[f"rates{ending}"] = partial(own.rates, asked)
         return found
-
-    def save_all(self, folder: Path, asked: Question | None = None) -> list[Path]:
-        """Draw and write every figure; gives the files.
-
-        Parameters
-        ----------
-        folder : where to; made if it does not exist.
-        asked : demand, capacity, hazard.
-        """
-        return drawing.save_figures(self.draw_all(asked), folder)

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 import tomli_w
@@ -20,19 +20,27 @@ from thermobearing.climate.hourly import Hourly
 from thermobearing.climate.readers import read_weather
 from thermobearing.earthquake.soaking import bearing_weather
 from thermobearing.model.options import ModelOptions
-from thermobearing.studies.definition.factors import INTENSITY_UNITS, Posterior
-from thermobearing.studies.result import CLIMATE, StudyResult
-from thermobearing.studies.statistics.failed_runs import Failed
+from thermobearing.studies.definition.record import INTENSITY_UNITS, Posterior
+from thermobearing.studies.statistics.demand import Failed
 from thermobearing.studies.statistics.fragility import Fragility, Method
-from thermobearing.studies.statistics.hazard import Hazard, Rate, annual_rate, load_hazard
-from thermobearing.studies.statistics.mixture import ClimateFragility
+from thermobearing.studies.statistics.hazard import (
+    ClimateFragility,
+    Hazard,
+    Rate,
+    annual_rate,
+    load_hazard,
+)
 
+if TYPE_CHECKING:
+    from thermobearing.studies.result import StudyResult
+
+CLIMATE = "climate"
 FACES = ("upper_face", "lower_face", "side")
 
 
 @dataclass(frozen=True)
 class Question:
-    """What is asked of a study.
+    """Post-processing options of a study, ready for use.
 
     Attributes
     ----------
@@ -55,17 +63,12 @@ class Question:
     temperatures: Any = None
     _followed: dict[tuple[str, ...], Any] = field(default_factory=dict, repr=False, compare=False)
 
-    def chosen_demand(self, result: StudyResult) -> str:
-        """The demand that is asked for."""
+    def chosen_demand(self, result: "StudyResult") -> str:
+        """Return the demand, or that of the result by default."""
         return self.demand or result.demand_name
 
-    def chosen_capacity(self, result: StudyResult) -> float:
-        """Return the capacity, which fragility and annual rates need.
-
-        Raises
-        ------
-        InputError : it is not given.
-        """
+    def chosen_capacity(self, result: "StudyResult") -> float:
+        """Return the capacity, which fragility and annual rates need; InputError without one."""
         if self.capacity is None:
             raise InputError(
                 f"what is the capacity of {self.chosen_demand(result)}? Fragility and annual rates "
@@ -74,26 +77,27 @@ class Question:
             )
         return self.capacity
 
-    def chosen_curves(self, result: StudyResult) -> tuple[dict[Any, Fragility], Any]:
-        """Curves of each temperature, and that over the climate; of one bearing.
+    def chosen_curves(self, result: "StudyResult") -> tuple[dict[Any, Fragility], Any]:
+        """Return curves of each temperature, and that over the climate (or None); of one bearing.
 
         Raises
         ------
-        InputError : no capacity is known.
+        InputError : no capacity is given.
         """
         capacity = self.chosen_capacity(result)
-        how: dict[str, Any] = {"method": self.method, "failed": self.failed}
-        curves = result.fragilities(capacity, self.chosen_demand(result), **how)
-        levels = all(isinstance(name, int | float) for name in curves)
+        how: dict[str, Any] = {"demand": self.chosen_demand(result)}
+        how |= {"method": self.method, "failed": self.failed}
+        curves = result.fragilities(capacity, **how)
         climate: ClimateFragility | Fragility | None = None
-        if not levels:  # the study has drawn its temperatures from a climate
-            climate = result.fragility(capacity, self.chosen_demand(result), name=CLIMATE, **how)
+        if not all(isinstance(name, int | float) for name in curves):
+            # The study has drawn its temperatures from a climate.
+            climate = result.fragility(capacity, name=CLIMATE, **how)
         elif self.temperatures is not None:
             climate = result.over_climate(curves, self._rubber(result))
         return curves, climate
 
-    def _rubber(self, result: StudyResult) -> Any:
-        """Return the temperatures of the rubber; of the air for bilinear or several bearings."""
+    def _rubber(self, result: "StudyResult") -> Any:
+        """Return rubber temperatures; the ambient ones for bilinear or several bearings."""
         if not isinstance(self.temperatures, Hourly):
             return self.temperatures
         names = tuple(sorted({str(name) for name in result.table["bearing"]}))
@@ -103,16 +107,18 @@ class Question:
             followed = self.temperatures.temperature
             if len(levels) == 1 and isinstance(bearing, Bearing):
                 given, usual = result.study.case.analysis, ModelOptions()
-                keys = [key for key in FACES if getattr(given, key) != getattr(usual, key)]
-                options = {key: getattr(given, key) for key in keys}
-                followed = bearing_weather(bearing, self.temperatures, **options)[
-                    "rubber_degC"
-                ].to_numpy()
+                options = {
+                    key: getattr(given, key)
+                    for key in FACES
+                    if getattr(given, key) != getattr(usual, key)
+                }
+                weather = bearing_weather(bearing, self.temperatures, **options)
+                followed = weather["rubber_degC"].to_numpy()
             self._followed[names] = followed
         return self._followed[names]
 
-    def chosen_rates(self, result: StudyResult) -> tuple[dict[Any, Fragility], dict[Any, Rate]]:
-        """Curves, and the annual rate of each with that over the climate last.
+    def chosen_rates(self, result: "StudyResult") -> tuple[dict[Any, Fragility], dict[Any, Rate]]:
+        """Return the curves, and the annual rate of each with that over the climate last.
 
         Raises
         ------
@@ -135,7 +141,7 @@ Periods = tuple[Annotated[float, in_unit("year"), Field(gt=0)], ...]
 
 
 class SiteHazard(Strict):
-    """Hazard curve of a site.
+    """Hazard curve of a site in a file.
 
     Attributes
     ----------
@@ -152,12 +158,12 @@ class SiteHazard(Strict):
 
     @classmethod
     def conflicts(cls, given: dict[str, Any]) -> list[str]:
-        """One of the two ways to say how often."""
+        """Return the fault of a curve without a rate, or with two."""
         both = [name for name in ("rate", "return_period") if name in given]
         return [] if len(both) == 1 else ["give rate, or return_period"]
 
     def curve(self) -> Hazard:
-        """The curve itself; InputError for what is none."""
+        """Return the curve; InputError for what is none."""
         unit = INTENSITY_UNITS[self.measure]
         intensity = [parse_quantity(text, unit) for text in self.intensity]
         rate = self.rate or [1.0 / period for period in self.return_period or ()]
@@ -165,15 +171,11 @@ class SiteHazard(Strict):
 
 
 class Asked(Strict):
-    """What is asked of the runs of a study.
+    """Post-processing options as in `question.toml`; see `Question`.
 
     Attributes
     ----------
-    demand : column; ductility of the pier by default, or what there is instead.
-    capacity : of the demand, in the unit of its column.
-    method : of fragility: "stripes", "ida" or "cloud".
-    failed : runs that failed are "left-out", or count as "collapse".
-    hazard : of the site; in a file it may be the name of another, see `load_hazard`.
+    hazard : in a file it may be the name of another, see `load_hazard`.
     weather : hourly file of the site, or the name of a climate: how often each temperature of the
         rubber comes, for studies whose temperatures are levels.
     """
@@ -186,7 +188,7 @@ class Asked(Strict):
     weather: str | None = None
 
     def question(self) -> Question:
-        """The same ready to be asked; InputError where weather or hazard cannot be read."""
+        """Return the options ready for use; InputError where a file cannot be read."""
         return Question(
             demand=self.demand,
             capacity=self.capacity,
@@ -198,7 +200,7 @@ class Asked(Strict):
 
 
 def _site_temperatures(weather: str) -> Hourly:
-    """Return the weather of a site by the hour, from a file or made up from a climate."""
+    """Return hourly weather of a site, from a file or generated from a climate."""
     if weather in list_climates() or weather.endswith(".toml"):
         return generate_weather(weather)
     if not is_file(Path(weather)):
@@ -207,23 +209,14 @@ def _site_temperatures(weather: str) -> Hourly:
 
 
 def make_asked(table: Mapping[str, Any], where: str, folder: Path = Path()) -> Asked:
-    """A checked question from the table of a file, or from options.
+    """Return checked options from the table of a file, or of the command line.
 
-    Parameters
-    ----------
-    table : as in the file; None where an option was not given.
-    where : names the file in messages.
-    folder : names of files are relative to it.
+    None stands for an option that was not given; `where` names the file in messages, and names of
+    files are relative to `folder`.
 
     Raises
     ------
     InputError : all faults in one message.
-
-    Examples
-    --------
-    >>> asked = make_asked({"demand": "bearing_strain_max", "capacity": 2.5}, "example")
-    >>> asked.question().capacity
-    2.5
     """
     given = {name: value for name, value in table.items() if value is not None}
     hazard, weather = given.get("hazard"), given.get("weather")
@@ -240,7 +233,7 @@ def make_asked(table: Mapping[str, Any], where: str, folder: Path = Path()) -> A
 
 
 def _of_file(path: Path) -> dict[str, Any]:
-    """Table of a hazard curve in a file, of whichever measure its columns are."""
+    """Return the table of a hazard curve in a file, of whichever measure its columns are."""
     faults = []
     for measure, unit in INTENSITY_UNITS.items():
         try:
@@ -257,13 +250,13 @@ def _of_file(path: Path) -> dict[str, Any]:
 
 
 def kept_asked(directory: Path) -> Asked:
-    """What `question.toml` of a study asks; the defaults without one."""
+    """Return the options in `question.toml` of a study; the defaults without one."""
     file = directory / QUESTION
     return make_asked(read_toml(file), str(file), directory) if is_file(file) else Asked()
 
 
 def keep_asked(directory: Path, asked: Asked) -> None:
-    """Write `question.toml`, so that figures and documents of the directory ask the same."""
+    """Write `question.toml`, so that documents of the directory use the same options."""
     table = asked.model_dump(exclude_none=True)
     if asked.hazard is not None:
         hazard = table["hazard"]
@@ -274,14 +267,7 @@ def keep_asked(directory: Path, asked: Asked) -> None:
 
 
 def asked_over(kept: Asked, options: Mapping[str, Any], folder: Path = Path()) -> Asked:
-    """What was asked before, with options over it.
-
-    Parameters
-    ----------
-    kept : of the directory.
-    options : by name; None of one that was not given.
-    folder : names of files are relative to it.
-    """
+    """Return options of a directory, with those that are given now over them."""
     new = {name: value for name, value in options.items() if value is not None}
     made = make_asked(new, "options", folder)
     return kept.model_copy(update={name: getattr(made, name) for name in new})

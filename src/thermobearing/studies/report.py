@@ -1,7 +1,6 @@
-"""What the document of a study says."""
+"""Tables and document of a study."""
 
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -9,62 +8,59 @@ import pandas as pd
 
 from thermobearing.border.toml import to_table
 from thermobearing.cyclic.reported import heat_flow
-from thermobearing.report.content import (
-    make_table,
-    table_column,
-)
-from thermobearing.report.pieces import Column, Pieces, ReportFigure, ReportTable
+from thermobearing.quantities.register import Quantity, quantity
+from thermobearing.quantities.tables import Table, make_table
+from thermobearing.report.content import pieces_of_saved
+from thermobearing.report.pieces import Pieces, ReportFigure
 from thermobearing.report.words import counted, joined, number, tidy
+from thermobearing.results.saved import SavedResult
 from thermobearing.studies.definition.columns import AMBIENT
 from thermobearing.studies.figures import StudyFigures, column_words, find_unit
 from thermobearing.studies.options import Question
 from thermobearing.studies.result import StudyResult
-from thermobearing.studies.run.status import count_failures
+from thermobearing.studies.run.status import count_failures, failures_table
 from thermobearing.studies.statistics.hazard import Rate
-from thermobearing.studies.store.directory import about_plan
+from thermobearing.studies.store import label_plan
 
 UNKNOWN = (
-    "The table of runs says nothing of the ranges that the bearings were tested in; a run that is "
+    "The table of runs does not have the ranges that the bearings were tested in; a run that is "
     "repeated in full does."
 )
 MOST_LEVELS = 12  # that are named
-RATE_UNITS = dict.fromkeys(["rate", "rate_low", "rate_high"], "1/year") | {"return period": "year"}
-TOLD_ONCE = ["method", "capacity", "left_out", "collapsed"]  # of a table of curves, elsewhere
+RATE_UNITS = dict.fromkeys(["rate", "rate_low", "rate_high"], "1/year")
+RATE_UNITS |= {"return_period_years": "year"}
+IN_CAPTION = ["method", "capacity", "left_out", "collapsed"]  # not in a table of curves
 CAPTIONS = {
     "demand": "Demand against temperature: median with its band, fractiles of the runs.",
     "variance": "Share of each factor in the variance of the demand.",
     "ida": "Incremental dynamic analysis: a line a motion, fractiles of the demand.",
-    "fragility": "Probability of going beyond the capacity, with bands.",
-    "rates": "Hazard curve, and how often a year the capacity is passed.",
+    "fragility": "Probability of exceedance of the capacity, with bands.",
+    "rates": "Hazard curve, and annual rate of exceedance of the capacity.",
 }
 
 
-def build_pieces(result: StudyResult, asked: Question | None = None) -> Pieces:
-    """Everything that the document of a study says.
-
-    Parameters
-    ----------
-    result : of `study_result`.
-    asked : demand, capacity, hazard; those that the study itself asks for by default.
-    """
-    asked = asked or result.asked
+def build_pieces(result: Any) -> Pieces:
+    """Return everything that the document of a study says."""
+    if isinstance(result, SavedResult):
+        return pieces_of_saved(result)
+    asked: Question = result.asked
     demand = asked.chosen_demand(result)
-    tables = report_tables_by_name(result, asked)
     hourly = result.study.factors.ambient.hourly
     return Pieces(
         command="study",
         title=f"Study {result.study.name}",
-        question=question(result, asked),
+        question=_question(result, asked),
         answer=answer(result, asked),
         inputs=input_tables(result),
-        tables=tables,
-        figures=report_figures(result, asked),
+        tables=result_tables(result, asked)
+        | {"worst": worst_table(result, result.worst(by=demand))},
+        figures=_figures(result, asked),
         validity_unknown=UNKNOWN,
         assumptions=[
-            f"Failed runs are {'left out' if asked.failed == 'left-out' else 'taken as collapse'} "
+            f"Failed runs {'are left out' if asked.failed == 'left-out' else 'count as collapse'} "
             f"wherever {column_words(demand)} is counted.",
             "Bands are of 95 %, if nothing else is said: of fragility and rates from a studentised "
-            "bootstrap that draws whole motions again.",
+            "bootstrap that draws motions again with all their runs.",
             "Every run begins with a bearing that was not moved before.",
             *([heat_flow(to_table(result.study.case.analysis), [])] if hourly else []),
         ],
@@ -77,87 +73,84 @@ def build_pieces(result: StudyResult, asked: Question | None = None) -> Pieces:
     )
 
 
-def question(result: StudyResult, asked: Question) -> str:
-    """What was asked."""
-    demand, capacity = asked.chosen_demand(result), asked.capacity
-    told = [column_words(name) for name in result.factors]
-    runs = counted(result.runs, "run")
-    if capacity is None:
-        return f"How does {column_words(demand)} spread over {runs} that differ in {joined(told)}?"
-    limit = f"{capacity:g} {find_unit(demand)}".strip()
-    often = " how often a year," if asked.hazard is not None else ""
-    return (
-        f"How likely,{often} and in which air does {column_words(demand)} go beyond {limit}, by "
-        f"{runs} that differ in {joined(told)}?"
+def _question(result: StudyResult, asked: Question) -> str:
+    """Return the question of the document."""
+    words = column_words(asked.chosen_demand(result))
+    runs = (
+        f"{counted(result.runs, 'run')} that differ in {joined(map(column_words, result.factors))}"
     )
+    if asked.capacity is None:
+        return f"How does {words} spread over {runs}?"
+    often = " how often a year," if asked.hazard is not None else ""
+    limit = _limit(result, asked)
+    return f"How likely,{often} and at which temperature does {words} exceed {limit}, by {runs}?"
+
+
+def _limit(result: StudyResult, asked: Question) -> str:
+    """Return the capacity with its unit."""
+    return f"{asked.capacity:g} {find_unit(asked.chosen_demand(result))}".strip()
 
 
 def answer(result: StudyResult, asked: Question) -> list[str]:
-    """Runs and failures; demand in the cold beside the warm; rates over the climate."""
+    """Return sentences on runs, failures, demand in the cold and warm, and annual rates."""
     demand = asked.chosen_demand(result)
     lost = f"; {counted(result.failed, 'run')} failed" if result.failed else ""
     planned = int(result.manifest.get("runs", result.runs))
     done = f"All {planned} runs are done" if result.runs == planned else result.warnings[0]
     found = [f"{done}{lost}."]
+    parts = {f"{name}: " if name else "": part for name, part in result.parts().items()}
     if AMBIENT in result.factors:
-        found += [_cold(part, demand, asked, name) for name, part in result.parts().items()]
+        unit = f" {find_unit(demand)}".rstrip()
+        for of, part in parts.items():
+            rows = part.demand(demand, by=(), failed=asked.failed).to_dict("records")
+            ends = " and ".join(
+                f"{number(row['0.5'])}{unit} at {number(row[AMBIENT])} °C"
+                for row in (rows[0], rows[-1])
+            )
+            found.append(f"{of}the median of {column_words(demand)} is {ends}.")
     if asked.hazard is not None:
-        for name, part in result.parts().items():
+        for of, part in parts.items():
             curves, rates = asked.chosen_rates(part)
-            table = part.rates_table(curves, rates)
-            row, of = table.iloc[-1], f"{name}: " if name else ""
-            told = f"{of}{_air(row['name'])}: {_period(rates[row['name']])}"
+            row = part.rates_table(curves, rates).iloc[-1]
+            text = f"{of}{_temperature(row['name'])}: {_period(rates[row['name']])}"
             if 0.0 < row["over_reference"] < np.inf:
-                told += (
-                    f", {row['over_reference']:.2f} times as often as at {_air(list(curves)[-1])} "
+                warm = _temperature(list(curves)[-1])
+                text += (
+                    f", {row['over_reference']:.2f} times as often as at {warm} "
                     f"({row['over_low']:.2f} to {row['over_high']:.2f})"
                 )
-            found.append(f"{told}.")
+            found.append(f"{text}.")
     return found
 
 
 def _period(rate: Rate) -> str:
-    """How often a capacity is passed, in years with the band, or a bound where it was not."""
+    """Return how often a capacity is exceeded, in years with the band, or a bound."""
     if np.isnan(rate.rate):
         return "there is no curve; see the tables"
     if rate.rate == 0.0:
         bound = f"{1.0 / rate.high:.3g} years" if rate.high > 0.0 else "the hazard curve says"
-        return f"no run goes beyond the capacity: passed less often than once in {bound}"
+        return f"no run goes beyond the capacity: exceeded less often than once in {bound}"
     last = f" to {1.0 / rate.low:.3g}" if rate.low > 0.0 else " or more"
-    return f"passed once in {rate.return_period:.3g} years ({1.0 / rate.high:.3g}{last})"
+    return f"exceeded once in {rate.return_period:.3g} years ({1.0 / rate.high:.3g}{last})"
 
 
-def _air(name: Any) -> str:
-    """A temperature, or a class of them, in words."""
+def _temperature(name: Any) -> str:
+    """Return a temperature, or a class of them, in words."""
     return f"{number(float(name))} °C" if isinstance(name, int | float) else str(name)
 
 
-def _cold(part: StudyResult, demand: str, asked: Question, name: str) -> str:
-    """Median of the coldest and of the warmest runs."""
-    rows = part.demand(demand, by=(), failed=asked.failed)
-    cold, warm = rows.iloc[0], rows.iloc[-1]
-    of = f"{name}: " if name else ""
-    unit = f" {find_unit(demand)}".rstrip()
-    return (
-        f"{of}the median of {column_words(demand)} is {number(float(cold['0.5']))}{unit} at "
-        f"{number(float(cold[AMBIENT]))} °C and {number(float(warm['0.5']))}{unit} at "
-        f"{number(float(warm[AMBIENT]))} °C."
-    )
-
-
-def input_tables(result: StudyResult) -> dict[str, ReportTable]:
-    """What differs between runs, and how it was chosen."""
-    rows, units = [], _units_of(result)
+def input_tables(result: StudyResult) -> dict[str, Table]:
+    """Return the factors that differ between runs, and the design."""
+    rows, units = [], _units(result)
     for name in result.factors:
         values = result.table[name]
         levels = list(values.unique())
-        told = ", ".join(f"{v:g}" if isinstance(v, float) else str(v) for v in levels[:MOST_LEVELS])
+        text = ", ".join(f"{v:g}" if isinstance(v, float) else str(v) for v in levels[:MOST_LEVELS])
         if len(levels) > MOST_LEVELS and pd.api.types.is_numeric_dtype(values):
-            told = f"{float(values.min()):.4g} to {float(values.max()):.4g}, {len(levels)} values"
+            text = f"{float(values.min()):.4g} to {float(values.max()):.4g}, {len(levels)} values"
         elif len(levels) > MOST_LEVELS:
-            told += f" and {len(levels) - MOST_LEVELS} more"
-        rows.append((column_words(name), units[name], told))
-    columns = [Column("Factor"), Column("Unit"), Column("Values in the runs")]
+            text += f" and {len(levels) - MOST_LEVELS} more"
+        rows.append((column_words(name), units[name], text))
     design = result.study.design
     chosen = [
         ("kind", design.kind),
@@ -165,58 +158,54 @@ def input_tables(result: StudyResult) -> dict[str, ReportTable]:
         ("seed", design.seed),
         ("arrangement", design.arrangement),
     ]
+    heads = [list(map(Quantity, row)) for row in (("Factor", "Unit", "Values"), ("What", "Value"))]
     return {
-        "factors": ReportTable("What differs between the runs", columns, rows),
-        "design": ReportTable("How they were chosen", [Column("What"), Column("Value")], chosen),
+        "factors": Table("Factors that differ between the runs", heads[0], rows),
+        "design": Table("Design", heads[1], chosen),
     }
 
 
-def _units_of(result: StudyResult) -> dict[str, str]:
-    """Unit of each factor; "" of one without."""
-    about = about_plan(result.study, result.table[result.factors])
-    return {name: find_unit(name) or one.unit.removeprefix("1") for name, one in about.items()}
+def _units(result: StudyResult) -> dict[str, str]:
+    """Return the unit of each factor; "" of one without."""
+    labels = label_plan(result.study, result.factors)
+    return {name: find_unit(name) or unit.removeprefix("1") for name, (unit, _) in labels.items()}
 
 
-def report_tables_by_name(result: StudyResult, asked: Question) -> dict[str, ReportTable]:
-    """Failures, demand, fragility, rates, variance, worst runs."""
+def result_tables(result: StudyResult, asked: Question) -> dict[str, Table]:
+    """Return failures, demand, fragility, rates and variance, as far as the study has them."""
     demand = asked.chosen_demand(result)
-    found: dict[str, ReportTable] = {}
+    found: dict[str, Table] = {}
     failures = count_failures(result.table)
     if len(failures):
-        found["outcomes"] = _table("outcomes", failures, "Why runs failed")
+        found["outcomes"] = failures_table(failures)
     if AMBIENT in result.factors:
         table = result.demand(demand, failed=asked.failed)
-        shares = {c: f"{100 * float(str(c)):g} %" for c in table if str(c).startswith("0.")}
-        table = table.rename(columns=shares)
-        spread = ["mean", *shares.values(), "median_low", "median_high"]
-        unit = dict.fromkeys(spread, find_unit(demand))
+        shares = {c: f"{100 * float(c):g} %" for c in map(str, table) if c.startswith("0.")}
+        units = dict.fromkeys(["mean", *shares, "median_low", "median_high"], find_unit(demand))
         caption = f"{column_words(demand)} by ambient temperature"
-        found["demand"] = _table("demand", table, caption, units=unit)
+        found["demand"] = _table(table, caption, units=units, heads=shares)
     if result.table[result.intensity].nunique() > 1 and asked.capacity is not None:
         for name, part in result.parts().items():
-            found |= _curves(part, asked, f"-{name}" if name else "", name)
+            found |= _curves(part, asked, name)
     if len(result.factors) > 1:
-        shared = result.variance(demand)
-        shared["factor"] = shared["factor"].map(column_words)
+        table = result.variance(demand)
+        table["factor"] = table["factor"].map(column_words)
+        poor = "total" in table and (table["total"] < table["first"]).any()
+        note = "A total index below that of first order is a sampling error: take more samples."
         caption = f"Shares of the variance of the {column_words(demand)}"
-        found["variance"] = _table("variance", shared, caption, _of_indices(shared))
-    worst = result.worst(by=demand).drop(columns="id")
-    units = {name: unit for name, unit in _units_of(result).items() if name in worst}
-    caption = "The worst runs, and one of each way to fail"
-    found["worst"] = _table("worst", worst, caption, units=units)
+        found["variance"] = _table(table, caption, note=note if poor else "")
     return found
 
 
-def _of_indices(table: pd.DataFrame) -> str:
-    """A note where an index of Sobol' is beyond what it can be."""
-    if "total" not in table or not (table["total"] < table["first"]).any():
-        return ""
-    return "A total index below that of first order is an error of sampling: take more samples."
+def worst_table(result: StudyResult, worst: pd.DataFrame) -> Table:
+    """Return `StudyResult.worst` as a table for readers."""
+    caption = "The worst runs, and the first of each failure mode"
+    return _table(worst.drop(columns="id"), caption, units=_units(result))
 
 
-def _curves(part: StudyResult, asked: Question, ending: str, name: str) -> dict[str, ReportTable]:
-    """Parameters of fragility curves, and rates."""
-    of = f", {name}" if name else ""
+def _curves(part: StudyResult, asked: Question, name: str) -> dict[str, Table]:
+    """Return the parameters of fragility curves of one bearing, and rates."""
+    of, ending = (f", {name}", f"-{name}") if name else ("", "")
     rates: Mapping[Any, Rate] | None = None
     if asked.hazard is None:
         curves = asked.chosen_curves(part)[0]
@@ -225,51 +214,66 @@ def _curves(part: StudyResult, asked: Question, ending: str, name: str) -> dict[
     table = pd.DataFrame([curve.row() for curve in curves.values()])
     said: dict[str, list[str]] = {}
     for air, sentence in zip(curves, table["sentence"], strict=True):
-        said.setdefault(sentence, []).append(_air(air))
-    note = "; ".join(f"{joined(airs)}: {sentence}" for sentence, airs in said.items())
-    im = column_words(part.intensity)
-    medians = {
-        end: end.replace("median", f"median {im}") for end in map(str, table) if "median" in end
+        said.setdefault(sentence, []).append(_temperature(air))
+    air = quantity(AMBIENT).head
+    im, unit = column_words(part.intensity), find_unit(part.intensity)
+    medians = [end for end in map(str, table) if end.startswith("median")]
+    heads = {end: _head(end.replace("median", f"median {im}")) for end in medians}
+    demand = column_words(asked.chosen_demand(part))
+    found = {
+        f"fragility{ending}": _table(
+            table.drop(columns=[*IN_CAPTION, "sentence"]),
+            f"{demand} beyond {_limit(part, asked)}: lognormal fragility by {asked.method}{of}",
+            units=dict.fromkeys(medians, unit),
+            heads=heads | {"name": air},
+            note="; ".join(f"{joined(airs)}: {sentence}" for sentence, airs in said.items()),
+        )
     }
-    table = table.drop(columns=[*TOLD_ONCE, "sentence"]).rename(columns={"name": AMBIENT} | medians)
-    limit = f"{asked.capacity:g} {find_unit(asked.chosen_demand(part))}".strip()
-    caption = f"{column_words(asked.chosen_demand(part))} beyond {limit}: lognormal fragility by "
-    caption += f"{asked.method}{of}"
-    units = dict.fromkeys(medians.values(), find_unit(part.intensity))
-    found = {f"fragility{ending}": _table("fragility", table, caption, note, units)}
     if rates is not None:
         rows = part.rates_table(curves, rates)
-        note = "; ".join(dict.fromkeys(text for text in rows["notes"] if text))
-        over = f"times that at {_air(list(curves)[-1])}"
-        heads = {"name": AMBIENT, "return_period_years": "return period", "over_reference": over}
-        heads["in_50_years"] = "probability in 50 years"
+        over = f"Times that at {_temperature(list(curves)[-1])}"
+        heads = {"name": air, "in_50_years": "Probability in 50 years"}
+        heads |= {"return_period_years": "Return period", "over_reference": over}
         heads |= {"over_low": f"{over}, low", "over_high": f"{over}, high"}
-        rows = rows.drop(columns=["reference", "notes"]).rename(columns=heads)
-        found[f"rates{ending}"] = _table("rates", rows, f"Annual rates{of}", note, RATE_UNITS)
+        found[f"rates{ending}"] = _table(
+            rows.drop(columns=["reference", "notes"]),
+            f"Annual rates{of}",
+            units=RATE_UNITS,
+            heads=heads,
+            note="; ".join(dict.fromkeys(text for text in rows["notes"] if text)),
+        )
     return found
 
 
+def _head(words: str) -> str:
+    """Return words as the head of a column; symbols keep their small letters."""
+    words = words.replace("_", " ")
+    return f"{words[:1].upper()}{words[1:]}" if len(words.split(" ")[0]) > 1 else words
+
+
 def _table(
-    name: str,
-    table: pd.DataFrame,
+    frame: pd.DataFrame,
     caption: str,
-    note: str = "",
+    *,
     units: Mapping[str, str] | None = None,
-) -> ReportTable:
-    """A table of a document with its caption, and units that names of columns do not say."""
-    found = make_table(name, table.astype(_plain(table)))
-    known = {table_column(at, table[at]).head: unit for at, unit in (units or {}).items()}
-    columns = [replace(c, unit=c.unit or known.get(c.head, "")) for c in found.columns]
-    return replace(found, caption=caption, columns=columns, note=note or found.note)
+    heads: Mapping[str, str] | None = None,
+    note: str = "",
+) -> Table:
+    """Return a table, with units and heads that the names of its columns do not have."""
+    columns = [
+        Quantity(
+            (heads or {}).get(name) or _head(column_words(name)),
+            (units or {}).get(name) or find_unit(name),
+            "d" if frame[name].dtype.kind in "iu" else ".4g",
+            name=name,
+        )
+        for name in map(str, frame)
+    ]
+    return make_table(frame, columns, caption, note=note)
 
 
-def _plain(table: pd.DataFrame) -> dict[Any, Any]:
-    """Names of things are categories in a plan; as words they can be written."""
-    return {c: object for c in table if isinstance(table[c].dtype, pd.CategoricalDtype)}
-
-
-def report_figures(result: StudyResult, asked: Question) -> dict[str, ReportFigure]:
-    """Every figure of the study."""
+def _figures(result: StudyResult, asked: Question) -> dict[str, ReportFigure]:
+    """Return every figure of the study."""
     found = {}
     for name, draw in StudyFigures(result).draw_all(asked).items():
         kind, _, of = name.partition("-")

@@ -1,107 +1,126 @@
-"""A study that was carried out: its table of runs, and what is drawn from it."""
+"""The result of a study: its table of runs, and the statistics of it."""
 
+import shlex
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from thermobearing.border.errors import InputError
-from thermobearing.border.showing import Shown
+from thermobearing.border.errors import InputError, is_file
+from thermobearing.quantities.tables import Table
+from thermobearing.results.base import Result
+from thermobearing.results.directory import RESOLVED, TABLE
+from thermobearing.results.writing import write_csv
+from thermobearing.studies.definition.case import load_study
 from thermobearing.studies.definition.columns import AMBIENT, HOUR, THINGS, list_columns
-from thermobearing.studies.definition.factors import COLUMNS
+from thermobearing.studies.definition.record import COLUMNS, Study
+from thermobearing.studies.options import CLIMATE, Question, kept_asked
 from thermobearing.studies.run.demand_parameters import COMPLETED
-from thermobearing.studies.run.worst import WORST, ranked_by, worst_table
 from thermobearing.studies.statistics.bootstrap import LEVEL, SAMPLES
-from thermobearing.studies.statistics.demand import demand_against, in_classes
-from thermobearing.studies.statistics.failed_runs import OUTCOME, Failed
+from thermobearing.studies.statistics.demand import (
+    OUTCOME,
+    WORST,
+    Failed,
+    demand_against,
+    in_classes,
+    ranked_by,
+    worst_runs,
+)
 from thermobearing.studies.statistics.fragility import (
     Fragility,
+    Ida,
     Method,
     fragility_curve,
     fragility_curves,
+    ida_curves,
 )
-from thermobearing.studies.statistics.hazard import Hazard, Rate, annual_rate, ratio
-from thermobearing.studies.statistics.ida import Ida, ida_curves
-from thermobearing.studies.statistics.mixture import ClimateFragility, shares_of_time
+from thermobearing.studies.statistics.hazard import (
+    ClimateFragility,
+    Hazard,
+    Rate,
+    annual_rate,
+    ratio,
+    shares_of_time,
+)
 from thermobearing.studies.statistics.variance import MATRIX, sobol_table, variance_shares
-
-if TYPE_CHECKING:
-    from thermobearing.studies.definition.record import Study
-    from thermobearing.studies.figures import StudyFigures
-    from thermobearing.studies.options import Question
+from thermobearing.studies.store import MANIFEST, STUDY, Store
 
 NUMBERS = ("scale", AMBIENT, HOUR)
-CLIMATE = "climate"
 
 
-class StudyResult(Shown):
-    """Runs of a study, and what is drawn from them.
+class StudyResult(Result):
+    """Runs of a parameter study, and the statistics of them.
 
-    Every figure and table takes failed runs as `failed` says: "left-out", or "collapse"; each tells
-    what became of them.
+    Every figure and table takes failed runs as `failed` says: "left-out", or "collapse"; each
+    reports how they count.
 
     Attributes
     ----------
-    table : a row a run: what went in, outcome, demands.
+    table : a row a run: factors, outcome, demands.
     study : that was carried out.
-    manifest : what its directory says of it: versions, input hash.
-    directory : where it is.
-    question : what is asked of it, see `asked`.
+    manifest : of its directory: versions, input hash.
+    directory : of the study.
+    asked : demand, capacity, hazard: of its directory, or the defaults.
     """
+
+    _figures = "StudyFigures"
 
     def __init__(
         self,
         table: pd.DataFrame,
-        study: "Study",
+        study: Study,
         manifest: Mapping[str, Any],
         directory: str | Path = "DIR",
-        question: "Question | None" = None,
+        question: Question | None = None,
     ) -> None:
         self.table, self.study, self.manifest = table, study, dict(manifest)
-        self.directory, self._question = Path(directory), question
-
-    @property
-    def asked(self) -> "Question":
-        """What is asked of it: by its directory, or the usual."""
-        from thermobearing.studies.options import Question
-
-        return self._question or Question()
+        self.directory, self.asked = Path(directory), question or Question()
 
     @property
     def runs(self) -> int:
-        """How many runs there are, of all outcomes."""
+        """Number of runs, of all outcomes."""
         return len(self.table)
 
     @property
     def failed(self) -> int:
-        """How many of them did not get through."""
+        """Number of runs that did not complete."""
         return int((self.table[OUTCOME] != COMPLETED).sum())
 
     @property
     def outcome(self) -> str:
-        """In a word: "completed", "some_failed" or "incomplete"."""
+        """The word "completed", "some_failed" or "incomplete"."""
         if self.runs < int(self.manifest.get("runs", self.runs)):
             return "incomplete"
         return "some_failed" if self.failed else "completed"
 
     @property
     def headline(self) -> str:
-        """What it is, in a line."""
+        """Name of the study, number of runs, number of failed ones."""
         return f"StudyResult of {self.study.name}: {self.runs} runs, {self.failed} failed"
 
     @property
     def factors(self) -> list[str]:
-        """Columns of what differs between runs."""
+        """Columns that differ between runs."""
         dotted = list(self.study.factors.numbers)
         known = [name for name in (*THINGS, *NUMBERS, *dotted) if name in self.table]
         return [name for name in known if self.table[name].nunique() > 1]
 
     @property
+    def things(self) -> list[str]:
+        """Structures and bearings, as far as they differ."""
+        return [name for name in ("structure", "bearing") if name in self.factors]
+
+    @property
     def intensity(self) -> str:
         """Column of the intensity of the motions, in the measure of the study."""
         return COLUMNS[self.study.factors.scale.measure]
+
+    @property
+    def demand_name(self) -> str:
+        """Column of the demand by default: ductility of the pier, or what there is instead."""
+        return ranked_by(self.table)
 
     @property
     def warnings(self) -> list[str]:
@@ -121,17 +140,17 @@ class StudyResult(Shown):
             )
         return found
 
-    def one_thing(self, by: str = "") -> None:
-        """InputError where a curve would mix bearings or structures."""
-        mixed = [name for name in self.things if name != by]
-        if mixed:
-            names = ", ".join(map(str, self.table[mixed[0]].unique()))
-            raise InputError(f"the curve would mix {mixed[0]}s ({names}): select one of them first")
+    def tables(self) -> dict[str, Table]:
+        """Return failures, demand, fragility, rates, shares of variance, as far as they exist."""
+        from thermobearing.studies.report import result_tables
 
-    @property
-    def demand_name(self) -> str:
-        """The demand that is looked at if no other is named."""
-        return ranked_by(self.table)
+        return result_tables(self, self.asked)
+
+    def notes(self) -> list[str]:
+        """Return the answer to the question of the study."""
+        from thermobearing.studies.report import answer
+
+        return answer(self, self.asked)
 
     def demand(
         self,
@@ -141,36 +160,27 @@ class StudyResult(Shown):
         by: Sequence[str] | None = None,
         failed: Failed = "left-out",
     ) -> pd.DataFrame:
-        """How a demand is spread along the temperature, see `demand_against`.
+        """Return how a demand is spread along the temperature: mean, fractiles, band of the median.
 
         Parameters
         ----------
-        demand : column; ductility of the pier by default, or what there is instead.
+        demand : column; `demand_name` by default.
         across : column of numbers.
-        by : columns whose values are told apart; structures and bearings by default.
+        by : columns whose values have rows of their own; structures and bearings by default.
         failed : "left-out" or "collapse".
         """
-        told = self.things if by is None else by
-        return demand_against(
-            self.table, demand or self.demand_name, across, by=tuple(told), failed=failed
-        )
-
-    @property
-    def things(self) -> list[str]:
-        """Structures and bearings, as far as they differ."""
-        return [name for name in ("structure", "bearing") if name in self.factors]
+        by = tuple(self.things if by is None else by)
+        return demand_against(self.table, demand or self.demand_name, across, by=by, failed=failed)
 
     def ida(self, demand: str | None = None, *, failed: Failed = "left-out") -> Ida:
-        """Curves of incremental dynamic analysis, see `ida_curves`; one for all but the scale.
+        """Return curves of incremental dynamic analysis, one for all factors but the scale.
 
         Parameters
         ----------
-        demand : column, as of `demand`.
-        failed : "left-out" or "collapse".
+        demand, failed : as of `demand`.
         """
-        return ida_curves(
-            self.table, demand or self.demand_name, self.intensity, self._curves(), failed=failed
-        )
+        name = demand or self.demand_name
+        return ida_curves(self.table, name, self.intensity, self._curves(), failed=failed)
 
     @property
     def has_ida(self) -> bool:
@@ -179,12 +189,12 @@ class StudyResult(Shown):
         return not alone and bool(self.table.duplicated(list(self._curves())).any())
 
     def _curves(self) -> tuple[str, ...]:
-        """Columns that tell curves of single motions apart."""
+        """Return the columns that identify curves of single motions."""
         apart = [name for name in ("motion", "sample", *self.factors) if name in self.table]
         return tuple(dict.fromkeys(name for name in apart if name != "scale"))
 
     def select(self, **chosen: Any) -> "StudyResult":
-        """The runs with some values of their factors, as a result of its own.
+        """Return the runs with some values of their factors, as a result.
 
         Parameters
         ----------
@@ -204,10 +214,10 @@ class StudyResult(Shown):
             raise InputError(f"no run has {chosen}")
         whole = {**self.manifest, "runs": int(kept.sum())}
         table = self.table[kept].reset_index(drop=True)
-        return StudyResult(table, self.study, whole, self.directory, self._question)
+        return StudyResult(table, self.study, whole, self.directory, self.asked)
 
     def parts(self) -> dict[str, "StudyResult"]:
-        """A result for each structure and bearing, by name; "" where there is one of each."""
+        """Return a result for each structure and bearing, by name; "" if there is one of each."""
         if not self.things:
             return {"": self}
         chosen = self.table[self.things].drop_duplicates().to_dict("records")
@@ -215,6 +225,13 @@ class StudyResult(Shown):
             "-".join(map(str, one.values())): self.select(**{str(k): v for k, v in one.items()})
             for one in chosen
         }
+
+    def _refuse_mixed(self, by: str = "") -> None:
+        """Raise InputError where a curve would mix bearings or structures."""
+        mixed = [name for name in self.things if name != by]
+        if mixed:
+            names = ", ".join(map(str, self.table[mixed[0]].unique()))
+            raise InputError(f"the curve would mix {mixed[0]}s ({names}): select one of them first")
 
     def fragility(
         self,
@@ -227,7 +244,7 @@ class StudyResult(Shown):
         samples: int = SAMPLES,
         name: str = "",
     ) -> Fragility:
-        """A fragility curve of all runs, see `fragility_curve`.
+        """Return a lognormal fragility curve of all runs.
 
         Of a study that draws its temperatures from a climate it is the fragility over the climate.
 
@@ -241,19 +258,11 @@ class StudyResult(Shown):
         samples : of the bootstrap, over motions.
         name : of the curve.
         """
-        self.one_thing()
-        return fragility_curve(
-            self.table,
-            demand or self.demand_name,
-            capacity,
-            self.intensity,
-            method=method,
-            failed=failed,
-            curves=self._curves(),
-            level=level,
-            samples=samples,
-            name=name,
-        )
+        self._refuse_mixed()
+        how: dict[str, Any] = {"method": method, "failed": failed, "level": level}
+        how |= {"samples": samples, "curves": self._curves(), "name": name}
+        demand = demand or self.demand_name
+        return fragility_curve(self.table, demand, capacity, self.intensity, **how)
 
     def fragilities(
         self,
@@ -266,36 +275,27 @@ class StudyResult(Shown):
         level: float = LEVEL,
         samples: int = SAMPLES,
     ) -> dict[Any, Fragility]:
-        """A fragility curve for each temperature, or class of temperatures.
+        """Return a fragility curve for each temperature, or class of temperatures.
 
         Parameters
         ----------
         capacity, demand, method, failed, level, samples : as of `fragility`.
         by : column whose values have a curve each, such as "bearing".
         """
-        self.one_thing(by)
+        self._refuse_mixed(by)
         table, by = in_classes(self.table, by)
-        return fragility_curves(
-            table,
-            demand or self.demand_name,
-            capacity,
-            self.intensity,
-            by,
-            method=method,
-            failed=failed,
-            curves=self._curves(),
-            level=level,
-            samples=samples,
-        )
+        how: dict[str, Any] = {"method": method, "failed": failed, "level": level}
+        how |= {"samples": samples, "curves": self._curves()}
+        demand = demand or self.demand_name
+        return fragility_curves(table, demand, capacity, self.intensity, by, **how)
 
     def over_climate(self, curves: Mapping[Any, Fragility], temperatures: Any) -> ClimateFragility:
-        """Curves of levels of the temperature, by the share of the time that each has.
+        """Return curves of levels of the temperature, by the share of the time that each has.
 
         Parameters
         ----------
         curves : of `fragilities`, by temperature.
-        temperatures : of the rubber at equally probable times, see
-            `tb.bearing_weather` [degC].
+        temperatures : of the rubber at equally probable times, see `bearing_weather` [degC].
 
         Raises
         ------
@@ -309,7 +309,7 @@ class StudyResult(Shown):
         return ClimateFragility(curves, shares_of_time(list(curves), temperatures), CLIMATE)
 
     def rates(self, curves: Mapping[Any, Fragility], hazard: Hazard) -> dict[Any, Rate]:
-        """How often a year the capacity is passed at each temperature.
+        """Return the annual rate of exceedance of the capacity at each temperature.
 
         Parameters
         ----------
@@ -331,7 +331,7 @@ class StudyResult(Shown):
     def rates_table(
         self, curves: Mapping[Any, Fragility], rates: Mapping[Any, Rate], to: Any = None
     ) -> pd.DataFrame:
-        """Rates with their bands and return periods, and each over that of one temperature.
+        """Return rates with their bands and return periods, and each over that of one temperature.
 
         Parameters
         ----------
@@ -344,17 +344,24 @@ class StudyResult(Shown):
         rows = []
         for name, rate in rates.items():
             times, low, high = ratio(rate, rates[to], level)
-            row = {"name": name, "rate": rate.rate, "rate_low": rate.low, "rate_high": rate.high}
-            row |= {
-                "return_period_years": rate.return_period,
-                "in_50_years": rate.probability(50.0),
-            }
-            row |= {"over_reference": times, "over_low": low, "over_high": high}
-            rows.append({**row, "notes": "; ".join(rate.notes)})
+            rows.append(
+                {
+                    "name": name,
+                    "rate": rate.rate,
+                    "rate_low": rate.low,
+                    "rate_high": rate.high,
+                    "return_period_years": rate.return_period,
+                    "in_50_years": rate.probability(50.0),
+                    "over_reference": times,
+                    "over_low": low,
+                    "over_high": high,
+                    "notes": "; ".join(rate.notes),
+                }
+            )
         return pd.DataFrame(rows).assign(reference=str(to))
 
     def variance(self, demand: str | None = None) -> pd.DataFrame:
-        """Share of each factor in the variance of a demand.
+        """Return the share of each factor in the variance of a demand.
 
         Sobol' indices where the design has Saltelli's arrangement and one combination of levels;
         the correlation ratio of each factor otherwise. Factors that paired draws have in common
@@ -374,7 +381,7 @@ class StudyResult(Shown):
         return variance_shares(self.table, name, factors, together=self._drawn_together())
 
     def _drawn_together(self) -> list[str]:
-        """Factors that every combination of levels has the same draws of."""
+        """Return the factors that every combination of levels has the same draws of."""
         if not self.study.design.paired or self.table["sample"].nunique() == self.runs:
             return []
         drawn = {column.name for column in list_columns(self.study) if column.drawn}
@@ -382,24 +389,28 @@ class StudyResult(Shown):
         return [name for name in self.factors if name in drawn and name != HOUR]
 
     def worst(self, count: int = WORST, by: str | None = None) -> pd.DataFrame:
-        """The worst runs, and one of each way to fail, with the command that repeats each in full.
+        """Return the worst runs and the first of each failure mode, with commands that repeat them.
 
         Parameters
         ----------
-        count : how many.
+        count : number of the worst runs.
         by : column that is ranked; as of `demand` by default.
         """
-        return worst_table(self.table, self.directory, self.factors, count, by)
-
-    @property
-    def plot(self) -> "StudyFigures":
-        """Figures: demand, ida, fragility, rates, variance."""
-        from thermobearing.studies.figures import StudyFigures
-
-        return StudyFigures(self)
+        some = worst_runs(self.table, count, by)
+        failed = self.table[self.table[OUTCOME] != COMPLETED]
+        some += [int(run) for run in failed.groupby(OUTCOME, sort=True, observed=True)["run"].min()]
+        columns = ["run", "id", OUTCOME, *self.factors, by or self.demand_name]
+        found = self.table.set_index("run", drop=False).loc[some, columns].reset_index(drop=True)
+        place = str(self.directory).rstrip("/")
+        found["command"] = [
+            f"thermobearing study repeat {shlex.quote(place)} {run} -o "
+            + shlex.quote(f"{place}-run-{run}")
+            for run in some
+        ]
+        return pd.DataFrame(found)
 
     def summary(self) -> dict[str, Any]:
-        """What came out, for machines."""
+        """Return the result for machines."""
         outcomes = self.table[OUTCOME].value_counts()
         return {
             "command": "study",
@@ -412,3 +423,33 @@ class StudyResult(Shown):
             "intensity": self.intensity,
             "demand": self.demand_name,
         }
+
+    def _write(self, folder: Path) -> None:
+        """Write the study and its runs."""
+        (folder / RESOLVED).write_text(self.study.to_toml(), encoding="utf-8")
+        write_csv(folder / TABLE, self.table)
+
+
+def is_study(path: str | Path) -> bool:
+    """Return whether a directory is that of a study."""
+    return is_file(Path(path) / MANIFEST) and is_file(Path(path) / STUDY)
+
+
+def study_result(directory: str | Path, question: Question | None = None) -> StudyResult:
+    """Return the result of a study so far, complete or not.
+
+    `question` is that of its directory by default.
+
+    Raises
+    ------
+    InputError : it is not the directory of a study, or no run is done.
+    """
+    store = Store(Path(directory))
+    table = store.table()
+    if len(table) == 0:
+        raise InputError("no run is done yet", str(directory))
+    ordered = table.sort_values("run", kind="stable").reset_index(drop=True)
+    question = question or kept_asked(store.directory).question()
+    return StudyResult(
+        ordered, load_study(store.directory / STUDY), store.manifest, directory, question
+    )

@@ -15,20 +15,27 @@ from thermobearing.earthquake.inputs import settle_motions
 from thermobearing.motions.record import GroundMotion
 from thermobearing.report.title import case_table
 from thermobearing.structure.model import load_structure
-from thermobearing.studies.definition.columns import list_targets, reach_faults
-from thermobearing.studies.definition.factors import (
+from thermobearing.studies.definition.columns import (
+    list_targets,
+    moves_warmth,
+    reach_faults,
+    spelled,
+)
+from thermobearing.studies.definition.levels import settle_bearings, study_weather
+from thermobearing.studies.definition.motions import STAND_IN, motions_to_be, with_kept
+from thermobearing.studies.definition.record import (
     AmbientFactor,
     BearingFactor,
+    Design,
+    Factors,
+    Keep,
     MotionFactor,
     NumberFactor,
     Posterior,
     ScaleFactor,
     StructureFactor,
+    Study,
 )
-from thermobearing.studies.definition.record import Design, Factors, Keep, Study
-from thermobearing.studies.definition.targets import moves_warmth, spelled
-from thermobearing.studies.inputs.levels import settle_bearings, study_weather
-from thermobearing.studies.inputs.motions import STAND_IN, motions_to_be, with_kept
 
 M = TypeVar("M", bound=Strict)
 NAMED = {"bearings": "bearing", "motions": "motion", "structure": "structure", "ambient": "ambient"}
@@ -249,12 +256,7 @@ def _settle_motions(table: dict[str, Any], folder: Path, faults: list[str]) -> l
 def _with_case(
     case: dict[str, Any], factors: Factors, motions: list[GroundMotion], folder: Path
 ) -> tuple[EarthquakeCase, Factors]:
-    """The case that all runs share; structures with what its lines say of them.
-
-    Raises
-    ------
-    InputError : what is wrong with it, with any of the structures or bearings.
-    """
+    """The case that all runs share; structures with what its lines say of them."""
     air = factors.ambient.levels[0] if factors.ambient.levels else 0.0
     bearings = [
         one.bearing if isinstance(one, Posterior) else one for one in factors.bearing.levels

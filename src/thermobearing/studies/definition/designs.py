@@ -17,7 +17,7 @@ import pandas as pd
 
 from thermobearing.border.errors import InputError
 from thermobearing.border.schema import Strict
-from thermobearing.core.records import Floats
+from thermobearing.core.records import Floats, Ints
 from thermobearing.earthquake.case import EarthquakeCase
 from thermobearing.motions.record import GroundMotion
 from thermobearing.studies.definition.columns import (
@@ -29,11 +29,11 @@ from thermobearing.studies.definition.columns import (
     check_numbers,
     list_columns,
     list_targets,
+    moves_warmth,
+    spelled,
 )
-from thermobearing.studies.definition.factors import COLUMNS, intensity
-from thermobearing.studies.definition.record import MOST_RUNS, Design, Study
-from thermobearing.studies.definition.targets import moves_warmth, spelled
-from thermobearing.studies.inputs.levels import Ints, Levels
+from thermobearing.studies.definition.levels import Levels
+from thermobearing.studies.definition.record import COLUMNS, MOST_RUNS, Design, Study, intensity
 
 RUN_BYTES = 8  # of the digest that names a run: among ten million, two alike once in 400 000
 
@@ -70,14 +70,7 @@ def shared_digest(case: EarthquakeCase) -> bytes:
 
 
 def _run_ids(heads: Sequence[bytes], of_row: Ints, numbers: Floats) -> list[str]:
-    """Names of runs, 16 hexadecimal digits each.
-
-    Parameters
-    ----------
-    heads : digests of what rows have besides their numbers.
-    of_row : which head a row has.
-    numbers : [rows, columns] of each row.
-    """
+    """Names of runs, 16 hexadecimal digits each."""
     raw, width = numbers.astype("<f8").tobytes(), 8 * numbers.shape[1]
     return [
         hashlib.blake2b(
@@ -116,13 +109,7 @@ class Contents:
         }
 
     def heads(self, places: Mapping[str, Ints], names: Sequence[str]) -> tuple[list[bytes], Ints]:
-        """Digests of what rows have besides their numbers, and which of them each row has.
-
-        Parameters
-        ----------
-        places : of the things of each row, by column; of bearings those in `Levels.bearings`.
-        names : of the numbers, which mean something by them only.
-        """
+        """Digests of what rows have besides their numbers, and which of them each row has."""
         counts = [len(self._parts[name]) for name in THINGS]
         whole = np.ravel_multi_index(tuple(places[name] for name in THINGS), counts)
         different, of_row = np.unique(whole, return_inverse=True)
@@ -133,13 +120,7 @@ class Contents:
         return heads, of_row
 
     def ids(self, places: Mapping[str, Ints], numbers: Mapping[str, Floats]) -> list[str]:
-        """Names of runs, 16 hexadecimal digits each.
-
-        Parameters
-        ----------
-        places : see `heads`.
-        numbers : of each row by name; NaN where a run has no such number.
-        """
+        """Names of runs, 16 hexadecimal digits each."""
         names = sorted(numbers)
         values = np.column_stack([numbers[name] for name in names])
         without = np.isnan(values)
@@ -217,10 +198,6 @@ def in_lockstep(study: Study) -> bool:
 
     Runs side by side have the heat of their cells in common, so that a study which varies it from
     run to run goes one by one.
-
-    Parameters
-    ----------
-    study : as of `plan`.
     """
     case, asked = study.case, study.design.lockstep
     alone = case.analysis.method == "predictor-corrector" or study.keep.histories == "all"

@@ -83,13 +83,7 @@ class Distribution:
         return float(self._whole.cdf(self.low)), float(self._whole.cdf(self.high))
 
     def at(self, probability: Floats) -> Floats:
-        """Values that are not exceeded with a probability, in [0, 1].
-
-        Examples
-        --------
-        >>> Distribution("uniform", 0.0, 0.0, 2.0, 4.0).at(np.array([0.0, 0.5]))
-        array([2., 3.])
-        """
+        """Values that are not exceeded with a probability, in [0, 1]."""
         below, above = self._ends
         inside = below + np.asarray(probability, dtype=np.float64) * (above - below)
         return np.clip(np.asarray(self._whole.ppf(inside), np.float64), self.low, self.high)
@@ -102,17 +96,7 @@ class Distribution:
 
 
 def settled_number(value: float | str, unit: str | None) -> float:
-    """A number of a study file: text with a unit where there is one, else a plain number.
-
-    Raises
-    ------
-    InputError : a unit is missing, or one too many.
-
-    Examples
-    --------
-    >>> settled_number("-20 degC", "degC"), settled_number(1.5, None)
-    (-20.0, 1.5)
-    """
+    """A number of a study file: text with a unit where there is one, else a plain number."""
     if unit:
         if isinstance(value, str):
             return acceleration(value) if unit == ACCELERATION else parse_quantity(value, unit)
@@ -123,17 +107,7 @@ def settled_number(value: float | str, unit: str | None) -> float:
 
 
 def acceleration(text: str) -> float:
-    """A number with a unit of acceleration as records have them: m/s2, g, gal, ... [m/s2].
-
-    Raises
-    ------
-    InputError : no such unit, or none.
-
-    Examples
-    --------
-    >>> acceleration("400 gal"), acceleration("0.5 g")
-    (4.0, 4.903325)
-    """
+    """A number with a unit of acceleration as records have them: m/s2, g, gal, ... [m/s2]."""
     number = NUMBER.match(text.strip())
     if number is None or not number["unit"]:
         raise InputError(f'"{text}": give a number with its unit, such as "2 m/s2"')
@@ -141,18 +115,7 @@ def acceleration(text: str) -> float:
 
 
 def read_distribution(drawn: Drawn, unit: str | None, key: str) -> Distribution:
-    """The distribution that the keys of a factor say.
-
-    Parameters
-    ----------
-    drawn : the keys.
-    unit : of the number; None for a pure one.
-    key : of the factor in messages.
-
-    Raises
-    ------
-    InputError : keys that do not go together, units missing, ends that leave nothing between.
-    """
+    """The distribution that the keys of a factor say."""
     kind = drawn.distribution
     assert kind is not None
     given = {name: getattr(drawn, name) for name in Drawn.model_fields if name != "distribution"}

@@ -1,22 +1,321 @@
 """The records of a study: what all runs share, what differs, how combinations are chosen."""
 
 import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Annotated, Any, Literal
 
+import numpy as np
 import tomli_w
-from pydantic import Field, field_validator
+from pydantic import Field, PrivateAttr, field_validator
 
-from thermobearing.border.schema import OneLine, Strict
+from thermobearing.bearing.bilinear import BilinearBearing
+from thermobearing.bearing.model import Bearing
+from thermobearing.border.errors import InputError
+from thermobearing.border.schema import Name, OneLine, Strict, in_unit
 from thermobearing.border.toml import to_table
+from thermobearing.climate.hourly import Hourly
+from thermobearing.cyclic.case import Temperature
 from thermobearing.earthquake.case import EarthquakeCase
-from thermobearing.studies.definition.factors import (
-    AmbientFactor,
-    BearingFactor,
-    MotionFactor,
-    NumberFactor,
-    ScaleFactor,
-    StructureFactor,
+from thermobearing.earthquake.inputs import Motion
+from thermobearing.motions.record import GroundMotion
+from thermobearing.motions.spectrum import DAMPING, response_spectrum
+from thermobearing.motions.synthesis import LARGEST_SEED
+from thermobearing.structure.model import Structure
+from thermobearing.studies.definition.distributions import (
+    MM_PER_M,
+    Distribution,
+    Drawn,
+    read_distribution,
+    settled_number,
 )
+
+MOST_LEVELS = 10_000
+Weights = Annotated[tuple[Annotated[float, Field(gt=0, le=1e9)], ...], Field(min_length=1)]
+Measure = Literal["PGA", "PGV", "Sa"]
+INTENSITY_UNITS = {"PGA": "m/s^2", "PGV": "m/s", "Sa": "m/s^2"}
+
+
+class Picked(Strict):
+    """How levels are met: each with every one of the other factors, or drawn by lot.
+
+    `random` draws one level for each sample, with the probabilities of `weights` (all alike
+    without); otherwise every combination of levels has samples of its own.
+    """
+
+    random: bool = False
+    weights: Weights | None = None
+
+    @classmethod
+    def conflicts(cls, given: dict[str, Any]) -> list[str]:
+        """Weights mean something only where it is drawn."""
+        faults = []
+        if "weights" in given and given.get("random") is not True:
+            faults.append("weights: only with random = true")
+        levels, weights = given.get("levels"), given.get("weights")
+        if isinstance(levels, list) and isinstance(weights, list) and len(levels) != len(weights):
+            faults.append(f"weights: {len(weights)} of them for {len(levels)} levels")
+        return faults
+
+
+class Posterior(Strict):
+    """Bearings that an identification leaves possible; each run draws one.
+
+    Attributes
+    ----------
+    name : in tables.
+    posterior : file of the samples, posterior.csv of `identify`.
+    bearing : the fitted one, or one of another size made of its compound.
+    count : of samples, evenly through the file.
+    """
+
+    kind: Literal["posterior"] = "posterior"
+    name: Name
+    posterior: Annotated[str, Field(min_length=1)]
+    bearing: Bearing
+    count: Annotated[int, Field(ge=1, le=MOST_LEVELS)] = 1000
+
+
+class BearingFactor(Picked):
+    """Bearings on the lines that have none of their own."""
+
+    levels: Annotated[
+        list[Annotated[Bearing | BilinearBearing | Posterior, Field(discriminator="kind")]],
+        Field(min_length=1, max_length=MOST_LEVELS),
+    ]
+
+
+class StructureFactor(Picked):
+    """Structures."""
+
+    levels: Annotated[list[Structure], Field(min_length=1, max_length=MOST_LEVELS)]
+
+
+@dataclass(frozen=True, eq=False)
+class Made:
+    """Ground motions that were made for a factor; two of them are only alike if they are one."""
+
+    motions: tuple[GroundMotion, ...]
+
+
+class MotionFactor(Picked):
+    """Ground motions, each with a name of its own; or motions that are made to fit a spectrum.
+
+    Attributes
+    ----------
+    levels : motions; with `matched` the records whose phases are kept.
+    matched : name of a standard spectrum, or file of one.
+    count, seed : of random phases instead of records: so many, from this seed (1) on.
+    phases : standard spectrum that says how those shake; `matched` itself, or "jra-ii-i" with a
+        file.
+    zone_factor : multiplies the spectrum, c_z of a standard one, in [0.01, 2]; 1 by default.
+    dt : time step [s], in [0.001, 0.02]; 0.01 s, or that of a record.
+    tolerance : root mean square misfit from 0.1 to 3 s that is taken; 0.03 by default.
+    """
+
+    levels: Annotated[list[Motion], Field(min_length=1, max_length=MOST_LEVELS)] | None = None
+    matched: Annotated[str, Field(min_length=1)] | None = None
+    count: Annotated[int, Field(ge=1, le=MOST_LEVELS)] | None = None
+    seed: Annotated[int, Field(ge=0, le=LARGEST_SEED - MOST_LEVELS)] | None = None
+    phases: Annotated[str, Field(min_length=1)] | None = None
+    zone_factor: Annotated[float, Field(ge=0.01, le=2)] | None = None
+    dt: Annotated[float, in_unit("s"), Field(ge=0.001, le=0.02)] | None = None
+    tolerance: Annotated[float, Field(gt=0, le=1)] | None = None
+    _made: Made | None = PrivateAttr(default=None)
+
+    @classmethod
+    def conflicts(cls, given: dict[str, Any]) -> list[str]:
+        """Records or random phases, and what belongs to either."""
+        faults = super().conflicts(given)
+        count, weights = given.get("count"), given.get("weights")
+        if isinstance(count, int) and isinstance(weights, list) and len(weights) != count:
+            faults.append(f"weights: {len(weights)} of them for {count} motions")
+        if "matched" not in given:
+            own = ("count", "seed", "phases", "zone_factor", "dt", "tolerance")
+            faults += [f"{key}: only of motions that are matched" for key in own if key in given]
+            if "levels" not in given:
+                faults.append('missing key "levels"; or matched = "jra-ii-i" with count')
+        elif "levels" not in given and count is None:
+            faults.append("matched: how many? Give count, or levels: records whose phases are kept")
+        elif "levels" in given:
+            faults += [
+                f"{key}: of random phases; levels are records"
+                for key in ("count", "seed", "phases")
+                if key in given
+            ]
+        return faults
+
+    @property
+    def names(self) -> list[str]:
+        """Of the motions, each once."""
+        own = [str(one.label or one.name) for one in self.levels or ()]
+        if self.matched is None:
+            return own
+        spectrum = Path(self.matched).stem
+        if own:
+            return [f"{name}-as-{spectrum.removeprefix('jra-')}" for name in own]
+        first = 1 if self.seed is None else self.seed
+        return [f"{spectrum}-{first + place}" for place in range(self.count or 0)]
+
+    @property
+    def made(self) -> Made | None:
+        """Those that were made; None before."""
+        return self._made
+
+    def keep_made(self, motions: Sequence[GroundMotion]) -> None:
+        """Remember what was made, so that it is made once."""
+        self._made = Made(tuple(motions))
+
+
+Levels = Annotated[list[float | str], Field(min_length=1, max_length=MOST_LEVELS)]
+
+
+class ScaleFactor(Drawn, Picked):
+    """What multiplies a motion, or (`of` "intensity") the measure that it is brought to.
+
+    Attributes
+    ----------
+    levels : factors, or intensities with their unit; or a distribution instead.
+    of : "factor" (default) or "intensity".
+    measure : "PGA" (default), "PGV", or "Sa", the spectral acceleration at `period` and
+        `damping`, 0.05 if that is not given.
+    """
+
+    levels: Levels | None = None
+    of: Literal["factor", "intensity"] = "factor"
+    measure: Measure = "PGA"
+    period: Annotated[float, in_unit("s"), Field(ge=0.01, le=100)] | None = None
+    damping: Annotated[float, Field(gt=0, lt=1)] | None = None
+
+    @classmethod
+    def conflicts(cls, given: dict[str, Any]) -> list[str]:
+        """A period belongs to a spectral acceleration, and to that alone."""
+        faults = super().conflicts(given)
+        if (given.get("measure") == "Sa") != ("period" in given):
+            faults.append('period: measure = "Sa" needs one, the others have none')
+        if "damping" in given and given.get("measure") != "Sa":
+            faults.append('damping: only of measure = "Sa"')
+        return faults
+
+    @property
+    def unit(self) -> str | None:
+        """Unit of its numbers; None for a factor."""
+        return INTENSITY_UNITS[self.measure] if self.of == "intensity" else None
+
+
+class AmbientFactor(Drawn, Picked):
+    """The air, and the bearing at the start.
+
+    Attributes
+    ----------
+    levels : temperatures [degC]; or a distribution; or hourly weather, of which each run draws an
+        hour for the earthquake to come at.
+    weather : file of hourly temperatures, EPW or a table.
+    climate : name or file of a climate that weather is made up from, `years` (50) of it with `seed`
+        (0).
+    history : how long before the earthquake the bearing was as warm as the air [h]; from the
+        beginning of the weather if not given.
+    """
+
+    levels: Annotated[list[Temperature], Field(min_length=1, max_length=MOST_LEVELS)] | None = None
+    weather: Annotated[str, Field(min_length=1)] | None = None
+    climate: Annotated[str, Field(min_length=1)] | None = None
+    years: Annotated[int, Field(ge=1, le=1000)] | None = None
+    seed: Annotated[int, Field(ge=0)] | None = None
+    history: Annotated[float, in_unit("h"), Field(ge=1, le=1e5)] | None = None
+    _series: Hourly | None = PrivateAttr(default=None)
+
+    @property
+    def series(self) -> Hourly | None:
+        """The weather itself, once it was read or made up."""
+        return self._series
+
+    def keep_series(self, series: Hourly | None) -> None:
+        """Remember the weather, which takes seconds to read; None forgets it."""
+        self._series = series
+
+    @classmethod
+    def conflicts(cls, given: dict[str, Any]) -> list[str]:
+        """One way to say the air, and nothing of another."""
+        ways = [key for key in ("levels", "distribution", "weather", "climate") if key in given]
+        faults = super().conflicts(given)
+        if len(ways) != 1:
+            told = f"; got {', '.join(ways)}" if ways else ""
+            faults.append(f"give one of levels, distribution, weather and climate{told}")
+        made_up = [key for key in ("years", "seed") if key in given]
+        if made_up and "climate" not in given:
+            faults.append(f"{made_up[0]}: of a climate that weather is made up from")
+        if "history" in given and not {"weather", "climate"} & set(given):
+            faults.append("history: of weather or a climate; levels and distributions have none")
+        return faults
+
+    @property
+    def hourly(self) -> bool:
+        """Whether the air is that of an hour of weather."""
+        return self.weather is not None or self.climate is not None
+
+
+class NumberFactor(Drawn, Picked):
+    """Any number of the bearing, the structure or the case, by its dotted name.
+
+    Attributes
+    ----------
+    levels : numbers; or a distribution instead.
+    of : "factor" (default) multiplies the number that is there, "value" replaces it, with a unit.
+    """
+
+    levels: Levels | None = None
+    of: Literal["factor", "value"] = "factor"
+
+
+def list_numbers(
+    factor: ScaleFactor | AmbientFactor | NumberFactor, unit: str | None, key: str
+) -> list[float] | Distribution:
+    """Levels or distribution of a factor that is a number."""
+    if (factor.levels is None) == (factor.distribution is None):
+        raise InputError(f"{key}: give either levels or a distribution")
+    if factor.levels is None:
+        if factor.random:
+            raise InputError(f"{key}.random: only of levels; a distribution is always drawn")
+        return read_distribution(factor, unit, key)
+    if isinstance(factor, AmbientFactor):
+        return list(factor.levels)
+    numbers, faults = [], []
+    for number, level in enumerate(factor.levels):
+        try:
+            numbers.append(settled_number(level, unit))
+        except InputError as error:
+            faults += error.lines(f"{key}.levels[{number}]")
+    if not faults and len(set(numbers)) < len(numbers):
+        faults = [f"{key}.levels: one is given more than once"]
+    if faults:
+        raise InputError(faults)
+    return numbers
+
+
+def probabilities(weights: Sequence[float] | None, count: int) -> list[float]:
+    """Of each of so many levels, one in all."""
+    given = list(weights) if weights is not None else [1.0] * count
+    return [weight / sum(given) for weight in given]
+
+
+COLUMNS = {"PGA": "PGA_m_s2", "PGV": "PGV_m_s", "Sa": "Sa_m_s2"}
+
+
+def intensity(motion: GroundMotion, scale: ScaleFactor) -> float:
+    """The measure of a whole motion, before any scale [m/s2], PGV [m/s]."""
+    if scale.measure == "PGA":
+        found = motion.pga
+    elif scale.measure == "PGV":
+        found = float(np.abs(motion.velocity).max())
+    else:
+        period = np.array([scale.period])
+        found = float(response_spectrum(motion, period, scale.damping or DAMPING).acceleration[0])
+    if not found > 0.0:
+        raise InputError(f'motion "{motion.name}" is zero throughout and has no {scale.measure}')
+    return found / MM_PER_M
+
 
 MOST_RUNS = 10_000_000
 DesignKind = Literal["factorial", "latin-hypercube", "sobol", "monte-carlo"]

@@ -1,13 +1,13 @@
 """Engineering demand parameters of a run.
 
 The definitions are those of an earthquake analysis (earthquake/measures.py), whose table has the
-same columns. Rows of histories are forgotten after each run; in lockstep there are none.
-`measure_all` is the one place where a study computes.
+same columns; the register has their units and meanings. Rows of histories are forgotten after each
+run; in lockstep there are none. `measure_all` is the one place where a study computes.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import Any, Final
 
 import numpy as np
 
@@ -30,12 +30,8 @@ from thermobearing.earthquake.measures import (
 )
 from thermobearing.earthquake.run import Task, judged, lines_to_shake, run_task
 from thermobearing.model.outcomes import SENTENCES as RUN_SENTENCES
-from thermobearing.quantities.register import quantity
 from thermobearing.structure.lanes import Run, RunPeaks, run_lanes
 from thermobearing.structure.run import SENTENCES, StructureHistory
-
-if TYPE_CHECKING:
-    from thermobearing.studies.run.prepare import RunInput
 
 COMPLETED: Final = "completed"
 BAD_INPUT: Final = "bad_input"  # a drawn number that makes no bearing, no structure
@@ -61,102 +57,61 @@ OF_RUN: Final = {  # columns that an earthquake analysis measures too: name ther
     "iterations": "iterations",
     "substeps": "substeps",
 }
+TEXTS: Final = ("outcome", "sentence")
+COUNTS: Final = ("steps", "iterations", "substeps")
+RESULT_COLUMNS: Final = (  # of the table of runs, that computing fills
+    *TEXTS,
+    *OF_RUN,
+    "bearing_displacement_residual_mm",
+    "pier_drift_max",
+    "deck_displacement_residual_mm",
+    "rubber_max_degC",
+    "lead_max_degC",
+    "structure_residual",
+    "mechanical_residual",
+    "thermal_residual",
+)
 DECK: Final = -1  # watched last in a run without rows; before it each pier and its top
 DRIFTS: Final = "pier_part_displacement_max"
-COUNTS: Final = ("steps", "iterations", "substeps")
-OWN: Final = {  # columns of a study alone: unit, meaning
-    "bearing_displacement_residual_mm": ("mm", "displacement of the bearing at the end"),
-    "pier_drift_max": ("1", "largest displacement of the pier top over the height of the pier"),
-    "deck_displacement_residual_mm": ("mm", "displacement of the deck at the end"),
-    "rubber_max_degC": ("degC", "highest temperature of any rubber layer, at mid-thickness"),
-    "lead_max_degC": ("degC", "highest temperature of the lead cores"),
-    "structure_residual": ("1", "what the energy books of the structure miss, of the input"),
-    "mechanical_residual": ("1", "what the books of one bearing miss, of its work"),
-    "thermal_residual": ("1", "what its books of heat miss, of its work or heat"),
-}
-
-
-class ResultColumn(NamedTuple):
-    """A column of the table of runs that computing fills; `kind`: "text", "count" or "number"."""
-
-    name: str
-    unit: str
-    meaning: str
-    kind: str = "number"
-
-
-def _columns() -> tuple[ResultColumn, ...]:
-    known = [quantity(name) for name in OF_RUN]
-    measured = [
-        ResultColumn(q.name, q.stored, q.meaning, "count" if q.name in COUNTS else "number")
-        for q in known
-    ]
-    return (
-        ResultColumn("outcome", "", "what ended the run", "text"),
-        ResultColumn("sentence", "", "what that means and what to try; empty if completed", "text"),
-        *measured,
-        *(ResultColumn(name, *about) for name, about in OWN.items()),
-    )
-
-
-RESULT_COLUMNS: Final = _columns()
 
 
 @dataclass(frozen=True)
 class Measured:
-    """One run: a value for each of `RESULT_COLUMNS`; its histories where they were asked for."""
+    """One run: a value for each of `RESULT_COLUMNS`; its histories where they are kept."""
 
     numbers: dict[str, Any]
     traces: Mapping[str, Any] | None = None
 
 
-def measure(run_input: "RunInput") -> dict[str, Any]:
-    """Carry out one run: a value for each of `RESULT_COLUMNS`.
+def measure(task: Task) -> dict[str, Any]:
+    """Carry out one run and return a value for each of `RESULT_COLUMNS`.
 
-    Never raises for a failed analysis: its outcome says what ended it, and the numbers are those
+    A failed analysis does not raise: its outcome says what ended it, and the numbers are those
     until then.
-
-    Parameters
-    ----------
-    run_input : from `Preparer.run_input`.
-
-    Examples
-    --------
-    >>> from thermobearing.studies.definition.case import make_study
-    >>> from thermobearing.studies.definition.designs import plan
-    >>> from thermobearing.studies.run.prepare import Preparer
-    >>> factors = {"bearing": "shen-hdr-bridge", "motion": "jra-ii-i-1", "ambient": ["0 degC"]}
-    >>> table = {"kind": "study", "name": "p1", "case": {"duration": "2 s"}, "factors": factors}
-    >>> study = make_study(table, "example")
-    >>> found = measure(Preparer(study).run_input(plan(study).to_dict("records")[0]))
-    >>> found["outcome"], found["steps"]
-    ('completed', 400)
     """
-    return next(measure_all([run_input])).numbers
+    return next(measure_all([task])).numbers
 
 
 def measure_all(
-    inputs: Sequence["RunInput"], *, traces: bool = False, lockstep: bool = False
+    tasks: Sequence[Task], *, traces: bool = False, lockstep: bool = False
 ) -> Iterator[Measured]:
-    """Carry out some runs, each as `measure` does; with `traces` their histories too.
+    """Carry out some runs, each as `measure` does; with `traces` keep their histories.
 
-    With `lockstep` those of one shape are put side by side; what each comes to depends on its own
+    With `lockstep` those of one shape run side by side; the result of each depends on its own
     input only, and differs from `measure` by rounding.
     """
     if lockstep and not traces:
-        for one, peaks in zip(
-            inputs, run_lanes([_to_shake(one.task) for one in inputs]), strict=True
-        ):
-            yield Measured(_numbers_of_peaks(one.task, peaks))
+        for task, peaks in zip(tasks, run_lanes([_to_shake(task) for task in tasks]), strict=True):
+            yield Measured(_numbers_of_peaks(task, peaks))
         return
-    for one in inputs:
-        history = run_task(one.task)
-        found = history_traces(one.task, history) if traces else structure_traces(one.task, history)
-        yield Measured(list_numbers(one.task, history, found), found if traces else None)
+    for task in tasks:
+        history = run_task(task)
+        found = history_traces(task, history) if traces else structure_traces(task, history)
+        yield Measured(_numbers(task, history, found), found if traces else None)
 
 
 def _to_shake(task: Task) -> Run:
-    """A run for its peaks only: every pier, its top, and the deck are watched."""
+    """Return a run for its peaks only: every pier, its top, and the deck are watched."""
     piers, shaking = task.prepared.piers, task.shaking
     watched = [row for _, top, base in piers for row in (top - base, top)]
     return Run(
@@ -171,55 +126,49 @@ def _to_shake(task: Task) -> Run:
     )
 
 
-def list_numbers(
-    task: Task, history: StructureHistory, traces: Mapping[str, Floats]
-) -> dict[str, Any]:
-    """A value for each of `RESULT_COLUMNS`."""
+def _numbers(task: Task, history: StructureHistory, traces: Mapping[str, Floats]) -> dict[str, Any]:
+    """Return a value for each of `RESULT_COLUMNS`."""
     lines = line_peaks(task, history)
-    left = [history.bearing(b)["displacement"][-1] for b in range(len(lines))]
-    own = {
-        "bearing_displacement_residual_mm": float(farthest(left)),
-        "pier_drift_max": drift(task, [row[DRIFTS] for row in pier_peaks(task, history)]),
-        "deck_displacement_residual_mm": traces["deck_displacement"][-1],
-        "rubber_max_degC": hottest(line["line_rubber_temperature_max"] for line in lines),
-        "lead_max_degC": hottest(line["line_lead_temperature_max"] for line in lines),
-    }
-    return _row(compute_measures(task, history, traces), own)
+    return _row(
+        task,
+        compute_measures(task, history, traces),
+        left=[history.bearing(b)["displacement"][-1] for b in range(len(lines))],
+        tops=[row[DRIFTS] for row in pier_peaks(task, history)],
+        deck=traces["deck_displacement"][-1],
+        rubber=(line["line_rubber_temperature_max"] for line in lines),
+        lead=(line["line_lead_temperature_max"] for line in lines),
+    )
 
 
 def _numbers_of_peaks(task: Task, peaks: RunPeaks) -> dict[str, Any]:
-    """A value for each of `RESULT_COLUMNS`, of a run without rows."""
+    """Return a value for each of `RESULT_COLUMNS`, of a run without rows."""
     found = _measures_of_peaks(task, peaks)
     tops = peaks.watches["displacement"][:DECK:2].tolist()
     if peaks.outcome == COMPLETED:
         moved, turned = peaks.lines["displacement"], peaks.hinges["rotation"]
         found["outcome"] = judged(task, moved.tolist(), turned.tolist(), tops)
-    each = list(zip(named(peaks.lines), [one.device for one in task.lines], strict=True))
-    own = {
-        "bearing_displacement_residual_mm": float(farthest(peaks.bearings["displacement"])),
-        "pier_drift_max": drift(task, tops),
-        "deck_displacement_residual_mm": peaks.watches["residual"][DECK],
-        "rubber_max_degC": hottest(p["rubber_temperature"] for p, one in each if one.heats),
-        "lead_max_degC": hottest(p["lead_temperature"] for p, one in each if one.has_lead),
-    }
-    return _row(found, own)
+    each = list(zip(_named(peaks.lines), [one.device for one in task.lines], strict=True))
+    return _row(
+        task,
+        found,
+        left=peaks.bearings["displacement"],
+        tops=tops,
+        deck=peaks.watches["residual"][DECK],
+        rubber=(peak["rubber_temperature"] for peak, one in each if one.heats),
+        lead=(peak["lead_temperature"] for peak, one in each if one.has_lead),
+    )
 
 
-def hottest(values: Iterable[float]) -> float:
-    """Return the highest known temperature; NaN without one."""
-    return max((float(value) for value in values if value == value), default=np.nan)
-
-
-def named(rows: Any) -> list[dict[str, float]]:
+def _named(rows: Any) -> list[dict[str, float]]:
     """Return the numbers of records by name: reading them one by one from numpy takes long."""
     return [dict(zip(rows.dtype.names, row, strict=True)) for row in rows.tolist()]
 
 
 def _measures_of_peaks(task: Task, peaks: RunPeaks) -> dict[str, Any]:
-    """What `compute_measures` says of a run with rows; its bearings begin at rest."""
-    bearings, lines = named(peaks.bearings), named(peaks.lines)
-    bearing, books = bearings[task.reported_line], named(peaks.books)[0]
-    *piers, deck = named(peaks.watches)
+    """Return what `compute_measures` does of a run with rows; its bearings begin at rest."""
+    bearings, lines = _named(peaks.bearings), _named(peaks.lines)
+    bearing, books = bearings[task.reported_line], _named(peaks.books)[0]
+    *piers, deck = _named(peaks.watches)
     of_lines = [
         {
             "line_displacement_max": peak["displacement"],
@@ -256,7 +205,7 @@ def _hinge_peaks(task: Task, peaks: RunPeaks, hinge: int | None) -> dict[str, fl
     """Return rotation, ductility and moment of a pier's hinge; NaN without one."""
     rotation = moment = limit = np.nan
     if hinge is not None:
-        found, limit = named(peaks.hinges)[hinge], task.case.structure.hinges[hinge].yield_rotation
+        found, limit = _named(peaks.hinges)[hinge], task.case.structure.hinges[hinge].yield_rotation
         rotation, moment = found["rotation"], found["moment"] / KN_MM_PER_KN_M
     return {
         "pier_part_rotation_max": rotation,
@@ -265,33 +214,48 @@ def _hinge_peaks(task: Task, peaks: RunPeaks, hinge: int | None) -> dict[str, fl
     }
 
 
-def _row(found: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
-    """All columns, from what `compute_measures` says and what only a study has."""
+def _row(
+    task: Task,
+    found: Mapping[str, Any],
+    *,
+    left: Any,
+    tops: Sequence[float],
+    deck: float,
+    rubber: Iterable[float],
+    lead: Iterable[float],
+) -> dict[str, Any]:
+    """Return all columns, of `compute_measures` and of what only a study has.
+
+    `left` are residual displacements of the lines, `tops` the largest ones of the piers, `rubber`
+    and `lead` the highest temperatures of the lines.
+    """
     ended = found["outcome"]
     return {
         "outcome": ended,
         "sentence": "" if ended == COMPLETED else ALL_SENTENCES.get(ended, ""),
         **{name: found[key] for name, key in OF_RUN.items()},
-        **own,
+        "bearing_displacement_residual_mm": float(farthest(left)),
+        "pier_drift_max": drift(task, tops),
+        "deck_displacement_residual_mm": deck,
+        "rubber_max_degC": _hottest(rubber),
+        "lead_max_degC": _hottest(lead),
         **compute_residuals(found),
     }
 
 
-def not_run(outcome: str, sentence: str) -> dict[str, Any]:
-    """A value for each of `RESULT_COLUMNS` of a run that could not be carried out.
+def _hottest(values: Iterable[float]) -> float:
+    """Return the highest known temperature; NaN without one."""
+    return max((float(value) for value in values if value == value), default=np.nan)
 
-    Examples
-    --------
-    >>> not_run(BAD_INPUT, "K_r must be positive")["steps"]
-    0
-    """
-    empty = {"number": np.nan, "count": 0, "text": ""}
-    found: dict[str, Any] = {column.name: empty[column.kind] for column in RESULT_COLUMNS}
+
+def not_run(outcome: str, sentence: str) -> dict[str, Any]:
+    """Return a value for each of `RESULT_COLUMNS` of a run that could not be carried out."""
+    found = {name: 0 if name in COUNTS else np.nan for name in RESULT_COLUMNS}
     return found | {"outcome": outcome, "sentence": sentence}
 
 
 def error_outcome(error: Exception) -> tuple[str, str]:
-    """Outcome and sentence of a run that raised instead of ending."""
+    """Return outcome and sentence of a run that raised instead of ending."""
     if isinstance(error, InputError):
         return BAD_INPUT, " ".join(str(error).split())
     return BROKEN, f"a fault of this program: {type(error).__name__}: {error}"

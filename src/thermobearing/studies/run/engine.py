@@ -1,11 +1,11 @@
 """Run the missing shards of a study.
 
 A study is written by one process, or by several that have a part of it each (`--shard i/n`): then
-each part by one. Locks belong to the open file, so that the system lets go of them by itself when
-a process is killed. Where there are no locks (Windows, some networks) writers are not told apart:
-they would do the same work, and put the same files in place.
+each part by one. Locks belong to the open file, so that the system releases them by itself when a
+process is killed. Where there are no locks (Windows, some networks) several writers would do the
+same work, and put the same files in place.
 
-    study -> plan -> directory; shards that have no file -> executor -> one file each, whole
+    study -> plan -> directory; shards that have no file -> executor -> one file each
 
 The files are the only memory: whatever stops this (Ctrl-C, a full disk, a killed process), the
 next start finds the shards that are done and does the others. A shard's numbers depend on its
@@ -15,36 +15,49 @@ rows of the plan only, so that executor, number of workers and order leave no tr
 import os
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import ExitStack, closing, contextmanager
+from dataclasses import replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import pandas as pd
 
 from thermobearing.border.errors import InputError, OutputError
+from thermobearing.earthquake.dataset import label_study
+from thermobearing.earthquake.result import EarthquakeResult
+from thermobearing.earthquake.run import run_task
 from thermobearing.results.directory import check_target, locked
 from thermobearing.studies.definition.case import load_study, make_study
 from thermobearing.studies.definition.designs import plan
+from thermobearing.studies.definition.motions import Progress, is_matched, with_matched
 from thermobearing.studies.definition.record import Study
-from thermobearing.studies.inputs.motions import is_matched, with_matched
-from thermobearing.studies.output import study_result
-from thermobearing.studies.result import StudyResult
 from thermobearing.studies.run.demand_parameters import COMPLETED
-from thermobearing.studies.run.executors import Finished, in_turn, on_processes
 from thermobearing.studies.run.prepare import Preparer
-from thermobearing.studies.run.shard import BrokenError, Work, carry_out, packed, run_shard
-from thermobearing.studies.run.status import Status, study_status
-from thermobearing.studies.run.worst import RANKED, worst_runs
-from thermobearing.studies.store.directory import MANIFEST, Pace, Store, open_or_make
+from thermobearing.studies.run.processes import call_on_processes
+from thermobearing.studies.run.shard import (
+    BrokenError,
+    Done,
+    Work,
+    carry_out,
+    on_dask,
+    packed,
+    run_shard,
+)
+from thermobearing.studies.run.status import Pace, Status, study_status
+from thermobearing.studies.statistics.demand import RANKED, worst_runs
+from thermobearing.studies.store import HISTORIES_FOLDER, MANIFEST, WORST, Store, open_or_make
+
+if TYPE_CHECKING:
+    from thermobearing.studies.result import StudyResult
+
+ExecutorName = Literal["process", "dask"]
+EXECUTORS = ("process", "dask")
+MOST_JOBS = 1024
+Finished = Generator[tuple[Work, Done | None]]
 
 
 @contextmanager
 def only_writer(directory: Path, part: str = "") -> Iterator[None]:
-    """Keep others from writing the study, or the part of it.
-
-    Parameters
-    ----------
-    directory : of the study.
-    part : such as "3-of-8"; others may then write other parts. The whole by default.
+    """Keep others from writing the study, or a part of it such as "3-of-8".
 
     Raises
     ------
@@ -57,8 +70,8 @@ def only_writer(directory: Path, part: str = "") -> Iterator[None]:
             try:
                 own.touch()
             except OSError as error:
-                told = error.strerror or error
-                raise OutputError(f"{directory}: cannot be written: {told}") from None
+                reason = error.strerror or error
+                raise OutputError(f"{directory}: cannot be written: {reason}") from None
             _lock(stack, own, directory, shared=False)
             stack.callback(own.unlink, missing_ok=True)
         yield
@@ -72,12 +85,6 @@ def _lock(stack: ExitStack, path: Path, directory: Path, *, shared: bool) -> Non
         )
 
 
-Progress = Callable[[int, int], None]
-ExecutorName = Literal["process", "dask"]
-EXECUTORS = ("process", "dask")
-MOST_JOBS = 1024
-
-
 def run_study(
     study: Study,
     directory: str | Path,
@@ -89,41 +96,26 @@ def run_study(
     size: int | None = None,
     progress: Progress | None = None,
 ) -> Status:
-    """Carry out a study, or what is missing of it; never raises for a failed run.
+    """Carry out a study, or what is missing of it; a failed run does not raise.
 
     Parameters
     ----------
     study : from `load_study` or `make_study`.
     directory : new, or where this study was begun.
-    executor : "process": processes on this machine; "dask": workers of a Dask cluster.
-    jobs : processes, 1 to 1024; as many as there are cores by default. One is this process itself.
-    address : of Dask's scheduler, "tcp://host:8786", or a `distributed.Client`.
-    shard : "i/n": every n-th shard only, from the i-th, for batch systems; processes with other
-        parts may write the same directory.
+    executor, jobs, address, shard, progress : as of `study`.
     size : runs of a shard, in a new directory; by default a hundredth of the study (in lockstep a
         25th), 16 to 1008.
-    progress : called with (runs done, all runs).
 
     Returns
     -------
-    Status : with a table of why runs failed; interrupted by Ctrl-C it says so.
+    Status : with a table of why runs failed, and whether Ctrl-C interrupted it.
 
     Raises
     ------
-    InputError : words that cannot be used; another study was begun there; pyarrow or distributed
-        are not installed; no scheduler answers.
+    InputError : arguments that cannot be used; another study was begun there; pyarrow or
+        distributed are not installed; no scheduler answers.
     OutputError : the directory holds something else, another process writes the study, the disk is
         full, or workers die again and again. What is done is kept.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> from thermobearing.studies.definition.case import make_study
-    >>> factors = {"bearing": "shen-hdr-bridge", "motion": "jra-ii-i-1", "ambient": ["0 degC"]}
-    >>> table = {"kind": "study", "name": "p1", "case": {"duration": "1 s"}, "factors": factors}
-    >>> directory = Path(tempfile.mkdtemp()) / "p1"
-    >>> run_study(make_study(table, "example"), directory, jobs=1).sentence
-    '1 of 1 runs of p1 are done.'
     """
     directory = Path(directory)
     part = check_start(directory, executor, jobs, address, shard, size)
@@ -132,26 +124,16 @@ def run_study(
         try:
             _do_missing(store, study, runs, part, (executor, jobs, address), progress)
         except KeyboardInterrupt:
-            store.log.say("interrupted")
+            store.log("interrupted")
             return study_status(directory, interrupted=True)
         except BrokenError as error:
-            store.log.say(f"broken: {error}")
+            store.log(f"broken: {error}")
             raise OutputError(f"{directory}: every run of a shard broke: {error}") from error
     return study_status(directory)
 
 
 def _checked_part(text: str | None) -> tuple[int, int] | None:
-    """The numbers of "i/n"; None for the whole.
-
-    Raises
-    ------
-    InputError : it is not so.
-
-    Examples
-    --------
-    >>> _checked_part("3/8")
-    (3, 8)
-    """
+    """Return the numbers of "3/8"; None for the full study."""
     if text is None:
         return None
     first, slash, last = text.partition("/")
@@ -171,17 +153,7 @@ def check_start(
     shard: str | None = None,
     size: int | None = None,
 ) -> tuple[int, int] | None:
-    """Refuse what `run_study` would refuse, before anything takes time; the part of the shards.
-
-    Parameters
-    ----------
-    directory, executor, jobs, address, shard, size : as there.
-
-    Raises
-    ------
-    InputError : words that cannot be used.
-    OutputError : the directory holds something else.
-    """
+    """Refuse what `run_study` would refuse, before anything takes time; the part of the shards."""
     part = _checked_part(shard)
     if executor not in EXECUTORS:
         raise InputError(f'executor "{executor}": must be "process" or "dask"')
@@ -199,7 +171,7 @@ def check_start(
 def _opened(
     study: Study, directory: Path, size: int | None, jobs: int | None
 ) -> tuple[Study, pd.DataFrame, Store]:
-    """A study with its motions, its plan, and its directory, new or begun."""
+    """Return a study with its motions, its plan, and its directory, new or begun."""
     begun = (directory / MANIFEST).exists()
     made = with_matched(study, directory, jobs)
     runs = plan(made)
@@ -220,29 +192,31 @@ def _do_missing(
     how: tuple[str, int | None, Any],
     progress: Progress | None,
 ) -> None:
-    """Shards without a file, and the histories of the worst runs."""
+    """Carry out shards without a file, and keep the histories of the worst runs."""
     done = set(store.done())
     mine = [k for k in range(store.shards) if part is None or k % part[1] == part[0] - 1]
     missing = [k for k in mine if k not in done]
     store.clean(mine)
-    pace = Pace(_shard_runs(store, [k for k in mine if k in done]), _shard_runs(store, mine))
-    store.log.say(f"started: {pace.told()}" + (f"; part {part[0]} of {part[1]}" if part else ""))
+    pace = Pace(store.count([k for k in mine if k in done]), store.count(mine))
+    store.log(f"started: {pace}" + (f"; part {part[0]} of {part[1]}" if part else ""))
     if progress:
         progress(pace.done, pace.total)
     works = _works(study, runs, [(k, store.place(k)) for k in missing])
     with closing(_carried_out(study, works, len(missing), how)) as finished:
-        for number, shard in finished:
-            store.write(number, shard)
+        for work, shard in finished:
+            if shard is None:  # stopped
+                continue
+            store.write(work.number, shard)
             pace.done += len(shard.table)
             failed = int((shard.table["outcome"] != COMPLETED).sum())
-            store.log.say(f"shard {number}: {failed} failed; {pace.told()}")
+            store.log(f"shard {work.number}: {failed} failed; {pace}")
             if progress:
                 progress(pace.done, pace.total)
     _keep_worst(store, study, runs)
 
 
 def _works(study: Study, runs: pd.DataFrame, shards: Sequence[tuple[int, slice]]) -> Iterator[Work]:
-    """Shards with what the weather made of their bearings, which is found once."""
+    """Yield shards with the temperatures of their bearings, which are found once."""
     if not shards:
         return
     preparer = Preparer(study)
@@ -252,38 +226,54 @@ def _works(study: Study, runs: pd.DataFrame, shards: Sequence[tuple[int, slice]]
         yield Work(number, rows, preparer.foreseen_temperatures(rows))
 
 
-def _shard_runs(store: Store, shards: list[int]) -> int:
-    return sum(store.place(k).stop - store.place(k).start for k in shards)
-
-
 def _carried_out(
     study: Study, works: Iterator[Work], count: int, how: tuple[str, int | None, Any]
-) -> Generator[Finished]:
-    """What came of shards, as they are ready."""
+) -> Finished:
+    """Yield the results of shards, as they are ready."""
     executor, jobs, address = how
-    histories, sent = study.keep.histories == "all", packed(study)
-    jobs = min(jobs or os.cpu_count() or 1, max(count, 1))
+    shared = packed(study), study.keep.histories == "all"
     if executor == "dask":
-        from thermobearing.studies.run.executors import on_dask
-
-        yield from on_dask(sent, works, address, histories=histories)
-    elif jobs == 1:
-        yield from in_turn(sent, works, histories=histories)
+        yield from on_dask(shared, works, address)
     else:
-        yield from on_processes(sent, works, jobs, histories=histories)
+        jobs = min(jobs or os.cpu_count() or 1, max(count, 1))
+        yield from call_on_processes(carry_out, shared, works, jobs)
 
 
 def _keep_worst(store: Store, study: Study, runs: pd.DataFrame) -> None:
-    """Histories of the worst runs, once all are done: these are carried out again."""
-    if not study.keep.worst or store.has_worst or len(done := store.done()) < store.shards:
+    """Keep histories of the worst runs, once all are done: these are carried out again."""
+    kept = store.directory / HISTORIES_FOLDER / WORST
+    if not study.keep.worst or kept.exists() or len(done := store.done()) < store.shards:
         return
     table = store.table(["run", "outcome", *RANKED], done)
     worst = worst_runs(table, study.keep.worst)
     (work,) = _works(study, runs.iloc[sorted(worst)], [(0, slice(None))])
-    again = carry_out(packed(study), work, histories=True)
+    again = carry_out((packed(study), True), work)
     assert again is not None
-    store.write_worst(again.histories)
-    store.log.say(f"histories of the worst {len(worst)} runs kept")
+    store.write_histories(WORST, again.histories)
+    store.log(f"histories of the worst {len(worst)} runs kept")
+
+
+def repeat_run(study: Study, run: int) -> EarthquakeResult:
+    """Carry out one run of a study again; the same numbers, to the last bit or, of a study in
+    lockstep, within rounding.
+
+    Where the study has weather, the bearing begins as warm as in it; the case of the result has
+    the ambient temperature of that hour only.
+
+    Raises
+    ------
+    InputError : there is no such run.
+    """
+    runs = plan(study)
+    if not 0 <= run < len(runs):
+        raise InputError(f"no run {run}; {study.name} has 0 to {len(runs) - 1}")
+    row = runs.iloc[[run]].to_dict("records")[0]
+    task = Preparer(study).make_task({str(key): value for key, value in row.items()})
+    history = run_task(task)
+    motion = task.case.motions[0]
+    scaled = motion.model_copy(update={"factor": motion.factor * float(row["scale"])})
+    case = task.case.model_copy(update={"motions": [scaled]})
+    return label_study(case, [replace(task, case=case)], [history])
 
 
 def study(
@@ -294,19 +284,20 @@ def study(
     jobs: int | None = None,
     address: Any = None,
     shard: str | None = None,
-    progress: Progress | None = None,
-) -> StudyResult:
-    """A study of very many runs: plan, runs, and what is drawn from them.
+    progress: Callable[[int, int], None] | None = None,
+) -> "StudyResult":
+    """Carry out a parameter study of very many runs, and return its result.
 
     Parameters
     ----------
     source : a TOML file (docs/files.md), its table, or a Study.
     directory : where it is kept, new or begun with the same study, of which the rest is done; needs
         the extra `study`. None: nothing is written, and all runs are done here one by one.
-    executor : "process" or "dask".
-    jobs : processes, 1 to 1024; as many as there are cores by default.
-    address : of Dask's scheduler, or a `distributed.Client`.
-    shard : "i/n": every n-th part only, from the i-th.
+    executor : "process": processes on this machine; "dask": workers of a Dask cluster.
+    jobs : processes, 1 to 1024; as many as there are cores by default. One is this process itself.
+    address : of Dask's scheduler, "tcp://host:8786", or a `distributed.Client`.
+    shard : "i/n": every n-th shard only, from the i-th, for batch systems; processes with other
+        parts may write the same directory.
     progress : called with (runs done, all runs); with a directory.
 
     Returns
@@ -325,30 +316,22 @@ def study(
     >>> study(table).table["outcome"].tolist()
     ['completed']
     """
-    made = _made(source)
+    from thermobearing.studies.result import StudyResult, study_result  # reads statistics
+
+    if isinstance(source, dict):
+        made = make_study(source, "study()")
+    elif isinstance(source, str | Path):
+        made = load_study(source)
+    elif isinstance(source, Study):
+        made = source
+    else:
+        name = type(source).__name__
+        raise InputError(f"{name}: must be a file, its table, or a Study", "study()")
+    how: dict[str, Any] = {"executor": executor, "jobs": jobs, "address": address, "shard": shard}
     if directory is not None:
-        run_study(
-            made,
-            directory,
-            executor=executor,
-            jobs=jobs,
-            address=address,
-            shard=shard,
-            progress=progress,
-        )
+        run_study(made, directory, progress=progress, **how)
         return study_result(directory)
-    if executor != "process" or jobs is not None or address is not None or shard is not None:
+    if how != {"executor": "process", "jobs": None, "address": None, "shard": None}:
         raise InputError("executor, jobs, address and shard need a directory", "study()")
     runs = plan(made)
     return StudyResult(run_shard(made, runs), made, {"runs": len(runs)})
-
-
-def _made(source: Any) -> Study:
-    """The study that something stands for."""
-    if isinstance(source, Study):
-        return source
-    if isinstance(source, dict):
-        return make_study(source, "study()")
-    if isinstance(source, str | Path):
-        return load_study(source)
-    raise InputError(f"{type(source).__name__}: must be a file, its table, or a Study", "study()")

@@ -1,17 +1,24 @@
-"""From a row of a plan to what `run_task` takes; whatever rows share is made once."""
+"""From a row of a plan to what `run_task` takes; whatever rows share is made once.
+
+The process that starts a study goes through its weather once, for each way in which a bearing
+warms (`foresee`); the temperatures at the hours of a shard travel with the rows of the shard
+(`foreseen_temperatures`, `take`), so that no worker reads the weather, or goes through it again.
+"""
 
 import math
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
+from thermobearing.bearing.ambient import Ambient
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
-from thermobearing.core.records import Floats
+from thermobearing.climate.hourly import Hourly
+from thermobearing.core.records import Floats, Ints
 from thermobearing.earthquake.case import EarthquakeCase
 from thermobearing.earthquake.run import (
     Device,
@@ -23,6 +30,7 @@ from thermobearing.earthquake.run import (
     one_line,
     prepared_lines,
 )
+from thermobearing.earthquake.soaking import Soaked, history_weights, soaked_history, soaked_hours
 from thermobearing.model.constants import with_parameters
 from thermobearing.structure.run import Prepared, prepare_structure
 from thermobearing.studies.definition.columns import (
@@ -30,56 +38,128 @@ from thermobearing.studies.definition.columns import (
     HOUR,
     SAMPLE,
     THINGS,
+    Path,
     list_columns,
     list_targets,
+    moves_heat,
+    moves_warmth,
+    with_numbers,
 )
 from thermobearing.studies.definition.designs import in_lockstep
+from thermobearing.studies.definition.levels import Levels
 from thermobearing.studies.definition.record import Study
-from thermobearing.studies.definition.targets import Path, moves_heat, moves_warmth, with_numbers
-from thermobearing.studies.inputs.bearing_temperatures import Key, Warm, Warmth, thermal_key
-from thermobearing.studies.inputs.levels import Ints, Levels
 
-MOST_KEPT = 2000  # bearings as models, of samples of a posterior
+Key = tuple[Any, ...]
 Changes = dict[Path, float]
+MOST_KEPT = 2000  # bearings as models, and their temperatures when rows come one by one
 
 
 @dataclass(frozen=True)
-class RunInput:
-    """One run, ready.
+class Warm:
+    """Temperatures of the bearings of some runs; small enough to be sent with them.
 
     Attributes
     ----------
-    run, id, seed : of its row in the plan.
-    task : what `earthquake.run.run_task` takes: prepared structure, device, ground motion at the
-        steps, air, bearing lines, case.
+    soaked : by thermal key: hours, increasing, and temperatures of the bearing at them.
+    weather : where each run has a thermal key of its own.
     """
 
-    run: int
-    id: str
-    seed: int
-    task: Task
+    soaked: Mapping[Key, tuple[Ints, Soaked]] = field(default_factory=dict)
+    weather: Hourly | None = None
+
+
+def thermal_key(device: Device, case: EarthquakeCase) -> Key:
+    """Return the properties of a bearing that its temperature at rest depends on."""
+    bearing = device.bearing
+    assert isinstance(bearing, Bearing)
+    lead = bearing.lead
+    cores = lead and (
+        lead.cores,
+        lead.diameter,
+        lead.confined,
+        lead.clock,
+        lead.end_spreading,
+        lead.surface_ratio,
+    )
+    heat = bearing.kind, bearing.geometry, bearing.materials, bearing.cells, cores
+    analysis = case.analysis
+    return (*heat, analysis.upper_face, analysis.lower_face, analysis.side)
+
+
+class Warmth:
+    """Temperatures of the bearings of a study at the hours of its weather, each found once.
+
+    With `own` every run has a thermal key of its own, and no temperatures are kept.
+    """
+
+    def __init__(self, levels: Levels, *, own: bool) -> None:
+        self.levels, self.own = levels, own
+        self.history = levels.study.factors.ambient.history
+        self.known = Warm()
+        self._weights: dict[Key, Floats] = {}
+
+    @property
+    def weather(self) -> Hourly:
+        """Of the study, as it was sent or read here."""
+        found = self.known.weather or self.levels.weather
+        assert found is not None
+        return found
+
+    def before(self, hour: int) -> Ambient:
+        """Return the ambient temperature of the history of an hour."""
+        assert self.history is not None
+        return self.weather.before(hour, self.history)
+
+    def foresee(self, wanted: Iterable[tuple[Key, Device, Ints]]) -> None:
+        """Find all temperatures that are needed, of devices by thermal key and hours."""
+        devices: dict[Key, Device] = {}
+        hours: dict[Key, list[Ints]] = {}
+        for key, device, some in wanted:
+            devices[key] = device
+            hours.setdefault(key, []).append(some)
+        found = {}
+        for key, device in devices.items():
+            every = np.unique(np.concatenate(hours[key]))
+            found[key] = every, self._soaked(key, device, every)
+        self.known = Warm(found, self.weather if self.own else None)
+
+    def at(self, device: Device, case: EarthquakeCase, hour: int) -> tuple[Floats, float | None]:
+        """Return temperatures of cells and lead of a bearing at an hour; found here if unknown."""
+        key = thermal_key(device, case)
+        hours, soaked = self.known.soaked.get(key, (np.zeros(0, dtype=np.int64), None))
+        place = int(np.searchsorted(hours, hour))
+        if soaked is not None and place < len(hours) and hours[place] == hour:
+            return soaked.at(place)
+        return self._soaked(key, device, np.array([hour])).at(0)
+
+    def _soaked(self, key: Key, device: Device, hours: Ints) -> Soaked:
+        """Return a bearing at some hours: after its history, or after all the weather before."""
+        if self.history is None:
+            return soaked_hours(device, self.weather, hours)
+        if key not in self._weights:
+            _make_room(self._weights)
+            full = self.weather.full_hours(self.history)
+            self._weights[key] = history_weights(device.constants, full)
+        each = [
+            soaked_history(device.constants, self._weights[key], self.before(int(h)).temperature)
+            for h in hours
+        ]
+        lead = None if each[0][1] is None else np.array([one for _, one in each])
+        return Soaked(np.array([cells for cells, _ in each]), lead)
+
+
+def _make_room(kept: dict[Any, Any]) -> None:
+    """Evict the oldest entry when a cache is full."""
+    if len(kept) >= MOST_KEPT:
+        kept.pop(next(iter(kept)))
 
 
 class Preparer:
-    """Makes the runs of a study ready, one after the other.
+    """Makes the runs of a study ready, one after the other, in one process.
 
     Structures, bearings as models, motions on the time step: what rows have in common is made when
-    it is first asked for, and kept. The weather before their hours is gone through when rows are
-    foreseen. For one process; a study is small to send to another, and so is what was foreseen.
-
-    Parameters
-    ----------
-    study : from `load_study` or `make_study`.
-
-    Examples
-    --------
-    >>> from thermobearing.studies.definition.case import make_study
-    >>> from thermobearing.studies.definition.designs import plan
-    >>> factors = {"bearing": "shen-hdr-bridge", "motion": "jra-ii-i-1", "ambient": ["0 degC"]}
-    >>> study = make_study({"kind": "study", "name": "p1", "factors": factors}, "example")
-    >>> row = plan(study).to_dict("records")[0]
-    >>> Preparer(study).run_input(row).task.ambient
-    0.0
+    it is first needed, and kept. A study is small to send to another process, and so are the
+    temperatures that were foreseen.
     """
 
     def __init__(self, study: Study) -> None:
@@ -92,19 +172,14 @@ class Preparer:
             if column.name in THINGS
         }
         self._targets = list_targets(study)
-        own = any(moves_warmth(target) for target in self._targets)
-        self.warmth = Warmth(self.levels, own=own)
+        self.warmth = Warmth(self.levels, own=any(map(moves_warmth, self._targets)))
         self._prepared: dict[int, Prepared] = {}
         self._devices: dict[int, Device] = {}
         self._shakings: dict[int, Shaking] = {}
         self._others: list[Device | None] | None = None
 
-    def run_input(self, row: Mapping[str, Any]) -> RunInput:
-        """What a run needs.
-
-        Parameters
-        ----------
-        row : of the plan, by column: one of `plan(study).to_dict("records")`.
+    def make_task(self, row: Mapping[str, Any]) -> Task:
+        """Return what `run_task` takes for a row of `plan(study).to_dict("records")`.
 
         Raises
         ------
@@ -125,9 +200,10 @@ class Preparer:
                 part = target.part
                 changes[part] |= target.change(level[part], record[part], number)
         shared = self._case(changes["case"], row)
-        device = self._device(place, changes["bearing"], shared, changes["case"])
-        prepared = self._structure(structure, changes["structure"], shared, changes["case"])
-        shaking = self._shaking(motion, shared, changes["case"], float(row["scale"]))
+        plain = not changes["case"]
+        device = self._device(place, changes["bearing"], shared, plain)
+        prepared = self._structure(structure, changes["structure"], shared, plain)
+        shaking = self._shaking(motion, shared, plain, float(row["scale"]))
         air = float(row[AMBIENT])
         case = shared.model_copy(
             update={
@@ -137,21 +213,16 @@ class Preparer:
                 "ambient": [air],
             }
         )
-        hour = int(row[HOUR]) if HOUR in row else None
-        plain = not changes["case"]
-        lines = prepared_lines(
-            case,
-            device,
-            self._own(case, plain),
-            partial(one_line, case, air=air, weather=None)
-            if hour is None
-            else partial(self._soaked_line, hour, air, case),
+        line = (
+            partial(self._soaked_line, int(row[HOUR]), air, case)
+            if HOUR in row
+            else partial(one_line, case, air=air, weather=None)
         )
-        task = Task(prepared, device, shaking, air, lines, case, case.modes[0])
-        return RunInput(int(row["run"]), str(row["id"]), int(row["seed"]), task)
+        lines = prepared_lines(case, device, self._own(case, plain), line)
+        return Task(prepared, device, shaking, air, lines, case, case.modes[0])
 
     def _case(self, changes: Changes, row: Mapping[str, Any]) -> EarthquakeCase:
-        """What all runs share, with the numbers of this one; noise of its own in a laboratory."""
+        """Return the case with the numbers of a run, and noise of its own in a laboratory."""
         case = self.study.case
         if changes:
             case = with_numbers(case, changes)
@@ -161,42 +232,41 @@ class Preparer:
         return case
 
     def _structure(
-        self, level: int, changes: Changes, case: EarthquakeCase, of_case: Changes
+        self, level: int, changes: Changes, case: EarthquakeCase, plain: bool
     ) -> Prepared:
-        """A structure with its matrices, modes and damping."""
-        if level in self._prepared and not changes and not of_case:
+        """Return a structure with its matrices, modes and damping."""
+        shared = plain and not changes
+        if shared and level in self._prepared:
             return self._prepared[level]
         structure = self.study.factors.structure.levels[level]
         if changes:
             structure = with_numbers(structure, changes)
         made = prepare_structure(structure, case.analysis.mass, case.analysis.damping)
-        if not changes and not of_case:
+        if shared:
             self._prepared[level] = made
         return made
 
-    def _device(
-        self, place: int, changes: Changes, case: EarthquakeCase, of_case: Changes
-    ) -> Device:
-        """A bearing as the coupled step wants it."""
+    def _device(self, place: int, changes: Changes, case: EarthquakeCase, plain: bool) -> Device:
+        """Return a bearing as the coupled step takes it."""
         bearing = self.levels.bearings[place]
-        if of_case:
+        if not plain:
             return build_device(case, with_numbers(bearing, changes))
         if place not in self._devices:
-            self._forget(self._devices)
+            _make_room(self._devices)
             self._devices[place] = build_device(case, bearing)
         whole = self._devices[place]
         if not changes:
             return whole
         changed = with_numbers(bearing, changes)
-        plain = case.analysis.exposure is None and case.analysis.model == "multi-layer"
-        if plain and isinstance(changed, Bearing) and not any(map(moves_heat, changes)):
+        multi_layer = case.analysis.exposure is None and case.analysis.model == "multi-layer"
+        if multi_layer and isinstance(changed, Bearing) and not any(map(moves_heat, changes)):
             assert whole.stack is not None
             constants = with_parameters(whole.constants, changed, whole.stack)
             return Device(changed, constants, whole.stack)
         return build_device(case, changed)
 
     def _own(self, case: EarthquakeCase, plain: bool) -> list[Device | None]:
-        """Devices of lines that have a bearing of their own."""
+        """Return devices of lines that have a bearing of their own."""
         if self._others is not None and plain:
             return self._others
         found = [
@@ -207,60 +277,58 @@ class Preparer:
             self._others = found
         return found
 
-    def _shaking(self, level: int, case: EarthquakeCase, of_case: Changes, scale: float) -> Shaking:
-        """A motion on the time step, scaled."""
-        whole = None if of_case else self._shakings.get(level)
+    def _shaking(self, level: int, case: EarthquakeCase, plain: bool, scale: float) -> Shaking:
+        """Return a motion on the time step, scaled."""
+        whole = self._shakings.get(level) if plain else None
         if whole is None:
             one = case.model_copy(update={"motions": [self.levels.listed[level]]})
             whole = build_shaking(one, 0, self.levels.motions[level])
-            if not of_case:
+            if plain:
                 self._shakings[level] = whole
         ground: Floats = scale * whole.ground
         return Shaking(whole.motion, whole.dt, ground)
 
     def _soaked_line(self, hour: int, air: float, case: EarthquakeCase, device: Device) -> OneLine:
-        """The bearings of a line as warm as the weather before an hour has left them."""
+        """Return the bearings of a line as warm as the weather before an hour has left them."""
         if not isinstance(device.bearing, Bearing):
             return one_line(case, device, air, None)
-        if self.warmth.own:  # nothing that another run could use
+        if self.warmth.own:  # another run could not use it
             return one_line(case, device, air, self.warmth.before(hour))
         return OneLine(device, *self.warmth.at(device, case, hour), air)
 
     def foresee(self, rows: pd.DataFrame) -> None:
-        """Go through the weather once, for all rows that will be asked for; without, for each.
-
-        Parameters
-        ----------
-        rows : of the plan.
-        """
-        if HOUR not in rows:
-            return
-        if self.warmth.own:
-            self.warmth.foresee([])
-            return
-        plain = self.study.case
-        self.warmth.foresee(
-            (thermal_key(device, plain), device, hours) for device, hours in self._warmed(rows)
-        )
+        """Go through the weather once, for all rows of the plan that will be needed."""
+        if HOUR in rows:
+            case = self.study.case
+            self.warmth.foresee(
+                (thermal_key(device, case), device, hours) for device, hours in self._warmed(rows)
+            )
 
     def foreseen_temperatures(self, rows: pd.DataFrame) -> Warm | None:
-        """What was foreseen of some rows, for another process; None of a study without weather."""
+        """Return what was foreseen of some rows, for another process; None without weather."""
         if HOUR not in rows:
             return None
         wanted: dict[Key, list[Ints]] = {}
-        for device, hours in [] if self.warmth.own else self._warmed(rows):
+        for device, hours in self._warmed(rows):
             wanted.setdefault(thermal_key(device, self.study.case), []).append(hours)
-        return self.warmth.of(
-            (key, np.unique(np.concatenate(each))) for key, each in wanted.items()
-        )
+        found = {}
+        for key, each in wanted.items():
+            every, soaked = self.warmth.known.soaked[key]
+            hours = np.unique(np.concatenate(each))
+            places = np.searchsorted(every, hours)
+            lead = None if soaked.lead is None else soaked.lead[places]
+            found[key] = hours, Soaked(soaked.temperature[places], lead)
+        return Warm(found, self.warmth.known.weather)
 
     def take(self, warm: Warm | None) -> None:
-        """Know what another process has foreseen of the rows that come next."""
+        """Use what another process has foreseen of the rows that come next."""
         if warm is not None:
-            self.warmth.take(warm)
+            self.warmth.known = warm
 
     def _warmed(self, rows: pd.DataFrame) -> Iterator[tuple[Device, Ints]]:
-        """Bearings with heat, and hours at which rows have them."""
+        """Yield bearings with heat, and hours at which rows have them; none if each run differs."""
+        if self.warmth.own:
+            return
         case, hours = self.study.case, rows[HOUR].to_numpy(np.int64)
         names = self._places["bearing"]
         level = np.array([names[str(name)] for name in rows["bearing"]], dtype=np.int64)
@@ -268,17 +336,11 @@ class Preparer:
         place = self.levels.place(level, sample)
         for one in np.unique(place):
             try:
-                device = self._device(int(one), {}, case, {})
+                device = self._device(int(one), {}, case, True)
             except InputError:
-                continue  # its runs tell it
+                continue  # its runs report it
             if isinstance(device.bearing, Bearing):
                 yield device, np.unique(hours[place == one])
         for mine in self._own(case, True):
             if mine is not None and isinstance(mine.bearing, Bearing):
                 yield mine, np.unique(hours)
-
-    @staticmethod
-    def _forget(kept: dict[Any, Any]) -> None:
-        """Room for one more of what is kept, so that memory has an end."""
-        if len(kept) >= MOST_KEPT:
-            kept.pop(next(iter(kept)))

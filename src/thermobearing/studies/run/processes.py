@@ -3,44 +3,47 @@
 import os
 import signal
 import threading
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
+from itertools import chain
 from multiprocessing import connection, get_all_start_methods, get_context, parent_process
 from typing import Any, TypeVar
 
 from thermobearing.border.errors import OutputError
 from thermobearing.border.threads import one_blas_thread
 
-HERE = "thermobearing.studies.run.shard"  # what the work of a process is in
+HERE = "thermobearing.studies.run.shard"  # the module of the work of a process
 KEPT = "what is done is kept: start again to go on"
+AHEAD = 2  # things for each worker that are on their way
+PATIENCE = 3  # times in a row that processes may die with nothing done between
+S = TypeVar("S")
 T = TypeVar("T")
 R = TypeVar("R")
-_OWN: dict[str, Any] = {}  # of a process of a pool: the event that says that nobody waits for it
+_OWN: dict[str, Any] = {}  # of a process of a pool: the event to stop, and what all calls share
 
 
-def begin(stop: Any) -> None:
-    """What a process of a pool does first; Ctrl-C is for the one that made it.
-
-    Parameters
-    ----------
-    stop : event that is set when the work is to end.
-    """
+def _begin(stop: Any, shared: Any) -> None:
+    """Set up a process of a pool; Ctrl-C is for the one that made it."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    _OWN["stop"] = stop
+    _OWN.update(stop=stop, shared=shared)
     parent = parent_process()
     assert parent is not None
     threading.Thread(target=_follow, args=(parent.sentinel,), daemon=True).start()
 
 
 def _follow(parent: Any) -> None:
-    """End with the process that made this one, even if that is killed and says nothing."""
+    """End with the process that made this one, even if that is killed without a word."""
     connection.wait([parent])
     os._exit(1)
 
 
+def _call_here(call: Callable[[Any, T], R], item: T) -> R:
+    return call(_OWN["shared"], item)
+
+
 def is_stopped() -> bool:
-    """Whether this is a process of a pool whose work is to end."""
+    """Return whether this is a process of a pool whose work is to end."""
     return "stop" in _OWN and bool(_OWN["stop"].is_set())
 
 
@@ -49,13 +52,13 @@ class StoppedError(Exception):
 
 
 def go_on(*_: Any) -> None:
-    """StoppedError where the work is to end; for the progress of long calls."""
+    """Raise StoppedError where the work is to end; for the progress of long calls."""
     if is_stopped():
         raise StoppedError
 
 
-def context_of_processes() -> Any:
-    """How processes are begun: copies of one that has read the program, and does nothing else.
+def _context() -> Any:
+    """Return how processes begin: as copies of one that has read the program and does nothing else.
 
     A process that is forked while threads run may wait for ever; where there is no such server
     (Windows) each reads the program itself.
@@ -67,29 +70,49 @@ def context_of_processes() -> Any:
     return context
 
 
-def each_on_processes(
-    call: Callable[[T], R], items: Sequence[T], jobs: int
+def call_on_processes(
+    call: Callable[[S, T], R], shared: S, items: Iterable[T], jobs: int
 ) -> Iterator[tuple[T, R]]:
-    """What a call makes of each of some things, as it is ready; on one process here.
+    """Yield each item with `call(shared, item)`, as they are ready; one job is this process.
+
+    A few items are on their way at a time, so that memory does not grow with their number.
+    Processes that die are replaced, and what they had is done again.
 
     Raises
     ------
-    OutputError : processes die.
+    OutputError : they die again and again.
     """
-    jobs = min(jobs, len(items))
     if jobs <= 1:
-        yield from ((item, call(item)) for item in items)
+        yield from ((item, call(shared, item)) for item in items)
         return
-    one_blas_thread()
-    context = context_of_processes()
-    stop = context.Event()
-    pool = ProcessPoolExecutor(jobs, context, begin, (stop,))
-    try:
-        running = {pool.submit(call, item): item for item in items}
-        for future in as_completed(running):
-            yield running[future], future.result()
-    except BrokenProcessPool:
-        raise OutputError(f"processes died while motions were made; {KEPT}") from None
-    finally:
-        stop.set()
-        pool.shutdown(cancel_futures=True)
+    one_blas_thread()  # the processes inherit it
+    context, deaths = _context(), 0
+    waiting: Iterator[tuple[int, T]] = enumerate(items)
+    taken: dict[int, T] = {}
+    while True:
+        stop = context.Event()
+        pool = ProcessPoolExecutor(jobs, context, _begin, (stop, shared))
+        running: dict[Future[R], int] = {}
+        try:
+            while True:
+                while len(running) < AHEAD * jobs and (one := next(waiting, None)) is not None:
+                    taken[one[0]] = one[1]
+                    running[pool.submit(_call_here, call, one[1])] = one[0]
+                if not running:
+                    return
+                for future in wait(running, return_when=FIRST_COMPLETED).done:
+                    result, number = future.result(), running.pop(future)
+                    deaths = 0
+                    yield taken.pop(number), result
+        except BrokenProcessPool:
+            deaths += 1
+            if deaths >= PATIENCE:
+                raise OutputError(
+                    f"processes of the study died {deaths} times in a row (out of memory? A "
+                    'program that calls tb.study must do so below `if __name__ == "__main__":`); '
+                    f"{KEPT}, perhaps with fewer jobs"
+                ) from None
+            waiting, taken = chain(list(taken.items()), waiting), {}
+        finally:
+            stop.set()
+            pool.shutdown(cancel_futures=True)

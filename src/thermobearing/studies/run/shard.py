@@ -1,33 +1,41 @@
 """Some runs of a study, one after the other, wherever they are carried out.
 
 A shard is a slice of the plan. A process keeps what runs share between shards, so that another one
-costs nothing to begin; it holds the results of one shard, however many there are.
+costs nothing to begin; it holds the results of one shard, however many there are. Shards do not
+depend on each other, and a shard that is lost with its process or its worker in a Dask cluster is
+carried out again: only the process that began writes files.
 """
 
 import hashlib
 import pickle
+import queue
 import threading
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
+from itertools import islice
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
+from thermobearing.border.errors import InputError, OutputError
+from thermobearing.earthquake.run import Task
 from thermobearing.studies.definition.record import Study
-from thermobearing.studies.inputs.bearing_temperatures import Warm
 from thermobearing.studies.run.demand_parameters import (
     BROKEN,
+    COUNTS,
     RESULT_COLUMNS,
+    TEXTS,
     Measured,
     error_outcome,
     measure_all,
     not_run,
 )
-from thermobearing.studies.run.prepare import Preparer, RunInput
+from thermobearing.studies.run.prepare import Preparer, Warm
+from thermobearing.studies.run.processes import AHEAD, KEPT, is_stopped
 
 BATCH = 256  # runs that are ready at a time, so that each finds others of its shape: inputs only
-Stop = Callable[[], bool]
 
 
 @dataclass(frozen=True)
@@ -41,10 +49,26 @@ class Kept:
 
 @dataclass(frozen=True)
 class Done:
-    """What came of a shard: the table of its runs, and histories that were asked for."""
+    """The table of the runs of a shard, and the histories that are kept."""
 
     table: pd.DataFrame
     histories: tuple[Kept, ...] = ()
+
+
+@dataclass(frozen=True)
+class Work:
+    """A shard to be carried out.
+
+    Attributes
+    ----------
+    number : of the shard.
+    rows : of the plan.
+    warm : temperatures of the bearings of these rows; None of a study without weather.
+    """
+
+    number: int
+    rows: pd.DataFrame
+    warm: Warm | None = None
 
 
 class BrokenError(Exception):
@@ -52,26 +76,9 @@ class BrokenError(Exception):
 
 
 def run_shard(study: Study, plan_rows: pd.DataFrame) -> pd.DataFrame:
-    """The table of some runs: the columns of the plan, then `RESULT_COLUMNS`.
+    """Return the columns of the plan of some runs, then `RESULT_COLUMNS`, a row each.
 
-    Parameters
-    ----------
-    study : from `load_study`.
-    plan_rows : of its plan.
-
-    Returns
-    -------
-    DataFrame : one row a run, in the order of the plan; a run that fails has its outcome.
-
-    Examples
-    --------
-    >>> from thermobearing.studies.definition.case import make_study
-    >>> from thermobearing.studies.definition.designs import plan
-    >>> factors = {"bearing": "shen-hdr-bridge", "motion": "jra-ii-i-1", "ambient": ["0 degC"]}
-    >>> table = {"kind": "study", "name": "p1", "case": {"duration": "2 s"}, "factors": factors}
-    >>> study = make_study(table, "example")
-    >>> run_shard(study, plan(study))["outcome"].tolist()
-    ['completed']
+    A run that fails has its outcome.
     """
     preparer = Preparer(study)
     preparer.foresee(plan_rows)
@@ -81,129 +88,196 @@ def run_shard(study: Study, plan_rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def carried_out(
-    preparer: Preparer,
-    plan_rows: pd.DataFrame,
-    *,
-    histories: bool = False,
-    stop: Stop = lambda: False,
+    preparer: Preparer, plan_rows: pd.DataFrame, *, histories: bool = False
 ) -> Done | None:
-    """A shard; None if `stop` said so before it was complete.
+    """Return the results of a shard; None if this process was stopped before it was complete.
 
     Raises
     ------
     BrokenError : every run raised what no run should.
     """
     rows = plan_rows.to_dict("records")
-    every = preparer.study.case.analysis.keep_every
-    numbers: list[dict[str, Any]] = []
-    kept: list[Kept] = []
+    every = preparer.study.case.analysis.keep_every if histories else 0
+    found: list[Measured] = []
     for first in range(0, len(rows), BATCH):
         batch = rows[first : first + BATCH]
-        found = _batch(preparer, batch, every if histories else 0, stop)
-        if len(found) < len(batch):
+        found += _batch(preparer, batch, every)
+        if len(found) < first + len(batch):
             return None
-        numbers += [one.numbers for one in found]
-        kept += [
-            Kept(int(row["run"]), str(row["id"]), one.traces)
-            for row, one in zip(batch, found, strict=True)
-            if one.traces is not None
-        ]
-    if rows and all(one["outcome"] == BROKEN for one in numbers):
-        raise BrokenError(numbers[0]["sentence"])
-    return Done(_with_results(plan_rows, numbers), tuple(kept))
+    if rows and all(one.numbers["outcome"] == BROKEN for one in found):
+        raise BrokenError(found[0].numbers["sentence"])
+    kept = tuple(
+        Kept(int(row["run"]), str(row["id"]), one.traces)
+        for row, one in zip(rows, found, strict=True)
+        if one.traces is not None
+    )
+    columns: dict[str, Any] = {}
+    for name in RESULT_COLUMNS:
+        values = [one.numbers[name] for one in found]
+        kind = np.int64 if name in COUNTS else np.float64
+        columns[name] = values if name in TEXTS else np.array(values, dtype=kind)
+    plain = plan_rows.reset_index(drop=True)
+    return Done(pd.concat([plain, pd.DataFrame(columns)], axis=1), kept)
 
 
-def _batch(
-    preparer: Preparer, rows: list[dict[Any, Any]], every: int, stop: Stop
-) -> list[Measured]:
-    """What each row came to, as far as it went; one that raises has the reason as its outcome."""
+def _batch(preparer: Preparer, rows: list[dict[Any, Any]], every: int) -> list[Measured]:
+    """Return the result of each row; of one that raises the reason. Fewer if stopped."""
     found: dict[int, Measured] = {}
-    ready: dict[int, RunInput] = {}
+    ready: dict[int, Task] = {}
     for number, row in enumerate(rows):
         try:
-            ready[number] = preparer.run_input(row)
-        except Exception as error:  # whatever breaks is told in its row: the others go on
+            ready[number] = preparer.make_task(row)
+        except Exception as error:  # any fault is the outcome of its row: the others go on
             found[number] = Measured(not_run(*error_outcome(error)))
-    done = _measured(list(ready.values()), every, stop, preparer.lockstep)
+    done = _measured(list(ready.values()), every, preparer.lockstep)
     found |= dict(zip(ready, done, strict=False))
     return [found[number] for number in sorted(found)] if len(found) == len(rows) else []
 
 
-def _measured(inputs: list[RunInput], every: int, stop: Stop, lockstep: bool) -> list[Measured]:
-    """Each run's numbers, and every so many steps of its histories (none: 0), until `stop`."""
+def _measured(tasks: list[Task], every: int, lockstep: bool) -> list[Measured]:
+    """Return each run's numbers and every so many steps of its histories (none: 0)."""
     done: list[Measured] = []
     try:
-        for found in measure_all(inputs, traces=every > 0, lockstep=lockstep):
-            done.append(_thinned(found, every))
-            if stop():
+        for found in measure_all(tasks, traces=every > 0, lockstep=lockstep):
+            if found.traces is not None:
+                thin = {
+                    name: np.ascontiguousarray(values[::every], dtype=np.float32)
+                    for name, values in found.traces.items()
+                }
+                found = replace(found, traces=thin)
+            done.append(found)
+            if is_stopped():
                 break
     except Exception as error:  # likewise
-        if len(inputs) == 1:
+        if len(tasks) == 1:
             return [Measured(not_run(*error_outcome(error)))]
-        for one in inputs[len(done) :]:  # the others have nothing to do with it
-            done += _measured([one], every, stop, lockstep)
+        for one in tasks[len(done) :]:  # the others do not depend on it
+            done += _measured([one], every, lockstep)
     return done
-
-
-def _thinned(found: Measured, every: int) -> Measured:
-    """The same with histories as they are kept."""
-    if found.traces is None:
-        return found
-    own = {
-        name: np.ascontiguousarray(values[::every], dtype=np.float32)
-        for name, values in found.traces.items()
-    }
-    return Measured(found.numbers, own)
-
-
-def _with_results(plan_rows: pd.DataFrame, numbers: list[dict[str, Any]]) -> pd.DataFrame:
-    """Rows of the plan with what came out beside them."""
-    kinds = {"number": np.float64, "count": np.int64}
-    columns: dict[str, Any] = {}
-    for name, _, _, kind in RESULT_COLUMNS:
-        values = [one[name] for one in numbers]
-        columns[name] = np.array(values, dtype=kinds[kind]) if kind in kinds else values
-    return pd.concat([plan_rows.reset_index(drop=True), pd.DataFrame(columns)], axis=1)
 
 
 _OWN = threading.local()  # of a thread: those of a Dask worker share nothing that one may change
 
 
-@dataclass(frozen=True)
-class Work:
-    """A shard that is to be carried out, and what was found for all of them at once.
-
-    Attributes
-    ----------
-    number : of the shard.
-    rows : of the plan.
-    warm : what the weather made of the bearings of these rows; None of a study without.
-    """
-
-    number: int
-    rows: pd.DataFrame
-    warm: Warm | None = None
-
-
 def packed(study: Study) -> bytes:
-    """A study to be sent to other processes, without the weather, which they need not know."""
+    """Return a study to be sent to other processes, without the weather, which they do not need."""
     ambient = study.factors.ambient.model_copy()
     ambient.keep_series(None)
     factors = study.factors.model_copy(update={"ambient": ambient})
     return pickle.dumps(study.model_copy(update={"factors": factors}))
 
 
-def carry_out(study: bytes, work: Work, histories: bool, stop: Stop = lambda: False) -> Done | None:
-    """`carried_out` in another process, which keeps its preparer between shards.
+def carry_out(shared: tuple[bytes, bool], work: Work) -> Done | None:
+    """Carry out a shard in a process, which keeps its preparer between shards.
 
-    Parameters
-    ----------
-    study : from `packed`.
-    work : the shard.
-    histories, stop : as there.
+    `shared` are the study, from `packed`, and whether histories are kept.
     """
+    study, histories = shared
     mark = hashlib.sha256(study).digest()
     if getattr(_OWN, "mark", None) != mark:
         _OWN.preparer, _OWN.mark = Preparer(pickle.loads(study)), mark
     _OWN.preparer.take(work.warm)
-    return carried_out(_OWN.preparer, work.rows, histories=histories, stop=stop)
+    return carried_out(_OWN.preparer, work.rows, histories=histories)
+
+
+EXTRA = 'needs distributed: pip install "thermobearing[cluster]"'
+SCHEDULER_PATIENCE = 10.0  # for a scheduler that does not answer [s]
+LOOK = 0.5  # between two looks whether it still answers [s]
+FEWEST = 4  # shards on their way, so that workers that come later find some
+LOST = ("cancelled", "lost")
+
+
+def on_dask(
+    shared: tuple[bytes, bool], works: Iterable[Work], address: Any
+) -> Iterator[tuple[Work, Done | None]]:
+    """Yield shards done by the workers of a cluster; one whose worker dies goes to another.
+
+    `address` is that of the scheduler, "tcp://host:8786", or a `distributed.Client`.
+
+    Raises
+    ------
+    InputError : distributed is not installed, or no scheduler answers at the address.
+    OutputError : the scheduler is gone, or a shard kills its workers again and again.
+    """
+    with ExitStack() as stack:
+        client = _client(address, stack)
+        try:
+            yield from _on_client(client, shared, iter(works))
+        except (OSError, TimeoutError) as error:  # a connection that broke while it was used
+            raise OutputError(f"the Dask cluster is gone ({error}); {KEPT}") from None
+
+
+def _client(address: Any, stack: ExitStack) -> Any:
+    """Return a client of the scheduler; closed at the end if it is ours."""
+    try:
+        from distributed import Client
+    except ImportError:
+        raise InputError(f"executor dask {EXTRA}") from None
+    if isinstance(address, Client):
+        return address
+    if not address:
+        raise InputError('executor dask: give its scheduler, as address "tcp://host:8786"')
+    try:
+        make: Any = Client
+        client = make(str(address), timeout=SCHEDULER_PATIENCE, set_as_default=False)
+    except (OSError, ValueError, TimeoutError) as error:
+        raise InputError(
+            f'address "{address}": no Dask scheduler answers there ({type(error).__name__}); is it '
+            "running, and can it be reached from here?"
+        ) from None
+    stack.callback(client.close)
+    return client
+
+
+def _on_client(
+    client: Any, shared: tuple[bytes, bool], works: Iterator[Work]
+) -> Iterator[tuple[Work, Done | None]]:
+    """Yield shards as they are ready; every worker has `AHEAD` of them."""
+    from distributed import KilledWorker
+
+    running: dict[Any, Work] = {}
+    ready: queue.SimpleQueue[Any] = queue.SimpleQueue()
+    # As a task, and not as data: a worker that dies with it takes nothing away.
+    study = client.submit(tuple, shared, pure=False)
+
+    def answers() -> bool:
+        return bool(client.status == "running")
+
+    def check() -> None:
+        if not answers():
+            raise OutputError(f"the Dask scheduler is gone ({client.status}); {KEPT}")
+
+    def send(work: Work) -> None:
+        check()
+        future = client.submit(carry_out, study, work, pure=False)
+        running[future] = work
+        future.add_done_callback(ready.put)
+
+    try:
+        while True:
+            threads = sum(client.nthreads().values()) if answers() else 0
+            for work in islice(works, max(max(FEWEST, AHEAD * threads) - len(running), 0)):
+                send(work)
+            if not running:
+                return
+            future = None
+            while future is None:
+                try:
+                    future = ready.get(timeout=LOOK)
+                except queue.Empty:
+                    check()
+            work = running.pop(future)
+            if future.status in LOST:
+                send(work)
+                continue
+            try:
+                done = future.result()
+            except KilledWorker:
+                raise OutputError(
+                    "workers of the Dask cluster died again and again on the same runs (out of "
+                    f"memory?); {KEPT}, with smaller shards or larger workers"
+                ) from None
+            yield work, done
+    finally:
+        if answers():
+            client.cancel([*running, study])

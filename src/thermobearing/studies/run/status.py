@@ -1,14 +1,25 @@
-"""How far a study is, and what became of its runs."""
+"""How far a study is, why runs failed, and what a study will cost before it starts."""
 
+import os
+import time
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
-from thermobearing.studies.run.demand_parameters import COMPLETED
-from thermobearing.studies.statistics.failed_runs import OUTCOME
-from thermobearing.studies.store.directory import Store
+from thermobearing.quantities.register import Quantity
+from thermobearing.quantities.tables import Table, make_table
+from thermobearing.results.screen import print_facts, say, show_table
+from thermobearing.studies.definition.columns import list_columns
+from thermobearing.studies.definition.designs import plan
+from thermobearing.studies.definition.motions import with_first_motion
+from thermobearing.studies.definition.record import Study
+from thermobearing.studies.run.demand_parameters import COMPLETED, RESULT_COLUMNS
+from thermobearing.studies.run.prepare import Preparer
+from thermobearing.studies.run.shard import carried_out
+from thermobearing.studies.store import Store
 
 
 @dataclass(frozen=True)
@@ -42,7 +53,7 @@ class Status:
 
     @property
     def outcome(self) -> str:
-        """In a word: "completed", "some_failed", "incomplete" or "interrupted"."""
+        """The word "completed", "some_failed", "incomplete" or "interrupted"."""
         if self.interrupted:
             return "interrupted"
         if self.done < self.runs:
@@ -51,55 +62,46 @@ class Status:
 
     @property
     def sentence(self) -> str:
-        """The same in a sentence."""
-        told = f"{self.done} of {self.runs} runs of {self.name} are done"
+        """The outcome in a sentence."""
+        text = f"{self.done} of {self.runs} runs of {self.name} are done"
         if self.failed:
-            told += f", {self.failed} of them failed"
+            text += f", {self.failed} of them failed"
         if self.done < self.runs:
-            told += "; start again to do the rest"
-        return f"{told}."
+            text += "; start again to do the rest"
+        return f"{text}."
 
     def summary(self) -> dict[str, Any]:
-        """The same for machines."""
-        return {
-            "name": self.name,
-            "outcome": self.outcome,
-            "runs": self.runs,
-            "done": self.done,
-            "failed": self.failed,
-            "shards": self.shards,
-            "shards_done": self.shards_done,
-            "failures": self.failures.to_dict("records"),
+        """Return the status for machines."""
+        names = ("name", "outcome", "runs", "done", "failed", "shards", "shards_done")
+        found = {name: getattr(self, name) for name in names}
+        return found | {"failures": self.failures.to_dict("records")}
+
+    def show(self, *, part: bool = False) -> None:
+        """Print how many runs are done, and why some failed; `part` of the study was started."""
+        facts = {
+            "runs": f"{self.done} of {self.runs}",
+            "shards": f"{self.shards_done} of {self.shards}",
+            "failed": str(self.failed),
         }
+        print_facts(f"{self.directory}: {self.name}, {self.outcome}", facts)
+        if self.failed:
+            show_table(failures_table(self.failures.drop(columns="sentence")))
+            for one in self.failures.to_dict("records"):
+                say(f"{one['outcome']}: {one['sentence']}")
+        if self.done < self.runs and not part:
+            say("the same command again does the rest")
 
 
 def study_status(directory: str | Path, *, interrupted: bool = False) -> Status:
-    """How far the study in a directory is; looks only, whoever is writing there.
-
-    Parameters
-    ----------
-    directory : of `run_study`.
-    interrupted : told in the status.
+    """Return how far the study in a directory is, even while another process writes there.
 
     Raises
     ------
-    InputError : no study is there.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> from thermobearing.studies.definition.case import make_study
-    >>> from thermobearing.studies.run.engine import run_study
-    >>> factors = {"bearing": "shen-hdr-bridge", "motion": "jra-ii-i-1", "ambient": ["0 degC"]}
-    >>> table = {"kind": "study", "name": "p1", "case": {"duration": "1 s"}, "factors": factors}
-    >>> directory = Path(tempfile.mkdtemp()) / "p1"
-    >>> _ = run_study(make_study(table, "example"), directory, jobs=1)
-    >>> study_status(directory).outcome
-    'completed'
+    InputError : it is not the directory of a study.
     """
     store = Store(Path(directory))
     shards = store.done()
-    table = store.table(["run", OUTCOME, "sentence"], shards)
+    table = store.table(["run", "outcome", "sentence"], shards)
     return Status(
         directory=store.directory,
         name=str(store.manifest["name"]),
@@ -113,21 +115,120 @@ def study_status(directory: str | Path, *, interrupted: bool = False) -> Status:
 
 
 def count_failures(table: pd.DataFrame) -> pd.DataFrame:
-    """Why runs failed, the most frequent outcome first; no rows if none did.
-
-    Parameters
-    ----------
-    table : of runs, with `run`, `outcome` and `sentence`.
-
-    Examples
-    --------
-    >>> runs = {"run": [0, 1, 2], "outcome": ["completed", "diverged", "diverged"]}
-    >>> found = count_failures(pd.DataFrame(runs | {"sentence": ["", "Try.", "Try."]}))
-    >>> found.to_dict("records")
-    [{'outcome': 'diverged', 'runs': 2, 'share': 0.66..., 'first': 1, 'sentence': 'Try.'}]
-    """
-    failed = table[table[OUTCOME] != COMPLETED]
-    groups = failed.groupby(OUTCOME, sort=True, observed=True)
+    """Return why runs failed, the most frequent outcome first; no rows if none did."""
+    failed = table[table["outcome"] != COMPLETED]
+    groups = failed.groupby("outcome", sort=True, observed=True)
     found = groups.agg(runs=("run", "size"), first=("run", "min"), sentence=("sentence", "first"))
     found.insert(1, "share", found["runs"] / max(len(table), 1))
     return found.sort_values("runs", ascending=False, kind="stable").reset_index()
+
+
+def failures_table(failures: pd.DataFrame) -> Table:
+    """Return why runs failed as a table for readers."""
+    heads = {"outcome": "Outcome", "runs": "Runs", "share": "Share", "first": "First run"}
+    columns = [
+        Quantity(head, form="d" if name in ("runs", "first") else ".3g", name=name)
+        for name, head in heads.items()
+    ]
+    columns.append(Quantity("Explanation", name="sentence"))
+    return make_table(failures, columns, "Why runs failed")
+
+
+TRIED = 16  # runs that are measured
+NUMBER, HISTORY = 8, 4  # bytes of a number in a table and in a history; neither is compressed well
+
+
+@dataclass(frozen=True)
+class Forecast:
+    """What a study will cost.
+
+    Attributes
+    ----------
+    runs : number of them.
+    seconds : of one run in one process.
+    jobs : number of processes.
+    size : on the disk, at most [bytes].
+    failed : of the runs that were tried, those that did not complete.
+    tried : how many were.
+    motions : to be made first, to fit a spectrum.
+    motion_seconds : of one of them in one process.
+    """
+
+    runs: int
+    seconds: float
+    jobs: int
+    size: float
+    failed: int
+    tried: int
+    motions: int
+    motion_seconds: float
+
+    @property
+    def whole_seconds(self) -> float:
+        """For all runs, on as many processes."""
+        making = self.motions * self.motion_seconds / min(self.jobs, max(self.motions, 1))
+        return making + self.runs * self.seconds / min(self.jobs, self.runs)
+
+
+def forecast(study: Study, jobs: int | None = None) -> Forecast:
+    """Carry out a few runs of a study, and extrapolate to all.
+
+    Raises
+    ------
+    InputError : what `plan` refuses.
+    """
+    study, motions, making = with_first_motion(study)
+    runs = plan(study)
+    some = runs.iloc[np.unique(np.linspace(0, len(runs) - 1, TRIED).astype(int))]
+    preparer = Preparer(study)
+    preparer.foresee(some)
+    kept = study.keep.histories
+    carried_out(preparer, some.head(1))  # compiled, and shared things made
+    begin = time.perf_counter()
+    done = carried_out(preparer, some, histories=kept != "none")
+    took = (time.perf_counter() - begin) / len(some)
+    assert done is not None
+    each = [
+        sum(values.size for values in history.traces.values()) * HISTORY
+        for history in done.histories
+    ]
+    count = len(runs) if kept == "all" else study.keep.worst
+    columns = len(list_columns(study)) + len(RESULT_COLUMNS) + 4
+    histories = min(count, len(runs)) * (np.mean(each) if each else 0.0)
+    return Forecast(
+        runs=len(runs),
+        seconds=took,
+        jobs=jobs or os.cpu_count() or 1,
+        size=float(len(runs) * columns * NUMBER + histories),
+        failed=int((done.table["outcome"] != COMPLETED).sum()),
+        tried=len(some),
+        motions=motions,
+        motion_seconds=making,
+    )
+
+
+def say_duration(seconds: float) -> str:
+    """Return a time in words: "42 s", "3 min 20 s", "11 h 6 min"."""
+    whole = round(seconds)
+    if whole < 60:
+        return f"{whole} s"
+    if whole < 3600:
+        return f"{whole // 60} min {whole % 60} s"
+    return f"{whole // 3600} h {whole % 3600 // 60} min"
+
+
+class Pace:
+    """How quickly runs are done, of so many at the start and in all."""
+
+    def __init__(self, done: int, total: int) -> None:
+        self.done, self.total = done, total
+        self._first, self._began = done, time.monotonic()
+
+    def __str__(self) -> str:
+        """Return words such as "192 of 256 runs, 61.2 a second, 1 s left"."""
+        passed = time.monotonic() - self._began
+        text = f"{self.done} of {self.total} runs"
+        if self.done == self._first or passed <= 0.0:
+            return text
+        rate = (self.done - self._first) / passed
+        return f"{text}, {rate:.3g} a second, {say_duration((self.total - self.done) / rate)} left"

@@ -1,9 +1,9 @@
-"""Bootstrap: runs drawn again with replacement, whole motions at a time; bands of what they give.
+"""Bootstrap: runs drawn again with replacement, all runs of a motion at a time; its bands.
 
 Runs of one motion at several intensities and temperatures are not independent of each other, so
-that what is drawn again are motions with all their runs (the cluster bootstrap: Davison & Hinkley
-1997, Bootstrap Methods and their Application, 3.8). Bands are percentiles (Efron & Tibshirani
-1993, An Introduction to the Bootstrap, 13), of pivots or at a level `widened` for few motions.
+that motions are drawn again with all their runs (the cluster bootstrap: Davison & Hinkley 1997,
+Bootstrap Methods and their Application, 3.8). Bands are percentiles (Efron & Tibshirani 1993, An
+Introduction to the Bootstrap, 13), of pivots or at a level `widened` for few motions.
 """
 
 from collections.abc import Iterator, Sequence
@@ -13,24 +13,21 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from scipy.special import ndtr
-from scipy.stats import t
+from scipy.special import ndtr, stdtrit
 
 from thermobearing.border.errors import InputError
+from thermobearing.core.records import Floats, Ints
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-SAMPLES = 500  # of a bootstrap, if nothing else is said
-LEVEL = 0.95  # confidence of bands, likewise
+SAMPLES = 500  # of a bootstrap, by default
+LEVEL = 0.95  # confidence of bands, by default
 ROUNDING = 1e-9  # of a number of samples
 MOST_AT_ONCE = 2_000_000  # numbers of one piece of work
 
 
-def check_level(level: float) -> float:
-    """A confidence level, between 0 and 1."""
+def check_level(level: float) -> None:
+    """Raise InputError for a confidence level that is not between 0 and 1."""
     if not 0.0 < level < 1.0:
         raise InputError(f"level = {level:g} is not between 0 and 1")
-    return level
 
 
 @dataclass(frozen=True)
@@ -56,7 +53,7 @@ class Draw:
     def of_labels(
         cls, labels: Sequence[Any] | None, runs: int, samples: int = SAMPLES, seed: int = 0
     ) -> "Draw":
-        """Groups by their labels; without labels, or with one group only, every run by itself."""
+        """Return groups by their labels; without labels, or in one group, every run by itself."""
         if samples < 1 or seed < 0:
             raise InputError(f"samples = {samples} and seed = {seed}: at least 1, and 0")
         codes = np.arange(runs)
@@ -67,19 +64,19 @@ class Draw:
         return cls(codes, int(codes.max()) + 1, samples, (seed,), False)
 
     def of(self, kept: NDArray[np.bool_]) -> "Draw":
-        """The same of some of the runs; groups stay the same, and are drawn the same."""
+        """Return the draw of some of the runs; groups stay the same, and are drawn the same."""
         if not self.alone:
             return replace(self, groups=self.groups[kept])
         count = int(kept.sum())
-        seed = (*self.seed, int(kept.argmax()))  # runs by themselves owe others nothing
+        seed = (*self.seed, int(kept.argmax()))  # single runs need not be drawn like others
         return replace(self, groups=np.arange(count), count=count, seed=seed)
 
     def generator(self) -> np.random.Generator:
-        """A generator that begins anew."""
+        """Return a generator at its beginning."""
         return np.random.default_rng(self.seed)
 
     def weights(self) -> Iterator[Floats]:
-        """How often each group is in each sample, shape (some samples, groups) at a time."""
+        """Yield how often each group is in each sample, shape (some samples, groups)."""
         rng = self.generator()
         chunk = max(1, MOST_AT_ONCE // max(self.count, 1))
         shares = np.full(self.count, 1.0 / self.count)
@@ -88,22 +85,13 @@ class Draw:
             yield rng.multinomial(self.count, shares, size=rows).astype(float)
 
     def sums(self, values: Floats) -> Floats:
-        """Sums of values over the runs of each sample.
-
-        Parameters
-        ----------
-        values : a row for each run.
-
-        Returns
-        -------
-        array : a row for each sample.
-        """
+        """Return a row of sums over the runs of each sample, from a row of values for each run."""
         of_groups = np.zeros((self.count, values.shape[1]))
         np.add.at(of_groups, self.groups, values)
         return self.again(of_groups)
 
     def again(self, of_groups: Floats) -> Floats:
-        """Sums of each sample, a row, from those of each group."""
+        """Return the sums of each sample, a row, from those of each group."""
         return np.concatenate([weights @ of_groups for weights in self.weights()])
 
 
@@ -111,33 +99,22 @@ def widened(level: float, groups: int) -> float:
     """Return the level whose percentiles hold the truth at `level`, with few groups too.
 
     Hesterberg (2015), The American Statistician 69(4): 371-386, 3.3: quantiles of Student's t, and
-    sqrt(n / (n - 1)) for what a bootstrap of n groups is too narrow by.
+    sqrt(n / (n - 1)) for what a bootstrap of n groups is too narrow by; as it is below 2 groups.
 
-    Parameters
-    ----------
-    level : a share in (0, 1).
-    groups : that the bootstrap draws from; below 2 nothing is changed.
-
-    Examples
-    --------
     >>> round(widened(0.95, 12), 4), round(widened(0.95, 1000), 4)
     (0.9785, 0.9504)
     """
     if groups < 2:
         return level
-    at = t.ppf(0.5 * (1.0 + level), groups - 1.0) * np.sqrt(groups / (groups - 1.0))
+    at = stdtrit(groups - 1.0, 0.5 * (1.0 + level)) * np.sqrt(groups / (groups - 1.0))
     return float(2.0 * ndtr(at) - 1.0)
 
 
 def quantile(values: Floats, share: float) -> float:
-    """Sample quantile with straight lines between values; some of them may be infinite.
+    """Return a sample quantile with straight lines between values, some of which may be infinite.
 
-    Examples
-    --------
-    >>> quantile(np.array([1.0, 3.0, np.inf]), 0.5)
-    3.0
-    >>> quantile(np.array([1.0, 3.0, np.inf]), 0.75)
-    inf
+    >>> quantile(np.array([1.0, 3.0, np.inf]), 0.5), quantile(np.array([1.0, 3.0, np.inf]), 0.75)
+    (3.0, inf)
     """
     ordered = np.sort(np.asarray(values, dtype=float))
     place = share * (len(ordered) - 1)
@@ -151,15 +128,10 @@ def quantile(values: Floats, share: float) -> float:
 
 
 def percentiles(samples: Floats, level: float) -> tuple[Floats, Floats]:
-    """Lower and upper end of what lies in the middle of samples, along their first axis.
+    """Return the ends of the middle of samples, along their first axis.
 
     Ordered samples, equally many outside on either side, at level (count + 1): some may be
     infinite, between which nothing lies.
-
-    Examples
-    --------
-    >>> percentiles(np.arange(1.0, 40.0), 0.9)  # the second of 39, and the last but one
-    (array(2.), array(38.))
     """
     ordered = np.sort(samples, axis=0)
     outside = max(int(0.5 * (1.0 - level) * (len(ordered) + 1) + ROUNDING), 1)

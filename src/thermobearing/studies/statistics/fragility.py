@@ -1,4 +1,4 @@
-"""Fragility: the probability of going beyond a capacity, given the intensity of the motion.
+"""Fragility: the probability of exceeding a capacity, given the intensity of the motion.
 
 Three of the field's estimators of a lognormal curve, each with bands:
 
@@ -7,23 +7,29 @@ Three of the field's estimators of a lognormal curve, each with bands:
 - cloud: regression of the demand in logarithms, ln D = ln a + b ln IM + error (Cornell, Jalayer,
   Hamburger & Foutch 2002, J. Struct. Eng. 128(4): 526-533; Jalayer & Cornell 2009, Earthquake Eng.
   Struct. Dyn. 38(8): 951-972). Where runs that failed count as collapse, their share is a logistic
-  curve beside it: P = P(beyond | no collapse) (1 - P(collapse)) + P(collapse), the five parameters
-  of Jalayer, Ebrahimian, Miano, Manfredi & Sezen (2017, Earthquake Eng. Struct. Dyn. 46(15):
+  curve: P = P(beyond | no collapse) (1 - P(collapse)) + P(collapse), the five parameters of
+  Jalayer, Ebrahimian, Miano, Manfredi & Sezen (2017, Earthquake Eng. Struct. Dyn. 46(15):
   2639-2663).
 
 Bands: studentised bootstrap over motions, its percentiles as they are, or profile likelihood
 (stripes of independent runs). Where no motion goes beyond, they are bounds by Clopper & Pearson.
+
+Incremental dynamic analysis has curves of demand against intensity, their fractiles (16, 50 and
+84 %, demand given intensity) and the intensity at which a curve first reaches a capacity:
+Vamvatsikos, D., Cornell, C.A. (2002), Earthquake Engineering and Structural Dynamics 31(3):
+491-514; (2004), Earthquake Spectra 20(2): 523-553. Between two runs a curve is straight here, not
+a spline; it begins at zero.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal, TypeAlias, get_args
+from typing import Any, Literal, NamedTuple, TypeAlias, get_args
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from thermobearing.border.errors import InputError
+from thermobearing.core.records import Floats
 from thermobearing.studies.run.demand_parameters import COMPLETED
 from thermobearing.studies.statistics.bootstrap import (
     LEVEL,
@@ -31,15 +37,16 @@ from thermobearing.studies.statistics.bootstrap import (
     Draw,
     check_level,
     percentiles,
+    quantile,
 )
-from thermobearing.studies.statistics.failed_runs import (
+from thermobearing.studies.statistics.demand import (
+    Counted,
     Failed,
     column,
     counted,
     describe_all,
     positive,
 )
-from thermobearing.studies.statistics.ida import ida_curves
 from thermobearing.studies.statistics.likelihood import (
     FLAT,
     Estimate,
@@ -51,11 +58,164 @@ from thermobearing.studies.statistics.likelihood import (
     unreached,
 )
 
-Floats = NDArray[np.float64]
+FRACTILES = (0.16, 0.5, 0.84)
 Method: TypeAlias = Literal["stripes", "ida", "cloud"]
 Band: TypeAlias = Literal["bootstrap", "percentile", "profile"]
 MOTION = "motion"
 NONE_BEYOND = "none_beyond"
+
+
+class IdaCurve(NamedTuple):
+    """Demand of one motion against its intensity.
+
+    Attributes
+    ----------
+    name : values of the columns that identify the curve.
+    intensity : increasing, beginning with 0.
+    demand : at each, beginning with 0; infinite where a run failed and counts as collapse.
+    first : place of its first run among the runs that count.
+    """
+
+    name: tuple[Any, ...]
+    intensity: Floats
+    demand: Floats
+    first: int
+
+    def at(self, intensity: Floats) -> Floats:
+        """Return the demand at intensities; NaN beyond the last run.
+
+        It is infinite beyond the last run before a collapse: what collapsed does not stand up
+        again at a larger intensity.
+        """
+        failed = np.isinf(self.demand)
+        first = int(failed.argmax()) if failed.any() else len(failed)
+        found = np.full(len(intensity), np.inf if failed.any() else np.nan)
+        inside = intensity <= self.intensity[first - 1]
+        found[inside] = np.interp(intensity[inside], self.intensity[:first], self.demand[:first])
+        return found
+
+    def crossing(self, capacity: float) -> float:
+        """Return the lowest intensity with a demand at the capacity; infinite without one.
+
+        Towards a collapse it is the largest intensity of a completed run (that of the collapse,
+        if none completed).
+        """
+        beyond = np.flatnonzero(self.demand >= capacity)
+        if len(beyond) == 0:
+            return float("inf")
+        first = int(beyond[0])
+        x0, x1 = self.intensity[first - 1 : first + 1]
+        y0, y1 = self.demand[first - 1 : first + 1]
+        if np.isinf(y1):
+            return float(x0 if x0 > 0.0 else x1)
+        return float(x0 + (capacity - y0) / (y1 - y0) * (x1 - x0))
+
+
+class Ida(NamedTuple):
+    """Curves of all motions.
+
+    Attributes
+    ----------
+    curves : one for each motion (and whatever else differs).
+    by : columns that identify curves.
+    demand, intensity : names of the columns.
+    sentence : how runs that failed count.
+    """
+
+    curves: list[IdaCurve]
+    by: tuple[str, ...]
+    demand: str
+    intensity: str
+    sentence: str
+
+    def fractiles(
+        self, intensity: Floats | None = None, shares: Sequence[float] = FRACTILES
+    ) -> pd.DataFrame:
+        """Return fractiles of the demand over the curves, by default at every intensity run.
+
+        The columns are the intensity, `curves` (that reach so far), and one for each share, such
+        as `0.5`; infinite where so many curves collapsed.
+        """
+        if intensity is None:
+            intensity = np.unique(np.concatenate([curve.intensity[1:] for curve in self.curves]))
+        values = np.array([curve.at(intensity) for curve in self.curves])
+        rows = []
+        for place, at in zip(values.T, intensity, strict=True):
+            known = place[~np.isnan(place)]
+            found = {f"{share:g}": quantile(known, share) for share in shares} if len(known) else {}
+            rows.append({self.intensity: float(at), "curves": len(known), **found})
+        return pd.DataFrame(rows)
+
+    def crossings(self, capacity: float) -> pd.DataFrame:
+        """Return the intensity at which each curve first reaches a capacity.
+
+        The columns are those that identify the curves, `capacity` (infinite where it was not
+        reached) and `largest`, the largest intensity of the curve.
+        """
+        rows = []
+        for curve in self.curves:
+            name = dict(zip(self.by, curve.name, strict=True))
+            found = {"capacity": curve.crossing(capacity), "largest": float(curve.intensity[-1])}
+            rows.append({**name, **found})
+        return pd.DataFrame(rows)
+
+
+def ida_curves(
+    table: pd.DataFrame,
+    demand: str,
+    intensity: str,
+    by: Sequence[str] = (MOTION,),
+    *,
+    failed: Failed = "left-out",
+) -> Ida:
+    """Return curves of incremental dynamic analysis from a table of runs.
+
+    Parameters
+    ----------
+    table : of runs, one for each curve and intensity.
+    demand, intensity : names of columns of numbers; intensities above 0.
+    by : columns that identify curves: the motion, and every other factor that differs.
+    failed : runs that failed are "left-out", or count as "collapse" of their curve.
+
+    Raises
+    ------
+    InputError : no such column, two runs at one intensity of a curve, or no curve of more than
+        one intensity.
+
+    Examples
+    --------
+    >>> runs = pd.DataFrame({"motion": ["a", "a"], "scale": [1.0, 2.0], "drift": [1.0, 3.0]})
+    >>> ida_curves(runs, "drift", "scale").crossings(2.0)["capacity"].tolist()
+    [1.5]
+    """
+    runs = counted(table, demand, failed)
+    return _ida(runs, positive(runs.table, intensity), demand, intensity, by)
+
+
+def _ida(runs: Counted, values: Floats, demand: str, intensity: str, by: Sequence[str]) -> Ida:
+    labels = list(zip(*(column(runs.table, name) for name in by), strict=True))
+    places: dict[tuple[Any, ...], list[int]] = {}
+    for place, label in enumerate(labels):
+        places.setdefault(label, []).append(place)
+    curves = []
+    for label, mine in places.items():
+        order = np.array(mine)[np.argsort(values[mine], kind="stable")]
+        x, y = values[order], runs.demand[order]
+        if (np.diff(x) == 0.0).any():
+            twice = x[:-1][np.diff(x) == 0.0][0]
+            which = ", ".join(f"{key} {value}" for key, value in zip(by, label, strict=True))
+            raise InputError(
+                f"two runs of {which} at {intensity} = {twice:g}: name the column in which they "
+                f'differ in "by"'
+            )
+        curves.append(IdaCurve(label, np.append(0.0, x), np.append(0.0, y), mine[0]))
+    if all(len(curve.intensity) == 2 for curve in curves):
+        raise InputError(
+            f"each of the {len(curves)} curves has a run at one intensity only, so that it is no "
+            "curve: the same draws are needed at several intensities (`paired = true` in "
+            "[design]); or take stripes or cloud"
+        )
+    return Ida(curves, tuple(by), demand, intensity, runs.sentence)
 
 
 @dataclass(frozen=True)
@@ -73,7 +233,7 @@ class Fragility:
     level : confidence of the bands, a share in (0, 1).
     runs : how many the curve is made of.
     counts : for each intensity `runs` and `beyond`; of many intensities in classes.
-    left_out, collapsed : how many runs failed and are not among them, or count as collapse.
+    left_out, collapsed : how many runs failed and are left out, or count as collapse.
     """
 
     name: str
@@ -91,7 +251,7 @@ class Fragility:
 
     @property
     def sentence(self) -> str:
-        """What became of runs that failed."""
+        """How runs that failed count."""
         return describe_all(self.runs + self.left_out, self.left_out, self.collapsed)
 
     @property
@@ -110,30 +270,28 @@ class Fragility:
         return float(1.0 / self.estimate.best.slope[0]) if self.estimate.known else np.nan
 
     def probability(self, intensity: Any) -> Floats:
-        """Of going beyond the capacity, at intensities; NaN where there is no curve."""
+        """Return the probability of exceedance at intensities; NaN where there is no curve."""
         at = np.atleast_1d(np.asarray(intensity, dtype=float))
         if not self.estimate.known:
             return np.full(len(at), np.nan)
         return self.estimate.probability(at)
 
     def family(self, intensity: Any, *, drawn: bool = False) -> Floats:
-        """Return the same of every curve that the band is made of: shape (curves, intensities).
+        """Return that of every curve that the band is made of: shape (curves, intensities).
 
-        Parameters
-        ----------
-        intensity : at which.
-        drawn : those of the bootstrap as it drew them, which ratios of curves are made of.
+        With `drawn` the curves are those of the bootstrap as it drew them, of which ratios of
+        curves are made.
         """
         at = np.atleast_1d(np.asarray(intensity, dtype=float))
         return ((drawn and self.estimate.drawn) or self.estimate).probabilities(at)
 
     @property
     def groups(self) -> int:
-        """Number of motions that the bootstrap draws from; 0 where it is no matter."""
+        """Number of motions that the bootstrap draws from; 0 where it does not matter."""
         return self.estimate.groups
 
     def ends(self, values: Floats) -> tuple[Floats, Floats]:
-        """Ends of the band of what was computed from each curve of `family`."""
+        """Return the ends of the band of what was computed from each curve of `family`."""
         if self.outcome not in (COMPLETED, NONE_BEYOND) or len(values) == 0:
             nothing = np.full(values.shape[1:], np.nan)
             return nothing, nothing
@@ -142,11 +300,11 @@ class Fragility:
         return percentiles(values, self.level)
 
     def band_at(self, intensity: Any) -> tuple[Floats, Floats]:
-        """Lower and upper end of the band of the probability, at each intensity by itself."""
+        """Return the ends of the band of the probability, at each intensity by itself."""
         return self.ends(self.family(intensity))
 
     def row(self) -> dict[str, Any]:
-        """Parameters with their bands, as a row of a table."""
+        """Return the parameters with their bands, as a row of a table."""
         others = self.estimate.others
         low, high = self.ends(np.exp(np.minimum(others.place, 700.0))[:, None])
         with np.errstate(divide="ignore"):
@@ -191,26 +349,26 @@ def fragility_curve(
     seed: int = 0,
     name: str = "",
 ) -> Fragility:
-    """A fragility curve from a table of runs.
+    """Return a fragility curve from a table of runs.
 
     Parameters
     ----------
-    table : of runs; failed ones are told by the column `outcome`.
-    demand : column that is held beside the capacity.
+    table : of runs; the column `outcome` marks failed ones.
+    demand : column that is compared with the capacity.
     capacity : > 0, in the unit of the demand.
     intensity : column of the intensity of the motion, > 0.
     method : "stripes", "ida" or "cloud".
     failed : runs that failed are "left-out", or count as "collapse" (beyond any capacity).
     groups : column whose values are drawn again as a whole by the bootstrap; None: every run by
-        itself. A column that is not there is as None.
-    curves : of "ida": columns that tell its curves apart.
+        itself. A column that does not exist is as None.
+    curves : of "ida": columns that identify its curves.
     band : "bootstrap" (studentised, right with a dozen motions too), "percentile" (of the same
         bootstrap: too narrow with fewer than 40 motions), or "profile" (stripes only; the runs
         must be independent).
     level : confidence of the bands, a share in (0, 1).
     samples : of the bootstrap.
     seed : of the bootstrap.
-    name : to tell the curve from others.
+    name : of the curve.
 
     Raises
     ------
@@ -224,8 +382,8 @@ def fragility_curve(
     (1.414, 0.514)
     """
     draw = _resample(table, groups, samples, seed)
-    settings = _Settings(demand, capacity, intensity, method, failed, tuple(curves), band, level)
-    return _fragility(table, settings, draw, name)
+    how = demand, capacity, intensity, method, failed, curves, band, level
+    return _fragility(table, draw, name, *how)
 
 
 def fragility_curves(
@@ -243,7 +401,7 @@ def fragility_curves(
     samples: int = SAMPLES,
     seed: int = 0,
 ) -> dict[Any, Fragility]:
-    """A fragility curve for each value of a column, such as each ambient temperature.
+    """Return a fragility curve for each value of a column, such as each ambient temperature.
 
     The bootstrap draws the same motions for all of them, so that differences and ratios of what
     they lead to have bands too.
@@ -272,47 +430,20 @@ def fragility_curves(
     {-20.0: 1.414, 23.0: 2.828}
     """
     draw = _resample(table, groups, samples, seed)
-    settings = _Settings(
-        demand, capacity, intensity, method, failed, tuple(curves), "bootstrap", level
-    )
     labels = np.asarray(column(table, by), dtype=object)
     values = list(dict.fromkeys(labels.tolist()))
     if all(isinstance(value, int | float) for value in values):
         values.sort()
+    how = demand, capacity, intensity, method, failed, curves, "bootstrap", level
     found = {}
     for value in values:
         mine = np.array([label == value for label in labels])
-        told = f"{value:g}" if isinstance(value, float) else str(value)
+        name = f"{value:g}" if isinstance(value, float) else str(value)
         try:
-            found[value] = _fragility(table[mine], settings, draw.of(mine), told)
+            found[value] = _fragility(table[mine], draw.of(mine), name, *how)  # type: ignore[arg-type]
         except InputError as error:
-            raise InputError(error.problems, f"{by} = {told}") from None
+            raise InputError(error.problems, f"{by} = {name}") from None
     return found
-
-
-@dataclass(frozen=True)
-class _Settings:
-    """How a curve is made; checked."""
-
-    demand: str
-    capacity: float
-    intensity: str
-    method: Method
-    failed: Failed
-    curves: tuple[str, ...]
-    band: Band
-    level: float
-
-    def __post_init__(self) -> None:
-        check_level(self.level)
-        if not (np.isfinite(self.capacity) and self.capacity > 0.0):
-            raise InputError(f"capacity = {self.capacity:g} is not above 0")
-        if self.method not in get_args(Method):
-            raise InputError(f'method is "stripes", "ida" or "cloud", not {self.method!r}')
-        if self.band not in get_args(Band):
-            raise InputError(f'band is "bootstrap", "percentile" or "profile", not {self.band!r}')
-        if self.band == "profile" and self.method != "stripes":
-            raise InputError(f'band = "profile" is of stripes; of {self.method} take "bootstrap"')
 
 
 def _resample(table: pd.DataFrame, groups: str | None, samples: int, seed: int) -> Draw:
@@ -320,46 +451,67 @@ def _resample(table: pd.DataFrame, groups: str | None, samples: int, seed: int) 
     return Draw.of_labels(labels, len(table), samples, seed)
 
 
-def _fragility(table: pd.DataFrame, of: _Settings, draw: Draw, name: str) -> Fragility:
-    """One curve: the runs that count, and the estimator that was asked for."""
-    runs = counted(table, of.demand, of.failed)
-    at = positive(runs.table, of.intensity)
+def _fragility(
+    table: pd.DataFrame,
+    draw: Draw,
+    name: str,
+    demand: str,
+    capacity: float,
+    intensity: str,
+    method: Method,
+    failed: Failed,
+    curves: Sequence[str],
+    band: Band,
+    level: float,
+) -> Fragility:
+    """Return one curve, of the runs that count, by the estimator of `method`."""
+    check_level(level)
+    if not (np.isfinite(capacity) and capacity > 0.0):
+        raise InputError(f"capacity = {capacity:g} is not above 0")
+    if method not in get_args(Method):
+        raise InputError(f'method is "stripes", "ida" or "cloud", not {method!r}')
+    if band not in get_args(Band):
+        raise InputError(f'band is "bootstrap", "percentile" or "profile", not {band!r}')
+    if band == "profile" and method != "stripes":
+        raise InputError(f'band = "profile" is of stripes; of {method} take "bootstrap"')
+    runs = counted(table, demand, failed)
+    at = positive(runs.table, intensity)
     if len(np.unique(at)) < 2:
         raise InputError(
-            f"all runs have {of.intensity} = {at[0]:g}: a curve needs two intensities at least"
+            f"all runs have {intensity} = {at[0]:g}: a curve needs two intensities at least"
         )
-    mine = draw.of(runs.kept)
-    beyond = runs.demand >= of.capacity
-    if of.method == "stripes":
-        drop = of.level if of.band == "profile" else None
-        estimate = stripes(at, beyond, mine, drop)
-    elif of.method == "cloud":
+    draw = draw.of(runs.kept)
+    beyond = runs.demand >= capacity
+    if method == "stripes":
+        estimate = stripes(at, beyond, draw, level if band == "profile" else None)
+    elif method == "cloud":
         if (runs.demand <= 0.0).any():
-            raise InputError(f'column "{of.demand}" has values that have no logarithm')
-        estimate = cloud(at, runs.demand, of.capacity, mine)
+            raise InputError(f'column "{demand}" has values that have no logarithm')
+        estimate = cloud(at, runs.demand, capacity, draw)
     else:
-        found = ida_curves(runs.table, of.demand, of.intensity, of.curves, failed=of.failed)
-        estimate = incremental(found, of.capacity, mine)
-    if of.band == "bootstrap":
-        estimate = _studentised(estimate, mine, at, of.level)
+        ida = _ida(runs, at, demand, intensity, curves)
+        own = draw.groups[[curve.first for curve in ida.curves]]
+        estimate = incremental(ida.crossings(capacity), own, draw)
+    if band == "bootstrap":
+        estimate = _studentised(estimate, draw, at, level)
     return Fragility(
-        name,
-        of.method,
-        of.demand,
-        of.intensity,
-        of.capacity,
-        estimate,
-        of.band,
-        of.level,
-        len(runs.table),
-        counts(at, beyond, of.intensity),
-        runs.left_out,
-        runs.collapsed,
+        name=name,
+        method=method,
+        demand=demand,
+        intensity=intensity,
+        capacity=capacity,
+        estimate=estimate,
+        band=band,
+        level=level,
+        runs=len(runs.table),
+        counts=counts(at, beyond, intensity),
+        left_out=runs.left_out,
+        collapsed=runs.collapsed,
     )
 
 
 def _studentised(estimate: Estimate, draw: Draw, at: Floats, level: float) -> Estimate:
-    """The same with a band that holds the truth as often as it says with a dozen motions too."""
+    """Return the estimate with a band that holds the truth at `level` with few motions too."""
     if estimate.outcome == NONE_BEYOND:
         order = np.lexsort((at, draw.groups))
         last = np.append(np.diff(draw.groups[order]) > 0, True)

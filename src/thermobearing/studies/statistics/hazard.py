@@ -1,6 +1,6 @@
-"""Hazard curve and fragility together: how often a year a capacity is passed.
+"""Annual rate of exceedance of a capacity: hazard curve and fragility integrated.
 
-The rate is the integral of the probability of going beyond over the rates of intensities,
+The rate is the integral of the probability of exceedance over the rates of intensities,
 lambda = int P(beyond | im) |dH(im)| (Cornell 1996; Cornell and others 2002), done numerically.
 Between its points a hazard curve is a power law. For a hazard H = k0 im^-k and a lognormal
 fragility it is
@@ -9,45 +9,33 @@ fragility it is
 
 the closed form of Cornell, C.A. (1996), Calculating building seismic performance reliability: a
 basis for multi-level design norms, 11th World Conference on Earthquake Engineering, paper 2122.
+
+Over a climate the fragility is the mean of the curves at some temperatures, each by its share of
+the time (total probability): the temperature of the day of an earthquake is independent of its
+size.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+import pandas as pd
 
 from thermobearing.border.errors import InputError
-from thermobearing.studies.definition.factors import INTENSITY_UNITS
+from thermobearing.core.records import Floats
+from thermobearing.studies.definition.record import INTENSITY_UNITS
 from thermobearing.studies.statistics.bootstrap import LEVEL, percentiles, widened
+from thermobearing.studies.statistics.fragility import Fragility
 from thermobearing.tables.columns import plain_title, read_columns
 
-Floats = NDArray[np.float64]
 STEP = 0.02  # of the logarithm of intensity, at most, in the integral
 MOST_STEPS = 10_000
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(4)  # of Gauss, in each step
 TOO_LATE = 0.01  # probability of going beyond at the least intensity of a hazard curve
 TOO_EARLY = 0.05  # of the rate, that intensities beyond the last one may add
-
-
-class Curve(Protocol):
-    """What a hazard curve is held beside: `Fragility`, or that of a climate."""
-
-    def probability(self, intensity: Any) -> Floats:
-        """Of going beyond, at intensities."""
-
-    def family(self, intensity: Any, *, drawn: bool = False) -> Floats:
-        """Return the same of all curves of the band, or of the bootstrap as it drew them."""
-
-    @property
-    def groups(self) -> int:
-        """Number of motions that the bootstrap draws from; 0 where it is no matter."""
-
-    def ends(self, values: Floats) -> tuple[Floats, Floats]:
-        """Ends of the band of what was computed from them."""
 
 
 @dataclass(frozen=True)
@@ -81,29 +69,27 @@ class Hazard:
         im, rate = self.intensity, self.rate
         if im.ndim != 1 or im.shape != rate.shape or len(im) < 2:
             raise InputError("a hazard curve needs two equally long lists of 2 numbers or more")
-        for name, values, way in (("intensity", im, 1.0), ("rate", rate, -1.0)):
+        for name, values, word in (("intensity", im, "increase"), ("rate", rate, "decrease")):
             if not (np.isfinite(values) & (values > 0.0)).all():
                 raise InputError(f"{name} of a hazard curve: above 0 only")
-            steps = way * np.diff(values)
-            if not (steps > 0.0).all():
-                k = int(np.argmin(steps > 0.0))
-                word = "increase" if way > 0 else "decrease"
+            wrong = np.flatnonzero(np.diff(values if word == "increase" else -values) <= 0.0)
+            if len(wrong):
+                first, then = values[wrong[0] : wrong[0] + 2]
                 raise InputError(
-                    f"{name} of a hazard curve does not {word} from {values[k]:g} to "
-                    f"{values[k + 1]:g}"
+                    f"{name} of a hazard curve does not {word} from {first:g} to {then:g}"
                 )
 
     def at(self, intensity: Any) -> Floats:
-        """Rate of exceedance of intensities [1/year]; NaN beyond the ends of the curve."""
+        """Return the annual rate of exceedance of intensities; NaN beyond the ends of the curve."""
         x = np.log(np.atleast_1d(np.asarray(intensity, dtype=float)))
         known = np.log(self.intensity)
         found = np.interp(x, known, np.log(self.rate), left=np.nan, right=np.nan)
         return np.asarray(np.exp(found))
 
     def points(self) -> tuple[Floats, Floats]:
-        """Intensities that an integral is taken on, and how often a year each of them stands for.
+        """Return the intensities of an integral, and the annual rate that each stands for.
 
-        Those of Gauss in short steps, none of which holds a kink of the curve.
+        They are those of Gauss in short steps, none of which holds a kink of the curve.
         """
         x = np.log(self.intensity)
         steps = min(int(np.ceil((x[-1] - x[0]) / STEP)), MOST_STEPS)
@@ -120,7 +106,7 @@ class Hazard:
 
 
 def load_hazard(path: str | Path, measure: str = "PGA", unit: str | None = None) -> Hazard:
-    r"""A hazard curve from a file with columns of intensity and rate.
+    r"""Return a hazard curve from a file with columns of intensity and rate.
 
     Parameters
     ----------
@@ -166,7 +152,7 @@ def load_hazard(path: str | Path, measure: str = "PGA", unit: str | None = None)
 
 @dataclass(frozen=True)
 class Rate:
-    """How often a year a capacity is passed.
+    """Annual rate of exceedance of a capacity.
 
     Attributes
     ----------
@@ -174,7 +160,7 @@ class Rate:
     low, high : ends of its band; where no motion went beyond the rate is 0, and below `high`.
     family : of each bootstrap sample.
     notes : sentences on what the ends of the hazard curve leave out.
-    groups : that the bootstrap draws from; 0 where it is no matter.
+    groups : that the bootstrap draws from; 0 where it does not matter.
     """
 
     rate: float
@@ -190,15 +176,15 @@ class Rate:
         return 1.0 / self.rate if self.rate > 0.0 else float("inf")
 
     def probability(self, years: float) -> float:
-        """Of at least one such earthquake in so many years (a Poisson process)."""
+        """Return the probability of such an earthquake in so many years (a Poisson process)."""
         return float(-np.expm1(-self.rate * years))
 
 
-def annual_rate(curve: Curve, hazard: Hazard) -> Rate:
-    """Rate at which a capacity is passed: fragility and hazard integrated.
+def annual_rate(curve: "Fragility | ClimateFragility", hazard: Hazard) -> Rate:
+    """Return the annual rate of exceedance of a capacity: fragility and hazard integrated.
 
     Earthquakes beyond the last intensity of the hazard curve count with the probability there,
-    those below the first not at all; notes tell where that may matter.
+    those below the first not at all; notes say where that may matter.
 
     Parameters
     ----------
@@ -248,16 +234,9 @@ def annual_rate(curve: Curve, hazard: Hazard) -> Rate:
 
 
 def ratio(rate: Rate, to: Rate, level: float = LEVEL) -> tuple[float, float, float]:
-    """One rate over another with its band, of curves whose bootstrap drew the same motions.
+    """Return one rate over another, and the ends of its band; NaN where either has no rate.
 
-    Parameters
-    ----------
-    rate, to : of `annual_rate`.
-    level : confidence of the band.
-
-    Returns
-    -------
-    three numbers : ratio, lower and upper end; NaN where either has no rate.
+    The bootstrap of both must have drawn the same motions.
     """
     if len(rate.family) != len(to.family):
         raise InputError("the bands of two rates must be of the same bootstrap samples")
@@ -266,25 +245,142 @@ def ratio(rate: Rate, to: Rate, level: float = LEVEL) -> tuple[float, float, flo
     whole = np.append(rate.family, rate.rate), np.append(to.family, to.rate)
     with np.errstate(divide="ignore", invalid="ignore"):
         each = whole[0] / whole[1]
-    told = each[:-1][~np.isnan(each[:-1])]  # samples in which neither goes beyond tell nothing
-    if len(told) == 0:
+    known = each[:-1][~np.isnan(each[:-1])]  # not the samples in which neither goes beyond
+    if len(known) == 0:
         return float(each[-1]), np.nan, np.nan
-    low, high = percentiles(told[:, None], widened(level, rate.groups))
+    low, high = percentiles(known[:, None], widened(level, rate.groups))
     return float(each[-1]), float(low[0]), float(high[0])
 
 
-def closed_form(median: float, dispersion: float, factor: float, exponent: float) -> float:
-    """Cornell's closed form of the rate, for a hazard of factor * im ** -exponent [1/year].
+@dataclass(frozen=True)
+class ClimateFragility:
+    """Fragility over all temperatures of a site; `Fragility` describes the methods.
+
+    Attributes
+    ----------
+    parts : curve of each temperature [degC], from `fragilities`.
+    shares : of the time, of each; their sum is 1.
+    name : of the climate.
+    """
+
+    parts: Mapping[float, Fragility]
+    shares: Floats
+    name: str = "climate"
+
+    def __post_init__(self) -> None:
+        parts = list(self.parts.values())
+        shares = np.asarray(self.shares, dtype=float)
+        object.__setattr__(self, "shares", shares)
+        if len(shares) != len(parts) or (shares < 0.0).any() or abs(shares.sum() - 1.0) > 1e-9:
+            raise InputError("needs a share of the time for each temperature, 1 together")
+        if any(part.band != "bootstrap" for part in parts):
+            raise InputError('curves of a climate need bands by "bootstrap", of the same motions')
+        if len({len(part.estimate.others.place) for part in parts}) > 1:
+            raise InputError("curves of a climate need equally many bootstrap samples")
+
+    def _used(self) -> list[tuple[float, Fragility]]:
+        """Return share and curve of each temperature that occurs."""
+        pairs = zip(self.shares, self.parts.values(), strict=True)
+        return [(float(share), part) for share, part in pairs if share > 0.0]
+
+    @property
+    def known(self) -> bool:
+        """Whether every temperature that occurs has a curve, be it one of nothing or all."""
+        return all(part.outcome != "not_rising" for _, part in self._used())
+
+    def probability(self, intensity: Any) -> Floats:
+        """Return the probability of exceedance; NaN where a temperature has no curve.
+
+        A temperature at which no run went beyond counts with 0, one at which all did with 1.
+        """
+        at = np.atleast_1d(np.asarray(intensity, dtype=float))
+        if not self.known:
+            return np.full(len(at), np.nan)
+        return np.asarray(sum(s * part.estimate.probability(at) for s, part in self._used()))
+
+    def family(self, intensity: Any, *, drawn: bool = False) -> Floats:
+        """Return that of every bootstrap sample."""
+        parts = self._used()
+        return np.asarray(sum(share * part.family(intensity, drawn=drawn) for share, part in parts))
+
+    @property
+    def groups(self) -> int:
+        """Number of motions that the bootstrap draws from; 0 where it does not matter."""
+        return self._used()[0][1].groups
+
+    def ends(self, values: Floats) -> tuple[Floats, Floats]:
+        """Return the ends of the band of what was computed from each curve of `family`."""
+        if not self.known:
+            nothing = np.full(values.shape[1:], np.nan)
+            return nothing, nothing
+        return percentiles(values, self._used()[0][1].level)
+
+    def band_at(self, intensity: Any) -> tuple[Floats, Floats]:
+        """Return the ends of the band of the probability, at each intensity by itself."""
+        return self.ends(self.family(intensity))
+
+    @property
+    def sentence(self) -> str:
+        """How runs that failed count, and which temperatures have no curve."""
+        said = list(dict.fromkeys(part.sentence for _, part in self._used()))
+        said += [f"{p.name}: {p.estimate.sentence}" for _, p in self._used() if p.estimate.sentence]
+        return "; ".join(said)
+
+    def rates(self, hazard: Hazard) -> pd.DataFrame:
+        """Return the annual rate at each temperature, and its part of the total.
+
+        Returns
+        -------
+        DataFrame : temperature, share of the time, rate with its band [1/year], `part` of the
+            total rate.
+        """
+        rows = []
+        for (temperature, part), share in zip(self.parts.items(), self.shares, strict=True):
+            alone = ClimateFragility({temperature: part}, np.ones(1))
+            found = annual_rate(alone, hazard)
+            row = {"temperature_degC": temperature, "share": share, "rate": found.rate}
+            rows.append({**row, "rate_low": found.low, "rate_high": found.high})
+        table = pd.DataFrame(rows)
+        used = table["share"] > 0.0
+        whole = (table["share"] * table["rate"])[used].sum(skipna=False)
+        table["part"] = np.where(used, table["share"] * table["rate"] / whole, 0.0)
+        return table
+
+
+def shares_of_time(levels: Sequence[float], temperatures: Any) -> Floats:
+    """Return the share of the time of each of some temperatures.
+
+    An hour between two of them counts for both, by how close it is, so that what is linear in the
+    temperature between them is met; one beyond the ends counts for the end.
 
     Parameters
     ----------
-    median, dispersion : of a lognormal fragility.
-    factor : rate at an intensity of one.
-    exponent : slope of the hazard curve in logarithms, > 0.
+    levels : temperatures that have runs [degC].
+    temperatures : of the site, such as one an hour [degC].
+
+    Returns
+    -------
+    array : share of each level, in the order given; 1 together.
 
     Examples
     --------
-    >>> round(closed_form(2.0, 0.4, 1e-2, 2.0), 6)
-    0.003443
+    >>> shares_of_time([-20.0, 0.0, 20.0], [0.0, 10.0, 20.0, 25.0]).tolist()
+    [0.0, 0.375, 0.625]
     """
-    return float(factor * median**-exponent * np.exp(0.5 * (exponent * dispersion) ** 2))
+    at = np.asarray(levels, dtype=float)
+    values = np.asarray(temperatures, dtype=float).ravel()
+    if len(at) == 0 or len(values) == 0 or not np.isfinite(values).all():
+        raise InputError("needs temperatures: levels, and those of the site without gaps")
+    order = np.argsort(at)
+    known = at[order]
+    if (np.diff(known) <= 0.0).any():
+        raise InputError("a level of the temperature stands there twice")
+    place = np.interp(values, known, np.arange(len(known), dtype=float))
+    low = np.minimum(place.astype(int), max(len(known) - 2, 0))
+    part = place - low
+    shares = np.bincount(low, 1.0 - part, minlength=len(known))
+    if len(known) > 1:
+        shares += np.bincount(low + 1, part, minlength=len(known))
+    found = np.empty(len(known))
+    found[order] = shares / len(values)
+    return found

@@ -1,22 +1,22 @@
 """The estimators behind a fragility curve: stripes, capacities of single motions, a cloud.
 
-Each gives the curve, and the same of every bootstrap sample; `fragility` has the sources.
+Each gives the curve, and that of every bootstrap sample; `fragility` has the sources.
 
 The likelihood of z of n runs beyond a capacity at each of some intensities is that of Baker
 (2015), Eq. 11: binomial terms with P = Phi(ln(im/theta)/beta). With slope b = 1/beta and intercept
 a = -ln(theta)/beta it is a probit regression, whose logarithm is concave in a and b (Pratt 1981,
 JASA 76: 103-106), so that Newton's method finds the only maximum. The fits of all bootstrap
-samples are made side by side.
+samples are made together.
 
 Baker, J. W. (2015). Efficient analytical fragility function fitting using dynamic structural
 analysis. Earthquake Spectra 31(1): 579-599.
 
 Where every motion was scaled until it reached the capacity, the estimates are those of Porter,
 Kennedy & Bachman (2007, method A) and Baker (2015, Eq. 2 and 3): mean and sample deviation (n - 1)
-of the logarithms. Motions that did not reach it at their largest intensity say that their
-capacity is above it (Baker 2015, truncated incremental dynamic analysis): the likelihood then is
-that of a right-censored normal sample, concave in slope and intercept (Olsen 1978, Econometrica
-46: 1211-1215).
+of the logarithms. The capacity of a motion that did not reach it is above its largest intensity
+(Baker 2015, truncated incremental dynamic analysis): the likelihood then is that of a
+right-censored normal sample, concave in slope and intercept (Olsen 1978, Econometrica 46:
+1211-1215).
 
 Porter, K., Kennedy, R., Bachman, R. (2007). Creating fragility functions for performance-based
 earthquake engineering. Earthquake Spectra 23(2): 471-489.
@@ -29,16 +29,15 @@ from typing import Literal
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from scipy.special import expit, log_expit, log_ndtr, ndtr, ndtri
-from scipy.stats import chi2
+from scipy.special import chdtri, expit, log_expit, log_ndtr, ndtr, ndtri
 
 from thermobearing.border.errors import InputError
+from thermobearing.core.records import Floats, Ints
 from thermobearing.studies.run.demand_parameters import COMPLETED
 from thermobearing.studies.statistics.bootstrap import Draw, widened
 from thermobearing.studies.statistics.demand import equal_classes
-from thermobearing.studies.statistics.ida import Ida
 
-Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
 Link = Literal["probit", "logit"]
 MOST_ROUNDS, MOST_HALVINGS = 60, 30
 STEADY = 1e-10  # of a standard score: the largest change of the last step
@@ -48,6 +47,22 @@ ROOT_TWO_PI = 0.5 * np.log(2.0 * np.pi)
 STEEPEST = 3.0  # dispersion of an estimate over that of a bootstrap curve; chosen, as of 6 motions
 RAYS = 240  # on which the edge of a likelihood region is looked for
 BISECTIONS = 30
+SAME = 1e-12  # logarithms that differ by less are the same but for rounding
+MOST_STRIPES = 200  # more intensities are put into so many classes, equally filled
+MORE_BETWEEN = (
+    "all runs up to {0:.4g} stay below, all from {1:.4g} go beyond: add intensities between"
+)
+ONE_MIXED = (
+    "none goes beyond below {0:.4g} and all do above it; at {0:.4g} itself {1:.0f} of {2:.0f}: one "
+    "intensity does not determine the dispersion, add intensities close to it"
+)
+REASONS = {
+    "none_beyond": "no run went beyond the capacity: add larger intensities",
+    "all_beyond": "every run went beyond the capacity: add smaller intensities",
+    "not_rising": "the share beyond the capacity does not rise with the intensity: does this "
+    "measure rank the motions here? Add runs or intensities",
+    "one_beyond": "one motion only reached the capacity: add larger intensities",
+}
 
 
 @dataclass(frozen=True)
@@ -66,7 +81,7 @@ class Curves:
     link: Link = "probit"
 
     def probability(self, im: Floats) -> Floats:
-        """Of being beyond, at intensities: shape (curves, intensities)."""
+        """Return the probability of exceedance at intensities, shape (curves, intensities)."""
         away = np.log(np.asarray(im, dtype=float))[None, :] - self.place[:, None]
         jump = np.isinf(self.slope)[:, None]
         steep = np.where(jump, 1.0, self.slope[:, None])
@@ -75,7 +90,7 @@ class Curves:
 
 
 def _terms(score: Floats, link: Link) -> tuple[Floats, Floats, Floats, Floats, Floats, Floats]:
-    """Logarithms of P and 1 - P, their first and (negative) second derivatives in the score."""
+    """Return ln P and ln(1 - P), their first and (negative) second derivatives in the score."""
     if link == "logit":
         yes, p = log_expit(score), expit(score)
         return yes, log_expit(-score), 1.0 - p, -p, p * (1.0 - p), p * (1.0 - p)
@@ -85,26 +100,19 @@ def _terms(score: Floats, link: Link) -> tuple[Floats, Floats, Floats, Floats, F
     return yes, no, up, -down, up * (up + score), down * (down - score)
 
 
-def likelihood(score: Floats, yes: Floats, no: Floats, link: Link = "probit") -> Floats:
-    """Logarithm of the likelihood of counts, without the binomial coefficients."""
+def _likelihood(score: Floats, yes: Floats, no: Floats, link: Link = "probit") -> Floats:
+    """Return the logarithm of the likelihood of counts, without the binomial coefficients."""
     above, below = _terms(score, link)[:2]
     return np.asarray((np.where(yes > 0, yes * above, 0) + np.where(no > 0, no * below, 0)).sum(-1))
 
 
 def fit_curves(im: Floats, yes: Floats, no: Floats, link: Link = "probit") -> Curves:
-    """The likeliest curve of each row of counts.
+    """Return the likeliest curve of each row of counts.
 
-    Parameters
-    ----------
-    im : intensities that the counts are of, > 0, each once.
-    yes, no : runs beyond and not beyond, shape (rows, intensities).
-    link : "probit" for a lognormal curve, "logit" for a logistic one.
-
-    Returns
-    -------
-    Curves : where counts have no likeliest curve, the limit that the likelihood rises to: a jump
-        half-way between the intensities it lies between, nothing, everything, or (where the share
-        does not rise with intensity) the same share everywhere.
+    `im` are intensities > 0, each once; `yes` and `no` the runs beyond and not beyond, shape
+    (rows, intensities). Counts without a likeliest curve have the limit that the likelihood rises
+    to: a jump half-way between the intensities it lies between, nothing, everything, or (where the
+    share does not rise with intensity) the same share everywhere.
     """
     x = np.log(im)
     place, slope, open_ = _limits(x, yes, no, link)
@@ -120,15 +128,13 @@ def fit_curves(im: Floats, yes: Floats, no: Floats, link: Link = "probit") -> Cu
 
 
 def _score_of_share(yes: Floats, no: Floats, link: Link) -> Floats:
-    """Score of the share beyond at all intensities together."""
+    """Return the score of the share beyond at all intensities together."""
     above, below = yes.sum(-1), no.sum(-1)
     return np.asarray(ndtri(above / (above + below)) if link == "probit" else np.log(above / below))
 
 
-def _limits(
-    x: Floats, yes: Floats, no: Floats, link: Link
-) -> tuple[Floats, Floats, NDArray[np.bool_]]:
-    """Curves of counts that have no likeliest one, and which rows have one."""
+def _limits(x: Floats, yes: Floats, no: Floats, link: Link) -> tuple[Floats, Floats, Bools]:
+    """Return curves of counts that have no likeliest one, and which rows have one."""
     lowest_yes = np.where(yes > 0, x, np.inf).min(-1)
     highest_no = np.where(no > 0, x, -np.inf).max(-1)
     place = np.full(len(yes), np.nan)
@@ -149,7 +155,7 @@ def _limits(
 
 
 def _between(x: Floats, yes: Floats, no: Floats, highest_no: Floats, lowest_yes: Floats) -> Floats:
-    """Where counts that are apart pass one half: amid the two intensities on both sides of it.
+    """Return where counts that are apart pass one half: amid the intensities on both sides of it.
 
     At one intensity some may be beyond and some not; with less than half of them it is passed
     between that one and the next above, with more between it and the next below.
@@ -165,75 +171,63 @@ def _between(x: Floats, yes: Floats, no: Floats, highest_no: Floats, lowest_yes:
 
 
 def _newton(x: Floats, yes: Floats, no: Floats, link: Link) -> tuple[Floats, Floats]:
-    """Intercepts and slopes of the maxima, one for each row of counts."""
+    """Return intercepts and slopes of the maxima, one for each row of counts."""
     share = yes.sum(-1) / (yes + no).sum(-1)
-    a, b = np.asarray(ndtri(share)), np.zeros(len(yes))
 
     def value(a: Floats, b: Floats) -> Floats:
-        return likelihood(a[:, None] + b[:, None] * x, yes, no, link)
+        return _likelihood(a[:, None] + b[:, None] * x, yes, no, link)
 
-    for _ in range(MOST_ROUNDS):
-        score = a[:, None] + b[:, None] * x
-        _, _, up, down, bend_up, bend_down = _terms(score, link)
+    def derivatives(a: Floats, b: Floats) -> tuple[Floats, ...]:
+        _, _, up, down, bend_up, bend_down = _terms(a[:, None] + b[:, None] * x, link)
         slope = yes * up + no * down
         weight = yes * bend_up + no * bend_down
         rise = slope.sum(-1), (slope * x).sum(-1)
-        bend = weight.sum(-1), (weight * x).sum(-1), (weight * x**2).sum(-1)
-        da, db = uphill(value, a, b, rise, bend)
+        return *rise, weight.sum(-1), (weight * x).sum(-1), (weight * x**2).sum(-1)
+
+    return _climb(value, derivatives, np.asarray(ndtri(share)), np.zeros(len(yes)))
+
+
+def _climb(
+    value: Callable[[Floats, Floats], Floats],
+    derivatives: Callable[[Floats, Floats], tuple[Floats, ...]],
+    a: Floats,
+    b: Floats,
+    *,
+    positive: bool = False,
+) -> tuple[Floats, Floats]:
+    """Return intercepts and slopes that maximise a concave likelihood, by Newton's method.
+
+    `derivatives` are the first ones (a, b) and the second ones with the sign changed (aa, ab, bb).
+    A step is halved as long as the likelihood would fall; with `positive` b stays above zero.
+    """
+    for _ in range(MOST_ROUNDS):
+        g0, g1, h0, h1, h2 = derivatives(a, b)
+        area = np.maximum(h0 * h2 - h1**2, 1e-300)
+        da, db = (h2 * g0 - h1 * g1) / area, (h0 * g1 - h1 * g0) / area
+        step = np.ones(len(b))
+        if positive:
+            step = np.where(b + db > 0.0, 1.0, 0.5 * b / np.maximum(-db, 1e-300))
+        now = value(a, b)
+        for _ in range(MOST_HALVINGS):
+            worse = value(a + step * da, b + step * db) < now - 1e-12 * (1.0 + abs(now))
+            if not worse.any():
+                break
+            step = np.where(worse, 0.5 * step, step)
+        da, db = step * da, step * db
         a, b = a + da, b + db
-        if max(float(np.abs(da).max()), float(np.abs(db).max())) < STEADY:
+        if max(np.abs(da).max(), np.abs(db / b if positive else db).max()) < STEADY:
             break
     return a, b
 
 
-def uphill(
-    value: Callable[[Floats, Floats], Floats],
-    a: Floats,
-    b: Floats,
-    rise: tuple[Floats, Floats],
-    bend: tuple[Floats, Floats, Floats],
-    *,
-    positive: bool = False,
-) -> tuple[Floats, Floats]:
-    """Newton's step of intercepts and slopes, halved as long as the likelihood would fall.
-
-    Parameters
-    ----------
-    value : logarithm of the likelihood, concave.
-    a, b : intercepts and slopes.
-    rise, bend : its first derivatives (a, b), its second ones with the sign changed (aa, ab, bb).
-    positive : b stays above zero.
-    """
-    (g0, g1), (h0, h1, h2) = rise, bend
-    area = np.maximum(h0 * h2 - h1**2, 1e-300)
-    da, db = (h2 * g0 - h1 * g1) / area, (h0 * g1 - h1 * g0) / area
-    step = np.ones(len(b))
-    if positive:
-        step = np.where(b + db > 0.0, 1.0, 0.5 * b / np.maximum(-db, 1e-300))
-    now = value(a, b)
-    for _ in range(MOST_HALVINGS):
-        worse = value(a + step * da, b + step * db) < now - 1e-12 * (1.0 + abs(now))
-        if not worse.any():
-            break
-        step = np.where(worse, 0.5 * step, step)
-    return step * da, step * db
-
-
 def pivoted(best: Curves, others: Curves, groups: int, level: float) -> Curves:
-    """Return curves of the bootstrap as draws of the true curve: the studentised bootstrap.
+    """Return curves of the bootstrap of `groups` as draws of the true curve: studentised.
 
     A bootstrap curve misses the estimate, in units of its own dispersion, as the estimate misses
     the truth: median and logarithm of the dispersion are reflected so (Davison & Hinkley 1997,
     2.4 and 5.2). A bootstrap of n groups is too narrow by sqrt(n / (n - 1)), and the dispersion is
-    not studentised itself: it is spread as `widened` says. A jump has no dispersion to divide by,
-    so that ratios end at `STEEPEST`. Flat curves stay as they are.
-
-    Parameters
-    ----------
-    best : the estimate.
-    others : of the bootstrap.
-    groups : that it draws from.
-    level : confidence of the band.
+    not studentised itself: it is spread as `widened` has it for the confidence `level`. A jump has
+    no dispersion to divide by, so that ratios end at `STEEPEST`. Flat curves stay as they are.
     """
     if not (np.isfinite(best.place[0]) and 2.0 * FLAT < best.slope[0] < np.inf):
         return others
@@ -249,15 +243,11 @@ def pivoted(best: Curves, others: Curves, groups: int, level: float) -> Curves:
 
 
 def unreached(largest: Floats, shares: Floats) -> Curves:
-    """Return curves under which none of some motions goes beyond with given probabilities.
+    """Return curves under which no motion, of these largest intensities, goes beyond.
 
-    With probabilities spread evenly over (0, 1) they are draws of the true curve whose percentiles
-    are the bounds of Clopper & Pearson (1934, Biometrika 26: 404-413) for no success at all.
-
-    Parameters
-    ----------
-    largest : intensity of each motion, > 0.
-    shares : probabilities, in (0, 1).
+    They do so with the given probabilities: spread evenly over (0, 1) these are draws of the true
+    curve whose percentiles are the bounds of Clopper & Pearson (1934, Biometrika 26: 404-413) for
+    no success at all.
     """
     x = np.log(largest)
     place = np.linspace(x.min() - 8.0 * UNREACHED, x.max() + 8.0 * UNREACHED, 2000)
@@ -266,17 +256,11 @@ def unreached(largest: Floats, shares: Floats) -> Curves:
 
 
 def _likelihood_edge(im: Floats, yes: Floats, no: Floats, best: Curves, drop: float) -> Curves:
-    """Curves on the edge of the region where the logarithm of the likelihood is so much lower.
+    """Return curves on the edge of the region where the log-likelihood is lower by `drop`.
 
     The region is convex, so that the largest and smallest value of a number on its edge are the
     ends of the interval by profile likelihood of that number (half of a chi-squared quantile with
     one degree of freedom as `drop`: Venzon & Moolgavkar 1988, Applied Statistics 37: 87-94).
-
-    Parameters
-    ----------
-    im, yes, no : counts (one row of them).
-    best : the likeliest curve, a probit.
-    drop : of the logarithm of the likelihood, > 0.
     """
     x = np.log(im) - best.place[0]
     b = float(best.slope[0])
@@ -289,11 +273,11 @@ def _likelihood_edge(im: Floats, yes: Floats, no: Floats, best: Curves, drop: fl
     turned = np.linalg.inv(np.linalg.cholesky(bend)).T
     angle = np.linspace(0.0, 2.0 * np.pi, RAYS, endpoint=False)
     ray = turned @ np.array([np.cos(angle), np.sin(angle)])
-    least = likelihood(b * x, yes, no) - drop
+    least = _likelihood(b * x, yes, no) - drop
 
-    def inside(far: Floats) -> NDArray[np.bool_]:
+    def inside(far: Floats) -> Bools:
         score = (far * ray[0])[:, None] + (b + far * ray[1])[:, None] * x
-        return np.asarray(likelihood(score, yes, no) >= least)
+        return np.asarray(_likelihood(score, yes, no) >= least)
 
     near, far = np.zeros(RAYS), np.full(RAYS, np.sqrt(2.0 * drop))
     while (still := inside(far)).any():
@@ -306,23 +290,13 @@ def _likelihood_edge(im: Floats, yes: Floats, no: Floats, best: Curves, drop: fl
     return Curves(best.place[0] - near * ray[0] / slope, slope)
 
 
-SAME = 1e-12  # logarithms that differ by less are the same but for rounding
-
-
 def _fit_capacities(
     reached: Floats, at: Floats, weight_reached: Floats, weight_at: Floats
 ) -> Curves:
-    """The likeliest lognormal distribution of capacities, for each row of weights.
+    """Return the likeliest lognormal distribution of capacities, for each row of weights.
 
-    Parameters
-    ----------
-    reached : capacities [intensity], > 0.
-    at : intensities that were not enough, > 0; may be empty.
-    weight_reached, weight_at : how often each counts, shape (rows, capacities) and (rows, at).
-
-    Returns
-    -------
-    Curves : a jump where all capacities are the same, infinite where none was reached.
+    `reached` are capacities, `at` intensities that were not enough; all > 0. A jump where all
+    capacities are the same, infinite where none was reached.
     """
     y, c = np.log(reached), np.log(at)
     count = weight_reached.sum(-1)
@@ -342,7 +316,7 @@ def _fit_capacities(
 
 
 def _censored(y: Floats, c: Floats, w: Floats, v: Floats) -> tuple[Floats, Floats]:
-    """Newton's method in intercept a and slope b, scores a + b y; concave."""
+    """Return place and slope of a right-censored sample; scores are a + b y."""
     centre = float(np.concatenate([y, c]).mean())
     y, c = y - centre, c - centre
     n, first, second = w.sum(-1), (w * y).sum(-1), (w * y**2).sum(-1)
@@ -350,7 +324,6 @@ def _censored(y: Floats, c: Floats, w: Floats, v: Floats) -> tuple[Floats, Float
     mean = (first + (v * c).sum(-1)) / total
     around = (second + (v * c**2).sum(-1)) / total - mean**2
     b = 1.0 / np.sqrt(np.maximum(around, 1e-6))
-    a = -mean * b
 
     def value(a: Floats, b: Floats) -> Floats:
         tail = (v * log_ndtr(-(a[:, None] + b[:, None] * c))).sum(-1)
@@ -358,38 +331,17 @@ def _censored(y: Floats, c: Floats, w: Floats, v: Floats) -> tuple[Floats, Float
             n * np.log(b) - 0.5 * (n * a**2 + 2.0 * a * b * first + b**2 * second) + tail
         )
 
-    for _ in range(MOST_ROUNDS):
+    def derivatives(a: Floats, b: Floats) -> tuple[Floats, ...]:
         score = a[:, None] + b[:, None] * c
         rate = np.exp(-0.5 * score**2 - ROOT_TWO_PI - log_ndtr(-score))
         bend = v * rate * (rate - score)
         g0 = -(n * a + b * first) - (v * rate).sum(-1)
         g1 = n / b - (a * first + b * second) - (v * rate * c).sum(-1)
-        h0 = n + bend.sum(-1)
         h1 = first + (bend * c).sum(-1)
-        h2 = n / b**2 + second + (bend * c**2).sum(-1)
-        da, db = uphill(value, a, b, (g0, g1), (h0, h1, h2), positive=True)
-        a, b = a + da, b + db
-        if float(np.abs(da).max()) + float(np.abs(db / b).max()) < STEADY:
-            break
+        return g0, g1, n + bend.sum(-1), h1, n / b**2 + second + (bend * c**2).sum(-1)
+
+    a, b = _climb(value, derivatives, -mean * b, b, positive=True)
     return centre - a / b, b
-
-
-Bools = NDArray[np.bool_]
-MOST_STRIPES = 200  # more intensities are put into so many classes, equally filled
-MORE_BETWEEN = (
-    "all runs up to {0:.4g} stay below, all from {1:.4g} go beyond: add intensities between"
-)
-ONE_MIXED = (
-    "none goes beyond below {0:.4g} and all do above it; at {0:.4g} itself {1:.0f} of {2:.0f}: one "
-    "intensity says too little of the spread, add intensities close to it"
-)
-REASONS = {
-    "none_beyond": "no run went beyond the capacity: add larger intensities",
-    "all_beyond": "every run went beyond the capacity: add smaller intensities",
-    "not_rising": "the share beyond the capacity does not rise with the intensity: is it one that "
-    "tells motions apart here? Add runs or intensities",
-    "one_beyond": "one motion only reached the capacity: add larger intensities",
-}
 
 
 @dataclass(frozen=True)
@@ -404,7 +356,7 @@ class Estimate:
     outcome : "completed", or why there is no curve.
     sentence : likewise, and what to try.
     drawn : the same with the curves of the bootstrap as it drew them, where `others` are pivots.
-    groups : that the bootstrap draws from; 0 where it is no matter.
+    groups : that the bootstrap draws from; 0 where it does not matter.
     """
 
     best: Curves
@@ -422,12 +374,11 @@ class Estimate:
         return self.outcome == COMPLETED
 
     def probability(self, intensity: Floats) -> Floats:
-        """Of the curve, at intensities."""
-        beyond = _with_collapse(self.best, self.collapse, intensity)
-        return np.asarray(beyond[0])
+        """Return the probability of exceedance by the curve, at intensities."""
+        return np.asarray(_with_collapse(self.best, self.collapse, intensity)[0])
 
     def probabilities(self, intensity: Floats) -> Floats:
-        """Of all that the band is made of: shape (curves, intensities)."""
+        """Return those of all curves that the band is made of: shape (curves, intensities)."""
         return _with_collapse(self.others, self.collapses, intensity)
 
 
@@ -439,10 +390,10 @@ def _with_collapse(curves: Curves, collapse: Curves | None, intensity: Floats) -
     return beyond * (1.0 - share) + share
 
 
-def classes(at: Floats) -> tuple[Floats, NDArray[np.int64]]:
-    """Intensities, and which of them each run has; many are put into classes of equal number.
+def classes(at: Floats) -> tuple[Floats, Ints]:
+    """Return the different intensities, and which of them each run has.
 
-    The intensity of a class is the geometric mean of its runs.
+    Many are put into classes of equal number, at the geometric mean of their runs.
     """
     levels, place = np.unique(at, return_inverse=True)
     if len(levels) <= MOST_STRIPES:
@@ -453,7 +404,7 @@ def classes(at: Floats) -> tuple[Floats, NDArray[np.int64]]:
 
 
 def counts(at: Floats, beyond: Bools, name: str) -> pd.DataFrame:
-    """Runs, and how many of them are beyond, at each intensity or in each class of them."""
+    """Return runs, and how many of them are beyond, at each intensity or class of them."""
     levels, place = classes(at)
     runs = np.bincount(place, minlength=len(levels))
     over = np.bincount(place, beyond, minlength=len(levels)).astype(int)
@@ -463,7 +414,7 @@ def counts(at: Floats, beyond: Bools, name: str) -> pd.DataFrame:
 def _counted(
     at: Floats, beyond: Bools, draw: Draw
 ) -> tuple[Floats, Floats, Floats, Floats, Floats]:
-    """Intensities; runs beyond and not at each, and the same of every bootstrap sample."""
+    """Return intensities; runs beyond and not at each, and the same of every bootstrap sample."""
     levels, place = classes(at)
     size = len(levels)
     yes, no = (
@@ -483,28 +434,23 @@ def _counted(
 
 
 def stripes(at: Floats, beyond: Bools, draw: Draw, level: float | None = None) -> Estimate:
-    """The likeliest lognormal curve through counts.
+    """Return the likeliest lognormal curve through counts.
 
-    Parameters
-    ----------
-    at : intensity of each run.
-    beyond : whether it went beyond the capacity.
-    draw : how the bootstrap draws them again.
-    level : of a band by profile likelihood, instead of the bootstrap.
+    `at` and `beyond` have an entry for each run. With `level` the band is by profile likelihood
+    instead of the bootstrap.
     """
     levels, yes, no, again, but = _counted(at, beyond, draw)
     best = fit_curves(levels, yes, no)
     outcome, sentence = _why_not(levels, yes[0], no[0], best)
     if level is not None and outcome == COMPLETED:
-        drop = 0.5 * float(chi2.ppf(level, 1))
-        others = _likelihood_edge(levels, yes[0], no[0], best, drop)
+        others = _likelihood_edge(levels, yes[0], no[0], best, 0.5 * float(chdtri(1, 1.0 - level)))
     else:
         others = fit_curves(levels, again, but)
     return Estimate(best, others, outcome=outcome, sentence=sentence)
 
 
 def _why_not(levels: Floats, yes: Floats, no: Floats, best: Curves) -> tuple[str, str]:
-    """Outcome of counts, with a sentence where they have no likeliest curve."""
+    """Return the outcome of counts, with a sentence where they have no likeliest curve."""
     if not yes.any() or not no.any():
         outcome = "all_beyond" if yes.any() else "none_beyond"
         return outcome, REASONS[outcome]
@@ -519,22 +465,16 @@ def _why_not(levels: Floats, yes: Floats, no: Floats, best: Curves) -> tuple[str
     return COMPLETED, ""
 
 
-def incremental(ida: Ida, capacity: float, draw: Draw) -> Estimate:
-    """The lognormal curve of the intensities at which motions reach a capacity.
+def incremental(table: pd.DataFrame, groups: Ints, draw: Draw) -> Estimate:
+    """Return the lognormal curve of the intensities at which motions reach a capacity.
 
-    Parameters
-    ----------
-    ida : curves.
-    capacity : of their demand.
-    draw : how the bootstrap draws their runs again; a curve goes with its first run.
+    `table` is that of `Ida.crossings`; `groups` are those of each of its curves in the draw.
     """
-    table = ida.crossings(capacity)
     reached = np.isfinite(table["capacity"].to_numpy(dtype=float))
     y = table.loc[reached, "capacity"].to_numpy(dtype=float)
     c = table.loc[~reached, "largest"].to_numpy(dtype=float)
-    groups = draw.groups[[curve.first for curve in ida.curves]]
     if draw.alone:
-        draw = Draw.of_labels(None, len(ida.curves), draw.samples, draw.seed[0])
+        draw = Draw.of_labels(None, len(table), draw.samples, draw.seed[0])
         groups = draw.groups
     ones = np.ones((1, len(groups)))
     best = _fit_capacities(y, c, ones[:, reached], ones[:, ~reached])
@@ -542,7 +482,8 @@ def incremental(ida: Ida, capacity: float, draw: Draw) -> Estimate:
         _fit_capacities(y, c, weights[:, groups[reached]], weights[:, groups[~reached]])
         for weights in draw.weights()
     ]
-    others = _joined(parts)
+    place = np.concatenate([part.place for part in parts])
+    others = Curves(place, np.concatenate([part.slope for part in parts]))
     if not reached.any():
         return Estimate(best, others, outcome="none_beyond", sentence=REASONS["none_beyond"])
     if np.isinf(best.slope[0]):
@@ -551,14 +492,9 @@ def incremental(ida: Ida, capacity: float, draw: Draw) -> Estimate:
 
 
 def cloud(at: Floats, demand: Floats, capacity: float, draw: Draw) -> Estimate:
-    """The lognormal curve of a regression of the demand, and the share of collapse beside it.
+    """Return the lognormal curve of a regression of the demand, and the share of collapse.
 
-    Parameters
-    ----------
-    at : intensity of each run.
-    demand : of each, > 0; infinite for a collapse.
-    capacity : of the demand.
-    draw : how the bootstrap draws them again.
+    Demands are > 0, and infinite for a collapse.
 
     Raises
     ------
@@ -588,7 +524,7 @@ def cloud(at: Floats, demand: Floats, capacity: float, draw: Draw) -> Estimate:
 
 
 def _line(sums: Floats, x_mean: float, y_mean: float) -> Curves:
-    """Curves of the regression from sums of 1, x, y, xx, xy, yy; flat ones where it falls."""
+    """Return curves of the regression from sums of 1, x, y, xx, xy, yy; flat where it falls."""
     n, x, y, xx, xy, yy = sums.T
     some = np.maximum(n, 1.0)
     across = xx - x * x / some
@@ -602,11 +538,3 @@ def _line(sums: Floats, x_mean: float, y_mean: float) -> Curves:
         flat = -np.where(sigma > 0.0, middle / sigma, 0.0) / FLAT
         place = np.where(rising, -middle / b, flat)
     return Curves(place, slope)
-
-
-def _joined(parts: list[Curves]) -> Curves:
-    return Curves(
-        np.concatenate([part.place for part in parts]),
-        np.concatenate([part.slope for part in parts]),
-        parts[0].link,
-    )

@@ -1,4 +1,4 @@
-"""How much of the variance of a demand each factor makes.
+"""Sensitivity of a demand: the share of each factor in its variance.
 
 From Saltelli's arrangement (matrices A and B, and A with one column of B): Sobol' indices of first
 order by Saltelli, Annoni, Azzini, Campolongo, Ratto & Tarantola (2010, Computer Physics
@@ -27,8 +27,14 @@ from thermobearing.studies.statistics.bootstrap import (
     check_level,
     percentiles,
 )
-from thermobearing.studies.statistics.demand import MOST_LEVELS, equal_classes
-from thermobearing.studies.statistics.failed_runs import Counted, Failed, column, counted
+from thermobearing.studies.statistics.demand import (
+    MOST_LEVELS,
+    Counted,
+    Failed,
+    column,
+    counted,
+    equal_classes,
+)
 
 Floats = NDArray[np.float64]
 MATRIX, SAMPLE = "matrix", "sample"
@@ -41,17 +47,10 @@ MOST_LOTS = 2000  # of runs that the bootstrap draws as one
 def sobol_indices(
     a: Floats, b: Floats, swapped: Floats, draw: Draw | None = None
 ) -> tuple[Floats, Floats]:
-    """First-order and total indices from Saltelli's arrangement, or those of bootstrap samples.
+    """Return first-order and total indices; with `draw` a row of them for each sample.
 
-    Parameters
-    ----------
-    a, b : values at the rows of the matrices A and B.
-    swapped : at A with one column of B: shape (factors, rows).
-    draw : how rows are drawn again; None for the indices themselves.
-
-    Returns
-    -------
-    two arrays : of each factor; with `draw` a row for each sample.
+    `a` and `b` are values at the rows of the matrices A and B, `swapped` those at A with one column
+    of B: shape (factors, rows).
     """
     middle = np.concatenate([a, b]).mean()
     a, b, swapped = a - middle, b - middle, swapped - middle
@@ -82,7 +81,7 @@ def sobol_table(
     samples: int = SAMPLES,
     seed: int = 0,
 ) -> pd.DataFrame:
-    """Sobol' indices of every drawn factor of a study in Saltelli's arrangement.
+    """Return Sobol' indices of every drawn factor of a study in Saltelli's arrangement.
 
     Parameters
     ----------
@@ -130,9 +129,7 @@ def sobol_table(
         values[place[name], numbers[number]] = value
     whole = np.isfinite(values).all(axis=0)
     if whole.sum() < LEAST_ROWS:
-        raise InputError(
-            f"{whole.sum()} whole rows of {len(whole)}: at least {LEAST_ROWS} are needed"
-        )
+        raise InputError(f"{whole.sum()} complete rows of {len(whole)}: {LEAST_ROWS} are needed")
     values = values[:, whole]
     if np.ptp(values[:2]) == 0.0:
         raise InputError(f'"{demand}" is the same in all runs: there is no variance')
@@ -156,15 +153,15 @@ def variance_shares(
     samples: int = SAMPLES,
     seed: int = 0,
 ) -> pd.DataFrame:
-    """Share of the variance that each factor explains by itself (correlation ratio).
+    """Return the share of the variance that each factor explains by itself (correlation ratio).
 
     Parameters
     ----------
     table : of runs, of any design in which the factors were chosen independently.
     demand : column whose variance is shared out.
     factors : columns; one that is the same in all runs explains nothing.
-    together : those of them that the column `sample` draws at once: nothing tells their shares
-        apart, and they have one, with all their names.
+    together : those of them that the column `sample` draws at once: their shares cannot be
+        separated, and they have one, with all their names.
     failed : runs that failed are "left-out"; "collapse" is refused.
     level : confidence of the bands, a share in (0, 1).
     samples, seed : of the bootstrap, which draws runs.
@@ -197,7 +194,7 @@ def variance_shares(
         apart.append(", ".join(together))
         codes.append(np.asarray(pd.factorize(runs.table[SAMPLE])[0], dtype=np.int64))
     lot = np.arange(len(values))
-    if len(values) > MOST_LOTS:  # so many lots of runs tell the spread as well as single ones
+    if len(values) > MOST_LOTS:  # so many lots of runs have the spread of single ones
         lot = np.random.default_rng(seed).permutation(len(values)) % MOST_LOTS
     cells = [_cells(values, code, lot) for code in codes]
     ones = np.ones((1, int(lot.max()) + 1))
@@ -217,7 +214,7 @@ def variance_shares(
 
 
 def _runs(table: pd.DataFrame, demand: str, failed: Failed, level: float) -> Counted:
-    """The runs whose demand varies; InputError where failed ones are to count as collapse."""
+    """Return the runs whose demand varies; InputError where failed ones count as collapse."""
     check_level(level)
     if failed == "collapse":
         raise InputError('an infinite demand has no variance: failed = "left-out" here')
@@ -225,7 +222,7 @@ def _runs(table: pd.DataFrame, demand: str, failed: Failed, level: float) -> Cou
 
 
 def _codes(values: list[Any]) -> NDArray[np.int64]:
-    """Class of each run: its level, or for many numbers one of classes of equally many runs.
+    """Return the class of each run: its level, or one of equally filled classes of many numbers.
 
     As many classes as each has runs, so that little of a slope is left inside of them. Runs
     without the number are a class by themselves.
@@ -244,7 +241,7 @@ def _codes(values: list[Any]) -> NDArray[np.int64]:
 def _cells(
     values: Floats, codes: NDArray[np.int64], lot: NDArray[np.int64]
 ) -> tuple[Floats, Floats, Floats]:
-    """Count and sum of each class in each lot of runs, and sum of squares of the lot."""
+    """Return count and sum of each class in each lot of runs, and sum of squares of the lot."""
     lots, classes = int(lot.max()) + 1, int(codes.max()) + 1
     place = lot * classes + codes
     count = np.bincount(place, minlength=lots * classes).astype(float)
@@ -254,7 +251,7 @@ def _cells(
 
 
 def _ratios(cells: tuple[Floats, Floats, Floats], weights: Floats) -> Floats:
-    """Epsilon squared of each row of weights of the lots."""
+    """Return epsilon squared of each row of weights of the lots."""
     count, sums, second = (weights @ part for part in cells)
     total, first = count.sum(axis=1), sums.sum(axis=1)
     squares = second[:, 0] - first**2 / total

@@ -1,7 +1,7 @@
 """Motions matched to a spectrum for a study, computed once and kept.
 
-A fit takes some seconds, so that what is made is kept: a second start, another part of the study
-or a dry run find it. The directory of a study has its own copy, since the last bits of a fit are
+A fit takes some seconds, so that its motion is kept: a second start, another part of the study or
+a dry run find it. The directory of a study has its own copy, since the last bits of a fit are
 those of the machine that made it, and the names of runs depend on them.
 
 recipes -> the directory, or the cache, or a fit now -> checked -> a study that has them
@@ -20,7 +20,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -41,13 +41,27 @@ from thermobearing.motions.targets import (
     list_spectra,
     load_spectrum,
 )
-from thermobearing.studies.definition.factors import MotionFactor
-from thermobearing.studies.definition.record import Study
-from thermobearing.studies.run.processes import each_on_processes, go_on
+from thermobearing.studies.definition.record import MotionFactor, Study
+from thermobearing.studies.run.processes import call_on_processes, go_on
 
-SEED, STEP = 1, 0.01  # where nothing is said; [s]
-PHASES = "jra-ii-i"  # likewise, of a spectrum of one's own
+SEED, STEP = 1, 0.01  # defaults; [s]
+PHASES = "jra-ii-i"  # default of a spectrum from a file
 Progress = Callable[[int, int], None]
+MADE = "motions.npz"  # of the directory of a study
+CACHE = "motions"  # folder beside the machine code, which is as easily made again
+# What numpy, zipfile and zlib raise for a file of which a bit was changed.
+DAMAGED: tuple[type[Exception], ...] = (OSError, ValueError, KeyError, TypeError, EOFError)
+DAMAGED += (RuntimeError, OverflowError, zipfile.BadZipFile, zlib.error, struct.error)
+ABOUT = "about"  # entry of a file with what is no array, as JSON
+STAND_IN = f"{PHASES}-1"  # a built-in motion in the place of one that is not made yet
+NAMED = 3  # motions that are named in a message
+
+
+class Fitted(NamedTuple):
+    """A motion that was made, and the root mean square misfit to its spectrum."""
+
+    motion: GroundMotion
+    misfit: float
 
 
 @dataclass(frozen=True)
@@ -72,18 +86,18 @@ class Recipe:
 
     @property
     def key(self) -> str:
-        """Digest of all that goes into it, whatever it is called."""
-        told: list[Any] = [tuple(self.spectrum.curve), self.spectrum.factor]
+        """Digest of all that goes into it but its name."""
+        parts: list[Any] = [tuple(self.spectrum.curve), self.spectrum.factor]
         raw = b""
         if self.record is None:
-            told += [self.phases, self.seed, self.dt]
+            parts += [self.phases, self.seed, self.dt]
         else:
-            told += [self.record.dt]
+            parts += [self.record.dt]
             raw = self.record.acceleration.astype("<f8").tobytes()
-        return hashlib.sha256(json.dumps(told).encode() + raw).hexdigest()
+        return hashlib.sha256(json.dumps(parts).encode() + raw).hexdigest()
 
-    def make(self, progress: Progress | None = None) -> "Fitted":
-        """Make it; takes seconds."""
+    def make(self, progress: Progress | None = None) -> Fitted:
+        """Make the motion; takes seconds."""
         words: dict[str, Any] = {"spectrum": self.spectrum, "progress": progress}
         if self.record is None:
             motion = make_motion(*self.phases, self.seed, self.dt, **words)
@@ -92,20 +106,8 @@ class Recipe:
         return Fitted(motion, misfit(motion, self.spectrum.at))
 
 
-@dataclass(frozen=True)
-class Fitted:
-    """A motion that was made, and the root mean square of how far it is from its spectrum."""
-
-    motion: GroundMotion
-    misfit: float
-
-
 def recipes(factor: MotionFactor) -> list[Recipe]:
-    """What the motions of a factor are made of.
-
-    Parameters
-    ----------
-    factor : with `matched`.
+    """Return what the motions of a factor with `matched` are made of.
 
     Raises
     ------
@@ -113,16 +115,16 @@ def recipes(factor: MotionFactor) -> list[Recipe]:
     """
     assert factor.matched is not None
     spectrum = load_spectrum(factor.matched, factor.zone_factor or 1.0)
-    faults: list[str] = []
     if factor.levels is None:
         named = spectrum.name if spectrum.name in list_spectra() else PHASES
-        phases, first = find_kind(factor.phases or named), factor.seed
-        first = SEED if first is None else first
+        phases = find_kind(factor.phases or named)
+        first = SEED if factor.seed is None else factor.seed
         return [
             Recipe(name, spectrum, phases, first + place, factor.dt or STEP)
             for place, name in enumerate(factor.names)
         ]
-    found = []
+    found: list[Recipe] = []
+    faults: list[str] = []
     for name, level in zip(factor.names, factor.levels, strict=True):
         try:
             record = level.load()
@@ -136,17 +138,9 @@ def recipes(factor: MotionFactor) -> list[Recipe]:
     return found
 
 
-MADE = "motions.npz"  # of the directory of a study
-CACHE = "motions"  # folder beside the machine code, which is as easily made again
-# What numpy, zipfile and zlib meet in a file of which a bit was changed.
-DAMAGED: tuple[type[Exception], ...] = (OSError, ValueError, KeyError, TypeError, EOFError)
-DAMAGED += (RuntimeError, OverflowError, zipfile.BadZipFile, zlib.error, struct.error)
-ABOUT = "about"  # entry of a file with what is no array, as JSON
-
-
 @cache
 def _sources() -> str:
-    """Digest of what makes motions: the files of their room, and the libraries below."""
+    """Return a digest of what makes motions: the files of their package, and the libraries."""
     found = hashlib.sha256(f"numpy {version('numpy')} scipy {version('scipy')}".encode())
     folder = Path(targets.__file__).parent
     for path in [*sorted(folder.glob("*.py")), data_path("phases", "near-fault.toml")]:
@@ -160,13 +154,13 @@ def _cache_file(recipe: Recipe) -> Path | None:
 
 
 def _cached(recipe: Recipe) -> Fitted | None:
-    """What an earlier start made of it."""
+    """Return the motion that an earlier start made."""
     file = _cache_file(recipe)
     return None if file is None else read_made(file).get(recipe.key)
 
 
-def keep(recipe: Recipe, one: Fitted) -> None:
-    """Remember a motion; a cache that cannot be written only costs time."""
+def _keep(recipe: Recipe, one: Fitted) -> None:
+    """Write a motion to the cache; one that cannot be written only costs time."""
     file = _cache_file(recipe)
     if file is None:
         return
@@ -178,16 +172,15 @@ def keep(recipe: Recipe, one: Fitted) -> None:
 
 
 def _made_bytes(wanted: Sequence[Recipe], found: Sequence[Fitted]) -> bytes:
-    """Made motions as the content of a file; the same motions make the same bytes."""
+    """Return made motions as the content of a file; the same motions make the same bytes."""
     arrays: dict[str, Any] = {}
     about: dict[str, Any] = {}
-    for recipe, one in zip(wanted, found, strict=True):
-        motion = one.motion
+    for recipe, (motion, off) in zip(wanted, found, strict=True):
         arrays[recipe.key] = motion.acceleration
         about[recipe.key] = {
             "name": recipe.name,
             "dt": motion.dt,
-            "misfit": one.misfit,
+            "misfit": off,
             "description": motion.description,
             "citation": motion.citation,
         }
@@ -198,37 +191,26 @@ def _made_bytes(wanted: Sequence[Recipe], found: Sequence[Fitted]) -> bytes:
 
 
 def read_made(path: Path) -> dict[str, Fitted]:
-    """Motions of a file by key of their recipe; none if it is damaged or not there."""
+    """Return the motions of a file by key of their recipe; none if it is damaged or missing."""
+    found = {}
     try:
         with np.load(path, allow_pickle=False) as stored:
-            about = json.loads(str(stored[ABOUT]))
-            return {key: _fitted(stored[key], told) for key, told in about.items()}
+            for key, about in json.loads(str(stored[ABOUT])).items():
+                words = {name: str(about[name]) for name in ("name", "description", "citation")}
+                motion = GroundMotion(dt=float(about["dt"]), acceleration=stored[key], **words)
+                found[key] = Fitted(motion, float(about["misfit"]))
     except DAMAGED:
         return {}
-
-
-def _fitted(acceleration: Any, told: dict[str, Any]) -> Fitted:
-    words = {key: str(told[key]) for key in ("name", "description", "citation")}
-    motion = GroundMotion(dt=float(told["dt"]), acceleration=acceleration, **words)
-    return Fitted(motion, float(told["misfit"]))
-
-
-STAND_IN = f"{PHASES}-1"  # a built-in motion where one of those that are to be made must stand
-TOLD = 3  # motions that are named in a message
+    return found
 
 
 def is_matched(study: Study) -> bool:
-    """Whether its motions are made to fit a spectrum."""
+    """Return whether its motions are made to fit a spectrum."""
     return study.factors.motion.matched is not None
 
 
 def motions_to_be(factor: MotionFactor) -> list[GroundMotion]:
-    """For each motion that is to be made a step of rest, as long as its own steps.
-
-    Raises
-    ------
-    InputError : see `recipes`.
-    """
+    """Return a step of rest for each motion that is to be made, as long as its own steps."""
     try:
         steps = [recipe.record or recipe for recipe in recipes(factor)]
     except InputError as error:
@@ -237,10 +219,10 @@ def motions_to_be(factor: MotionFactor) -> list[GroundMotion]:
 
 
 def factor_motions(factor: MotionFactor) -> list[GroundMotion]:
-    """Ground motions of the levels, not yet scaled; made here if nobody has made them."""
+    """Return the motions of the levels, not yet scaled; made here if nobody has made them."""
     if factor.matched is None:
         return [motion.load() for motion in factor.levels or ()]
-    if factor.made is None:  # what asks next finds them: a fit is not done twice
+    if factor.made is None:  # a fit is not done twice
         wanted = recipes(factor)
         factor.keep_made(_checked(factor, wanted, _made(wanted, {}, 1, None)))
     assert factor.made is not None
@@ -248,7 +230,7 @@ def factor_motions(factor: MotionFactor) -> list[GroundMotion]:
 
 
 def motion_levels(factor: MotionFactor) -> list[Motion]:
-    """The motions as a case has them; a made one holds its samples."""
+    """Return the motions as a case has them; a made one holds its samples."""
     if factor.matched is None:
         return list(factor.levels or ())
     factors = [one.factor for one in factor.levels] if factor.levels else [1.0] * len(factor.names)
@@ -264,19 +246,7 @@ def with_matched(
     jobs: int | None = None,
     progress: Progress | None = None,
 ) -> Study:
-    """A study whose motions are made, each once: those of its directory or of the cache are taken.
-
-    Parameters
-    ----------
-    study : from `load_study`; one without such motions is returned as it is.
-    directory : of the study, if it has one.
-    jobs : processes; as many as there are cores by default.
-    progress : called with (motions that are there, all).
-
-    Raises
-    ------
-    InputError : a motion does not come near enough to the spectrum.
-    """
+    """Return a study whose motions are made; those of its directory or of the cache are taken."""
     factor = study.factors.motion
     if factor.matched is None:
         return study
@@ -289,7 +259,7 @@ def with_matched(
 
 
 def with_kept(study: Study, directory: Path) -> Study:
-    """A study with the motions of its directory, if all of them are there."""
+    """Return a study with the motions of its directory, if it has all of them."""
     if not is_matched(study) or not (directory / MADE).is_file():
         return study
     kept = read_made(directory / MADE)
@@ -300,13 +270,7 @@ def with_kept(study: Study, directory: Path) -> Study:
 
 
 def with_stand_ins(study: Study, one: GroundMotion | None = None) -> Study:
-    """A study whose motions are all the same one, to count runs and to measure them.
-
-    Parameters
-    ----------
-    study : one whose motions are there is returned as it is.
-    one : the motion; a built-in one by default.
-    """
+    """Return a study whose missing motions are all the same one, to count and measure runs."""
     factor = study.factors.motion
     if factor.matched is None or factor.made is not None:
         return study
@@ -315,13 +279,7 @@ def with_stand_ins(study: Study, one: GroundMotion | None = None) -> Study:
 
 
 def missing_motions(study: Study, directory: Path | None = None) -> list[Recipe]:
-    """Motions that a start would make.
-
-    Parameters
-    ----------
-    study : from `load_study`.
-    directory : of the study, if it has one.
-    """
+    """Return the motions that a start in a directory would make."""
     factor = study.factors.motion
     if factor.matched is None or factor.made is not None:
         return []
@@ -329,27 +287,23 @@ def missing_motions(study: Study, directory: Path | None = None) -> list[Recipe]
     return [one for one in recipes(factor) if one.key not in kept and _cached(one) is None]
 
 
-def tried(study: Study) -> tuple[Study, int, float]:
-    """A study whose runs can be measured, motions that a start would make, seconds for each.
+def with_first_motion(study: Study) -> tuple[Study, int, float]:
+    """Return a study whose runs can be measured, and the number and seconds of missing motions.
 
-    Where there are some, the first of them is made, and stands for all.
-
-    Raises
-    ------
-    InputError : it does not come near enough to the spectrum.
+    Where motions are missing, the first of them is made, and stands for all.
     """
     missing = missing_motions(study)
     if not missing:
         return with_matched(study, jobs=1), 0, 0.0
     begin = time.perf_counter()
-    (one,) = _made(missing[:1], {}, 1, None)
+    fitted = _made(missing[:1], {}, 1, None)
     took = time.perf_counter() - begin
-    (motion,) = _checked(study.factors.motion, missing[:1], [one])
+    (motion,) = _checked(study.factors.motion, missing[:1], fitted)
     return with_stand_ins(study, motion), len(missing_motions(study)), took
 
 
 def _with(study: Study, motions: Sequence[GroundMotion]) -> Study:
-    """The same study, whose motions are made."""
+    """Return the study with motions that are made."""
     factor = study.factors.motion.model_copy()
     factor.keep_made(motions)
     factors = study.factors.model_copy(update={"motion": factor})
@@ -357,16 +311,15 @@ def _with(study: Study, motions: Sequence[GroundMotion]) -> Study:
 
 
 def _named(wanted: Sequence[Recipe], found: Sequence[Fitted]) -> list[GroundMotion]:
-    """Motions under the names that the study has for them."""
-    return [
-        replace(one.motion, name=recipe.name) for recipe, one in zip(wanted, found, strict=True)
-    ]
+    """Return motions under the names that the study has for them."""
+    pairs = zip(wanted, found, strict=True)
+    return [replace(one.motion, name=recipe.name) for recipe, one in pairs]
 
 
 def _checked(
     factor: MotionFactor, wanted: Sequence[Recipe], found: Sequence[Fitted]
 ) -> list[GroundMotion]:
-    """Motions that fit; InputError that names those that do not."""
+    """Return motions that fit; InputError that names those that do not."""
     most = LARGEST_MISFIT if factor.tolerance is None else factor.tolerance
     poor = [
         f"factors.motion: {recipe.name} comes within {100 * one.misfit:.1f} % rms of "
@@ -377,42 +330,41 @@ def _checked(
         if one.misfit > most
     ]
     if poor:
-        more = len(poor) - TOLD
-        raise InputError([*poor[:TOLD], *([f"and {more} more of them"] if more > 0 else [])])
+        more = len(poor) - NAMED
+        raise InputError([*poor[:NAMED], *([f"and {more} more of them"] if more > 0 else [])])
     return _named(wanted, found)
 
 
 def _made(
     wanted: Sequence[Recipe], kept: Mapping[str, Fitted], jobs: int, progress: Progress | None
 ) -> list[Fitted]:
-    """Each motion from the directory, from the cache, or made now."""
-    found: dict[str, Fitted | None] = {
-        recipe.key: kept.get(recipe.key) or _cached(recipe) for recipe in wanted
-    }
+    """Return each motion from `kept`, from the cache, or made now."""
+    found = {recipe.key: kept.get(recipe.key) or _cached(recipe) for recipe in wanted}
     missing = list({recipe.key: recipe for recipe in wanted if found[recipe.key] is None}.values())
     if progress and missing:
         progress(len(wanted) - len(missing), len(wanted))
-    for done, (recipe, one) in enumerate(each_on_processes(_make, missing, jobs), 1):
+    calls = call_on_processes(_make, None, missing, min(jobs, len(missing)))
+    for done, (recipe, one) in enumerate(calls, 1):
         found[recipe.key] = one
-        keep(recipe, one)
+        _keep(recipe, one)
         if progress:
             progress(len(wanted) - len(missing) + done, len(wanted))
     return [fit for recipe in wanted if (fit := found[recipe.key]) is not None]
 
 
-def _make(recipe: Recipe) -> Fitted:
-    """One motion, in whichever process."""
+def _make(_: None, recipe: Recipe) -> Fitted:
+    """Make one motion, in whichever process."""
     return recipe.make(progress=go_on)
 
 
 def kept_motions_digest(study: Study) -> bytes:
-    """What the directory of a study keeps of its made motions, which are there."""
+    """Return the file of made motions of the directory of a study."""
     known = _known(study.factors.motion)
     return _made_bytes([recipe for recipe, _ in known], [one for _, one in known])
 
 
 def _known(factor: MotionFactor) -> list[tuple[Recipe, Fitted]]:
-    """Motions that are made already."""
+    """Return the motions that are made already."""
     if factor.made is None:
         return []
     return [

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from thermobearing.bearing.bilinear import BilinearBearing, load_device
 from thermobearing.bearing.library import load_bearing
@@ -17,15 +16,14 @@ from thermobearing.border.library import is_path
 from thermobearing.climate.generator import generate_weather
 from thermobearing.climate.hourly import Hourly
 from thermobearing.climate.readers import read_weather
+from thermobearing.core.records import Ints
 from thermobearing.earthquake.inputs import Motion
 from thermobearing.identify.uncertainty.samples import posterior_bearings
 from thermobearing.motions.record import GroundMotion
 from thermobearing.results.directory import IDENTIFIED, SAMPLES
-from thermobearing.studies.definition.factors import AmbientFactor, BearingFactor, Posterior
-from thermobearing.studies.definition.record import Study
-from thermobearing.studies.inputs.motions import factor_motions, motion_levels
+from thermobearing.studies.definition.motions import factor_motions, motion_levels
+from thermobearing.studies.definition.record import AmbientFactor, BearingFactor, Posterior, Study
 
-Ints = NDArray[np.int64]
 AnyBearing: TypeAlias = Bearing | BilinearBearing
 YEARS = 50  # of weather that is made up, where nothing is said
 
@@ -87,12 +85,7 @@ class Levels:
 
 
 def study_weather(ambient: AmbientFactor) -> Hourly | None:
-    """The weather of a study, read or made up once.
-
-    Raises
-    ------
-    InputError : no such file or climate, or faults in it.
-    """
+    """The weather of a study, read or made up once."""
     if ambient.series is None and ambient.weather is not None:
         ambient.keep_series(read_weather(ambient.weather))
     if ambient.series is None and ambient.climate is not None:

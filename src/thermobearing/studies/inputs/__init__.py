@@ -1,1 +1,0 @@
-"""Inputs of the runs of a study, loaded or computed once."""

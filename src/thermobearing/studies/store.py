@@ -1,0 +1,468 @@
+"""The directory of a study: plan, shards, histories and log.
+
+    study.toml         the study, names resolved and defaults filled in
+    manifest.json      number of runs, size of a shard, digest of the input, versions
+    motions.npz        those that were made to fit a spectrum
+    plan.parquet       all runs, with the factors of each
+    shards/00000.parquet  some of them with their results; a shard is done when it has its file
+    histories/         those that are kept, netCDF
+    study.log          what happened when
+
+Only the log has times, so that a study that is done again has the same bytes. The notes of a
+Parquet file hold the SHA-256 of the file, taken with zeros in its own place: Parquet checks nothing
+by itself, and a changed bit often reads as another number.
+"""
+
+import hashlib
+import json
+import platform
+import tomllib
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from datetime import datetime
+from importlib.metadata import PackageNotFoundError, version
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+import thermobearing
+from thermobearing.border.errors import InputError, OutputError, read_bytes, shortened
+from thermobearing.border.text_file import replacing, write_file, write_whole
+from thermobearing.border.toml import flat
+from thermobearing.core.compile import kernels_digest
+from thermobearing.earthquake.dataset import padded
+from thermobearing.earthquake.measures import HISTORIES
+from thermobearing.quantities.register import quantity
+from thermobearing.results.directory import write_directory
+from thermobearing.results.writing import without_formulas, write_dataset
+from thermobearing.studies.definition.columns import THINGS, list_targets
+from thermobearing.studies.definition.designs import in_lockstep
+from thermobearing.studies.definition.motions import MADE, is_matched, kept_motions_digest
+from thermobearing.studies.definition.record import Study
+from thermobearing.studies.run.demand_parameters import RESULT_COLUMNS
+from thermobearing.studies.run.shard import Done, Kept
+
+EXTRA = 'needs pyarrow: pip install "thermobearing[study]"'
+UNIT, MEANING, NOTES = b"unit", b"meaning", b"thermobearing"
+DIGEST, EMPTY = b'"sha256": "', b"0" * 64
+LEVEL = 3  # of compression
+KINDS = {"i": "int64", "u": "int64", "f": "float64", "b": "bool_"}  # the rest is text
+Labels = Mapping[str, tuple[str, str]]  # unit ("1" of a pure number) and meaning of each column
+
+
+def the_parquet() -> Any:
+    """Return the modules pyarrow and pyarrow.parquet, which are an extra.
+
+    Raises
+    ------
+    InputError : pyarrow is not installed.
+    """
+    try:
+        import pyarrow
+        import pyarrow.parquet
+    except ImportError:
+        raise InputError(f"the table of a study {EXTRA}") from None
+    return pyarrow, pyarrow.parquet
+
+
+def parquet_bytes(table: pd.DataFrame, labels: Labels, notes: Mapping[str, Any]) -> bytes:
+    """Return a table as the content of a file; equal tables make equal bytes, and NaN is null."""
+    arrow, parquet = the_parquet()
+    fields, arrays = [], []
+    for name, column in table.items():
+        kind = getattr(arrow, KINDS.get(column.dtype.kind, "string"))()
+        unit, meaning = labels.get(str(name), ("", ""))
+        marks = {UNIT: unit.encode(), MEANING: meaning.encode()}
+        fields.append(arrow.field(str(name), kind, metadata=marks))
+        values = column if kind != arrow.string() else [str(value) for value in column]
+        # A number that a run has not is null: others' means would be NaN with it.
+        arrays.append(arrow.array(values, type=kind, from_pandas=kind == arrow.float64()))
+    sealed = json.dumps({**notes, "sha256": EMPTY.decode()}).encode()
+    stream = arrow.BufferOutputStream()
+    whole = arrow.Table.from_arrays(arrays, schema=arrow.schema(fields, metadata={NOTES: sealed}))
+    parquet.write_table(whole, stream, compression="zstd", compression_level=LEVEL)
+    before, _, after = _around_digest(bytes(stream.getvalue()))
+    return before + _digest(before, after) + after
+
+
+def _around_digest(content: bytes) -> tuple[bytes, bytes, bytes]:
+    """Split a file into what is before its digest, the digest, and what is after it."""
+    place = content.rfind(DIGEST) + len(DIGEST)
+    return content[:place], content[place : place + len(EMPTY)], content[place + len(EMPTY) :]
+
+
+def _digest(before: bytes, after: bytes) -> bytes:
+    return hashlib.sha256(before + EMPTY + after).hexdigest().encode()
+
+
+def read_parquet(paths: Sequence[Path], columns: Sequence[str] | None = None) -> pd.DataFrame:
+    """Return the tables of some files below each other; InputError for one that is unreadable."""
+    arrow, parquet = the_parquet()
+    names = None if columns is None else list(columns)
+    found = []
+    for path in paths:
+        try:
+            found.append(parquet.ParquetFile(path).read(columns=names))
+        except (OSError, arrow.ArrowException) as error:
+            raise InputError(f"cannot be read: {error}", str(path)) from None
+    whole = arrow.concat_tables([one.replace_schema_metadata(None) for one in found])
+    return pd.DataFrame(whole.to_pandas())
+
+
+def read_labels(path: Path) -> dict[str, tuple[str, str]]:
+    """Return unit and meaning of the columns of a file."""
+    schema = the_parquet()[1].read_schema(path)
+    marks = {field.name: field.metadata or {} for field in schema}
+    return {
+        name: (m.get(UNIT, b"").decode(), m.get(MEANING, b"").decode()) for name, m in marks.items()
+    }
+
+
+def read_notes(path: Path, *, sealed: bool = True) -> tuple[dict[str, Any], int] | None:
+    """Return notes and number of rows of a file; None if there is none, or it is damaged.
+
+    Its digest must be right if it is `sealed`; files of directories of format 1 are not.
+    """
+    arrow, parquet = the_parquet()
+    try:
+        content = path.read_bytes()
+        before, given, after = _around_digest(content)
+        if sealed and given != _digest(before, after):
+            return None
+        with parquet.ParquetFile(arrow.BufferReader(content)) as file:
+            notes = json.loads((file.schema_arrow.metadata or {})[NOTES])
+            notes.pop("sha256", None)
+            return notes, int(file.metadata.num_rows)
+    except (OSError, arrow.ArrowException, KeyError, ValueError):
+        return None
+
+
+MOST_ROWS = 1_048_575  # of a sheet of a workbook, without its head
+
+
+def write_table(table: pd.DataFrame, path: Path, *, overwrite: bool = False) -> None:
+    """Write a table of runs as text (.csv) or as a workbook (.xlsx).
+
+    Raises
+    ------
+    InputError : another ending, more runs than a sheet has rows, openpyxl is not installed.
+    OutputError : the file exists, or cannot be written.
+    """
+    if path.suffix == ".csv":
+        write_file(path, without_formulas(table).to_csv(index=False), overwrite=overwrite)
+        return
+    if path.suffix != ".xlsx":
+        raise InputError(f'"{path}": a table of runs is written as .csv or .xlsx')
+    if len(table) > MOST_ROWS:
+        raise InputError(f"{len(table)} runs; a sheet has room for {MOST_ROWS}: write .csv")
+    from thermobearing.report.workbook import the_writer
+
+    the_writer()
+    book = BytesIO()
+    table.to_excel(book, index=False, sheet_name="runs", engine="openpyxl")
+    write_file(path, book.getvalue(), overwrite=overwrite)
+
+
+def _label(name: str) -> tuple[str, str]:
+    """Return unit and meaning of a column, from the register."""
+    found = quantity(name).attributes
+    return found["units"], found["long_name"]
+
+
+def label_plan(study: Study, names: Sequence[str]) -> dict[str, tuple[str, str]]:
+    """Return unit and meaning of columns of the plan of a study."""
+    units = {target.name: target.unit for target in list_targets(study)}
+    found = {}
+    for name in names:
+        factor = study.factors.numbers.get(name)
+        if factor is None:
+            found[name] = _label(name)
+        elif factor.of == "factor":
+            found[name] = "1", f"factor of {name}"
+        else:
+            found[name] = units[name] or "1", name
+    return found
+
+
+LAYERS = "rubber_temperature"
+
+
+def _write_histories(path: Path, kept: Sequence[Kept]) -> None:
+    """Write histories of runs; `run` and `id` identify them, shorter ones end with NaN."""
+    length = max((len(one.traces["time"]) for one in kept), default=0)
+    layers = max((one.traces[LAYERS].shape[1] for one in kept), default=0)
+    data: dict[str, tuple[tuple[str, ...], Any, dict[str, str]]] = {}
+    for name in ("time", *HISTORIES, LAYERS):
+        extra = (layers,) if name == LAYERS else ()
+        rows = padded([one.traces[name] for one in kept], (length, *extra))
+        axes = ("run", "step", "layer")[: 2 + len(extra)]
+        data[name] = axes, rows, quantity(name).attributes
+    coords = {
+        "run": np.array([one.run for one in kept], dtype=np.int64),
+        "id": ("run", np.array([one.id for one in kept], dtype=str)),
+    }
+    path.parent.mkdir(exist_ok=True)
+    with replacing(path) as part:
+        write_dataset(xr.Dataset(data, coords=coords), part)
+
+
+STUDY, MANIFEST, PLAN, LOG = "study.toml", "manifest.json", "plan.parquet", "study.log"
+SHARDS, HISTORIES_FOLDER, WORST = "shards", "histories", "worst.nc"
+FORMAT = 2  # of the directory; in those of format 1 no file has a digest
+LARGEST_FILE = 100_000_000  # bytes of a manifest or a study
+FEWEST, MOST = 16, 1008  # runs of a shard: a multiple of the lanes of a lockstep
+SHARES = 100  # shards of a study, unless that makes them too small or too large
+CHANGES_NAMED = 3
+SAME = ("thermobearing", "kernels")  # versions that must not change half-way
+LIBRARIES = ("numpy", "scipy", "numba", "pandas", "pyarrow")
+
+
+def shard_size(runs: int, lockstep: bool = False) -> int:
+    """Return the runs of a shard: enough to be worth a process, few enough to lose little.
+
+    A multiple of 16, so that runs of one shape fill their lockstep; in lockstep, where they take a
+    quarter of the time, four times as many.
+    """
+    share = -(-runs * (4 if lockstep else 1) // SHARES)
+    return min(-(-max(1, share) // FEWEST) * FEWEST, MOST)
+
+
+class Store:
+    """A study on the disk.
+
+    Attributes
+    ----------
+    directory : of the study.
+    manifest : content of manifest.json.
+    runs, shards : numbers of them in the study.
+    """
+
+    def __init__(self, directory: Path) -> None:
+        self.directory = directory
+        self.manifest = _read_manifest(directory)
+        self.runs = int(self.manifest["runs"])
+        self.shards = -(-self.runs // int(self.manifest["shard_size"]))
+
+    def log(self, text: str) -> None:
+        """Append a line with the time to the log; one that cannot be written is lost."""
+        stamp = datetime.now().astimezone().isoformat(sep=" ", timespec="seconds")
+        try:
+            with (self.directory / LOG).open("a", encoding="utf-8") as file:
+                file.write(f"{stamp} {text}\n")
+        except OSError:
+            return
+
+    def place(self, shard: int) -> slice:
+        """Return the rows of the plan that a shard has."""
+        size = int(self.manifest["shard_size"])
+        return slice(shard * size, min((shard + 1) * size, self.runs))
+
+    def count(self, shards: Sequence[int]) -> int:
+        """Return the number of runs of some shards."""
+        return sum(self.place(k).stop - self.place(k).start for k in shards)
+
+    def _file(self, shard: int) -> Path:
+        return self.directory / SHARDS / f"{shard:05d}.parquet"
+
+    def is_done(self, shard: int) -> bool:
+        """Return whether its file exists, belongs to this study, and is as it was written."""
+        sealed = int(self.manifest["format"]) > 1
+        found = read_notes(self._file(shard), sealed=sealed)
+        return found == (self._notes(shard), self.count([shard]))
+
+    def done(self) -> list[int]:
+        """Return all shards that are done."""
+        return [shard for shard in range(self.shards) if self.is_done(shard)]
+
+    def write(self, shard: int, done: Done) -> None:
+        """Keep the results of a shard; its table comes last, and marks it as done.
+
+        Raises
+        ------
+        OutputError : the disk is full or not writable; nothing of it is kept.
+        """
+        if done.histories:
+            self.write_histories(f"{shard:05d}.nc", done.histories)
+        labels = read_labels(self.directory / PLAN) | {
+            name: _label(name) for name in RESULT_COLUMNS
+        }
+        with self.writing():
+            write_whole(self._file(shard), parquet_bytes(done.table, labels, self._notes(shard)))
+
+    def write_histories(self, name: str, kept: Sequence[Kept]) -> None:
+        """Keep histories of runs in a file; OutputError as of `write`."""
+        with self.writing():
+            _write_histories(self.directory / HISTORIES_FOLDER / name, kept)
+
+    def table(
+        self, columns: Sequence[str] | None = None, done: Sequence[int] | None = None
+    ) -> pd.DataFrame:
+        """Return all runs that are done (or those of some shards), in the order of the plan."""
+        files = [self._file(shard) for shard in (self.done() if done is None else done)]
+        if not files:
+            empty = read_parquet([self.directory / PLAN]).head(0)
+            empty = empty.assign(**{name: [] for name in RESULT_COLUMNS})
+            return empty if columns is None else empty[list(columns)]
+        return read_parquet(files, columns)
+
+    @contextmanager
+    def writing(self) -> Iterator[None]:
+        """Raise one OutputError where the system refuses to write."""
+        try:
+            yield
+        except (OSError, RuntimeError) as error:  # netCDF reports a failing disk as either
+            reason = getattr(error, "strerror", None) or error
+            self.log(f"cannot be written: {reason}")
+            raise OutputError(
+                f"{self.directory}: cannot be written: {reason}; what is done is kept: start again "
+                "when that is mended"
+            ) from error
+
+    def clean(self, shards: Sequence[int]) -> None:
+        """Remove what killed writers of some shards left half written."""
+        mine = {f".{shard:05d}." for shard in shards}
+        for folder in (self.directory / SHARDS, self.directory / HISTORIES_FOLDER):
+            for path in folder.glob(".*") if folder.exists() else []:
+                if path.name[:7] in mine or path.name.startswith(f".{WORST}"):
+                    path.unlink(missing_ok=True)
+
+    def _notes(self, shard: int) -> dict[str, Any]:
+        """Return the notes of the file of a shard."""
+        return {
+            "shard": shard,
+            "input": self.manifest["input"],
+            "thermobearing": self.manifest["versions"]["thermobearing"],
+        }
+
+
+def open_or_make(directory: Path, study: Study, runs: pd.DataFrame, size: int | None) -> Store:
+    """Return the directory of a study and its plan: a new one, or the one that was begun.
+
+    `size` is that of a shard in a new directory; None for that of `shard_size`.
+
+    Raises
+    ------
+    OutputError : it holds something else, or cannot be written.
+    InputError : it was begun with another study, or with another version.
+    """
+    the_parquet()
+    digest = _input_digest(study, runs)
+    planned = parquet_bytes(runs, label_plan(study, list(map(str, runs))), {"input": digest})
+    if not (directory / MANIFEST).exists():
+        manifest = {
+            "kind": "study",
+            "format": FORMAT,
+            "name": study.name,
+            "runs": len(runs),
+            "shard_size": size or shard_size(len(runs), in_lockstep(study)),
+            "histories": study.keep.histories,
+            "input": digest,
+            "versions": _versions(),
+        }
+        whole = {
+            STUDY: study.to_toml().encode(),
+            PLAN: planned,
+            MANIFEST: (json.dumps(manifest, indent=2) + "\n").encode(),
+        }
+        if is_matched(study):
+            whole[MADE] = kept_motions_digest(study)
+
+        def fill(folder: Path) -> None:
+            (folder / SHARDS).mkdir()
+            for name, content in whole.items():
+                (folder / name).write_bytes(content)
+
+        try:
+            write_directory(directory, fill)
+        except OutputError:
+            if not (directory / MANIFEST).exists():  # else another part of it was quicker
+                raise
+    store = Store(directory)
+    _refuse_others(store, study, digest)
+    if read_notes(directory / PLAN) is None:  # damaged
+        with store.writing():
+            write_whole(directory / PLAN, planned)
+    return store
+
+
+def _input_digest(study: Study, runs: pd.DataFrame) -> str:
+    """Return the digest of every run's input, of names, and of what is kept."""
+    found = hashlib.sha256("\n".join(runs["id"]).encode())
+    for name in THINGS:
+        found.update("\n".join(map(str, runs[name].unique())).encode())
+    analysis = study.case.analysis
+    found.update(repr((study.keep.histories, analysis.keep, analysis.keep_every)).encode())
+    return found.hexdigest()
+
+
+def _versions() -> dict[str, str]:
+    """Return those of this program, its kernels, Python and libraries that numbers depend on."""
+    found = {
+        "thermobearing": thermobearing.__version__,
+        "kernels": kernels_digest(),
+        "python": platform.python_version(),
+    }
+    for name in LIBRARIES:
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:
+            found[name] = "unknown"
+    return found
+
+
+def _read_manifest(directory: Path) -> dict[str, Any]:
+    path = directory / MANIFEST
+    if not path.exists():
+        raise InputError(f"is not the directory of a study: no {MANIFEST} there", str(directory))
+    try:
+        found = json.loads(read_bytes(path, LARGEST_FILE))
+        whole = found["kind"] == "study" and found["format"] in (1, FORMAT)
+        numbers = [int(found[name]) for name in ("runs", "shard_size")]
+        whole = whole and min(numbers) > 0 and isinstance(found["versions"], dict)
+        whole = whole and isinstance(found["input"], str)
+    except (ValueError, TypeError, KeyError):
+        whole = False
+    if not whole:
+        raise InputError("is damaged, or of another version; do the study again", str(path))
+    return dict(found)
+
+
+def _refuse_others(store: Store, study: Study, digest: str) -> None:
+    """Raise InputError for a directory that was begun with another study, or another version."""
+    name = str(store.directory)
+    if digest != store.manifest["input"]:
+        raise InputError(
+            f"was begun with another study: {_changes(store, study)}. Choose another directory, or "
+            f"undo the change; {STUDY} there is what was begun, and nothing is lost",
+            name,
+        )
+    now, then = _versions(), store.manifest["versions"]
+    other = [f"{key} {then.get(key)}, now {now[key]}" for key in SAME if now[key] != then.get(key)]
+    if other:
+        raise InputError(
+            f"was begun with another version ({', '.join(other)}): its runs would not go together. "
+            "Choose another directory, or go on with that version",
+            name,
+        )
+
+
+def _changes(store: Store, study: Study) -> str:
+    """Describe what differs."""
+    try:
+        was = flat(tomllib.loads(read_bytes(store.directory / STUDY, LARGEST_FILE).decode()))
+    except (InputError, ValueError):
+        return f"{STUDY} cannot be read"
+    now = flat(tomllib.loads(study.to_toml()))
+    keys = [key for key in now | was if now.get(key) != was.get(key)]
+    if not keys:
+        return "a file that it names (motion, bearing, weather) has changed"
+    named = [
+        f"{key} = {shortened(repr(now.get(key)))}, was {shortened(repr(was.get(key)))}"
+        for key in keys[:CHANGES_NAMED]
+    ]
+    more = f" and {len(keys) - CHANGES_NAMED} more" if len(keys) > CHANGES_NAMED else ""
+    return "; ".join(named) + more
