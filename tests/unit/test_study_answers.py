@@ -148,8 +148,8 @@ def test_a_study_without_a_run_has_no_result(directory: Path) -> None:
 
 
 def test_the_question_of_the_docs_can_be_asked(tmp_path: Path) -> None:
-    text = (Path(__file__).parents[2] / "docs" / "files.md").read_text(encoding="utf-8")
-    block = text.split("## What is asked of a study")[1].split("```")[1].removeprefix("text\n")
+    text = (Path(__file__).parents[2] / "docs" / "files" / "study.md").read_text(encoding="utf-8")
+    block = text.split("## Post-processing")[1].split("```")[1].removeprefix("text\n")
     (tmp_path / "site.csv").write_text(SITE)
     asked = make_asked(tomllib.loads(block), "question.toml", tmp_path)
     assert set(tomllib.loads(block)) == set(Asked.model_fields)
