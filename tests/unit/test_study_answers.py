@@ -8,13 +8,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-import typer
 from typer.testing import CliRunner
 
 import thermobearing as tb
 from tests.unit.studies import small_study
 from thermobearing.border.errors import InputError
-from thermobearing.commands import study as study_drawn
+from thermobearing.commands.study import app
 from thermobearing.studies.options import Asked, asked_over, keep_asked, kept_asked, make_asked
 from thermobearing.studies.report import build_pieces
 from thermobearing.studies.result import StudyResult, study_result
@@ -40,9 +39,6 @@ def directory(made: Path, tmp_path: Path) -> Iterator[Path]:
 
 
 def run(words: list[Any]) -> tuple[int, str]:
-    app = typer.Typer()
-    for command in (study_drawn.figures, study_drawn.worst, study_drawn.repeat):
-        app.command()(command)
     found = CliRunner().invoke(app, [str(word) for word in words])
     return found.exit_code, found.output
 

@@ -241,7 +241,8 @@ def _told(study: Any, jobs: int | None, as_json: bool, quiet: bool) -> int:
         facts = {
             "runs": str(found.runs),
             "one run": f"{1e3 * found.seconds:.3g} ms, of {found.tried} that were tried{failed}",
-            "motions": f"{found.motions} to be made first, {say_duration(found.motion_seconds)} each",
+            "motions": f"{found.motions} to be made first, "
+            f"{say_duration(found.motion_seconds)} each",
             "all": f"{say_duration(max(found.whole_seconds, 1.0))} with --jobs {found.jobs}",
             "size": f"at most {told}",
         }
@@ -267,7 +268,6 @@ def _told(study: Any, jobs: int | None, as_json: bool, quiet: bool) -> int:
 
 def _ended(status: "Status", as_json: bool, quiet: bool, *, part: bool) -> int:
     """Say how far a study is and why runs failed; the exit status."""
-
     codes = {"interrupted": INTERRUPTED, "some_failed": ENDED_EARLY}
     code = codes.get(status.outcome, 0)
     if status.outcome == "incomplete" and status.failed:

@@ -171,10 +171,14 @@ class SiteHazard(Strict):
 
 
 class Asked(Strict):
-    """Post-processing options as in `question.toml`; see `Question`.
+    """Post-processing options as in `question.toml`.
 
     Attributes
     ----------
+    demand : column; ductility of the pier by default, or what there is instead.
+    capacity : of the demand, in the unit of its column.
+    method : of fragility: "stripes", "ida" or "cloud".
+    failed : runs that failed are "left-out", or count as "collapse".
     hazard : in a file it may be the name of another, see `load_hazard`.
     weather : hourly file of the site, or the name of a climate: how often each temperature of the
         rubber comes, for studies whose temperatures are levels.
