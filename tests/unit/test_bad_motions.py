@@ -55,7 +55,7 @@ BAD: list[tuple[str, str, dict[str, Any], list[str]]] = [
     ("trust is offered", files.csv_text(pga=20.0), {}, ["20 gal", "trust_unit"]),
     ("zero throughout", files.csv_text(pga=0.0).replace("nan", "0"), {}, ["zero throughout"]),
     ("no dt", files.one_column(), {"unit": "gal"}, ["time step", "nowhere", "dt"]),
-    ("dt against file", CSV, {"dt": 0.02}, ["0.02 s was given", "the file says 0.01 s"]),
+    ("dt against file", CSV, {"dt": 0.02}, ["0.02 s was given", "the file has 0.01 s"]),
     ("dt zero", files.one_column(), {"unit": "gal", "dt": 0.0}, ["dt = 0 s", "> 0"]),
     ("dt negative", files.one_column(), {"unit": "gal", "dt": -0.01}, ["dt = -0.01 s", "> 0"]),
     ("dt in ms", files.one_column(), {"unit": "gal", "dt": 10.0}, ["10 s", "in seconds?"]),
